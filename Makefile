@@ -1,0 +1,59 @@
+# Development commands. They make the virtual environment when it is missing or its requirements changed.
+
+PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
+	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
+BIN := .venv/bin
+STAMP := .venv/.installed
+CHECKED := warpffrf kernels tests demos bench
+
+# Two test workers share the cores and the unit of time is defined on one thread: one BLAS thread each.
+test verify bench wheel-test: export OPENBLAS_NUM_THREADS := 1
+
+.PHONY: .venv demo test verify bench lint format types wheel-test clean
+
+.venv: $(STAMP)
+
+$(STAMP): pyproject.toml constraints.txt
+	$(if $(PYTHON),,$(error Python 3.11 or newer was not found; call make with PYTHON=/path/to/python3))
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev]"
+	touch $@
+
+demo: $(STAMP)
+	$(BIN)/python demos/two_rollers.py
+
+test: lint types
+	$(BIN)/python -m pytest
+
+verify: $(STAMP)
+	$(BIN)/python -m pytest -m "slow or not slow"
+
+bench: $(STAMP)
+	mkdir -p out/bench
+	set -e; for script in bench/*.py; do \
+		echo "== $$script"; $(BIN)/python $$script --json out/bench/$$(basename $$script .py).json; done
+
+lint: $(STAMP)
+	$(BIN)/ruff check $(CHECKED)
+	$(BIN)/ruff format --check $(CHECKED)
+	$(BIN)/lint-imports
+
+types: $(STAMP)
+	$(BIN)/pyright --pythonpath $(BIN)/python
+
+format: $(STAMP)
+	$(BIN)/ruff check --fix $(CHECKED)
+	$(BIN)/ruff format $(CHECKED)
+
+# The wheel in an environment of its own, run from another folder: what a user gets.
+wheel-test: $(STAMP)
+	rm -rf build/wheel
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir build/wheel .
+	$(PYTHON) -m venv build/wheel/venv
+	build/wheel/venv/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt build/wheel/*.whl
+	mkdir -p build/wheel/elsewhere
+	cp tests/wheel_smoke.py build/wheel/elsewhere/
+	cd build/wheel/elsewhere && ../venv/bin/python -I wheel_smoke.py && ../venv/bin/warpffrf --help >/dev/null
+
+clean:
+	rm -rf build dist out .warp_cache .pytest_cache .ruff_cache .hypothesis .import_linter_cache

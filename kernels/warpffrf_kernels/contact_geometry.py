@@ -1,0 +1,367 @@
+"""Undeformed gap between two bodies of revolution, weak gaps, and their gradient.
+
+Contact frame. Take an axial station z of the first surface A: its axis point `a = O_A + z e_A`, and the point b where the axis of
+the second surface B pierces the plane of the section. With `v = b - a`, `d = |v|`, `c = v/d`, `t = e_A x c`, the point of A at the
+angle xi from the line of centres is `a + R_A (cos xi c + sin xi t)`. With `y = R_A sin xi` the gap is measured *along c*:
+
+    g(xi, z) = d - sqrt(R_B^2 - y^2) - R_A cos xi,          R_B at the axial station of the opposite point of B.
+
+(Terms of the order of the tilt squared, from the ellipse that an oblique section of B is, are dropped.) Small xi: d - R_A - R_B +
+y^2/2 (1/R_A + 1/R_B), Hertz's gap. The pressure acts along c, so that dg/dd = 1, the weights of forces, moments and elastic
+displacements are the same, and the wrench is
+
+    on B: force f at b,  on A: -f at b,          f = N + R_B'/(e_A.e_B) e_A,
+
+N the gradient of d, the second term that of a crowned B's radius (B moved by w is met at an axial station smaller by w.e_A/(e_A.e_B)): action equals reaction exactly; the line of action meets both axes, so that the
+torque about either axle is zero exactly. The gradient is taken at fixed (xi, z): the *material* angles at which the line of
+centres meets the two grids (their phases) are parameters, not coordinates, of the contact energy. What its energy changes when
+a phase changes is the grid defect of the ledger.
+
+Gradient of d. A displacement field w of B's axis relative to A moves b by w + sigma e_B with e_A.(w + sigma e_B) = 0, hence
+`dd = N.w`, `N = c - e_A (c.e_B)/(e_A.e_B)`.
+
+Weak gaps. Hats psi_i of A's grid, Gauss points in every cell: `g_i = int psi_i g dA`; B is interpolated at the point of B opposite
+(grid column, row), which gives the stencil `l_i[node] = int psi_i psi^B_node dA`, the load of B's hats under a unit pressure hat of A.
+"""
+
+import warp as wp
+
+from warpffrf_kernels import control as k
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+PHASE_TOLERANCE = wp.constant(wp.float64(1.0e-10))  # columns: G changes by about this fraction, far below the residual tolerance
+GUARD = wp.constant(2)  # outermost columns of a full window that must end inactive
+MARGIN = wp.constant(3)  # columns looked at beyond the active ones
+
+
+@wp.func
+def radius_at(R: real, crown: real, z: real) -> real:
+    if crown == real(0.0):
+        return R
+    return R - (crown - wp.sqrt(crown * crown - z * z))
+
+
+@wp.func
+def slope_at(crown: real, z: real) -> real:
+    if crown == real(0.0):
+        return real(0.0)
+    return -z / wp.sqrt(crown * crown - z * z)
+
+
+@wp.func
+def wrap(x: real, turn: real, middle: real) -> real:
+    """x modulo a full turn, nearest to `middle`."""
+    return x - turn * wp.floor((x - middle) / turn + real(0.5))
+
+
+@wp.kernel
+def locate(
+    model: Model,
+    ctl: wp.array2d(dtype=int),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    phase: wp.array3d(dtype=real),
+    center: wp.array3d(dtype=int),
+    station: wp.array4d(dtype=real),
+    station_wrench: wp.array4d(dtype=real),
+):
+    """Per (world, pair): contact frame and grid phases of every axial station.
+
+    station: d, column on A, column on B, axial position on B, t.e_B, c.e_B, weight int dz R_A, sense of B's angle
+    """
+    w, pair = wp.tid()
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+        return
+    A = model.pair_first[pair]
+    B = model.pair_second[pair]
+    body_a = model.surface_body[A]
+    body_b = model.surface_body[B]
+    O_A = r1[w, body_a] + axes[w, body_a] * model.surface_origin[A]
+    O_B = r1[w, body_b] + axes[w, body_b] * model.surface_origin[B]
+    F_A = axes[w, body_a] * model.surface_frame[A]
+    F_B = axes[w, body_b] * model.surface_frame[B]
+    e_A = vec3(F_A[0, 2], F_A[1, 2], F_A[2, 2])
+    e_B = vec3(F_B[0, 2], F_B[1, 2], F_B[2, 2])
+    cosine = wp.dot(e_A, e_B)
+    turn_a = real(2.0 * 3.141592653589793) / model.surface_pitch[A]
+    turn_b = real(2.0 * 3.141592653589793) / model.surface_pitch[B]
+    middle_a = real(0.5) * real(model.surface_columns[A] - 1)
+    middle_b = real(0.5) * real(model.surface_columns[B] - 1)
+    rows = model.surface_rows[A]
+    z0 = model.surface_z_start[A]
+    zb0 = model.surface_z_start[B]
+    zb_low = model.surface_z[zb0]
+    zb_high = model.surface_z[zb0 + model.surface_rows[B] - 1]
+    count = (rows - 1) * model.z_points
+    column_a = real(0.0)
+    column_b = real(0.0)
+    largest = real(0.0)
+    s = int(0)
+    while s < count:
+        cell = s / model.z_points
+        g = s - cell * model.z_points
+        low = model.surface_z[z0 + cell]
+        dz = model.surface_z[z0 + cell + 1] - low
+        z = low + model.z_abscissa[g] * dz
+        a = O_A + z * e_A
+        axial = wp.dot(e_A, a - O_B) / cosine
+        b = O_B + axial * e_B
+        v = b - a
+        d = wp.length(v)
+        c = v / d
+        t = wp.cross(e_A, c)
+        u = wp.transpose(F_A) * c
+        x_a = (wp.atan2(u[1], u[0]) - model.surface_theta[A]) / model.surface_pitch[A]
+        u = wp.transpose(F_B) * c
+        x_b = (wp.atan2(-u[1], -u[0]) - model.surface_theta[B]) / model.surface_pitch[B]
+        if s == 0:
+            x_a = wrap(x_a, turn_a, middle_a)
+            x_b = wrap(x_b, turn_b, middle_b)
+            if ctl[w, k.ITERATION] > 0:  # stay on the branch of the window
+                x_a = wrap(x_a, turn_a, real(center[w, pair, 0]))
+                x_b = wrap(x_b, turn_b, real(center[w, pair, 1]))
+            column_a = x_a
+            column_b = x_b
+        x_a = wrap(x_a, turn_a, column_a)
+        x_b = wrap(x_b, turn_b, column_b)
+        R_B = radius_at(model.surface_radius[B], model.surface_crown[B], axial)
+        N = c - e_A * (wp.dot(c, e_B) / cosine)
+        f = N + e_A * (slope_at(model.surface_crown[B], axial) / cosine)
+        m = wp.cross(b - r1[w, body_a], f)
+        slope = slope_at(model.surface_crown[A], z)
+        weight = model.z_weight[g] * dz * radius_at(model.surface_radius[A], model.surface_crown[A], z)
+        weight *= wp.sqrt(real(1.0) + slope * slope)
+        if axial < zb_low or axial > zb_high:
+            weight = real(0.0)  # no opposite surface here
+        station[w, pair, s, 0] = d
+        station[w, pair, s, 1] = x_a
+        station[w, pair, s, 2] = x_b
+        station[w, pair, s, 3] = axial
+        station[w, pair, s, 4] = wp.dot(t, e_B)
+        station[w, pair, s, 5] = wp.dot(c, e_B)
+        station[w, pair, s, 6] = weight
+        station[w, pair, s, 7] = -wp.sign(cosine)
+        for i in range(3):
+            station_wrench[w, pair, s, i] = -f[i]
+            station_wrench[w, pair, s, 3 + i] = -m[i]
+        if s == 0:
+            largest = wp.max(wp.abs(x_a - phase[w, pair, 0]), wp.abs(x_b - phase[w, pair, 1]))
+            phase[w, pair, 4] = x_a
+            phase[w, pair, 5] = x_b
+        if s == count - 1:
+            largest = wp.max(largest, wp.max(wp.abs(x_a - phase[w, pair, 2]), wp.abs(x_b - phase[w, pair, 3])))
+            phase[w, pair, 6] = x_a
+            phase[w, pair, 7] = x_b
+        s += 1
+    if largest > PHASE_TOLERANCE:
+        ctl[w, k.REASSEMBLE] = 1
+    if ctl[w, k.ITERATION] == 0:
+        center[w, pair, 0] = int(wp.floor(real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6]) + real(0.5)))
+        center[w, pair, 1] = int(wp.floor(real(0.5) * (phase[w, pair, 5] + phase[w, pair, 7]) + real(0.5)))
+
+
+@wp.kernel
+def open_window(
+    model: Model,
+    ctl: wp.array2d(dtype=int),
+    active: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+):
+    """Per (world, pair): columns to look at, the active ones and MARGIN more on each side, relative to the centre column."""
+    w, pair = wp.tid()
+    if ctl[w, k.RUN] == 0 or ctl[w, k.ITERATION] != 0 or ctl[w, k.INNER] != 0:
+        return
+    rows = model.surface_rows[model.pair_first[pair]]
+    H = model.half_window
+    low = int(0)
+    high = int(0)
+    found = int(0)
+    m = int(0)
+    while m < model.window_columns * rows:
+        if active[w, pair, m] != 0:
+            o = m / rows - H
+            if found == 0:
+                low = o
+            high = o
+            found = 1
+        m += 1
+    window[w, pair, 0] = wp.max(low - MARGIN, -H)
+    window[w, pair, 1] = wp.min(high + MARGIN, H)
+
+
+@wp.kernel
+def sample(
+    model: Model,
+    ctl: wp.array2d(dtype=int),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    station: wp.array4d(dtype=real),
+    point_gap: wp.array3d(dtype=real),
+    point_place: wp.array4d(dtype=real),
+):
+    """Per (world, pair), lanes over points of the window: gap, and grid column and axial position of the opposite point of B."""
+    w, pair, lane = wp.tid()
+    if ctl[w, k.RUN] == 0 or (ctl[w, k.MOVED] == 0 and ctl[w, k.REASSEMBLE] == 0):
+        return
+    A = model.pair_first[pair]
+    B = model.pair_second[pair]
+    stations = (model.surface_rows[A] - 1) * model.z_points
+    per_cell = model.theta_points * stations
+    first = window[w, pair, 0] + model.half_window
+    last = window[w, pair, 1] + model.half_window + 1
+    R_A = model.surface_radius[A]
+    crown_a = model.surface_crown[A]
+    crown_b = model.surface_crown[B]
+    z0 = model.surface_z_start[A]
+    i = first * per_cell + lane
+    end = (last + 1) * per_cell
+    while i < end:
+        cell = i / per_cell
+        rest = i - cell * per_cell
+        g = rest / stations
+        s = rest - g * stations
+        x = real(center[w, pair, 0] + cell - model.half_window - 1) + model.theta_abscissa[g]
+        R = R_A
+        if crown_a != real(0.0):
+            zc = s / model.z_points
+            low = model.surface_z[z0 + zc]
+            z = low + model.z_abscissa[s - zc * model.z_points] * (model.surface_z[z0 + zc + 1] - low)
+            R = radius_at(R_A, crown_a, z)
+        xi = (x - station[w, pair, s, 1]) * model.surface_pitch[A]
+        y = R * wp.sin(xi)
+        R_B = radius_at(model.surface_radius[B], crown_b, station[w, pair, s, 3])
+        h = wp.sqrt(wp.max(R_B * R_B - y * y, real(0.0)))
+        axial = station[w, pair, s, 3] + y * station[w, pair, s, 4] - h * station[w, pair, s, 5]
+        if crown_b != real(0.0):
+            R_B = radius_at(model.surface_radius[B], crown_b, axial)
+            h = wp.sqrt(wp.max(R_B * R_B - y * y, real(0.0)))
+        point_gap[w, pair, i] = station[w, pair, s, 0] - h - R * wp.cos(xi)
+        point_place[w, pair, i, 0] = (
+            station[w, pair, s, 2] + station[w, pair, s, 7] * wp.atan2(y, h) / model.surface_pitch[B]
+        )
+        point_place[w, pair, i, 1] = axial
+        i += wp.block_dim()
+
+
+@wp.func
+def row_below(model: Model, B: int, z: real) -> int:
+    """Row of B's grid at or below z, kept inside the grid."""
+    z0 = model.surface_z_start[B]
+    last = model.surface_rows[B] - 2
+    i = int(0)
+    while i < last and z >= model.surface_z[z0 + i + 1]:
+        i += 1
+    return i
+
+
+@wp.kernel
+def weigh(
+    model: Model,
+    ctl: wp.array2d(dtype=int),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    station: wp.array4d(dtype=real),
+    station_wrench: wp.array4d(dtype=real),
+    point_gap: wp.array3d(dtype=real),
+    point_place: wp.array4d(dtype=real),
+    weak_gap: wp.array3d(dtype=real),
+    area: wp.array3d(dtype=real),
+    wrench: wp.array4d(dtype=real),
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+):
+    """Per (world, pair), lanes over hats of the window: weak undeformed gap, area, gradient, and stencil on B.
+
+    Area 0 marks a hat that does not exist (beyond an arc's end) or faces nothing.
+    """
+    w, pair, lane = wp.tid()
+    if ctl[w, k.RUN] == 0 or (ctl[w, k.MOVED] == 0 and ctl[w, k.REASSEMBLE] == 0):
+        return
+    A = model.pair_first[pair]
+    B = model.pair_second[pair]
+    rows = model.surface_rows[A]
+    H = model.half_window
+    stations = (rows - 1) * model.z_points
+    per_cell = model.theta_points * stations
+    SC = model.stencil_columns
+    SR = model.stencil_rows
+    zb0 = model.surface_z_start[B]
+    pitch = model.surface_pitch[A]
+    m = (window[w, pair, 0] + H) * rows + lane
+    end = (window[w, pair, 1] + H + 1) * rows
+    while m < end:
+        col = m / rows
+        row = m - col * rows
+        absolute = center[w, pair, 0] + col - H
+        exists = model.surface_periodic[A] != 0 or (absolute >= 0 and absolute < model.surface_columns[A])
+        total = real(0.0)
+        size = real(0.0)
+        e = int(0)
+        while e < SC * SR:
+            stencil[w, pair, m, e] = real(0.0)
+            e += 1
+        for i in range(6):
+            wrench[w, pair, m, i] = real(0.0)
+        # origin of the stencil: lowest column and row of the points of this hat
+        origin_c = int(1 << 30)
+        origin_r = int(1 << 30)
+        s0 = wp.max(row - 1, 0) * model.z_points
+        s1 = wp.min(row + 1, rows - 1) * model.z_points
+        if exists:
+            for half in range(2):
+                g = int(0)
+                while g < model.theta_points:
+                    s = s0
+                    while s < s1:
+                        p = (col + half) * per_cell + g * stations + s
+                        origin_c = wp.min(origin_c, int(wp.floor(point_place[w, pair, p, 0])))
+                        origin_r = wp.min(origin_r, row_below(model, B, point_place[w, pair, p, 1]))
+                        s += 1
+                    g += 1
+            for half in range(2):
+                g = int(0)
+                while g < model.theta_points:
+                    psi_t = model.theta_abscissa[g]
+                    if half == 1:
+                        psi_t = real(1.0) - psi_t
+                    w_t = psi_t * model.theta_weight[g] * pitch
+                    s = s0
+                    while s < s1:
+                        zc = s / model.z_points
+                        psi_z = model.z_abscissa[s - zc * model.z_points]
+                        if zc == row:
+                            psi_z = real(1.0) - psi_z
+                        p = (col + half) * per_cell + g * stations + s
+                        q = w_t * psi_z * station[w, pair, s, 6]
+                        total += q * point_gap[w, pair, p]
+                        size += q
+                        x = point_place[w, pair, p, 0]
+                        c0 = int(wp.floor(x))
+                        f = x - real(c0)
+                        z = point_place[w, pair, p, 1]
+                        r0 = row_below(model, B, z)
+                        low = model.surface_z[zb0 + r0]
+                        e_z = (z - low) / (model.surface_z[zb0 + r0 + 1] - low)
+                        ci = c0 - origin_c
+                        ri = r0 - origin_r
+                        if ci + 1 < SC and ri + 1 < SR:
+                            b0 = ci * SR + ri
+                            stencil[w, pair, m, b0] = stencil[w, pair, m, b0] + q * (real(1.0) - f) * (real(1.0) - e_z)
+                            stencil[w, pair, m, b0 + 1] = stencil[w, pair, m, b0 + 1] + q * (real(1.0) - f) * e_z
+                            b0 += SR
+                            stencil[w, pair, m, b0] = stencil[w, pair, m, b0] + q * f * (real(1.0) - e_z)
+                            stencil[w, pair, m, b0 + 1] = stencil[w, pair, m, b0 + 1] + q * f * e_z
+                        else:
+                            ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.CAPACITY
+                        for i in range(6):
+                            wrench[w, pair, m, i] = wrench[w, pair, m, i] + q * station_wrench[w, pair, s, i]
+                        s += 1
+                    g += 1
+        weak_gap[w, pair, m] = total
+        area[w, pair, m] = size
+        stencil_at[w, pair, m, 0] = origin_c - center[w, pair, 1] + model.second_half_window
+        stencil_at[w, pair, m, 1] = origin_r
+        m += wp.block_dim()

@@ -1,0 +1,89 @@
+"""Columns of the two control arrays of a world: integers `ctl (W, CTL)` and reals `clk (W, CLK)`, and the failure bits."""
+
+import warp as wp
+
+# --- integers
+RUN = wp.constant(0)  # 1 while the Newton loop of this world goes on
+MOVED = wp.constant(1)  # 1 when the outer coordinates changed since the last evaluation
+REASSEMBLE = wp.constant(2)  # 1 when the grids moved against each other, so that every row of G is new
+ITERATION = wp.constant(3)  # Newton iterations of this attempt
+INNER = wp.constant(4)  # active-set solves of this attempt
+CHANGES = wp.constant(5)  # modes that changed sides in the last solve
+FAILURE = wp.constant(6)  # failure bits of this attempt
+SLOTS = wp.constant(7)  # rows of G in use
+FRESH = wp.constant(8)  # first row of G not yet assembled
+ACTIVE = wp.constant(9)  # active modes
+MODE = wp.constant(10)  # DYNAMIC, STATIC or START
+STATUS = wp.constant(11)  # failure bits that stopped this world for good
+LEVEL = wp.constant(12)  # the step in use is the user's step / 2**LEVEL
+SUB = wp.constant(13)  # how many such steps of the current user step are done
+STEP = wp.constant(14)  # user steps done
+TARGET = wp.constant(15)  # user steps to do in this chunk
+SAVED = wp.constant(16)  # rows written to the ring
+REJECTED = wp.constant(17)  # rejected attempts so far
+WORST = wp.constant(18)  # largest number of iterations of an accepted step
+TOUCHED = wp.constant(19)  # active modes of the state the attempt starts from
+SOLVES = wp.constant(20)  # active-set solves, all accepted steps
+ITERATIONS = wp.constant(21)  # Newton iterations, all accepted steps
+STEPS = wp.constant(22)  # accepted steps
+REASON = wp.constant(23)  # failure bits of all rejected attempts
+PENDING = wp.constant(24)  # iterations since the last saved row
+PENDING_SOLVES = wp.constant(25)
+SPARE = wp.constant(26)  # needed capacity when a capacity is exceeded
+EDGE = wp.constant(27)  # 1 when a patch ran onto the end of a contact surface that covers an arc only
+ATTEMPT = wp.constant(28)  # 1 when this world takes part in the attempt
+ACCEPT = wp.constant(29)  # 1 when the attempt was accepted
+RECORD = wp.constant(30)  # 1 when the accepted state is to be saved
+EVERY = wp.constant(31)  # save every so many user steps
+CTL = 32
+
+# --- reals
+START_TIME = wp.constant(0)
+USER_STEP = wp.constant(1)
+TIME = wp.constant(2)
+H = wp.constant(3)
+NEXT_TIME = wp.constant(4)
+ALPHA_M = wp.constant(5)
+ALPHA_F = wp.constant(6)
+BETA = wp.constant(7)
+GAMMA = wp.constant(8)
+ACC = wp.constant(9)  # d(acceleration)/d(displacement)
+VEL = wp.constant(10)  # d(velocity)/d(displacement)
+RESIDUAL = wp.constant(11)  # scaled residual of the last evaluation
+FORCE_SCALE = wp.constant(12)
+MOVE = wp.constant(13)  # largest displacement of a static step [m]
+DONE_STEP = wp.constant(14)  # size of the last accepted step
+HOLD = wp.constant(15)  # no coarsening before this time
+CLK = 16
+
+# --- values
+DYNAMIC = wp.constant(0)
+STATIC = wp.constant(1)
+START = wp.constant(2)
+
+NOT_CONVERGED = wp.constant(1)
+CYCLING = wp.constant(2)
+CAPACITY = wp.constant(4)
+NOT_FINITE = wp.constant(8)
+UNDERFLOW = wp.constant(16)
+SINGULAR = wp.constant(32)
+ENERGY = wp.constant(64)
+INDEFINITE = wp.constant(128)
+
+# --- constraint row kinds
+TRANSLATION = wp.constant(0)
+DIRECTION = wp.constant(1)
+ANGLE_DRIVE = wp.constant(2)
+DISTANCE = wp.constant(3)
+
+# --- columns of the energy ledger
+KINETIC = wp.constant(0)
+STRAIN = wp.constant(1)
+CONTACT = wp.constant(2)
+POTENTIAL = wp.constant(3)
+FORCE_WORK = wp.constant(4)
+DRIVE_WORK = wp.constant(5)
+DAMPING = wp.constant(6)
+CONTACT_GRID = wp.constant(7)
+NUMERICAL = wp.constant(8)
+LINES = 9

@@ -1,0 +1,109 @@
+"""Constant data of a scene on the device. Filled by `warpffrf.online.model`; the meaning of every field is given here.
+
+Indices of absent things are -1. Body frames have their origin in the centre of mass (Tisserand frame).
+"""
+
+import warp as wp
+
+from warpffrf_kernels.scalars import mat33, real, vec3
+
+
+@wp.struct
+class Model:
+    body_count: int
+    modal_count: int
+    row_count: int  # joint constraints, drives and springs
+    outer_count: int  # 6 * body_count + row_count
+    pair_count: int
+    slot_capacity: int  # rows of G
+    gravity: vec3
+    # bodies
+    mass: wp.array(dtype=real)  # (bodies,) kg
+    inertia: wp.array(dtype=mat33)  # (bodies,) kg m2, about the centre of mass, body axes
+    modal_start: wp.array(dtype=int)  # (bodies + 1,)
+    modal_body: wp.array(dtype=int)  # (modes,)
+    stiffness: wp.array(dtype=real)  # (modes,) omega^2
+    damping: wp.array(dtype=real)  # (modes,) 2 zeta omega
+    # flexible interfaces
+    interface_point: wp.array(dtype=vec3)  # (interfaces,) m, body frame
+    interface_modes: wp.array3d(dtype=real)  # (interfaces, modes of the body, 6): translation, rotation
+    # markers: joint frames
+    marker_body: wp.array(dtype=int)
+    marker_interface: wp.array(dtype=int)
+    marker_point: wp.array(dtype=vec3)  # m, body frame (world when on ground)
+    marker_axes: wp.array(dtype=mat33)  # columns x, y, z of the marker in the body frame
+    # rows: constraints and springs, c(x, t) = 0 or lambda = k c + d cdot + preload
+    row_kind: wp.array(dtype=int)
+    row_a: wp.array(dtype=int)  # marker
+    row_b: wp.array(dtype=int)
+    row_i: wp.array(dtype=int)  # axis of marker a
+    row_j: wp.array(dtype=int)  # axis of marker b
+    row_signal: wp.array(dtype=int)  # prescribed motion
+    row_stiffness: wp.array(dtype=real)  # 0 for a rigid row
+    row_damping: wp.array(dtype=real)
+    row_reference: wp.array(dtype=real)  # subtracted from c
+    row_preload: wp.array(dtype=real)
+    row_rigid: wp.array(dtype=int)  # 1: constraint, 0: spring
+    # signals: piecewise polynomials of degree 7
+    signal_start: wp.array(dtype=int)
+    signal_break: wp.array(dtype=real)
+    signal_coefficient: wp.array2d(dtype=real)  # (pieces, 8), ascending powers of t - break
+    # point forces
+    force_count: int
+    force_body: wp.array(dtype=int)
+    force_interface: wp.array(dtype=int)
+    force_point: wp.array(dtype=vec3)
+    force_in_body: wp.array(dtype=int)  # 1: components in body axes
+    force_signal: wp.array2d(dtype=int)  # (forces, 3)
+    # contact surfaces (bodies of revolution), body frame
+    surface_body: wp.array(dtype=int)
+    surface_origin: wp.array(dtype=vec3)  # axis point
+    surface_frame: wp.array(dtype=mat33)  # columns e_0, e_1, e_a
+    surface_radius: wp.array(dtype=real)
+    surface_crown: wp.array(dtype=real)  # crown radius, 0 without crown
+    surface_theta: wp.array(dtype=real)  # angle of column 0
+    surface_pitch: wp.array(dtype=real)
+    surface_columns: wp.array(dtype=int)
+    surface_periodic: wp.array(dtype=int)  # 1: hats all around; 0: hats on an arc only
+    surface_turn: wp.array(dtype=int)  # columns of the full turn that the compliance counts, 0 when it covers an arc
+    surface_rows: wp.array(dtype=int)
+    surface_block: wp.array(dtype=int)  # columns of a block of the compliance
+    surface_sectors: wp.array(dtype=int)  # number of blocks
+    surface_z_start: wp.array(dtype=int)  # into surface_z
+    surface_lag_start: wp.array(dtype=int)  # into compliance and self_compliance
+    surface_mode_start: wp.array(dtype=int)  # into mode_normal and mode_moment
+    surface_z: wp.array(dtype=real)
+    compliance: wp.array(dtype=real)  # D, block-circulant lags of all surfaces
+    self_compliance: wp.array(dtype=real)  # M D M, same layout
+    mode_normal: wp.array(dtype=real)  # (nodes, modes of the body), flat per surface
+    mode_moment: wp.array(dtype=real)  # M Phi, same layout
+    # axial quadrature of the first surface of each pair
+    theta_points: int
+    theta_abscissa: wp.array(dtype=real)  # in (0, 1)
+    theta_weight: wp.array(dtype=real)
+    z_points: int
+    z_abscissa: wp.array(dtype=real)
+    z_weight: wp.array(dtype=real)
+    # pairs
+    pair_first: wp.array(dtype=int)  # surface
+    pair_second: wp.array(dtype=int)
+    half_window: int  # grid columns on each side of the line of centres
+    window_columns: int  # 2 * half_window + 1
+    max_rows: int  # rows of the first surface, largest of all pairs
+    mode_capacity: int  # window_columns * max_rows
+    stencil_columns: int  # extent of a hat of the first surface on the grid of the second
+    stencil_rows: int
+    second_half_window: int
+    second_columns: int
+    second_rows: int
+    node_capacity: int  # second_columns * second_rows
+    pair_modes: int  # largest number of modes of a pair's two bodies
+    coupled_count: wp.array(dtype=int)  # (pairs,) outer columns the gap of a pair depends on
+    coupled: wp.array2d(dtype=int)  # (pairs, largest coupled_count)
+    coupled_capacity: int
+    # tolerances
+    residual_tolerance: real  # of the contact force
+    max_iterations: int
+    max_inner: int
+    max_level: int
+    energy_tolerance: real

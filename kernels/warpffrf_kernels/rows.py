@@ -1,0 +1,323 @@
+"""Joint constraints, prescribed motion and springs: one scalar row each.
+
+A row is a function c(x, t) of two markers (joint frames) a and b with axes `u_i` (of a), `w_j` (of b) and positions x_a, x_b:
+
+    TRANSLATION   c = u_i . (x_b - x_a) - s(t)
+    DIRECTION     c = u_i . w_j
+    ANGLE_DRIVE   c = w_x . (cos(s) u_y - sin(s) u_x) = sin(angle - s), which needs no counting of turns
+    DISTANCE      c = |x_b - x_a|
+
+with s the signal of the row (0 without one). Every variation has the form `f.(dx_b - dx_a) + t.(dTheta_b - dTheta_a)`, where dx
+are material displacements of the point x_b carried by either body and dTheta their turns, so a row pulls with the wrench
+(f, t) at x_b on b and the opposite on a: action equals reaction by construction.
+    TRANSLATION: f = u_i, t = 0;  DIRECTION: f = 0, t = w_j x u_i;  DISTANCE: f = (x_b - x_a)/|x_b - x_a|, t = 0.
+
+A constraint row demands c = 0 and carries the multiplier lambda, generalized force -C^T lambda. A spring row has
+`lambda = k c + d cdot + preload`; divided by its effective stiffness `k_e = k + d VEL` it is a constraint row with the compliance
+1/k_e on its diagonal, so that springs on flexible interfaces need no special treatment (the modes stay diagonal).
+
+A marker on a flexible rigid interface moves with the interface: x = r + A (X + u + theta x (X - X_if)),
+axes A exp(theta^) L, with (u, theta) = Phi_if q.
+"""
+
+import warp as wp
+
+from warpffrf_kernels import control as k
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.rotation import exponential, matrix
+from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.func
+def evaluate_signal(model: Model, s: int, t: real, order: int) -> real:
+    """Value (order 0) or first derivative (order 1) of signal s at time t."""
+    first = model.signal_start[s]
+    last = model.signal_start[s + 1] - 1
+    piece = first
+    while piece < last and t >= model.signal_break[piece + 1]:
+        piece += 1
+    x = wp.max(t - model.signal_break[piece], real(0.0))
+    held = t < model.signal_break[first]
+    value = real(0.0)
+    slope = real(0.0)
+    i = int(7)
+    while i >= 0:
+        slope = slope * x + value
+        value = value * x + model.signal_coefficient[piece, i]
+        i -= 1
+    if order == 0:
+        return value
+    if held:
+        return real(0.0)
+    return slope
+
+
+@wp.func
+def interface_motion(model: Model, interface: int, b: int, q1: wp.array2d(dtype=real), w: int, first: int) -> vec3:
+    """Translation (first = 0) or rotation (first = 3) of an interface, body axes."""
+    m0 = model.modal_start[b]
+    m1 = model.modal_start[b + 1]
+    x = real(0.0)
+    y = real(0.0)
+    z = real(0.0)
+    m = m0
+    while m < m1:
+        x += model.interface_modes[interface, m - m0, first] * q1[w, m]
+        y += model.interface_modes[interface, m - m0, first + 1] * q1[w, m]
+        z += model.interface_modes[interface, m - m0, first + 2] * q1[w, m]
+        m += 1
+    return vec3(x, y, z)
+
+
+@wp.func
+def arm_on_interface(model: Model, i: int, q1: wp.array2d(dtype=real), w: int) -> vec3:
+    """Position of marker i in its body frame, deformed."""
+    X = model.marker_point[i]
+    f = model.marker_interface[i]
+    if f < 0:
+        return X
+    b = model.marker_body[i]
+    u = interface_motion(model, f, b, q1, w, 0)
+    theta = interface_motion(model, f, b, q1, w, 3)
+    return X + u + wp.cross(theta, X - model.interface_point[f])
+
+
+@wp.func
+def axes_on_interface(model: Model, i: int, q1: wp.array2d(dtype=real), w: int) -> mat33:
+    f = model.marker_interface[i]
+    if f < 0:
+        return model.marker_axes[i]
+    theta = interface_motion(model, f, model.marker_body[i], q1, w, 3)
+    return matrix(exponential(theta)) * model.marker_axes[i]
+
+
+@wp.func
+def write_side(
+    model: Model,
+    w: int,
+    row: int,
+    marker: int,
+    force: vec3,
+    torque: vec3,
+    x: vec3,
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    C: wp.array3d(dtype=real),
+    C_modal: wp.array3d(dtype=real),
+):
+    """Enter the wrench (force at x, torque), world axes, into the row's entries of the body that carries the marker."""
+    b = model.marker_body[marker]
+    if b < 0:
+        return
+    At = wp.transpose(axes[w, b])
+    moment = At * (wp.cross(x - r1[w, b], force) + torque)
+    for i in range(3):
+        C[w, row, 6 * b + i] = C[w, row, 6 * b + i] + force[i]
+        C[w, row, 6 * b + 3 + i] = C[w, row, 6 * b + 3 + i] + moment[i]
+    f = model.marker_interface[marker]
+    if f < 0:
+        return
+    fb = At * force
+    tb = At * (wp.cross(x - r1[w, b], force) + torque) - wp.cross(model.interface_point[f], fb)
+    m = model.modal_start[b]
+    o = m
+    while m < model.modal_start[b + 1]:
+        value = real(0.0)
+        for i in range(3):
+            value += model.interface_modes[f, m - o, i] * fb[i] + model.interface_modes[f, m - o, 3 + i] * tb[i]
+        C_modal[w, row, m] = C_modal[w, row, m] + value
+        m += 1
+
+
+@wp.func
+def clear_side(model: Model, w: int, row: int, marker: int, C: wp.array3d(dtype=real), C_modal: wp.array3d(dtype=real)):
+    b = model.marker_body[marker]
+    if b < 0:
+        return
+    for i in range(6):
+        C[w, row, 6 * b + i] = real(0.0)
+    if model.marker_interface[marker] >= 0:
+        m = model.modal_start[b]
+        while m < model.modal_start[b + 1]:
+            C_modal[w, row, m] = real(0.0)
+            m += 1
+
+
+@wp.kernel
+def evaluate_rows(
+    model: Model,
+    ctl: wp.array2d(dtype=int),
+    clk: wp.array2d(dtype=real),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    v1: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    q1: wp.array2d(dtype=real),
+    qd1: wp.array2d(dtype=real),
+    lam: wp.array2d(dtype=real),
+    C: wp.array3d(dtype=real),
+    C_modal: wp.array3d(dtype=real),
+    coordinate: wp.array2d(dtype=real),
+    defect: wp.array2d(dtype=real),
+    softness: wp.array2d(dtype=real),
+    drive_rate: wp.array3d(dtype=real),
+    row_wrench: wp.array3d(dtype=real),
+):
+    """Per row: value, gradient, defect (c, or the spring law divided by its stiffness) and compliance."""
+    w, row = wp.tid()
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+        return
+    a = model.row_a[row]
+    b = model.row_b[row]
+    body_a = model.marker_body[a]
+    body_b = model.marker_body[b]
+    x_a = arm_on_interface(model, a, q1, w)
+    x_b = arm_on_interface(model, b, q1, w)
+    R_a = axes_on_interface(model, a, q1, w)
+    R_b = axes_on_interface(model, b, q1, w)
+    if body_a >= 0:
+        x_a = r1[w, body_a] + axes[w, body_a] * x_a
+        R_a = axes[w, body_a] * R_a
+    if body_b >= 0:
+        x_b = r1[w, body_b] + axes[w, body_b] * x_b
+        R_b = axes[w, body_b] * R_b
+    t = clk[w, k.NEXT_TIME]
+    s = real(0.0)
+    s_rate = real(0.0)
+    if model.row_signal[row] >= 0:
+        s = evaluate_signal(model, model.row_signal[row], t, 0)
+        s_rate = evaluate_signal(model, model.row_signal[row], t, 1)
+    kind = model.row_kind[row]
+    i = model.row_i[row]
+    j = model.row_j[row]
+    force = vec3(real(0.0))
+    torque = vec3(real(0.0))
+    value = real(0.0)
+    if kind == k.TRANSLATION:
+        u = vec3(R_a[0, i], R_a[1, i], R_a[2, i])
+        value = wp.dot(u, x_b - x_a) - s
+        force = u
+    if kind == k.DIRECTION:
+        u = vec3(R_a[0, i], R_a[1, i], R_a[2, i])
+        z = vec3(R_b[0, j], R_b[1, j], R_b[2, j])
+        value = wp.dot(u, z)
+        torque = wp.cross(z, u)
+    if kind == k.ANGLE_DRIVE:
+        u = wp.cos(s) * vec3(R_a[0, 1], R_a[1, 1], R_a[2, 1]) - wp.sin(s) * vec3(R_a[0, 0], R_a[1, 0], R_a[2, 0])
+        z = vec3(R_b[0, 0], R_b[1, 0], R_b[2, 0])
+        value = wp.dot(u, z)
+        torque = wp.cross(z, u)
+    if kind == k.DISTANCE:
+        gap = x_b - x_a
+        value = wp.length(gap)
+        force = gap / wp.max(value, real(1.0e-300))
+    clear_side(model, w, row, a, C, C_modal)
+    clear_side(model, w, row, b, C, C_modal)
+    write_side(model, w, row, b, force, torque, x_b, r1, axes, C, C_modal)
+    write_side(model, w, row, a, -force, -torque, x_b, r1, axes, C, C_modal)
+    coordinate[w, row] = value + s
+    value -= model.row_reference[row]
+    drive_rate[w, 1, row] = s_rate
+    for c in range(3):
+        row_wrench[w, row, c] = force[c]
+        row_wrench[w, row, 3 + c] = torque[c]
+    defect[w, row] = value
+    softness[w, row] = real(0.0)
+    if model.row_rigid[row] == 0:
+        rate = real(0.0)
+        if body_a >= 0:
+            rate += row_rate(model, w, row, a, C, C_modal, v1, omega1, qd1)
+        if body_b >= 0 and body_b != body_a:
+            rate += row_rate(model, w, row, b, C, C_modal, v1, omega1, qd1)
+        k_e = model.row_stiffness[row] + model.row_damping[row] * clk[w, k.VEL]
+        law = model.row_stiffness[row] * value + model.row_damping[row] * rate + model.row_preload[row]
+        if k_e > real(0.0):
+            defect[w, row] = (law - lam[w, row]) / k_e
+            softness[w, row] = real(1.0) / k_e
+        else:  # a pure damper at rest: no force
+            defect[w, row] = -lam[w, row]
+            softness[w, row] = real(1.0)
+        drive_rate[w, 1, row] = rate
+
+
+@wp.func
+def row_rate(
+    model: Model,
+    w: int,
+    row: int,
+    marker: int,
+    C: wp.array3d(dtype=real),
+    C_modal: wp.array3d(dtype=real),
+    v1: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    qd1: wp.array2d(dtype=real),
+) -> real:
+    b = model.marker_body[marker]
+    rate = real(0.0)
+    for i in range(3):
+        rate += C[w, row, 6 * b + i] * v1[w, b][i] + C[w, row, 6 * b + 3 + i] * omega1[w, b][i]
+    if model.marker_interface[marker] >= 0:
+        m = model.modal_start[b]
+        while m < model.modal_start[b + 1]:
+            rate += C_modal[w, row, m] * qd1[w, m]
+            m += 1
+    return rate
+
+
+@wp.kernel
+def apply_forces(
+    model: Model,
+    ctl: wp.array2d(dtype=int),
+    clk: wp.array2d(dtype=real),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    q1: wp.array2d(dtype=real),
+    residual: wp.array2d(dtype=real),
+    modal_residual: wp.array2d(dtype=real),
+    applied: wp.array3d(dtype=vec3),
+    applied_at: wp.array3d(dtype=vec3),
+):
+    """Per world: subtract the point forces from the residuals; their world components and points are kept for the ledger."""
+    w = wp.tid()
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+        return
+    t = clk[w, k.NEXT_TIME]
+    i = int(0)
+    while i < model.force_count:
+        b = model.force_body[i]
+        A = axes[w, b]
+        f = vec3(
+            evaluate_signal(model, model.force_signal[i, 0], t, 0),
+            evaluate_signal(model, model.force_signal[i, 1], t, 0),
+            evaluate_signal(model, model.force_signal[i, 2], t, 0),
+        )
+        if model.force_in_body[i] != 0:
+            f = A * f
+        X = model.force_point[i]
+        arm = X
+        interface = model.force_interface[i]
+        if interface >= 0:
+            theta = interface_motion(model, interface, b, q1, w, 3)
+            arm = X + interface_motion(model, interface, b, q1, w, 0)
+            arm += wp.cross(theta, X - model.interface_point[interface])
+        fb = wp.transpose(A) * f
+        moment = wp.cross(arm, fb)
+        for c in range(3):
+            residual[w, 6 * b + c] = residual[w, 6 * b + c] - f[c]
+            residual[w, 6 * b + 3 + c] = residual[w, 6 * b + 3 + c] - moment[c]
+        if interface >= 0:
+            tb = wp.cross(arm - model.interface_point[interface], fb)
+            m = model.modal_start[b]
+            o = m
+            while m < model.modal_start[b + 1]:
+                value = real(0.0)
+                for c in range(3):
+                    value += model.interface_modes[interface, m - o, c] * fb[c]
+                    value += model.interface_modes[interface, m - o, 3 + c] * tb[c]
+                modal_residual[w, m] = modal_residual[w, m] - value
+                m += 1
+        applied[w, 1, i] = f
+        applied_at[w, 1, i] = r1[w, b] + A * arm
+        i += 1

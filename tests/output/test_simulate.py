@@ -1,0 +1,121 @@
+"""`simulate` and `equilibrium`: what is checked before the run and written after it. The engine is replaced."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from warpffrf.model.errors import InputError
+from warpffrf.online.history import History
+from warpffrf.output import simulate as module
+from warpffrf.output.result import Result
+from warpffrf.output.simulate import equilibrium, simulate
+
+
+class SceneOfHistory:
+    """A scene that only has a hash."""
+
+    def __init__(self, digest: str) -> None:
+        self.digest = digest
+
+    def content_hash(self) -> str:
+        return self.digest
+
+
+@pytest.fixture
+def scene(history: History) -> SceneOfHistory:
+    return SceneOfHistory(Result(history).view.content_hash)
+
+
+@pytest.fixture
+def calls(monkeypatch: pytest.MonkeyPatch, history: History) -> list[tuple[Any, ...]]:
+    made: list[tuple[Any, ...]] = []
+
+    def run(scene: Any, duration: float, **options: Any) -> History:
+        made.append((scene, duration, options))
+        return history
+
+    def find_equilibrium(scene: Any, *, device: str) -> History:
+        made.append((scene, device))
+        return history
+
+    monkeypatch.setattr(module, "run", run)
+    monkeypatch.setattr(module, "find_equilibrium", find_equilibrium)
+    return made
+
+
+def test_arguments_reach_the_engine_and_files_are_written(
+    calls: list, scene: SceneOfHistory, history: History, tmp_path: Path
+) -> None:
+    result = simulate(
+        scene, 0.1, step=1e-4, save_every=3, results=tmp_path / "r.h5", record=tmp_path / "r.rrd", progress=False
+    )
+    ((given, duration, options),) = calls
+    assert given is scene and duration == 0.1
+    assert (options["step"], options["save_every"], options["start"], options["progress"]) == (
+        1e-4,
+        3,
+        "initial",
+        False,
+    )
+    assert options["integrator"].rho_inf == 0.8
+    assert Result.load(tmp_path / "r.h5").time == pytest.approx(result.time)
+    assert (tmp_path / "r.rrd").stat().st_size > 0
+
+
+def test_a_run_that_ended_early_is_written_as_well(
+    calls: list, scene: SceneOfHistory, history: History, tmp_path: Path
+) -> None:
+    history.status, history.message = "interrupted", "stopped by the user; continue with start=result"
+    simulate(scene, 0.1, step=1e-4, results=tmp_path / "r.h5", record=tmp_path / "r.rrd")
+    loaded = Result.load(tmp_path / "r.h5")
+    assert loaded.status == "interrupted" and "continue with start" in loaded.message
+    assert (tmp_path / "r.rrd").exists()
+
+
+def test_paths_are_checked_before_the_run(calls: list, scene: SceneOfHistory, tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    for name in ("results", "record"):
+        with pytest.raises(InputError, match=f"{name}: .* cannot be written"):
+            simulate(scene, 0.1, step=1e-4, **{name: blocked / "x"})  # pyright: ignore[reportArgumentType]
+        with pytest.raises(InputError, match=f"{name}: .* cannot be written"):
+            equilibrium(scene, **{name: blocked / "x"})  # pyright: ignore[reportArgumentType]
+    assert not calls
+
+
+def test_a_result_is_continued_also_from_its_file(
+    calls: list, scene: SceneOfHistory, result: Result, tmp_path: Path
+) -> None:
+    simulate(scene, 0.1, step=1e-4, start=result)
+    assert calls[0][2]["start"] is result.history
+    loaded = Result.load(result.save(tmp_path / "r.h5"))
+    simulate(scene, 0.1, step=1e-4, start=loaded)
+    for name, array in result.history.checkpoint.items():
+        got = calls[1][2]["start"].checkpoint[name]
+        assert got.dtype == array.dtype and np.array_equal(got, array)
+
+
+def test_another_scenes_result_is_refused(calls: list, result: Result) -> None:
+    with pytest.raises(InputError, match="result of another scene"):
+        simulate(SceneOfHistory("another"), 0.1, step=1e-4, start=result)
+    result.history.checkpoint = {}
+    with pytest.raises(InputError, match="no checkpoint"):
+        simulate(SceneOfHistory(result.view.content_hash), 0.1, step=1e-4, start=result)
+    assert not calls
+
+
+@pytest.mark.parametrize("option", ["start", "method", "local"])
+def test_unknown_options_list_the_known(calls: list, scene: SceneOfHistory, option: str) -> None:
+    with pytest.raises(InputError, match=f"{option} is 'nonsense'; known: '"):
+        simulate(scene, 0.1, step=1e-4, **{option: "nonsense"})  # pyright: ignore[reportArgumentType]
+    assert not calls
+
+
+def test_equilibrium_is_a_result(calls: list, scene: SceneOfHistory, tmp_path: Path) -> None:
+    result = equilibrium(scene, results=tmp_path / "e.h5")
+    assert isinstance(result, Result) and calls == [(scene, "cpu")]
+    assert (tmp_path / "e.h5").exists()

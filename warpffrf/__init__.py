@@ -1,0 +1,80 @@
+"""Flexible multibody simulation with distributed contact: FE bodies reduced to modes, contact inside the local solve.
+
+    import warpffrf as wf
+
+The public names are loaded when first used, so that importing the package costs nothing and pulls in neither the viewer
+nor the plotting and mesh libraries.
+"""
+
+from __future__ import annotations
+
+import importlib
+import logging
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from warpffrf.model import forces, joints, mesh, signals, surfaces
+    from warpffrf.model.contact import Contact
+    from warpffrf.model.errors import InputError
+    from warpffrf.model.material import Material
+    from warpffrf.model.reduced_body import ReducedBody
+    from warpffrf.model.scene import Scene
+    from warpffrf.offline import reduce
+    from warpffrf.online import GeneralizedAlpha
+    from warpffrf.output.result import Result
+    from warpffrf.output.simulate import equilibrium, simulate
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Contact",
+    "GeneralizedAlpha",
+    "InputError",
+    "Material",
+    "ReducedBody",
+    "Result",
+    "Scene",
+    "equilibrium",
+    "forces",
+    "joints",
+    "mesh",
+    "reduce",
+    "signals",
+    "simulate",
+    "surfaces",
+]
+
+# public name -> module, and the attribute there (None: the module itself)
+_WHERE: dict[str, tuple[str, str | None]] = {
+    "Contact": ("warpffrf.model.contact", "Contact"),
+    "GeneralizedAlpha": ("warpffrf.online", "GeneralizedAlpha"),
+    "InputError": ("warpffrf.model.errors", "InputError"),
+    "Material": ("warpffrf.model.material", "Material"),
+    "ReducedBody": ("warpffrf.model.reduced_body", "ReducedBody"),
+    "Result": ("warpffrf.output.result", "Result"),
+    "Scene": ("warpffrf.model.scene", "Scene"),
+    "equilibrium": ("warpffrf.output.simulate", "equilibrium"),
+    "forces": ("warpffrf.model.forces", None),
+    "joints": ("warpffrf.model.joints", None),
+    "mesh": ("warpffrf.model.mesh", None),
+    "reduce": ("warpffrf.offline", "reduce"),
+    "signals": ("warpffrf.model.signals", None),
+    "simulate": ("warpffrf.output.simulate", "simulate"),
+    "surfaces": ("warpffrf.model.surfaces", None),
+}
+
+logging.getLogger(__name__).addHandler(logging.NullHandler())
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _WHERE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module_name, attribute = _WHERE[name]
+    module = importlib.import_module(module_name)
+    value = module if attribute is None else getattr(module, attribute)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

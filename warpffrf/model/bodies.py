@@ -1,0 +1,231 @@
+"""Bodies of a scene and the places on them that joints, forces and contact pairs attach to.
+
+Points of a body are given in its *user frame* (the frame of its mesh file, or the one its rigid data are given in); a
+pose maps them to the world, x = position + A(rotation) x_user.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from warpffrf.model import rotation as rot
+from warpffrf.model.errors import InputError, require_array, unknown_name
+
+if TYPE_CHECKING:
+    from warpffrf.model.reduced_body import ContactSurface, ReducedBody
+
+# ratio on the highest modes: they ring against the massless contact compliance after a load step
+CHATTER_DAMPING = 0.10
+CHATTER_FRACTION = 0.5  # of the highest retained frequency, above which the default damping acts
+GROUND_INDEX = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Port:
+    """A place on a body: an interface, or a body-fixed point (3,) [m, user frame].
+
+    `point` is None only for the bare ground: the joint's other port then says where it is.
+    """
+
+    body: Any  # Body or Ground
+    interface_name: str | None
+    point: np.ndarray | None
+
+    @property
+    def label(self) -> str:
+        """Readable name, for messages."""
+        if self.interface_name is not None:
+            return f"{self.body.name}[{self.interface_name!r}]"
+        return (
+            self.body.name if self.point is None else f"{self.body.name}.at({', '.join(f'{x:g}' for x in self.point)})"
+        )
+
+    def world_point(self) -> np.ndarray:
+        """The point (3,) [m] in the world at the initial pose, undeformed."""
+        if self.point is None:
+            raise InputError(f"{self.label}: a point is needed here, use {self.body.name}.at((x, y, z))")
+        return self.body.to_world(self.point)
+
+    def describe(self) -> dict[str, Any]:
+        """Plain data for hashing."""
+        point = None if self.point is None else self.point.tolist()
+        return {"body": self.body.name, "interface": self.interface_name, "point": point}
+
+
+@dataclass(frozen=True, eq=False)
+class SurfacePort:
+    """A contact surface of a body, for `Contact`."""
+
+    body: Any
+    name: str
+
+    @property
+    def label(self) -> str:
+        return f"{self.body.name}[{self.name!r}]"
+
+    @property
+    def surface(self) -> ContactSurface:
+        """The reduced contact surface."""
+        return self.body.reduced.contact_surfaces[self.name]
+
+
+class _Posed:
+    """A user frame with a pose in the world."""
+
+    name: str
+    index: int
+    reduced: ReducedBody | None = None
+
+    def __init__(self, name: str, position: Any, rotation: Any) -> None:
+        self.name = name
+        self.position = position
+        self.rotation = rotation
+
+    @property
+    def position(self) -> np.ndarray:
+        """World position of the user frame's origin at the start (3,) [m]."""
+        return self._position
+
+    @position.setter
+    def position(self, value: Any) -> None:
+        self._position = require_array(value, f"{self.name}: position", (3,))
+
+    @property
+    def rotation(self) -> np.ndarray:
+        """Unit quaternion (x, y, z, w), user frame to world, at the start."""
+        return self._rotation
+
+    @rotation.setter
+    def rotation(self, value: Any) -> None:
+        self._rotation = rot.unit_quaternion(value, f"{self.name}: rotation")
+
+    def to_world(self, points: Any) -> np.ndarray:
+        """Points (..., 3) [m] of the user frame in the world, at the initial pose."""
+        return self.position + np.asarray(points, float) @ rot.matrix(self.rotation).T
+
+    def to_user(self, points: Any) -> np.ndarray:
+        """World points (..., 3) [m] in the user frame, at the initial pose."""
+        return (np.asarray(points, float) - self.position) @ rot.matrix(self.rotation)
+
+
+class Ground(_Posed):
+    """The world as a body: it does not move. Use it bare in a joint, or `ground.at(point)`."""
+
+    index = GROUND_INDEX
+
+    def __init__(self) -> None:
+        super().__init__("ground", np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]))
+
+    def at(self, point: Any) -> Port:
+        """A point (3,) [m] of the world."""
+        return Port(self, None, require_array(point, "ground: point", (3,)))
+
+    def __getitem__(self, name: str) -> Port:
+        raise InputError(f"the ground has no interface {name!r}; use scene.ground or scene.ground.at((x, y, z))")
+
+
+class Body(_Posed):
+    """One body of a scene; made by `Scene.add_body` and `Scene.add_rigid_body`.
+
+    mass [kg], center_of_mass (3,) [m, user frame], inertia (3, 3) [kg m2, about the centre of mass, user axes],
+    `reduced` (None for a rigid body), damping (m,) [-] ratio of each global mode, initial `position`, `rotation` (may
+    be changed), `velocity` of the user origin [m/s] and `angular_velocity` [rad/s], world axes.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        index: int,
+        mass: float,
+        center_of_mass: np.ndarray,
+        inertia: np.ndarray,
+        *,
+        reduced: ReducedBody | None,
+        damping: np.ndarray,
+        position: Any,
+        rotation: Any,
+        velocity: Any,
+        angular_velocity: Any,
+    ) -> None:
+        super().__init__(name, position, rotation)
+        self.index = index
+        self.mass = mass
+        self.center_of_mass = center_of_mass
+        self.inertia = inertia
+        self.reduced = reduced
+        self.damping = damping
+        self.velocity = require_array(velocity, f"body {name!r}: velocity", (3,))
+        self.angular_velocity = require_array(angular_velocity, f"body {name!r}: angular_velocity", (3,))
+
+    @property
+    def mode_count(self) -> int:
+        """Number of global modes; 0 for a rigid body."""
+        return 0 if self.reduced is None else len(self.reduced.frequencies)
+
+    def __getitem__(self, name: str) -> Any:
+        """The `Port` of an interface or the `SurfacePort` of a contact surface called `name`."""
+        if self.reduced is None:
+            raise InputError(f"rigid body {self.name!r} has no interface {name!r}; use .at((x, y, z))")
+        if name in self.reduced.interfaces:
+            return Port(self, name, np.array(self.reduced.interfaces[name].point, dtype=np.float64))
+        if name in self.reduced.contact_surfaces:
+            return SurfacePort(self, name)
+        known = [*self.reduced.interfaces, *self.reduced.contact_surfaces]
+        raise unknown_name(f"body {self.name!r}: interface or contact surface", name, known)
+
+    def at(self, point: Any) -> Port:
+        """A body-fixed point (3,) [m, user frame] of a rigid body."""
+        if self.reduced is not None:
+            names = ", ".join(repr(n) for n in self.reduced.interfaces) or "none"
+            raise InputError(
+                f"body {self.name!r} is flexible: a single point has no rigid frame; name an interface, body[name], "
+                f"with name one of {names}"
+            )
+        return Port(self, None, require_array(point, f"body {self.name!r}: point", (3,)))
+
+    def describe(self) -> dict[str, Any]:
+        """Plain data for hashing; the reduced body is hashed by its arrays elsewhere."""
+        fields = ("center_of_mass", "inertia", "damping", "position", "rotation", "velocity", "angular_velocity")
+        return {"name": self.name, "mass": self.mass, **{f: getattr(self, f).tolist() for f in fields}}
+
+
+def as_port(value: Any, name: str) -> Port:
+    """`value` as a port; the bare ground is one without a point. `InputError` for anything else."""
+    if isinstance(value, Port):
+        return value
+    if isinstance(value, Ground):
+        return Port(value, None, None)
+    if isinstance(value, SurfacePort):
+        raise InputError(f"{name}: {value.label} is a contact surface; name an interface of the body instead")
+    if isinstance(value, Body):
+        raise InputError(f"{name}: say where on body {value.name!r}: body['interface'], or .at((x, y, z)) if rigid")
+    raise InputError(f"{name}: a port is needed (body['interface'], body.at(point) or scene.ground), got {value!r}")
+
+
+def default_damping(frequencies: np.ndarray) -> np.ndarray:
+    """Damping ratios (m,): 10 % above half the highest retained frequency, none below.
+
+    The highest retained modes ring against the massless contact compliance after a step load; the lower ones carry the
+    physics and stay undamped.
+    """
+    frequencies = np.asarray(frequencies, float)
+    if not len(frequencies):
+        return np.zeros(0)
+    return np.where(frequencies > CHATTER_FRACTION * frequencies.max(), CHATTER_DAMPING, 0.0)
+
+
+def damping_ratios(damping: Callable | Any, frequencies: np.ndarray, name: str) -> np.ndarray:
+    """Ratios (m,) from None (default), a number, an array (m,) or a function of the frequencies [Hz]."""
+    if damping is None:
+        return default_damping(frequencies)
+    values: Any = damping(np.asarray(frequencies)) if callable(damping) else damping
+    if np.ndim(values) == 0:
+        values = np.full(len(frequencies), values)
+    ratios = require_array(values, f"body {name!r}: damping", (len(frequencies),))
+    if np.any(ratios < 0.0):
+        raise InputError(f"body {name!r}: damping ratios must not be negative, the smallest is {ratios.min():g}")
+    return ratios

@@ -1,0 +1,65 @@
+"""The error raised at the border when a description cannot be used, and small checks that raise it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+
+class InputError(ValueError):
+    """A wrong or incomplete description. The message names the thing at fault and the cure."""
+
+
+def require_number(value: Any, name: str, *, positive: bool = False, non_negative: bool = False) -> float:
+    """`value` as a finite float, else `InputError` naming `name`; optionally > 0 or >= 0."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be a number, got {value!r}") from None
+    if not np.isfinite(number):
+        raise InputError(f"{name} must be finite, got {number}")
+    if positive and number <= 0.0:
+        raise InputError(f"{name} must be greater than zero, got {number:g}")
+    if non_negative and number < 0.0:
+        raise InputError(f"{name} must not be negative, got {number:g}")
+    return number
+
+
+def require_count(value: Any, name: str, minimum: int) -> int:
+    """`value` as an int of at least `minimum`, else `InputError`; 3.0 is accepted, 3.5 is not."""
+    number = require_number(value, name)
+    if number != int(number) or number < minimum:
+        raise InputError(f"{name} must be a whole number of at least {minimum}, got {value!r}")
+    return int(number)
+
+
+def require_array(value: Any, name: str, shape: tuple[int | None, ...]) -> np.ndarray:
+    """`value` as a new finite float64 array of `shape` (None: any length), else `InputError`."""
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be an array of numbers, got {value!r}") from None
+    fits = array.ndim == len(shape) and all(s is None or s == n for s, n in zip(shape, array.shape, strict=True))
+    if not fits:
+        wanted = "(" + ", ".join("n" if s is None else str(s) for s in shape) + ")"
+        raise InputError(f"{name} must have shape {wanted}, got {array.shape}")
+    if not np.all(np.isfinite(array)):
+        raise InputError(f"{name} holds NaN or infinite numbers")
+    return array
+
+
+def require_direction(value: Any, name: str) -> np.ndarray:
+    """`value` as a unit vector (3,), else `InputError`; a zero vector has no direction."""
+    vector = require_array(value, name, (3,))
+    length = float(np.linalg.norm(vector))
+    if length == 0.0:
+        raise InputError(f"{name} has zero length")
+    return vector / length
+
+
+def unknown_name(kind: str, name: object, known: Iterable[str]) -> InputError:
+    """The error for a name that does not exist: it lists those that do."""
+    names = ", ".join(repr(k) for k in known) or "none"
+    return InputError(f"{kind} {name!r} does not exist; known: {names}")

@@ -1,0 +1,7 @@
+"""Finite-element meshes: the data, a structured roller, and files made elsewhere."""
+
+from warpffrf.model.mesh.data import Cyclic, FacetSet, Mesh, MeshReport
+from warpffrf.model.mesh.reader import read
+from warpffrf.model.mesh.structured import roller
+
+__all__ = ["Cyclic", "FacetSet", "Mesh", "MeshReport", "read", "roller"]

@@ -1,0 +1,76 @@
+"""Geometric checks of a mesh: orientation of the cells, unused nodes, one connected part.
+
+A cell is *inverted* where det(dx/dxi) <= 0. The determinant is looked at in the cell's own nodes: there it is smallest
+for the linear cells (a hexahedron's is multilinear, so extreme at corners), and a bad edge node of a quadratic cell
+shows there first.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.mesh.elements import cell_kind
+
+FLAT_CELL = 1e-9  # det J below this fraction of (cell size)^3 counts as inverted: round-off of a flat cell, not a shape
+_CHUNK = 20_000  # cells looked at together: bounds the memory of the check to some tens of MB
+
+
+def jacobian_range(points: np.ndarray, kind: str, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Smallest determinant at the nodes of each cell (m,) [m3], and the cube of each cell's size (m,) [m3]."""
+    cell = cell_kind(kind)
+    smallest, cube = np.empty(len(cells)), np.empty(len(cells))
+    for start in range(0, len(cells), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        x = points[cells[part]]
+        smallest[part] = cell.jacobians(x, cell.nodes).min(axis=1)
+        cube[part] = np.max(np.ptp(x, axis=1), axis=1) ** 3
+    return smallest, cube
+
+
+def check_orientation(points: np.ndarray, kind: str, cells: np.ndarray) -> None:
+    """Raise `InputError` naming the first inverted (or flat) cell and their number."""
+    smallest, cube = jacobian_range(points, kind, cells)
+    bad = np.flatnonzero(~(smallest > FLAT_CELL * cube))
+    if len(bad):
+        first = int(bad[0])
+        center = ", ".join(f"{x:.6g}" for x in points[cells[first]].mean(axis=0))
+        raise InputError(
+            f"mesh: {len(bad)} inverted {kind} cell(s), the first is number {first} at ({center}) m with "
+            f"det J = {smallest[first]:.3g} m3; repair the mesh or the node order of its cells"
+        )
+
+
+def check_used(node_count: int, cells: np.ndarray) -> None:
+    """Raise `InputError` when a node belongs to no cell: it would have neither stiffness nor mass."""
+    used = np.zeros(node_count, dtype=bool)
+    used[cells.ravel()] = True
+    if not used.all():
+        first = int(np.flatnonzero(~used)[0])
+        raise InputError(
+            f"mesh: {int(np.sum(~used))} node(s) belong to no cell, the first is number {first}; remove them"
+        )
+
+
+def part_labels(node_count: int, cells: np.ndarray) -> np.ndarray:
+    """Number of the connected part of each cell (m,), counted from 0."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    first = np.repeat(cells[:, 0], cells.shape[1] - 1)
+    other = cells[:, 1:].ravel()
+    graph = coo_matrix((np.ones(len(first), dtype=np.int8), (first, other)), shape=(node_count, node_count))
+    labels = connected_components(graph, directed=False)[1][cells[:, 0]]
+    return np.unique(labels, return_inverse=True)[1]
+
+
+def check_connected(points: np.ndarray, cells: np.ndarray) -> None:
+    """Raise `InputError` when the cells form more than one part: a body must hang together."""
+    labels = part_labels(len(points), cells)
+    count = int(labels.max()) + 1
+    if count > 1:
+        sizes = ", ".join(str(n) for n in np.bincount(labels))
+        raise InputError(
+            f"mesh: {count} disconnected parts with {sizes} cells; a body is one part: merge the coincident nodes, "
+            "or read one part (mesh.read(..., part=0))"
+        )

@@ -1,0 +1,197 @@
+"""One HDF5 file for one `ReducedBody`: schema version, arrays, and a content hash that is checked on loading.
+
+The body is flattened to `{path: array}` plus one JSON document for everything that is not an array; the hash runs over
+both (without report and provenance), so a damaged file cannot pass for a body. A file is written beside its target and
+renamed, so that an interrupted run leaves no half-written file.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model import surfaces
+from warpffrf.model.errors import InputError
+from warpffrf.model.reduced_body import (
+    ContactGrid,
+    ContactSurface,
+    DisplaySurface,
+    Interface,
+    Recovery,
+    ReducedBody,
+)
+
+SCHEMA = 1
+MARK = "warpffrf reduced body"
+_COMPRESSED_FROM = 1 << 16  # bytes; below it a compressed chunk costs more than it saves
+_UNITS = {
+    "center_of_mass": "m",
+    "inertia": "kg m2",
+    "frequencies": "Hz",
+    "point": "m",
+    "lags": "m/N",
+    "z": "m",
+    "points": "m",
+    "transfer": "m/N",
+}
+
+
+def _flatten(body: ReducedBody) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    arrays: dict[str, np.ndarray] = {
+        "center_of_mass": body.center_of_mass,
+        "inertia": body.inertia,
+        "frequencies": body.frequencies,
+        "surface/points": body.surface.points,
+        "surface/triangles": body.surface.triangles,
+        "surface/modes": body.surface.modes,
+    }
+    facts: dict[str, Any] = {"mass": float(body.mass), "interfaces": {}, "contact_surfaces": {}}
+    for name, interface in body.interfaces.items():
+        arrays[f"interfaces/{name}/point"] = interface.point
+        arrays[f"interfaces/{name}/modes"] = interface.modes
+        facts["interfaces"][name] = interface.kind
+    for name, s in body.contact_surfaces.items():
+        root = f"contact_surfaces/{name}"
+        arrays[f"{root}/grid/e_0"] = s.grid.e_0
+        arrays[f"{root}/grid/z"] = s.grid.z
+        arrays[f"{root}/lags"] = s.lags
+        arrays[f"{root}/mode_normal"] = s.mode_normal
+        arrays[f"{root}/recovery/transfer"] = s.recovery.transfer
+        arrays[f"{root}/recovery/axes"] = s.recovery.axes
+        facts["contact_surfaces"][name] = {
+            "shape": s.shape.describe(),
+            "deviation": s.shape.deviation,
+            "theta_start": float(s.grid.theta_start),
+            "pitch": float(s.grid.pitch),
+            "columns": int(s.grid.columns),
+            "periodic": bool(s.grid.periodic),
+            "columns_per_sector": int(s.grid.columns_per_sector),
+            "recovery": [int(s.recovery.sectors), int(s.recovery.offset), int(s.recovery.stride)],
+        }
+    return arrays, facts
+
+
+def _restore(arrays: dict[str, np.ndarray], facts: dict[str, Any], report: dict, provenance: dict) -> ReducedBody:
+    contact = {}
+    for name, f in facts["contact_surfaces"].items():
+        root = f"contact_surfaces/{name}"
+        shape = surfaces.from_description(f["shape"])
+        object.__setattr__(shape, "deviation", f["deviation"])
+        grid = ContactGrid(
+            e_0=arrays[f"{root}/grid/e_0"],
+            theta_start=f["theta_start"],
+            pitch=f["pitch"],
+            columns=f["columns"],
+            periodic=f["periodic"],
+            z=arrays[f"{root}/grid/z"],
+            columns_per_sector=f["columns_per_sector"],
+        )
+        sectors, offset, stride = f["recovery"]
+        recovery = Recovery(
+            arrays[f"{root}/recovery/transfer"], sectors, arrays[f"{root}/recovery/axes"], offset, stride
+        )
+        contact[name] = ContactSurface(
+            name, shape, grid, arrays[f"{root}/lags"], arrays[f"{root}/mode_normal"], recovery
+        )
+    return ReducedBody(
+        mass=facts["mass"],
+        center_of_mass=arrays["center_of_mass"],
+        inertia=arrays["inertia"],
+        frequencies=arrays["frequencies"],
+        interfaces={
+            name: Interface(kind, arrays[f"interfaces/{name}/point"], arrays[f"interfaces/{name}/modes"])
+            for name, kind in facts["interfaces"].items()
+        },
+        contact_surfaces=contact,
+        surface=DisplaySurface(arrays["surface/points"], arrays["surface/triangles"], arrays["surface/modes"]),
+        report=report,
+        provenance=provenance,
+    )
+
+
+def _digest(arrays: dict[str, np.ndarray], facts: dict[str, Any]) -> str:
+    digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode())
+    for key in sorted(arrays):
+        array = np.ascontiguousarray(arrays[key])
+        digest.update(f"|{key}|{array.dtype.str}|{array.shape}|".encode())
+        digest.update(array.data)
+    return digest.hexdigest()
+
+
+def content_hash(body: ReducedBody) -> str:
+    """sha256 over all arrays and facts of the body, without report and provenance."""
+    return _digest(*_flatten(body))
+
+
+def write_reduced_body(body: ReducedBody, path: Path) -> Path:
+    """Write `body` to the HDF5 file `path`; raises `InputError` where it cannot be written."""
+    import h5py
+
+    arrays, facts = _flatten(body)
+    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with h5py.File(partial, "w") as file:
+            file.attrs["format"] = MARK
+            file.attrs["schema"] = SCHEMA
+            file.attrs["content_hash"] = _digest(arrays, facts)
+            for key, text in (("facts", facts), ("report", body.report), ("provenance", body.provenance)):
+                file.create_dataset(key, data=json.dumps(text))
+            for key, array in arrays.items():
+                packed = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+                dataset = file.create_dataset(
+                    key, data=array, **(packed if array.nbytes >= _COMPRESSED_FROM and array.size else {})
+                )
+                if unit := _UNITS.get(key.rsplit("/", 1)[-1]):
+                    dataset.attrs["units"] = unit
+        os.replace(partial, path)
+    except OSError as error:
+        raise InputError(f"reduced body: cannot write {path}: {error}; choose a folder that can be written") from None
+    finally:
+        partial.unlink(missing_ok=True)
+    return path
+
+
+def _document(file: Any, name: str) -> dict[str, Any]:
+    return json.loads(file[name][()])
+
+
+def read_reduced_body(path: Path) -> ReducedBody:
+    """Read `path`; raises `InputError` when it is missing, damaged, of another kind, or of a newer schema."""
+    import h5py
+
+    if not path.is_file():
+        raise InputError(f"reduced body: there is no file {path}")
+    cure = "run the reduction again"
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("format") != MARK:
+                raise InputError(f"reduced body: {path} is not a reduced body file; {cure}")
+            schema = int(np.asarray(file.attrs["schema"]))
+            if schema > SCHEMA:
+                raise InputError(
+                    f"reduced body: {path} has schema {schema}, this version reads up to {SCHEMA}; "
+                    f"update warpffrf or {cure}"
+                )
+
+            facts, report, provenance = (_document(file, k) for k in ("facts", "report", "provenance"))
+            arrays: dict[str, np.ndarray] = {}
+            names = {"facts", "report", "provenance"}
+
+            def collect(name: str, item: Any) -> None:
+                if isinstance(item, h5py.Dataset) and name not in names:
+                    arrays[name] = np.asarray(item[()])
+
+            file.visititems(collect)
+            expected = file.attrs["content_hash"]
+        if _digest(arrays, facts) != expected:
+            raise InputError(f"reduced body: {path} is damaged (content hash differs); {cure}")
+        return _restore(arrays, facts, report, provenance)
+    except InputError:
+        raise
+    except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
+        raise InputError(f"reduced body: {path} is damaged or not an HDF5 file ({error}); {cure}") from None

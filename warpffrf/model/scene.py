@@ -1,0 +1,275 @@
+"""`Scene`: bodies, joints, drives, forces and contact pairs, described and checked, not yet computed."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from warpffrf.model.bodies import Body, Ground, Port, SurfacePort, damping_ratios
+from warpffrf.model.contact import Contact, closing_distance
+from warpffrf.model.errors import InputError, require_array, require_direction, require_number, unknown_name
+from warpffrf.model.forces import JointSpringDamper
+from warpffrf.model.joints import Drive, Joint
+
+if TYPE_CHECKING:
+    from warpffrf.model.reduced_body import ReducedBody
+    from warpffrf.model.scene_check import SceneCheck
+
+SYMMETRY_TOLERANCE = 1e-9  # relative asymmetry of an inertia tensor that is rounding of its numbers
+_LISTS = ("joints", "drives", "forces", "contacts")
+Item = TypeVar("Item")
+
+
+class Scene:
+    """A machine: bodies with poses, and what connects and loads them.
+
+    gravity: (3,) [m/s2], world. `bodies`, `joints`, `drives`, `forces`, `contacts` are lists in the order of adding;
+    `ground` is the world as a body. SI units, world axes, quaternions (x, y, z, w).
+    """
+
+    def __init__(self, *, gravity: Any = (0.0, 0.0, 0.0)) -> None:
+        self.gravity = require_array(gravity, "scene: gravity", (3,))
+        self.ground = Ground()
+        self.bodies: list[Body] = []
+        self.joints: list[Joint] = []
+        self.drives: list[Drive] = []
+        self.forces: list[Any] = []
+        self.contacts: list[Contact] = []
+
+    def add_body(
+        self,
+        body: ReducedBody,
+        *,
+        name: str,
+        position: Any = (0.0, 0.0, 0.0),
+        rotation: Any = (0.0, 0.0, 0.0, 1.0),
+        velocity: Any = (0.0, 0.0, 0.0),
+        angular_velocity: Any = (0.0, 0.0, 0.0),
+        damping: Callable | Any = None,
+    ) -> Body:
+        """Add a flexible body (one `ReducedBody` may be added many times); returns its handle.
+
+        position [m], rotation: pose of the user frame (the frame of the mesh file); velocity [m/s] of its origin and
+        angular_velocity [rad/s]. damping: ratios of the global modes, a number, an array (m,), a function of the
+        frequencies [Hz], or None for 10 % above half the highest retained frequency and none below: the highest modes
+        ring against the massless contact compliance after a load step. The energy it takes is counted.
+        """
+        self._check_new_name(name, [b.name for b in self.bodies], "body")
+        if not hasattr(body, "contact_surfaces") or not hasattr(body, "frequencies"):
+            raise InputError(f"body {name!r}: a reduced body is needed (reduce(mesh, material, ...)), got {body!r}")
+        handle = Body(
+            name,
+            len(self.bodies),
+            float(body.mass),
+            np.array(body.center_of_mass, dtype=np.float64),
+            np.array(body.inertia, dtype=np.float64),
+            reduced=body,
+            damping=damping_ratios(damping, body.frequencies, name),
+            position=position,
+            rotation=rotation,
+            velocity=velocity,
+            angular_velocity=angular_velocity,
+        )
+        self.bodies.append(handle)
+        return handle
+
+    def add_rigid_body(
+        self,
+        mass: float,
+        inertia_tensor: Any,
+        *,
+        name: str,
+        center_of_mass: Any = (0.0, 0.0, 0.0),
+        position: Any = (0.0, 0.0, 0.0),
+        rotation: Any = (0.0, 0.0, 0.0, 1.0),
+        velocity: Any = (0.0, 0.0, 0.0),
+        angular_velocity: Any = (0.0, 0.0, 0.0),
+    ) -> Body:
+        """Add a rigid body; returns its handle.
+
+        mass [kg]; inertia_tensor (3, 3), or its diagonal (3,) [kg m2], about the centre of mass, user axes;
+        center_of_mass (3,) [m, user frame]; pose and velocities as in `add_body`.
+        """
+        self._check_new_name(name, [b.name for b in self.bodies], "body")
+        handle = Body(
+            name,
+            len(self.bodies),
+            require_number(mass, f"body {name!r}: mass", positive=True),
+            require_array(center_of_mass, f"body {name!r}: center_of_mass", (3,)),
+            _inertia(inertia_tensor, name),
+            reduced=None,
+            damping=np.zeros(0),
+            position=position,
+            rotation=rotation,
+            velocity=velocity,
+            angular_velocity=angular_velocity,
+        )
+        self.bodies.append(handle)
+        return handle
+
+    def add(self, item: Item) -> Item:
+        """Add a joint, drive, force or contact pair and return it; one without a name gets one (`revolute_1`)."""
+        where = getattr(item, "scene_list", None)
+        if where not in _LISTS or isinstance(item, type):
+            raise InputError(f"scene: {item!r} cannot be added; joints, drives, forces and contact pairs can")
+        thing: Any = item
+        members = getattr(self, where)
+        if any(member is thing for member in members):
+            raise InputError(f"scene: {thing.kind} {thing.name!r} is in the scene already")
+        for port in thing.ports:
+            if port.body is not self.ground and not any(port.body is b for b in self.bodies):
+                raise InputError(f"{thing.kind} {thing.name!r}: body {port.body.name!r} belongs to another scene")
+        if isinstance(thing, (Drive, JointSpringDamper)):
+            self._check_driven_joint(thing)
+        if isinstance(thing, Contact):
+            self._check_free_surfaces(thing)
+        names = [member.name for member in members]
+        if thing.name is None:
+            number = 1
+            while f"{thing.kind}_{number}" in names:
+                number += 1
+            thing.name = f"{thing.kind}_{number}"
+        self._check_new_name(thing.name, names, thing.kind)
+        members.append(thing)
+        return item
+
+    def body(self, name: str) -> Body:
+        """The body called `name`; `InputError` lists those that exist."""
+        return _named(self.bodies, name, "body")
+
+    def joint(self, name: str) -> Joint:
+        """The joint called `name`; `InputError` lists those that exist."""
+        return _named(self.joints, name, "joint")
+
+    def contact(self, name: str) -> Contact:
+        """The contact pair called `name`; `InputError` lists those that exist."""
+        return _named(self.contacts, name, "contact")
+
+    def place(self, port: Port, *, onto: Port) -> None:
+        """Shift the body of `port` so that the port's point falls onto the point of `onto` (orientation unchanged)."""
+        for p, label in ((port, "place: port"), (onto, "place: onto")):
+            if not isinstance(p, Port):
+                raise InputError(f"{label} must be a port (body['interface'] or body.at(point)), got {p!r}")
+        if isinstance(port.body, Ground):
+            raise InputError("place: the ground cannot be moved; swap the two ports")
+        if port.body is onto.body:
+            raise InputError(f"place: both ports are on body {port.body.name!r}")
+        port.body.position = port.body.position + (onto.world_point() - port.world_point())
+
+    def close_gap(self, contact: Contact, *, along: Any = (0.0, 0.0, 1.0), gap: float = 0.0) -> float:
+        """Shift the second body of `contact` along `along` (world) until the smallest undeformed gap is `gap` [m].
+
+        A negative gap is an interference, to be taken up by deformation. Returns the distance moved [m]. The true
+        surfaces are used; several touches: the first one coming from far out on the side of `along`.
+        """
+        if not isinstance(contact, Contact):
+            raise InputError(f"close_gap: a contact pair is needed, got {contact!r}")
+        distance = closing_distance(contact, along, gap)
+        body = contact.b.body
+        body.position = body.position + distance * require_direction(along, "close_gap: along")
+        return distance
+
+    def check(self) -> SceneCheck:
+        """Masses, degrees of freedom, redundant constraints and initial gaps; print it for a table.
+
+        Raises `InputError` for a scene without bodies and for joints whose ports do not meet.
+        """
+        from warpffrf.model.scene_check import check_scene
+
+        return check_scene(self)
+
+    def content_hash(self) -> str:
+        """sha256 of everything that a run depends on: another scene has another hash."""
+        digest = hashlib.sha256()
+        description = {
+            "gravity": self.gravity.tolist(),
+            "bodies": [body.describe() for body in self.bodies],
+            **{where: [item.describe() for item in getattr(self, where)] for where in _LISTS},
+        }
+        digest.update(json.dumps(description, sort_keys=True).encode())
+        for body in self.bodies:
+            if body.reduced is not None:
+                _add_reduced(digest, body.reduced)
+        return digest.hexdigest()
+
+    @staticmethod
+    def _check_new_name(name: str, taken: list[str], kind: str) -> None:
+        if not isinstance(name, str) or not name or "/" in name:
+            raise InputError(f"{kind}: the name must be a non-empty text without '/', got {name!r}")
+        if name in taken or name == "ground":
+            raise InputError(f"{kind} {name!r}: the name is taken, choose another")
+
+    def _check_driven_joint(self, item: Drive | JointSpringDamper) -> None:
+        if not any(item.joint is joint for joint in self.joints):
+            raise InputError(f"{item.kind}: add its joint {item.joint.name!r} to the scene first")
+        if isinstance(item, Drive) and any(drive.joint is item.joint for drive in self.drives):
+            raise InputError(f"drive: joint {item.joint.name!r} is driven already")
+
+    def _check_free_surfaces(self, contact: Contact) -> None:
+        for other in self.contacts:
+            for port in contact.ports:
+                if any(_same_surface(port, used) for used in other.ports):
+                    raise InputError(
+                        f"contact {contact.name!r}: surface {port.label} is used by contact {other.name!r} already; "
+                        "one pair per surface is supported for now"
+                    )
+
+
+def _same_surface(a: SurfacePort, b: SurfacePort) -> bool:
+    return a.body is b.body and a.name == b.name
+
+
+def _named(members: list, name: str, kind: str) -> Any:
+    for member in members:
+        if member.name == name:
+            return member
+    raise unknown_name(kind, name, [member.name for member in members])
+
+
+def _inertia(value: Any, name: str) -> np.ndarray:
+    """Checked inertia tensor (3, 3): symmetric, positive, and no principal moment above the sum of the other two."""
+    label = f"body {name!r}: inertia_tensor"
+    J = np.diag(require_array(value, label, (3,))) if np.ndim(value) == 1 else require_array(value, label, (3, 3))
+    scale = float(np.max(np.abs(J)))
+    if np.max(np.abs(J - J.T)) > SYMMETRY_TOLERANCE * scale:
+        raise InputError(f"{label} must be symmetric")
+    J = 0.5 * (J + J.T)
+    moments = np.linalg.eigvalsh(J)
+    if not moments[0] > 0.0:
+        raise InputError(f"{label}: principal moments must be greater than zero, the smallest is {moments[0]:g} kg m2")
+    if moments[2] > (moments[0] + moments[1]) * (1.0 + SYMMETRY_TOLERANCE):
+        raise InputError(
+            f"{label}: the principal moments {moments[0]:g}, {moments[1]:g}, {moments[2]:g} kg m2 belong to no body: "
+            "the largest exceeds the sum of the other two; is it about the centre of mass?"
+        )
+    return J
+
+
+def _add_reduced(digest: Any, body: ReducedBody) -> None:
+    """Hash the arrays that a simulation uses."""
+
+    def add(label: str, array: Any) -> None:
+        array = np.ascontiguousarray(array, dtype=np.float64)
+        digest.update(f"{label}|{array.shape}|".encode())
+        digest.update(array.tobytes())
+
+    add("mass", [body.mass])
+    add("center_of_mass", body.center_of_mass)
+    add("inertia", body.inertia)
+    add("frequencies", body.frequencies)
+    for name, interface in sorted(body.interfaces.items()):
+        add(f"interface|{name}|{interface.kind}", interface.point)
+        add("modes", interface.modes)
+    for name, surface in sorted(body.contact_surfaces.items()):
+        digest.update(json.dumps(surface.shape.describe(), sort_keys=True).encode())
+        grid = surface.grid
+        numbers = (grid.theta_start, grid.pitch, grid.columns, grid.periodic, grid.columns_per_sector)
+        add(f"surface|{name}", numbers)
+        add("e_0", grid.e_0)
+        add("z", grid.z)
+        add("lags", surface.lags)
+        add("mode_normal", surface.mode_normal)

@@ -1,0 +1,72 @@
+"""The cache of reduced bodies: an unchanged input is never reduced twice.
+
+The key is a sha256 over the mesh's content, material, all settings, and the schema and code versions; moving one node
+by 1 nm changes it. Entries are ordinary reduced-body files; one that cannot be read is reported, dropped and made
+again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced_body_file import SCHEMA
+
+logger = logging.getLogger("warpffrf.offline")
+METHOD = 1  # raised whenever the reduction gives other numbers for the same input
+VARIABLE = "WARPFFRF_CACHE"
+
+
+def cache_folder() -> Path:
+    """Folder of the cache: `WARPFFRF_CACHE` where set, else the platform's folder for caches."""
+    if chosen := os.environ.get(VARIABLE):
+        return Path(chosen)
+    if sys.platform == "win32":
+        root = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+    elif sys.platform == "darwin":
+        root = Path.home() / "Library" / "Caches"
+    else:
+        root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return root / "warpffrf" / "reduced"
+
+
+def cache_key(settings: dict[str, Any]) -> str:
+    """sha256 of the settings (plain data, mesh hash included), schema and method."""
+    text = json.dumps({"settings": settings, "schema": SCHEMA, "method": METHOD}, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def load_cached(key: str) -> ReducedBody | None:
+    """The cached body, or None where there is none or it cannot be read."""
+    path = cache_folder() / f"{key}.h5"
+    if not path.is_file():
+        return None
+    try:
+        return ReducedBody.load(path)
+    except InputError as error:
+        logger.warning("cache entry dropped: %s", error)
+        try:
+            path.unlink(missing_ok=True)
+        except OSError:
+            pass
+        return None
+
+
+def store(key: str, body: ReducedBody) -> str | None:
+    """Put `body` into the cache; returns why not where that fails (a full or read-only disk must not lose the
+    result)."""
+    folder = cache_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        body.save(folder / f"{key}.h5")
+    except (OSError, InputError) as error:
+        logger.warning("the reduced body could not be cached: %s", error)
+        return f"not cached: {error}"
+    return None

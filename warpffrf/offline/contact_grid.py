@@ -1,0 +1,128 @@
+"""Choice of the hats' grid on a contact surface, in the chart (theta, z) of its true shape.
+
+Two grids exist. The *nodal* one takes the surface nodes of a structured quadrilateral mesh, where they form a tensor
+product with equal angles: then hats and finite-element trace are as fine as each other and `G` is definite. Every other
+mesh gets a structured grid of a given spacing, by default the longest facet edge, so that the trace stays independent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+
+SAME_PLACE = 1e-6  # chart coordinates of nodes closer than this fraction of the extent are the same line of the grid
+ROUND_SPACING = 1e-9  # a spacing that divides a length up to round-off divides it
+
+
+@dataclass(frozen=True)
+class GridPlan:
+    """A full rectangle of hats before those that reach over its edge are dropped: `columns` at `theta_start + j*pitch`
+    (the full turn when `periodic`, otherwise an arc with a hat on both edges), rows at `z` (rows,) [m]."""
+
+    theta_start: float
+    pitch: float
+    columns: int
+    periodic: bool
+    z: np.ndarray
+    nodal: bool
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Nodes of a facet set in the chart of its shape: `theta` (m, k) rad, unwrapped within each facet, `z` (m, k) m."""
+
+    theta: np.ndarray
+    z: np.ndarray
+    edge: float  # longest distance between neighbouring corners [m]
+
+
+def facet_chart(points: np.ndarray, nodes: np.ndarray, corners: int, shape) -> Chart:
+    """Chart coordinates of the nodes of facets `nodes` (m, k); neighbouring facets may differ by a full turn."""
+    theta, z, _ = shape.chart(points[nodes.ravel()])
+    theta, z = theta.reshape(nodes.shape), z.reshape(nodes.shape)
+    theta = theta[:, :1] + _wrapped(theta - theta[:, :1])
+    x = points[nodes[:, :corners]]
+    edge = float(np.max(np.linalg.norm(x - np.roll(x, 1, axis=1), axis=2)))
+    return Chart(theta, z, edge)
+
+
+def _wrapped(angle: np.ndarray) -> np.ndarray:
+    """Angle in [-pi, pi)."""
+    return (angle + np.pi) % (2.0 * np.pi) - np.pi
+
+
+def _lines(values: np.ndarray, extent: float) -> np.ndarray:
+    """Sorted distinct values, those within `SAME_PLACE` of the extent merged to their mean."""
+    ordered = np.sort(values)
+    starts = np.flatnonzero(np.concatenate([[True], np.diff(ordered) > SAME_PLACE * extent]))
+    return np.add.reduceat(ordered, starts) / np.diff(np.append(starts, len(ordered)))
+
+
+def covered_arc(chart: Chart, name: str) -> tuple[float, float, bool]:
+    """Start angle, extent [rad] of the facets, and whether they cover the full turn.
+
+    Raises `InputError` when the facets lie on more than one arc.
+    """
+    low, high = chart.theta.min(axis=1), chart.theta.max(axis=1)
+    order = np.argsort(low % (2.0 * np.pi))
+    low, length = (low % (2.0 * np.pi))[order], (high - low)[order]
+    reach = np.maximum.accumulate(low + length)
+    slack = SAME_PLACE * 2.0 * np.pi
+    gaps = np.flatnonzero(low[1:] > reach[:-1] + slack)
+    closing = low[0] + 2.0 * np.pi > reach[-1] + slack
+    if len(gaps) + closing == 0:
+        return 0.0, 2.0 * np.pi, True
+    if len(gaps) + closing > 1:
+        raise InputError(f"contact {name!r}: the facets lie on more than one arc; make a facet set of each")
+    if closing:
+        return float(low[0]), float(reach[-1] - low[0]), False
+    first = gaps[0] + 1  # the arc runs across theta = 0
+    return float(low[first]), float(reach[gaps[0]] + 2.0 * np.pi - low[first]), False
+
+
+def nodal_plan(chart: Chart, name: str, theta_first: float | None = None) -> GridPlan | None:
+    """The grid of the surface nodes, or None where they form no tensor product with equal angles.
+
+    `theta_first`: angle of the line that shall be column 0 of a full turn (the first plane of sector 0).
+    """
+    start, extent, full = covered_arc(chart, name)
+    turn = 2.0 * np.pi
+    origin = (theta_first or 0.0) if full else start
+    position = (chart.theta - origin) % turn
+    position = np.where(position > turn * (1.0 - SAME_PLACE), position - turn, position)
+    theta = _lines(position.ravel(), turn)
+    z = _lines(chart.z.ravel(), float(np.ptp(chart.z)))
+    steps = np.diff(theta)
+    if len(theta) < 3 or len(z) < 2 or np.ptp(steps) > SAME_PLACE * turn:
+        return None
+    j = np.searchsorted(theta - 0.5 * steps[0], position.ravel(), side="right") - 1
+    k = np.argmin(np.abs(z[:, None] - chart.z.ravel()[None]), axis=0) if len(z) < 200 else None
+    if k is None or len(np.unique(j * len(z) + k)) != len(theta) * len(z):
+        return None
+    if full:
+        columns = len(theta)
+        if abs(columns * steps[0] - turn) > SAME_PLACE * turn * columns:
+            return None
+        return GridPlan(origin + float(theta[0]), turn / columns, columns, True, z, True)
+    return GridPlan(origin + float(theta[0]), float(np.mean(steps)), len(theta), False, z, True)
+
+
+def spaced_plan(
+    chart: Chart, shape, name: str, spacing: float, theta_first: float = 0.0, multiple: int = 1
+) -> GridPlan:
+    """A structured grid of about `spacing` [m]; a full turn gets a number of columns that is a multiple of
+    `multiple`."""
+    start, extent, full = covered_arc(chart, name)
+    low, high = float(chart.z.min()), float(chart.z.max())
+    radius = float(np.max(shape.radius_at(np.array([low, 0.5 * (low + high), high]))))
+    rows = max(int((high - low) / spacing + ROUND_SPACING) + 1, 2)
+    z = np.linspace(low, high, rows)
+    if full:
+        columns = max(int(2.0 * np.pi * radius / (spacing * multiple) + ROUND_SPACING), 1) * multiple
+        columns = max(columns, 4)
+        return GridPlan(theta_first, 2.0 * np.pi / columns, columns, True, z, False)
+    columns = max(int(extent * radius / spacing + ROUND_SPACING) + 1, 4)
+    return GridPlan(start, extent / (columns - 1), columns, False, z, False)

@@ -1,0 +1,65 @@
+"""What both reduction paths return, before it is dressed as a `ReducedBody`; and the mass properties of a body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from warpffrf.model.reduced_body import ContactGrid, Recovery
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Which vibration modes are wanted: the first `count`, those up to `omega_max` [rad/s], or the fewer of both.
+    Both None: none."""
+
+    count: int | None
+    omega_max: float | None
+
+    @property
+    def none(self) -> bool:
+        """True when no vibration mode is wanted."""
+        return self.count == 0 or (self.count is None and self.omega_max is None)
+
+
+@dataclass
+class SurfaceProduct:
+    """Operators of one contact surface, see `ContactSurface`, and C of a window for the independence check."""
+
+    grid: ContactGrid
+    lags: np.ndarray
+    mode_normal: np.ndarray
+    recovery: Recovery
+    window: np.ndarray
+
+
+@dataclass
+class PathProduct:
+    """Everything that a path computes."""
+
+    mass: float
+    center: np.ndarray  # (3,) m
+    inertia: np.ndarray  # (3, 3) kg m2 about the centre
+    omega: np.ndarray  # (m,) rad/s
+    interface_modes: list[np.ndarray]  # (m, 6) each
+    surfaces: list[SurfaceProduct]
+    skin_points: np.ndarray
+    skin_triangles: np.ndarray
+    skin_modes: np.ndarray  # (m, n, 3)
+    facts: dict = field(default_factory=dict)
+
+
+def mass_properties(J: np.ndarray, origin: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+    """Mass [kg], centre (3,) [m] and inertia about it (3, 3) [kg m2] from the rigid mass matrix J (6, 6) about
+    `origin`.
+
+    J = [[m 1, -m c~], [m c~, I_o]] with c the centre relative to `origin`, I = I_o - m (c.c 1 - c c^T) (Steiner).
+    """
+    mass = float(np.trace(J[:3, :3]) / 3.0)
+    coupling = J[3:, :3] / mass  # c~
+    c = 0.5 * np.array(
+        [coupling[2, 1] - coupling[1, 2], coupling[0, 2] - coupling[2, 0], coupling[1, 0] - coupling[0, 1]]
+    )
+    inertia = J[3:, 3:] - mass * (c @ c * np.eye(3) - np.outer(c, c))
+    return mass, origin + c, 0.5 * (inertia + inertia.T)

@@ -1,0 +1,390 @@
+"""Scene -> constant device data (`warpffrf_kernels.model.Model`).
+
+Body frames are moved to the centre of mass here and nowhere else; `CompiledScene` keeps what is needed to move results back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import warp as wp
+from warpffrf_kernels import control as k
+from warpffrf_kernels.contact_geometry import GUARD
+from warpffrf_kernels.model import Model
+
+from warpffrf.model import rotation as rot
+from warpffrf.model.errors import InputError
+from warpffrf.model.forces import JointSpringDamper, PointForce, SpringDamper
+from warpffrf.online.settings import Settings
+
+MIN_HALF_WINDOW = 6  # columns: margin and guard columns of a patch of a few columns
+MAX_HALF_WINDOW = 60
+STENCIL_SPARE = 2  # a hat's support of length x touches at most ceil(x) + 1 cells, ceil(x) + 2 columns
+REACH_SPARE = 1.02  # arc length over its projection at the edge of the widest window
+
+
+@dataclass
+class Rows:
+    """Scalar rows being collected: constraints, drives, springs."""
+
+    kind: list[int] = field(default_factory=list)
+    a: list[int] = field(default_factory=list)
+    b: list[int] = field(default_factory=list)
+    i: list[int] = field(default_factory=list)
+    j: list[int] = field(default_factory=list)
+    signal: list[int] = field(default_factory=list)
+    stiffness: list[float] = field(default_factory=list)
+    damping: list[float] = field(default_factory=list)
+    reference: list[float] = field(default_factory=list)
+    preload: list[float] = field(default_factory=list)
+    rigid: list[int] = field(default_factory=list)
+
+    def add(self, kind, a, b, i=0, j=0, signal=-1, stiffness=0.0, damping=0.0, reference=0.0, preload=0.0, rigid=1) -> int:
+        values = (int(kind), a, b, i, j, signal, stiffness, damping, reference, preload, rigid)
+        for name, value in zip(self.__dataclass_fields__, values, strict=True):
+            getattr(self, name).append(value)
+        return len(self.kind) - 1
+
+    def __len__(self) -> int:
+        return len(self.kind)
+
+
+@dataclass
+class CompiledScene:
+    """Device constants of a scene and the host-side map from rows and surfaces back to names."""
+
+    scene: Any
+    model: Model
+    device: str
+    joint_rows: dict[str, list[int]]  # joint name -> its rows, drives included
+    coordinate_rows: dict[str, int]  # joint name -> row whose coordinate is the joint's
+    row_count: int
+    modal_start: np.ndarray
+    pair_surfaces: list[tuple[int, int]]
+    notes: list[str]
+
+
+# A joint kind is a table of rows: (kind, axis of a, axis of b). Its coordinate, where it has one, is measured by COORDINATE.
+_ORIENT = [(k.DIRECTION, 2, 0), (k.DIRECTION, 2, 1)]
+JOINT_ROWS = {
+    "fixed": [(k.TRANSLATION, 0, 0), (k.TRANSLATION, 1, 0), (k.TRANSLATION, 2, 0), *_ORIENT, (k.DIRECTION, 0, 1)],
+    "revolute": [(k.TRANSLATION, 0, 0), (k.TRANSLATION, 1, 0), (k.TRANSLATION, 2, 0), *_ORIENT],
+    "prismatic": [(k.TRANSLATION, 0, 0), (k.TRANSLATION, 1, 0), *_ORIENT, (k.DIRECTION, 0, 1)],
+}
+DRIVE_ROW = {"revolute": (k.ANGLE_DRIVE, 0, 0), "prismatic": (k.TRANSLATION, 2, 0)}
+
+
+class _Compiler:
+    def __init__(self, scene: Any, settings: Settings, device: str) -> None:
+        self.scene, self.settings, self.device = scene, settings, device
+        self.rows = Rows()
+        self.markers: list[tuple[int, int, np.ndarray, np.ndarray]] = []
+        self.signals: list[tuple[np.ndarray, np.ndarray]] = []
+        self.interfaces: dict[tuple[int, str], int] = {}
+        self.notes: list[str] = []
+        self.joint_rows: dict[str, list[int]] = {}
+        self.coordinate_rows: dict[str, int] = {}
+        self.joint_markers: dict[str, tuple[int, int]] = {}
+        self.surfaces: list[tuple[Any, Any]] = []  # (body, ContactSurface)
+
+    # --- pieces
+
+    def interface(self, port: Any) -> int:
+        if port.interface_name is None or not port.body.mode_count:
+            return -1
+        return self.interfaces.setdefault((port.body.index, port.interface_name), len(self.interfaces))
+
+    def marker(self, port: Any, point: np.ndarray, axes: np.ndarray) -> int:
+        body = port.body
+        offset = body.center_of_mass if body.index >= 0 else np.zeros(3)
+        self.markers.append((body.index, self.interface(port), np.asarray(point) - offset, axes))
+        return len(self.markers) - 1
+
+    def signal(self, signal: Any) -> int:
+        self.signals.append(signal.polynomial())
+        return len(self.signals) - 1
+
+    def joints(self) -> None:
+        for joint in self.scene.joints:
+            frames = joint.frames()
+            a, b = (self.marker(p, m.point, rot.matrix(m.rotation)) for p, m in zip(joint.ports, frames, strict=True))
+            self.joint_markers[joint.name] = (a, b)
+            self.joint_rows[joint.name] = [self.rows.add(kind, a, b, i, j) for kind, i, j in JOINT_ROWS[joint.kind]]
+        for drive in self.scene.drives:
+            a, b = self.joint_markers[drive.joint.name]
+            kind, i, j = DRIVE_ROW[drive.joint.kind]
+            row = self.rows.add(kind, a, b, i, j, signal=self.signal(drive.position()))
+            self.joint_rows[drive.joint.name].append(row)
+            self.coordinate_rows[drive.joint.name] = row
+
+    def springs(self) -> None:
+        for item in self.scene.forces:
+            if isinstance(item, JointSpringDamper):
+                if item.stiffness == 0.0 and item.damping == 0.0:
+                    raise InputError(f"joint spring {item.name!r}: stiffness and damping are both zero; remove it or use a PointForce")
+                a, b = self.joint_markers[item.joint.name]
+                row = self.rows.add(
+                    k.TRANSLATION, a, b, 2, 0, -1, item.stiffness, item.damping, item.reference, -item.preload, 0
+                )
+                self.coordinate_rows.setdefault(item.joint.name, row)
+            elif isinstance(item, SpringDamper):
+                if item.stiffness == 0.0 and item.damping == 0.0:
+                    raise InputError(f"spring {item.name!r}: stiffness and damping are both zero; remove it")
+                a, b = (self.marker(p, p.point, np.eye(3)) for p in item.ports)
+                self.rows.add(k.DISTANCE, a, b, 0, 0, -1, item.stiffness, item.damping, item.free_length, 0.0, 0)
+
+    def array(self, values: Any, dtype: Any = wp.float64, shape: tuple[int, ...] | None = None) -> wp.array:
+        """Device array; an empty one gets a single unused entry, so that kernels can be given it."""
+        kind = np.int32 if dtype is int or dtype is wp.int32 else np.float64
+        data = np.ascontiguousarray(values, dtype=kind)
+        if shape is not None:
+            data = data.reshape(shape)
+        if data.size == 0:
+            data = np.zeros([max(n, 1) for n in data.shape], kind)
+        return wp.array(data, dtype=wp.int32 if kind is np.int32 else dtype, device=self.device)
+
+    # --- the whole
+
+    def compile(self) -> CompiledScene:
+        scene, settings = self.scene, self.settings
+        m = Model()
+        self.joints()
+        self.springs()
+        bodies = scene.bodies
+        for contact in scene.contacts:
+            for port in contact.ports:
+                self.surfaces.append((port.body, port.surface))
+        for force in scene.forces:
+            if isinstance(force, PointForce):
+                self.interface(force.port)
+        modal_start = np.cumsum([0] + [b.mode_count for b in bodies])
+        m.body_count, m.modal_count, m.row_count = len(bodies), int(modal_start[-1]), len(self.rows)
+        m.outer_count = 6 * m.body_count + m.row_count
+        m.pair_count = len(scene.contacts)
+        m.gravity = wp.vec3d(*scene.gravity)
+        m.mass = self.array([b.mass for b in bodies])
+        m.inertia = self.array([b.inertia for b in bodies], wp.mat33d, (-1, 3, 3))
+        m.modal_start = self.array(modal_start, int)
+        m.modal_body = self.array(np.repeat(np.arange(len(bodies)), np.diff(modal_start)), int)
+        omega = np.concatenate([np.zeros(0)] + [2.0 * np.pi * b.reduced.frequencies for b in bodies if b.reduced is not None])
+        zeta = np.concatenate([np.zeros(0)] + [b.damping for b in bodies if b.reduced is not None])
+        m.stiffness = self.array(omega**2)
+        m.damping = self.array(2.0 * zeta * omega)
+        self._interfaces(m)
+        self._markers_rows_signals(m)
+        self._forces(m)
+        self._surfaces(m)
+        self._pairs(m)
+        m.residual_tolerance = settings.residual_tolerance
+        m.max_iterations = settings.max_iterations
+        m.max_inner = settings.max_inner
+        m.max_level = settings.max_level
+        m.energy_tolerance = settings.energy_tolerance
+        flexible = [b.name for b in bodies if b.mode_count]
+        if flexible:
+            self.notes.append(
+                "neglected on flexible bodies "
+                + ", ".join(flexible)
+                + ": change of inertia by deformation, Coriolis and centrifugal forces on the modes, inertia of the local modes"
+            )
+        pairs = [(2 * i, 2 * i + 1) for i in range(m.pair_count)]
+        return CompiledScene(
+            scene, m, self.device, self.joint_rows, self.coordinate_rows, len(self.rows), modal_start, pairs, self.notes
+        )  # fmt: skip
+
+    def _interfaces(self, m: Model) -> None:
+        bodies = self.scene.bodies
+        widest = max([b.mode_count for b in bodies], default=0)
+        points = np.zeros((max(len(self.interfaces), 1), 3))
+        modes = np.zeros((max(len(self.interfaces), 1), max(widest, 1), 6))
+        for (body, name), i in self.interfaces.items():
+            interface = bodies[body].reduced.interfaces[name]
+            points[i] = interface.point - bodies[body].center_of_mass
+            modes[i, : bodies[body].mode_count] = interface.modes
+        m.interface_point = self.array(points, wp.vec3d)
+        m.interface_modes = self.array(modes)
+
+    def _markers_rows_signals(self, m: Model) -> None:
+        for force in self.scene.forces:
+            if isinstance(force, PointForce):
+                force_signals = [self.signal(s) for s in force.components]
+                self.force_signals = getattr(self, "force_signals", [])
+                self.force_signals.append(force_signals)
+        m.marker_body = self.array([x[0] for x in self.markers], int)
+        m.marker_interface = self.array([x[1] for x in self.markers], int)
+        m.marker_point = self.array([x[2] for x in self.markers], wp.vec3d, (-1, 3))
+        m.marker_axes = self.array([x[3] for x in self.markers], wp.mat33d, (-1, 3, 3))
+        rows = self.rows
+        for name in rows.__dataclass_fields__:
+            dtype = wp.float64 if name in ("stiffness", "damping", "reference", "preload") else int
+            setattr(m, f"row_{name}", self.array(getattr(rows, name), dtype))
+        start = np.cumsum([0] + [len(c) for _, c in self.signals])
+        m.signal_start = self.array(start, int)
+        m.signal_break = self.array(np.concatenate([np.zeros(0)] + [b[: len(c)] for b, c in self.signals]))
+        m.signal_coefficient = self.array(np.concatenate([np.zeros((0, 8))] + [c for _, c in self.signals]), shape=(-1, 8))
+
+    def _forces(self, m: Model) -> None:
+        forces = [f for f in self.scene.forces if isinstance(f, PointForce)]
+        m.force_count = len(forces)
+        m.force_body = self.array([f.port.body.index for f in forces], int)
+        m.force_interface = self.array([self.interface(f.port) for f in forces], int)
+        points = [f.port.point - f.port.body.center_of_mass for f in forces]
+        m.force_point = self.array(points, wp.vec3d, (-1, 3))
+        m.force_in_body = self.array([int(f.frame == "body") for f in forces], int)
+        m.force_signal = self.array(getattr(self, "force_signals", []), int, (-1, 3))
+
+    def _surfaces(self, m: Model) -> None:
+        lists: dict[str, list] = {name: [] for name in (
+            "body", "origin", "frame", "radius", "crown", "theta", "pitch", "columns", "periodic", "turn", "rows", "block",
+            "sectors", "z_start", "lag_start", "mode_start",
+        )}  # fmt: skip
+        z, D, MDM, modes, moments = [], [], [], [], []
+        for body, surface in self.surfaces:
+            grid, shape = surface.grid, surface.shape
+            e_a = np.asarray(shape.e_a)
+            frame = np.stack([grid.e_0, np.cross(e_a, grid.e_0), e_a], axis=1)
+            sectors, side = len(surface.lags), surface.lags.shape[1]
+            block = side // grid.rows
+            turn = sectors * block if sectors > 1 or grid.periodic else 0
+            values = (
+                body.index, shape.axis_point - body.center_of_mass, frame, shape.radius, 1.0 / shape.curvature if shape.curvature else 0.0,
+                grid.theta_start, grid.pitch, grid.columns, int(grid.periodic), turn, grid.rows, block, sectors,
+                sum(map(len, z)), sum(map(len, D)), sum(map(len, modes)),
+            )  # fmt: skip
+            for name, value in zip(lists, values, strict=True):
+                lists[name].append(value)
+            z.append(np.asarray(grid.z))
+            D.append(np.ascontiguousarray(surface.lags).ravel())
+            MDM.append(weak_compliance(surface).ravel())
+            modes.append(np.ascontiguousarray(surface.mode_normal).ravel())
+            moments.append(_moments(surface).ravel())
+        for name, values in lists.items():
+            if name == "origin":
+                m.surface_origin = self.array(values, wp.vec3d, (-1, 3))
+            elif name == "frame":
+                m.surface_frame = self.array(values, wp.mat33d, (-1, 3, 3))
+            else:
+                dtype = wp.float64 if name in ("radius", "crown", "theta", "pitch") else int
+                setattr(m, f"surface_{name}", self.array(values, dtype))
+        empty = [np.zeros(0)]
+        m.surface_z = self.array(np.concatenate(empty + z))
+        m.compliance = self.array(np.concatenate(empty + D))
+        m.self_compliance = self.array(np.concatenate(empty + MDM))
+        m.mode_normal = self.array(np.concatenate(empty + modes))
+        m.mode_moment = self.array(np.concatenate(empty + moments))
+
+    def _pairs(self, m: Model) -> None:
+        settings = self.settings
+        for name, count in (("theta", settings.theta_points), ("z", settings.z_points)):
+            x, weight = np.polynomial.legendre.leggauss(count)
+            setattr(m, f"{name}_points", count)
+            setattr(m, f"{name}_abscissa", self.array(0.5 * (x + 1.0)))
+            setattr(m, f"{name}_weight", self.array(0.5 * weight))
+        m.pair_first = self.array(np.arange(0, 2 * m.pair_count, 2), int)
+        m.pair_second = self.array(np.arange(1, 2 * m.pair_count, 2), int)
+        half = rows = second_half = second_rows = pair_modes = 1
+        slots = 1
+        stencil = (1, 1)
+        coupled: list[list[int]] = []
+        for i, contact in enumerate(self.scene.contacts):
+            (body_a, a), (body_b, b) = self.surfaces[2 * i], self.surfaces[2 * i + 1]
+            wanted = self._half_window(contact, a, b)
+            half, rows = max(half, wanted), max(rows, a.grid.rows)
+            second_rows = max(second_rows, b.grid.rows)
+            ratio = a.grid.pitch * a.shape.radius / (b.grid.pitch * b.shape.radius)
+            columns = int(np.ceil(2.0 * ratio * REACH_SPARE - 1e-9)) + STENCIL_SPARE
+            stencil = (max(stencil[0], columns), max(stencil[1], _row_reach(a.grid.z, b.grid.z)))
+            second_half = max(second_half, int(np.ceil((wanted + 2) * ratio * REACH_SPARE)) + 3)
+            pair_modes = max(pair_modes, body_a.mode_count + body_b.mode_count)
+            hats = (2 * wanted + 1) * a.grid.rows
+            slots += hats if contact.capacity is None else min(contact.capacity, hats)
+            touching = [
+                6 * m.body_count + r
+                for r in range(len(self.rows))
+                if any(self.markers[x][0] in (body_a.index, body_b.index) and self.markers[x][1] >= 0 for x in (self.rows.a[r], self.rows.b[r]))
+            ]  # fmt: skip
+            coupled.append([6 * body_a.index + c for c in range(6)] + [6 * body_b.index + c for c in range(6)] + touching)
+        m.half_window, m.window_columns, m.max_rows = half, 2 * half + 1, rows
+        m.mode_capacity = m.window_columns * rows
+        m.stencil_columns, m.stencil_rows = stencil
+        m.second_half_window, m.second_columns, m.second_rows = second_half, 2 * second_half + 1, second_rows
+        m.node_capacity = m.second_columns * second_rows
+        m.pair_modes = pair_modes
+        m.slot_capacity = slots
+        m.coupled_capacity = max([len(c) for c in coupled], default=1)
+        m.coupled_count = self.array([len(c) for c in coupled], int)
+        m.coupled = self.array([c + [0] * (m.coupled_capacity - len(c)) for c in coupled], int, (-1, m.coupled_capacity))
+
+    def _half_window(self, contact: Any, a: Any, b: Any) -> int:
+        spacing = a.grid.pitch * a.shape.radius
+        effective = 1.0 / (1.0 / a.shape.radius + 1.0 / b.shape.radius)
+        if contact.capacity is not None:
+            return max(int(np.ceil(contact.capacity / a.grid.rows / 2.0)) + int(GUARD), 2 * int(GUARD) + 1)
+        wanted = int(np.ceil(self.settings.window_strain * effective / spacing)) + int(GUARD) + 1
+        if wanted > MAX_HALF_WINDOW:
+            self.notes.append(
+                f"contact {contact.name!r}: window capped at {2 * MAX_HALF_WINDOW + 1} columns of {2 * wanted + 1}; "
+                "a coarser contact grid (traction_spacing) would do, or give capacity="
+            )
+        return int(np.clip(wanted, MIN_HALF_WINDOW, MAX_HALF_WINDOW))
+
+
+def _row_reach(z_a: np.ndarray, z_b: np.ndarray) -> int:
+    """Most rows of the second grid under a hat of the first, at any axial offset."""
+    widest = max(z_a[min(i + 1, len(z_a) - 1)] - z_a[max(i - 1, 0)] for i in range(len(z_a)))
+    return min(len(z_b), int(np.ceil(widest / np.min(np.diff(z_b)) - 1e-9)) + STENCIL_SPARE)
+
+
+def _moments(surface: Any) -> np.ndarray:
+    """M Phi (nodes, modes): weak normal displacement of the global modes on the hats of the grid."""
+    grid = surface.grid
+    phi = surface.mode_normal.reshape(grid.columns, grid.rows, -1)
+    return np.einsum("kl,jlm->jkm", surface.gram_z, _theta_gram(grid, phi))
+
+
+def _theta_gram(grid: Any, field: np.ndarray) -> np.ndarray:
+    """M_theta applied along the columns of `field` (columns, ...)."""
+    out = 2.0 / 3.0 * grid.pitch * field
+    if grid.periodic:
+        return out + grid.pitch / 6.0 * (np.roll(field, 1, axis=0) + np.roll(field, -1, axis=0))
+    out[1:] += grid.pitch / 6.0 * field[:-1]
+    out[:-1] += grid.pitch / 6.0 * field[1:]
+    return out
+
+
+def weak_compliance(surface: Any) -> np.ndarray:
+    """C = M D M, block-circulant like D: weak displacement of hat i under a unit pressure hat j [m^3/Pa].
+
+    On a turn the two products are taken harmonic by harmonic; a dense operator is multiplied out.
+    """
+    grid, lags = surface.grid, surface.lags
+    sectors, side = lags.shape[:2]
+    c = side // grid.rows
+    if sectors == 1:
+        M = np.kron(grid.gram_theta(), surface.gram_z)
+        return (M @ lags[0] @ M)[None]
+    theta = np.zeros((sectors, c, c))
+    j = np.arange(c)
+    theta[0, j, j] = 2.0 / 3.0 * grid.pitch
+    for shift in (1, -1):  # hat j overlaps hat j + shift, which may stand in the next sector
+        other = j + shift
+        theta[(-(other // c)) % sectors, j, other % c] += grid.pitch / 6.0
+    M = np.einsum("nab,kl->nakbl", theta, surface.gram_z).reshape(sectors, side, side)
+    M_hat, D_hat = np.fft.rfft(M, axis=0), np.fft.rfft(lags, axis=0)
+    return np.fft.irfft(M_hat @ D_hat @ M_hat, n=sectors, axis=0)
+
+
+def compile_scene(scene: Any, settings: Settings, device: str) -> CompiledScene:
+    """Constant device data of `scene`; raises `InputError` for a scene that cannot be run."""
+    if not scene.bodies:
+        raise InputError("scene: there are no bodies; add one with scene.add_body or scene.add_rigid_body")
+    check = scene.check()
+    if check.redundant:
+        names = ", ".join(f"{name!r} ({count})" for name, count in check.redundant.items())
+        raise InputError(
+            f"scene: redundant constraints in {names}: their reactions are not unique; free a motion there "
+            "(for example a Revolute instead of a Fixed joint)"
+        )
+    return _Compiler(scene, settings, device).compile()

@@ -1,0 +1,39 @@
+"""Progress with the time left: a bar on a terminal, a log line now and then elsewhere."""
+
+from __future__ import annotations
+
+import logging
+import sys
+import time
+
+from tqdm import tqdm
+
+log = logging.getLogger("warpffrf")
+LOG_INTERVAL = 10.0  # s between log lines off a terminal
+
+
+class Progress:
+    """Counts towards `total`; silent unless `enabled`."""
+
+    def __init__(self, label: str, total: int, *, enabled: bool) -> None:
+        self.label, self.total, self.done, self.begin = label, total, 0, time.monotonic()
+        self.last = self.begin
+        terminal = sys.stderr.isatty()
+        self.bar = tqdm(total=total, desc=label, unit="step", leave=False) if enabled and terminal else None
+        self.logs = enabled and not terminal
+
+    def update(self, done: int) -> None:
+        """Steps done so far."""
+        if self.bar is not None:
+            self.bar.update(done - self.done)
+        self.done = done
+        now = time.monotonic()
+        if self.logs and now - self.last > LOG_INTERVAL and done:
+            left = (now - self.begin) / done * (self.total - done)
+            log.info("%s: %d of %d steps, about %.0f s left", self.label, done, self.total, left)
+            self.last = now
+
+    def close(self) -> None:
+        """End of the work."""
+        if self.bar is not None:
+            self.bar.close()

@@ -1,0 +1,282 @@
+"""Driving the graph: start, chunks with progress, stop, and what goes into the History."""
+
+from __future__ import annotations
+
+import logging
+import time
+from typing import Any
+
+import numpy as np
+import warp as wp
+from warpffrf_kernels import control as k
+
+from warpffrf.model.errors import InputError, require_number
+from warpffrf.online.compile import compile_scene
+from warpffrf.online.generalized_alpha import GeneralizedAlpha
+from warpffrf.online.graph import StepGraph
+from warpffrf.online.history import History
+from warpffrf.online.progress import Progress
+from warpffrf.online.record import history_from_rows
+from warpffrf.online.settings import Settings
+from warpffrf.online.state import State, Work, initial_state
+
+log = logging.getLogger("warpffrf")
+
+STATIC_STEPS = 60  # proximal steps of an equilibrium at most
+STATIC_GROWTH = 10.0  # of the proximal step from one to the next
+STATIC_FIRST = 1e-3  # s: moves a body by F/m * 1e-6 at first
+STATIC_LAST = 1e3  # s: a spring of 1 N/m under 1 kg is then 1e6 times stiffer than the proximal term
+STATIC_TOLERANCE = 1e-12  # m, movement of the last proximal step: round-off of positions of order 1 m times 1e4
+MESSAGES = {
+    k.NOT_CONVERGED: ("not_converged", "the Newton iteration did not converge; reduce step"),
+    k.CYCLING: ("cycling", "the active set of contact cycles; reduce step, or coarsen the contact grid (traction_spacing)"),
+    k.CAPACITY: ("capacity", "window overflow, raise capacity of the contact to >= {capacity}"),
+    k.NOT_FINITE: ("not_finite", "a NaN or infinite number arose in the step; look for extreme loads, masses or stiffnesses"),
+    k.SINGULAR: ("singular", "the joint equations are singular: redundant constraints, or a mechanism with no load path"),
+    k.INDEFINITE: ("indefinite", "the contact compliance is not positive definite; coarsen the contact grid (traction_spacing)"),
+    k.ENERGY: ("energy", "the energy ledger does not close at an impact; reduce step"),
+}  # fmt: skip
+
+
+class Engine:
+    """A scene on a device in `worlds` copies, ready to step."""
+
+    def __init__(
+        self, scene: Any, *, worlds: int = 1, device: str = "cpu", settings: Settings | None = None, rho_inf: float = 0.8
+    ) -> None:
+        wp.config.log_level = wp.LOG_WARNING
+        try:
+            wp.get_device(device)
+        except (ValueError, RuntimeError) as error:
+            raise InputError(f"device {device!r} is not available here; use 'cpu'") from error
+        self.settings = settings or Settings()
+        self.scene, self.worlds = scene, worlds
+        self.compiled = compile_scene(scene, self.settings, device)
+        self.state: State = initial_state(self.compiled, worlds)
+        self.work = Work(self.compiled, worlds, self.settings.ring_rows)
+        self.work.rho_inf.fill_(rho_inf)
+        self.graph = StepGraph(self.compiled, self.state, self.work, worlds)
+        self.rows: list[list[np.ndarray]] = [[] for _ in range(worlds)]
+        self.drained = np.zeros(worlds, dtype=int)
+        self.seconds_in_graph = 0.0
+
+    # --- control words, all worlds alike
+
+    def control(self, **values: int) -> None:
+        """Set integer control words by name (see `warpffrf_kernels.control`)."""
+        words = self.state.ctl.numpy().copy()
+        for name, value in values.items():
+            words[:, int(getattr(k, name))] = value
+        self.state.ctl.assign(words)
+
+    def clock(self, **values: float) -> None:
+        """Set real control words by name."""
+        words = self.state.clk.numpy().copy()
+        for name, value in values.items():
+            words[:, int(getattr(k, name))] = value
+        self.state.clk.assign(words)
+
+    def word(self, name: str) -> np.ndarray:
+        """A control word of every world."""
+        index = int(getattr(k, name))
+        source = self.state.ctl if index < k.CTL and name in _INTEGERS else self.state.clk
+        return source.numpy()[:, index].copy()
+
+    def replay(self, attempts: int) -> float:
+        """Run the graph, drain the ring; returns the wall time of the replay [s]."""
+        begin = time.perf_counter()
+        self.graph.replay(attempts)
+        seconds = time.perf_counter() - begin
+        self.seconds_in_graph += seconds
+        saved = self.word("SAVED")
+        if np.any(saved > self.drained):
+            ring = self.work.ring.numpy()
+            for w in range(self.worlds):
+                if saved[w] > self.drained[w]:
+                    at = np.arange(self.drained[w], saved[w]) % ring.shape[1]
+                    self.rows[w].append(ring[w, at].copy())
+            self.drained = saved
+        return seconds
+
+    # --- phases
+
+    def settle(self) -> bool:
+        """Bring every world to its static state at the present time by proximal steps of growing size; True on success."""
+        self._rates_to_zero()
+        tau = STATIC_FIRST
+        for _ in range(STATIC_STEPS):
+            self.control(MODE=int(k.STATIC), STEP=0, SUB=0, LEVEL=0, TARGET=1)
+            self.clock(USER_STEP=tau)
+            self.replay(1)
+            if np.any(self.word("STATUS")):
+                return False
+            if tau >= STATIC_LAST and np.all(self.word("MOVE") <= STATIC_TOLERANCE):
+                return True
+            tau = min(tau * STATIC_GROWTH, STATIC_LAST)
+        return False
+
+    def start(self) -> None:
+        """Consistent accelerations and multipliers at the present positions and velocities; opens the ledger, saves row 0."""
+        self.control(MODE=int(k.START), STEP=0, SUB=0, LEVEL=0, TARGET=1)
+        self.clock(USER_STEP=self.settings.start_step)
+        self.replay(1)
+
+    def save_now(self) -> None:
+        """Append the present state to the rows."""
+        self.control(RECORD=1)
+        self.graph.record()
+        self.control(RECORD=0)
+        self.replay(0)
+
+    def _rates_to_zero(self) -> None:
+        for name in ("v", "v_rate", "v_alg", "omega", "omega_rate", "omega_alg", "qd", "qd_rate", "qd_alg"):
+            getattr(self.state, name).zero_()
+
+    def initial_rates(self) -> None:
+        """Velocities of the scene, on top of whatever positions the state has."""
+        fresh = initial_state(self.compiled, self.worlds)
+        self._rates_to_zero()
+        wp.copy(self.state.v, fresh.v)
+        wp.copy(self.state.omega, fresh.omega)
+
+
+_INTEGERS = {name for name in dir(k) if name.isupper()} - {
+    "START_TIME", "USER_STEP", "TIME", "H", "NEXT_TIME", "ALPHA_M", "ALPHA_F", "BETA", "GAMMA", "ACC", "VEL", "RESIDUAL",
+    "FORCE_SCALE", "MOVE", "DONE_STEP", "HOLD",
+}  # fmt: skip
+
+
+def run(
+    scene: Any,
+    duration: float,
+    *,
+    step: float,
+    start: Any = "initial",
+    integrator: GeneralizedAlpha | None = None,
+    save_every: int = 1,
+    device: str = "cpu",
+    progress: bool = True,
+    settings: Settings | None = None,
+) -> History:
+    """Simulate `scene` for `duration` [s] in steps of `step` [s]; a solver that fails says so in `History.status`.
+
+    start: "initial", "equilibrium", or the History of an earlier run of the same scene. Raises InputError for wrong input.
+    """
+    duration = require_number(duration, "simulate: duration", positive=True)
+    step = require_number(step, "simulate: step", positive=True)
+    steps = int(round(duration / step))
+    if steps < 1:
+        raise InputError(f"simulate: step {step:g} s is longer than the duration {duration:g} s")
+    if save_every < 1:
+        raise InputError(f"simulate: save_every must be at least 1, got {save_every!r}")
+    begin = time.perf_counter()
+    integrator = integrator or GeneralizedAlpha()
+    engine = Engine(scene, device=device, settings=settings, rho_inf=integrator.rho_inf)
+    built = time.perf_counter()
+    continued = isinstance(start, History)
+    notes = list(engine.compiled.notes)
+    if continued:
+        engine.state.assign(start.checkpoint)
+        engine.drained = engine.word("SAVED")
+        first_step = int(engine.word("STEP")[0])
+        if not np.isclose(engine.word("USER_STEP")[0], step, rtol=1e-12):
+            # time is counted in steps from START_TIME: begin a new count here
+            engine.clock(START_TIME=float(engine.word("TIME")[0]), USER_STEP=step)
+            engine.control(STEP=0, SUB=0, LEVEL=0)
+            first_step = 0
+        engine.control(STATUS=0)
+    else:
+        if start == "equilibrium" and not engine.settle():
+            return _finish(engine, begin, built, notes, "equilibrium: ")
+        engine.initial_rates()
+        engine.start()
+        if np.any(engine.word("STATUS")):
+            return _finish(engine, begin, built, notes, "start: ")
+        engine.control(MODE=int(k.DYNAMIC), STEP=0, SUB=0, LEVEL=0, REJECTED=0, STEPS=0, ITERATIONS=0, WORST=0, PENDING=0, PENDING_SOLVES=0)
+        engine.clock(USER_STEP=step)
+        engine.save_now()
+        first_step = 0
+    engine.control(EVERY=save_every)
+    engine.seconds_in_graph = 0.0
+    loop = time.perf_counter()
+    interrupted = False
+    last_step = first_step + steps
+    bar = Progress("simulate", steps, enabled=progress)
+    try:
+        chunk = 4
+        done = first_step
+        while done < last_step and not np.any(engine.word("STATUS")):
+            target = min(done + chunk, last_step)
+            engine.control(TARGET=target)
+            seconds = engine.replay(4 * chunk)
+            now = int(engine.word("STEP").min())
+            rate = max(now - done, 1) / max(seconds, 1e-9)
+            chunk = int(np.clip(rate * engine.settings.chunk_seconds, 1, engine.settings.ring_rows * save_every - 1))
+            done = now
+            bar.update(done - first_step)
+    except KeyboardInterrupt:
+        interrupted = True
+    bar.close()
+    history = _finish(engine, begin, built, notes, "")
+    history.counters["loop_seconds"] = time.perf_counter() - loop
+    if interrupted and history.status == "completed":
+        history.status, history.message = "interrupted", "interrupted by the user; results up to there are kept"
+    return history
+
+
+def find_equilibrium(scene: Any, *, device: str = "cpu", settings: Settings | None = None) -> History:
+    """Static state of `scene` under its loads and prescribed motions at time 0, as a History of one row."""
+    begin = time.perf_counter()
+    engine = Engine(scene, device=device, settings=settings)
+    built = time.perf_counter()
+    if engine.settle():
+        engine.save_now()
+    return _finish(engine, begin, built, list(engine.compiled.notes), "equilibrium: ")
+
+
+def _finish(engine: Engine, begin: float, built: float, notes: list[str], prefix: str) -> History:
+    bits = int(engine.word("STATUS")[0])
+    status, message = describe(bits, int(engine.word("SPARE")[0]))
+    if prefix.startswith("equilibrium") and status == "completed" and not engine.rows[0] and float(engine.word("MOVE")[0]) > STATIC_TOLERANCE:
+        status, message = "no_equilibrium", _no_load_path(engine)
+    history = history_from_rows(engine.compiled, engine.rows[0])
+    history.status, history.message = status, (prefix + message if message else "")
+    steps = int(engine.word("STEPS")[0])
+    history.counters = {
+        "steps": steps,
+        "rejected_steps": int(engine.word("REJECTED")[0]),
+        "max_iterations": int(engine.word("WORST")[0]),
+        "mean_iterations": float(engine.word("ITERATIONS")[0]) / max(steps, 1),
+        "build_seconds": built - begin,
+        "seconds_in_graph": engine.seconds_in_graph,
+        "outer_columns": engine.compiled.model.outer_count + engine.compiled.model.modal_count,
+    }
+    if engine.word("EDGE")[0]:
+        notes.append("a contact patch reached the end of a contact surface that covers an arc only: the pressure is cut there")
+    if engine.word("REJECTED")[0]:
+        reasons = [text for bit, (text, _) in MESSAGES.items() if int(engine.word("REASON")[0]) & int(bit)]
+        notes.append(f"{int(engine.word('REJECTED')[0])} steps were halved ({', '.join(reasons)})")
+    history.notes = notes
+    history.checkpoint = engine.state.to_numpy()
+    return history
+
+
+def describe(bits: int, capacity: int) -> tuple[str, str]:
+    """Status word and message of the failure bits of a world."""
+    if bits == 0:
+        return "completed", ""
+    for bit, (status, message) in MESSAGES.items():
+        if bits & int(bit):
+            text = message.format(capacity=capacity)
+            return status, text + (" (the step was halved as often as allowed)" if bits & int(k.UNDERFLOW) else "")
+    return "step_underflow", "the step became too small"
+
+
+def _no_load_path(engine: Engine) -> str:
+    """Name the body that did not come to rest."""
+    moves = np.linalg.norm(engine.work.dx.numpy()[0], axis=-1)
+    body = engine.scene.bodies[int(np.argmax(moves))]
+    return (
+        f"body {body.name!r} does not come to rest ({moves.max():.3g} m in the last step): a mechanism with no load path; "
+        "add a joint, a spring, a drive or a contact that carries the load"
+    )

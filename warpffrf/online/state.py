@@ -1,0 +1,141 @@
+"""Arrays of a run, the world axis first: `State` is what a step takes and leaves, `Work` what happens in between."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+import warp as wp
+from warpffrf_kernels import control as k
+
+from warpffrf.model import rotation as rot
+from warpffrf.online.compile import CompiledScene
+
+REAL, VEC3, MAT33, QUAT, INT = wp.float64, wp.vec3d, wp.mat33d, wp.quatd, wp.int32
+RESIDUALS_KEPT = 32
+
+
+@dataclass
+class State:
+    """Accepted state of every world, and what the next step needs to continue bit for bit."""
+
+    r: wp.array  # (W, bodies) m, centre of mass
+    p: wp.array  # (W, bodies) body axes -> world
+    v: wp.array  # m/s
+    v_rate: wp.array
+    v_alg: wp.array  # algorithmic acceleration of generalized-alpha
+    omega: wp.array  # rad/s, body axes
+    omega_rate: wp.array
+    omega_alg: wp.array
+    q: wp.array  # (W, modes)
+    qd: wp.array
+    qd_rate: wp.array
+    qd_alg: wp.array
+    lam0: wp.array  # (W, rows)
+    lam: wp.array
+    active: wp.array  # (W, pairs, hats of the window) in the contact frame
+    pressure: wp.array  # Pa
+    energy: wp.array  # (W, 2, lines): accepted, trial
+    pair_force: wp.array  # (W, pairs, 2, 12): accepted, trial
+    modal_load: wp.array  # (W, 2, modes)
+    applied: wp.array  # (W, 2, forces)
+    applied_at: wp.array
+    drive_rate: wp.array  # (W, 2, rows)
+    ctl: wp.array  # (W, CTL) see warpffrf_kernels.control
+    clk: wp.array  # (W, CLK)
+
+    def to_numpy(self) -> dict[str, np.ndarray]:
+        """Copies of all arrays by name."""
+        return {f.name: getattr(self, f.name).numpy().copy() for f in fields(self)}
+
+    def assign(self, values: dict[str, np.ndarray]) -> None:
+        """Overwrite all arrays with the copies of `to_numpy`."""
+        for f in fields(self):
+            getattr(self, f.name).assign(values[f.name])
+
+
+class Work:
+    """Scratch arrays of a step, as attributes; shapes in the table below."""
+
+    def __init__(self, compiled: CompiledScene, worlds: int, ring_rows: int) -> None:
+        m, W = compiled.model, worlds
+        P, rows, B, Q = m.pair_count, m.row_count, m.body_count, m.modal_count
+        stations = (m.max_rows - 1) * m.z_points
+        points = (m.window_columns + 1) * m.theta_points * max(stations, 1)
+        N, S = m.outer_count, m.slot_capacity
+        table = {
+            "dx": (VEC3, B), "psi": (VEC3, B), "dq": (REAL, Q),
+            "r1": (VEC3, B), "p1": (QUAT, B), "axes": (MAT33, B), "psi_inverse": (MAT33, B),
+            "v1": (VEC3, B), "v1_rate": (VEC3, B), "omega1": (VEC3, B), "omega1_rate": (VEC3, B),
+            "q1": (REAL, Q), "qd1": (REAL, Q), "qd1_rate": (REAL, Q),
+            "residual": (REAL, 6 * B), "modal_residual": (REAL, Q), "receptance": (REAL, Q),
+            "C": (REAL, rows, 6 * B), "C_modal": (REAL, rows, Q), "coordinate": (REAL, rows), "defect": (REAL, rows),
+            "softness": (REAL, rows), "row_wrench": (REAL, rows, 6),
+            "tangent": (REAL, N, N), "rhs": (REAL, N), "scaling": (REAL, N), "elimination": (REAL, N, 2 * N),
+            "inverse": (REAL, N, N), "z_free": (REAL, N), "z": (REAL, N), "modal_step": (REAL, Q),
+            "residual_history": (REAL, RESIDUALS_KEPT), "gap_defect": (REAL, 1), "contact_energy": (REAL, 1),
+            "pair_wrench": (REAL, P, 6), "phase": (REAL, P, 8), "center": (INT, P, 2),
+            "station": (REAL, P, stations, 8), "station_wrench": (REAL, P, stations, 6),
+            "window": (INT, P, 2), "second_window": (INT, P, 2),
+            "point_gap": (REAL, P, points), "point_place": (REAL, P, points, 2),
+            "weak_gap": (REAL, P, m.mode_capacity), "area": (REAL, P, m.mode_capacity), "gap": (REAL, P, m.mode_capacity),
+            "wrench": (REAL, P, m.mode_capacity, 6), "proposed": (INT, P, m.mode_capacity),
+            "stencil": (REAL, P, m.mode_capacity, m.stencil_columns * m.stencil_rows),
+            "stencil_at": (INT, P, m.mode_capacity, 2),
+            "first_field": (REAL, P, m.mode_capacity), "second_field": (REAL, P, m.node_capacity),
+            "first_step": (REAL, P, m.mode_capacity), "second_step": (REAL, P, m.node_capacity),
+            "local_field": (REAL, P, m.node_capacity),
+            "slot_of": (INT, P, m.mode_capacity), "slot_mode": (INT, S, 2),
+            "T": (REAL, S, m.node_capacity), "J": (REAL, S, m.pair_modes), "local": (REAL, S, S), "G": (REAL, S, S),
+            "L": (REAL, S, m.coupled_capacity), "V": (REAL, S, N), "right": (REAL, S), "order": (INT, S),
+            "factor": (REAL, S, S + 1), "solution": (REAL, S),
+            "second_load": (REAL, P, m.node_capacity), "second_wrench": (REAL, P, 6),
+            "ring": (REAL, ring_rows, ring_width(m)),
+        }  # fmt: skip
+        for name, (dtype, *shape) in table.items():
+            setattr(self, name, zeros(dtype, (W, *shape), compiled.device))
+        self.running = zeros(INT, (1,), compiled.device)
+        self.budget = zeros(INT, (1,), compiled.device)
+        self.more = zeros(INT, (1,), compiled.device)
+        self.rho_inf = zeros(REAL, (W,), compiled.device)
+
+    def __getattr__(self, name: str) -> Any:  # declared by the table
+        raise AttributeError(name)
+
+
+def ring_width(m: Any) -> int:
+    """Numbers in one record, see `warpffrf_kernels.commit.record`."""
+    pair = 16 + m.mode_capacity + 1 + m.node_capacity
+    return 4 + k.LINES + 13 * m.body_count + m.modal_count + 7 * m.row_count + pair * m.pair_count
+
+
+def zeros(dtype: Any, shape: tuple[int, ...], device: str) -> wp.array:
+    """Zero array; an axis without entries gets one that nobody uses, so that kernels can be given it."""
+    return wp.zeros(tuple(max(n, 1) for n in shape), dtype=dtype, device=device)
+
+
+def initial_state(compiled: CompiledScene, worlds: int) -> State:
+    """State at the scene's initial pose and velocities, in `worlds` copies; accelerations and multipliers zero."""
+    m, W, scene = compiled.model, worlds, compiled.scene
+    P, rows, B, Q, F = m.pair_count, m.row_count, m.body_count, m.modal_count, m.force_count
+    table = {
+        "r": (VEC3, B), "p": (QUAT, B), "v": (VEC3, B), "v_rate": (VEC3, B), "v_alg": (VEC3, B),
+        "omega": (VEC3, B), "omega_rate": (VEC3, B), "omega_alg": (VEC3, B),
+        "q": (REAL, Q), "qd": (REAL, Q), "qd_rate": (REAL, Q), "qd_alg": (REAL, Q), "lam0": (REAL, rows), "lam": (REAL, rows),
+        "active": (INT, P, m.mode_capacity), "pressure": (REAL, P, m.mode_capacity), "energy": (REAL, 2, k.LINES),
+        "pair_force": (REAL, P, 2, 12), "modal_load": (REAL, 2, Q), "applied": (VEC3, 2, F), "applied_at": (VEC3, 2, F),
+        "drive_rate": (REAL, 2, rows), "ctl": (INT, k.CTL), "clk": (REAL, k.CLK),
+    }  # fmt: skip
+    state = State(**{name: zeros(dtype, (W, *shape), compiled.device) for name, (dtype, *shape) in table.items()})
+    r, p, v, omega = np.zeros((B, 3)), np.zeros((B, 4)), np.zeros((B, 3)), np.zeros((B, 3))
+    for i, body in enumerate(scene.bodies):
+        A = rot.matrix(body.rotation)
+        arm = A @ body.center_of_mass
+        r[i] = body.position + arm
+        p[i] = body.rotation
+        v[i] = body.velocity + np.cross(body.angular_velocity, arm)
+        omega[i] = A.T @ body.angular_velocity
+    for name, value in (("r", r), ("p", p), ("v", v), ("omega", omega)):
+        getattr(state, name).assign(np.broadcast_to(value, (W, *value.shape)).copy())
+    return state

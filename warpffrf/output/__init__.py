@@ -1,0 +1,9 @@
+"""Results, files, recordings and plots; `simulate` and `equilibrium` as users call them are in
+`warpffrf.output.simulate`."""
+
+from __future__ import annotations
+
+from warpffrf.output.contact_result import ContactResult, HertzLine, PatchPressure
+from warpffrf.output.result import Result
+
+__all__ = ["ContactResult", "HertzLine", "PatchPressure", "Result"]

@@ -1,0 +1,81 @@
+"""The table of everything a results file and an xarray dataset hold: one row a quantity, one name everywhere.
+
+A quantity is stacked over its owners (`contact_force (time, pair, axis)`) when its shape is the same for all of them,
+and kept one array per owner (`contact_pressure/<pair> (time, column, row)`) when it is not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Field:
+    """One stored quantity: public name, attribute of the history record, unit, frame, dimensions after `time`,
+    owner."""
+
+    name: str
+    attribute: str
+    units: str
+    frame: str
+    dims: tuple[str, ...] = ()
+    stacked: bool = True
+
+
+WORLD = "world"
+USER_ORIGIN = "world, about the origin of the body's user frame"
+AXIS, QUATERNION = ("axis",), ("quaternion",)
+
+RUN_FIELDS = (
+    Field("time", "time", "s", "none"),
+    Field("step_size", "step_size", "s", "none"),
+    Field("iterations", "iterations", "1", "none"),
+    Field("factorisations", "factorisations", "1", "none"),
+)
+
+BODY_FIELDS = (
+    Field("body_position", "position", "m", "world, origin of the body's user frame", AXIS),
+    Field("body_rotation", "rotation", "1", "user frame to world, quaternion x y z w", QUATERNION),
+    Field("body_velocity", "velocity", "m/s", "world, of the origin of the body's user frame", AXIS),
+    Field("body_angular_velocity", "angular_velocity", "rad/s", WORLD, AXIS),
+    Field("body_modal", "modal", "kg^0.5 m", "modal coordinates of the body", ("mode",), stacked=False),
+)
+
+JOINT_FIELDS = (
+    Field("joint_coordinate", "coordinate", "rad or m", "joint"),
+    Field("joint_force", "force", "N", "world, on the second body", AXIS),
+    Field("joint_torque", "torque", "N m", "world, on the second body, about the joint point", AXIS),
+)
+
+CONTACT_FIELDS = (
+    Field("contact_force", "force", "N", "world, on the first body", AXIS),
+    Field("contact_torque", "torque", "N m", f"{USER_ORIGIN}, on the first body", AXIS),
+    Field("contact_force_second", "force_second", "N", "world, on the second body", AXIS),
+    Field("contact_torque_second", "torque_second", "N m", f"{USER_ORIGIN}, on the second body", AXIS),
+    Field("contact_approach", "approach", "m", "along the line of centres"),
+    Field("contact_active_modes", "active_modes", "1", "none"),
+    Field("contact_first_column", "first_column", "1", "contact grid of the first surface"),
+    Field("contact_center_column", "center_column", "1", "contact grid of the first surface"),
+    Field("contact_first_column_second", "first_column_second", "1", "contact grid of the second surface"),
+    Field("contact_pressure", "pressure", "Pa", "contact grid of the first surface", ("column", "row"), stacked=False),
+    Field(
+        "contact_load_second",
+        "load_second",
+        "N",
+        "contact grid of the second surface, positive inwards",
+        ("column", "row"),
+        stacked=False,
+    ),
+)
+
+# Derived by `ContactResult`, written so that readers without warpffrf have them, never read back.
+DERIVED_FIELDS = (
+    Field("contact_half_width", "half_width", "m", "first surface, at mid-width"),
+    Field("contact_peak_pressure", "peak_pressure", "Pa", "first surface"),
+    Field("contact_line_load", "line_load", "N/m", "first surface, at mid-width"),
+)
+DERIVED_POSITIONS = (
+    Field("contact_pressure_theta", "theta", "rad", "chart of the first surface", ("column",), stacked=False),
+    Field("contact_pressure_arc", "arc", "m", "first surface, from the line of centres", ("column",), stacked=False),
+)
+ENERGY_UNITS = "J"

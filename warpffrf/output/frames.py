@@ -1,0 +1,130 @@
+"""What a recording shows, computed before anything is logged, so that colour ranges and magnification hold for the
+whole run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from warpffrf.output.skin import grid_theta_offset, rotate
+from warpffrf.output.thinning import thinned
+
+SHOWN_DISPLACEMENT = (
+    0.015  # automatic magnification: the largest displacement is drawn at most this part of the smallest body's size
+)
+RELIEF_HEIGHT = 0.35  # height of the pressure relief over the patch, as part of the length shown along the arc
+PATCH_VIEW = 3.0  # the patch map shows this many half-widths (largest of the run) to either side
+
+
+def frame_rows(steps: int, max_frames: int) -> tuple[np.ndarray, int]:
+    """Rows to show, first and last among them, at most `max_frames`, and the stride between them."""
+    if steps == 0:
+        return np.zeros(0, dtype=int), 1
+    if steps == 1 or max_frames == 1:
+        return np.array([steps - 1]), max(steps, 1)
+    stride = -(-(steps - 1) // (max_frames - 1))
+    rows = np.arange(0, steps, stride)
+    if rows[-1] != steps - 1:
+        rows = np.append(rows, steps - 1)
+    return rows, stride
+
+
+def round_factor(factor: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten not above `factor`; at least 1."""
+    if not np.isfinite(factor) or factor <= 1.0:
+        return 1.0
+    decade = 10.0 ** np.floor(np.log10(factor))
+    return float(max(m * decade for m in (1.0, 2.0, 5.0) if m * decade <= factor * (1.0 + 1e-12)))
+
+
+@dataclass
+class BodyFrames:
+    """The thinned skin of one body over the frames."""
+
+    points: np.ndarray  # (n, 3) m, user frame
+    triangles: np.ndarray  # (t, 3)
+    displacement: np.ndarray  # (F, n, 3) m, float32, user frame
+    size: float  # m, largest extent
+
+
+def body_frames(result: Any, rows: np.ndarray, max_points: int) -> dict[str, BodyFrames]:
+    """Skins of all flexible bodies at the given rows."""
+    frames = {}
+    for name, skin in result.skins().items():
+        sectors = max((s.recovery.sectors for s in skin.body.reduced.contact_surfaces.values()), default=1)
+        kept, triangles = thinned(skin.points, skin.triangles, max_points, sectors)
+        displacement = np.empty((len(rows), len(kept), 3), dtype=np.float32)
+        for f, i in enumerate(rows):
+            displacement[f] = skin.displacement(i)[kept]
+        size = float(np.ptp(skin.points, axis=0).max())
+        frames[name] = BodyFrames(skin.points[kept], triangles, displacement, size)
+    return frames
+
+
+def largest(values: list[np.ndarray]) -> float:
+    """Largest finite value in the arrays; 0 when there is none."""
+    tops = [float(np.max(v[np.isfinite(v)], initial=0.0)) for v in values]
+    return max(tops, default=0.0)
+
+
+@dataclass
+class PatchFrame:
+    """Where the patch of one pair is, at mid-width under the line of centres on the first surface."""
+
+    origin: np.ndarray  # (3,) m, world
+    axes: np.ndarray  # (3, 3), columns: along the arc, along the axis, outward normal; world
+
+
+def patch_frame(result: Any, contact: Any, i: int) -> PatchFrame:
+    """The frame that the close-up looks from at saved step `i`."""
+    surface = contact.view.first
+    grid, shape = surface.grid, surface.shape
+    theta = grid.theta_start + grid_theta_offset(surface) + grid.pitch * float(contact.history.center_column[i])
+    middle = 0.5 * (float(grid.z[0]) + float(grid.z[-1]))
+    normal, axis = shape.radial(theta), shape.e_a
+    motion = result.history.bodies[contact.view.first_body.name]
+    local = np.stack([np.cross(axis, normal), axis, normal])
+    origin = np.asarray(motion.position[i]) + rotate(motion.rotation[i], shape.point(theta, middle)[None])[0]
+    return PatchFrame(origin, rotate(motion.rotation[i], local).T)
+
+
+def grid_triangles(columns: int, rows: int) -> np.ndarray:
+    """Triangles (2 (columns - 1)(rows - 1), 3) of a structured grid with the row index fastest, seen
+    counter-clockwise from outside."""
+    j, k = np.meshgrid(np.arange(columns - 1), np.arange(rows - 1), indexing="ij")
+    a = (j * rows + k).ravel()
+    b, c, d = a + rows, a + rows + 1, a + 1
+    return np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+
+
+def relief(contact: Any, i: int, top: float, height: float) -> np.ndarray:
+    """Vertices (columns * rows, 3) [m] of the pressure relief in the patch frame, p/top * height above the true
+    surface.
+
+    Columns beyond the first without pressure fall together with it, so that only the patch is seen.
+    """
+    patch = contact.pressure(i)
+    z = patch.z - 0.5 * (patch.z[0] + patch.z[-1])
+    loaded = np.flatnonzero(np.any(patch.pressure > 0.0, axis=1))
+    ends = (max(loaded[0] - 1, 0), min(loaded[-1] + 1, len(patch.arc) - 1)) if len(loaded) else (0, 0)
+    angle, y = np.meshgrid(
+        np.clip(patch.arc, patch.arc[ends[0]], patch.arc[ends[1]]) / contact.mid_radius, z, indexing="ij"
+    )
+    radius = contact.mid_radius + (patch.pressure / top * height if top > 0.0 else 0.0)
+    return np.stack([radius * np.sin(angle), y, radius * np.cos(angle) - contact.mid_radius], axis=-1).reshape(-1, 3)
+
+
+def patch_map(contact: Any, i: int, reach: float, shape: tuple[int, int]) -> np.ndarray:
+    """Pressure (height, width) [Pa] over the unwrapped patch: arc from -reach to reach to the right, axis upwards."""
+    patch = contact.pressure(i)
+    height, width = shape
+    x = np.linspace(-reach, reach, width)
+    y = np.linspace(patch.z[-1], patch.z[0], height)
+    # bilinear hats: along the arc, then along the axis
+    across = np.stack([np.interp(x, patch.arc, p, left=0.0, right=0.0) for p in patch.pressure.T])
+    k = np.clip(np.searchsorted(patch.z, y, side="right") - 1, 0, max(len(patch.z) - 2, 0))
+    k1 = np.minimum(k + 1, len(patch.z) - 1)
+    t = np.where(k1 > k, (y - patch.z[k]) / np.where(k1 > k, patch.z[k1] - patch.z[k], 1.0), 0.0)[:, None]
+    return (1.0 - t) * across[k] + t * across[k1]

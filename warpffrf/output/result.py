@@ -1,0 +1,152 @@
+"""The result of a run as the user sees it: histories by name, derived quantities, a report, and ways out (files,
+plots)."""
+
+from __future__ import annotations
+
+import os
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.online.history import BodyHistory, History, JointHistory
+from warpffrf.output.contact_result import ContactResult
+from warpffrf.output.scene_view import SceneView, scene_view
+from warpffrf.output.skin import Skin
+
+
+class Result:
+    """What a run left behind. Arrays have one row per saved step; SI units; positions in the world, quaternions
+    (x, y, z, w).
+
+    `status` is "completed", or says why the run ended early: the arrays then hold everything up to there and
+    `message` names the cure.
+    """
+
+    def __init__(self, history: History) -> None:
+        self.history = history
+        self.view: SceneView = scene_view(history.scene)
+
+    @property
+    def time(self) -> np.ndarray:
+        """(T,) s."""
+        return self.history.time
+
+    @property
+    def status(self) -> str:
+        """completed | interrupted | not_converged | cycling | capacity | not_finite | step_underflow."""
+        return self.history.status
+
+    @property
+    def message(self) -> str:
+        """What happened and what to do about it; empty when the run completed."""
+        return self.history.message
+
+    @property
+    def energy(self) -> dict[str, np.ndarray]:
+        """The energy ledger, line -> (T,) J; see `warpffrf.online.history.ENERGY_LINES`."""
+        return self.history.energy
+
+    @property
+    def contact_names(self) -> list[str]:
+        """Names of the contact pairs."""
+        return list(self.history.contacts)
+
+    def body(self, name: str) -> BodyHistory:
+        """Motion of the body called `name`; raises InputError when there is none."""
+        return _named(self.history.bodies, "body", name)
+
+    def joint(self, name: str) -> JointHistory:
+        """Reaction and coordinate of the joint called `name`; raises InputError when there is none."""
+        return _named(self.history.joints, "joint", name)
+
+    def contact(self, name: str) -> ContactResult:
+        """The contact pair called `name`; raises InputError when there is none."""
+        return _named(self._contacts, "contact", name)
+
+    @cached_property
+    def _contacts(self) -> dict[str, ContactResult]:
+        return {name: ContactResult(history, self.view.pairs[name]) for name, history in self.history.contacts.items()}
+
+    def skins(self) -> dict[str, Skin]:
+        """Deformed skin of each flexible body by name."""
+        return {
+            name: Skin(self.history, self.view, body)
+            for name, body in self.view.bodies.items()
+            if body.reduced is not None
+        }
+
+    @cached_property
+    def energy_scale(self) -> float:
+        """The largest energy at hand in the run [J]: stored, or moved by forces, drives, gravity and dampers."""
+        energy = self.energy
+        zero = np.zeros(len(self.time))
+        stored = sum((np.abs(energy.get(k, zero)) for k in ("kinetic", "strain", "contact")), zero)
+        potential = energy.get("potential", zero)
+        moved = np.abs(potential - potential[:1])
+        moved = moved + sum((np.abs(energy.get(k, zero)) for k in ("force_work", "drive_work", "damping")), zero)
+        return float(np.max(np.maximum(stored, moved), initial=0.0))
+
+    @property
+    def energy_residual(self) -> np.ndarray:
+        """(T,) what closes the energy balance (ledger line "numerical") over the largest energy at hand;
+        positive means gained."""
+        numerical = np.asarray(self.energy.get("numerical", np.zeros(len(self.time))))
+        return numerical / self.energy_scale if self.energy_scale > 0.0 else np.zeros_like(numerical)
+
+    def report(self) -> str:
+        """Status, counters, contact figures at the last saved step, energy balance, and everything neglected
+        or capped."""
+        from warpffrf.output.report import report_text
+
+        return report_text(self)
+
+    def __repr__(self) -> str:
+        end = f"{self.time[-1]:.6g} s" if len(self.time) else "no step saved"
+        return f"Result(status={self.status!r}, rows={len(self.time)}, end={end}, contacts={self.contact_names})"
+
+    def plot(self, kind: str = "summary", ax: Any = None) -> Any:
+        """Draw one kind of plot on the matplotlib axes `ax` (a new one when None) and return it; "summary"
+        returns a Figure.
+
+        Kinds: see `warpffrf.output.figure.PLOTS`. Raises InputError for an unknown kind.
+        """
+        from warpffrf.output import figure
+
+        return figure.plot(self, kind, ax)
+
+    def to_xarray(self) -> Any:
+        """An `xarray.Dataset` with the names, units and frames of the results file; needs the optional
+        package xarray."""
+        from warpffrf.output.dataset import to_xarray
+
+        return to_xarray(self)
+
+    def to_vtu(self, path: str | os.PathLike[str], *, stride: int = 1) -> Path:
+        """Write a VTK time series (a .pvd and a folder of .vtu beside it) that ParaView and pyvista open."""
+        from warpffrf.output.vtu import write_time_series
+
+        return write_time_series(self, path, stride=stride)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the run as one HDF5 file; `Result.load` reads it back, also to continue the run."""
+        from warpffrf.output.results_file import write_results
+
+        return write_results(self, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Result:
+        """Read a results file. Raises InputError for a file that is missing, damaged, of another kind or of a
+        newer version."""
+        from warpffrf.output.results_file import read_history
+
+        return cls(read_history(path))
+
+
+def _named(items: dict[str, Any], kind: str, name: str) -> Any:
+    if name not in items:
+        known = ", ".join(f"'{n}'" for n in items) or "none"
+        raise InputError(f"the result has no {kind} called '{name}'; it has: {known}")
+    return items[name]

@@ -1,0 +1,212 @@
+"""A run as one HDF5 file, and back.
+
+    /time (time), /step_size, /iterations, /factorisations
+    /body_position (time, body, axis), /contact_force (time, pair, axis), ...   stacked over the owners
+    /contact_pressure/<pair> (time, column, row), /body_modal/<body>, ...       one dataset an owner
+    /energy (time, line)
+    /checkpoint/<array>      the complete state at the end, to continue from
+    /scene                   names, pairs, mass data, hash of the scene
+    /reduced/<hash>          each reduced body once, as its own file's bytes
+
+Names, energy lines, counters and notes are JSON in the file's attributes. Every dataset has the attributes `units`,
+`frame` and `dims`; `fields.py` is the table. Derived quantities (half-width, positions of the pressure) are written for
+other readers and not read back. Names of owners are percent-encoded where HDF5 needs it ("/", ".").
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote, unquote
+
+import h5py
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.online.history import BodyHistory, ContactHistory, History, JointHistory
+from warpffrf.output.dataset import stacked
+from warpffrf.output.fields import (
+    BODY_FIELDS,
+    CONTACT_FIELDS,
+    DERIVED_FIELDS,
+    DERIVED_POSITIONS,
+    ENERGY_UNITS,
+    JOINT_FIELDS,
+    RUN_FIELDS,
+    Field,
+)
+from warpffrf.output.paths import checked_output_path, written_whole
+from warpffrf.output.scene_view import BodyView, PairView, SceneView
+
+FORMAT = "warpffrf-results"
+SCHEMA_VERSION = 1
+COMPRESSION = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
+_GROUPS = (
+    ("bodies", "body", BODY_FIELDS, BodyHistory),
+    ("joints", "joint", JOINT_FIELDS, JointHistory),
+    ("contacts", "pair", CONTACT_FIELDS, ContactHistory),
+)
+
+
+def write_results(result: Any, path: str | os.PathLike[str]) -> Path:
+    """Write `result` to `path`, whole or not at all. Raises InputError when the path cannot be written."""
+    target = checked_output_path(path, "results")
+    history: History = result.history
+    steps = len(history.time)
+    with written_whole(target) as partial, h5py.File(partial, "w") as file:
+        file.attrs.update({"format": FORMAT, "schema_version": SCHEMA_VERSION})
+        file.attrs.update({"status": history.status, "message": history.message})
+        file.attrs["counters"] = json.dumps({k: float(v) for k, v in history.counters.items()})
+        file.attrs["notes"] = json.dumps(list(history.notes))
+        for field in RUN_FIELDS:
+            _put(file, field, getattr(history, field.attribute), ())
+        for attribute, dim, fields, _ in _GROUPS:
+            owners: dict[str, Any] = getattr(history, attribute)
+            file.attrs[f"{dim}_names"] = json.dumps(list(owners))
+            _put_group(file, dim, fields, owners, steps)
+        contacts = {name: result.contact(name) for name in history.contacts}
+        _put_group(file, "pair", (*DERIVED_FIELDS, *DERIVED_POSITIONS), contacts, steps)
+        lines = np.stack(list(history.energy.values()), axis=1) if history.energy else np.zeros((steps, 0))
+        file.attrs["energy_lines"] = json.dumps(list(history.energy))
+        _put(file, Field("energy", "energy", ENERGY_UNITS, "none", ("line",)), lines, ())
+        for name, array in history.checkpoint.items():
+            data = file.create_dataset(f"checkpoint/{_key(name)}", data=np.asarray(array))
+            data.attrs.update({"units": "internal", "frame": "internal", "dims": "internal"})
+        _put_scene(file, result.view)
+    return target
+
+
+def read_history(path: str | os.PathLike[str]) -> History:
+    """The `History` in a results file; its `scene` is a `SceneView`.
+
+    Raises InputError when the file is missing, is not a results file, is damaged, or was written by a newer version.
+    """
+    source = Path(path).expanduser()
+    if not source.is_file():
+        raise InputError(f"results file '{source}' does not exist")
+    try:
+        with h5py.File(source, "r") as file:
+            attributes: Any = file.attrs
+            if attributes.get("format") != FORMAT:
+                raise InputError(f"'{source}' is not a results file of warpffrf")
+            version = int(attributes["schema_version"])
+            if version > SCHEMA_VERSION:
+                raise InputError(
+                    f"results file '{source}' has schema version {version}, this program reads up to {SCHEMA_VERSION}; "
+                    "install a newer warpffrf"
+                )
+            return _read(file)
+    except InputError:
+        raise
+    except (OSError, KeyError, ValueError, TypeError) as error:
+        raise InputError(f"results file '{source}' is damaged ({error}); write it again") from error
+
+
+def _read(file: Any) -> History:
+    groups = {}
+    for attribute, dim, fields, record in _GROUPS:
+        names = json.loads(file.attrs[f"{dim}_names"])
+        groups[attribute] = {
+            name: record(**{f.attribute: _get(file, f, name, n) for f in fields}) for n, name in enumerate(names)
+        }
+    energy = file["energy"][()]
+    run = {f.attribute: file[f.name][()] for f in RUN_FIELDS}
+    return History(
+        scene=_get_scene(file),
+        energy={line: energy[:, n] for n, line in enumerate(json.loads(file.attrs["energy_lines"]))},
+        status=str(file.attrs["status"]),
+        message=str(file.attrs["message"]),
+        counters=json.loads(file.attrs["counters"]),
+        notes=json.loads(file.attrs["notes"]),
+        checkpoint={unquote(k): d[()] for k, d in file["checkpoint"].items()} if "checkpoint" in file else {},
+        **run,
+        **groups,
+    )
+
+
+# --- datasets ---
+
+
+def _key(name: str) -> str:
+    return quote(name, safe=" _-+()").replace(".", "%2E")
+
+
+def _put(parent: Any, field: Field, values: Any, owner_dims: tuple[str, ...], key: str | None = None) -> None:
+    array = np.asarray(values)
+    data = parent.create_dataset(key or field.name, data=array, **(COMPRESSION if array.size else {}))
+    data.attrs.update({"units": field.units, "frame": field.frame})
+    data.attrs["dims"] = " ".join(("time", *owner_dims, *field.dims))
+
+
+def _put_group(file: Any, dim: str, fields: tuple[Field, ...], owners: dict[str, Any], steps: int) -> None:
+    for field in fields:
+        if field.stacked:
+            _put(file, field, stacked(field, list(owners.values()), steps), (dim,))
+            continue
+        group = file.create_group(field.name)
+        for name, owner in owners.items():
+            _put(group, field, getattr(owner, field.attribute), (), key=_key(name))
+
+
+def _get(file: Any, field: Field, name: str, n: int) -> np.ndarray:
+    return file[field.name][:, n] if field.stacked else file[field.name][_key(name)][()]
+
+
+# --- the scene, as far as results need it ---
+
+
+def _put_scene(file: Any, view: SceneView) -> None:
+    group = file.create_group("scene")
+    group.attrs["content_hash"] = view.content_hash
+    group.attrs["joints"] = json.dumps(list(view.joints))
+    bodies, hashes = [], {}
+    for body in view.bodies.values():
+        digest = None
+        if body.reduced is not None:
+            digest = hashes.get(id(body.reduced)) or body.reduced.content_hash()
+            hashes[id(body.reduced)] = digest
+            if f"reduced/{digest}" not in file:
+                file.create_dataset(f"reduced/{digest}", data=_as_bytes(body.reduced))
+                file[f"reduced/{digest}"].attrs.update(
+                    {"units": "bytes", "frame": "a reduced-body file", "dims": "byte"}
+                )
+        center = [float(v) for v in body.center_of_mass]
+        bodies.append({"name": body.name, "mass": body.mass, "center_of_mass": center, "reduced": digest})
+    group.attrs["bodies"] = json.dumps(bodies)
+    pairs = [
+        [p.name, p.first_body.name, p.first_surface_name, p.second_body.name, p.second_surface_name]
+        for p in view.pairs.values()
+    ]
+    group.attrs["pairs"] = json.dumps(pairs)
+
+
+def _get_scene(file: Any) -> SceneView:
+    group = file["scene"]
+    reduced: dict[str | None, Any] = {None: None}
+    for digest in file.get("reduced", {}):
+        reduced[digest] = _from_bytes(file[f"reduced/{digest}"][()])
+    bodies = {
+        b["name"]: BodyView(b["name"], reduced[b["reduced"]], b["mass"], np.array(b["center_of_mass"]))
+        for b in json.loads(group.attrs["bodies"])
+    }
+    pairs = {
+        name: PairView(name, bodies[first], first_surface, bodies[second], second_surface)
+        for name, first, first_surface, second, second_surface in json.loads(group.attrs["pairs"])
+    }
+    return SceneView(str(group.attrs["content_hash"]), bodies, pairs, tuple(json.loads(group.attrs["joints"])))
+
+
+def _as_bytes(reduced: Any) -> np.ndarray:
+    with tempfile.TemporaryDirectory() as folder:
+        return np.frombuffer(reduced.save(Path(folder) / "body.h5").read_bytes(), dtype=np.uint8)
+
+
+def _from_bytes(data: np.ndarray) -> ReducedBody:
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "body.h5"
+        file.write_bytes(data.tobytes())
+        return ReducedBody.load(file)
