@@ -24,7 +24,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.kernel
 def generalise_contact(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
@@ -33,6 +33,7 @@ def generalise_contact(
 ):
     """Per (world, pair): contact force (world) and torque about the centre of mass (body axes) on A, then on B."""
     w, pair = wp.tid()
+    model = models[0]
     if ctl[w, k.ATTEMPT] == 0:
         return
     A = model.surface_body[model.pair_first[pair]]
@@ -50,7 +51,7 @@ def generalise_contact(
 
 @wp.kernel
 def balance_energy(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
     r1: wp.array2d(dtype=vec3),
@@ -76,6 +77,7 @@ def balance_energy(
 ):
     """Per world: the ledger of the trial state, energy[w, 1], from that of the accepted one, energy[w, 0]."""
     w = wp.tid()
+    model = models[0]
     if ctl[w, k.ATTEMPT] == 0:
         return
     half = real(0.5)
@@ -151,7 +153,7 @@ def balance_energy(
 
 @wp.kernel
 def decide(
-    model: Model,
+    models: wp.array(dtype=Model),
     energy: wp.array3d(dtype=real),
     dx: wp.array2d(dtype=vec3),
     ctl: wp.array2d(dtype=int),
@@ -159,6 +161,7 @@ def decide(
 ):
     """Per world: accept or reject the attempt, and choose the next step."""
     w = wp.tid()
+    model = models[0]
     if ctl[w, k.ATTEMPT] == 0:
         return
     total = real(0.0)
@@ -252,30 +255,32 @@ def keep_bodies(
     omega_rate: wp.array2d(dtype=vec3),
     omega_alg: wp.array2d(dtype=vec3),
 ):
-    w, b = wp.tid()
+    w, lane = wp.tid()
     if ctl[w, k.ACCEPT] == 0:
         return
-    mode = ctl[w, k.MODE]
-    if mode != k.START:
-        r[w, b] = r1[w, b]
-        p[w, b] = p1[w, b]
-    if mode == k.STATIC:
-        return
-    h = clk[w, k.H]
-    a_t = (dx[w, b] - h * v[w, b] - h * h * (real(0.5) - clk[w, k.BETA]) * v_alg[w, b]) / (clk[w, k.BETA] * h * h)
-    a_r = (psi[w, b] - h * omega[w, b] - h * h * (real(0.5) - clk[w, k.BETA]) * omega_alg[w, b]) / (
-        clk[w, k.BETA] * h * h
-    )
-    v_rate[w, b] = v1_rate[w, b]
-    omega_rate[w, b] = omega1_rate[w, b]
-    if mode == k.START or restarts(ctl, w):
-        a_t = v1_rate[w, b]
-        a_r = omega1_rate[w, b]
-    v_alg[w, b] = a_t
-    omega_alg[w, b] = a_r
-    if mode == k.DYNAMIC:
-        v[w, b] = v1[w, b]
-        omega[w, b] = omega1[w, b]
+    b = lane
+    while b < r.shape[1]:
+        mode = ctl[w, k.MODE]
+        if mode != k.START:
+            r[w, b] = r1[w, b]
+            p[w, b] = p1[w, b]
+        h = clk[w, k.H]
+        a_t = (dx[w, b] - h * v[w, b] - h * h * (real(0.5) - clk[w, k.BETA]) * v_alg[w, b]) / (clk[w, k.BETA] * h * h)
+        a_r = (psi[w, b] - h * omega[w, b] - h * h * (real(0.5) - clk[w, k.BETA]) * omega_alg[w, b]) / (
+            clk[w, k.BETA] * h * h
+        )
+        if mode == k.START or restarts(ctl, w):
+            a_t = v1_rate[w, b]
+            a_r = omega1_rate[w, b]
+        if mode != k.STATIC:
+            v_rate[w, b] = v1_rate[w, b]
+            omega_rate[w, b] = omega1_rate[w, b]
+            v_alg[w, b] = a_t
+            omega_alg[w, b] = a_r
+        if mode == k.DYNAMIC:
+            v[w, b] = v1[w, b]
+            omega[w, b] = omega1[w, b]
+        b += wp.block_dim()
 
 
 @wp.func
@@ -298,28 +303,30 @@ def keep_modes(
     qd_alg: wp.array2d(dtype=real),
     modal_load: wp.array3d(dtype=real),
 ):
-    w, n = wp.tid()
+    w, lane = wp.tid()
     if ctl[w, k.ACCEPT] == 0:
         return
-    mode = ctl[w, k.MODE]
-    modal_load[w, 0, n] = modal_load[w, 1, n]
-    if mode != k.START:
-        q[w, n] = q1[w, n]
-    if mode == k.STATIC:
-        return
-    h = clk[w, k.H]
-    a = (dq[w, n] - h * qd[w, n] - h * h * (real(0.5) - clk[w, k.BETA]) * qd_alg[w, n]) / (clk[w, k.BETA] * h * h)
-    qd_rate[w, n] = qd1_rate[w, n]
-    if mode == k.START or restarts(ctl, w):
-        a = qd1_rate[w, n]
-    qd_alg[w, n] = a
-    if mode == k.DYNAMIC:
-        qd[w, n] = qd1[w, n]
+    n = lane
+    while n < q.shape[1]:
+        mode = ctl[w, k.MODE]
+        modal_load[w, 0, n] = modal_load[w, 1, n]
+        if mode != k.START:
+            q[w, n] = q1[w, n]
+        h = clk[w, k.H]
+        a = (dq[w, n] - h * qd[w, n] - h * h * (real(0.5) - clk[w, k.BETA]) * qd_alg[w, n]) / (clk[w, k.BETA] * h * h)
+        if mode == k.START or restarts(ctl, w):
+            a = qd1_rate[w, n]
+        if mode != k.STATIC:
+            qd_rate[w, n] = qd1_rate[w, n]
+            qd_alg[w, n] = a
+        if mode == k.DYNAMIC:
+            qd[w, n] = qd1[w, n]
+        n += wp.block_dim()
 
 
 @wp.kernel
 def keep_rest(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     lam: wp.array2d(dtype=real),
     lam0: wp.array2d(dtype=real),
@@ -331,6 +338,7 @@ def keep_rest(
 ):
     """Per world: what is left to take over, or to restore after a rejection."""
     w = wp.tid()
+    model = models[0]
     if ctl[w, k.ATTEMPT] == 0:
         return
     accept = ctl[w, k.ACCEPT] != 0
@@ -359,52 +367,27 @@ def keep_rest(
 
 
 @wp.kernel
-def load_second(
-    model: Model,
+def sum_second(
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
-    active: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
     station: wp.array4d(dtype=real),
     station_wrench: wp.array4d(dtype=real),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
-    pressure: wp.array3d(dtype=real),
     second_load: wp.array3d(dtype=real),
     second_wrench: wp.array3d(dtype=real),
 ):
-    """Per (world, pair): hat forces on the second surface, and the wrench they sum to there (about A's centre of mass).
+    """Per (world, pair): the wrench that the hat forces on the second surface sum to there (about A's centre of mass).
 
     Hats reproduce linear functions, so force and moment agree with those of the first side to round-off.
     """
     w, pair = wp.tid()
+    model = models[0]
     if ctl[w, k.RECORD] == 0:
         return
-    A = model.pair_first[pair]
     B = model.pair_second[pair]
-    rows = model.surface_rows[A]
     rows_b = model.surface_rows[B]
-    i = int(0)
-    while i < model.node_capacity:
-        second_load[w, pair, i] = real(0.0)
-        i += 1
     for c in range(6):
         second_wrench[w, pair, c] = real(0.0)
-    m = (window[w, pair, 0] + model.half_window) * rows
-    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
-        if active[w, pair, m] != 0:
-            c = int(0)
-            while c < model.stencil_columns:
-                r = int(0)
-                while r < model.stencil_rows:
-                    row = stencil_at[w, pair, m, 1] + r
-                    if row < rows_b:
-                        node = (stencil_at[w, pair, m, 0] + c) * rows_b + row
-                        value = stencil[w, pair, m, c * model.stencil_rows + r] * pressure[w, pair, m]
-                        second_load[w, pair, node] = second_load[w, pair, node] + value
-                    r += 1
-                c += 1
-        m += 1
-    last = (rows - 1) * model.z_points - 1
+    last = (model.surface_rows[model.pair_first[pair]] - 1) * model.z_points - 1
     z0 = station[w, pair, 0, 3]
     z1 = station[w, pair, last, 3]
     i = int(0)
@@ -421,7 +404,7 @@ def load_second(
 
 @wp.kernel
 def record(
-    model: Model,
+    models: wp.array(dtype=Model),
     clk: wp.array2d(dtype=real),
     r: wp.array2d(dtype=vec3),
     p: wp.array2d(dtype=quat),
@@ -444,6 +427,7 @@ def record(
 ):
     """Per world: one row of the ring. Layout: `warpffrf.online.record`."""
     w = wp.tid()
+    model = models[0]
     if ctl[w, k.RECORD] == 0:
         return
     at = ctl[w, k.SAVED] % ring.shape[1]

@@ -14,14 +14,14 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
 
 @wp.kernel
 def take_slots(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     active: wp.array3d(dtype=int),
     area: wp.array3d(dtype=real),
@@ -31,6 +31,7 @@ def take_slots(
 ):
     """Per world: a slot for each active mode that has none; all slots are given back first when the grids have moved."""
     w = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0:
         return
     capacity = model.mode_capacity
@@ -74,79 +75,65 @@ def take_slots(
     ctl[w, k.ACTIVE] = number
 
 
-# T_j over the columns of the second surface that the window can touch. Lanes over (slot, column).
-# Measured against the same loops in Warp's Python: the whole step is about twice as fast.
-@wp.func_native("""
-    const int rows = model.surface_rows.data[B], block = model.surface_block.data[B], sectors = model.surface_sectors.data[B];
-    const int turn = model.surface_turn.data[B], side = block * rows, SC = model.stencil_columns, SR = model.stencil_rows;
-    const double* D = model.compliance.data + model.surface_lag_start.data[B];
-    const double* l = stencil.data + ((size_t)(w * model.pair_count + pair) * model.mode_capacity + m) * SC * SR;
-    const int* at = stencil_at.data + ((size_t)(w * model.pair_count + pair) * model.mode_capacity + m) * 2;
-    double* t = T.data + ((size_t)w * model.slot_capacity + slot) * model.node_capacity + (size_t)column * rows;
-    for (int z = 0; z < rows; ++z) t[z] = 0.0;
-    int target = origin + column;
-    if (turn > 0) target = ((target % turn) + turn) % turn;
-    else if (target < 0 || target >= model.surface_columns.data[B]) return;
-    const int tb = target / block, tc = target % block;
-    for (int c = 0; c < SC; ++c) {
-        int source = origin + at[0] + c;
-        if (turn > 0) source = ((source % turn) + turn) % turn;
-        else if (source < 0 || source >= model.surface_columns.data[B]) continue;
-        int lag = source / block - tb;
-        if (lag < 0) lag += sectors;
-        const double* d = D + ((size_t)lag * side + (size_t)(source % block) * rows) * side + tc * rows;
-        for (int r = 0; r < SR; ++r) {
-            const int row = at[1] + r;
-            const double weight = l[c * SR + r];
-            if (row >= rows || weight == 0.0) continue;
-            const double* x = d + (size_t)row * side;
-            for (int z = 0; z < rows; ++z) t[z] += weight * x[z];
-        }
-    }
-""")
-def spread(
-    model: Model,
-    w: int,
-    pair: int,
-    B: int,
-    slot: int,
-    m: int,
-    column: int,
-    origin: int,
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
-    T: wp.array3d(dtype=real),
-): ...
+@wp.func
+def table_row(model: Model, surface: int, source: int, row: int, target: int) -> int:
+    """Index, in the compliance tables, of the response at grid column `target` (row 0) to hat (source, row); columns counted over full
+    turns. -1 when the hat does not exist. Targets of following columns and rows follow contiguously."""
+    block = model.surface_block[surface]
+    rows = model.surface_rows[surface]
+    if model.surface_turn[surface] == 0 and (source < 0 or source >= block):
+        return -1
+    part = ((source % block) + block) % block
+    width = block + 2 * model.reach
+    at = (part * rows + row) * width + target - (source - part) + model.reach
+    return model.surface_lag_start[surface] + at * rows
 
 
 @wp.kernel
 def respond(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     center: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
-    T: wp.array3d(dtype=real),
+    T: wp.array(dtype=real),
 ):
-    """Lanes over (fresh slot, column of the second surface): T_j = D_B l_j."""
+    """Per world: T_j = D_B l_j of the fresh slots on the nodes of the second window."""
     w, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0:
         return
-    fresh = ctl[w, k.FRESH]
-    columns = model.second_columns
-    i = lane
-    while i < (ctl[w, k.SLOTS] - fresh) * columns:
-        slot = fresh + i / columns
-        column = i % columns
+    slot = ctl[w, k.FRESH]
+    while slot < ctl[w, k.SLOTS]:
         pair = slot_mode[w, slot, 0]
-        if column >= second_window[w, pair, 0] and column <= second_window[w, pair, 1]:
-            spread(
-                model, w, pair, model.pair_second[pair], slot, slot_mode[w, slot, 1], column,
-                center[w, pair, 1] - model.second_half_window, stencil, stencil_at, T,
-            )  # fmt: skip
-        i += wp.block_dim()
+        m = slot_mode[w, slot, 1]
+        B = model.pair_second[pair]
+        rows = model.surface_rows[B]
+        first = second_window[w, pair, 0]
+        count = (second_window[w, pair, 1] - first + 1) * rows
+        start = (w * model.slot_capacity + slot) * model.node_capacity + first * rows
+        i = lane
+        while i < count:
+            T[start + i] = real(0.0)
+            i += wp.block_dim()
+        sync()
+        origin = center[w, pair, 1] - model.second_half_window
+        c = int(0)
+        while c < model.stencil_columns:
+            r = int(0)
+            while r < model.stencil_rows:
+                weight = stencil[w, pair, m, c * model.stencil_rows + r]
+                if weight != real(0.0):
+                    at = table_row(
+                        model, B, origin + stencil_at[w, pair, m, 0] + c, stencil_at[w, pair, m, 1] + r, origin + first
+                    )
+                    if at >= 0:
+                        axpy(count, weight, model.compliance, at, T, start)
+                r += 1
+            c += 1
+        slot += 1
 
 
 @wp.func
@@ -163,57 +150,55 @@ def node_of(model: Model, surface: int, column: int, row: int) -> int:
 
 @wp.kernel
 def modal_rows(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     center: wp.array3d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
-    J: wp.array3d(dtype=real),
+    J: wp.array(dtype=real),
 ):
-    """Lanes over (fresh slot, mode of the pair): gradient of the weak gap by the global modes of A, then of B."""
+    """Per world: gradient of the weak gap of the fresh slots by the global modes of A, then of B."""
     w, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0:
         return
-    fresh = ctl[w, k.FRESH]
-    width = model.pair_modes
-    i = lane
-    while i < (ctl[w, k.SLOTS] - fresh) * width:
-        slot = fresh + i / width
-        n = i % width
+    slot = ctl[w, k.FRESH]
+    while slot < ctl[w, k.SLOTS]:
         pair = slot_mode[w, slot, 0]
         m = slot_mode[w, slot, 1]
         A = model.pair_first[pair]
         B = model.pair_second[pair]
-        body_a = model.surface_body[A]
-        body_b = model.surface_body[B]
-        modes_a = model.modal_start[body_a + 1] - model.modal_start[body_a]
-        modes_b = model.modal_start[body_b + 1] - model.modal_start[body_b]
-        value = real(0.0)
-        if n < modes_a:
-            rows = model.surface_rows[A]
-            column = m / rows
-            node = node_of(model, A, center[w, pair, 0] + column - model.half_window, m - column * rows)
-            if node >= 0:
-                value = -model.mode_moment[model.surface_mode_start[A] + node * modes_a + n]
-        elif n < modes_a + modes_b:
-            base = center[w, pair, 1] - model.second_half_window + stencil_at[w, pair, m, 0]
-            c = int(0)
-            while c < model.stencil_columns:
-                r = int(0)
-                while r < model.stencil_rows:
-                    row = stencil_at[w, pair, m, 1] + r
-                    if row < model.surface_rows[B]:
-                        node = node_of(model, B, base + c, row)
-                        if node >= 0:
-                            value -= (
-                                stencil[w, pair, m, c * model.stencil_rows + r]
-                                * model.mode_normal[model.surface_mode_start[B] + node * modes_b + n - modes_a]
-                            )
-                    r += 1
-                c += 1
-        J[w, slot, n] = value
-        i += wp.block_dim()
+        modes_a = model.modal_start[model.surface_body[A] + 1] - model.modal_start[model.surface_body[A]]
+        modes_b = model.modal_start[model.surface_body[B] + 1] - model.modal_start[model.surface_body[B]]
+        start = (w * model.slot_capacity + slot) * model.pair_modes
+        i = lane
+        while i < modes_a + modes_b:
+            J[start + i] = real(0.0)
+            i += wp.block_dim()
+        sync()
+        column = m / model.surface_rows[A]
+        node = node_of(
+            model, A, center[w, pair, 0] + column - model.half_window, m - column * model.surface_rows[A]
+        )
+        if node >= 0:
+            axpy(modes_a, real(-1.0), model.mode_moment, model.surface_mode_start[A] + node * modes_a, J, start)
+        base = center[w, pair, 1] - model.second_half_window + stencil_at[w, pair, m, 0]
+        c = int(0)
+        while c < model.stencil_columns:
+            r = int(0)
+            while r < model.stencil_rows:
+                weight = stencil[w, pair, m, c * model.stencil_rows + r]
+                if weight != real(0.0):
+                    node = node_of(model, B, base + c, stencil_at[w, pair, m, 1] + r)
+                    if node >= 0:
+                        axpy(
+                            modes_b, -weight, model.mode_normal, model.surface_mode_start[B] + node * modes_b,
+                            J, start + modes_a,
+                        )  # fmt: skip
+                r += 1
+            c += 1
+        slot += 1
 
 
 # Row `slot` of G against the slots up to itself, and its mirror.
@@ -221,8 +206,8 @@ def modal_rows(
     const int pair = slot_mode.data[((size_t)w * model.slot_capacity + slot) * 2];
     const int m = slot_mode.data[((size_t)w * model.slot_capacity + slot) * 2 + 1];
     const int A = model.pair_first.data[pair], B = model.pair_second.data[pair];
-    const int rows = model.surface_rows.data[A], block = model.surface_block.data[A], sectors = model.surface_sectors.data[A];
-    const int turn = model.surface_turn.data[A], side = block * rows, SC = model.stencil_columns, SR = model.stencil_rows;
+    const int rows = model.surface_rows.data[A], block = model.surface_block.data[A], width_a = block + 2 * model.reach;
+    const int SC = model.stencil_columns, SR = model.stencil_rows;
     const int rows_b = model.surface_rows.data[B], width = model.pair_modes, cap = model.slot_capacity;
     const double* DA = model.self_compliance.data + model.surface_lag_start.data[A];
     const size_t mode = (size_t)(w * model.pair_count + pair) * model.mode_capacity + m;
@@ -234,18 +219,14 @@ def modal_rows(
     const int first_b = model.modal_start.data[model.surface_body.data[B]];
     const int count_b = model.modal_start.data[model.surface_body.data[B] + 1] - first_b;
     const double* s = receptance.data + (size_t)w * model.modal_count;
-    int own = origin + m / rows;
-    if (turn > 0) own = ((own % turn) + turn) % turn;
+    const int own = origin + m / rows;
     for (int j = WP_TILE_THREAD_IDX; j <= slot; j += WP_TILE_BLOCK_DIM) {
         if (slot_mode.data[((size_t)w * cap + j) * 2] != pair) { G.data[((size_t)w * cap + slot) * cap + j] = 0.0;
             G.data[((size_t)w * cap + j) * cap + slot] = 0.0; local.data[((size_t)w * cap + slot) * cap + j] = 0.0;
             local.data[((size_t)w * cap + j) * cap + slot] = 0.0; continue; }
         const int mj = slot_mode.data[((size_t)w * cap + j) * 2 + 1];
-        int other = origin + mj / rows;
-        if (turn > 0) other = ((other % turn) + turn) % turn;
-        int lag = own / block - other / block;
-        if (lag < 0) lag += sectors;
-        double g = DA[((size_t)lag * side + (own % block) * rows + m % rows) * side + (other % block) * rows + mj % rows];
+        const int other = origin + mj / rows, part = ((other % block) + block) % block;
+        double g = DA[((size_t)(part * rows + mj % rows) * width_a + own - (other - part) + model.reach) * rows + m % rows];
         const double* t = T.data + ((size_t)w * cap + j) * model.node_capacity + (size_t)at[0] * rows_b + at[1];
         for (int c = 0; c < SC; ++c, t += rows_b)
             for (int r = 0; r < SR; ++r) if (l[c * SR + r] != 0.0) g += l[c * SR + r] * t[r];
@@ -264,8 +245,8 @@ def couple(
     slot_mode: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
-    T: wp.array3d(dtype=real),
-    J: wp.array3d(dtype=real),
+    T: wp.array(dtype=real),
+    J: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
     local: wp.array3d(dtype=real),
     G: wp.array3d(dtype=real),
@@ -274,20 +255,21 @@ def couple(
 
 @wp.kernel
 def assemble(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     center: wp.array3d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
-    T: wp.array3d(dtype=real),
-    J: wp.array3d(dtype=real),
+    T: wp.array(dtype=real),
+    J: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
     local: wp.array3d(dtype=real),
     G: wp.array3d(dtype=real),
 ):
     """Per world: rows of G of the fresh slots; `local` is the part of the local modes alone."""
     w, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0:
         return
     slot = ctl[w, k.FRESH]
@@ -302,70 +284,74 @@ def assemble(
 
 @wp.kernel
 def outer_rows(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     axes: wp.array2d(dtype=mat33),
     r1: wp.array2d(dtype=vec3),
     wrench: wp.array4d(dtype=real),
     slot_mode: wp.array3d(dtype=int),
-    J: wp.array3d(dtype=real),
+    J: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
     C_modal: wp.array3d(dtype=real),
-    inverse: wp.array3d(dtype=real),
+    inverse_transposed: wp.array(dtype=real),
     L: wp.array3d(dtype=real),
-    V: wp.array3d(dtype=real),
+    V: wp.array(dtype=real),
 ):
-    """Lanes over slots: gradient L of the gap by rigid coordinates and multipliers, and V = inverse . L.
+    """Per world: gradient L of the gap by rigid coordinates and multipliers, over the columns in `coupled` of the pair, and V = H L.
 
-    L = [d gap/d(rigid), -J sigma^-1 C_modal^T], over the columns in `coupled` of the pair.
+    L = [d gap/d(rigid), -J sigma^-1 C_modal^T]; for all slots after a move, else for the fresh ones.
     """
     w, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0:
         return
-    first = ctl[w, k.FRESH]
+    slot = ctl[w, k.FRESH]
     if ctl[w, k.MOVED] != 0:
-        first = 0
-    slot = first + lane
+        slot = 0
+    N = model.outer_count
     while slot < ctl[w, k.SLOTS]:
         pair = slot_mode[w, slot, 0]
         m = slot_mode[w, slot, 1]
         A = model.surface_body[model.pair_first[pair]]
         B = model.surface_body[model.pair_second[pair]]
-        f = vec3(wrench[w, pair, m, 0], wrench[w, pair, m, 1], wrench[w, pair, m, 2])
-        t = vec3(wrench[w, pair, m, 3], wrench[w, pair, m, 4], wrench[w, pair, m, 5])
-        t_a = wp.transpose(axes[w, A]) * t
-        t_b = wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f))
-        for i in range(3):
-            L[w, slot, i] = f[i]
-            L[w, slot, 3 + i] = t_a[i]
-            L[w, slot, 6 + i] = -f[i]
-            L[w, slot, 9 + i] = -t_b[i]
+        if lane == 0:
+            f = vec3(wrench[w, pair, m, 0], wrench[w, pair, m, 1], wrench[w, pair, m, 2])
+            t = vec3(wrench[w, pair, m, 3], wrench[w, pair, m, 4], wrench[w, pair, m, 5])
+            t_a = wp.transpose(axes[w, A]) * t
+            t_b = wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f))
+            for i in range(3):
+                L[w, slot, i] = f[i]
+                L[w, slot, 3 + i] = t_a[i]
+                L[w, slot, 6 + i] = -f[i]
+                L[w, slot, 9 + i] = -t_b[i]
         first_a = model.modal_start[A]
         count_a = model.modal_start[A + 1] - first_a
         first_b = model.modal_start[B]
         count_b = model.modal_start[B + 1] - first_b
+        start = (w * model.slot_capacity + slot) * model.pair_modes
         count = model.coupled_count[pair]
-        c = int(12)
+        c = 12 + lane
         while c < count:
             row = model.coupled[pair, c] - 6 * model.body_count
             value = real(0.0)
             n = int(0)
             while n < count_a:
-                value -= J[w, slot, n] * C_modal[w, row, first_a + n] * receptance[w, first_a + n]
+                value -= J[start + n] * C_modal[w, row, first_a + n] * receptance[w, first_a + n]
                 n += 1
             n = int(0)
             while n < count_b:
-                value -= J[w, slot, count_a + n] * C_modal[w, row, first_b + n] * receptance[w, first_b + n]
+                value -= J[start + count_a + n] * C_modal[w, row, first_b + n] * receptance[w, first_b + n]
                 n += 1
             L[w, slot, c] = value
+            c += wp.block_dim()
+        begin = (w * model.slot_capacity + slot) * N
+        c = lane
+        while c < N:
+            V[begin + c] = real(0.0)
+            c += wp.block_dim()
+        sync()
+        c = int(0)
+        while c < count:
+            axpy(N, L[w, slot, c], inverse_transposed, (w * N + model.coupled[pair, c]) * N, V, begin)
             c += 1
-        i = int(0)
-        while i < model.outer_count:
-            value = real(0.0)
-            c = int(0)
-            while c < count:
-                value += inverse[w, i, model.coupled[pair, c]] * L[w, slot, c]
-                c += 1
-            V[w, slot, i] = value
-            i += 1
-        slot += wp.block_dim()
+        slot += 1

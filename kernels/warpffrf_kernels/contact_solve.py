@@ -2,6 +2,12 @@
 
 For the current active set the linearised system of `outer` reads `(G + L H L^T) s = -(gap + L H rhs - J sigma^-1 r_m)`: symmetric
 positive definite, factored by a right-looking Cholesky with rank-4 row updates (contiguous, vectorises), the right-hand side riding along.
+
+Displacements by the local modes are never read off G: `local_fields` applies the compliance tables to the present loads, so that the
+residual is that of the present position of the grids, while G may be that of a position a small fraction of a column away. What
+the two differ by on the present pressures is carried as a correction of the gaps and modal loads (`carry_difference`): a modified Newton
+step whose fixed point is exact.
+
 The set is then corrected (pressure not positive: out; linearised weak gap negative: in) and the solve repeated with the outer coordinates
 frozen until the set has settled: a primal-dual active set method on the linearised problem.
 """
@@ -9,25 +15,27 @@ frozen until the set has settled: a primal-dual active set method on the lineari
 import warp as wp
 
 from warpffrf_kernels import control as k
-from warpffrf_kernels.contact_compliance import node_of
+from warpffrf_kernels.contact_compliance import node_of, table_row
 from warpffrf_kernels.contact_geometry import GUARD
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
+from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
+SHALLOW = wp.constant(wp.float64(1.0e-8))  # m: a penetration below this does not tighten the tolerance of gaps any further
 GAP_TOLERANCE = wp.constant(wp.float64(1.0e-15))  # m: a mean gap of round-off size does not close
 
 
 @wp.kernel
 def set_second_window(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     window: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
 ):
     """Per (world, pair): columns of the second grid that the window can touch."""
     w, pair = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0:
         return
     A = model.pair_first[pair]
@@ -39,20 +47,29 @@ def set_second_window(
     second_window[w, pair, 1] = model.second_half_window + half
 
 
+@wp.func_native("""
+    const double* a = x.data + at_x; const double* b = y.data + at_y; double s = 0.0;
+    for (int i = 0; i < n; ++i) s += a[i] * b[i];
+    return s;
+""")
+def dot(n: int, x: wp.array(dtype=real), at_x: int, y: wp.array(dtype=real), at_y: int) -> real: ...
+
+
 @wp.kernel
 def modal_fields(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
-    amplitude: wp.array2d(dtype=real),
+    amplitude: wp.array(dtype=real),
     of_state: int,
     first_field: wp.array3d(dtype=real),
-    second_field: wp.array3d(dtype=real),
+    second_field: wp.array(dtype=real),
 ):
     """Per (world, pair), lanes over hats of A and nodes of B: weak displacement (M Phi_A q)_i and displacement (Phi_B q) by the modes."""
     w, pair, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0 or (of_state != 0 and ctl[w, k.MOVED] == 0 and ctl[w, k.REASSEMBLE] == 0):
         return
     A = model.pair_first[pair]
@@ -60,34 +77,28 @@ def modal_fields(
     rows = model.surface_rows[A]
     first = model.modal_start[model.surface_body[A]]
     modes = model.modal_start[model.surface_body[A] + 1] - first
+    first += w * model.modal_count
     m = (window[w, pair, 0] + model.half_window) * rows + lane
     while m < (window[w, pair, 1] + model.half_window + 1) * rows:
         column = m / rows
         node = node_of(model, A, center[w, pair, 0] + column - model.half_window, m - column * rows)
         value = real(0.0)
         if node >= 0:
-            base = model.surface_mode_start[A] + node * modes
-            n = int(0)
-            while n < modes:
-                value += model.mode_moment[base + n] * amplitude[w, first + n]
-                n += 1
+            value = dot(modes, model.mode_moment, model.surface_mode_start[A] + node * modes, amplitude, first)
         first_field[w, pair, m] = value
         m += wp.block_dim()
     rows = model.surface_rows[B]
     first = model.modal_start[model.surface_body[B]]
     modes = model.modal_start[model.surface_body[B] + 1] - first
+    first += w * model.modal_count
     m = second_window[w, pair, 0] * rows + lane
     while m < (second_window[w, pair, 1] + 1) * rows:
         column = m / rows
         node = node_of(model, B, center[w, pair, 1] + column - model.second_half_window, m - column * rows)
         value = real(0.0)
         if node >= 0:
-            base = model.surface_mode_start[B] + node * modes
-            n = int(0)
-            while n < modes:
-                value += model.mode_normal[base + n] * amplitude[w, first + n]
-                n += 1
-        second_field[w, pair, m] = value
+            value = dot(modes, model.mode_normal, model.surface_mode_start[B] + node * modes, amplitude, first)
+        second_field[(w * model.pair_count + pair) * model.node_capacity + m] = value
         m += wp.block_dim()
 
 
@@ -100,9 +111,10 @@ def on_stencil(
     rows: int,
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
-    field: wp.array3d(dtype=real),
+    field: wp.array(dtype=real),
 ) -> real:
     """l_i . field, the field given on the window of the second grid."""
+    base = (w * model.pair_count + pair) * model.node_capacity
     total = real(0.0)
     c = int(0)
     while c < model.stencil_columns:
@@ -111,7 +123,7 @@ def on_stencil(
             row = stencil_at[w, pair, m, 1] + r
             if row < rows:
                 weight = stencil[w, pair, m, c * model.stencil_rows + r]
-                total += weight * field[w, pair, (stencil_at[w, pair, m, 0] + c) * rows + row]
+                total += weight * field[base + (stencil_at[w, pair, m, 0] + c) * rows + row]
             r += 1
         c += 1
     return total
@@ -119,7 +131,7 @@ def on_stencil(
 
 @wp.kernel
 def close_gaps(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     window: wp.array3d(dtype=int),
     weak_gap: wp.array3d(dtype=real),
@@ -127,11 +139,12 @@ def close_gaps(
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
     first_field: wp.array3d(dtype=real),
-    second_field: wp.array3d(dtype=real),
+    second_field: wp.array(dtype=real),
     gap: wp.array3d(dtype=real),
 ):
     """Weak gaps with the deformation by the global modes: gap = weak_gap - M Phi_A q - l . Phi_B q."""
     w, pair, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0 or (ctl[w, k.MOVED] == 0 and ctl[w, k.REASSEMBLE] == 0):
         return
     rows = model.surface_rows[model.pair_first[pair]]
@@ -147,58 +160,278 @@ def close_gaps(
 
 
 @wp.kernel
-def residual_gap(
-    model: Model,
+def local_fields(
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    second_window: wp.array3d(dtype=int),
+    active: wp.array3d(dtype=int),
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    second_load: wp.array(dtype=real),
+    first_local: wp.array(dtype=real),
+    second_local: wp.array(dtype=real),
+):
+    """Per (world, pair): loads of B's hats under the present pressures, and the displacements they and the pressures cause by the
+    local modes: weak ones on A's hats (M D_A M s), nodal ones on B (D_B f), both opening the gap."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0:
+        return
+    A = model.pair_first[pair]
+    B = model.pair_second[pair]
+    rows = model.surface_rows[A]
+    rows_b = model.surface_rows[B]
+    H = model.half_window
+    first = window[w, pair, 0] + H
+    count = (window[w, pair, 1] + H - first + 1) * rows
+    base = (w * model.pair_count + pair) * model.mode_capacity
+    low = second_window[w, pair, 0]
+    count_b = (second_window[w, pair, 1] - low + 1) * rows_b
+    base_b = (w * model.pair_count + pair) * model.node_capacity
+    origin = center[w, pair, 0] - H
+    origin_b = center[w, pair, 1] - model.second_half_window
+    i = lane
+    while i < model.mode_capacity:
+        first_local[base + i] = real(0.0)
+        i += wp.block_dim()
+    i = lane
+    while i < model.node_capacity:
+        second_load[base_b + i] = real(0.0)
+        second_local[base_b + i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    m = first * rows
+    while m < first * rows + count:
+        if active[w, pair, m] != 0:
+            s = pressure[w, pair, m]
+            column = m / rows
+            at = table_row(model, A, origin + column, m - column * rows, origin + first)
+            if at >= 0:
+                axpy(count, s, model.self_compliance, at, first_local, base + first * rows)
+            if lane == 0:
+                c = int(0)
+                while c < model.stencil_columns:
+                    r = int(0)
+                    while r < model.stencil_rows:
+                        weight = stencil[w, pair, m, c * model.stencil_rows + r]
+                        if weight != real(0.0):
+                            e = base_b + (stencil_at[w, pair, m, 0] + c) * rows_b + stencil_at[w, pair, m, 1] + r
+                            second_load[e] = second_load[e] + weight * s
+                        r += 1
+                    c += 1
+        m += 1
+    sync()
+    i = low * rows_b
+    while i < low * rows_b + count_b:
+        f = second_load[base_b + i]
+        if f != real(0.0):
+            column = i / rows_b
+            at = table_row(model, B, origin_b + column, i - column * rows_b, origin_b + low)
+            if at >= 0:
+                axpy(count_b, f, model.compliance, at, second_local, base_b + low * rows_b)
+        i += 1
+
+
+@wp.kernel
+def load_modes(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    second_window: wp.array3d(dtype=int),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    second_load: wp.array(dtype=real),
+    modal_load: wp.array(dtype=real),
+):
+    """Per world: load of the contact pressures on the global modes, at the present position of the grids."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+        return
+    trial = (2 * w + 1) * model.modal_count
+    i = lane
+    while i < model.modal_count:
+        modal_load[trial + i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    pair = int(0)
+    while pair < model.pair_count:
+        A = model.pair_first[pair]
+        rows = model.surface_rows[A]
+        start = model.modal_start[model.surface_body[A]]
+        modes = model.modal_start[model.surface_body[A] + 1] - start
+        m = (window[w, pair, 0] + model.half_window) * rows
+        while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+            if active[w, pair, m] != 0:
+                column = m / rows
+                node = node_of(model, A, center[w, pair, 0] + column - model.half_window, m - column * rows)
+                if node >= 0:
+                    at = model.surface_mode_start[A] + node * modes
+                    axpy(modes, -pressure[w, pair, m], model.mode_moment, at, modal_load, trial + start)
+            m += 1
+        B = model.pair_second[pair]
+        rows = model.surface_rows[B]
+        start = model.modal_start[model.surface_body[B]]
+        modes = model.modal_start[model.surface_body[B] + 1] - start
+        base = (w * model.pair_count + pair) * model.node_capacity
+        i = second_window[w, pair, 0] * rows
+        while i < (second_window[w, pair, 1] + 1) * rows:
+            f = second_load[base + i]
+            if f != real(0.0):
+                column = i / rows
+                node = node_of(model, B, center[w, pair, 1] + column - model.second_half_window, i - column * rows)
+                if node >= 0:
+                    at = model.surface_mode_start[B] + node * modes
+                    axpy(modes, -f, model.mode_normal, at, modal_load, trial + start)
+            i += 1
+        pair += 1
+
+
+@wp.kernel
+def residual_gap(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    window: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
     area: wp.array3d(dtype=real),
     wrench: wp.array4d(dtype=real),
     gap: wp.array3d(dtype=real),
-    slot_of: wp.array3d(dtype=int),
-    slot_mode: wp.array3d(dtype=int),
-    local: wp.array3d(dtype=real),
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
     pressure: wp.array3d(dtype=real),
+    first_local: wp.array(dtype=real),
+    second_local: wp.array(dtype=real),
     pair_wrench: wp.array3d(dtype=real),
     gap_defect: wp.array2d(dtype=real),
     contact_energy: wp.array2d(dtype=real),
 ):
     """Per world: contact wrench on A of every pair, what active gaps are left open (scaled), and the contact energy s.G.s/2."""
     w = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
+    worst = real(0.0)
+    depth = real(0.0)
+    energy = real(0.0)
     pair = int(0)
     while pair < model.pair_count:
         for i in range(6):
             pair_wrench[w, pair, i] = real(0.0)
+        rows = model.surface_rows[model.pair_first[pair]]
+        m = (window[w, pair, 0] + model.half_window) * rows
+        while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+            if active[w, pair, m] != 0 and area[w, pair, m] > real(0.0):
+                s = pressure[w, pair, m]
+                for i in range(6):
+                    pair_wrench[w, pair, i] = pair_wrench[w, pair, i] + s * wrench[w, pair, m, i]
+                opened = local_gap(model, w, pair, m, stencil, stencil_at, first_local, second_local)
+                energy += real(0.5) * s * opened
+                worst = wp.max(worst, wp.abs(gap[w, pair, m] + opened) / area[w, pair, m])
+                depth = wp.max(depth, wp.abs(gap[w, pair, m]) / area[w, pair, m])
+            m += 1
         pair += 1
-    worst = real(0.0)
-    depth = real(0.0)
-    energy = real(0.0)
+    gap_defect[w, 0] = real(0.0)
+    if depth > real(0.0):
+        gap_defect[w, 0] = worst / wp.max(depth, SHALLOW)
+    contact_energy[w, 0] = energy
+
+
+@wp.func
+def local_gap(
+    model: Model,
+    w: int,
+    pair: int,
+    m: int,
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+    first_local: wp.array(dtype=real),
+    second_local: wp.array(dtype=real),
+) -> real:
+    """Opening of a weak gap by the local modes of both bodies."""
+    at = w * model.pair_count + pair
+    rows_b = model.surface_rows[model.pair_second[pair]]
+    value = first_local[at * model.mode_capacity + m]
+    return value + on_stencil(model, w, pair, m, rows_b, stencil, stencil_at, second_local)
+
+
+@wp.kernel
+def carry_difference(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    active: wp.array3d(dtype=int),
+    slot_mode: wp.array3d(dtype=int),
+    local: wp.array3d(dtype=real),
+    J: wp.array(dtype=real),
+    pressure: wp.array3d(dtype=real),
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+    first_local: wp.array(dtype=real),
+    second_local: wp.array(dtype=real),
+    modal_load: wp.array3d(dtype=real),
+    gap: wp.array3d(dtype=real),
+    modal_residual: wp.array2d(dtype=real),
+):
+    """Per world, after a move that left G as it was: add to gaps and modal loads what G and J miss of the present state."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.REASSEMBLE] != 0:
+        return
     count = ctl[w, k.SLOTS]
-    slot = int(0)
+    slot = lane
     while slot < count:
         pair = slot_mode[w, slot, 0]
         m = slot_mode[w, slot, 1]
         if active[w, pair, m] != 0:
-            s = pressure[w, pair, m]
-            for i in range(6):
-                pair_wrench[w, pair, i] = pair_wrench[w, pair, i] + s * wrench[w, pair, m, i]
-            total = real(0.0)
+            total = local_gap(model, w, pair, m, stencil, stencil_at, first_local, second_local)
             other = int(0)
             while other < count:
                 p = slot_mode[w, other, 0]
                 n = slot_mode[w, other, 1]
                 if active[w, p, n] != 0:
-                    total += local[w, slot, other] * pressure[w, p, n]
+                    total -= local[w, slot, other] * pressure[w, p, n]
                 other += 1
-            energy += real(0.5) * s * total
-            worst = wp.max(worst, wp.abs(gap[w, pair, m] + total) / area[w, pair, m])
-            depth = wp.max(depth, wp.abs(gap[w, pair, m]) / area[w, pair, m])
+            gap[w, pair, m] = gap[w, pair, m] + total
+        slot += wp.block_dim()
+    n = lane
+    while n < model.modal_count:
+        load = slot_load(model, ctl, w, n, active, slot_mode, J, pressure)
+        modal_residual[w, n] = modal_residual[w, n] - (modal_load[w, 1, n] - load)
+        n += wp.block_dim()
+
+
+@wp.func
+def slot_load(
+    model: Model,
+    ctl: wp.array2d(dtype=int),
+    w: int,
+    n: int,
+    active: wp.array3d(dtype=int),
+    slot_mode: wp.array3d(dtype=int),
+    J: wp.array(dtype=real),
+    pressure: wp.array3d(dtype=real),
+) -> real:
+    """(J^T s) of mode n, with the rows that G was assembled with."""
+    body = model.modal_body[n]
+    load = real(0.0)
+    slot = int(0)
+    while slot < ctl[w, k.SLOTS]:
+        pair = slot_mode[w, slot, 0]
+        m = slot_mode[w, slot, 1]
+        if active[w, pair, m] != 0:
+            start = (w * model.slot_capacity + slot) * model.pair_modes
+            A = model.surface_body[model.pair_first[pair]]
+            B = model.surface_body[model.pair_second[pair]]
+            if A == body:
+                load += J[start + n - model.modal_start[A]] * pressure[w, pair, m]
+            if B == body:
+                start += model.modal_start[A + 1] - model.modal_start[A]
+                load += J[start + n - model.modal_start[B]] * pressure[w, pair, m]
         slot += 1
-    gap_defect[w, 0] = real(0.0)
-    if depth > real(0.0):
-        gap_defect[w, 0] = worst / wp.max(depth, real(1.0e-7))
-    contact_energy[w, 0] = energy
+    return load
 
 
 # Gathers the active block with its right-hand side, factors it, and solves for the pressures. Returns 1 if it is not definite.
@@ -260,7 +493,7 @@ def factor_and_solve(
     slot_mode: wp.array3d(dtype=int),
     G: wp.array3d(dtype=real),
     Lrow: wp.array3d(dtype=real),
-    V: wp.array3d(dtype=real),
+    V: wp.array(dtype=real),
     right: wp.array2d(dtype=real),
     order: wp.array2d(dtype=int),
     work: wp.array3d(dtype=real),
@@ -270,27 +503,28 @@ def factor_and_solve(
 
 @wp.kernel
 def solve_pressures(
-    model: Model,
+    models: wp.array(dtype=Model),
     active: wp.array3d(dtype=int),
     gap: wp.array3d(dtype=real),
     slot_mode: wp.array3d(dtype=int),
     G: wp.array3d(dtype=real),
-    J: wp.array3d(dtype=real),
+    J: wp.array(dtype=real),
     L: wp.array3d(dtype=real),
-    V: wp.array3d(dtype=real),
+    V: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
-    z_free: wp.array2d(dtype=real),
+    z_free: wp.array(dtype=real),
     ctl: wp.array2d(dtype=int),
     right: wp.array2d(dtype=real),
     order: wp.array2d(dtype=int),
     work: wp.array3d(dtype=real),
     solution: wp.array2d(dtype=real),
     pressure: wp.array3d(dtype=real),
-    z: wp.array2d(dtype=real),
+    z: wp.array(dtype=real),
 ):
     """Per world: pressures of the active set, and the outer increments they lead to."""
     w, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0:
         return
     count = int(0)
@@ -309,7 +543,7 @@ def solve_pressures(
         total = -gap[w, pair, slot_mode[w, a, 1]]
         c = int(0)
         while c < model.coupled_count[pair]:
-            total -= L[w, a, c] * z_free[w, model.coupled[pair, c]]
+            total -= L[w, a, c] * z_free[w * model.outer_count + model.coupled[pair, c]]
             c += 1
         n = int(0)
         for side in range(2):
@@ -318,7 +552,7 @@ def solve_pressures(
                 surface = model.pair_second[pair]
             mode = model.modal_start[model.surface_body[surface]]
             while mode < model.modal_start[model.surface_body[surface] + 1]:
-                total += J[w, a, n] * receptance[w, mode] * modal_residual[w, mode]
+                total += J[(w * model.slot_capacity + a) * model.pair_modes + n] * receptance[w, mode] * modal_residual[w, mode]
                 n += 1
                 mode += 1
         right[w, a] = total
@@ -332,96 +566,54 @@ def solve_pressures(
         a = order[w, i]
         pressure[w, slot_mode[w, a, 0], slot_mode[w, a, 1]] = solution[w, i]
         i += wp.block_dim()
+    N = model.outer_count
     c = lane
-    while c < model.outer_count:
-        total = z_free[w, c]
-        i = int(0)
-        while i < count:
-            total += solution[w, i] * V[w, order[w, i], c]
-            i += 1
-        z[w, c] = total
+    while c < N:
+        z[w * N + c] = z_free[w * N + c]
         c += wp.block_dim()
+    sync()
+    i = int(0)
+    while i < count:
+        axpy(N, solution[w, i], V, (w * model.slot_capacity + order[w, i]) * N, z, w * N)
+        i += 1
 
 
 @wp.kernel
 def modal_increments(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     active: wp.array3d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
-    J: wp.array3d(dtype=real),
+    J: wp.array(dtype=real),
     pressure: wp.array3d(dtype=real),
     C_modal: wp.array3d(dtype=real),
     receptance: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
-    z: wp.array2d(dtype=real),
-    modal_load: wp.array3d(dtype=real),
-    modal_step: wp.array2d(dtype=real),
+    z: wp.array(dtype=real),
+    modal_step: wp.array(dtype=real),
 ):
-    """Lanes over modes: contact load J^T s and increment sigma^-1 (-r_m - C_m^T dlam + J^T s)."""
-    w, n = wp.tid()
+    """Per world, lanes over modes: increment sigma^-1 (-r_m - C_m^T dlam + J^T s)."""
+    w, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0:
         return
-    body = model.modal_body[n]
-    load = real(0.0)
-    slot = int(0)
-    while slot < ctl[w, k.SLOTS]:
-        pair = slot_mode[w, slot, 0]
-        m = slot_mode[w, slot, 1]
-        if active[w, pair, m] != 0:
-            A = model.surface_body[model.pair_first[pair]]
-            B = model.surface_body[model.pair_second[pair]]
-            if A == body:
-                load += J[w, slot, n - model.modal_start[A]] * pressure[w, pair, m]
-            if B == body:
-                offset = model.modal_start[A + 1] - model.modal_start[A]
-                load += J[w, slot, offset + n - model.modal_start[B]] * pressure[w, pair, m]
-        slot += 1
-    modal_load[w, 1, n] = load
-    total = load - modal_residual[w, n]
-    row = int(0)
-    while row < model.row_count:
-        total -= C_modal[w, row, n] * z[w, 6 * model.body_count + row]
-        row += 1
-    modal_step[w, n] = receptance[w, n] * total
-
-
-@wp.kernel
-def second_displacement(
-    model: Model,
-    ctl: wp.array2d(dtype=int),
-    active: wp.array3d(dtype=int),
-    second_window: wp.array3d(dtype=int),
-    slot_mode: wp.array3d(dtype=int),
-    T: wp.array3d(dtype=real),
-    pressure: wp.array3d(dtype=real),
-    local_field: wp.array3d(dtype=real),
-):
-    """Per (world, pair), lanes over nodes of the second window: inward displacement by the local modes, sum_j T_j s_j."""
-    w, pair, lane = wp.tid()
-    if ctl[w, k.RUN] == 0:
-        return
-    rows = model.surface_rows[model.pair_second[pair]]
-    node = second_window[w, pair, 0] * rows + lane
-    while node < (second_window[w, pair, 1] + 1) * rows:
-        total = real(0.0)
-        slot = int(0)
-        while slot < ctl[w, k.SLOTS]:
-            m = slot_mode[w, slot, 1]
-            if slot_mode[w, slot, 0] == pair and active[w, pair, m] != 0:
-                total += T[w, slot, node] * pressure[w, pair, m]
-            slot += 1
-        local_field[w, pair, node] = total
-        node += wp.block_dim()
+    n = lane
+    while n < model.modal_count:
+        total = slot_load(model, ctl, w, n, active, slot_mode, J, pressure) - modal_residual[w, n]
+        row = int(0)
+        while row < model.row_count:
+            total -= C_modal[w, row, n] * z[w * model.outer_count + 6 * model.body_count + row]
+            row += 1
+        modal_step[w * model.modal_count + n] = receptance[w, n] * total
+        n += wp.block_dim()
 
 
 @wp.kernel
 def correct_set(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     axes: wp.array2d(dtype=mat33),
     r1: wp.array2d(dtype=vec3),
-    center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     area: wp.array3d(dtype=real),
     wrench: wp.array4d(dtype=real),
@@ -429,16 +621,17 @@ def correct_set(
     stencil_at: wp.array4d(dtype=int),
     gap: wp.array3d(dtype=real),
     first_step: wp.array3d(dtype=real),
-    second_step: wp.array3d(dtype=real),
-    local_field: wp.array3d(dtype=real),
-    slot_mode: wp.array3d(dtype=int),
-    z: wp.array2d(dtype=real),
+    second_step: wp.array(dtype=real),
+    first_local: wp.array(dtype=real),
+    second_local: wp.array(dtype=real),
+    z: wp.array(dtype=real),
     pressure: wp.array3d(dtype=real),
     active: wp.array3d(dtype=int),
     proposed: wp.array3d(dtype=int),
 ):
     """Per (world, pair), lanes over hats of the window: the corrected active set, written to `proposed`."""
     w, pair, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0:
         return
     A = model.pair_first[pair]
@@ -447,16 +640,13 @@ def correct_set(
     rows = model.surface_rows[A]
     rows_b = model.surface_rows[model.pair_second[pair]]
     H = model.half_window
-    turn = model.surface_turn[A]
-    block = model.surface_block[A]
-    side = block * rows
-    # motion of B relative to A at A's centre of mass
-    turn_a = axes[w, body_a] * vec3(z[w, 6 * body_a + 3], z[w, 6 * body_a + 4], z[w, 6 * body_a + 5])
-    turn_b = axes[w, body_b] * vec3(z[w, 6 * body_b + 3], z[w, 6 * body_b + 4], z[w, 6 * body_b + 5])
-    move = vec3(z[w, 6 * body_a], z[w, 6 * body_a + 1], z[w, 6 * body_a + 2])
-    move -= vec3(z[w, 6 * body_b], z[w, 6 * body_b + 1], z[w, 6 * body_b + 2])
+    # motion of A relative to B at A's centre of mass
+    a = w * model.outer_count + 6 * body_a
+    b = w * model.outer_count + 6 * body_b
+    turn_b = axes[w, body_b] * vec3(z[b + 3], z[b + 4], z[b + 5])
+    move = vec3(z[a], z[a + 1], z[a + 2]) - vec3(z[b], z[b + 1], z[b + 2])
     move -= wp.cross(turn_b, r1[w, body_a] - r1[w, body_b])
-    spin = turn_a - turn_b
+    spin = axes[w, body_a] * vec3(z[a + 3], z[a + 4], z[a + 5]) - turn_b
     m = (window[w, pair, 0] + H) * rows + lane
     while m < (window[w, pair, 1] + H + 1) * rows:
         new = int(0)
@@ -468,24 +658,7 @@ def correct_set(
             t = vec3(wrench[w, pair, m, 3], wrench[w, pair, m, 4], wrench[w, pair, m, 5])
             value = gap[w, pair, m] + wp.dot(f, move) + wp.dot(t, spin) - first_step[w, pair, m]
             value -= on_stencil(model, w, pair, m, rows_b, stencil, stencil_at, second_step)
-            value += on_stencil(model, w, pair, m, rows_b, stencil, stencil_at, local_field)
-            own = center[w, pair, 0] - H + m / rows
-            if turn > 0:
-                own = ((own % turn) + turn) % turn
-            base = model.surface_lag_start[A]
-            slot = int(0)
-            while slot < ctl[w, k.SLOTS]:
-                n = slot_mode[w, slot, 1]
-                if slot_mode[w, slot, 0] == pair and active[w, pair, n] != 0:
-                    other = center[w, pair, 0] - H + n / rows
-                    if turn > 0:
-                        other = ((other % turn) + turn) % turn
-                    lag = own / block - other / block
-                    if lag < 0:
-                        lag += model.surface_sectors[A]
-                    at = (lag * side + (own % block) * rows + m % rows) * side + (other % block) * rows + n % rows
-                    value += model.self_compliance[base + at] * pressure[w, pair, n]
-                slot += 1
+            value += local_gap(model, w, pair, m, stencil, stencil_at, first_local, second_local)
             if value < -GAP_TOLERANCE * area[w, pair, m]:
                 new = 1
         proposed[w, pair, m] = new
@@ -494,7 +667,7 @@ def correct_set(
 
 @wp.kernel
 def accept_set(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     center: wp.array3d(dtype=int),
     proposed: wp.array3d(dtype=int),
@@ -507,6 +680,7 @@ def accept_set(
     The pressures of modes that left are zeroed only when the set goes on changing; a settled set keeps what was solved.
     """
     w = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0:
         return
     H = model.half_window

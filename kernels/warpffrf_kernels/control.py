@@ -35,7 +35,8 @@ ATTEMPT = wp.constant(28)  # 1 when this world takes part in the attempt
 ACCEPT = wp.constant(29)  # 1 when the attempt was accepted
 RECORD = wp.constant(30)  # 1 when the accepted state is to be saved
 EVERY = wp.constant(31)  # save every so many user steps
-CTL = 32
+REFRESH = wp.constant(32)  # 1 when the outer matrix is to be inverted anew
+CTL = 33
 
 # --- reals
 START_TIME = wp.constant(0)

@@ -66,14 +66,14 @@ class Model:
     surface_columns: wp.array(dtype=int)
     surface_periodic: wp.array(dtype=int)  # 1: hats all around; 0: hats on an arc only
     surface_turn: wp.array(dtype=int)  # columns of the full turn that the compliance counts, 0 when it covers an arc
+    reach: int  # grid columns on each side of a block that the compliance tables hold
     surface_rows: wp.array(dtype=int)
     surface_block: wp.array(dtype=int)  # columns of a block of the compliance
-    surface_sectors: wp.array(dtype=int)  # number of blocks
     surface_z_start: wp.array(dtype=int)  # into surface_z
     surface_lag_start: wp.array(dtype=int)  # into compliance and self_compliance
     surface_mode_start: wp.array(dtype=int)  # into mode_normal and mode_moment
     surface_z: wp.array(dtype=real)
-    compliance: wp.array(dtype=real)  # D, block-circulant lags of all surfaces
+    compliance: wp.array(dtype=real)  # D as a table (column of the block, source row, target column + reach, target row), all surfaces
     self_compliance: wp.array(dtype=real)  # M D M, same layout
     mode_normal: wp.array(dtype=real)  # (nodes, modes of the body), flat per surface
     mode_moment: wp.array(dtype=real)  # M Phi, same layout

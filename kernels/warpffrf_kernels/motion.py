@@ -44,6 +44,7 @@ def begin_step(
     ctl[w, k.ATTEMPT] = 1
     ctl[w, k.MOVED] = 1
     ctl[w, k.REASSEMBLE] = 1
+    ctl[w, k.REFRESH] = 1
     ctl[w, k.ITERATION] = 0
     ctl[w, k.INNER] = 0
     ctl[w, k.CHANGES] = 0
@@ -120,11 +121,14 @@ def predict_bodies(
     dx: wp.array2d(dtype=vec3),
     psi: wp.array2d(dtype=vec3),
 ):
-    w, b = wp.tid()
+    w, lane = wp.tid()
     if ctl[w, k.RUN] == 0:
         return
-    dx[w, b] = predicted(clk, w, v[w, b], v_rate[w, b], v_alg[w, b])
-    psi[w, b] = predicted(clk, w, omega[w, b], omega_rate[w, b], omega_alg[w, b])
+    b = lane
+    while b < v.shape[1]:
+        dx[w, b] = predicted(clk, w, v[w, b], v_rate[w, b], v_alg[w, b])
+        psi[w, b] = predicted(clk, w, omega[w, b], omega_rate[w, b], omega_alg[w, b])
+        b += wp.block_dim()
 
 
 @wp.kernel
@@ -136,16 +140,19 @@ def predict_modes(
     qd_alg: wp.array2d(dtype=real),
     dq: wp.array2d(dtype=real),
 ):
-    w, m = wp.tid()
+    w, lane = wp.tid()
     if ctl[w, k.RUN] == 0:
         return
-    p = predicted(clk, w, vec3(qd[w, m]), vec3(qd_rate[w, m]), vec3(qd_alg[w, m]))
-    dq[w, m] = p[0]
+    m = lane
+    while m < qd.shape[1]:
+        p = predicted(clk, w, vec3(qd[w, m]), vec3(qd_rate[w, m]), vec3(qd_alg[w, m]))
+        dq[w, m] = p[0]
+        m += wp.block_dim()
 
 
 @wp.kernel
 def move_bodies(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
     r: wp.array2d(dtype=vec3),
@@ -170,45 +177,49 @@ def move_bodies(
     psi_inverse: wp.array2d(dtype=mat33),
 ):
     """Trial state of each body, its unbalanced inertia and gravity forces, and their tangent (blocks of `tangent`)."""
-    w, b = wp.tid()
+    w, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
-    a_t = algorithmic(clk, w, dx[w, b], v[w, b], v_alg[w, b])
-    a_r = algorithmic(clk, w, psi[w, b], omega[w, b], omega_alg[w, b])
-    vel = velocity_of(clk, w, v[w, b], v_alg[w, b], a_t)
-    spin = velocity_of(clk, w, omega[w, b], omega_alg[w, b], a_r)
-    acc = rate_of(clk, w, v_rate[w, b], v_alg[w, b], a_t)
-    spin_rate = rate_of(clk, w, omega_rate[w, b], omega_alg[w, b], a_r)
-    q1 = wp.normalize(p[w, b] * exponential(psi[w, b]))
-    r1[w, b] = r[w, b] + dx[w, b]
-    p1[w, b] = q1
-    axes[w, b] = matrix(q1)
-    v1[w, b] = vel
-    v1_rate[w, b] = acc
-    omega1[w, b] = spin
-    omega1_rate[w, b] = spin_rate
-    m = model.mass[b]
-    J = model.inertia[b]
-    f = m * acc - m * model.gravity
-    t = J * spin_rate + wp.cross(spin, J * spin)
-    Ti = tangent_inverse(psi[w, b])
-    psi_inverse[w, b] = Ti
-    S = (clk[w, k.ACC] * J + clk[w, k.VEL] * (hat(spin) * J - hat(J * spin))) * Ti
-    o = 6 * b
-    for i in range(3):
-        residual[w, o + i] = f[i]
-        residual[w, o + 3 + i] = t[i]
-        for j in range(3):
-            tangent[w, o + i, o + j] = real(0.0)
-            tangent[w, o + i, o + 3 + j] = real(0.0)
-            tangent[w, o + 3 + i, o + j] = real(0.0)
-            tangent[w, o + 3 + i, o + 3 + j] = S[i, j]
-        tangent[w, o + i, o + i] = m * clk[w, k.ACC]
+    b = lane
+    while b < model.body_count:
+        a_t = algorithmic(clk, w, dx[w, b], v[w, b], v_alg[w, b])
+        a_r = algorithmic(clk, w, psi[w, b], omega[w, b], omega_alg[w, b])
+        vel = velocity_of(clk, w, v[w, b], v_alg[w, b], a_t)
+        spin = velocity_of(clk, w, omega[w, b], omega_alg[w, b], a_r)
+        acc = rate_of(clk, w, v_rate[w, b], v_alg[w, b], a_t)
+        spin_rate = rate_of(clk, w, omega_rate[w, b], omega_alg[w, b], a_r)
+        q1 = wp.normalize(p[w, b] * exponential(psi[w, b]))
+        r1[w, b] = r[w, b] + dx[w, b]
+        p1[w, b] = q1
+        axes[w, b] = matrix(q1)
+        v1[w, b] = vel
+        v1_rate[w, b] = acc
+        omega1[w, b] = spin
+        omega1_rate[w, b] = spin_rate
+        m = model.mass[b]
+        J = model.inertia[b]
+        f = m * acc - m * model.gravity
+        t = J * spin_rate + wp.cross(spin, J * spin)
+        Ti = tangent_inverse(psi[w, b])
+        psi_inverse[w, b] = Ti
+        S = (clk[w, k.ACC] * J + clk[w, k.VEL] * (hat(spin) * J - hat(J * spin))) * Ti
+        o = 6 * b
+        for i in range(3):
+            residual[w, o + i] = f[i]
+            residual[w, o + 3 + i] = t[i]
+            for j in range(3):
+                tangent[w, o + i, o + j] = real(0.0)
+                tangent[w, o + i, o + 3 + j] = real(0.0)
+                tangent[w, o + 3 + i, o + j] = real(0.0)
+                tangent[w, o + 3 + i, o + 3 + j] = S[i, j]
+            tangent[w, o + i, o + i] = m * clk[w, k.ACC]
+        b += wp.block_dim()
 
 
 @wp.kernel
 def move_modes(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
     q: wp.array2d(dtype=real),
@@ -223,16 +234,20 @@ def move_modes(
     receptance: wp.array2d(dtype=real),
 ):
     """Trial state of each global mode, its unbalanced force, and the inverse of its (diagonal) tangent."""
-    w, m = wp.tid()
+    w, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
-    a = algorithmic(clk, w, vec3(dq[w, m]), vec3(qd[w, m]), vec3(qd_alg[w, m]))
-    vel = velocity_of(clk, w, vec3(qd[w, m]), vec3(qd_alg[w, m]), a)
-    rate = rate_of(clk, w, vec3(qd_rate[w, m]), vec3(qd_alg[w, m]), a)
-    q1[w, m] = q[w, m] + dq[w, m]
-    qd1[w, m] = vel[0]
-    qd1_rate[w, m] = rate[0]
-    c = model.damping[m]
-    stiffness = model.stiffness[m]
-    modal_residual[w, m] = rate[0] + c * vel[0] + stiffness * q1[w, m]
-    receptance[w, m] = real(1.0) / (clk[w, k.ACC] + c * clk[w, k.VEL] + stiffness)
+    m = lane
+    while m < model.modal_count:
+        a = algorithmic(clk, w, vec3(dq[w, m]), vec3(qd[w, m]), vec3(qd_alg[w, m]))
+        vel = velocity_of(clk, w, vec3(qd[w, m]), vec3(qd_alg[w, m]), a)
+        rate = rate_of(clk, w, vec3(qd_rate[w, m]), vec3(qd_alg[w, m]), a)
+        q1[w, m] = q[w, m] + dq[w, m]
+        qd1[w, m] = vel[0]
+        qd1_rate[w, m] = rate[0]
+        c = model.damping[m]
+        stiffness = model.stiffness[m]
+        modal_residual[w, m] = rate[0] + c * vel[0] + stiffness * q1[w, m]
+        receptance[w, m] = real(1.0) / (clk[w, k.ACC] + c * clk[w, k.VEL] + stiffness)
+        m += wp.block_dim()

@@ -11,7 +11,7 @@ Eliminating dq leaves, for z = (dx, dlam),
     [ S   C^T                       ]         [ -r                      ]
     [ C   -C_m sigma^-1 C_m^T - E   ] z  =    [ -c + C_m sigma^-1 r_m   ]  + L^T s,       L = [L_r, -J sigma^-1 C_m^T].
 
-Its inverse H is formed once per Newton iteration (tens of unknowns); contact then sees the compliance
+Its inverse H is formed in the first Newton iteration, and again while the residual is above REFRESH_ABOVE (tens of unknowns); contact then sees the compliance
 `G + L H L^T`, in which whatever can move is condensed (Josephy-Newton): the first iteration already knows what will touch.
 """
 
@@ -19,16 +19,17 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
+REFRESH_ABOVE = wp.constant(wp.float64(1.0e-4))  # residual below which the inverse of the last iteration serves once more
 PIVOT_TOLERANCE = wp.constant(wp.float64(1.0e-13))  # of the equilibrated matrix: below it a row is dependent on the others
 
 
 @wp.kernel
 def add_multipliers(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     lam: wp.array2d(dtype=real),
     C: wp.array3d(dtype=real),
@@ -37,27 +38,31 @@ def add_multipliers(
     modal_residual: wp.array2d(dtype=real),
 ):
     """Lanes over rigid and modal coordinates: r += C^T lambda."""
-    w, i = wp.tid()
+    w, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
-    rigid = 6 * model.body_count
-    total = real(0.0)
-    row = int(0)
-    while row < model.row_count:
+    i = lane
+    while i < 6 * model.body_count + model.modal_count:
+        rigid = 6 * model.body_count
+        total = real(0.0)
+        row = int(0)
+        while row < model.row_count:
+            if i < rigid:
+                total += C[w, row, i] * lam[w, row]
+            else:
+                total += C_modal[w, row, i - rigid] * lam[w, row]
+            row += 1
         if i < rigid:
-            total += C[w, row, i] * lam[w, row]
+            residual[w, i] = residual[w, i] + total
         else:
-            total += C_modal[w, row, i - rigid] * lam[w, row]
-        row += 1
-    if i < rigid:
-        residual[w, i] = residual[w, i] + total
-    else:
-        modal_residual[w, i - rigid] = modal_residual[w, i - rigid] + total
+            modal_residual[w, i - rigid] = modal_residual[w, i - rigid] + total
+        i += wp.block_dim()
 
 
 @wp.kernel
 def condense(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     C: wp.array3d(dtype=real),
     C_modal: wp.array3d(dtype=real),
@@ -70,58 +75,55 @@ def condense(
     rhs: wp.array2d(dtype=real),
 ):
     """Lanes over outer unknowns: rows of the condensed matrix (rigid blocks are there already) and its right-hand side."""
-    w, i = wp.tid()
+    w, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
-    rigid = 6 * model.body_count
-    if i < rigid:
-        rhs[w, i] = -residual[w, i]
-        j = int(0)
-        while j < rigid:
-            if j / 6 != i / 6:
-                tangent[w, i, j] = real(0.0)
-            j += 1
-        row = int(0)
-        while row < model.row_count:
-            tangent[w, i, rigid + row] = C[w, row, i]
-            row += 1
-        return
-    row = i - rigid
-    j = int(0)
-    while j < rigid:
-        tangent[w, i, j] = C[w, row, j]
-        j += 1
-    value = -defect[w, row]
-    n = int(0)
-    while n < model.modal_count:
-        value += C_modal[w, row, n] * receptance[w, n] * modal_residual[w, n]
-        n += 1
-    rhs[w, i] = value
-    other = int(0)
-    while other < model.row_count:
-        total = real(0.0)
-        n = int(0)
-        while n < model.modal_count:
-            total -= C_modal[w, row, n] * receptance[w, n] * C_modal[w, other, n]
-            n += 1
-        if other == row:
-            total -= softness[w, row]
-        tangent[w, i, rigid + other] = total
-        other += 1
+    i = lane
+    while i < model.outer_count:
+        rigid = 6 * model.body_count
+        if i < rigid:
+            rhs[w, i] = -residual[w, i]
+        else:
+            value = -defect[w, i - rigid]
+            n = int(0)
+            while n < model.modal_count:
+                value += C_modal[w, i - rigid, n] * receptance[w, n] * modal_residual[w, n]
+                n += 1
+            rhs[w, i] = value
+        if ctl[w, k.REFRESH] != 0:
+            j = int(0)
+            while j < rigid:
+                if i >= rigid:
+                    tangent[w, i, j] = C[w, i - rigid, j]
+                elif j / 6 != i / 6:
+                    tangent[w, i, j] = real(0.0)
+                j += 1
+            other = int(0)
+            while other < model.row_count:
+                total = real(0.0)
+                if i < rigid:
+                    total = C[w, other, i]
+                else:
+                    n = int(0)
+                    while n < model.modal_count:
+                        total -= C_modal[w, i - rigid, n] * receptance[w, n] * C_modal[w, other, n]
+                        n += 1
+                    if other == i - rigid:
+                        total -= softness[w, other]
+                tangent[w, i, rigid + other] = total
+                other += 1
+        i += wp.block_dim()
 
 
-# Inverse of the equilibrated matrix by Gauss-Jordan elimination with row pivoting; rows of [A | I] stay contiguous.
+# Inverse of the equilibrated matrix by Gauss-Jordan elimination in place, with row pivoting; rows stay contiguous.
 @wp.func_native("""
-    const int n = model.outer_count, ld = 2 * n;
-    double* a = work.data + (size_t)w * n * ld;
+    const int n = model.outer_count, rigid = 6 * model.body_count, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
+    double* a = work.data + (size_t)w * n * n;
     double* scale = scaling.data + (size_t)w * n;
+    int* swapped = pivots.data + (size_t)w * n;
     const double* A = tangent.data + (size_t)w * n * n;
-    const int rigid = 6 * model.body_count, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
-    for (int i = L; i < n; i += NL) {
-        double big = 0.0;
-        if (i < rigid) big = ::fabs(A[(size_t)i * n + i]);
-        scale[i] = big > 0.0 ? 1.0 / ::sqrt(big) : 1.0;
-    }
+    for (int i = L; i < n; i += NL) { const double d = ::fabs(A[(size_t)i * n + i]); scale[i] = i < rigid && d > 0.0 ? 1.0 / ::sqrt(d) : 1.0; }
     WP_TILE_SYNC();
     for (int i = rigid + L; i < n; i += NL) {
         double big = 0.0;
@@ -130,36 +132,39 @@ def condense(
         scale[i] = big > 0.0 ? 1.0 / big : 1.0;
     }
     WP_TILE_SYNC();
-    for (int e = L; e < n * ld; e += NL) {
-        const int i = e / ld, j = e % ld;
-        a[e] = j < n ? A[(size_t)i * n + j] * scale[i] * scale[j] : (j - n == i ? 1.0 : 0.0);
-    }
+    for (int e = L; e < n * n; e += NL) a[e] = A[e] * scale[e / n] * scale[e % n];
     WP_TILE_SYNC();
     int bad = 0;
     for (int p = 0; p < n; ++p) {
         int best = p;
-        for (int i = p + 1; i < n; ++i) if (::fabs(a[(size_t)i * ld + p]) > ::fabs(a[(size_t)best * ld + p])) best = i;
+        for (int i = p + 1; i < n; ++i) if (::fabs(a[(size_t)i * n + p]) > ::fabs(a[(size_t)best * n + p])) best = i;
         WP_TILE_SYNC();
-        double* u = a + (size_t)p * ld;
-        if (best != p) { double* x = a + (size_t)best * ld; for (int j = L; j < ld; j += NL) { const double t = u[j]; u[j] = x[j]; x[j] = t; } }
+        double* u = a + (size_t)p * n;
+        if (L == 0) swapped[p] = best;
+        if (best != p) { double* x = a + (size_t)best * n; for (int j = L; j < n; j += NL) { const double t = u[j]; u[j] = x[j]; x[j] = t; } }
         WP_TILE_SYNC();
         double pivot = u[p];
         if (!(::fabs(pivot) > tolerance)) { bad = 1; pivot = 1.0; }
         WP_TILE_SYNC();
-        for (int j = p + L; j <= n + p && j < ld; j += NL) u[j] /= pivot;
-        for (int j = n + p + 1 + L; j < ld; j += NL) u[j] /= pivot;
+        const double r = 1.0 / pivot;
+        for (int j = L; j < n; j += NL) u[j] = j == p ? r : u[j] * r;
         WP_TILE_SYNC();
         for (int i = 0; i < n; ++i) {
-            if (i == p) continue;
-            double* x = a + (size_t)i * ld; const double m = x[p];
+            double* __restrict x = a + (size_t)i * n; const double m = x[p];
             WP_TILE_SYNC();
-            if (m != 0.0) for (int j = p + L; j < ld; j += NL) x[j] -= m * u[j];
+            if (i == p || m == 0.0) continue;
+            if (L == 0) x[p] = 0.0;
             WP_TILE_SYNC();
+            for (int j = L; j < n; j += NL) x[j] -= m * u[j];
         }
+        WP_TILE_SYNC();
     }
+    for (int p = n - 1; p >= 0; --p) { const int q = swapped[p]; if (q == p) continue;
+        for (int i = L; i < n; i += NL) { double* x = a + (size_t)i * n; const double t = x[p]; x[p] = x[q]; x[q] = t; }
+        WP_TILE_SYNC(); }
     for (int e = L; e < n * n; e += NL) {
         const int i = e / n, j = e % n;
-        inverse.data[(size_t)w * n * n + e] = a[(size_t)i * ld + n + j] * scale[i] * scale[j];
+        inverse_transposed.data[(size_t)w * n * n + (size_t)j * n + i] = a[e] * scale[i] * scale[j];
     }
     WP_TILE_SYNC();
     return bad;
@@ -170,43 +175,48 @@ def invert(
     tolerance: real,
     tangent: wp.array3d(dtype=real),
     scaling: wp.array2d(dtype=real),
+    pivots: wp.array2d(dtype=int),
     work: wp.array3d(dtype=real),
-    inverse: wp.array3d(dtype=real),
+    inverse_transposed: wp.array(dtype=real),
 ) -> int: ...
 
 
 @wp.kernel
 def factor_outer(
-    model: Model,
+    models: wp.array(dtype=Model),
     tangent: wp.array3d(dtype=real),
     rhs: wp.array2d(dtype=real),
     ctl: wp.array2d(dtype=int),
     scaling: wp.array2d(dtype=real),
+    pivots: wp.array2d(dtype=int),
     work: wp.array3d(dtype=real),
-    inverse: wp.array3d(dtype=real),
-    z_free: wp.array2d(dtype=real),
+    inverse_transposed: wp.array(dtype=real),
+    z_free: wp.array(dtype=real),
 ):
-    """Per world: H, and z without contact, H rhs."""
+    """Per world: H^T (where it is to be renewed), and z without contact, H rhs."""
     w, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
-    bad = invert(model, w, PIVOT_TOLERANCE, tangent, scaling, work, inverse)
-    if bad != 0 and lane == 0:
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.SINGULAR
+    N = model.outer_count
+    if ctl[w, k.REFRESH] != 0:
+        bad = invert(model, w, PIVOT_TOLERANCE, tangent, scaling, pivots, work, inverse_transposed)
+        if bad != 0 and lane == 0:
+            ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.SINGULAR
     i = lane
-    while i < model.outer_count:
-        total = real(0.0)
-        j = int(0)
-        while j < model.outer_count:
-            total += inverse[w, i, j] * rhs[w, j]
-            j += 1
-        z_free[w, i] = total
+    while i < N:
+        z_free[w * N + i] = real(0.0)
         i += wp.block_dim()
+    sync()
+    j = int(0)
+    while j < N:
+        axpy(N, rhs[w, j], inverse_transposed, (w * N + j) * N, z_free, w * N)
+        j += 1
 
 
 @wp.kernel
 def balance(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
     r1: wp.array2d(dtype=vec3),
@@ -217,6 +227,9 @@ def balance(
     softness: wp.array2d(dtype=real),
     pair_wrench: wp.array3d(dtype=real),
     gap_defect: wp.array2d(dtype=real),
+    modal_residual: wp.array2d(dtype=real),
+    modal_load: wp.array3d(dtype=real),
+    q1: wp.array2d(dtype=real),
     residual: wp.array2d(dtype=real),
     history: wp.array2d(dtype=real),
 ):
@@ -226,6 +239,7 @@ def balance(
     largest rigid penetration for gaps (`gap_defect` arrives scaled).
     """
     w = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.ITERATION] == 0:
         return
     scale = real(1.0e-30)
@@ -268,6 +282,15 @@ def balance(
         worst = wp.max(worst, wp.max(wp.length(f), wp.length(t) / gyration) / scale)
         b += 1
     worst = wp.max(worst, gap_defect[w, 0])
+    modal_scale = real(1.0e-30)
+    open_load = real(0.0)
+    n = int(0)
+    while n < model.modal_count:
+        load = modal_load[w, 1, n]
+        modal_scale = wp.max(modal_scale, wp.max(wp.abs(load), wp.abs(model.stiffness[n] * q1[w, n])))
+        open_load = wp.max(open_load, wp.abs(modal_residual[w, n] - load))
+        n += 1
+    worst = wp.max(worst, open_load / modal_scale)
     clk[w, k.RESIDUAL] = worst
     clk[w, k.FORCE_SCALE] = scale
     history[w, wp.min(ctl[w, k.ITERATION], 31)] = worst
@@ -275,6 +298,9 @@ def balance(
         ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_FINITE
         ctl[w, k.RUN] = 0
         return
+    ctl[w, k.REFRESH] = 0
+    if worst > REFRESH_ABOVE:
+        ctl[w, k.REFRESH] = 1
     if worst <= model.residual_tolerance and (ctl[w, k.REASSEMBLE] == 0 or model.pair_count == 0):
         ctl[w, k.RUN] = 0
     elif ctl[w, k.ITERATION] >= model.max_iterations:
@@ -284,49 +310,58 @@ def balance(
 
 @wp.kernel
 def advance_outer(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
-    z: wp.array2d(dtype=real),
+    z: wp.array(dtype=real),
     psi_inverse: wp.array2d(dtype=mat33),
     dx: wp.array2d(dtype=vec3),
     psi: wp.array2d(dtype=vec3),
 ):
     """Per body: apply the Newton increments once the active set has settled."""
-    w, b = wp.tid()
+    w, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
         return
-    o = 6 * b
-    dx[w, b] = dx[w, b] + vec3(z[w, o], z[w, o + 1], z[w, o + 2])
-    psi[w, b] = psi[w, b] + psi_inverse[w, b] * vec3(z[w, o + 3], z[w, o + 4], z[w, o + 5])
+    b = lane
+    while b < model.body_count:
+        o = w * model.outer_count + 6 * b
+        dx[w, b] = dx[w, b] + vec3(z[o], z[o + 1], z[o + 2])
+        psi[w, b] = psi[w, b] + psi_inverse[w, b] * vec3(z[o + 3], z[o + 4], z[o + 5])
+        b += wp.block_dim()
 
 
 @wp.kernel
 def advance_rest(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
-    z: wp.array2d(dtype=real),
-    modal_step: wp.array2d(dtype=real),
+    z: wp.array(dtype=real),
+    modal_step: wp.array(dtype=real),
     lam: wp.array2d(dtype=real),
     dq: wp.array2d(dtype=real),
 ):
     """Lanes over rows and modes."""
-    w, i = wp.tid()
+    w, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
         return
-    if i < model.row_count:
-        lam[w, i] = lam[w, i] + z[w, 6 * model.body_count + i]
-    else:
-        n = i - model.row_count
-        dq[w, n] = dq[w, n] + modal_step[w, n]
+    i = lane
+    while i < model.row_count + model.modal_count:
+        if i < model.row_count:
+            lam[w, i] = lam[w, i] + z[w * model.outer_count + 6 * model.body_count + i]
+        else:
+            n = i - model.row_count
+            dq[w, n] = dq[w, n] + modal_step[w * model.modal_count + n]
+        i += wp.block_dim()
 
 
 @wp.kernel
 def count_iteration(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     any_running: wp.array(dtype=int),
 ):
     """One thread for all worlds: bookkeeping of the loop, and its condition."""
+    model = models[0]
     running = int(0)
     w = int(0)
     while w < ctl.shape[0]:

@@ -147,7 +147,7 @@ def clear_side(model: Model, w: int, row: int, marker: int, C: wp.array3d(dtype=
 
 @wp.kernel
 def evaluate_rows(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
     r1: wp.array2d(dtype=vec3),
@@ -166,80 +166,84 @@ def evaluate_rows(
     row_wrench: wp.array3d(dtype=real),
 ):
     """Per row: value, gradient, defect (c, or the spring law divided by its stiffness) and compliance."""
-    w, row = wp.tid()
+    w, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
-    a = model.row_a[row]
-    b = model.row_b[row]
-    body_a = model.marker_body[a]
-    body_b = model.marker_body[b]
-    x_a = arm_on_interface(model, a, q1, w)
-    x_b = arm_on_interface(model, b, q1, w)
-    R_a = axes_on_interface(model, a, q1, w)
-    R_b = axes_on_interface(model, b, q1, w)
-    if body_a >= 0:
-        x_a = r1[w, body_a] + axes[w, body_a] * x_a
-        R_a = axes[w, body_a] * R_a
-    if body_b >= 0:
-        x_b = r1[w, body_b] + axes[w, body_b] * x_b
-        R_b = axes[w, body_b] * R_b
-    t = clk[w, k.NEXT_TIME]
-    s = real(0.0)
-    s_rate = real(0.0)
-    if model.row_signal[row] >= 0:
-        s = evaluate_signal(model, model.row_signal[row], t, 0)
-        s_rate = evaluate_signal(model, model.row_signal[row], t, 1)
-    kind = model.row_kind[row]
-    i = model.row_i[row]
-    j = model.row_j[row]
-    force = vec3(real(0.0))
-    torque = vec3(real(0.0))
-    value = real(0.0)
-    if kind == k.TRANSLATION:
-        u = vec3(R_a[0, i], R_a[1, i], R_a[2, i])
-        value = wp.dot(u, x_b - x_a) - s
-        force = u
-    if kind == k.DIRECTION:
-        u = vec3(R_a[0, i], R_a[1, i], R_a[2, i])
-        z = vec3(R_b[0, j], R_b[1, j], R_b[2, j])
-        value = wp.dot(u, z)
-        torque = wp.cross(z, u)
-    if kind == k.ANGLE_DRIVE:
-        u = wp.cos(s) * vec3(R_a[0, 1], R_a[1, 1], R_a[2, 1]) - wp.sin(s) * vec3(R_a[0, 0], R_a[1, 0], R_a[2, 0])
-        z = vec3(R_b[0, 0], R_b[1, 0], R_b[2, 0])
-        value = wp.dot(u, z)
-        torque = wp.cross(z, u)
-    if kind == k.DISTANCE:
-        gap = x_b - x_a
-        value = wp.length(gap)
-        force = gap / wp.max(value, real(1.0e-300))
-    clear_side(model, w, row, a, C, C_modal)
-    clear_side(model, w, row, b, C, C_modal)
-    write_side(model, w, row, b, force, torque, x_b, r1, axes, C, C_modal)
-    write_side(model, w, row, a, -force, -torque, x_b, r1, axes, C, C_modal)
-    coordinate[w, row] = value + s
-    value -= model.row_reference[row]
-    drive_rate[w, 1, row] = s_rate
-    for c in range(3):
-        row_wrench[w, row, c] = force[c]
-        row_wrench[w, row, 3 + c] = torque[c]
-    defect[w, row] = value
-    softness[w, row] = real(0.0)
-    if model.row_rigid[row] == 0:
-        rate = real(0.0)
+    row = lane
+    while row < model.row_count:
+        a = model.row_a[row]
+        b = model.row_b[row]
+        body_a = model.marker_body[a]
+        body_b = model.marker_body[b]
+        x_a = arm_on_interface(model, a, q1, w)
+        x_b = arm_on_interface(model, b, q1, w)
+        R_a = axes_on_interface(model, a, q1, w)
+        R_b = axes_on_interface(model, b, q1, w)
         if body_a >= 0:
-            rate += row_rate(model, w, row, a, C, C_modal, v1, omega1, qd1)
-        if body_b >= 0 and body_b != body_a:
-            rate += row_rate(model, w, row, b, C, C_modal, v1, omega1, qd1)
-        k_e = model.row_stiffness[row] + model.row_damping[row] * clk[w, k.VEL]
-        law = model.row_stiffness[row] * value + model.row_damping[row] * rate + model.row_preload[row]
-        if k_e > real(0.0):
-            defect[w, row] = (law - lam[w, row]) / k_e
-            softness[w, row] = real(1.0) / k_e
-        else:  # a pure damper at rest: no force
-            defect[w, row] = -lam[w, row]
-            softness[w, row] = real(1.0)
-        drive_rate[w, 1, row] = rate
+            x_a = r1[w, body_a] + axes[w, body_a] * x_a
+            R_a = axes[w, body_a] * R_a
+        if body_b >= 0:
+            x_b = r1[w, body_b] + axes[w, body_b] * x_b
+            R_b = axes[w, body_b] * R_b
+        t = clk[w, k.NEXT_TIME]
+        s = real(0.0)
+        s_rate = real(0.0)
+        if model.row_signal[row] >= 0:
+            s = evaluate_signal(model, model.row_signal[row], t, 0)
+            s_rate = evaluate_signal(model, model.row_signal[row], t, 1)
+        kind = model.row_kind[row]
+        i = model.row_i[row]
+        j = model.row_j[row]
+        force = vec3(real(0.0))
+        torque = vec3(real(0.0))
+        value = real(0.0)
+        if kind == k.TRANSLATION:
+            u = vec3(R_a[0, i], R_a[1, i], R_a[2, i])
+            value = wp.dot(u, x_b - x_a) - s
+            force = u
+        if kind == k.DIRECTION:
+            u = vec3(R_a[0, i], R_a[1, i], R_a[2, i])
+            z = vec3(R_b[0, j], R_b[1, j], R_b[2, j])
+            value = wp.dot(u, z)
+            torque = wp.cross(z, u)
+        if kind == k.ANGLE_DRIVE:
+            u = wp.cos(s) * vec3(R_a[0, 1], R_a[1, 1], R_a[2, 1]) - wp.sin(s) * vec3(R_a[0, 0], R_a[1, 0], R_a[2, 0])
+            z = vec3(R_b[0, 0], R_b[1, 0], R_b[2, 0])
+            value = wp.dot(u, z)
+            torque = wp.cross(z, u)
+        if kind == k.DISTANCE:
+            gap = x_b - x_a
+            value = wp.length(gap)
+            force = gap / wp.max(value, real(1.0e-300))
+        clear_side(model, w, row, a, C, C_modal)
+        clear_side(model, w, row, b, C, C_modal)
+        write_side(model, w, row, b, force, torque, x_b, r1, axes, C, C_modal)
+        write_side(model, w, row, a, -force, -torque, x_b, r1, axes, C, C_modal)
+        coordinate[w, row] = value + s
+        value -= model.row_reference[row]
+        drive_rate[w, 1, row] = s_rate
+        for c in range(3):
+            row_wrench[w, row, c] = force[c]
+            row_wrench[w, row, 3 + c] = torque[c]
+        defect[w, row] = value
+        softness[w, row] = real(0.0)
+        if model.row_rigid[row] == 0:
+            rate = real(0.0)
+            if body_a >= 0:
+                rate += row_rate(model, w, row, a, C, C_modal, v1, omega1, qd1)
+            if body_b >= 0 and body_b != body_a:
+                rate += row_rate(model, w, row, b, C, C_modal, v1, omega1, qd1)
+            k_e = model.row_stiffness[row] + model.row_damping[row] * clk[w, k.VEL]
+            law = model.row_stiffness[row] * value + model.row_damping[row] * rate + model.row_preload[row]
+            if k_e > real(0.0):
+                defect[w, row] = (law - lam[w, row]) / k_e
+                softness[w, row] = real(1.0) / k_e
+            else:  # a pure damper at rest: no force
+                defect[w, row] = -lam[w, row]
+                softness[w, row] = real(1.0)
+            drive_rate[w, 1, row] = rate
+        row += wp.block_dim()
 
 
 @wp.func
@@ -268,7 +272,7 @@ def row_rate(
 
 @wp.kernel
 def apply_forces(
-    model: Model,
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
     r1: wp.array2d(dtype=vec3),
@@ -281,6 +285,7 @@ def apply_forces(
 ):
     """Per world: subtract the point forces from the residuals; their world components and points are kept for the ledger."""
     w = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
     t = clk[w, k.NEXT_TIME]

@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-import numpy as np
 import pytest
+from offline_bodies import STEEL
 
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
-from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline import reduce
-
-STEEL = Material(210e9, 0.3, 7850.0)
 
 
 @pytest.fixture(scope="session")
@@ -30,14 +24,3 @@ def small_roller():
 def curved_roller():
     """Quadratic hexahedra, 9 sectors: odd, two planes a sector."""
     return roller(0.05, 0.015, 0.02, sectors=9, layers=1, axial=1, order=2)
-
-
-def reduced(mesh, *, general: bool = False, **settings):
-    """`reduce` with a rigid bore and a contact rim, without cache; `general` hides the periodicity."""
-    given = {"interfaces": {"bore": "rigid"}, "contact": {"rim": Cylinder()}, "cache": False, "progress": False}
-    return reduce(replace(mesh, cyclic=None) if general else mesh, STEEL, **{**given, **settings})
-
-
-def skin_order(body) -> np.ndarray:
-    """Permutation that sorts skin points by place, to compare bodies that number them differently."""
-    return np.lexsort(np.round(body.surface.points, 9).T)

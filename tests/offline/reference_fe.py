@@ -34,7 +34,8 @@ def matrices(mesh, material):
     def mass(u, v, _):
         return material.density * dot(u, v)
 
-    return stiffness.assemble(stiff).toarray(), mass.assemble(heavy).toarray(), stiff.nodal_dofs
+    order = np.asarray(stiff.nodal_dofs).T.ravel()
+    return tuple(form.toarray()[np.ix_(order, order)] for form in (stiffness.assemble(stiff), mass.assemble(heavy)))
 
 
 def free_response(K, M, R, f):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from offline_bodies import reduced, skin_order
 
-from tests.offline.conftest import reduced, skin_order
 from warpffrf.model.mesh import roller
 from warpffrf.model.surfaces import CrownedCylinder
 

@@ -17,7 +17,6 @@ On a body of N equal sectors `D` couples sectors by their distance only (block-c
 from __future__ import annotations
 
 import importlib.metadata
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -261,14 +260,12 @@ class ReducedBody:
         return "\n".join(lines)
 
 
-def library_versions(
-    names: tuple[str, ...], version: Callable[[str], str] = importlib.metadata.version
-) -> dict[str, str]:
+def library_versions(names: tuple[str, ...]) -> dict[str, str]:
     """Versions of installed distributions, for provenance; 'not installed' where there is none."""
     found = {}
     for name in names:
         try:
-            found[name] = version(name)
+            found[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
             found[name] = "not installed"
     return found

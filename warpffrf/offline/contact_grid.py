@@ -38,6 +38,10 @@ class Chart:
     z: np.ndarray
     edge: float  # longest distance between neighbouring corners [m]
 
+    def part(self, mask: np.ndarray) -> Chart:
+        """The facets that `mask` (m,) keeps."""
+        return Chart(self.theta[mask], self.z[mask], self.edge)
+
 
 def facet_chart(points: np.ndarray, nodes: np.ndarray, corners: int, shape) -> Chart:
     """Chart coordinates of the nodes of facets `nodes` (m, k); neighbouring facets may differ by a full turn."""

@@ -75,6 +75,7 @@ def reduce_cyclic(
     count = N // 2 + 1
     D = [np.zeros((count, s.hats, s.hats), dtype=complex) for s in contacts]
     C = [np.zeros((count, s.hats, s.hats), dtype=complex) for s in contacts]
+    whole = [np.zeros_like(c) for c in C]  # compliance with the global modes' part
     transfer = [np.zeros((count, len(skin_dofs), s.hats), dtype=np.complex64) for s in contacts]
     found: list[HarmonicModes] = []
     dropped = 0
@@ -98,10 +99,11 @@ def reduce_cyclic(
         for i, s in enumerate(contacts):
             F = TH @ loads[i]
             response = flexibility(F)
+            whole[i][k] = F.conj().T @ response
             if len(omega):
                 response, C[i][k] = deflated(response, F, omega, Phi)
             else:
-                C[i][k] = F.conj().T @ response
+                C[i][k] = whole[i][k]
             D[i][k] = s.without_gram(k, s.without_gram(k, C[i][k]).conj().T)
             skin_response = (T @ response)[skin_dofs]
             transfer[i][k] = s.without_gram(k, skin_response.conj().T).conj().T
@@ -117,10 +119,10 @@ def reduce_cyclic(
     products = []
     for i, s in enumerate(contacts):
         lags = np.fft.irfft(D[i], n=N, axis=0)[:: s.stride]
-        window = _window(np.fft.irfft(C[i], n=N, axis=0)[:: s.stride], s)
+        windows = [_window(np.fft.irfft(c[i], n=N, axis=0)[:: s.stride], s) for c in (whole, C)]
         recovery = Recovery(transfer[i], N, sector.axes, s.offset, s.stride)
         normal = modes.combine([s.sampled(m.k, m.normal[i]) for m in found])
-        products.append(SurfaceProduct(s.grid, np.ascontiguousarray(lags), normal, recovery, window))
+        products.append(SurfaceProduct(s.grid, np.ascontiguousarray(lags), normal, recovery, *windows))
 
     mass, center, inertia = mass_properties(_rigid_mass(sector), sector.origin)
     return PathProduct(

@@ -99,7 +99,7 @@ def reduce_general(
             response, _ = deflated(model.flexibility(f), f, omega, Phi)
             C[:, part] = loads.T @ response
             transfer[:, part] = TS @ response
-        products.append(s.product(0.5 * (C + C.T), transfer, s.B.T @ shape))
+        products.append(s.product(0.5 * (C + C.T), transfer, s.B.T @ shape, omega))
 
     return PathProduct(
         mass=mass,
@@ -200,7 +200,7 @@ class _Surface:
         around = np.linalg.solve(self.gram_theta, values.reshape(columns, -1)).reshape(columns, rows, -1)
         return np.linalg.solve(self.gram_z, around).reshape(columns * rows, -1)
 
-    def product(self, C: Array, transfer: Array, loads_on_modes: Array) -> SurfaceProduct:
+    def product(self, C: Array, transfer: Array, loads_on_modes: Array, omega: Array) -> SurfaceProduct:
         """D and its companions, restricted to the columns of the grid."""
         rows = len(self.plan.z)
         kept = slice(self.first * rows, (self.first + self.grid.columns) * rows)
@@ -208,11 +208,13 @@ class _Surface:
         D = 0.5 * (D + D.T)[kept, kept]
         normal = self._without_gram(loads_on_modes)[kept]
         display = self._without_gram(transfer.T.astype(np.float64)).T[:, kept].astype(np.float32)
-        window = window_columns(self.grid.columns, rows) * rows
+        judged = slice(kept.start, kept.start + window_columns(self.grid.columns, rows) * rows)
+        on_modes = loads_on_modes[judged] / omega
         return SurfaceProduct(
             grid=self.grid,
             lags=np.ascontiguousarray(D)[None],
             mode_normal=normal,
             recovery=Recovery(display[None], 1, np.eye(3)),
-            window=C[kept, kept][:window, :window],
+            window=C[judged, judged] + on_modes @ on_modes.T,
+            residual_window=C[judged, judged],
         )

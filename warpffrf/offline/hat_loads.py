@@ -34,7 +34,7 @@ class HatLoads:
     `row`).
 
     `area` (e,) [m^2] is the part int N_a psi_i dA of the hat's area, so that the sum over nodes is int psi_i dA.
-    Columns count from the plan's `theta_start` and are not wrapped (-1 and `columns` can occur on a full turn).
+    Columns count from the plan's `theta_start` and on a full turn are not wrapped: take them modulo `columns`.
     """
 
     node: np.ndarray
@@ -50,8 +50,9 @@ def hat_loads(kind: str, nodes: np.ndarray, chart: Chart, shape, plan: GridPlan)
     if plan.nodal and kind in PIECES:
         pieces = PIECES[kind]
     else:
-        hat = min(plan.pitch * float(np.min(shape.radius_at(plan.z))), float(np.min(np.diff(plan.z))))
-        pieces = int(np.clip(np.ceil(PIECES_PER_HAT * chart.edge / hat), PIECES_PER_HAT, MOST_PIECES))
+        around = float(np.max(np.ptp(chart.theta, axis=1))) / plan.pitch
+        along = float(np.max(np.ptp(chart.z, axis=1)) / np.min(np.diff(plan.z)))
+        pieces = int(np.clip(np.ceil(PIECES_PER_HAT * max(around, along) - 1e-6), PIECES_PER_HAT, MOST_PIECES))
     r = rule(kind, FACET_DEGREE[kind], pieces)
     theta, z = chart.theta @ r.values.T, chart.z @ r.values.T  # (m, q)
     dtheta = np.einsum("mk,qkd->mqd", chart.theta, r.gradients)

@@ -1,10 +1,17 @@
-r"""Are the traces of the hats independent on the surface mesh?
+r"""Are the hats independent on the surface mesh?
 
-`C = (B psi)^T G (B psi)` is definite only if no combination of hats loads the mesh with nothing: a contact grid finer
-than the mesh makes it semidefinite (an eigenvalue ratio of -1.5e-16 was met, with a wrong contact force). Eigenvalues
-of a window of C tell, at far less cost than C of the whole grid: a grid finer by a fraction e becomes dependent in a
-window of about 2/e columns. Finer grids by less than that are caught by counting: more hats than surface nodes cannot
-be independent.
+The contact problem is unique only if no combination of hats loads the mesh with nothing. A contact grid finer than
+the mesh has such combinations: `C = (B psi)^T G (B psi)` becomes semidefinite (an eigenvalue ratio of -1.5e-16 was
+met, with a wrong contact force). Two ratios of a window of neighbouring columns are looked at, because dependence is
+local:
+
+* the *traces*: with `b_ia = int psi_i N_a dA`, lumped areas `A_i = sum_a b_ia` of hats and `L_a = sum_i |b_ia|` of
+  nodes (vertex functions of quadratic triangles have no area of their own), the smallest
+  over the largest eigenvalue of `A^-1/2 b L^-1 b^T A^-1/2`. It is a number of the two grids alone: at best about
+  (1/9)^2 for a nodal grid, where b is the hats' Gram matrix, and zero where hats outnumber nodes. The loads
+  themselves cannot tell so sharply: the normal turns within a facet, so that a dependent combination still loads the
+  mesh a little, tangentially.
+* C itself, taken with the global modes' part in it.
 """
 
 from __future__ import annotations
@@ -12,14 +19,19 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.mesh import Mesh
+from warpffrf.model.reduced_body import ContactGrid
+from warpffrf.offline.contact_grid import GridPlan, facet_chart
+from warpffrf.offline.hat_loads import hat_loads
 
-# Smallest over largest eigenvalue of C on a window. Nodal grids have 1e-3 to 1e-6 (rows much longer than columns
-# lower it), a grid twice as fine as the mesh 1e-16 or less; in between the pressure oscillates but the solution is
-# unique.
+# Nodal grids have 3e-3 to 1e-2, a grid 1.4 times as fine as linear facets 1e-6 or less: in between, and towards the
+# lower end more and more, the pressure oscillates from hat to hat but is unique.
+TRACES = 1e-4
+# Smallest over largest eigenvalue of C on a window. Nodal grids have 1e-2 to 1e-6 (rows much longer than columns
+# lower it).
 INDEPENDENCE = 1e-10
-
-WINDOW_COLUMNS = 24  # finds a grid finer by 10 %
-WINDOW_HATS = 600  # at most, whole columns and 7 of them at least: the eigenvalues of the window take 0.1 s
+WINDOW_COLUMNS = 24  # shows a grid finer by 10 %
+WINDOW_HATS = 600  # at most, but `LEAST_COLUMNS` whole columns: the eigenvalues of the window take 0.1 s
 LEAST_COLUMNS = 7
 
 
@@ -34,20 +46,41 @@ def eigenvalue_ratio(window: np.ndarray) -> float:
     return float(values[0] / values[-1]) if values[-1] > 0.0 else -1.0
 
 
-def check_independence(window: np.ndarray, name: str, edge: float, hats: int, nodes: int) -> float:
-    """The eigenvalue ratio; raises `InputError` below `INDEPENDENCE`, or with more `hats` than surface `nodes`.
+def trace_ratio(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
+    """Eigenvalue ratio of the traces of the grid's first columns on the facets of set `name` (module docstring)."""
+    facets = mesh.facets(name)
+    chart = facet_chart(mesh.points, facets.nodes, facets.corners.shape[1], shape)
+    count, rows = window_columns(grid.columns, grid.rows), grid.rows
+    # the window alone as a grid on an arc, with a margin of columns whose hats complete the lumped areas of its nodes
+    turn = 2.0 * np.pi
+    low = (chart.theta.min(axis=1) - grid.theta_start) % turn
+    span = np.ptp(chart.theta, axis=1)
+    reach = grid.pitch * count
+    near = (low < reach) | (low + span > turn - grid.pitch)
+    columns = int(np.ceil(turn / grid.pitch - 1e-6))
+    plan = GridPlan(grid.theta_start, turn / columns, columns, True, grid.z, False)
+    part = chart.part(near)
+    loads = hat_loads(facets.kind, facets.nodes[near], part, shape, plan)
+    column = loads.column % columns
+    nodes, node = np.unique(loads.node, return_inverse=True)
+    lumped = np.bincount(node, weights=np.abs(loads.area))
+    inside = column < count
+    b = np.zeros((count * rows, len(nodes)))
+    np.add.at(b, (column[inside] * rows + loads.row[inside], node[inside]), loads.area[inside])
+    scaled = b / np.sqrt(b.sum(axis=1))[:, None] / np.sqrt(lumped)
+    return eigenvalue_ratio(scaled @ scaled.T)
+
+
+def check_independence(traces: float, window: np.ndarray, name: str, edge: float) -> float:
+    """The eigenvalue ratio of C; raises `InputError` where it or `traces` is too small.
 
     `edge` is the longest facet edge [m], named as the cure.
     """
     ratio = eigenvalue_ratio(window)
-    cure = f"use traction_spacing >= {edge:.3g} m, or a finer mesh"
-    if hats > nodes:
+    if not (traces > TRACES and ratio > INDEPENDENCE):
         raise InputError(
-            f"contact {name!r}: contact grid finer than the surface mesh ({hats} hats on {nodes} surface nodes); {cure}"
-        )
-    if not ratio > INDEPENDENCE:
-        raise InputError(
-            f"contact {name!r}: contact grid finer than the surface mesh (eigenvalue ratio {ratio:.2g} of a "
-            f"window, at least {INDEPENDENCE:g} is needed); {cure}"
+            f"contact {name!r}: contact grid finer than the surface mesh (eigenvalue ratios of a window: traces "
+            f"{traces:.2g}, at least {TRACES:g} is needed; compliance {ratio:.2g}, at least {INDEPENDENCE:g}); "
+            f"use traction_spacing >= {edge:.3g} m, or a finer mesh"
         )
     return ratio

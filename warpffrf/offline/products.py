@@ -25,13 +25,16 @@ class Limits:
 
 @dataclass
 class SurfaceProduct:
-    """Operators of one contact surface, see `ContactSurface`, and C of a window for the independence check."""
+    """Operators of one contact surface, see `ContactSurface`, and what the independence check looks at: the flexible
+    compliance `(B psi)^T G (B psi)` of a window of hats, with (`window`) and without (`residual_window`) the global
+    modes' part."""
 
     grid: ContactGrid
     lags: np.ndarray
     mode_normal: np.ndarray
     recovery: Recovery
     window: np.ndarray
+    residual_window: np.ndarray
 
 
 @dataclass

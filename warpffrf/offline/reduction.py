@@ -23,7 +23,7 @@ from warpffrf.model.reduced_body import (
 from warpffrf.offline.contact_grid import facet_chart
 from warpffrf.offline.cyclic import reduce_cyclic
 from warpffrf.offline.general import reduce_general
-from warpffrf.offline.independence import check_independence
+from warpffrf.offline.independence import INDEPENDENCE, check_independence, eigenvalue_ratio, trace_ratio
 from warpffrf.offline.interfaces import rigid_interfaces
 from warpffrf.offline.paths import choose_path, resolve_shapes
 from warpffrf.offline.products import Limits, PathProduct
@@ -113,11 +113,20 @@ def reduce(
     for (name, shape), s in zip(choice.shapes.items(), product.surfaces, strict=True):
         facets = mesh.facets(name)
         edge = facet_chart(mesh.points, facets.nodes, facets.corners.shape[1], shape).edge
-        ratio = check_independence(s.window, name, edge, s.grid.columns * s.grid.rows, len(facets.node_set))
+        traces = trace_ratio(mesh, name, shape, s.grid)
+        ratio = check_independence(traces, s.window, name, edge)
+        residual = eigenvalue_ratio(s.residual_window)
+        if not residual > INDEPENDENCE:
+            report["warnings"].append(
+                f"contact {name!r}: the global modes hold nearly all that the mesh can do, too little is left to "
+                f"the local modes (eigenvalue ratio {residual:.2g}); use fewer modes or a finer mesh"
+            )
         report["contact"][name] = {
             "columns": s.grid.columns,
             "rows": s.grid.rows,
+            "trace_ratio": traces,
             "eigenvalue_ratio": ratio,
+            "residual_eigenvalue_ratio": residual,
             "longest_facet_edge": edge,
             "deviation": shape.deviation,
         }

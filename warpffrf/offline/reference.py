@@ -56,7 +56,7 @@ KINDS = {
 # quadrilaterals and hexahedra. Hexahedra: full integration with as many points as nodes for K; N_a N_b det J for M.
 STIFFNESS_DEGREE = {"hex8": 3, "hex27": 5, "tet4": 1, "tet10": 4}
 MASS_DEGREE = {"hex8": 5, "hex27": 7, "tet4": 2, "tet10": 6}
-FACET_DEGREE = {"quad4": 5, "quad9": 7, "tri3": 5, "tri6": 6}
+FACET_DEGREE = {"quad4": 7, "quad9": 7, "tri3": 5, "tri6": 6}
 _SAME_NODE = 1e-9  # reference coordinates are exact fractions
 
 

@@ -57,6 +57,7 @@ class CompiledScene:
 
     scene: Any
     model: Model
+    models: wp.array  # the same as a device array of one entry: kernels read it by address, launches stay small
     device: str
     joint_rows: dict[str, list[int]]  # joint name -> its rows, drives included
     coordinate_rows: dict[str, int]  # joint name -> row whose coordinate is the joint's
@@ -175,8 +176,8 @@ class _Compiler:
         self._interfaces(m)
         self._markers_rows_signals(m)
         self._forces(m)
-        self._surfaces(m)
         self._pairs(m)
+        self._surfaces(m)
         m.residual_tolerance = settings.residual_tolerance
         m.max_iterations = settings.max_iterations
         m.max_inner = settings.max_inner
@@ -191,7 +192,7 @@ class _Compiler:
             )
         pairs = [(2 * i, 2 * i + 1) for i in range(m.pair_count)]
         return CompiledScene(
-            scene, m, self.device, self.joint_rows, self.coordinate_rows, len(self.rows), modal_start, pairs, self.notes
+            scene, m, wp.array([m], dtype=Model, device=self.device), self.device, self.joint_rows, self.coordinate_rows, len(self.rows), modal_start, pairs, self.notes
         )  # fmt: skip
 
     def _interfaces(self, m: Model) -> None:
@@ -238,7 +239,7 @@ class _Compiler:
     def _surfaces(self, m: Model) -> None:
         lists: dict[str, list] = {name: [] for name in (
             "body", "origin", "frame", "radius", "crown", "theta", "pitch", "columns", "periodic", "turn", "rows", "block",
-            "sectors", "z_start", "lag_start", "mode_start",
+            "z_start", "lag_start", "mode_start",
         )}  # fmt: skip
         z, D, MDM, modes, moments = [], [], [], [], []
         for body, surface in self.surfaces:
@@ -250,14 +251,14 @@ class _Compiler:
             turn = sectors * block if sectors > 1 or grid.periodic else 0
             values = (
                 body.index, shape.axis_point - body.center_of_mass, frame, shape.radius, 1.0 / shape.curvature if shape.curvature else 0.0,
-                grid.theta_start, grid.pitch, grid.columns, int(grid.periodic), turn, grid.rows, block, sectors,
+                grid.theta_start, grid.pitch, grid.columns, int(grid.periodic), turn, grid.rows, block,
                 sum(map(len, z)), sum(map(len, D)), sum(map(len, modes)),
             )  # fmt: skip
             for name, value in zip(lists, values, strict=True):
                 lists[name].append(value)
             z.append(np.asarray(grid.z))
-            D.append(np.ascontiguousarray(surface.lags).ravel())
-            MDM.append(weak_compliance(surface).ravel())
+            D.append(response_table(surface, surface.lags, self.reach).ravel())
+            MDM.append(response_table(surface, weak_compliance(surface), self.reach).ravel())
             modes.append(np.ascontiguousarray(surface.mode_normal).ravel())
             moments.append(_moments(surface).ravel())
         for name, values in lists.items():
@@ -311,6 +312,7 @@ class _Compiler:
         m.stencil_columns, m.stencil_rows = stencil
         m.second_half_window, m.second_columns, m.second_rows = second_half, 2 * second_half + 1, second_rows
         m.node_capacity = m.second_columns * second_rows
+        self.reach = m.reach = m.window_columns + m.second_columns + m.stencil_columns
         m.pair_modes = pair_modes
         m.slot_capacity = slots
         m.coupled_capacity = max([len(c) for c in coupled], default=1)
@@ -374,6 +376,23 @@ def weak_compliance(surface: Any) -> np.ndarray:
     M = np.einsum("nab,kl->nakbl", theta, surface.gram_z).reshape(sectors, side, side)
     M_hat, D_hat = np.fft.rfft(M, axis=0), np.fft.rfft(lags, axis=0)
     return np.fft.irfft(M_hat @ D_hat @ M_hat, n=sectors, axis=0)
+
+
+def response_table(surface: Any, lags: np.ndarray, reach: int) -> np.ndarray:
+    """Block-circulant `lags` as a table (column of the block, source row, target column + reach, target row).
+
+    The response to a hat along the columns of a window is one contiguous run, whatever the block: kernels add such runs. Columns
+    are counted from the source's block; a dense operator on an arc is padded with zeros, where the grid has no nodes.
+    """
+    grid = surface.grid
+    sectors, side = lags.shape[:2]
+    c = side // grid.rows
+    column = np.arange(-reach, c + reach)
+    blocks = lags.reshape(sectors, c, grid.rows, c, grid.rows)
+    table = blocks[(column // c) % sectors, column % c].transpose(2, 3, 0, 1).copy()
+    if sectors == 1 and not grid.periodic:
+        table[:, :, (column < 0) | (column >= c)] = 0.0
+    return table
 
 
 def compile_scene(scene: Any, settings: Settings, device: str) -> CompiledScene:

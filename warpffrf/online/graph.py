@@ -51,185 +51,201 @@ class StepGraph:
         wp.launch_tiled(kernel, dim=dim, inputs=inputs, outputs=outputs, block_dim=BLOCK, device=self.device)
 
     def _attempt(self) -> None:
-        m, s, x, W = self.compiled.model, self.state, self.work, self.worlds
+        m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
         B, Q, P, rows_n = m.body_count, m.modal_count, m.pair_count, m.row_count
         self._launch(motion.begin_step, W, [x.rho_inf], [s.ctl, s.clk])
-        self._launch(
-            motion.predict_bodies, (W, B),
+        self._block(
+            motion.predict_bodies, (W,),
             [s.ctl, s.clk, s.v, s.v_rate, s.v_alg, s.omega, s.omega_rate, s.omega_alg], [x.dx, x.psi],
         )  # fmt: skip
         if Q:
-            self._launch(motion.predict_modes, (W, Q), [s.ctl, s.clk, s.qd, s.qd_rate, s.qd_alg], [x.dq])
+            self._block(motion.predict_modes, (W,), [s.ctl, s.clk, s.qd, s.qd_rate, s.qd_alg], [x.dq])
         x.running.fill_(1)
         wp.capture_while(x.running, self._iteration)
         if P:
-            self._launch(commit.generalise_contact, (W, P), [m, s.ctl, x.r1, x.axes, x.pair_wrench], [s.pair_force])
+            self._launch(commit.generalise_contact, (W, P), [M, s.ctl, x.r1, x.axes, x.pair_wrench], [s.pair_force])
         self._launch(
             commit.balance_energy, W,
-            [m, s.ctl, s.clk, x.r1, x.v1, x.omega1, x.dx, x.psi, x.q1, s.qd, x.qd1, x.dq, s.lam0, s.lam, x.defect, x.coordinate,
+            [M, s.ctl, s.clk, x.r1, x.v1, x.omega1, x.dx, x.psi, x.q1, s.qd, x.qd1, x.dq, s.lam0, s.lam, x.defect, x.coordinate,
              s.drive_rate, s.applied, s.applied_at, s.pair_force, s.modal_load, x.contact_energy], [s.energy],
         )  # fmt: skip
-        self._launch(commit.decide, W, [m, s.energy, x.dx], [s.ctl, s.clk])
-        self._launch(
-            commit.keep_bodies, (W, B),
+        self._launch(commit.decide, W, [M, s.energy, x.dx], [s.ctl, s.clk])
+        self._block(
+            commit.keep_bodies, (W,),
             [s.ctl, x.r1, x.p1, x.v1, x.v1_rate, x.omega1, x.omega1_rate, x.dx, x.psi, s.clk],
             [s.r, s.p, s.v, s.v_rate, s.v_alg, s.omega, s.omega_rate, s.omega_alg],
         )  # fmt: skip
         if Q:
-            self._launch(
-                commit.keep_modes, (W, Q), [s.ctl, s.clk, x.q1, x.qd1, x.qd1_rate, x.dq],
+            self._block(
+                commit.keep_modes, (W,), [s.ctl, s.clk, x.q1, x.qd1, x.qd1_rate, x.dq],
                 [s.q, s.qd, s.qd_rate, s.qd_alg, s.modal_load],
             )  # fmt: skip
         self._launch(
-            commit.keep_rest, W, [m, s.ctl], [s.lam, s.lam0, s.drive_rate, s.applied, s.applied_at, s.pair_force, s.energy]
+            commit.keep_rest, W, [M, s.ctl], [s.lam, s.lam0, s.drive_rate, s.applied, s.applied_at, s.pair_force, s.energy]
         )  # fmt: skip
         self.record()
         self._launch(commit.count_attempts, 1, [s.ctl], [x.budget, x.more])
 
     def record(self) -> None:
         """Write the accepted state to the ring where RECORD is set."""
-        m, s, x, W = self.compiled.model, self.state, self.work, self.worlds
+        m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
         if m.pair_count:
             self._launch(
-                commit.load_second, (W, m.pair_count),
-                [m, s.ctl, s.active, x.window, x.station, x.station_wrench, x.stencil, x.stencil_at, s.pressure],
-                [x.second_load, x.second_wrench],
-            )  # fmt: skip
+                commit.sum_second, (W, m.pair_count), [M, s.ctl, x.station, x.station_wrench, x.second_load], [x.second_wrench]
+            )
         self._launch(
             commit.record, W,
-            [m, s.clk, s.r, s.p, s.v, s.omega, s.q, s.lam, x.coordinate, x.row_wrench, x.center, x.station, s.active,
+            [M, s.clk, s.r, s.p, s.v, s.omega, s.q, s.lam, x.coordinate, x.row_wrench, x.center, x.station, s.active,
              x.pair_wrench, x.second_wrench, s.pressure, x.second_load, s.energy], [s.ctl, x.ring],
         )  # fmt: skip
 
     def _iteration(self) -> None:
-        m, s, x, W = self.compiled.model, self.state, self.work, self.worlds
+        m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
         B, Q, P, R = m.body_count, m.modal_count, m.pair_count, m.row_count
-        self._launch(
-            motion.move_bodies, (W, B),
-            [m, s.ctl, s.clk, s.r, s.p, s.v, s.v_rate, s.v_alg, s.omega, s.omega_rate, s.omega_alg, x.dx, x.psi],
+        self._block(
+            motion.move_bodies, (W,),
+            [M, s.ctl, s.clk, s.r, s.p, s.v, s.v_rate, s.v_alg, s.omega, s.omega_rate, s.omega_alg, x.dx, x.psi],
             [x.r1, x.p1, x.axes, x.v1, x.v1_rate, x.omega1, x.omega1_rate, x.residual, x.tangent, x.psi_inverse],
         )  # fmt: skip
         if Q:
-            self._launch(
-                motion.move_modes, (W, Q), [m, s.ctl, s.clk, s.q, s.qd, s.qd_rate, s.qd_alg, x.dq],
+            self._block(
+                motion.move_modes, (W,), [M, s.ctl, s.clk, s.q, s.qd, s.qd_rate, s.qd_alg, x.dq],
                 [x.q1, x.qd1, x.qd1_rate, x.modal_residual, x.receptance],
             )  # fmt: skip
         if m.force_count:
             self._launch(
-                rows.apply_forces, W, [m, s.ctl, s.clk, x.r1, x.axes, x.q1],
+                rows.apply_forces, W, [M, s.ctl, s.clk, x.r1, x.axes, x.q1],
                 [x.residual, x.modal_residual, s.applied, s.applied_at],
             )  # fmt: skip
         if R:
-            self._launch(
-                rows.evaluate_rows, (W, R), [m, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.q1, x.qd1, s.lam],
+            self._block(
+                rows.evaluate_rows, (W,), [M, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.q1, x.qd1, s.lam],
                 [x.C, x.C_modal, x.coordinate, x.defect, x.softness, s.drive_rate, x.row_wrench],
             )  # fmt: skip
-            self._launch(
-                outer.add_multipliers, (W, 6 * B + Q), [m, s.ctl, s.lam, x.C, x.C_modal], [x.residual, x.modal_residual]
+            self._block(
+                outer.add_multipliers, (W,), [M, s.ctl, s.lam, x.C, x.C_modal], [x.residual, x.modal_residual]
             )
         if P:
             self._locate_contact()
         self._launch(
             outer.balance, W,
-            [m, s.ctl, s.clk, x.r1, x.axes, x.v1_rate, s.lam, x.defect, x.softness, x.pair_wrench, x.gap_defect],
-            [x.residual, x.residual_history],
+            [M, s.ctl, s.clk, x.r1, x.axes, x.v1_rate, s.lam, x.defect, x.softness, x.pair_wrench, x.gap_defect,
+             x.modal_residual, s.modal_load, x.q1], [x.residual, x.residual_history],
         )  # fmt: skip
-        self._launch(
-            outer.condense, (W, m.outer_count),
-            [m, s.ctl, x.C, x.C_modal, x.receptance, x.softness, x.defect, x.residual, x.modal_residual], [x.tangent, x.rhs],
+        if P:
+            self._block(
+                contact_solve.carry_difference, (W,),
+                [M, s.ctl, s.active, x.slot_mode, x.local, x.J, s.pressure, x.stencil, x.stencil_at, x.first_local,
+                 x.second_local, s.modal_load], [x.gap, x.modal_residual],
+            )  # fmt: skip
+        self._block(
+            outer.condense, (W,),
+            [M, s.ctl, x.C, x.C_modal, x.receptance, x.softness, x.defect, x.residual, x.modal_residual], [x.tangent, x.rhs],
         )  # fmt: skip
         self._block(
-            outer.factor_outer, (W,), [m, x.tangent, x.rhs], [s.ctl, x.scaling, x.elimination, x.inverse, x.z_free]
-        )
+            outer.factor_outer, (W,), [M, x.tangent, x.rhs],
+            [s.ctl, x.scaling, x.pivots, x.elimination, x.inverse_transposed, x.z_free],
+        )  # fmt: skip
         z = x.z_free
         if P:
             z = x.z
             self._compliance()
             self._block(
                 contact_solve.solve_pressures, (W,),
-                [m, s.active, x.gap, x.slot_mode, x.G, x.J, x.L, x.V, x.receptance, x.modal_residual, x.z_free],
+                [M, s.active, x.gap, x.slot_mode, x.G, x.J, x.L, x.V, x.receptance, x.modal_residual, x.z_free],
                 [s.ctl, x.right, x.order, x.factor, x.solution, s.pressure, x.z],
             )  # fmt: skip
         if Q:
-            self._launch(
-                contact_solve.modal_increments, (W, Q),
-                [m, s.ctl, s.active, x.slot_mode, x.J, s.pressure, x.C_modal, x.receptance, x.modal_residual, z],
-                [s.modal_load, x.modal_step],
+            self._block(
+                contact_solve.modal_increments, (W,),
+                [M, s.ctl, s.active, x.slot_mode, x.J, s.pressure, x.C_modal, x.receptance, x.modal_residual, z],
+                [x.modal_step],
             )  # fmt: skip
         if P:
             self._correct()
-        self._launch(outer.advance_outer, (W, B), [m, s.ctl, z, x.psi_inverse], [x.dx, x.psi])
+        self._block(outer.advance_outer, (W,), [M, s.ctl, z, x.psi_inverse], [x.dx, x.psi])
         if R + Q:
-            self._launch(outer.advance_rest, (W, R + Q), [m, s.ctl, z, x.modal_step], [s.lam, x.dq])
-        self._launch(outer.count_iteration, 1, [m], [s.ctl, x.running])
+            self._block(outer.advance_rest, (W,), [M, s.ctl, z, x.modal_step], [s.lam, x.dq])
+        self._launch(outer.count_iteration, 1, [M], [s.ctl, x.running])
 
     def _locate_contact(self) -> None:
-        m, s, x, W = self.compiled.model, self.state, self.work, self.worlds
+        m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
         P = m.pair_count
         self._launch(
-            contact_geometry.locate, (W, P), [m, s.ctl, x.r1, x.axes], [x.phase, x.center, x.station, x.station_wrench]
+            contact_geometry.locate, (W, P), [M, s.ctl, x.r1, x.axes], [x.phase, x.center, x.station, x.station_wrench]
         )
-        self._launch(contact_geometry.open_window, (W, P), [m, s.ctl, s.active], [x.window])
-        self._launch(contact_solve.set_second_window, (W, P), [m, s.ctl, x.window], [x.second_window])
+        self._launch(contact_geometry.open_window, (W, P), [M, s.ctl, s.active], [x.window])
+        self._launch(contact_solve.set_second_window, (W, P), [M, s.ctl, x.window], [x.second_window])
         self._block(
-            contact_geometry.sample, (W, P), [m, s.ctl, x.center, x.window, x.station], [x.point_gap, x.point_place]
+            contact_geometry.sample, (W, P), [M, s.ctl, x.center, x.window, x.station], [x.point_gap, x.point_place]
         )
         self._block(
             contact_geometry.weigh, (W, P),
-            [m, s.ctl, x.center, x.window, x.station, x.station_wrench, x.point_gap, x.point_place],
+            [M, s.ctl, x.center, x.window, x.station, x.station_wrench, x.point_gap, x.point_place],
             [x.weak_gap, x.area, x.wrench, x.stencil, x.stencil_at],
         )  # fmt: skip
         self._block(
             contact_solve.modal_fields, (W, P),
-            [m, s.ctl, x.center, x.window, x.second_window, x.q1, 1], [x.first_field, x.second_field],
+            [M, s.ctl, x.center, x.window, x.second_window, x.q1.flatten(), 1], [x.first_field, x.second_field],
         )  # fmt: skip
         self._block(
             contact_solve.close_gaps, (W, P),
-            [m, s.ctl, x.window, x.weak_gap, x.area, x.stencil, x.stencil_at, x.first_field, x.second_field], [x.gap],
+            [M, s.ctl, x.window, x.weak_gap, x.area, x.stencil, x.stencil_at, x.first_field, x.second_field], [x.gap],
+        )  # fmt: skip
+        self._local_fields()
+        self._block(
+            contact_solve.load_modes, (W,),
+            [M, s.ctl, x.center, x.window, x.second_window, s.active, s.pressure, x.second_load.flatten()],
+            [s.modal_load.flatten()],
         )  # fmt: skip
         self._launch(
             contact_solve.residual_gap, W,
-            [m, s.ctl, s.active, x.area, x.wrench, x.gap, x.slot_of, x.slot_mode, x.local, s.pressure],
-            [x.pair_wrench, x.gap_defect, x.contact_energy],
+            [M, s.ctl, x.window, s.active, x.area, x.wrench, x.gap, x.stencil, x.stencil_at, s.pressure, x.first_local,
+             x.second_local], [x.pair_wrench, x.gap_defect, x.contact_energy],
+        )  # fmt: skip
+
+    def _local_fields(self) -> None:
+        M, s, x = self.compiled.models, self.state, self.work
+        self._block(
+            contact_solve.local_fields, (self.worlds, self.compiled.model.pair_count),
+            [M, s.ctl, x.center, x.window, x.second_window, s.active, x.stencil, x.stencil_at, s.pressure],
+            [x.second_load.flatten(), x.first_local, x.second_local],
         )  # fmt: skip
 
     def _compliance(self) -> None:
-        m, s, x, W = self.compiled.model, self.state, self.work, self.worlds
+        m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
         self._launch(
-            contact_compliance.take_slots, W, [m], [s.ctl, s.active, x.area, x.phase, x.slot_of, x.slot_mode]
+            contact_compliance.take_slots, W, [M], [s.ctl, s.active, x.area, x.phase, x.slot_of, x.slot_mode]
         )
         self._block(
             contact_compliance.respond, (W,),
-            [m, s.ctl, x.center, x.second_window, x.slot_mode, x.stencil, x.stencil_at], [x.T],
+            [M, s.ctl, x.center, x.second_window, x.slot_mode, x.stencil, x.stencil_at], [x.T],
         )  # fmt: skip
         self._block(
-            contact_compliance.modal_rows, (W,), [m, s.ctl, x.center, x.slot_mode, x.stencil, x.stencil_at], [x.J]
+            contact_compliance.modal_rows, (W,), [M, s.ctl, x.center, x.slot_mode, x.stencil, x.stencil_at], [x.J]
         )
         self._block(
             contact_compliance.assemble, (W,),
-            [m, s.ctl, x.center, x.slot_mode, x.stencil, x.stencil_at, x.T, x.J, x.receptance], [x.local, x.G],
+            [M, s.ctl, x.center, x.slot_mode, x.stencil, x.stencil_at, x.T, x.J, x.receptance], [x.local, x.G],
         )  # fmt: skip
         self._block(
             contact_compliance.outer_rows, (W,),
-            [m, s.ctl, x.axes, x.r1, x.wrench, x.slot_mode, x.J, x.receptance, x.C_modal, x.inverse], [x.L, x.V],
+            [M, s.ctl, x.axes, x.r1, x.wrench, x.slot_mode, x.J, x.receptance, x.C_modal, x.inverse_transposed], [x.L, x.V],
         )  # fmt: skip
 
     def _correct(self) -> None:
-        m, s, x, W = self.compiled.model, self.state, self.work, self.worlds
+        m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
         P = m.pair_count
         self._block(
             contact_solve.modal_fields, (W, P),
-            [m, s.ctl, x.center, x.window, x.second_window, x.modal_step, 0], [x.first_step, x.second_step],
+            [M, s.ctl, x.center, x.window, x.second_window, x.modal_step, 0], [x.first_step, x.second_step],
         )  # fmt: skip
-        self._block(
-            contact_solve.second_displacement, (W, P),
-            [m, s.ctl, s.active, x.second_window, x.slot_mode, x.T, s.pressure], [x.local_field],
-        )  # fmt: skip
+        self._local_fields()
         self._block(
             contact_solve.correct_set, (W, P),
-            [m, s.ctl, x.axes, x.r1, x.center, x.window, x.area, x.wrench, x.stencil, x.stencil_at, x.gap, x.first_step,
-             x.second_step, x.local_field, x.slot_mode, x.z, s.pressure, s.active], [x.proposed],
+            [M, s.ctl, x.axes, x.r1, x.window, x.area, x.wrench, x.stencil, x.stencil_at, x.gap, x.first_step,
+             x.second_step, x.first_local, x.second_local, x.z, s.pressure, s.active], [x.proposed],
         )  # fmt: skip
         self._launch(
-            contact_solve.accept_set, W, [m], [s.ctl, x.center, x.proposed, s.active, s.pressure, x.window]
+            contact_solve.accept_set, W, [M], [s.ctl, x.center, x.proposed, s.active, s.pressure, x.window]
         )  # fmt: skip

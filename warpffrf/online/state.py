@@ -72,8 +72,7 @@ class Work:
             "residual": (REAL, 6 * B), "modal_residual": (REAL, Q), "receptance": (REAL, Q),
             "C": (REAL, rows, 6 * B), "C_modal": (REAL, rows, Q), "coordinate": (REAL, rows), "defect": (REAL, rows),
             "softness": (REAL, rows), "row_wrench": (REAL, rows, 6),
-            "tangent": (REAL, N, N), "rhs": (REAL, N), "scaling": (REAL, N), "elimination": (REAL, N, 2 * N),
-            "inverse": (REAL, N, N), "z_free": (REAL, N), "z": (REAL, N), "modal_step": (REAL, Q),
+            "tangent": (REAL, N, N), "rhs": (REAL, N), "scaling": (REAL, N), "pivots": (INT, N), "elimination": (REAL, N, N),
             "residual_history": (REAL, RESIDUALS_KEPT), "gap_defect": (REAL, 1), "contact_energy": (REAL, 1),
             "pair_wrench": (REAL, P, 6), "phase": (REAL, P, 8), "center": (INT, P, 2),
             "station": (REAL, P, stations, 8), "station_wrench": (REAL, P, stations, 6),
@@ -83,18 +82,22 @@ class Work:
             "wrench": (REAL, P, m.mode_capacity, 6), "proposed": (INT, P, m.mode_capacity),
             "stencil": (REAL, P, m.mode_capacity, m.stencil_columns * m.stencil_rows),
             "stencil_at": (INT, P, m.mode_capacity, 2),
-            "first_field": (REAL, P, m.mode_capacity), "second_field": (REAL, P, m.node_capacity),
-            "first_step": (REAL, P, m.mode_capacity), "second_step": (REAL, P, m.node_capacity),
-            "local_field": (REAL, P, m.node_capacity),
+            "first_field": (REAL, P, m.mode_capacity), "first_step": (REAL, P, m.mode_capacity),
             "slot_of": (INT, P, m.mode_capacity), "slot_mode": (INT, S, 2),
-            "T": (REAL, S, m.node_capacity), "J": (REAL, S, m.pair_modes), "local": (REAL, S, S), "G": (REAL, S, S),
-            "L": (REAL, S, m.coupled_capacity), "V": (REAL, S, N), "right": (REAL, S), "order": (INT, S),
+            "local": (REAL, S, S), "G": (REAL, S, S), "L": (REAL, S, m.coupled_capacity), "right": (REAL, S), "order": (INT, S),
             "factor": (REAL, S, S + 1), "solution": (REAL, S),
             "second_load": (REAL, P, m.node_capacity), "second_wrench": (REAL, P, 6),
             "ring": (REAL, ring_rows, ring_width(m)),
         }  # fmt: skip
         for name, (dtype, *shape) in table.items():
             setattr(self, name, zeros(dtype, (W, *shape), compiled.device))
+        flat = {  # read and written along contiguous runs, by index: one axis
+            "z_free": N, "z": N, "modal_step": Q, "inverse_transposed": N * N, "V": S * N, "J": S * m.pair_modes,
+            "T": S * m.node_capacity, "second_field": P * m.node_capacity, "second_step": P * m.node_capacity,
+            "first_local": P * m.mode_capacity, "second_local": P * m.node_capacity,
+        }  # fmt: skip
+        for name, size in flat.items():
+            setattr(self, name, zeros(REAL, (W * max(size, 1),), compiled.device))
         self.running = zeros(INT, (1,), compiled.device)
         self.budget = zeros(INT, (1,), compiled.device)
         self.more = zeros(INT, (1,), compiled.device)

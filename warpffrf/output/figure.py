@@ -11,10 +11,12 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.contact_result import mid_width
+from warpffrf.output.frames import largest
 from warpffrf.output.paths import checked_output_path
 
 FINE = 400  # points of a smooth curve
 SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch plots
+HEADROOM = 1.08  # of the largest value of a plot
 PROFILE, REFERENCE = "#1b6ca8", "#d1495b"
 
 
@@ -30,6 +32,12 @@ def _last_touching(contact: Any) -> int:
     return int(touching[-1]) if len(touching) else len(contact.line_load) - 1
 
 
+def _from_zero(ax: Any, *values: Any) -> None:
+    """A scale from zero to a little above the largest of the values, so that a small change looks small."""
+    top = largest([np.asarray(v, dtype=float) for v in values])
+    ax.set_ylim(0.0, HEADROOM * top if top > 0.0 else 1.0)
+
+
 def _at(result: Any, i: int) -> str:
     return f"t = {result.time[i] * 1e3:.4g} ms"
 
@@ -40,7 +48,7 @@ def force(result: Any, ax: Any) -> None:
         ax.plot(result.time * 1e3, result.contact(name).force_magnitude * 1e-3, label=name)
     ax.set(xlabel="time [ms]", ylabel="contact force [kN]")
     ax.set_title("Contact force", fontsize=10)
-    ax.set_ylim(bottom=0.0)
+    _from_zero(ax, *(result.contact(name).force_magnitude * 1e-3 for name in result.contact_names))
     if len(result.contact_names) > 1:
         ax.legend(frameon=False)
 
@@ -65,7 +73,7 @@ def across(result: Any, ax: Any) -> None:
         title += f"\nagainst Hertz: half-width {ratio[0]:+.2%}, peak {ratio[1]:+.2%}"
     ax.set(xlabel="arc from the line of centres [mm]", ylabel="pressure [MPa]")
     ax.set_title(title, fontsize=10)
-    ax.set_ylim(bottom=0.0)
+    _from_zero(ax, p, [line.peak_pressure * 1e-6] if line else [])
     ax.legend(frameon=False, fontsize=8, loc="upper right")
 
 
@@ -79,7 +87,7 @@ def along(result: Any, ax: Any) -> None:
     ax.plot(patch.z * 1e3, patch.pressure[column] * 1e-6, "o-", ms=3.5, lw=1.0, color=PROFILE)
     ax.set(xlabel="position along the axis [mm]", ylabel="pressure [MPa]")
     ax.set_title(f"Along the axis at {patch.arc[column] * 1e3:+.3f} mm of arc", fontsize=10)
-    ax.set_ylim(bottom=0.0)
+    _from_zero(ax, patch.pressure[column] * 1e-6)
 
 
 def patch(result: Any, ax: Any) -> None:
@@ -123,17 +131,17 @@ def widths(result: Any, ax: Any) -> None:
     peak.plot(result.time[rows] * 1e3, contact.mid_peak_pressure[rows] * 1e-6, color=REFERENCE, label="peak pressure")
     try:
         lines = [contact.hertz(i) for i in rows]
-        ax.plot(
-            result.time[rows] * 1e3, [v.half_width * 1e3 for v in lines], "--", color=PROFILE, lw=0.8, label="Hertz"
-        )
-        peak.plot(result.time[rows] * 1e3, [v.peak_pressure * 1e-6 for v in lines], "--", color=REFERENCE, lw=0.8)
     except InputError:
-        pass
+        lines = []
+    reference = [v.half_width * 1e3 for v in lines], [v.peak_pressure * 1e-6 for v in lines]
+    if lines:
+        ax.plot(result.time[rows] * 1e3, reference[0], "--", color=PROFILE, lw=0.8)
+        peak.plot(result.time[rows] * 1e3, reference[1], "--", color=REFERENCE, lw=0.8)
     ax.set(xlabel="time [ms]", title="Half-width and peak pressure at mid-width (dashed: Hertz)")
     ax.set_ylabel("half-width [mm]", color=PROFILE)
     peak.set_ylabel("peak pressure [MPa]", color=REFERENCE)
-    ax.set_ylim(bottom=0.0)
-    peak.set_ylim(bottom=0.0)
+    _from_zero(ax, contact.half_width * 1e3, reference[0])
+    _from_zero(peak, contact.mid_peak_pressure * 1e-6, reference[1])
     ax.title.set_fontsize(10)
 
 

@@ -36,7 +36,7 @@ class Result:
 
     @property
     def status(self) -> str:
-        """completed | interrupted | not_converged | cycling | capacity | not_finite | step_underflow."""
+        """completed, interrupted, or what stopped the run (not_converged, cycling, capacity, not_finite, ...)."""
         return self.history.status
 
     @property

@@ -1,0 +1,24 @@
+"""Reduced bodies that the tests of the reduction share."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from warpffrf.model.material import Material
+from warpffrf.model.surfaces import Cylinder
+from warpffrf.offline import reduce
+
+STEEL = Material(210e9, 0.3, 7850.0)
+
+
+def reduced(mesh, *, general: bool = False, **settings):
+    """`reduce` with a rigid bore and a contact rim, without cache; `general` hides the periodicity."""
+    given = {"interfaces": {"bore": "rigid"}, "contact": {"rim": Cylinder()}, "cache": False, "progress": False}
+    return reduce(replace(mesh, cyclic=None) if general else mesh, STEEL, **{**given, **settings})
+
+
+def skin_order(body) -> np.ndarray:
+    """Permutation that sorts skin points by place, to compare bodies that number them differently."""
+    return np.lexsort(np.round(body.surface.points, 9).T)

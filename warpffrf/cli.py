@@ -1,0 +1,174 @@
+"""The command line: `warpffrf demo | reduce | info`.
+
+Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2; no traceback for either. What a
+command finds goes to stdout, progress and warnings go to stderr.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import warpffrf
+
+# Set before anything loads NumPy: on the many small matrices of a reduction the threads of a BLAS wait for each other
+# (on two busy cores 16 times longer than one thread alone).
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+log = logging.getLogger("warpffrf")
+
+app = typer.Typer(
+    name="warpffrf",
+    help="Simulate machines of flexible bodies that touch. Start with: warpffrf demo two-rollers",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+demo = typer.Typer(
+    help="Run a complete example and write its results to a folder.", no_args_is_help=True, rich_markup_mode=None
+)
+app.add_typer(demo, name="demo")
+
+
+class _State:
+    """Options of the main command that the others read."""
+
+    quiet = False
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        print(f"warpffrf {warpffrf.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Also print details for finding faults.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print no progress, only warnings and errors.")] = False,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and leave.")
+    ] = False,
+) -> None:
+    _State.quiet = quiet
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(logging.Formatter("%(message)s"))
+    for old in [h for h in log.handlers if isinstance(h, logging.StreamHandler)]:
+        log.removeHandler(old)
+    log.addHandler(handler)
+    log.setLevel(logging.DEBUG if verbose else logging.WARNING if quiet else logging.INFO)
+
+
+@contextmanager
+def _one_line_errors() -> Iterator[None]:
+    from warpffrf.model.errors import InputError
+
+    try:
+        yield
+    except (InputError, OSError) as error:
+        if log.isEnabledFor(logging.DEBUG):
+            log.debug("where it happened:", exc_info=True)
+        print(f"error: {error}", file=sys.stderr)
+        raise typer.Exit(1) from None
+
+
+@demo.command("two-rollers")
+def demo_two_rollers(
+    out: Annotated[Path, typer.Option("--out", help="Folder for the results; made if missing.")] = Path(
+        "out/two_rollers"
+    ),
+    quick: Annotated[bool, typer.Option("--quick", help="Coarser mesh, fewer frames: faster, less exact.")] = False,
+) -> None:
+    """Two steel rollers, pressed together, rolling, under a load step.
+
+    Writes two_rollers.h5 (results), two_rollers.rrd (open it with: rerun FILE), two_rollers.png (summary figure) and
+    summary.json, and prints the contact force, half-width and peak pressure beside Hertz.
+    """
+    with _one_line_errors():
+        from warpffrf.demos import two_rollers
+
+        code = two_rollers.main(out, quick=quick, progress=not _State.quiet)
+    raise typer.Exit(code)
+
+
+@app.command("reduce")
+def reduce_mesh(
+    mesh_file: Annotated[Path, typer.Argument(metavar="MESH", help="Volume mesh: Gmsh .msh or VTK .vtu.")],
+    length_unit: Annotated[str, typer.Option(help="Unit of the lengths in the mesh file: m, cm, mm, um, in or ft.")],
+    youngs_modulus: Annotated[float, typer.Option(help="Young's modulus in Pa, for steel 210e9.")],
+    poisson_ratio: Annotated[float, typer.Option(help="Poisson's ratio, for steel 0.3.")],
+    density: Annotated[float, typer.Option(help="Density in kg/m3, for steel 7850.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="File to write, for example roller.h5.")],
+    interface: Annotated[
+        list[str] | None,
+        typer.Option(help="Named set of facets that a joint holds, as one rigid piece. Repeat for several."),
+    ] = None,
+    contact: Annotated[
+        list[str] | None,
+        typer.Option(help="Named set of facets that touches others; a cylinder is fitted to it. Repeat for several."),
+    ] = None,
+    max_frequency: Annotated[float | None, typer.Option(help="Keep vibration modes up to this frequency in Hz.")] = None,
+    modes: Annotated[int | None, typer.Option(help="Keep at most this many vibration modes.")] = None,
+    traction_spacing: Annotated[
+        float | None, typer.Option(help="Spacing of the contact grid in m; left out: that of the mesh.")
+    ] = None,
+    cache: Annotated[bool, typer.Option(help="Take an unchanged body from the cache instead of reducing again.")] = True,
+) -> None:
+    """Turn a finite-element mesh into a reduced body that a simulation can use.
+
+    Example: warpffrf reduce roller.msh --length-unit mm --youngs-modulus 210e9 --poisson-ratio 0.3 --density 7850
+    --interface bore --contact rim --max-frequency 20e3 -o roller.h5
+
+    The names of the sets in a mesh are listed by: warpffrf info MESH --length-unit mm
+    """
+    with _one_line_errors():
+        from warpffrf.output.paths import checked_output_path
+
+        target = checked_output_path(output, "--output")
+        mesh = warpffrf.mesh.read(mesh_file, length_unit=length_unit)
+        body = warpffrf.reduce(
+            mesh,
+            warpffrf.Material(youngs_modulus, poisson_ratio, density),
+            interfaces=dict.fromkeys(interface or [], "rigid"),
+            contact=dict.fromkeys(contact or []),
+            max_frequency=max_frequency,
+            modes=modes,
+            traction_spacing=traction_spacing,
+            cache=cache,
+            progress=not _State.quiet,
+        )
+        body.save(target)
+        print(body.info())
+        print(f"written to {target}")
+
+
+@app.command("info")
+def info(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Mesh (.msh, .vtu), reduced body or results (.h5).")],
+    length_unit: Annotated[
+        str | None, typer.Option(help="For a mesh: unit of the lengths in the file: m, cm, mm, um, in or ft.")
+    ] = None,
+    density: Annotated[float, typer.Option(help="For a mesh: density in kg/m3; left out: steel.")] = 7850.0,
+) -> None:
+    """Say what is in a file: size, mass, inertia, named sets, modes, or how a run went."""
+    with _one_line_errors():
+        from warpffrf.cli_info import describe_file
+
+        print(describe_file(file, length_unit=length_unit, density=density))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line with `arguments` (None: those of the process); returns the exit code."""
+    try:
+        app(list(arguments) if arguments is not None else None, prog_name="warpffrf")
+    except SystemExit as leaving:
+        return leaving.code if isinstance(leaving.code, int) else 1
+    return 0

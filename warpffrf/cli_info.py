@@ -1,0 +1,105 @@
+"""What `warpffrf info FILE` says about a mesh, a reduced body, or the results of a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+
+HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
+
+def describe_file(path: Path, *, length_unit: str | None, density: float) -> str:
+    """Readable lines about the file: sizes, bounding box, mass, inertia, and warnings.
+
+    length_unit, density [kg/m3]: used for meshes only, which carry neither. Raises `InputError` for a file that is
+    missing or of no known kind, and for a mesh without `length_unit`.
+    """
+    if not path.is_file():
+        raise InputError(f"there is no file {str(path)!r}")
+    with path.open("rb") as file:
+        start = file.read(len(HDF5_SIGNATURE))
+    if start == HDF5_SIGNATURE:
+        return _hdf5(path)
+    from warpffrf.model.mesh.reader import SUFFIXES
+
+    if path.suffix.lower() in SUFFIXES:
+        return _mesh(path, length_unit, density)
+    known = ", ".join(SUFFIXES)
+    raise InputError(f"{path.name} is neither a mesh ({known}) nor a reduced body or results file (.h5)")
+
+
+def _mesh(path: Path, length_unit: str | None, density: float) -> str:
+    from warpffrf.model import mesh as meshes
+    from warpffrf.model.mesh.reader import LENGTH_UNITS
+    from warpffrf.offline.mesh_mass import mesh_mass
+
+    if length_unit is None:
+        units = ", ".join(LENGTH_UNITS)
+        raise InputError(f"{path.name}: a mesh file does not say its unit of length; add --length-unit, one of {units}")
+    mesh = meshes.read(path, length_unit=length_unit)
+    mass, center, inertia = mesh_mass(mesh, density)
+    lines = str(mesh.report()).splitlines()
+    warnings = [line for line in lines if line.startswith("  warning")]
+    return "\n".join(
+        [
+            *[line for line in lines if line not in warnings],
+            f"  mass    {mass:.6g} kg at {density:g} kg/m3, centre {_vector(center)} m",
+            *_inertia(inertia),
+            *warnings,
+        ]
+    )
+
+
+def _hdf5(path: Path) -> str:
+    import h5py
+
+    from warpffrf.model.reduced_body_file import MARK
+    from warpffrf.output.results_file import FORMAT
+
+    try:
+        with h5py.File(path, "r") as file:
+            kind = file.attrs.get("format")
+    except OSError as error:
+        raise InputError(f"{path.name} is damaged ({error}); write it again") from None
+    if kind == MARK:
+        return _reduced_body(path)
+    if kind == FORMAT:
+        return _results(path)
+    raise InputError(f"{path.name} is an HDF5 file, but neither a reduced body nor results of warpffrf")
+
+
+def _reduced_body(path: Path) -> str:
+    from warpffrf.model.reduced_body import ReducedBody
+
+    body = ReducedBody.load(path)
+    return "\n".join([body.info(), _box(body.surface.points), *_inertia(body.inertia)])
+
+
+def _results(path: Path) -> str:
+    from warpffrf.output.result import Result
+
+    result = Result.load(path)
+    lines = [f"results {path.name}"]
+    for body in result.view.bodies.values():
+        lines.append(f"body '{body.name}': {body.mass:.6g} kg, {'rigid' if body.reduced is None else 'flexible'}")
+        if body.reduced is not None:
+            lines.append(_box(body.reduced.surface.points))
+    return "\n".join([*lines, result.report()])
+
+
+def _vector(values: np.ndarray) -> str:
+    return "(" + ", ".join(f"{v:.6g}" for v in values) + ")"
+
+
+def _box(points: np.ndarray) -> str:
+    size = np.ptp(points, axis=0)
+    return f"  box             {' x '.join(f'{s:.6g}' for s in size)} m"
+
+
+def _inertia(inertia: np.ndarray) -> list[str]:
+    """The full tensor: the principal moments alone would hide a tilted body."""
+    head = "  inertia about the centre [kg m2]"
+    return [head, *("    " + "".join(f"{v:>14.6g}" for v in row) for row in inertia)]

@@ -1,0 +1,1 @@
+"""Measurements on scenes: static sweeps, Hertz, convergence, rolling ripple, impact, step times."""
