@@ -6,8 +6,9 @@ BIN := .venv/bin
 STAMP := .venv/.installed
 CHECKED := warpffrf kernels tests demos bench
 
-# Two test workers share the cores and the unit of time is defined on one thread: one BLAS thread each.
-test verify bench wheel-test: export OPENBLAS_NUM_THREADS := 1
+# Test workers share the cores, the unit of time is defined on one thread, and on many small matrices the threads of a
+# BLAS wait for each other: one BLAS thread each.
+demo test verify bench wheel-test: export OPENBLAS_NUM_THREADS := 1
 
 .PHONY: .venv demo test verify bench lint format types wheel-test clean
 
@@ -53,7 +54,8 @@ wheel-test: $(STAMP)
 	build/wheel/venv/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt build/wheel/*.whl
 	mkdir -p build/wheel/elsewhere
 	cp tests/wheel_smoke.py build/wheel/elsewhere/
-	cd build/wheel/elsewhere && ../venv/bin/python -I wheel_smoke.py && ../venv/bin/warpffrf --help >/dev/null
+	cd build/wheel/elsewhere && ../venv/bin/python -I wheel_smoke.py && ../venv/bin/warpffrf info smoke.h5
+	cd build/wheel/elsewhere && ../venv/bin/warpffrf --quiet demo two-rollers --quick --out two_rollers
 
 clean:
 	rm -rf build dist out .warp_cache .pytest_cache .ruff_cache .hypothesis .import_linter_cache

@@ -85,7 +85,7 @@ def demo_two_rollers(
     out: Annotated[Path, typer.Option("--out", help="Folder for the results; made if missing.")] = Path(
         "out/two_rollers"
     ),
-    quick: Annotated[bool, typer.Option("--quick", help="Coarser mesh, fewer frames: faster, less exact.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer cells along the axis, fewer frames.")] = False,
 ) -> None:
     """Two steel rollers, pressed together, rolling, under a load step.
 
@@ -102,18 +102,18 @@ def demo_two_rollers(
 @app.command("reduce")
 def reduce_mesh(
     mesh_file: Annotated[Path, typer.Argument(metavar="MESH", help="Volume mesh: Gmsh .msh or VTK .vtu.")],
-    length_unit: Annotated[str, typer.Option(help="Unit of the lengths in the mesh file: m, cm, mm, um, in or ft.")],
+    length_unit: Annotated[str, typer.Option(metavar="UNIT", help="Unit of the lengths in the mesh file: m, cm, mm, um, in or ft.")],
     youngs_modulus: Annotated[float, typer.Option(help="Young's modulus in Pa, for steel 210e9.")],
     poisson_ratio: Annotated[float, typer.Option(help="Poisson's ratio, for steel 0.3.")],
     density: Annotated[float, typer.Option(help="Density in kg/m3, for steel 7850.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="File to write, for example roller.h5.")],
     interface: Annotated[
         list[str] | None,
-        typer.Option(help="Named set of facets that a joint holds, as one rigid piece. Repeat for several."),
+        typer.Option(metavar="SET", help="Named set of facets that a joint holds, as one rigid piece. Repeat for more."),
     ] = None,
     contact: Annotated[
         list[str] | None,
-        typer.Option(help="Named set of facets that touches others; a cylinder is fitted to it. Repeat for several."),
+        typer.Option(metavar="SET", help="Named set of facets that touches others; a cylinder is fitted to it. Repeat for more."),
     ] = None,
     max_frequency: Annotated[float | None, typer.Option(help="Keep vibration modes up to this frequency in Hz.")] = None,
     modes: Annotated[int | None, typer.Option(help="Keep at most this many vibration modes.")] = None,
@@ -133,10 +133,11 @@ def reduce_mesh(
         from warpffrf.output.paths import checked_output_path
 
         target = checked_output_path(output, "--output")
+        material = warpffrf.Material(youngs_modulus, poisson_ratio, density)
         mesh = warpffrf.mesh.read(mesh_file, length_unit=length_unit)
         body = warpffrf.reduce(
             mesh,
-            warpffrf.Material(youngs_modulus, poisson_ratio, density),
+            material,
             interfaces=dict.fromkeys(interface or [], "rigid"),
             contact=dict.fromkeys(contact or []),
             max_frequency=max_frequency,
@@ -154,7 +155,7 @@ def reduce_mesh(
 def info(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Mesh (.msh, .vtu), reduced body or results (.h5).")],
     length_unit: Annotated[
-        str | None, typer.Option(help="For a mesh: unit of the lengths in the file: m, cm, mm, um, in or ft.")
+        str | None, typer.Option(metavar="UNIT", help="For a mesh: unit of the lengths in the file: m, cm, mm, um, in or ft.")
     ] = None,
     density: Annotated[float, typer.Option(help="For a mesh: density in kg/m3; left out: steel.")] = 7850.0,
 ) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 
+ROUND_OFF = 1e-12  # of the largest moment of inertia: products below it are rounding and printed as zero
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
@@ -102,4 +103,5 @@ def _box(points: np.ndarray) -> str:
 def _inertia(inertia: np.ndarray) -> list[str]:
     """The full tensor: the principal moments alone would hide a tilted body."""
     head = "  inertia about the centre [kg m2]"
+    inertia = np.where(np.abs(inertia) > ROUND_OFF * np.abs(inertia).max(), inertia, 0.0)
     return [head, *("    " + "".join(f"{v:>14.6g}" for v in row) for row in inertia)]

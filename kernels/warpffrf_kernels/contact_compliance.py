@@ -14,7 +14,7 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
+from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, sync, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -220,21 +220,24 @@ def modal_rows(
     const int count_b = model.modal_start.data[model.surface_body.data[B] + 1] - first_b;
     const double* s = receptance.data + (size_t)w * model.modal_count;
     const int own = origin + m / rows;
+    double scaled[512], weight[64]; int node[64], count = 0;
+    for (int n = 0; n < count_a; ++n) scaled[n] = Ji[n] * s[first_a + n];
+    for (int n = 0; n < count_b; ++n) scaled[count_a + n] = Ji[count_a + n] * s[first_b + n];
+    for (int c = 0; c < SC; ++c) for (int r = 0; r < SR; ++r)
+        if (l[c * SR + r] != 0.0) { weight[count] = l[c * SR + r]; node[count++] = (at[0] + c) * rows_b + at[1] + r; }
     for (int j = WP_TILE_THREAD_IDX; j <= slot; j += WP_TILE_BLOCK_DIM) {
-        if (slot_mode.data[((size_t)w * cap + j) * 2] != pair) { G.data[((size_t)w * cap + slot) * cap + j] = 0.0;
-            G.data[((size_t)w * cap + j) * cap + slot] = 0.0; local.data[((size_t)w * cap + slot) * cap + j] = 0.0;
-            local.data[((size_t)w * cap + j) * cap + slot] = 0.0; continue; }
-        const int mj = slot_mode.data[((size_t)w * cap + j) * 2 + 1];
-        const int other = origin + mj / rows, part = ((other % block) + block) % block;
-        double g = DA[((size_t)(part * rows + mj % rows) * width_a + own - (other - part) + model.reach) * rows + m % rows];
-        const double* t = T.data + ((size_t)w * cap + j) * model.node_capacity + (size_t)at[0] * rows_b + at[1];
-        for (int c = 0; c < SC; ++c, t += rows_b)
-            for (int r = 0; r < SR; ++r) if (l[c * SR + r] != 0.0) g += l[c * SR + r] * t[r];
+        double g = 0.0, f = 0.0;
+        if (slot_mode.data[((size_t)w * cap + j) * 2] == pair) {
+            const int mj = slot_mode.data[((size_t)w * cap + j) * 2 + 1];
+            const int other = origin + mj / rows, part = ((other % block) + block) % block;
+            g = DA[((size_t)(part * rows + mj % rows) * width_a + own - (other - part) + model.reach) * rows + m % rows];
+            const double* t = T.data + ((size_t)w * cap + j) * model.node_capacity;
+            for (int e = 0; e < count; ++e) g += weight[e] * t[node[e]];
+            const double* Jj = J.data + ((size_t)w * cap + j) * width;
+            for (int n = 0; n < count_a + count_b; ++n) f += scaled[n] * Jj[n];
+        }
         local.data[((size_t)w * cap + slot) * cap + j] = g; local.data[((size_t)w * cap + j) * cap + slot] = g;
-        const double* Jj = J.data + ((size_t)w * cap + j) * width;
-        for (int n = 0; n < count_a; ++n) g += Ji[n] * Jj[n] * s[first_a + n];
-        for (int n = 0; n < count_b; ++n) g += Ji[count_a + n] * Jj[count_a + n] * s[first_b + n];
-        G.data[((size_t)w * cap + slot) * cap + j] = g; G.data[((size_t)w * cap + j) * cap + slot] = g;
+        G.data[((size_t)w * cap + slot) * cap + j] = g + f; G.data[((size_t)w * cap + j) * cap + slot] = g + f;
     }
 """)
 def couple(
@@ -291,22 +294,21 @@ def outer_rows(
     wrench: wp.array4d(dtype=real),
     slot_mode: wp.array3d(dtype=int),
     J: wp.array(dtype=real),
-    receptance: wp.array2d(dtype=real),
-    C_modal: wp.array3d(dtype=real),
+    C_receptance: wp.array(dtype=real),
     inverse_transposed: wp.array(dtype=real),
     L: wp.array3d(dtype=real),
     V: wp.array(dtype=real),
 ):
     """Per world: gradient L of the gap by rigid coordinates and multipliers, over the columns in `coupled` of the pair, and V = H L.
 
-    L = [d gap/d(rigid), -J sigma^-1 C_modal^T]; for all slots after a move, else for the fresh ones.
+    L = [d gap/d(rigid), -J sigma^-1 C_modal^T]; for all slots when H is new, else for the fresh ones.
     """
     w, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0:
         return
     slot = ctl[w, k.FRESH]
-    if ctl[w, k.MOVED] != 0:
+    if ctl[w, k.REFRESH] != 0 and ctl[w, k.MOVED] != 0:
         slot = 0
     N = model.outer_count
     while slot < ctl[w, k.SLOTS]:
@@ -333,15 +335,9 @@ def outer_rows(
         c = 12 + lane
         while c < count:
             row = model.coupled[pair, c] - 6 * model.body_count
-            value = real(0.0)
-            n = int(0)
-            while n < count_a:
-                value -= J[start + n] * C_modal[w, row, first_a + n] * receptance[w, first_a + n]
-                n += 1
-            n = int(0)
-            while n < count_b:
-                value -= J[start + count_a + n] * C_modal[w, row, first_b + n] * receptance[w, first_b + n]
-                n += 1
+            at = (w * model.row_count + row) * model.modal_count
+            value = -dot(count_a, J, start, C_receptance, at + first_a)
+            value -= dot(count_b, J, start + count_a, C_receptance, at + first_b)
             L[w, slot, c] = value
             c += wp.block_dim()
         begin = (w * model.slot_capacity + slot) * N
@@ -355,3 +351,57 @@ def outer_rows(
             axpy(N, L[w, slot, c], inverse_transposed, (w * N + model.coupled[pair, c]) * N, V, begin)
             c += 1
         slot += 1
+
+
+# condensed[i, :] = G[i, :] + V_i . L^T, lanes over the columns; V_i is gathered once.
+@wp.func_native("""
+    const int cap = model.slot_capacity, N = model.outer_count, width = model.coupled_capacity;
+    const double* v = V.data + ((size_t)w * cap + i) * N;
+    for (int j = first + WP_TILE_THREAD_IDX; j < last; j += WP_TILE_BLOCK_DIM) {
+        const int pair = slot_mode.data[((size_t)w * cap + j) * 2], count = model.coupled_count.data[pair];
+        const int* c = model.coupled.data + (size_t)pair * width;
+        const double* l = L.data + ((size_t)w * cap + j) * width;
+        double x0 = 0.0, x1 = 0.0;
+        for (int q = 0; q + 1 < count; q += 2) { x0 += v[c[q]] * l[q]; x1 += v[c[q + 1]] * l[q + 1]; }
+        if (count & 1) x0 += v[c[count - 1]] * l[count - 1];
+        const double g = G.data[((size_t)w * cap + i) * cap + j] + x0 + x1;
+        condensed.data[((size_t)w * cap + i) * cap + j] = g; condensed.data[((size_t)w * cap + j) * cap + i] = g;
+    }
+""")
+def add_outer(
+    model: Model,
+    w: int,
+    i: int,
+    first: int,
+    last: int,
+    slot_mode: wp.array3d(dtype=int),
+    G: wp.array3d(dtype=real),
+    L: wp.array3d(dtype=real),
+    V: wp.array(dtype=real),
+    condensed: wp.array3d(dtype=real),
+): ...
+
+
+@wp.kernel
+def condense_contact(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    slot_mode: wp.array3d(dtype=int),
+    G: wp.array3d(dtype=real),
+    L: wp.array3d(dtype=real),
+    V: wp.array(dtype=real),
+    condensed: wp.array3d(dtype=real),
+):
+    """Per world: G + L H L^T over all slots when H is new, else for the fresh ones."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0:
+        return
+    count = ctl[w, k.SLOTS]
+    fresh = ctl[w, k.FRESH]
+    if ctl[w, k.REFRESH] != 0 and ctl[w, k.MOVED] != 0:
+        fresh = 0
+    i = int(0)
+    while i < count:
+        add_outer(model, w, i, wp.max(i, fresh), count, slot_mode, G, L, V, condensed)
+        i += 1

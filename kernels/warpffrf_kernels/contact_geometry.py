@@ -33,6 +33,7 @@ from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
 wp.set_module_options(MODULE_OPTIONS)
 
 PHASE_TOLERANCE = wp.constant(wp.float64(1.0e-4))  # columns: G changes by about this fraction; as a tangent it may, see contact_solve
+SERIES = wp.constant(wp.float64(5.0e-6))  # rad: third-order terms are then below round-off
 GUARD = wp.constant(2)  # outermost columns of a full window that must end inactive
 MARGIN = wp.constant(3)  # columns looked at beyond the active ones
 
@@ -168,16 +169,37 @@ def locate(
 def open_window(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
+    phase: wp.array3d(dtype=real),
+    center: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    patch_offset: wp.array2d(dtype=real),
     window: wp.array3d(dtype=int),
 ):
-    """Per (world, pair): columns to look at, the active ones and MARGIN more on each side, relative to the centre column."""
+    """Per (world, pair): the active set of the last attempt put where the patch is now, and the columns to look at: the active
+    ones and MARGIN more on each side, relative to the centre column."""
     w, pair = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.ITERATION] != 0 or ctl[w, k.INNER] != 0:
         return
     rows = model.surface_rows[model.pair_first[pair]]
     H = model.half_window
+    offset = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6]) - real(center[w, pair, 0])
+    shift = int(wp.floor(offset - patch_offset[w, pair] + real(0.5))) * rows
+    patch_offset[w, pair] = offset
+    size = model.window_columns * rows
+    n = int(0)
+    while shift != 0 and n < size:
+        to = n
+        if shift > 0:
+            to = size - 1 - n
+        source = to - shift
+        active[w, pair, to] = 0
+        pressure[w, pair, to] = real(0.0)
+        if source >= 0 and source < size:
+            active[w, pair, to] = active[w, pair, source]
+            pressure[w, pair, to] = pressure[w, pair, source]
+        n += 1
     low = int(0)
     high = int(0)
     found = int(0)
@@ -231,37 +253,60 @@ def sample(
     crown_b = model.surface_crown[B]
     z0 = model.surface_z_start[A]
     zb0 = model.surface_z_start[B]
-    i = first * per_cell + lane
-    end = (last + 1) * per_cell
-    while i < end:
-        cell = i / per_cell
-        rest = i - cell * per_cell
-        g = rest / stations
-        s = rest - g * stations
+    columns = (last + 1 - first) * model.theta_points
+    e = lane
+    while e < columns:
+        cell = first + e / model.theta_points
+        g = e % model.theta_points
         x = real(center[w, pair, 0] + cell - model.half_window - 1) + model.theta_abscissa[g]
-        R = R_A
-        if crown_a != real(0.0):
-            zc = s / model.z_points
-            low = model.surface_z[z0 + zc]
-            z = low + model.z_abscissa[s - zc * model.z_points] * (model.surface_z[z0 + zc + 1] - low)
-            R = radius_at(R_A, crown_a, z)
-        xi = (x - station[w, pair, s, 1]) * model.surface_pitch[A]
-        y = R * wp.sin(xi)
-        R_B = radius_at(model.surface_radius[B], crown_b, station[w, pair, s, 3])
-        h = wp.sqrt(wp.max(R_B * R_B - y * y, real(0.0)))
-        axial = station[w, pair, s, 3] + y * station[w, pair, s, 4] - h * station[w, pair, s, 5]
-        if crown_b != real(0.0):
-            R_B = radius_at(model.surface_radius[B], crown_b, axial)
+        # stations differ little: sines and the angle on B are carried from the first one by their series
+        x_0 = station[w, pair, 0, 1]
+        xi = (x - x_0) * model.surface_pitch[A]
+        sine = wp.sin(xi)
+        cosine = wp.cos(xi)
+        R_B0 = radius_at(model.surface_radius[B], crown_b, station[w, pair, 0, 3])
+        y_0 = R_A * sine
+        h_0 = wp.sqrt(wp.max(R_B0 * R_B0 - y_0 * y_0, real(0.0)))
+        angle_0 = wp.atan2(y_0, h_0)
+        s = int(0)
+        while s < stations:
+            d = (x_0 - station[w, pair, s, 1]) * model.surface_pitch[A]
+            si = sine
+            co = cosine
+            if wp.abs(d) > SERIES:
+                si = wp.sin(xi + d)
+                co = wp.cos(xi + d)
+            elif d != real(0.0):
+                si = sine + d * (cosine - real(0.5) * d * sine)
+                co = cosine - d * (sine + real(0.5) * d * cosine)
+            R = R_A
+            if crown_a != real(0.0):
+                zc = s / model.z_points
+                low = model.surface_z[z0 + zc]
+                z = low + model.z_abscissa[s - zc * model.z_points] * (model.surface_z[z0 + zc + 1] - low)
+                R = radius_at(R_A, crown_a, z)
+            y = R * si
+            R_B = radius_at(model.surface_radius[B], crown_b, station[w, pair, s, 3])
             h = wp.sqrt(wp.max(R_B * R_B - y * y, real(0.0)))
-        point_gap[w, pair, i] = station[w, pair, s, 0] - h - R * wp.cos(xi)
-        point_place[w, pair, i, 0] = (
-            station[w, pair, s, 2] + station[w, pair, s, 7] * wp.atan2(y, h) / model.surface_pitch[B]
-        )
-        row = row_below(model, B, axial)
-        low = model.surface_z[zb0 + row]
-        place = real(row) + (axial - low) / (model.surface_z[zb0 + row + 1] - low)
-        point_place[w, pair, i, 1] = wp.clamp(place, real(0.0), real(model.surface_rows[B] - 1))
-        i += wp.block_dim()
+            axial = station[w, pair, s, 3] + y * station[w, pair, s, 4] - h * station[w, pair, s, 5]
+            if crown_b != real(0.0):
+                R_B = radius_at(model.surface_radius[B], crown_b, axial)
+                h = wp.sqrt(wp.max(R_B * R_B - y * y, real(0.0)))
+            turned = (y * h_0 - h * y_0) / (R_B * R_B0)  # sine of the angle from the first station's point
+            angle = angle_0 + turned
+            if wp.abs(turned) > SERIES:
+                angle = wp.atan2(y, h)
+            i = cell * per_cell + g * stations + s
+            point_gap[w, pair, i] = station[w, pair, s, 0] - h - R * co
+            point_place[w, pair, i, 0] = (
+                station[w, pair, s, 2] + station[w, pair, s, 7] * angle / model.surface_pitch[B]
+            )
+            row = row_below(model, B, axial)
+            low = model.surface_z[zb0 + row]
+            place = real(row) + (axial - low) / (model.surface_z[zb0 + row + 1] - low)
+            point_place[w, pair, i, 1] = wp.clamp(place, real(0.0), real(model.surface_rows[B] - 1))
+            s += 1
+        e += wp.block_dim()
 
 
 # Weak gap, area, gradient and stencil of one hat: the sum over the Gauss points of its (up to) four cells.

@@ -73,6 +73,7 @@ def condense(
     modal_residual: wp.array2d(dtype=real),
     tangent: wp.array3d(dtype=real),
     rhs: wp.array2d(dtype=real),
+    C_receptance: wp.array(dtype=real),
 ):
     """Lanes over outer unknowns: rows of the condensed matrix (rigid blocks are there already) and its right-hand side."""
     w, lane = wp.tid()
@@ -92,6 +93,12 @@ def condense(
                 n += 1
             rhs[w, i] = value
         if ctl[w, k.REFRESH] != 0:
+            if i >= rigid:
+                n = int(0)
+                while n < model.modal_count:
+                    at = (w * model.row_count + i - rigid) * model.modal_count + n
+                    C_receptance[at] = C_modal[w, i - rigid, n] * receptance[w, n]
+                    n += 1
             j = int(0)
             while j < rigid:
                 if i >= rigid:

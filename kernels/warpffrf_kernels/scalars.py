@@ -23,3 +23,12 @@ def sync(): ...
     for (int i = WP_TILE_THREAD_IDX; i < n; i += WP_TILE_BLOCK_DIM) q[i] += a * p[i];
 """)
 def axpy(n: int, a: real, x: wp.array(dtype=real), start: int, y: wp.array(dtype=real), at: int): ...
+
+
+@wp.func_native("""
+    const double* a = x.data + at_x; const double* b = y.data + at_y; double s = 0.0, t = 0.0; int i = 0;
+    for (; i + 1 < n; i += 2) { s += a[i] * b[i]; t += a[i + 1] * b[i + 1]; }
+    if (i < n) s += a[i] * b[i];
+    return s + t;
+""")
+def dot(n: int, x: wp.array(dtype=real), at_x: int, y: wp.array(dtype=real), at_y: int) -> real: ...

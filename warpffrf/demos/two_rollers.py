@@ -29,7 +29,7 @@ import warpffrf as wf
 log = logging.getLogger("warpffrf")
 
 OUTER_RADIUS, BORE_RADIUS, WIDTH = 0.05, 0.015, 0.02  # m
-GRADING = 1.3  # thickness of a layer over that of its neighbour towards the rim
+GRADING = 1.3  # thickness of a layer over that of its neighbour towards the rim; 17 layers make the cells at the rim square
 MAX_FREQUENCY = 20e3  # Hz, of the vibration modes
 GRAVITY = 9.81  # m/s2
 CARRIAGE_MASS, CARRIAGE_INERTIA = 5.0, (0.01, 0.01, 0.01)  # kg, kg m2; it slides and never turns
@@ -53,7 +53,7 @@ class Size:
 
 
 FULL = Size(sectors=2400, layers=17, axial=6)  # four elements a half-width
-QUICK = Size(sectors=2400, layers=12, axial=4, frames=60)
+QUICK = Size(sectors=2400, layers=17, axial=4, frames=60)
 
 
 def build(size: Size = FULL, *, load: float = LOAD, load_after: float = LOAD_AFTER, progress: bool = True) -> wf.Scene:
@@ -189,7 +189,7 @@ def table(s: dict[str, Any]) -> str:
 def main(out: str | Path = "out/two_rollers", *, quick: bool = False, progress: bool = True) -> int:
     """Run the demo and write two_rollers.h5, .rrd, .png and summary.json into the folder `out`; 0 when all went well.
 
-    quick: a coarser mesh and fewer frames. Raises `InputError` for a folder that cannot be written.
+    quick: fewer cells along the axis and fewer frames. Raises `InputError` for a folder that cannot be written.
     """
     from warpffrf.output.figure import write_figure
     from warpffrf.output.recorder import record

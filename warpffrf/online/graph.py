@@ -136,11 +136,13 @@ class StepGraph:
             self._block(
                 contact_solve.carry_difference, (W,),
                 [M, s.ctl, s.active, x.slot_mode, x.local, x.J, s.pressure, x.stencil, x.stencil_at, x.first_local,
-                 x.second_local, s.modal_load], [x.gap, x.modal_residual],
+                 x.second_local, s.modal_load, x.pair_wrench, x.axes, x.r1, x.L],
+                [x.gap, x.residual, x.modal_residual, x.modal_step],
             )  # fmt: skip
         self._block(
             outer.condense, (W,),
-            [M, s.ctl, x.C, x.C_modal, x.receptance, x.softness, x.defect, x.residual, x.modal_residual], [x.tangent, x.rhs],
+            [M, s.ctl, x.C, x.C_modal, x.receptance, x.softness, x.defect, x.residual, x.modal_residual],
+            [x.tangent, x.rhs, x.C_receptance],
         )  # fmt: skip
         self._block(
             outer.factor_outer, (W,), [M, x.tangent, x.rhs],
@@ -152,7 +154,7 @@ class StepGraph:
             self._compliance()
             self._block(
                 contact_solve.solve_pressures, (W,),
-                [M, s.active, x.gap, x.slot_mode, x.G, x.J, x.L, x.V, x.receptance, x.modal_residual, x.z_free],
+                [M, s.active, x.gap, x.slot_mode, x.condensed, x.J, x.L, x.V, x.receptance, x.modal_residual, x.z_free],
                 [s.ctl, x.right, x.order, x.factor, x.solution, s.pressure, x.z],
             )  # fmt: skip
         if Q:
@@ -174,7 +176,10 @@ class StepGraph:
         self._launch(
             contact_geometry.locate, (W, P), [M, s.ctl, x.r1, x.axes], [x.phase, x.center, x.station, x.station_wrench]
         )
-        self._launch(contact_geometry.open_window, (W, P), [M, s.ctl, s.active], [x.window])
+        self._launch(
+            contact_geometry.open_window, (W, P), [M, s.ctl, x.phase, x.center],
+            [s.active, s.pressure, s.patch_offset, x.window],
+        )  # fmt: skip
         self._launch(contact_solve.set_second_window, (W, P), [M, s.ctl, x.window], [x.second_window])
         self._block(
             contact_geometry.sample, (W, P), [M, s.ctl, x.center, x.window, x.station], [x.point_gap, x.point_place]
@@ -230,8 +235,11 @@ class StepGraph:
         )  # fmt: skip
         self._block(
             contact_compliance.outer_rows, (W,),
-            [M, s.ctl, x.axes, x.r1, x.wrench, x.slot_mode, x.J, x.receptance, x.C_modal, x.inverse_transposed], [x.L, x.V],
+            [M, s.ctl, x.axes, x.r1, x.wrench, x.slot_mode, x.J, x.C_receptance, x.inverse_transposed], [x.L, x.V],
         )  # fmt: skip
+        self._block(
+            contact_compliance.condense_contact, (W,), [M, s.ctl, x.slot_mode, x.G, x.L, x.V], [x.condensed]
+        )
 
     def _correct(self) -> None:
         m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds

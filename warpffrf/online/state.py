@@ -36,6 +36,7 @@ class State:
     lam: wp.array
     active: wp.array  # (W, pairs, hats of the window) in the contact frame
     pressure: wp.array  # Pa
+    patch_offset: wp.array  # (W, pairs) columns: line of centres less the centre column, where the active set was found
     energy: wp.array  # (W, 2, lines): accepted, trial
     pair_force: wp.array  # (W, pairs, 2, 12): accepted, trial
     modal_load: wp.array  # (W, 2, modes)
@@ -84,7 +85,7 @@ class Work:
             "stencil_at": (INT, P, m.mode_capacity, 2),
             "first_field": (REAL, P, m.mode_capacity), "first_step": (REAL, P, m.mode_capacity),
             "slot_of": (INT, P, m.mode_capacity), "slot_mode": (INT, S, 2),
-            "local": (REAL, S, S), "G": (REAL, S, S), "L": (REAL, S, m.coupled_capacity), "right": (REAL, S), "order": (INT, S),
+            "local": (REAL, S, S), "G": (REAL, S, S), "condensed": (REAL, S, S), "L": (REAL, S, m.coupled_capacity), "right": (REAL, S), "order": (INT, S),
             "factor": (REAL, S, S + 1), "solution": (REAL, S),
             "second_load": (REAL, P, m.node_capacity), "second_wrench": (REAL, P, 6),
             "ring": (REAL, ring_rows, ring_width(m)),
@@ -94,7 +95,7 @@ class Work:
         flat = {  # read and written along contiguous runs, by index: one axis
             "z_free": N, "z": N, "modal_step": Q, "inverse_transposed": N * N, "V": S * N, "J": S * m.pair_modes,
             "T": S * m.node_capacity, "second_field": P * m.node_capacity, "second_step": P * m.node_capacity,
-            "first_local": P * m.mode_capacity, "second_local": P * m.node_capacity,
+            "C_receptance": rows * Q, "first_local": P * m.mode_capacity, "second_local": P * m.node_capacity,
         }  # fmt: skip
         for name, size in flat.items():
             setattr(self, name, zeros(REAL, (W * max(size, 1),), compiled.device))
@@ -126,7 +127,7 @@ def initial_state(compiled: CompiledScene, worlds: int) -> State:
         "r": (VEC3, B), "p": (QUAT, B), "v": (VEC3, B), "v_rate": (VEC3, B), "v_alg": (VEC3, B),
         "omega": (VEC3, B), "omega_rate": (VEC3, B), "omega_alg": (VEC3, B),
         "q": (REAL, Q), "qd": (REAL, Q), "qd_rate": (REAL, Q), "qd_alg": (REAL, Q), "lam0": (REAL, rows), "lam": (REAL, rows),
-        "active": (INT, P, m.mode_capacity), "pressure": (REAL, P, m.mode_capacity), "energy": (REAL, 2, k.LINES),
+        "active": (INT, P, m.mode_capacity), "pressure": (REAL, P, m.mode_capacity), "patch_offset": (REAL, P), "energy": (REAL, 2, k.LINES),
         "pair_force": (REAL, P, 2, 12), "modal_load": (REAL, 2, Q), "applied": (VEC3, 2, F), "applied_at": (VEC3, 2, F),
         "drive_rate": (REAL, 2, rows), "ctl": (INT, k.CTL), "clk": (REAL, k.CLK),
     }  # fmt: skip

@@ -1,0 +1,124 @@
+"""The command line: help, one-line errors with their exit codes, and the mesh -> reduced body -> info path."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import warpffrf as wf
+from warpffrf import cli, cli_info
+from warpffrf.offline.mesh_mass import mesh_mass
+
+DATA = Path(__file__).resolve().parent / "data"
+STEEL = ["--youngs-modulus", "210e9", "--poisson-ratio", "0.3", "--density", "7850"]
+FACET_LOSS = 5e-3  # the quadratic tetrahedra follow the circle in parabolas: measured mass 2e-5 off, left room for others
+
+
+@pytest.fixture
+def coarse(tmp_path: Path) -> Path:
+    """A coarse roller as .vtu in mm, made with meshio: the set `rim` and `bore` as 0/1 arrays on the facets."""
+    import meshio
+
+    mesh = wf.mesh.roller(0.05, 0.015, 0.02, sectors=24, layers=2, axial=2, order=1)
+    names = ("rim", "bore")
+    facets = np.concatenate([mesh.facets(n).nodes for n in names])
+    owner = np.repeat(names, [len(mesh.facets(n)) for n in names])
+    data = {n: [np.zeros(len(mesh.cell_nodes), dtype=int), (owner == n).astype(int)] for n in names}
+    path = tmp_path / "roller.vtu"
+    meshio.write(path, meshio.Mesh(mesh.points * 1e3, [("hexahedron", mesh.cell_nodes), ("quad", facets)], cell_data=data))
+    return path
+
+
+@pytest.mark.parametrize(
+    "command", [[], ["demo"], ["demo", "two-rollers"], ["reduce"], ["info"]], ids=lambda c: "-".join(c) or "main"
+)
+def test_help_explains_every_option(command: list[str], capsys: pytest.CaptureFixture) -> None:
+    assert cli.main([*command, "--help"]) == 0
+    text = capsys.readouterr().out
+    assert "Usage: warpffrf" in text
+    options = [line for line in text.splitlines() if line.startswith(("  -", "  --"))]
+    assert options, "no option is listed"
+
+
+def test_version(capsys: pytest.CaptureFixture) -> None:
+    assert cli.main(["--version"]) == 0
+    assert capsys.readouterr().out.strip() == f"warpffrf {wf.__version__}"
+
+
+@pytest.mark.parametrize("arguments", [["frobnicate"], ["reduce"], ["info"], ["demo", "three-rollers"], ["info", "a", "--no"]])
+def test_wrong_usage_exits_with_2(arguments: list[str], capsys: pytest.CaptureFixture) -> None:
+    assert cli.main(arguments) == 2
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_wrong_input_is_one_line_and_exit_1(coarse: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    other = tmp_path / "data.h5"
+    other.write_bytes(cli_info.HDF5_SIGNATURE + b"not more than that")
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    target = ["-o", str(tmp_path / "body.h5")]
+    mm = ["--length-unit", "mm"]
+    cases = [
+        (["info", str(tmp_path / "none.h5")], "there is no file"),
+        (["info", str(blocked)], "neither a mesh"),
+        (["info", str(other)], "damaged"),
+        (["info", str(coarse)], "add --length-unit, one of m, cm, mm"),
+        (["info", str(coarse), "--length-unit", "furlong"], "known: 'm', 'cm', 'mm'"),
+        (["info", str(coarse), *mm, "--density", "0"], "density must be greater than zero"),
+        (["reduce", str(tmp_path / "none.msh"), *mm, *STEEL, *target], "does not exist"),
+        (["reduce", str(coarse), *mm, *STEEL, "--poisson-ratio", "0.5", *target], "poisson_ratio must lie between"),
+        (["reduce", str(coarse), *mm, *STEEL, "--contact", "tread", *target], "known: 'rim', 'bore'"),
+        (["reduce", str(coarse), *mm, *STEEL, "-o", str(blocked / "body.h5")], "cannot be written"),
+        (["demo", "two-rollers", "--out", str(blocked / "x")], "choose another folder with --out"),
+    ]
+    for arguments, expected in cases:
+        assert cli.main(["--quiet", *arguments]) == 1, arguments
+        error = capsys.readouterr().err
+        assert error.startswith("error: ") and expected in error, error
+        assert len(error.strip().splitlines()) == 1, error
+
+
+def test_verbose_tells_where_an_error_came_from(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    assert cli.main(["-v", "info", str(tmp_path / "none.h5")]) == 1
+    assert "cli_info.py" in capsys.readouterr().err
+
+
+def test_reduce_then_info(coarse: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    target = tmp_path / "new folder" / "body.h5"
+    sets = ["--interface", "bore", "--contact", "rim", "--modes", "4", "--no-cache"]
+    assert cli.main(["-q", "reduce", str(coarse), "--length-unit", "mm", *STEEL, *sets, "-o", str(target)]) == 0
+    assert str(target) in capsys.readouterr().out
+    body = wf.ReducedBody.load(target)
+    assert cli.main(["info", str(target)]) == 0
+    said = capsys.readouterr().out
+    assert f"{body.mass:.6g} kg" in said and "bore: rigid" in said and "inertia about the centre" in said
+
+
+def test_info_of_a_mesh_gives_its_size_mass_and_inertia(capsys: pytest.CaptureFixture) -> None:
+    path = DATA / "tet_roller.msh"
+    assert cli.main(["info", str(path), "--length-unit", "mm"]) == 0
+    said = capsys.readouterr().out
+    for word in ("nodes", "box", "rim (", "bore (", "mass", "inertia"):
+        assert word in said
+    mass, _, inertia = mesh_mass(wf.mesh.read(path, length_unit="mm"), 7850.0)
+    R, r, width = 0.05, 0.015, 0.02  # of the script that made the mesh
+    expected = 7850.0 * np.pi * (R**2 - r**2) * width
+    assert mass == pytest.approx(expected, rel=FACET_LOSS)
+    polar, across = 0.5 * expected * (R**2 + r**2), expected * (3 * (R**2 + r**2) + width**2) / 12
+    assert np.linalg.eigvalsh(inertia) == pytest.approx([across, across, polar], rel=FACET_LOSS)
+
+
+def test_info_warns_of_a_wrong_length_unit(coarse: Path, capsys: pytest.CaptureFixture) -> None:
+    assert cli.main(["--quiet", "info", str(coarse), "--length-unit", "m"]) == 0
+    assert "warning: the largest dimension is 100 m" in capsys.readouterr().out
+
+
+def test_the_command_line_starts_without_the_heavy_libraries() -> None:
+    heavy = "('numpy', 'scipy', 'warp', 'rerun', 'matplotlib', 'meshio', 'skfem')"
+    code = f"import sys, warpffrf.cli; print([m for m in {heavy} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
