@@ -15,7 +15,9 @@ from warpffrf.offline.mesh_mass import mesh_mass
 
 DATA = Path(__file__).resolve().parent / "data"
 STEEL = ["--youngs-modulus", "210e9", "--poisson-ratio", "0.3", "--density", "7850"]
-FACET_LOSS = 5e-3  # the quadratic tetrahedra follow the circle in parabolas: measured mass 2e-5 off, left room for others
+FACET_LOSS = (
+    5e-3  # the quadratic tetrahedra follow the circle in parabolas: measured mass 2e-5 off, left room for others
+)
 
 
 @pytest.fixture
@@ -29,7 +31,9 @@ def coarse(tmp_path: Path) -> Path:
     owner = np.repeat(names, [len(mesh.facets(n)) for n in names])
     data = {n: [np.zeros(len(mesh.cell_nodes), dtype=int), (owner == n).astype(int)] for n in names}
     path = tmp_path / "roller.vtu"
-    meshio.write(path, meshio.Mesh(mesh.points * 1e3, [("hexahedron", mesh.cell_nodes), ("quad", facets)], cell_data=data))
+    meshio.write(
+        path, meshio.Mesh(mesh.points * 1e3, [("hexahedron", mesh.cell_nodes), ("quad", facets)], cell_data=data)
+    )
     return path
 
 
@@ -49,7 +53,9 @@ def test_version(capsys: pytest.CaptureFixture) -> None:
     assert capsys.readouterr().out.strip() == f"warpffrf {wf.__version__}"
 
 
-@pytest.mark.parametrize("arguments", [["frobnicate"], ["reduce"], ["info"], ["demo", "three-rollers"], ["info", "a", "--no"]])
+@pytest.mark.parametrize(
+    "arguments", [["frobnicate"], ["reduce"], ["info"], ["demo", "three-rollers"], ["info", "a", "--no"]]
+)
 def test_wrong_usage_exits_with_2(arguments: list[str], capsys: pytest.CaptureFixture) -> None:
     assert cli.main(arguments) == 2
     assert "Traceback" not in capsys.readouterr().err

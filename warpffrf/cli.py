@@ -102,25 +102,35 @@ def demo_two_rollers(
 @app.command("reduce")
 def reduce_mesh(
     mesh_file: Annotated[Path, typer.Argument(metavar="MESH", help="Volume mesh: Gmsh .msh or VTK .vtu.")],
-    length_unit: Annotated[str, typer.Option(metavar="UNIT", help="Unit of the lengths in the mesh file: m, cm, mm, um, in or ft.")],
+    length_unit: Annotated[
+        str, typer.Option(metavar="UNIT", help="Unit of the lengths in the mesh file: m, cm, mm, um, in or ft.")
+    ],
     youngs_modulus: Annotated[float, typer.Option(help="Young's modulus in Pa, for steel 210e9.")],
     poisson_ratio: Annotated[float, typer.Option(help="Poisson's ratio, for steel 0.3.")],
     density: Annotated[float, typer.Option(help="Density in kg/m3, for steel 7850.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="File to write, for example roller.h5.")],
     interface: Annotated[
         list[str] | None,
-        typer.Option(metavar="SET", help="Named set of facets that a joint holds, as one rigid piece. Repeat for more."),
+        typer.Option(
+            metavar="SET", help="Named set of facets that a joint holds, as one rigid piece. Repeat for more."
+        ),
     ] = None,
     contact: Annotated[
         list[str] | None,
-        typer.Option(metavar="SET", help="Named set of facets that touches others; a cylinder is fitted to it. Repeat for more."),
+        typer.Option(
+            metavar="SET", help="Named set of facets that touches others; a cylinder is fitted to it. Repeat for more."
+        ),
     ] = None,
-    max_frequency: Annotated[float | None, typer.Option(help="Keep vibration modes up to this frequency in Hz.")] = None,
+    max_frequency: Annotated[
+        float | None, typer.Option(help="Keep vibration modes up to this frequency in Hz.")
+    ] = None,
     modes: Annotated[int | None, typer.Option(help="Keep at most this many vibration modes.")] = None,
     traction_spacing: Annotated[
         float | None, typer.Option(help="Spacing of the contact grid in m; left out: that of the mesh.")
     ] = None,
-    cache: Annotated[bool, typer.Option(help="Take an unchanged body from the cache instead of reducing again.")] = True,
+    cache: Annotated[
+        bool, typer.Option(help="Take an unchanged body from the cache instead of reducing again.")
+    ] = True,
 ) -> None:
     """Turn a finite-element mesh into a reduced body that a simulation can use.
 
@@ -155,7 +165,8 @@ def reduce_mesh(
 def info(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Mesh (.msh, .vtu), reduced body or results (.h5).")],
     length_unit: Annotated[
-        str | None, typer.Option(metavar="UNIT", help="For a mesh: unit of the lengths in the file: m, cm, mm, um, in or ft.")
+        str | None,
+        typer.Option(metavar="UNIT", help="For a mesh: unit of the lengths in the file: m, cm, mm, um, in or ft."),
     ] = None,
     density: Annotated[float, typer.Option(help="For a mesh: density in kg/m3; left out: steel.")] = 7850.0,
 ) -> None:

@@ -1,15 +1,17 @@
 """End of an attempt: energy ledger, acceptance, step size, state copy, and the record.
 
-Ledger. With E the energy of the state (kinetic, strain of the modes, contact, potential of gravity and springs) every step books
+Ledger. With E the energy of the state (kinetic, strain of the modes, contact, potential of gravity and springs) every
+step books
 
     work of forces    sum (F_0 + F_1)/2 . (x_1 - x_0)           drive   -(lambda_0 + lambda_1)/2 (s_1 - s_0)
     damping           h/2 (d_0 + d_1), d the power of dampers and modal damping
     contact grid      dE_contact + (work of the contact wrench on bodies and modes, trapezoidal)
     numerical         what is left of dE: negative where the integrator dissipates.
 
-A step is accepted when its Newton loop converged, everything is finite, and, if it opened or closed a contact, `numerical +
-contact grid` did not rise by more than `energy_tolerance` of the energy at hand. Otherwise it is halved (levels are powers of two of the
-user's step, so time stays exact), and the algorithmic accelerations restart from the true ones when the step size changes or a contact opens.
+A step is accepted when its Newton loop converged, everything is finite, and, if it opened or closed a contact,
+`numerical + contact grid` did not rise by more than `energy_tolerance` of the energy at hand. Otherwise it is halved
+(levels are powers of two of the user's step, so time stays exact), and the algorithmic accelerations restart from the
+true ones when the step size changes or a contact opens.
 """
 
 import warp as wp

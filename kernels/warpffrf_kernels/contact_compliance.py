@@ -1,13 +1,14 @@
 """Rows of the local compliance G = Psi^T (C_A + C_B) Psi on the modes in play ("slots"), assembled once each.
 
-With the hat compliance D of each surface (`u = D f`, both in hats) and the stencil l_j, the load of the second surface under a unit
-pressure hat j of the first:
+With the hat compliance D of each surface (`u = D f`, both in hats) and the stencil l_j, the load of the second surface
+under a unit pressure hat j of the first:
 
     G_ij = (M D_A M)_ij + l_i . (D_B l_j) + J_i sigma^-1 J_j^T,      J_i = [-(M Phi_A)_i, -l_i Phi_B].
 
-The last term condenses the global modes: their tangent sigma is diagonal (`receptance` = 1/sigma), so it costs modes x slots^2 / 2. `M D_A M` is
-precomputed; `T_j = D_B l_j` is kept, because it also gives the displacement of the second surface at every node of the window.
-A slot stays assembled until the grids move against each other, so an active set that changes pays for the change only.
+The last term condenses the global modes: their tangent sigma is diagonal (`receptance` = 1/sigma), so it costs modes x
+slots^2 / 2. `M D_A M` is precomputed; `T_j = D_B l_j` is kept, because it also gives the displacement of the second
+surface at every node of the window. A slot stays assembled until the grids move against each other, so an active set
+that changes pays for the change only.
 """
 
 import warp as wp
@@ -29,7 +30,9 @@ def take_slots(
     slot_of: wp.array3d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
 ):
-    """Per world: a slot for each active mode that has none; all slots are given back first when the grids have moved."""
+    """Per world: a slot for each active mode that has none; all slots are given back first when the grids have
+    moved.
+    """
     w = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0:
@@ -77,8 +80,9 @@ def take_slots(
 
 @wp.func
 def table_row(model: Model, surface: int, source: int, row: int, target: int) -> int:
-    """Index, in the compliance tables, of the response at grid column `target` (row 0) to hat (source, row); columns counted over full
-    turns. -1 when the hat does not exist. Targets of following columns and rows follow contiguously."""
+    """Index, in the compliance tables, of the response at grid column `target` (row 0) to hat (source, row); columns
+    counted over full turns. -1 when the hat does not exist. Targets of following columns and rows follow
+    contiguously."""
     block = model.surface_block[surface]
     rows = model.surface_rows[surface]
     if model.surface_turn[surface] == 0 and (source < 0 or source >= block):
@@ -178,9 +182,7 @@ def modal_rows(
             i += wp.block_dim()
         sync()
         column = m / model.surface_rows[A]
-        node = node_of(
-            model, A, center[w, pair, 0] + column - model.half_window, m - column * model.surface_rows[A]
-        )
+        node = node_of(model, A, center[w, pair, 0] + column - model.half_window, m - column * model.surface_rows[A])
         if node >= 0:
             axpy(modes_a, real(-1.0), model.mode_moment, model.surface_mode_start[A] + node * modes_a, J, start)
         base = center[w, pair, 1] - model.second_half_window + stencil_at[w, pair, m, 0]
@@ -230,7 +232,8 @@ def modal_rows(
         if (slot_mode.data[((size_t)w * cap + j) * 2] == pair) {
             const int mj = slot_mode.data[((size_t)w * cap + j) * 2 + 1];
             const int other = origin + mj / rows, part = ((other % block) + block) % block;
-            g = DA[((size_t)(part * rows + mj % rows) * width_a + own - (other - part) + model.reach) * rows + m % rows];
+            const int target = own - (other - part) + model.reach;
+            g = DA[((size_t)(part * rows + mj % rows) * width_a + target) * rows + m % rows];
             const double* t = T.data + ((size_t)w * cap + j) * model.node_capacity;
             for (int e = 0; e < count; ++e) g += weight[e] * t[node[e]];
             const double* Jj = J.data + ((size_t)w * cap + j) * width;
@@ -299,7 +302,8 @@ def outer_rows(
     L: wp.array3d(dtype=real),
     V: wp.array(dtype=real),
 ):
-    """Per world: gradient L of the gap by rigid coordinates and multipliers, over the columns in `coupled` of the pair, and V = H L.
+    """Per world: gradient L of the gap by rigid coordinates and multipliers, over the columns in `coupled` of the pair,
+    and V = H L.
 
     L = [d gap/d(rigid), -J sigma^-1 C_modal^T]; for all slots when H is new, else for the fresh ones.
     """
@@ -309,7 +313,7 @@ def outer_rows(
         return
     slot = ctl[w, k.FRESH]
     if ctl[w, k.REFRESH] != 0 and ctl[w, k.MOVED] != 0:
-        slot = 0
+        slot = int(0)
     N = model.outer_count
     while slot < ctl[w, k.SLOTS]:
         pair = slot_mode[w, slot, 0]
@@ -400,7 +404,7 @@ def condense_contact(
     count = ctl[w, k.SLOTS]
     fresh = ctl[w, k.FRESH]
     if ctl[w, k.REFRESH] != 0 and ctl[w, k.MOVED] != 0:
-        fresh = 0
+        fresh = int(0)
     i = int(0)
     while i < count:
         add_outer(model, w, i, wp.max(i, fresh), count, slot_mode, G, L, V, condensed)

@@ -1,27 +1,30 @@
 """Undeformed gap between two bodies of revolution, weak gaps, and their gradient.
 
-Contact frame. Take an axial station z of the first surface A: its axis point `a = O_A + z e_A`, and the point b where the axis of
-the second surface B pierces the plane of the section. With `v = b - a`, `d = |v|`, `c = v/d`, `t = e_A x c`, the point of A at the
-angle xi from the line of centres is `a + R_A (cos xi c + sin xi t)`. With `y = R_A sin xi` the gap is measured *along c*:
+Contact frame. Take an axial station z of the first surface A: its axis point `a = O_A + z e_A`, and the point b where
+the axis of the second surface B pierces the plane of the section. With `v = b - a`, `d = |v|`, `c = v/d`, `t = e_A x
+c`, the point of A at the angle xi from the line of centres is `a + R_A (cos xi c + sin xi t)`. With `y = R_A sin xi`
+the gap is measured *along c*:
 
     g(xi, z) = d - sqrt(R_B^2 - y^2) - R_A cos xi,          R_B at the axial station of the opposite point of B.
 
-(Terms of the order of the tilt squared, from the ellipse that an oblique section of B is, are dropped.) Small xi: d - R_A - R_B +
-y^2/2 (1/R_A + 1/R_B), Hertz's gap. The pressure acts along c, so that dg/dd = 1, the weights of forces, moments and elastic
-displacements are the same, and the wrench is
+(Terms of the order of the tilt squared, from the ellipse that an oblique section of B is, are dropped.) Small xi: d -
+R_A - R_B + y^2/2 (1/R_A + 1/R_B), Hertz's gap. The pressure acts along c, so that dg/dd = 1, the weights of forces,
+moments and elastic displacements are the same, and the wrench is
 
     on B: force f at b,  on A: -f at b,          f = N + R_B'/(e_A.e_B) e_A,
 
-N the gradient of d, the second term that of a crowned B's radius (B moved by w is met at an axial station smaller by w.e_A/(e_A.e_B)): action equals reaction exactly; the line of action meets both axes, so that the
-torque about either axle is zero exactly. The gradient is taken at fixed (xi, z): the *material* angles at which the line of
-centres meets the two grids (their phases) are parameters, not coordinates, of the contact energy. What its energy changes when
-a phase changes is the grid defect of the ledger.
+N the gradient of d, the second term that of a crowned B's radius (B moved by w is met at an axial station smaller by
+w.e_A/(e_A.e_B)): action equals reaction exactly; the line of action meets both axes, so that the torque about either
+axle is zero exactly. The gradient is taken at fixed (xi, z): the *material* angles at which the line of centres meets
+the two grids (their phases) are parameters, not coordinates, of the contact energy. What its energy changes when a
+phase changes is the grid defect of the ledger.
 
-Gradient of d. A displacement field w of B's axis relative to A moves b by w + sigma e_B with e_A.(w + sigma e_B) = 0, hence
-`dd = N.w`, `N = c - e_A (c.e_B)/(e_A.e_B)`.
+Gradient of d. A displacement field w of B's axis relative to A moves b by w + sigma e_B with e_A.(w + sigma e_B) = 0,
+hence `dd = N.w`, `N = c - e_A (c.e_B)/(e_A.e_B)`.
 
-Weak gaps. Hats psi_i of A's grid, Gauss points in every cell: `g_i = int psi_i g dA`; B is interpolated at the point of B opposite
-(grid column, row), which gives the stencil `l_i[node] = int psi_i psi^B_node dA`, the load of B's hats under a unit pressure hat of A.
+Weak gaps. Hats psi_i of A's grid, Gauss points in every cell: `g_i = int psi_i g dA`; B is interpolated at the point of
+B opposite (grid column, row), which gives the stencil `l_i[node] = int psi_i psi^B_node dA`, the load of B's hats under
+a unit pressure hat of A.
 """
 
 import warp as wp
@@ -32,7 +35,9 @@ from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
-PHASE_TOLERANCE = wp.constant(wp.float64(1.0e-4))  # columns: G changes by about this fraction; as a tangent it may, see contact_solve
+PHASE_TOLERANCE = wp.constant(
+    wp.float64(1.0e-4)
+)  # columns: G changes by about this fraction; as a tangent it may, see contact_solve
 SERIES = wp.constant(wp.float64(5.0e-6))  # rad: third-order terms are then below round-off
 GUARD = wp.constant(2)  # outermost columns of a full window that must end inactive
 MARGIN = wp.constant(3)  # columns looked at beyond the active ones
@@ -129,7 +134,6 @@ def locate(
             column_b = x_b
         x_a = wrap(x_a, turn_a, column_a)
         x_b = wrap(x_b, turn_b, column_b)
-        R_B = radius_at(model.surface_radius[B], model.surface_crown[B], axial)
         N = c - e_A * (wp.dot(c, e_B) / cosine)
         f = N + e_A * (slope_at(model.surface_crown[B], axial) / cosine)
         m = wp.cross(b - r1[w, body_a], f)
@@ -176,8 +180,8 @@ def open_window(
     patch_offset: wp.array2d(dtype=real),
     window: wp.array3d(dtype=int),
 ):
-    """Per (world, pair): the active set of the last attempt put where the patch is now, and the columns to look at: the active
-    ones and MARGIN more on each side, relative to the centre column."""
+    """Per (world, pair): the active set of the last attempt put where the patch is now, and the columns to look at: the
+    active ones and MARGIN more on each side, relative to the centre column."""
     w, pair = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.ITERATION] != 0 or ctl[w, k.INNER] != 0:
@@ -210,7 +214,7 @@ def open_window(
             if found == 0:
                 low = o
             high = o
-            found = 1
+            found = int(1)
         m += 1
     window[w, pair, 0] = wp.max(low - MARGIN, -H)
     window[w, pair, 1] = wp.min(high + MARGIN, H)
@@ -237,7 +241,9 @@ def sample(
     point_gap: wp.array3d(dtype=real),
     point_place: wp.array4d(dtype=real),
 ):
-    """Per (world, pair), lanes over points of the window: gap, and grid coordinates (column, row) of the opposite point of B."""
+    """Per (world, pair), lanes over points of the window: gap, and grid coordinates (column, row) of the opposite
+    point of B.
+    """
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or (ctl[w, k.MOVED] == 0 and ctl[w, k.REASSEMBLE] == 0):
@@ -312,15 +318,17 @@ def sample(
 # Weak gap, area, gradient and stencil of one hat: the sum over the Gauss points of its (up to) four cells.
 # Measured against the same loop in Warp's Python: 4 times faster, the whole step 1.15 times.
 @wp.func_native("""
-    const int NS = (rows - 1) * model.z_points, NT = model.theta_points, SC = model.stencil_columns, SR = model.stencil_rows;
+    const int NS = (rows - 1) * model.z_points, NT = model.theta_points, most = (model.max_rows - 1) * model.z_points;
+    const int SC = model.stencil_columns, SR = model.stencil_rows;
     const size_t p0 = (size_t)(w * model.pair_count + pair);
     const size_t hat = p0 * model.mode_capacity + m;
     const int column = m / rows, row = m % rows;
-    const int s0 = (row > 0 ? row - 1 : 0) * model.z_points, s1 = (row + 1 < rows ? row + 1 : rows - 1) * model.z_points;
-    const double* g = point_gap.data + p0 * (model.window_columns + 1) * NT * ((model.max_rows - 1) * model.z_points);
-    const double* place = point_place.data + p0 * (model.window_columns + 1) * NT * ((model.max_rows - 1) * model.z_points) * 2;
-    const double* st = station.data + p0 * ((model.max_rows - 1) * model.z_points) * 8;
-    const double* sw = station_wrench.data + p0 * ((model.max_rows - 1) * model.z_points) * 6;
+    const int s0 = (row > 0 ? row - 1 : 0) * model.z_points;
+    const int s1 = (row + 1 < rows ? row + 1 : rows - 1) * model.z_points;
+    const double* g = point_gap.data + p0 * (model.window_columns + 1) * NT * most;
+    const double* place = point_place.data + p0 * (model.window_columns + 1) * NT * most * 2;
+    const double* st = station.data + p0 * most * 8;
+    const double* sw = station_wrench.data + p0 * most * 6;
     double* l = stencil.data + hat * SC * SR;
     double* f = wrench.data + hat * 6;
     for (int e = 0; e < SC * SR; ++e) l[e] = 0.0;
@@ -336,10 +344,12 @@ def sample(
     int beyond = 0;
     for (int s = s0; s < s1; ++s) {
         const int zc = s / model.z_points;
-        const double zeta = model.z_abscissa.data[s - zc * model.z_points], wz = (zc == row ? 1.0 - zeta : zeta) * st[s * 8 + 6];
+        const double zeta = model.z_abscissa.data[s - zc * model.z_points];
+        const double wz = (zc == row ? 1.0 - zeta : zeta) * st[s * 8 + 6] * pitch;
         double hat_weight = 0.0;
         for (int t = 0; t < 2 * NT; ++t) {
-            const double x = model.theta_abscissa.data[t % NT], q = (t < NT ? x : 1.0 - x) * model.theta_weight.data[t % NT] * pitch * wz;
+            const double x = model.theta_abscissa.data[t % NT];
+            const double q = (t < NT ? x : 1.0 - x) * model.theta_weight.data[t % NT] * wz;
             const int p = (column * NT + t) * NS + s;
             total += q * g[p]; hat_weight += q;
             const double cf = ::floor(place[2 * p]), rf0 = ::floor(place[2 * p + 1]), last = rows_b - 2;
@@ -347,7 +357,8 @@ def sample(
             const int ci = (int)cf - oc, ri = (int)rf - orow;
             if (ci < 0 || ci + 1 >= SC || ri < 0 || ri + 1 >= SR) { beyond = 1; continue; }
             double* d = l + ci * SR + ri;
-            d[0] += q * (1.0 - u) * (1.0 - v); d[1] += q * (1.0 - u) * v; d[SR] += q * u * (1.0 - v); d[SR + 1] += q * u * v;
+            d[0] += q * (1.0 - u) * (1.0 - v); d[1] += q * (1.0 - u) * v;
+            d[SR] += q * u * (1.0 - v); d[SR + 1] += q * u * v;
         }
         size += hat_weight;
         for (int c = 0; c < 6; ++c) f[c] += hat_weight * sw[s * 6 + c];

@@ -1,353 +1,30 @@
 """Contact inside the step: active set, pressures, and what the outer coordinates and modes make of them.
 
-For the current active set the linearised system of `outer` reads `(G + L H L^T) s = -(gap + L H rhs - J sigma^-1 r_m)`: symmetric
-positive definite, factored by a right-looking Cholesky with rank-4 row updates (contiguous, vectorises), the right-hand side riding along.
+For the current active set the linearised system of `outer` reads
 
-Displacements by the local modes are never read off G: `local_fields` applies the compliance tables to the present loads, so that the
-residual is that of the present position of the grids, while G may be that of a position a small fraction of a column away. What
-the two differ by on the present pressures is carried as a correction of the gaps and modal loads (`carry_difference`): a modified Newton
-step whose fixed point is exact.
+    (G + L H L^T) s = -(gap + L H rhs - J sigma^-1 r_m),
 
-The set is then corrected (pressure not positive: out; linearised weak gap negative: in) and the solve repeated with the outer coordinates
-frozen until the set has settled: a primal-dual active set method on the linearised problem.
+symmetric positive definite, factored by a right-looking Cholesky with rank-4 row updates (contiguous, vectorises), the
+right-hand side riding along. The set is then corrected (pressure not positive: out; linearised weak gap negative: in)
+and the solve repeated with the outer coordinates frozen until the set has settled: a primal-dual active set method on
+the linearised problem.
+
+After a move the residual is that of the present position of the grids (`contact_fields`), while G, L and J may be those
+of a position a small fraction of a column away. What they miss on the present pressures is carried as a correction of
+gaps, forces and modal loads (`carry_difference`): a modified Newton step whose fixed point is exact.
 """
 
 import warp as wp
 
 from warpffrf_kernels import control as k
-from warpffrf_kernels.contact_compliance import node_of, table_row
+from warpffrf_kernels.contact_fields import local_gap, on_stencil
 from warpffrf_kernels.contact_geometry import GUARD
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, sync, vec3
+from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
-SHALLOW = wp.constant(wp.float64(1.0e-8))  # m: a penetration below this does not tighten the tolerance of gaps any further
 GAP_TOLERANCE = wp.constant(wp.float64(1.0e-15))  # m: a mean gap of round-off size does not close
-
-
-@wp.kernel
-def set_second_window(
-    models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    window: wp.array3d(dtype=int),
-    second_window: wp.array3d(dtype=int),
-):
-    """Per (world, pair): columns of the second grid that the window can touch."""
-    w, pair = wp.tid()
-    model = models[0]
-    if ctl[w, k.RUN] == 0:
-        return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    ratio = model.surface_pitch[A] * model.surface_radius[A] / (model.surface_pitch[B] * model.surface_radius[B])
-    reach = real(wp.max(wp.abs(window[w, pair, 0]), wp.abs(window[w, pair, 1])) + 2) * ratio
-    half = wp.min(int(wp.ceil(reach * real(1.02))) + 2, model.second_half_window)
-    second_window[w, pair, 0] = model.second_half_window - half
-    second_window[w, pair, 1] = model.second_half_window + half
-
-
-@wp.kernel
-def modal_fields(
-    models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    second_window: wp.array3d(dtype=int),
-    amplitude: wp.array(dtype=real),
-    of_state: int,
-    first_field: wp.array3d(dtype=real),
-    second_field: wp.array(dtype=real),
-):
-    """Per (world, pair), lanes over hats of A and nodes of B: weak displacement (M Phi_A q)_i and displacement (Phi_B q) by the modes."""
-    w, pair, lane = wp.tid()
-    model = models[0]
-    if ctl[w, k.RUN] == 0 or (of_state != 0 and ctl[w, k.MOVED] == 0 and ctl[w, k.REASSEMBLE] == 0):
-        return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    rows = model.surface_rows[A]
-    first = model.modal_start[model.surface_body[A]]
-    modes = model.modal_start[model.surface_body[A] + 1] - first
-    first += w * model.modal_count
-    m = (window[w, pair, 0] + model.half_window) * rows + lane
-    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
-        column = m / rows
-        node = node_of(model, A, center[w, pair, 0] + column - model.half_window, m - column * rows)
-        value = real(0.0)
-        if node >= 0:
-            value = dot(modes, model.mode_moment, model.surface_mode_start[A] + node * modes, amplitude, first)
-        first_field[w, pair, m] = value
-        m += wp.block_dim()
-    rows = model.surface_rows[B]
-    first = model.modal_start[model.surface_body[B]]
-    modes = model.modal_start[model.surface_body[B] + 1] - first
-    first += w * model.modal_count
-    m = second_window[w, pair, 0] * rows + lane
-    while m < (second_window[w, pair, 1] + 1) * rows:
-        column = m / rows
-        node = node_of(model, B, center[w, pair, 1] + column - model.second_half_window, m - column * rows)
-        value = real(0.0)
-        if node >= 0:
-            value = dot(modes, model.mode_normal, model.surface_mode_start[B] + node * modes, amplitude, first)
-        second_field[(w * model.pair_count + pair) * model.node_capacity + m] = value
-        m += wp.block_dim()
-
-
-@wp.func
-def on_stencil(
-    model: Model,
-    w: int,
-    pair: int,
-    m: int,
-    rows: int,
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
-    field: wp.array(dtype=real),
-) -> real:
-    """l_i . field, the field given on the window of the second grid."""
-    base = (w * model.pair_count + pair) * model.node_capacity
-    total = real(0.0)
-    c = int(0)
-    while c < model.stencil_columns:
-        r = int(0)
-        while r < model.stencil_rows:
-            row = stencil_at[w, pair, m, 1] + r
-            if row < rows:
-                weight = stencil[w, pair, m, c * model.stencil_rows + r]
-                total += weight * field[base + (stencil_at[w, pair, m, 0] + c) * rows + row]
-            r += 1
-        c += 1
-    return total
-
-
-@wp.kernel
-def close_gaps(
-    models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    window: wp.array3d(dtype=int),
-    weak_gap: wp.array3d(dtype=real),
-    area: wp.array3d(dtype=real),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
-    first_field: wp.array3d(dtype=real),
-    second_field: wp.array(dtype=real),
-    gap: wp.array3d(dtype=real),
-):
-    """Weak gaps with the deformation by the global modes: gap = weak_gap - M Phi_A q - l . Phi_B q."""
-    w, pair, lane = wp.tid()
-    model = models[0]
-    if ctl[w, k.RUN] == 0 or (ctl[w, k.MOVED] == 0 and ctl[w, k.REASSEMBLE] == 0):
-        return
-    rows = model.surface_rows[model.pair_first[pair]]
-    rows_b = model.surface_rows[model.pair_second[pair]]
-    m = (window[w, pair, 0] + model.half_window) * rows + lane
-    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
-        value = weak_gap[w, pair, m]
-        if area[w, pair, m] > real(0.0):
-            value -= first_field[w, pair, m]
-            value -= on_stencil(model, w, pair, m, rows_b, stencil, stencil_at, second_field)
-        gap[w, pair, m] = value
-        m += wp.block_dim()
-
-
-@wp.kernel
-def local_fields(
-    models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    second_window: wp.array3d(dtype=int),
-    active: wp.array3d(dtype=int),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    second_load: wp.array(dtype=real),
-    first_local: wp.array(dtype=real),
-    second_local: wp.array(dtype=real),
-):
-    """Per (world, pair): loads of B's hats under the present pressures, and the displacements they and the pressures cause by the
-    local modes: weak ones on A's hats (M D_A M s), nodal ones on B (D_B f), both opening the gap."""
-    w, pair, lane = wp.tid()
-    model = models[0]
-    if ctl[w, k.RUN] == 0:
-        return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    rows = model.surface_rows[A]
-    rows_b = model.surface_rows[B]
-    H = model.half_window
-    first = window[w, pair, 0] + H
-    count = (window[w, pair, 1] + H - first + 1) * rows
-    base = (w * model.pair_count + pair) * model.mode_capacity
-    low = second_window[w, pair, 0]
-    count_b = (second_window[w, pair, 1] - low + 1) * rows_b
-    base_b = (w * model.pair_count + pair) * model.node_capacity
-    origin = center[w, pair, 0] - H
-    origin_b = center[w, pair, 1] - model.second_half_window
-    i = lane
-    while i < model.mode_capacity:
-        first_local[base + i] = real(0.0)
-        i += wp.block_dim()
-    i = lane
-    while i < model.node_capacity:
-        second_load[base_b + i] = real(0.0)
-        second_local[base_b + i] = real(0.0)
-        i += wp.block_dim()
-    sync()
-    m = first * rows
-    while m < first * rows + count:
-        if active[w, pair, m] != 0:
-            s = pressure[w, pair, m]
-            column = m / rows
-            at = table_row(model, A, origin + column, m - column * rows, origin + first)
-            if at >= 0:
-                axpy(count, s, model.self_compliance, at, first_local, base + first * rows)
-            if lane == 0:
-                c = int(0)
-                while c < model.stencil_columns:
-                    r = int(0)
-                    while r < model.stencil_rows:
-                        weight = stencil[w, pair, m, c * model.stencil_rows + r]
-                        if weight != real(0.0):
-                            e = base_b + (stencil_at[w, pair, m, 0] + c) * rows_b + stencil_at[w, pair, m, 1] + r
-                            second_load[e] = second_load[e] + weight * s
-                        r += 1
-                    c += 1
-        m += 1
-    sync()
-    i = low * rows_b
-    while i < low * rows_b + count_b:
-        f = second_load[base_b + i]
-        if f != real(0.0):
-            column = i / rows_b
-            at = table_row(model, B, origin_b + column, i - column * rows_b, origin_b + low)
-            if at >= 0:
-                axpy(count_b, f, model.compliance, at, second_local, base_b + low * rows_b)
-        i += 1
-
-
-@wp.kernel
-def load_modes(
-    models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    second_window: wp.array3d(dtype=int),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    second_load: wp.array(dtype=real),
-    modal_load: wp.array(dtype=real),
-):
-    """Per world: load of the contact pressures on the global modes, at the present position of the grids."""
-    w, lane = wp.tid()
-    model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
-        return
-    trial = (2 * w + 1) * model.modal_count
-    i = lane
-    while i < model.modal_count:
-        modal_load[trial + i] = real(0.0)
-        i += wp.block_dim()
-    sync()
-    pair = int(0)
-    while pair < model.pair_count:
-        A = model.pair_first[pair]
-        rows = model.surface_rows[A]
-        start = model.modal_start[model.surface_body[A]]
-        modes = model.modal_start[model.surface_body[A] + 1] - start
-        m = (window[w, pair, 0] + model.half_window) * rows
-        while m < (window[w, pair, 1] + model.half_window + 1) * rows:
-            if active[w, pair, m] != 0:
-                column = m / rows
-                node = node_of(model, A, center[w, pair, 0] + column - model.half_window, m - column * rows)
-                if node >= 0:
-                    at = model.surface_mode_start[A] + node * modes
-                    axpy(modes, -pressure[w, pair, m], model.mode_moment, at, modal_load, trial + start)
-            m += 1
-        B = model.pair_second[pair]
-        rows = model.surface_rows[B]
-        start = model.modal_start[model.surface_body[B]]
-        modes = model.modal_start[model.surface_body[B] + 1] - start
-        base = (w * model.pair_count + pair) * model.node_capacity
-        i = second_window[w, pair, 0] * rows
-        while i < (second_window[w, pair, 1] + 1) * rows:
-            f = second_load[base + i]
-            if f != real(0.0):
-                column = i / rows
-                node = node_of(model, B, center[w, pair, 1] + column - model.second_half_window, i - column * rows)
-                if node >= 0:
-                    at = model.surface_mode_start[B] + node * modes
-                    axpy(modes, -f, model.mode_normal, at, modal_load, trial + start)
-            i += 1
-        pair += 1
-
-
-@wp.kernel
-def residual_gap(
-    models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    window: wp.array3d(dtype=int),
-    active: wp.array3d(dtype=int),
-    area: wp.array3d(dtype=real),
-    wrench: wp.array4d(dtype=real),
-    gap: wp.array3d(dtype=real),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    first_local: wp.array(dtype=real),
-    second_local: wp.array(dtype=real),
-    pair_wrench: wp.array3d(dtype=real),
-    gap_defect: wp.array2d(dtype=real),
-    contact_energy: wp.array2d(dtype=real),
-):
-    """Per world: contact wrench on A of every pair, what active gaps are left open (scaled), and the contact energy s.G.s/2."""
-    w = wp.tid()
-    model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
-        return
-    worst = real(0.0)
-    depth = real(0.0)
-    energy = real(0.0)
-    pair = int(0)
-    while pair < model.pair_count:
-        for i in range(6):
-            pair_wrench[w, pair, i] = real(0.0)
-        rows = model.surface_rows[model.pair_first[pair]]
-        m = (window[w, pair, 0] + model.half_window) * rows
-        while m < (window[w, pair, 1] + model.half_window + 1) * rows:
-            if active[w, pair, m] != 0 and area[w, pair, m] > real(0.0):
-                s = pressure[w, pair, m]
-                for i in range(6):
-                    pair_wrench[w, pair, i] = pair_wrench[w, pair, i] + s * wrench[w, pair, m, i]
-                opened = local_gap(model, w, pair, m, stencil, stencil_at, first_local, second_local)
-                energy += real(0.5) * s * opened
-                worst = wp.max(worst, wp.abs(gap[w, pair, m] + opened) / area[w, pair, m])
-                depth = wp.max(depth, wp.abs(gap[w, pair, m]) / area[w, pair, m])
-            m += 1
-        pair += 1
-    gap_defect[w, 0] = real(0.0)
-    if depth > real(0.0):
-        gap_defect[w, 0] = worst / wp.max(depth, SHALLOW)
-    contact_energy[w, 0] = energy
-
-
-@wp.func
-def local_gap(
-    model: Model,
-    w: int,
-    pair: int,
-    m: int,
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
-    first_local: wp.array(dtype=real),
-    second_local: wp.array(dtype=real),
-) -> real:
-    """Opening of a weak gap by the local modes of both bodies."""
-    at = w * model.pair_count + pair
-    rows_b = model.surface_rows[model.pair_second[pair]]
-    value = first_local[at * model.mode_capacity + m]
-    return value + on_stencil(model, w, pair, m, rows_b, stencil, stencil_at, second_local)
 
 
 @wp.func
@@ -408,7 +85,9 @@ def carry_difference(
     modal_residual: wp.array2d(dtype=real),
     scratch: wp.array(dtype=real),
 ):
-    """Per world, after a move that left G as it was: add to gaps, forces and modal loads what G, L and J miss of the present state."""
+    """Per world, after a move that left G as it was: add to gaps, forces and modal loads what G, L and J miss of
+    the present state.
+    """
     w, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.REASSEMBLE] != 0:
@@ -464,10 +143,10 @@ def carry_difference(
             slot += 1
 
 
-# Gathers the active block with its right-hand side, factors it, and solves for the pressures. Returns 1 if it is not definite.
-# Measured against the same loops in Warp's Python: about 2.5 times faster, the step about 1.5 times.
+# Gathers the active block with its right-hand side, factors it, and solves for the pressures. Returns 1 if it is not
+# definite. Measured against the same loops in Warp's Python: about 2.5 times faster, the step about 1.5 times.
 @wp.func_native("""
-    const int n = count, ld = model.slot_capacity + 1, cap = model.slot_capacity, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
+    const int n = count, cap = model.slot_capacity, ld = cap + 1, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
     double* U = work.data + (size_t)w * cap * ld;
     const int* list = order.data + (size_t)w * cap;
     for (int i = 0; i < n; ++i) {
@@ -570,7 +249,11 @@ def solve_pressures(
                 surface = model.pair_second[pair]
             mode = model.modal_start[model.surface_body[surface]]
             while mode < model.modal_start[model.surface_body[surface] + 1]:
-                total += J[(w * model.slot_capacity + a) * model.pair_modes + n] * receptance[w, mode] * modal_residual[w, mode]
+                total += (
+                    J[(w * model.slot_capacity + a) * model.pair_modes + n]
+                    * receptance[w, mode]
+                    * modal_residual[w, mode]
+                )
                 n += 1
                 mode += 1
         right[w, a] = total
@@ -672,7 +355,7 @@ def correct_set(
         new = int(0)
         if active[w, pair, m] != 0:
             if pressure[w, pair, m] > real(0.0):
-                new = 1
+                new = int(1)
         elif area[w, pair, m] > real(0.0):
             f = vec3(wrench[w, pair, m, 0], wrench[w, pair, m, 1], wrench[w, pair, m, 2])
             t = vec3(wrench[w, pair, m, 3], wrench[w, pair, m, 4], wrench[w, pair, m, 5])
@@ -680,7 +363,7 @@ def correct_set(
             value -= on_stencil(model, w, pair, m, rows_b, stencil, stencil_at, second_step)
             value += local_gap(model, w, pair, m, stencil, stencil_at, first_local, second_local)
             if value < -GAP_TOLERANCE * area[w, pair, m]:
-                new = 1
+                new = int(1)
         proposed[w, pair, m] = new
         m += wp.block_dim()
 
@@ -695,7 +378,8 @@ def accept_set(
     pressure: wp.array3d(dtype=real),
     window: wp.array3d(dtype=int),
 ):
-    """Per world: take over the corrected set, count the changes, widen a window that its patch has reached, check the guards.
+    """Per world: take over the corrected set, count the changes, widen a window that its patch has reached, check the
+    guards.
 
     The pressures of modes that left are zeroed only when the set goes on changing; a settled set keeps what was solved.
     """

@@ -1,4 +1,6 @@
-"""Columns of the two control arrays of a world: integers `ctl (W, CTL)` and reals `clk (W, CLK)`, and the failure bits."""
+"""Columns of the two control arrays of a world: integers `ctl (W, CTL)` and reals `clk (W, CLK)`, and the failure
+bits.
+"""
 
 import warp as wp
 

@@ -73,7 +73,9 @@ class Model:
     surface_lag_start: wp.array(dtype=int)  # into compliance and self_compliance
     surface_mode_start: wp.array(dtype=int)  # into mode_normal and mode_moment
     surface_z: wp.array(dtype=real)
-    compliance: wp.array(dtype=real)  # D as a table (column of the block, source row, target column + reach, target row), all surfaces
+    compliance: wp.array(
+        dtype=real
+    )  # D as a table (column of the block, source row, target column + reach, target row), all surfaces
     self_compliance: wp.array(dtype=real)  # M D M, same layout
     mode_normal: wp.array(dtype=real)  # (nodes, modes of the body), flat per surface
     mode_moment: wp.array(dtype=real)  # M Phi, same layout

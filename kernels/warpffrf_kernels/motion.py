@@ -1,7 +1,8 @@
 """Start of a step, and the motion of bodies and global modes as a function of the step's displacement increments.
 
-Unknowns of a step are the increments `dx = r_1 - r_0` (m), `psi` with `R_1 = R_0 exp(psi^)` (rad) and `dq` (modes). With the
-algorithmic acceleration `a` of generalized-alpha (Arnold and Bruels 2007, eq. 17 to 19), for any of the three kinds of coordinates
+Unknowns of a step are the increments `dx = r_1 - r_0` (m), `psi` with `R_1 = R_0 exp(psi^)` (rad) and `dq` (modes).
+With the algorithmic acceleration `a` of generalized-alpha (Arnold and Bruels 2007, eq. 17 to 19), for any of the three
+kinds of coordinates
 
     d = h v_0 + h^2 ((1/2 - beta) a_0 + beta a_1),      v_1 = v_0 + h ((1 - gamma) a_0 + gamma a_1),
     (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) vdot_1 + alpha_f vdot_0,
@@ -12,8 +13,9 @@ so that `a_1`, `v_1`, `vdot_1` are affine in `d` with slopes `1/(beta h^2)`, `VE
 * STATIC (beta = 1, gamma = 0, alphas 0, all rates zero): `vdot_1 = d/h^2`, a proximal step towards the static state.
 * START (beta = 1/2, gamma = 1, alphas 0): one tiny step of constant acceleration gives consistent `vdot` and `lambda`.
 
-Balance of a body in the floating frame with origin in its centre of mass and constant inertia (linear momentum in world axes,
-angular in body axes): `m rddot = F`, `J wdot + w x J w = M`; a mode of unit mass: `qddot + 2 zeta omega qdot + omega^2 q = f`.
+Balance of a body in the floating frame with origin in its centre of mass and constant inertia (linear momentum in world
+axes, angular in body axes): `m rddot = F`, `J wdot + w x J w = M`; a mode of unit mass: `qddot + 2 zeta omega qdot +
+omega^2 q = f`.
 """
 
 import warp as wp

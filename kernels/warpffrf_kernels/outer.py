@@ -1,7 +1,7 @@
 """The outer system: rigid coordinates and multipliers, with the global modes condensed.
 
-With `sigma` the diagonal tangent of the modes, J their gradient of the weak gaps, C and C_m the gradients of the rows by rigid and
-modal coordinates, the linearised step reads (s: hat pressures in total, everything else increments)
+With `sigma` the diagonal tangent of the modes, J their gradient of the weak gaps, C and C_m the gradients of the rows
+by rigid and modal coordinates, the linearised step reads (s: hat pressures in total, everything else increments)
 
     S dx + C^T dlam - L_r^T s = -r,             sigma dq + C_m^T dlam - J^T s = -r_m,
     C dx + C_m dq - E dlam = -c,                gap + L_r dx + J dq + G_local s = 0 on the active set.
@@ -11,8 +11,9 @@ Eliminating dq leaves, for z = (dx, dlam),
     [ S   C^T                       ]         [ -r                      ]
     [ C   -C_m sigma^-1 C_m^T - E   ] z  =    [ -c + C_m sigma^-1 r_m   ]  + L^T s,       L = [L_r, -J sigma^-1 C_m^T].
 
-Its inverse H is formed in the first Newton iteration, and again while the residual is above REFRESH_ABOVE (tens of unknowns); contact then sees the compliance
-`G + L H L^T`, in which whatever can move is condensed (Josephy-Newton): the first iteration already knows what will touch.
+Its inverse H is formed in the first Newton iteration, and again while the residual is above REFRESH_ABOVE (tens of
+unknowns); contact then sees the compliance `G + L H L^T`, in which whatever can move is condensed (Josephy-Newton): the
+first iteration already knows what will touch.
 """
 
 import warp as wp
@@ -23,8 +24,12 @@ from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, ve
 
 wp.set_module_options(MODULE_OPTIONS)
 
-REFRESH_ABOVE = wp.constant(wp.float64(1.0e-4))  # residual below which the inverse of the last iteration serves once more
-PIVOT_TOLERANCE = wp.constant(wp.float64(1.0e-13))  # of the equilibrated matrix: below it a row is dependent on the others
+REFRESH_ABOVE = wp.constant(
+    wp.float64(1.0e-4)
+)  # residual below which the inverse of the last iteration serves once more
+PIVOT_TOLERANCE = wp.constant(
+    wp.float64(1.0e-13)
+)  # of the equilibrated matrix: below it a row is dependent on the others
 
 
 @wp.kernel
@@ -75,7 +80,9 @@ def condense(
     rhs: wp.array2d(dtype=real),
     C_receptance: wp.array(dtype=real),
 ):
-    """Lanes over outer unknowns: rows of the condensed matrix (rigid blocks are there already) and its right-hand side."""
+    """Lanes over outer unknowns: rows of the condensed matrix (rigid blocks are there already) and its right-hand
+    side.
+    """
     w, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
@@ -130,11 +137,17 @@ def condense(
     double* scale = scaling.data + (size_t)w * n;
     int* swapped = pivots.data + (size_t)w * n;
     const double* A = tangent.data + (size_t)w * n * n;
-    for (int i = L; i < n; i += NL) { const double d = ::fabs(A[(size_t)i * n + i]); scale[i] = i < rigid && d > 0.0 ? 1.0 / ::sqrt(d) : 1.0; }
+    for (int i = L; i < n; i += NL) {
+        const double d = ::fabs(A[(size_t)i * n + i]);
+        scale[i] = i < rigid && d > 0.0 ? 1.0 / ::sqrt(d) : 1.0;
+    }
     WP_TILE_SYNC();
     for (int i = rigid + L; i < n; i += NL) {
         double big = 0.0;
-        for (int j = 0; j < rigid; ++j) { const double x = ::fabs(A[(size_t)i * n + j]) * scale[j]; if (x > big) big = x; }
+        for (int j = 0; j < rigid; ++j) {
+            const double entry = ::fabs(A[(size_t)i * n + j]) * scale[j];
+            if (entry > big) big = entry;
+        }
         if (big == 0.0) big = ::sqrt(::fabs(A[(size_t)i * n + i]));
         scale[i] = big > 0.0 ? 1.0 / big : 1.0;
     }
@@ -148,7 +161,8 @@ def condense(
         WP_TILE_SYNC();
         double* u = a + (size_t)p * n;
         if (L == 0) swapped[p] = best;
-        if (best != p) { double* x = a + (size_t)best * n; for (int j = L; j < n; j += NL) { const double t = u[j]; u[j] = x[j]; x[j] = t; } }
+        double* x = a + (size_t)best * n;
+        if (best != p) for (int j = L; j < n; j += NL) { const double t = u[j]; u[j] = x[j]; x[j] = t; }
         WP_TILE_SYNC();
         double pivot = u[p];
         if (!(::fabs(pivot) > tolerance)) { bad = 1; pivot = 1.0; }
@@ -242,8 +256,8 @@ def balance(
 ):
     """Per world: is the state balanced? Residual forces with contact, row defects and gaps left open, all as fractions.
 
-    The scale of forces is the largest of weight, inertia force, multiplier and contact force; of lengths, 1 m for joints and the
-    largest rigid penetration for gaps (`gap_defect` arrives scaled).
+    The scale of forces is the largest of weight, inertia force, multiplier and contact force; of lengths, 1 m for
+    joints and the largest rigid penetration for gaps (`gap_defect` arrives scaled).
     """
     w = wp.tid()
     model = models[0]

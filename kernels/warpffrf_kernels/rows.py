@@ -1,20 +1,22 @@
 """Joint constraints, prescribed motion and springs: one scalar row each.
 
-A row is a function c(x, t) of two markers (joint frames) a and b with axes `u_i` (of a), `w_j` (of b) and positions x_a, x_b:
+A row is a function c(x, t) of two markers (joint frames) a and b with axes `u_i` (of a), `w_j` (of b) and positions
+x_a, x_b:
 
     TRANSLATION   c = u_i . (x_b - x_a) - s(t)
     DIRECTION     c = u_i . w_j
     ANGLE_DRIVE   c = w_x . (cos(s) u_y - sin(s) u_x) = sin(angle - s), which needs no counting of turns
     DISTANCE      c = |x_b - x_a|
 
-with s the signal of the row (0 without one). Every variation has the form `f.(dx_b - dx_a) + t.(dTheta_b - dTheta_a)`, where dx
-are material displacements of the point x_b carried by either body and dTheta their turns, so a row pulls with the wrench
-(f, t) at x_b on b and the opposite on a: action equals reaction by construction.
+with s the signal of the row (0 without one). Every variation has the form `f.(dx_b - dx_a) + t.(dTheta_b - dTheta_a)`,
+where dx are material displacements of the point x_b carried by either body and dTheta their turns, so a row pulls with
+the wrench (f, t) at x_b on b and the opposite on a: action equals reaction by construction.
     TRANSLATION: f = u_i, t = 0;  DIRECTION: f = 0, t = w_j x u_i;  DISTANCE: f = (x_b - x_a)/|x_b - x_a|, t = 0.
 
 A constraint row demands c = 0 and carries the multiplier lambda, generalized force -C^T lambda. A spring row has
-`lambda = k c + d cdot + preload`; divided by its effective stiffness `k_e = k + d VEL` it is a constraint row with the compliance
-1/k_e on its diagonal, so that springs on flexible interfaces need no special treatment (the modes stay diagonal).
+`lambda = k c + d cdot + preload`; divided by its effective stiffness `k_e = k + d VEL` it is a constraint row with the
+compliance 1/k_e on its diagonal, so that springs on flexible interfaces need no special treatment (the modes stay
+diagonal).
 
 A marker on a flexible rigid interface moves with the interface: x = r + A (X + u + theta x (X - X_if)),
 axes A exp(theta^) L, with (u, theta) = Phi_if q.
@@ -283,7 +285,9 @@ def apply_forces(
     applied: wp.array3d(dtype=vec3),
     applied_at: wp.array3d(dtype=vec3),
 ):
-    """Per world: subtract the point forces from the residuals; their world components and points are kept for the ledger."""
+    """Per world: subtract the point forces from the residuals; their world components and points are kept for the
+    ledger.
+    """
     w = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:

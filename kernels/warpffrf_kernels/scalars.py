@@ -16,8 +16,9 @@ MODULE_OPTIONS = {"enable_backward": False, "fast_math": False}
 def sync(): ...
 
 
-# y[at : at + n] += a * x[start : start + n], lanes over the entries. The one inner loop of the contact kernels: contiguous, so
-# that it vectorises. Measured against the same loop in Warp's Python: `respond` 3 times, the whole step 1.6 times faster.
+# y[at : at + n] += a * x[start : start + n], lanes over the entries. The one inner loop of the contact kernels:
+# contiguous, so that it vectorises. Measured against the same loop in Warp's Python: `respond` 3 times, the whole step
+# 1.6 times faster.
 @wp.func_native("""
     double* __restrict q = y.data + at; const double* __restrict p = x.data + start;
     for (int i = WP_TILE_THREAD_IDX; i < n; i += WP_TILE_BLOCK_DIM) q[i] += a * p[i];

@@ -29,7 +29,9 @@ import warpffrf as wf
 log = logging.getLogger("warpffrf")
 
 OUTER_RADIUS, BORE_RADIUS, WIDTH = 0.05, 0.015, 0.02  # m
-GRADING = 1.3  # thickness of a layer over that of its neighbour towards the rim; 17 layers make the cells at the rim square
+GRADING = (
+    1.3  # thickness of a layer over that of its neighbour towards the rim; 17 layers make the cells at the rim square
+)
 MAX_FREQUENCY = 20e3  # Hz, of the vibration modes
 GRAVITY = 9.81  # m/s2
 CARRIAGE_MASS, CARRIAGE_INERTIA = 5.0, (0.01, 0.01, 0.01)  # kg, kg m2; it slides and never turns

@@ -1,6 +1,7 @@
 """Scene -> constant device data (`warpffrf_kernels.model.Model`).
 
-Body frames are moved to the centre of mass here and nowhere else; `CompiledScene` keeps what is needed to move results back.
+Body frames are moved to the centre of mass here and nowhere else; `CompiledScene` keeps what is needed to move results
+back.
 """
 
 from __future__ import annotations
@@ -41,7 +42,9 @@ class Rows:
     preload: list[float] = field(default_factory=list)
     rigid: list[int] = field(default_factory=list)
 
-    def add(self, kind, a, b, i=0, j=0, signal=-1, stiffness=0.0, damping=0.0, reference=0.0, preload=0.0, rigid=1) -> int:
+    def add(
+        self, kind, a, b, i=0, j=0, signal=-1, stiffness=0.0, damping=0.0, reference=0.0, preload=0.0, rigid=1
+    ) -> int:
         values = (int(kind), a, b, i, j, signal, stiffness, damping, reference, preload, rigid)
         for name, value in zip(self.__dataclass_fields__, values, strict=True):
             getattr(self, name).append(value)
@@ -67,7 +70,8 @@ class CompiledScene:
     notes: list[str]
 
 
-# A joint kind is a table of rows: (kind, axis of a, axis of b). Its coordinate, where it has one, is measured by COORDINATE.
+# A joint kind is a table of rows: (kind, axis of a, axis of b). Its coordinate, where it has one, is measured by
+# COORDINATE.
 _ORIENT = [(k.DIRECTION, 2, 0), (k.DIRECTION, 2, 1)]
 JOINT_ROWS = {
     "fixed": [(k.TRANSLATION, 0, 0), (k.TRANSLATION, 1, 0), (k.TRANSLATION, 2, 0), *_ORIENT, (k.DIRECTION, 0, 1)],
@@ -95,9 +99,9 @@ class _Compiler:
     def interface(self, port: Any) -> int:
         if port.interface_name is None or not port.body.mode_count:
             return -1
-        return self.interfaces.setdefault((port.body.index, port.interface_name), len(self.interfaces))
+        return self.interfaces.setdefault((port.body.index, str(port.interface_name)), len(self.interfaces))
 
-    def marker(self, port: Any, point: np.ndarray, axes: np.ndarray) -> int:
+    def marker(self, port: Any, point: Any, axes: np.ndarray) -> int:
         body = port.body
         offset = body.center_of_mass if body.index >= 0 else np.zeros(3)
         self.markers.append((body.index, self.interface(port), np.asarray(point) - offset, axes))
@@ -114,7 +118,7 @@ class _Compiler:
             self.joint_markers[joint.name] = (a, b)
             self.joint_rows[joint.name] = [self.rows.add(kind, a, b, i, j) for kind, i, j in JOINT_ROWS[joint.kind]]
         for drive in self.scene.drives:
-            a, b = self.joint_markers[drive.joint.name]
+            a, b = self.joint_markers[str(drive.joint.name)]
             kind, i, j = DRIVE_ROW[drive.joint.kind]
             row = self.rows.add(kind, a, b, i, j, signal=self.signal(drive.position()))
             self.joint_rows[drive.joint.name].append(row)
@@ -124,12 +128,14 @@ class _Compiler:
         for item in self.scene.forces:
             if isinstance(item, JointSpringDamper):
                 if item.stiffness == 0.0 and item.damping == 0.0:
-                    raise InputError(f"joint spring {item.name!r}: stiffness and damping are both zero; remove it or use a PointForce")
-                a, b = self.joint_markers[item.joint.name]
+                    raise InputError(
+                        f"joint spring {item.name!r}: stiffness and damping are both zero; use a PointForce"
+                    )
+                a, b = self.joint_markers[str(item.joint.name)]
                 row = self.rows.add(
                     k.TRANSLATION, a, b, 2, 0, -1, item.stiffness, item.damping, item.reference, -item.preload, 0
                 )
-                self.coordinate_rows.setdefault(item.joint.name, row)
+                self.coordinate_rows.setdefault(str(item.joint.name), row)
             elif isinstance(item, SpringDamper):
                 if item.stiffness == 0.0 and item.damping == 0.0:
                     raise InputError(f"spring {item.name!r}: stiffness and damping are both zero; remove it")
@@ -169,7 +175,9 @@ class _Compiler:
         m.inertia = self.array([b.inertia for b in bodies], wp.mat33d, (-1, 3, 3))
         m.modal_start = self.array(modal_start, int)
         m.modal_body = self.array(np.repeat(np.arange(len(bodies)), np.diff(modal_start)), int)
-        omega = np.concatenate([np.zeros(0)] + [2.0 * np.pi * b.reduced.frequencies for b in bodies if b.reduced is not None])
+        omega = np.concatenate(
+            [np.zeros(0)] + [2.0 * np.pi * b.reduced.frequencies for b in bodies if b.reduced is not None]
+        )
         zeta = np.concatenate([np.zeros(0)] + [b.damping for b in bodies if b.reduced is not None])
         m.stiffness = self.array(omega**2)
         m.damping = self.array(2.0 * zeta * omega)
@@ -188,11 +196,13 @@ class _Compiler:
             self.notes.append(
                 "neglected on flexible bodies "
                 + ", ".join(flexible)
-                + ": change of inertia by deformation, Coriolis and centrifugal forces on the modes, inertia of the local modes"
+                + ": change of inertia by deformation, Coriolis and centrifugal forces on the modes, "
+                "inertia of the local modes"
             )
         pairs = [(2 * i, 2 * i + 1) for i in range(m.pair_count)]
         return CompiledScene(
-            scene, m, wp.array([m], dtype=Model, device=self.device), self.device, self.joint_rows, self.coordinate_rows, len(self.rows), modal_start, pairs, self.notes
+            scene, m, wp.array([m], dtype=Model, device=self.device), self.device, self.joint_rows,
+            self.coordinate_rows, len(self.rows), modal_start, pairs, self.notes,
         )  # fmt: skip
 
     def _interfaces(self, m: Model) -> None:
@@ -224,7 +234,9 @@ class _Compiler:
         start = np.cumsum([0] + [len(c) for _, c in self.signals])
         m.signal_start = self.array(start, int)
         m.signal_break = self.array(np.concatenate([np.zeros(0)] + [b[: len(c)] for b, c in self.signals]))
-        m.signal_coefficient = self.array(np.concatenate([np.zeros((0, 8))] + [c for _, c in self.signals]), shape=(-1, 8))
+        m.signal_coefficient = self.array(
+            np.concatenate([np.zeros((0, 8))] + [c for _, c in self.signals]), shape=(-1, 8)
+        )
 
     def _forces(self, m: Model) -> None:
         forces = [f for f in self.scene.forces if isinstance(f, PointForce)]
@@ -238,7 +250,8 @@ class _Compiler:
 
     def _surfaces(self, m: Model) -> None:
         lists: dict[str, list] = {name: [] for name in (
-            "body", "origin", "frame", "radius", "crown", "theta", "pitch", "columns", "periodic", "turn", "rows", "block",
+            "body", "origin", "frame", "radius", "crown", "theta", "pitch", "columns", "periodic",
+            "turn", "rows", "block",
             "z_start", "lag_start", "mode_start",
         )}  # fmt: skip
         z, D, MDM, modes, moments = [], [], [], [], []
@@ -250,7 +263,8 @@ class _Compiler:
             block = side // grid.rows
             turn = sectors * block if sectors > 1 or grid.periodic else 0
             values = (
-                body.index, shape.axis_point - body.center_of_mass, frame, shape.radius, 1.0 / shape.curvature if shape.curvature else 0.0,
+                body.index, shape.axis_point - body.center_of_mass, frame, shape.radius,
+                1.0 / shape.curvature if shape.curvature else 0.0,
                 grid.theta_start, grid.pitch, grid.columns, int(grid.periodic), turn, grid.rows, block,
                 sum(map(len, z)), sum(map(len, D)), sum(map(len, modes)),
             )  # fmt: skip
@@ -304,9 +318,11 @@ class _Compiler:
             touching = [
                 6 * m.body_count + r
                 for r in range(len(self.rows))
-                if any(self.markers[x][0] in (body_a.index, body_b.index) and self.markers[x][1] >= 0 for x in (self.rows.a[r], self.rows.b[r]))
+                if any(self._is_flexible(x, (body_a.index, body_b.index)) for x in (self.rows.a[r], self.rows.b[r]))
             ]  # fmt: skip
-            coupled.append([6 * body_a.index + c for c in range(6)] + [6 * body_b.index + c for c in range(6)] + touching)
+            coupled.append(
+                [6 * body_a.index + c for c in range(6)] + [6 * body_b.index + c for c in range(6)] + touching
+            )
         m.half_window, m.window_columns, m.max_rows = half, 2 * half + 1, rows
         m.mode_capacity = m.window_columns * rows
         m.stencil_columns, m.stencil_rows = stencil
@@ -317,7 +333,13 @@ class _Compiler:
         m.slot_capacity = slots
         m.coupled_capacity = max([len(c) for c in coupled], default=1)
         m.coupled_count = self.array([len(c) for c in coupled], int)
-        m.coupled = self.array([c + [0] * (m.coupled_capacity - len(c)) for c in coupled], int, (-1, m.coupled_capacity))
+        m.coupled = self.array(
+            [c + [0] * (m.coupled_capacity - len(c)) for c in coupled], int, (-1, m.coupled_capacity)
+        )
+
+    def _is_flexible(self, marker: int, bodies: tuple[int, int]) -> bool:
+        """True where a marker rides on a flexible interface of one of the bodies."""
+        return self.markers[marker][0] in bodies and self.markers[marker][1] >= 0
 
     def _half_window(self, contact: Any, a: Any, b: Any) -> int:
         spacing = a.grid.pitch * a.shape.radius
@@ -381,8 +403,9 @@ def weak_compliance(surface: Any) -> np.ndarray:
 def response_table(surface: Any, lags: np.ndarray, reach: int) -> np.ndarray:
     """Block-circulant `lags` as a table (column of the block, source row, target column + reach, target row).
 
-    The response to a hat along the columns of a window is one contiguous run, whatever the block: kernels add such runs. Columns
-    are counted from the source's block; a dense operator on an arc is padded with zeros, where the grid has no nodes.
+    The response to a hat along the columns of a window is one contiguous run, whatever the block: kernels add such
+    runs. Columns are counted from the source's block; a dense operator on an arc is padded with zeros, where the grid
+    has no nodes.
     """
     grid = surface.grid
     sectors, side = lags.shape[:2]

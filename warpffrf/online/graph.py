@@ -1,7 +1,8 @@
 """The step as a graph: recorded once, replayed until a chunk of steps is done.
 
-One attempt of a step is: begin, predict, the Newton loop (evaluate, is it balanced? condense, contact, advance), ledger, decision,
-copy, record. A scene without contact pairs records no contact kernel. Nothing here runs on the host while a graph replays.
+One attempt of a step is: begin, predict, the Newton loop (evaluate, is it balanced? condense, contact, advance),
+ledger, decision, copy, record. A scene without contact pairs records no contact kernel. Nothing here runs on the host
+while a graph replays.
 """
 
 from __future__ import annotations
@@ -9,7 +10,16 @@ from __future__ import annotations
 from typing import Any
 
 import warp as wp
-from warpffrf_kernels import commit, contact_compliance, contact_geometry, contact_solve, motion, outer, rows
+from warpffrf_kernels import (
+    commit,
+    contact_compliance,
+    contact_fields,
+    contact_geometry,
+    contact_solve,
+    motion,
+    outer,
+    rows,
+)
 from warpffrf_kernels.scalars import BLOCK
 
 from warpffrf.online.compile import CompiledScene
@@ -39,7 +49,16 @@ class StepGraph:
 
     def _load_modules(self) -> None:
         """Compile before the capture: modules cannot be loaded inside one."""
-        for module in (motion, rows, outer, commit, contact_geometry, contact_compliance, contact_solve):
+        for module in (
+            motion,
+            rows,
+            outer,
+            commit,
+            contact_geometry,
+            contact_compliance,
+            contact_fields,
+            contact_solve,
+        ):
             wp.load_module(module, device=self.device, block_dim=BLOCK)
             wp.load_module(module, device=self.device)
 
@@ -52,7 +71,7 @@ class StepGraph:
 
     def _attempt(self) -> None:
         m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
-        B, Q, P, rows_n = m.body_count, m.modal_count, m.pair_count, m.row_count
+        _B, Q, P, _rows_n = m.body_count, m.modal_count, m.pair_count, m.row_count
         self._launch(motion.begin_step, W, [x.rho_inf], [s.ctl, s.clk])
         self._block(
             motion.predict_bodies, (W,),
@@ -66,8 +85,9 @@ class StepGraph:
             self._launch(commit.generalise_contact, (W, P), [M, s.ctl, x.r1, x.axes, x.pair_wrench], [s.pair_force])
         self._launch(
             commit.balance_energy, W,
-            [M, s.ctl, s.clk, x.r1, x.v1, x.omega1, x.dx, x.psi, x.q1, s.qd, x.qd1, x.dq, s.lam0, s.lam, x.defect, x.coordinate,
-             s.drive_rate, s.applied, s.applied_at, s.pair_force, s.modal_load, x.contact_energy], [s.energy],
+            [M, s.ctl, s.clk, x.r1, x.v1, x.omega1, x.dx, x.psi, x.q1, s.qd, x.qd1, x.dq, s.lam0, s.lam, x.defect,
+             x.coordinate, s.drive_rate, s.applied, s.applied_at, s.pair_force, s.modal_load, x.contact_energy],
+            [s.energy],
         )  # fmt: skip
         self._launch(commit.decide, W, [M, s.energy, x.dx], [s.ctl, s.clk])
         self._block(
@@ -81,7 +101,8 @@ class StepGraph:
                 [s.q, s.qd, s.qd_rate, s.qd_alg, s.modal_load],
             )  # fmt: skip
         self._launch(
-            commit.keep_rest, W, [M, s.ctl], [s.lam, s.lam0, s.drive_rate, s.applied, s.applied_at, s.pair_force, s.energy]
+            commit.keep_rest, W, [M, s.ctl],
+            [s.lam, s.lam0, s.drive_rate, s.applied, s.applied_at, s.pair_force, s.energy],
         )  # fmt: skip
         self.record()
         self._launch(commit.count_attempts, 1, [s.ctl], [x.budget, x.more])
@@ -91,7 +112,10 @@ class StepGraph:
         m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
         if m.pair_count:
             self._launch(
-                commit.sum_second, (W, m.pair_count), [M, s.ctl, x.station, x.station_wrench, x.second_load], [x.second_wrench]
+                commit.sum_second,
+                (W, m.pair_count),
+                [M, s.ctl, x.station, x.station_wrench, x.second_load],
+                [x.second_wrench],
             )
         self._launch(
             commit.record, W,
@@ -101,7 +125,7 @@ class StepGraph:
 
     def _iteration(self) -> None:
         m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
-        B, Q, P, R = m.body_count, m.modal_count, m.pair_count, m.row_count
+        _B, Q, P, R = m.body_count, m.modal_count, m.pair_count, m.row_count
         self._block(
             motion.move_bodies, (W,),
             [M, s.ctl, s.clk, s.r, s.p, s.v, s.v_rate, s.v_alg, s.omega, s.omega_rate, s.omega_alg, x.dx, x.psi],
@@ -122,9 +146,7 @@ class StepGraph:
                 rows.evaluate_rows, (W,), [M, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.q1, x.qd1, s.lam],
                 [x.C, x.C_modal, x.coordinate, x.defect, x.softness, s.drive_rate, x.row_wrench],
             )  # fmt: skip
-            self._block(
-                outer.add_multipliers, (W,), [M, s.ctl, s.lam, x.C, x.C_modal], [x.residual, x.modal_residual]
-            )
+            self._block(outer.add_multipliers, (W,), [M, s.ctl, s.lam, x.C, x.C_modal], [x.residual, x.modal_residual])
         if P:
             self._locate_contact()
         self._launch(
@@ -180,7 +202,7 @@ class StepGraph:
             contact_geometry.open_window, (W, P), [M, s.ctl, x.phase, x.center],
             [s.active, s.pressure, s.patch_offset, x.window],
         )  # fmt: skip
-        self._launch(contact_solve.set_second_window, (W, P), [M, s.ctl, x.window], [x.second_window])
+        self._launch(contact_fields.set_second_window, (W, P), [M, s.ctl, x.window], [x.second_window])
         self._block(
             contact_geometry.sample, (W, P), [M, s.ctl, x.center, x.window, x.station], [x.point_gap, x.point_place]
         )
@@ -190,21 +212,21 @@ class StepGraph:
             [x.weak_gap, x.area, x.wrench, x.stencil, x.stencil_at],
         )  # fmt: skip
         self._block(
-            contact_solve.modal_fields, (W, P),
+            contact_fields.modal_fields, (W, P),
             [M, s.ctl, x.center, x.window, x.second_window, x.q1.flatten(), 1], [x.first_field, x.second_field],
         )  # fmt: skip
         self._block(
-            contact_solve.close_gaps, (W, P),
+            contact_fields.close_gaps, (W, P),
             [M, s.ctl, x.window, x.weak_gap, x.area, x.stencil, x.stencil_at, x.first_field, x.second_field], [x.gap],
         )  # fmt: skip
         self._local_fields()
         self._block(
-            contact_solve.load_modes, (W,),
+            contact_fields.load_modes, (W,),
             [M, s.ctl, x.center, x.window, x.second_window, s.active, s.pressure, x.second_load.flatten()],
             [s.modal_load.flatten()],
         )  # fmt: skip
         self._launch(
-            contact_solve.residual_gap, W,
+            contact_fields.residual_gap, W,
             [M, s.ctl, x.window, s.active, x.area, x.wrench, x.gap, x.stencil, x.stencil_at, s.pressure, x.first_local,
              x.second_local], [x.pair_wrench, x.gap_defect, x.contact_energy],
         )  # fmt: skip
@@ -212,16 +234,14 @@ class StepGraph:
     def _local_fields(self) -> None:
         M, s, x = self.compiled.models, self.state, self.work
         self._block(
-            contact_solve.local_fields, (self.worlds, self.compiled.model.pair_count),
+            contact_fields.local_fields, (self.worlds, self.compiled.model.pair_count),
             [M, s.ctl, x.center, x.window, x.second_window, s.active, x.stencil, x.stencil_at, s.pressure],
             [x.second_load.flatten(), x.first_local, x.second_local],
         )  # fmt: skip
 
     def _compliance(self) -> None:
-        m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
-        self._launch(
-            contact_compliance.take_slots, W, [M], [s.ctl, s.active, x.area, x.phase, x.slot_of, x.slot_mode]
-        )
+        _m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
+        self._launch(contact_compliance.take_slots, W, [M], [s.ctl, s.active, x.area, x.phase, x.slot_of, x.slot_mode])
         self._block(
             contact_compliance.respond, (W,),
             [M, s.ctl, x.center, x.second_window, x.slot_mode, x.stencil, x.stencil_at], [x.T],
@@ -237,15 +257,13 @@ class StepGraph:
             contact_compliance.outer_rows, (W,),
             [M, s.ctl, x.axes, x.r1, x.wrench, x.slot_mode, x.J, x.C_receptance, x.inverse_transposed], [x.L, x.V],
         )  # fmt: skip
-        self._block(
-            contact_compliance.condense_contact, (W,), [M, s.ctl, x.slot_mode, x.G, x.L, x.V], [x.condensed]
-        )
+        self._block(contact_compliance.condense_contact, (W,), [M, s.ctl, x.slot_mode, x.G, x.L, x.V], [x.condensed])
 
     def _correct(self) -> None:
         m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
         P = m.pair_count
         self._block(
-            contact_solve.modal_fields, (W, P),
+            contact_fields.modal_fields, (W, P),
             [M, s.ctl, x.center, x.window, x.second_window, x.modal_step, 0], [x.first_step, x.second_step],
         )  # fmt: skip
         self._local_fields()

@@ -51,7 +51,9 @@ class ContactHistory:
     torque: np.ndarray  # (T, 3) N m, on the first body, about its user origin
     force_second: np.ndarray  # (T, 3) N, on the second body, integrated on its own surface
     torque_second: np.ndarray  # (T, 3) N m, about the second body's user origin
-    first_column: np.ndarray  # (T,) int, grid column of pressure[:, 0] on the first surface (modulo the columns of the full turn)
+    first_column: (
+        np.ndarray
+    )  # (T,) int, grid column of pressure[:, 0] on the first surface (modulo the columns of the full turn)
     center_column: np.ndarray  # (T,) float, grid column coordinate of the line of centres on the first surface
     pressure: np.ndarray  # (T, columns, rows) Pa, hat coefficients in the window
     first_column_second: np.ndarray  # (T,) int
@@ -73,8 +75,14 @@ class History:
     energy: dict[str, np.ndarray]  # ENERGY_LINES -> (T,) J
     iterations: np.ndarray  # (T,) int, Newton iterations of the step
     factorisations: np.ndarray  # (T,) int, factorisations of the active contact block in the step
-    status: str = "completed"  # completed | interrupted | not_converged | cycling | capacity | not_finite | step_underflow
+    status: str = (
+        "completed"  # completed | interrupted | not_converged | cycling | capacity | not_finite | step_underflow
+    )
     message: str = ""
-    counters: dict[str, float] = field(default_factory=dict)  # steps, rejected_steps, max_iterations, seconds_in_graph, ...
-    notes: list[str] = field(default_factory=list)  # dropped terms, capped counts, fallbacks: printed by Result.report()
+    counters: dict[str, float] = field(
+        default_factory=dict
+    )  # steps, rejected_steps, max_iterations, seconds_in_graph, ...
+    notes: list[str] = field(
+        default_factory=list
+    )  # dropped terms, capped counts, fallbacks: printed by Result.report()
     checkpoint: dict[str, np.ndarray] = field(default_factory=dict)  # the complete device state at the end

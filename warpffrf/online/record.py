@@ -51,7 +51,8 @@ def history_from_rows(compiled: CompiledScene, chunks: list[np.ndarray]) -> Hist
         contacts[contact.name] = _contact(compiled, i, rows[:, at:], bodies)
         at += 17 + m.mode_capacity + m.node_capacity
     return History(
-        scene=scene, time=rows[:, 0].copy(), step_size=rows[:, 1].copy(), bodies=bodies, joints=joints, contacts=contacts,
+        scene=scene, time=rows[:, 0].copy(), step_size=rows[:, 1].copy(),
+        bodies=bodies, joints=joints, contacts=contacts,
         energy=energy, iterations=rows[:, 2].astype(int), factorisations=rows[:, 3].astype(int),
     )  # fmt: skip
 

@@ -29,20 +29,35 @@ STATIC_LAST = 1e3  # s: a spring of 1 N/m under 1 kg is then 1e6 times stiffer t
 STATIC_TOLERANCE = 1e-12  # m, movement of the last proximal step: round-off of positions of order 1 m times 1e4
 MESSAGES = {
     k.NOT_CONVERGED: ("not_converged", "the Newton iteration did not converge; reduce step"),
-    k.CYCLING: ("cycling", "the active set of contact cycles; reduce step, or coarsen the contact grid (traction_spacing)"),
+    k.CYCLING: (
+        "cycling",
+        "the active set of contact cycles; reduce step, or coarsen the contact grid (traction_spacing)",
+    ),
     k.CAPACITY: ("capacity", "window overflow, raise capacity of the contact to >= {capacity}"),
-    k.NOT_FINITE: ("not_finite", "a NaN or infinite number arose in the step; look for extreme loads, masses or stiffnesses"),
-    k.SINGULAR: ("singular", "the joint equations are singular: redundant constraints, or a mechanism with no load path"),
-    k.INDEFINITE: ("indefinite", "the contact compliance is not positive definite; coarsen the contact grid (traction_spacing)"),
+    k.NOT_FINITE: ("not_finite", "a NaN or infinite number arose; look for extreme loads, masses or stiffnesses"),
+    k.SINGULAR: (
+        "singular",
+        "the joint equations are singular: redundant constraints, or a mechanism with no load path",
+    ),
+    k.INDEFINITE: (
+        "indefinite",
+        "the contact compliance is not positive definite; coarsen the contact grid (traction_spacing)",
+    ),
     k.ENERGY: ("energy", "the energy ledger does not close at an impact; reduce step"),
-}  # fmt: skip
+}
 
 
 class Engine:
     """A scene on a device in `worlds` copies, ready to step."""
 
     def __init__(
-        self, scene: Any, *, worlds: int = 1, device: str = "cpu", settings: Settings | None = None, rho_inf: float = 0.8
+        self,
+        scene: Any,
+        *,
+        worlds: int = 1,
+        device: str = "cpu",
+        settings: Settings | None = None,
+        rho_inf: float = 0.8,
     ) -> None:
         wp.config.log_level = wp.LOG_WARNING
         try:
@@ -101,7 +116,9 @@ class Engine:
     # --- phases
 
     def settle(self) -> bool:
-        """Bring every world to its static state at the present time by proximal steps of growing size; True on success."""
+        """Bring every world to its static state at the present time by proximal steps of growing size; True on
+        success.
+        """
         self._rates_to_zero()
         tau = STATIC_FIRST
         for _ in range(STATIC_STEPS):
@@ -116,7 +133,9 @@ class Engine:
         return False
 
     def start(self) -> None:
-        """Consistent accelerations and multipliers at the present positions and velocities; opens the ledger, saves row 0."""
+        """Consistent accelerations and multipliers at the present positions and velocities; opens the ledger, saves
+        row 0.
+        """
         self.control(MODE=int(k.START), STEP=0, SUB=0, LEVEL=0, TARGET=1)
         self.clock(USER_STEP=self.settings.start_step)
         self.replay(1)
@@ -141,8 +160,8 @@ class Engine:
 
 
 _INTEGERS = {name for name in dir(k) if name.isupper()} - {
-    "START_TIME", "USER_STEP", "TIME", "H", "NEXT_TIME", "ALPHA_M", "ALPHA_F", "BETA", "GAMMA", "ACC", "VEL", "RESIDUAL",
-    "FORCE_SCALE", "MOVE", "DONE_STEP", "HOLD",
+    "START_TIME", "USER_STEP", "TIME", "H", "NEXT_TIME", "ALPHA_M", "ALPHA_F", "BETA", "GAMMA", "ACC", "VEL",
+    "RESIDUAL", "FORCE_SCALE", "MOVE", "DONE_STEP", "HOLD",
 }  # fmt: skip
 
 
@@ -160,7 +179,8 @@ def run(
 ) -> History:
     """Simulate `scene` for `duration` [s] in steps of `step` [s]; a solver that fails says so in `History.status`.
 
-    start: "initial", "equilibrium", or the History of an earlier run of the same scene. Raises InputError for wrong input.
+    start: "initial", "equilibrium", or the History of an earlier run of the same scene. Raises InputError for wrong
+    input.
     """
     duration = require_number(duration, "simulate: duration", positive=True)
     step = require_number(step, "simulate: step", positive=True)
@@ -192,7 +212,18 @@ def run(
         engine.start()
         if np.any(engine.word("STATUS")):
             return _finish(engine, begin, built, notes, "start: ")
-        engine.control(MODE=int(k.DYNAMIC), STEP=0, SUB=0, LEVEL=0, REJECTED=0, STEPS=0, ITERATIONS=0, WORST=0, PENDING=0, PENDING_SOLVES=0)
+        engine.control(
+            MODE=int(k.DYNAMIC),
+            STEP=0,
+            SUB=0,
+            LEVEL=0,
+            REJECTED=0,
+            STEPS=0,
+            ITERATIONS=0,
+            WORST=0,
+            PENDING=0,
+            PENDING_SOLVES=0,
+        )
         engine.clock(USER_STEP=step)
         engine.save_now()
         first_step = 0
@@ -237,7 +268,12 @@ def find_equilibrium(scene: Any, *, device: str = "cpu", settings: Settings | No
 def _finish(engine: Engine, begin: float, built: float, notes: list[str], prefix: str) -> History:
     bits = int(engine.word("STATUS")[0])
     status, message = describe(bits, int(engine.word("SPARE")[0]))
-    if prefix.startswith("equilibrium") and status == "completed" and not engine.rows[0] and float(engine.word("MOVE")[0]) > STATIC_TOLERANCE:
+    if (
+        prefix.startswith("equilibrium")
+        and status == "completed"
+        and not engine.rows[0]
+        and float(engine.word("MOVE")[0]) > STATIC_TOLERANCE
+    ):
         status, message = "no_equilibrium", _no_load_path(engine)
     history = history_from_rows(engine.compiled, engine.rows[0])
     history.status, history.message = status, (prefix + message if message else "")
@@ -252,7 +288,9 @@ def _finish(engine: Engine, begin: float, built: float, notes: list[str], prefix
         "outer_columns": engine.compiled.model.outer_count + engine.compiled.model.modal_count,
     }
     if engine.word("EDGE")[0]:
-        notes.append("a contact patch reached the end of a contact surface that covers an arc only: the pressure is cut there")
+        notes.append(
+            "a contact patch reached the end of a contact surface that covers an arc only: the pressure is cut there"
+        )
     if engine.word("REJECTED")[0]:
         reasons = [text for bit, (text, _) in MESSAGES.items() if int(engine.word("REASON")[0]) & int(bit)]
         notes.append(f"{int(engine.word('REJECTED')[0])} steps were halved ({', '.join(reasons)})")
@@ -277,6 +315,7 @@ def _no_load_path(engine: Engine) -> str:
     moves = np.linalg.norm(engine.work.dx.numpy()[0], axis=-1)
     body = engine.scene.bodies[int(np.argmax(moves))]
     return (
-        f"body {body.name!r} does not come to rest ({moves.max():.3g} m in the last step): a mechanism with no load path; "
+        f"body {body.name!r} does not come to rest ({moves.max():.3g} m in the last step): "
+        "a mechanism with no load path; "
         "add a joint, a spring, a drive or a contact that carries the load"
     )

@@ -1,0 +1,348 @@
+"""Displacement fields on the contact windows, and what they make of the gaps.
+
+Three parts open or close a weak gap: the undeformed gap (`contact_geometry`), the global modes (`modal_fields`) and the
+local modes (`local_fields`). Displacements by the local modes are never read off the matrix G: the compliance tables
+are applied to the present loads, so that the residual is that of the present position of the grids.
+"""
+
+import warp as wp
+
+from warpffrf_kernels import control as k
+from warpffrf_kernels.contact_compliance import node_of, table_row
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, real, sync
+
+wp.set_module_options(MODULE_OPTIONS)
+
+SHALLOW = wp.constant(
+    wp.float64(1.0e-8)
+)  # m: a penetration below this does not tighten the tolerance of gaps any further
+
+
+@wp.kernel
+def set_second_window(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    window: wp.array3d(dtype=int),
+    second_window: wp.array3d(dtype=int),
+):
+    """Per (world, pair): columns of the second grid that the window can touch."""
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0:
+        return
+    A = model.pair_first[pair]
+    B = model.pair_second[pair]
+    ratio = model.surface_pitch[A] * model.surface_radius[A] / (model.surface_pitch[B] * model.surface_radius[B])
+    # outermost cell, half a column of phase on either grid, arc over its projection, and the node beyond
+    cells = real(wp.max(wp.abs(window[w, pair, 0]), wp.abs(window[w, pair, 1]))) + real(1.5)
+    half = wp.min(int(wp.floor(cells * ratio * real(1.02) + real(0.5))) + 1, model.second_half_window)
+    second_window[w, pair, 0] = model.second_half_window - half
+    second_window[w, pair, 1] = model.second_half_window + half
+
+
+@wp.kernel
+def modal_fields(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    second_window: wp.array3d(dtype=int),
+    amplitude: wp.array(dtype=real),
+    of_state: int,
+    first_field: wp.array3d(dtype=real),
+    second_field: wp.array(dtype=real),
+):
+    """Per (world, pair), lanes over hats of A and nodes of B: weak displacement (M Phi_A q)_i and displacement
+    (Phi_B q) by the modes.
+    """
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or (of_state != 0 and ctl[w, k.MOVED] == 0 and ctl[w, k.REASSEMBLE] == 0):
+        return
+    A = model.pair_first[pair]
+    B = model.pair_second[pair]
+    rows = model.surface_rows[A]
+    first = model.modal_start[model.surface_body[A]]
+    modes = model.modal_start[model.surface_body[A] + 1] - first
+    first += w * model.modal_count
+    m = (window[w, pair, 0] + model.half_window) * rows + lane
+    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+        column = m / rows
+        node = node_of(model, A, center[w, pair, 0] + column - model.half_window, m - column * rows)
+        value = real(0.0)
+        if node >= 0:
+            value = dot(modes, model.mode_moment, model.surface_mode_start[A] + node * modes, amplitude, first)
+        first_field[w, pair, m] = value
+        m += wp.block_dim()
+    rows = model.surface_rows[B]
+    first = model.modal_start[model.surface_body[B]]
+    modes = model.modal_start[model.surface_body[B] + 1] - first
+    first += w * model.modal_count
+    m = second_window[w, pair, 0] * rows + lane
+    while m < (second_window[w, pair, 1] + 1) * rows:
+        column = m / rows
+        node = node_of(model, B, center[w, pair, 1] + column - model.second_half_window, m - column * rows)
+        value = real(0.0)
+        if node >= 0:
+            value = dot(modes, model.mode_normal, model.surface_mode_start[B] + node * modes, amplitude, first)
+        second_field[(w * model.pair_count + pair) * model.node_capacity + m] = value
+        m += wp.block_dim()
+
+
+@wp.func
+def on_stencil(
+    model: Model,
+    w: int,
+    pair: int,
+    m: int,
+    rows: int,
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+    field: wp.array(dtype=real),
+) -> real:
+    """l_i . field, the field given on the window of the second grid."""
+    base = (w * model.pair_count + pair) * model.node_capacity
+    total = real(0.0)
+    c = int(0)
+    while c < model.stencil_columns:
+        r = int(0)
+        while r < model.stencil_rows:
+            row = stencil_at[w, pair, m, 1] + r
+            if row < rows:
+                weight = stencil[w, pair, m, c * model.stencil_rows + r]
+                total += weight * field[base + (stencil_at[w, pair, m, 0] + c) * rows + row]
+            r += 1
+        c += 1
+    return total
+
+
+@wp.func
+def local_gap(
+    model: Model,
+    w: int,
+    pair: int,
+    m: int,
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+    first_local: wp.array(dtype=real),
+    second_local: wp.array(dtype=real),
+) -> real:
+    """Opening of a weak gap by the local modes of both bodies."""
+    at = w * model.pair_count + pair
+    rows_b = model.surface_rows[model.pair_second[pair]]
+    value = first_local[at * model.mode_capacity + m]
+    return value + on_stencil(model, w, pair, m, rows_b, stencil, stencil_at, second_local)
+
+
+@wp.kernel
+def close_gaps(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    window: wp.array3d(dtype=int),
+    weak_gap: wp.array3d(dtype=real),
+    area: wp.array3d(dtype=real),
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+    first_field: wp.array3d(dtype=real),
+    second_field: wp.array(dtype=real),
+    gap: wp.array3d(dtype=real),
+):
+    """Weak gaps with the deformation by the global modes: gap = weak_gap - M Phi_A q - l . Phi_B q."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or (ctl[w, k.MOVED] == 0 and ctl[w, k.REASSEMBLE] == 0):
+        return
+    rows = model.surface_rows[model.pair_first[pair]]
+    rows_b = model.surface_rows[model.pair_second[pair]]
+    m = (window[w, pair, 0] + model.half_window) * rows + lane
+    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+        value = weak_gap[w, pair, m]
+        if area[w, pair, m] > real(0.0):
+            value -= first_field[w, pair, m]
+            value -= on_stencil(model, w, pair, m, rows_b, stencil, stencil_at, second_field)
+        gap[w, pair, m] = value
+        m += wp.block_dim()
+
+
+@wp.kernel
+def local_fields(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    second_window: wp.array3d(dtype=int),
+    active: wp.array3d(dtype=int),
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    second_load: wp.array(dtype=real),
+    first_local: wp.array(dtype=real),
+    second_local: wp.array(dtype=real),
+):
+    """Per (world, pair): loads of B's hats under the present pressures, and the displacements they and the pressures
+    cause by the local modes: weak ones on A's hats (M D_A M s), nodal ones on B (D_B f), both opening the gap."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0:
+        return
+    A = model.pair_first[pair]
+    B = model.pair_second[pair]
+    rows = model.surface_rows[A]
+    rows_b = model.surface_rows[B]
+    H = model.half_window
+    first = window[w, pair, 0] + H
+    count = (window[w, pair, 1] + H - first + 1) * rows
+    base = (w * model.pair_count + pair) * model.mode_capacity
+    low = second_window[w, pair, 0]
+    count_b = (second_window[w, pair, 1] - low + 1) * rows_b
+    base_b = (w * model.pair_count + pair) * model.node_capacity
+    origin = center[w, pair, 0] - H
+    origin_b = center[w, pair, 1] - model.second_half_window
+    i = lane
+    while i < model.mode_capacity:
+        first_local[base + i] = real(0.0)
+        i += wp.block_dim()
+    i = lane
+    while i < model.node_capacity:
+        second_load[base_b + i] = real(0.0)
+        second_local[base_b + i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    m = first * rows
+    while m < first * rows + count:
+        if active[w, pair, m] != 0:
+            s = pressure[w, pair, m]
+            column = m / rows
+            at = table_row(model, A, origin + column, m - column * rows, origin + first)
+            if at >= 0:
+                axpy(count, s, model.self_compliance, at, first_local, base + first * rows)
+            if lane == 0:
+                c = int(0)
+                while c < model.stencil_columns:
+                    r = int(0)
+                    while r < model.stencil_rows:
+                        weight = stencil[w, pair, m, c * model.stencil_rows + r]
+                        if weight != real(0.0):
+                            e = base_b + (stencil_at[w, pair, m, 0] + c) * rows_b + stencil_at[w, pair, m, 1] + r
+                            second_load[e] = second_load[e] + weight * s
+                        r += 1
+                    c += 1
+        m += 1
+    sync()
+    i = low * rows_b
+    while i < low * rows_b + count_b:
+        f = second_load[base_b + i]
+        if f != real(0.0):
+            column = i / rows_b
+            at = table_row(model, B, origin_b + column, i - column * rows_b, origin_b + low)
+            if at >= 0:
+                axpy(count_b, f, model.compliance, at, second_local, base_b + low * rows_b)
+        i += 1
+
+
+@wp.kernel
+def load_modes(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    second_window: wp.array3d(dtype=int),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    second_load: wp.array(dtype=real),
+    modal_load: wp.array(dtype=real),
+):
+    """Per world: load of the contact pressures on the global modes, at the present position of the grids."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+        return
+    trial = (2 * w + 1) * model.modal_count
+    i = lane
+    while i < model.modal_count:
+        modal_load[trial + i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    pair = int(0)
+    while pair < model.pair_count:
+        A = model.pair_first[pair]
+        rows = model.surface_rows[A]
+        start = model.modal_start[model.surface_body[A]]
+        modes = model.modal_start[model.surface_body[A] + 1] - start
+        m = (window[w, pair, 0] + model.half_window) * rows
+        while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+            if active[w, pair, m] != 0:
+                column = m / rows
+                node = node_of(model, A, center[w, pair, 0] + column - model.half_window, m - column * rows)
+                if node >= 0:
+                    at = model.surface_mode_start[A] + node * modes
+                    axpy(modes, -pressure[w, pair, m], model.mode_moment, at, modal_load, trial + start)
+            m += 1
+        B = model.pair_second[pair]
+        rows = model.surface_rows[B]
+        start = model.modal_start[model.surface_body[B]]
+        modes = model.modal_start[model.surface_body[B] + 1] - start
+        base = (w * model.pair_count + pair) * model.node_capacity
+        i = second_window[w, pair, 0] * rows
+        while i < (second_window[w, pair, 1] + 1) * rows:
+            f = second_load[base + i]
+            if f != real(0.0):
+                column = i / rows
+                node = node_of(model, B, center[w, pair, 1] + column - model.second_half_window, i - column * rows)
+                if node >= 0:
+                    at = model.surface_mode_start[B] + node * modes
+                    axpy(modes, -f, model.mode_normal, at, modal_load, trial + start)
+            i += 1
+        pair += 1
+
+
+@wp.kernel
+def residual_gap(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    window: wp.array3d(dtype=int),
+    active: wp.array3d(dtype=int),
+    area: wp.array3d(dtype=real),
+    wrench: wp.array4d(dtype=real),
+    gap: wp.array3d(dtype=real),
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    first_local: wp.array(dtype=real),
+    second_local: wp.array(dtype=real),
+    pair_wrench: wp.array3d(dtype=real),
+    gap_defect: wp.array2d(dtype=real),
+    contact_energy: wp.array2d(dtype=real),
+):
+    """Per world: contact wrench on A of every pair, what active gaps are left open (scaled), and the contact energy
+    s.G.s/2.
+    """
+    w = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+        return
+    worst = real(0.0)
+    depth = real(0.0)
+    energy = real(0.0)
+    pair = int(0)
+    while pair < model.pair_count:
+        for i in range(6):
+            pair_wrench[w, pair, i] = real(0.0)
+        rows = model.surface_rows[model.pair_first[pair]]
+        m = (window[w, pair, 0] + model.half_window) * rows
+        while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+            if active[w, pair, m] != 0 and area[w, pair, m] > real(0.0):
+                s = pressure[w, pair, m]
+                for i in range(6):
+                    pair_wrench[w, pair, i] = pair_wrench[w, pair, i] + s * wrench[w, pair, m, i]
+                opened = local_gap(model, w, pair, m, stencil, stencil_at, first_local, second_local)
+                energy += real(0.5) * s * opened
+                worst = wp.max(worst, wp.abs(gap[w, pair, m] + opened) / area[w, pair, m])
+                depth = wp.max(depth, wp.abs(gap[w, pair, m]) / area[w, pair, m])
+            m += 1
+        pair += 1
+    gap_defect[w, 0] = real(0.0)
+    if depth > real(0.0):
+        gap_defect[w, 0] = worst / wp.max(depth, SHALLOW)
+    contact_energy[w, 0] = energy
