@@ -56,8 +56,7 @@ RESIDUAL = wp.constant(11)  # scaled residual of the last evaluation
 FORCE_SCALE = wp.constant(12)
 MOVE = wp.constant(13)  # largest displacement of a static step [m]
 DONE_STEP = wp.constant(14)  # size of the last accepted step
-HOLD = wp.constant(15)  # no coarsening before this time
-CLK = 16
+CLK = 15
 
 # --- values
 DYNAMIC = wp.constant(0)

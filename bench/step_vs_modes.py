@@ -1,0 +1,47 @@
+"""Step time against local modes per roller: `python bench/step_vs_modes.py [--json FILE] [--steps N]`.
+
+Same mesh, contact grid, approach and speed; the arc of the rim that carries hats grows, and the patch runs over fresh hats.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from warpffrf.study.step_time import StepTime, machine, time_swing, tread_body
+
+COLUMNS = (56, 222, 889)  # of 960, with 9 hats each: 504, 1,998 and 8,001 local modes
+APPROACH = 60e-6  # m: about 45 active modes
+ROUNDS = 3  # the fastest counts: other work on the machine only slows down
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
+    parser.add_argument("--steps", type=int, default=2000)
+    given = parser.parse_args()
+    about = machine()
+    unit = about["unit_seconds"]
+    bodies = [tread_body(columns) for columns in COLUMNS]
+    best: dict[int, StepTime] = {}
+    for _ in range(ROUNDS):
+        for body in bodies:
+            found = time_swing(body, approach=APPROACH, steps=given.steps)
+            if body.local_modes not in best or found.seconds_per_step < best[body.local_modes].seconds_per_step:
+                best[body.local_modes] = found
+    rows = [{**found.row(), "unit_seconds": unit} for found in best.values()]
+    print(f"U = {unit * 1e6:.1f} us")
+    print("local modes  active  outer columns  iterations  us/step   U/step  outside graph  status")
+    for r in rows:
+        print(
+            f"{r['local_modes']:11d} {r['active_modes']:7.1f} {r['outer_columns']:14d} {r['iterations']:11.2f} "
+            f"{r['seconds_per_step'] * 1e6:8.1f} {r['seconds_per_step'] / unit:8.2f} {r['outside_graph']:13.1%}  {r['status']}"
+        )
+    print(f"last over first: {rows[-1]['seconds_per_step'] / rows[0]['seconds_per_step']:.3f}")
+    if given.json:
+        given.json.write_text(json.dumps({**about, "rows": rows}, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

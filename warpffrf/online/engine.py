@@ -1,0 +1,138 @@
+"""A scene on a device: arrays, graph, control words, and the phases a run is made of."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+import warp as wp
+from warpffrf_kernels import control as k
+
+from warpffrf.model.errors import InputError
+from warpffrf.online.compile import compile_scene
+from warpffrf.online.graph import StepGraph
+from warpffrf.online.settings import Settings
+from warpffrf.online.state import State, Work, initial_state
+
+STATIC_STEPS = 60  # proximal steps of an equilibrium at most
+STATIC_GROWTH = 10.0  # of the proximal step from one to the next
+STATIC_FIRST = 1e-3  # s: moves a body by F/m * 1e-6 at first
+STATIC_LAST = 1e3  # s: a spring of 1 N/m under 1 kg is then 1e6 times stiffer than the proximal term
+STATIC_TOLERANCE = 1e-12  # m, movement of the last proximal step: round-off of positions of order 1 m times 1e4
+REALS = {
+    "START_TIME", "USER_STEP", "TIME", "H", "NEXT_TIME", "ALPHA_M", "ALPHA_F", "BETA", "GAMMA", "ACC", "VEL",
+    "RESIDUAL", "FORCE_SCALE", "MOVE", "DONE_STEP",
+}  # fmt: skip
+
+
+class Engine:
+    """A scene on a device in `worlds` copies, ready to step."""
+
+    def __init__(
+        self,
+        scene: Any,
+        *,
+        worlds: int = 1,
+        device: str = "cpu",
+        settings: Settings | None = None,
+        rho_inf: float = 0.8,
+    ) -> None:
+        wp.config.log_level = wp.LOG_WARNING
+        try:
+            wp.get_device(device)
+        except (ValueError, RuntimeError) as error:
+            raise InputError(f"device {device!r} is not available here; use 'cpu'") from error
+        self.settings = settings or Settings()
+        self.scene, self.worlds = scene, worlds
+        self.compiled = compile_scene(scene, self.settings, device)
+        self.state: State = initial_state(self.compiled, worlds)
+        self.work = Work(self.compiled, worlds, self.settings.ring_rows)
+        self.work.rho_inf.fill_(rho_inf)
+        self.graph = StepGraph(self.compiled, self.state, self.work, worlds)
+        self.rows: list[list[np.ndarray]] = [[] for _ in range(worlds)]
+        self.drained = np.zeros(worlds, dtype=int)
+        self.seconds_in_graph = 0.0
+
+    # --- control words, all worlds alike
+
+    def control(self, **values: int) -> None:
+        """Set integer control words by name (see `warpffrf_kernels.control`)."""
+        words = self.state.ctl.numpy().copy()
+        for name, value in values.items():
+            words[:, int(getattr(k, name))] = value
+        self.state.ctl.assign(words)
+
+    def clock(self, **values: float) -> None:
+        """Set real control words by name."""
+        words = self.state.clk.numpy().copy()
+        for name, value in values.items():
+            words[:, int(getattr(k, name))] = value
+        self.state.clk.assign(words)
+
+    def word(self, name: str) -> np.ndarray:
+        """A control word of every world."""
+        index = int(getattr(k, name))
+        source = self.state.clk if name in REALS else self.state.ctl
+        return source.numpy()[:, index].copy()
+
+    def replay(self, attempts: int) -> float:
+        """Run the graph, drain the ring; returns the wall time of the replay [s]."""
+        begin = time.perf_counter()
+        self.graph.replay(attempts)
+        seconds = time.perf_counter() - begin
+        self.seconds_in_graph += seconds
+        saved = self.word("SAVED")
+        if np.any(saved > self.drained):
+            ring = self.work.ring.numpy()
+            for w in range(self.worlds):
+                if saved[w] > self.drained[w]:
+                    at = np.arange(self.drained[w], saved[w]) % ring.shape[1]
+                    self.rows[w].append(ring[w, at].copy())
+            self.drained = saved
+        return seconds
+
+    # --- phases
+
+    def settle(self) -> bool:
+        """Bring every world to its static state at the present time by proximal steps of growing size; True on
+        success.
+        """
+        self._rates_to_zero()
+        tau = STATIC_FIRST
+        for _ in range(STATIC_STEPS):
+            self.control(MODE=int(k.STATIC), STEP=0, SUB=0, LEVEL=0, TARGET=1)
+            self.clock(USER_STEP=tau)
+            self.replay(1)
+            if np.any(self.word("STATUS")):
+                return False
+            if tau >= STATIC_LAST and np.all(self.word("MOVE") <= STATIC_TOLERANCE):
+                return True
+            tau = min(tau * STATIC_GROWTH, STATIC_LAST)
+        return False
+
+    def start(self) -> None:
+        """Consistent accelerations and multipliers at the present positions and velocities; opens the ledger, saves
+        row 0.
+        """
+        self.control(MODE=int(k.START), STEP=0, SUB=0, LEVEL=0, TARGET=1)
+        self.clock(USER_STEP=self.settings.start_step)
+        self.replay(1)
+
+    def save_now(self) -> None:
+        """Append the present state to the rows."""
+        self.control(RECORD=1)
+        self.graph.record()
+        self.control(RECORD=0)
+        self.replay(0)
+
+    def _rates_to_zero(self) -> None:
+        for name in ("v", "v_rate", "v_alg", "omega", "omega_rate", "omega_alg", "qd", "qd_rate", "qd_alg"):
+            getattr(self.state, name).zero_()
+
+    def initial_rates(self) -> None:
+        """Velocities of the scene, on top of whatever positions the state has."""
+        fresh = initial_state(self.compiled, self.worlds)
+        self._rates_to_zero()
+        wp.copy(self.state.v, fresh.v)
+        wp.copy(self.state.omega, fresh.omega)
