@@ -8,7 +8,7 @@ CHECKED := warpffrf kernels tests demos bench
 
 # Test workers share the cores, the unit of time is defined on one thread, and on many small matrices the threads of a
 # BLAS wait for each other: one BLAS thread each.
-demo test verify bench wheel-test: export OPENBLAS_NUM_THREADS := 1
+demo test verify bench wheel-test: export OPENBLAS_NUM_THREADS ?= 1
 
 .PHONY: .venv demo test verify bench lint format types wheel-test clean
 

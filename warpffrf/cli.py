@@ -73,6 +73,9 @@ def _one_line_errors() -> Iterator[None]:
 
     try:
         yield
+    except BrokenPipeError:  # the reader of the output, such as head, has left: nothing more to say to it
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise typer.Exit(0) from None
     except (InputError, OSError) as error:
         if log.isEnabledFor(logging.DEBUG):
             log.debug("where it happened:", exc_info=True)

@@ -7,7 +7,7 @@ import pytest
 from synthetic_run import DURATION, E_MODULUS, HALF_WIDTH, PEAK, PITCH, POISSON, R, make_history
 
 from warpffrf.model.errors import InputError
-from warpffrf.output.contact_result import line_moments, mid_width, parabola_peak
+from warpffrf.output.contact_result import hat_means, line_moments, mid_width
 from warpffrf.output.result import Result
 
 FINE_QUADRATURE = 200_001
@@ -38,17 +38,27 @@ def test_half_width_of_a_finely_sampled_hertz_pressure_is_its_half_width() -> No
     assert center[0] == pytest.approx(0.0, abs=1e-12)
 
 
-@pytest.mark.parametrize("phase", np.linspace(-0.5, 0.5, 9))
-def test_parabola_peak_is_exact_for_hertz_at_every_phase(phase: float) -> None:
-    x = np.arange(-8, 9) - phase
-    p = 7.0 * np.sqrt(np.maximum(0.0, 1.0 - (x / 4.0) ** 2))
-    assert parabola_peak(p[None])[0] == pytest.approx(7.0, rel=1e-12)
+def test_hat_means_are_integrals_over_the_hats() -> None:
+    p = np.random.default_rng(1).random((2, 9, 3))
+    x = np.linspace(-4.0, 4.0, 80001)
+    hats = np.maximum(0.0, 1.0 - np.abs(x[:, None] - np.arange(-4, 5)))
+    field = np.einsum("xj,tjk->txk", hats, p)
+    means = np.einsum("xj,txk->tjk", hats, field) * (x[1] - x[0])
+    inside = slice(1, -1)  # the outermost hats reach beyond the window, where there is no pressure
+    assert hat_means(p)[:, inside] == pytest.approx(means[:, inside], rel=1e-7)  # trapezoidal rule on 1e-4
+
+
+def test_hat_means_keep_a_linear_pressure_and_the_load() -> None:
+    p = np.zeros((1, 12, 1))
+    p[0, 3:9, 0] = 2.0 + 0.5 * np.arange(6)
+    assert hat_means(p)[0, 4:8, 0] == pytest.approx(p[0, 4:8, 0], rel=1e-15)
+    assert hat_means(p).sum() == pytest.approx(p.sum(), rel=1e-15)
 
 
 def test_no_pressure_gives_zeros_not_nan() -> None:
     p = np.zeros((2, 5))
     assert all(np.all(v == 0.0) for v in line_moments(np.arange(5.0), p, 1.0))
-    assert np.all(parabola_peak(p) == 0.0)
+    assert np.all(hat_means(p[:, :, None]) == 0.0)
 
 
 def test_mid_width_interpolates_where_no_row_is_in_the_middle() -> None:

@@ -130,3 +130,17 @@ def spaced_plan(
         return GridPlan(theta_first, 2.0 * np.pi / columns, columns, True, z, False)
     columns = max(int(extent * radius / spacing + ROUND_SPACING) + 1, 4)
     return GridPlan(start, extent / (columns - 1), columns, False, z, False)
+
+
+def thinned_rows(z: np.ndarray, spacing: float) -> np.ndarray:
+    """Axial rows (rows,) [m] among the corner positions `z` [m] of a structured surface, at least `spacing` apart.
+
+    Both ends are kept. Cells along a roller are often much longer than around it: a grid coarsened around the roller then
+    keeps its rows.
+    """
+    lines = _lines(z.ravel(), float(np.ptp(z)))
+    rows = [lines[0]]
+    for line in lines[1:-1]:
+        if min(line - rows[-1], lines[-1] - line) >= spacing * (1.0 - ROUND_SPACING):
+            rows.append(line)
+    return np.array([*rows, lines[-1]])

@@ -19,7 +19,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.reduced_body import ContactGrid, axial_gram
-from warpffrf.offline.contact_grid import GridPlan, facet_chart, nodal_plan, spaced_plan
+from warpffrf.offline.contact_grid import GridPlan, facet_chart, nodal_plan, thinned_rows
 from warpffrf.offline.hat_loads import HatLoads, hat_loads
 from warpffrf.offline.sector import Sector, phase, turned
 
@@ -87,7 +87,7 @@ class CyclicSurface:
                 self.stride = max(
                     q for q in range(1, self.N // 4 + 1) if not self.N % q and q * arc <= spacing * 1.000001
                 )
-            rows = spaced_plan(whole_chart, shape, name, spacing).z
+            rows = thinned_rows(chart.z[:, :corners], spacing)
             columns = self.N * max(per_sector, 1)
             plan = GridPlan(first, 2.0 * np.pi / columns, columns, True, rows, False)
         self.c = plan.columns // self.N

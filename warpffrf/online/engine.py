@@ -26,6 +26,13 @@ REALS = {
 }  # fmt: skip
 
 
+def _start_warp() -> None:
+    """Initialise Warp without its banner and its warning that a machine without a GPU has no CUDA driver."""
+    wp.config.log_level = wp.LOG_ERROR
+    wp.init()
+    wp.config.log_level = wp.LOG_WARNING
+
+
 class Engine:
     """A scene on a device in `worlds` copies, ready to step."""
 
@@ -38,7 +45,7 @@ class Engine:
         settings: Settings | None = None,
         rho_inf: float = 0.8,
     ) -> None:
-        wp.config.log_level = wp.LOG_WARNING
+        _start_warp()
         try:
             wp.get_device(device)
         except (ValueError, RuntimeError) as error:

@@ -1,0 +1,96 @@
+"""CUDA without a GPU: every kernel module compiles for sm_90, and 64 lanes on the CPU agree with one."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import pkgutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import warp as wp
+import warpffrf_kernels
+from warpffrf_kernels.scalars import BLOCK
+
+ARCH = 90  # compute capability 9.0
+MODULES = [m.name for m in pkgutil.iter_modules(warpffrf_kernels.__path__)]
+LANES = 1e-12  # relative: the lanes add in another order
+
+
+def test_kernel_modules_are_found() -> None:
+    assert {"motion", "rows", "outer", "contact_geometry", "contact_solve", "commit"} <= set(MODULES)
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_module_compiles_for_sm_90(name: str, tmp_path: Path) -> None:
+    """NVRTC compiles to PTX; no device is needed."""
+    module = importlib.import_module(f"warpffrf_kernels.{name}")
+    warp_module = wp.get_module(module.__name__)
+    if not warp_module.kernels:
+        pytest.skip("holds no kernels")
+    before = warp_module.options["block_dim"]
+    warp_module.options["block_dim"] = BLOCK
+    try:
+        wp.compile_aot_module(module, arch=ARCH, module_dir=tmp_path, use_ptx=True)
+    finally:
+        warp_module.options["block_dim"] = before
+    (ptx,) = tmp_path.glob("*.ptx")
+    assert "sm_90" in ptx.read_text()
+
+
+# kernels need a source file, so this is run as one
+RUN = """
+import sys
+import numpy as np
+import warp as wp
+
+wp.config.enable_cpu_blocks = sys.argv[1] == "blocks"
+from warpffrf.online import run
+from warpffrf.study.rollers import PAIR, guided_pair, roller_body
+
+@wp.kernel
+def count_lanes(lanes: wp.array(dtype=int)):
+    i, lane = wp.tid()
+    wp.atomic_add(lanes, 0, 1)
+
+lanes = wp.zeros(1, dtype=int, device="cpu")
+wp.launch_tiled(count_lanes, dim=(1,), inputs=[lanes], block_dim=64, device="cpu")
+body = roller_body(90, layers=3, axial=2, order=2, grading=1.6, max_frequency=15e3, cache=False)
+history = run(guided_pair(body, body, load=200e3, speed=50.0, ramp=0.002), 0.004, step=1e-4, start="equilibrium", progress=False)
+c = history.contacts[PAIR]
+np.savez(sys.argv[2], force=c.force, pressure=c.pressure, torque_second=c.torque_second, modal=history.bodies["upper"].modal,
+         rotation=history.bodies["lower"].rotation, kinetic=history.energy["kinetic"], status=history.status, lanes=lanes.numpy()[0])
+"""
+
+
+def test_one_lane_and_64_lanes_agree(tmp_path: Path) -> None:
+    """The same run in two processes, with and without `wp.config.enable_cpu_blocks`."""
+    script = tmp_path / "run_once.py"
+    script.write_text(RUN)
+    found = {}
+    for mode in ("one", "blocks"):
+        out = tmp_path / f"{mode}.npz"
+        cache = Path(os.environ["WARP_CACHE_PATH"])  # one lane: the kernels are there already
+        if mode == "blocks":
+            cache = cache.with_name(cache.name + "_blocks")
+        done = subprocess.run(
+            [sys.executable, str(script), mode, str(out)],
+            env={**os.environ, "WARP_CACHE_PATH": str(cache)},
+            capture_output=True,
+            text=True,
+        )
+        assert done.returncode == 0, done.stderr[-2000:]
+        found[mode] = np.load(out)
+    one, blocks = found["one"], found["blocks"]
+    assert (int(one["lanes"]), int(blocks["lanes"])) == (1, BLOCK)
+    assert str(one["status"]) == "completed" and len(one["force"]) == 41
+    assert one["force"][-1, 2] < -1e5  # the lower one is pressed down
+    for name in one.files:
+        if name not in ("status", "lanes"):
+            scale = np.abs(one[name]).max()
+            worst = np.abs(one[name] - blocks[name]).max() / scale
+            print(f"{name}: {worst:.1e}")
+            assert worst < LANES, name

@@ -1,0 +1,78 @@
+"""Convergence of the merged Newton iteration, seen in the residuals it records."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from warpffrf_kernels import control as k
+
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.online import Engine, Settings, run
+from warpffrf.study.rollers import PAIR, Path, guided_pair, prescribed_pair
+
+ROUND_OFF = 1e-10  # residuals below this are round-off of the joint equations
+FIXED_PHASE = 0.02  # the tangent leaves out how the grids' phases follow a tilt: then the tail is linear, with this factor at most
+QUADRATIC = 1.5  # least order between 1 (linear) and 2 that counts as the latter for residuals of a few iterations
+
+
+def residuals(engine: Engine) -> np.ndarray:
+    """Residuals of the last attempt, one an iteration, from the second on (the first is not balanced)."""
+    count = int(engine.word("ITERATION")[0])
+    return engine.work.residual_history.numpy()[0, 1 : count + 1].copy()
+
+
+def static(engine: Engine) -> None:
+    engine._rates_to_zero()
+    engine.control(MODE=int(k.STATIC), STEP=0, SUB=0, LEVEL=0, TARGET=1)
+    engine.clock(USER_STEP=1.0)
+    engine.replay(1)
+
+
+@pytest.mark.parametrize("case", ["deep", "tilted", "crowned"])
+def test_residuals_fall_quadratically(plain_body: ReducedBody, crowned_body: ReducedBody, case: str) -> None:
+    """One static step from the undeformed pose to a deep approach."""
+    second = crowned_body if case == "crowned" else plain_body
+    tilt = 2e-3 if case == "tilted" else 0.0
+    approach = 400e-6 if case == "deep" else 200e-6
+    path = Path.of([approach], 0.03, 0.02)
+    settings = Settings(window_strain=0.2, residual_tolerance=ROUND_OFF)
+    engine = Engine(prescribed_pair(plain_body, second, path, tilt=tilt), settings=settings)
+    static(engine)
+    assert engine.word("STATUS")[0] == 0
+    r = residuals(engine)
+    print(f"{case}: " + " ".join(f"{x:.1e}" for x in r))
+    assert len(r) <= 8 and r[-1] <= ROUND_OFF
+    for before, after in zip(r[:-1], r[1:], strict=True):
+        if after > ROUND_OFF:
+            assert after < max(before**QUADRATIC, FIXED_PHASE * before if tilt else 0.0)
+
+
+def test_steps_of_a_rolling_pair_take_few_iterations(plain_body: ReducedBody) -> None:
+    """Mean at most 4, never more than 12, and the iterations of the rows add up to the counters."""
+    for step in (1e-5, 1e-4, 1e-3):
+        scene = guided_pair(plain_body, plain_body, load=300e3, speed=60.0, ramp=5e-3)
+        history = run(scene, 50 * step, step=step, start="equilibrium", progress=False)
+        assert history.status == "completed"
+        assert history.counters["mean_iterations"] <= 4.0 and history.counters["max_iterations"] <= 12
+        assert history.iterations[1:].sum() == pytest.approx(history.counters["mean_iterations"] * history.counters["steps"])
+        assert np.all(history.factorisations[1:] >= history.iterations[1:])
+
+
+def test_balance_holds_to_the_promised_tolerance(plain_body: ReducedBody) -> None:
+    """Equilibrium of a loaded pair: the joint below carries what the contact brings, to 1e-8 of the contact force."""
+    scene = guided_pair(plain_body, plain_body, load=200e3, speed=20.0)
+    history = run(scene, 1e-3, step=1e-3, start="equilibrium", progress=False)
+    F = history.contacts[PAIR].force[0]
+    weight = plain_body.mass * 9.81
+    assert history.joints["axle"].force[0, 2] == pytest.approx(-F[2] + weight, rel=1e-8)
+
+
+def test_cycling_and_too_few_iterations_are_reported(plain_body: ReducedBody) -> None:
+    """With one correction of the set allowed, a landing of many hats cannot settle: the status says so."""
+    path = Path.of([300e-6], 0.03, 0.02)
+    engine = Engine(prescribed_pair(plain_body, plain_body, path), settings=Settings(max_inner=1, window_strain=0.2))
+    static(engine)
+    assert int(engine.word("STATUS")[0]) & int(k.CYCLING)
+    engine = Engine(prescribed_pair(plain_body, plain_body, path), settings=Settings(max_iterations=1, window_strain=0.2))
+    static(engine)
+    assert int(engine.word("STATUS")[0]) & int(k.NOT_CONVERGED)

@@ -1,0 +1,178 @@
+"""What the engine says when it cannot go on, and that one world's failure stays its own."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from warpffrf_kernels import control as k
+
+from warpffrf.model import forces, joints, signals
+from warpffrf.model.errors import InputError
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.scene import Scene
+from warpffrf.online import Engine, Settings, find_equilibrium, run
+from warpffrf.online.run import describe
+from warpffrf.study.rollers import PAIR, guided_pair
+
+LOAD = 200e3  # N: some columns of hats
+
+
+def stepping_engine(scene: Scene, worlds: int, step: float = 1e-4, steps: int = 20) -> Engine:
+    """An engine in its static state, ready for `steps` dynamic steps."""
+    engine = Engine(scene, worlds=worlds)
+    assert engine.settle()
+    engine.initial_rates()
+    engine.start()
+    engine.control(MODE=int(k.DYNAMIC), STEP=0, SUB=0, LEVEL=0, EVERY=1, TARGET=steps)
+    engine.clock(USER_STEP=step)
+    return engine
+
+
+@pytest.mark.parametrize("array", ["v", "q", "r", "pressure"])
+def test_a_failing_world_does_not_stop_the_others(plain_body: ReducedBody, array: str) -> None:
+    """NaN in one world's state: that world reports not_finite, the others do what they do alone, bit for bit."""
+    scene = guided_pair(plain_body, plain_body, load=LOAD, speed=20.0)
+    engine, alone = stepping_engine(scene, 3), stepping_engine(scene, 1)
+    values = getattr(engine.state, array).numpy().copy()
+    values[1].reshape(-1)[-1 if array != "pressure" else 0] = np.nan
+    if array == "pressure":
+        values[1] = np.nan
+    getattr(engine.state, array).assign(values)
+    for e in (engine, alone):
+        e.replay(400)
+    status = engine.word("STATUS")
+    assert list(status[[0, 2]]) == [0, 0] and list(engine.word("STEP")[[0, 2]]) == [20, 20]
+    if array != "pressure":  # pressures are found anew in every step
+        assert describe(int(status[1]), 0)[0] == "not_finite"
+    r = engine.state.r.numpy()
+    assert np.array_equal(r[0], alone.state.r.numpy()[0]) and np.array_equal(r[0], r[2])
+    assert np.array_equal(engine.state.pressure.numpy()[0], alone.state.pressure.numpy()[0])
+
+
+@pytest.mark.parametrize("peak", [1e8, 1e100, 1e290])
+def test_a_load_beyond_all_bounds_is_reported_and_results_are_kept(plain_body: ReducedBody, peak: float) -> None:
+    load = signals.Table([0.0, 1e-3, 2e-3], [LOAD, LOAD, peak])
+    scene = guided_pair(plain_body, plain_body, load=load, speed=20.0)
+    history = run(scene, 3e-3, step=1e-4, start="equilibrium", progress=False)
+    assert history.status in ("capacity", "not_finite", "not_converged") and history.message
+    assert 11 <= len(history.time) <= 15
+    assert all(np.all(np.isfinite(values)) for values in history.energy.values())
+
+
+def test_a_window_too_small_is_named_with_the_number_it_needs(plain_body: ReducedBody) -> None:
+    """The capacity in the message, given to the contact, is enough."""
+    scene = guided_pair(plain_body, plain_body, load=2e6, speed=20.0)
+    scene.contacts[0].capacity = 8
+    failed = find_equilibrium(scene)
+    assert failed.status == "capacity" and "raise capacity of the contact to >=" in failed.message
+    for _ in range(4):
+        number = int(failed.message.split(">=")[1].split()[0])
+        assert number > scene.contacts[0].capacity
+        scene.contacts[0].capacity = number
+        failed = find_equilibrium(scene)
+        if failed.status == "completed":
+            break
+    assert failed.status == "completed", failed.message
+    wide = guided_pair(plain_body, plain_body, load=2e6, speed=20.0)
+    wide.contacts[0].capacity = 2 * number
+    reference = find_equilibrium(wide)
+    assert np.allclose(failed.contacts[PAIR].force, reference.contacts[PAIR].force, rtol=1e-9)
+
+
+def test_a_mechanism_without_load_path_is_named() -> None:
+    scene = Scene(gravity=(0.0, 0.0, -9.81))
+    scene.add_rigid_body(1.0, (0.1,) * 3, name="stone")
+    try:
+        rest = find_equilibrium(scene)
+    except InputError as error:
+        assert "'stone'" in str(error) and "no load path" in str(error)
+    else:
+        assert rest.status != "completed" and "stone" in rest.message and "load path" in rest.message
+
+
+def test_a_sliding_body_without_spring_is_named() -> None:
+    """A joint that leads to the ground but carries nothing along the guide."""
+    scene = Scene(gravity=(0.0, 0.0, -9.81))
+    slider = scene.add_rigid_body(1.0, (0.1,) * 3, name="slider")
+    scene.add(joints.Prismatic(scene.ground, slider.at((0, 0, 0)), axis=(0, 0, 1)))
+    rest = find_equilibrium(scene)
+    assert rest.status != "completed" and "load path" in rest.message
+
+
+def test_redundant_constraints_are_named_before_the_run() -> None:
+    scene = Scene()
+    door = scene.add_rigid_body(1.0, (0.1,) * 3, name="door")
+    for name, z in (("upper hinge", 0.5), ("lower hinge", -0.5)):
+        scene.add(joints.Revolute(scene.ground, door.at((0, 0, z)), axis=(0, 0, 1), name=name))
+    with pytest.raises(InputError, match="redundant constraints in 'lower hinge'"):
+        run(scene, 0.1, step=1e-3, progress=False)
+
+
+@pytest.mark.parametrize("arguments, message", [
+    ({"step": 0.0}, "step"), ({"step": -1e-3}, "step"), ({"step": 1e-3, "duration": 0.0}, "duration"),
+    ({"step": 1.0, "duration": 0.1}, "longer than the duration"), ({"step": 1e-3, "save_every": 0}, "save_every"),
+    ({"step": 1e-3, "device": "cuda:7"}, "not available"),
+])  # fmt: skip
+def test_wrong_arguments_are_refused(arguments: dict, message: str) -> None:
+    scene = Scene()
+    scene.add_rigid_body(1.0, (0.1,) * 3, name="body")
+    with pytest.raises(InputError, match=message):
+        run(scene, arguments.pop("duration", 0.1), progress=False, **arguments)
+
+
+def test_an_empty_scene_is_refused() -> None:
+    with pytest.raises(InputError, match="no bodies"):
+        run(Scene(), 0.1, step=1e-3, progress=False)
+
+
+def test_halved_steps_are_reported(plain_body: ReducedBody) -> None:
+    """A hard landing at a long step: the step is halved, the run completes and its notes say so."""
+    scene = guided_pair(plain_body, plain_body, load=0.0, stiffness=0.0, damping=0.0, gap=1e-3)
+    history = run(scene, 0.02, step=1e-3, progress=False)
+    assert history.status == "completed"
+    assert history.counters["rejected_steps"] > 0
+    assert any("halved" in note for note in history.notes)
+    assert len(history.time) == 21 and np.allclose(np.diff(history.time), 1e-3)  # user steps are kept
+
+
+@pytest.mark.parametrize("middle", [7, 10])
+def test_a_run_continues_bit_for_bit(plain_body: ReducedBody, middle: int) -> None:
+    scene = guided_pair(plain_body, plain_body, load=LOAD, speed=40.0, ramp=1e-3)
+    whole = run(scene, 20e-4, step=1e-4, start="equilibrium", progress=False)
+    first = run(scene, middle * 1e-4, step=1e-4, start="equilibrium", progress=False)
+    rest = run(scene, (20 - middle) * 1e-4, step=1e-4, start=first, progress=False)
+    assert rest.status == "completed"
+    assert rest.time[-1] == whole.time[-1]
+    for name, values in whole.checkpoint.items():
+        if name not in ("ctl", "clk"):
+            assert np.array_equal(values, rest.checkpoint[name]), name
+    assert np.array_equal(whole.contacts[PAIR].pressure[-1], rest.contacts[PAIR].pressure[-1])
+    for line, values in whole.energy.items():
+        assert values[-1] == rest.energy[line][-1], line
+
+
+def test_saving_every_third_step_changes_nothing(plain_body: ReducedBody) -> None:
+    scene = guided_pair(plain_body, plain_body, load=LOAD, speed=40.0, ramp=1e-3)
+    every = run(scene, 12e-4, step=1e-4, start="equilibrium", progress=False)
+    third = run(scene, 12e-4, step=1e-4, start="equilibrium", save_every=3, progress=False)
+    assert np.array_equal(every.time[::3], third.time)
+    assert np.array_equal(every.contacts[PAIR].force[::3], third.contacts[PAIR].force)
+
+
+def test_a_ring_smaller_than_the_run_loses_no_row(plain_body: ReducedBody) -> None:
+    scene = guided_pair(plain_body, plain_body, load=LOAD, speed=40.0, ramp=1e-3)
+    small = run(scene, 30e-4, step=1e-4, start="equilibrium", progress=False, settings=Settings(ring_rows=5))
+    large = run(scene, 30e-4, step=1e-4, start="equilibrium", progress=False)
+    assert np.array_equal(small.time, large.time)
+    assert np.array_equal(small.contacts[PAIR].force, large.contacts[PAIR].force)
+
+
+def test_forces_at_interfaces_balance(plain_body: ReducedBody) -> None:
+    """A point force on a flexible interface, held by a joint at the same interface: the reaction is its opposite."""
+    scene = Scene()
+    body = scene.add_body(plain_body, name="body")
+    scene.add(joints.Fixed(scene.ground, body["bore"], name="clamp"))
+    scene.add(forces.PointForce(body["bore"], (300.0, -200.0, 500.0)))
+    rest = find_equilibrium(scene)
+    assert rest.status == "completed", rest.message
+    assert np.allclose(rest.joints["clamp"].force[-1], (-300.0, 200.0, -500.0), rtol=1e-8)
