@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import time
 from typing import Any
 
@@ -27,10 +29,22 @@ REALS = {
 
 
 def _start_warp() -> None:
-    """Initialise Warp without its banner and its warning that a machine without a GPU has no CUDA driver."""
-    wp.config.log_level = wp.LOG_ERROR
-    wp.init()
+    """Initialise Warp once, quietly: its native part prints on a machine without a GPU that it finds no CUDA driver.
+
+    A device that is asked for and not there is reported by `Engine` itself.
+    """
+    if wp.config.log_level == wp.LOG_WARNING:
+        return
     wp.config.log_level = wp.LOG_WARNING
+    sys.stderr.flush()
+    kept, null = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(null, 2)
+        wp.init()
+    finally:
+        os.dup2(kept, 2)
+        os.close(null)
+        os.close(kept)
 
 
 class Engine:
