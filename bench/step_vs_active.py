@@ -46,17 +46,16 @@ def main() -> None:
         # the patch runs at the same speed over every grid: more columns a step on a finer one
         settings = Settings(window_strain=REFINED_WINDOW)
         found = fastest(body, REFINED_APPROACH, given.steps, settings).row()
-        rows.append(
-            {"table": "refined", "approach": REFINED_APPROACH, "sectors": sectors, "gap_columns": 12 + 2 * len(body.frequencies), **found}
-        )  # fmt: skip
+        gap_columns = 12 + 2 * len(body.frequencies)
+        about_row = {"table": "refined", "approach": REFINED_APPROACH, "sectors": sectors, "gap_columns": gap_columns}
+        rows.append({**about_row, **found})
     print(f"U = {unit * 1e6:.1f} us")
     print("table    sectors  active  gap columns  iterations  factorisations  us/step   U/step  status")
     for r in rows:
         r["unit_seconds"] = unit
-        print(
-            f"{r['table']:8s} {r.get('sectors', 960):7d} {r['active_modes']:7.1f} {r['gap_columns']:12d} {r['iterations']:11.2f} "
-            f"{r['factorisations']:15.2f} {r['seconds_per_step'] * 1e6:8.1f} {r['seconds_per_step'] / unit:8.2f}  {r['status']}"
-        )
+        place = f"{r['table']:8s} {r.get('sectors', 960):7d} {r['active_modes']:7.1f} {r['gap_columns']:12d}"
+        counts = f"{r['iterations']:11.2f} {r['factorisations']:15.2f}"
+        print(f"{place} {counts} {r['seconds_per_step'] * 1e6:8.1f} {r['seconds_per_step'] / unit:8.2f}  {r['status']}")
     if given.json:
         given.json.write_text(json.dumps({**about, "rows": rows}, indent=1) + "\n")
 

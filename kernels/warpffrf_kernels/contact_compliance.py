@@ -222,7 +222,7 @@ def modal_rows(
     const int count_b = model.modal_start.data[model.surface_body.data[B] + 1] - first_b;
     const double* s = receptance.data + (size_t)w * model.modal_count;
     const int own = origin + m / rows;
-    double scaled[512], weight[64]; int node[64], count = 0;
+    double scaled[512], weight[256]; int node[256], count = 0;
     for (int n = 0; n < count_a; ++n) scaled[n] = Ji[n] * s[first_a + n];
     for (int n = 0; n < count_b; ++n) scaled[count_a + n] = Ji[count_a + n] * s[first_b + n];
     for (int c = 0; c < SC; ++c) for (int r = 0; r < SR; ++r)
@@ -361,14 +361,23 @@ def outer_rows(
 @wp.func_native("""
     const int cap = model.slot_capacity, N = model.outer_count, width = model.coupled_capacity;
     const double* v = V.data + ((size_t)w * cap + i) * N;
+    double picked[512];
+    int known = -1, count = 0;
     for (int j = first + WP_TILE_THREAD_IDX; j < last; j += WP_TILE_BLOCK_DIM) {
-        const int pair = slot_mode.data[((size_t)w * cap + j) * 2], count = model.coupled_count.data[pair];
-        const int* c = model.coupled.data + (size_t)pair * width;
+        const int pair = slot_mode.data[((size_t)w * cap + j) * 2];
+        if (pair != known) {
+            const int* c = model.coupled.data + (size_t)pair * width;
+            known = pair; count = model.coupled_count.data[pair];
+            for (int q = 0; q < count; ++q) picked[q] = v[c[q]];
+        }
         const double* l = L.data + ((size_t)w * cap + j) * width;
-        double x0 = 0.0, x1 = 0.0;
-        for (int q = 0; q + 1 < count; q += 2) { x0 += v[c[q]] * l[q]; x1 += v[c[q + 1]] * l[q + 1]; }
-        if (count & 1) x0 += v[c[count - 1]] * l[count - 1];
-        const double g = G.data[((size_t)w * cap + i) * cap + j] + x0 + x1;
+        double x0 = 0.0, x1 = 0.0, x2 = 0.0, x3 = 0.0; int q = 0;
+        for (; q + 3 < count; q += 4) {
+            x0 += picked[q] * l[q]; x1 += picked[q + 1] * l[q + 1];
+            x2 += picked[q + 2] * l[q + 2]; x3 += picked[q + 3] * l[q + 3];
+        }
+        for (; q < count; ++q) x0 += picked[q] * l[q];
+        const double g = G.data[((size_t)w * cap + i) * cap + j] + (x0 + x1) + (x2 + x3);
         condensed.data[((size_t)w * cap + i) * cap + j] = g; condensed.data[((size_t)w * cap + j) * cap + i] = g;
     }
 """)

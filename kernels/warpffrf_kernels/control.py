@@ -89,3 +89,7 @@ DAMPING = wp.constant(6)
 CONTACT_GRID = wp.constant(7)
 NUMERICAL = wp.constant(8)
 LINES = 9
+
+# --- sizes of local buffers in native snippets; the compiler of scenes refuses what does not fit
+MOST_PAIR_MODES = 512  # global modes of the two bodies of a pair, also outer columns a gap depends on
+MOST_STENCIL = 256  # nodes of the second grid under a hat of the first

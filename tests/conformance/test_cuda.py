@@ -59,10 +59,13 @@ def count_lanes(lanes: wp.array(dtype=int)):
 lanes = wp.zeros(1, dtype=int, device="cpu")
 wp.launch_tiled(count_lanes, dim=(1,), inputs=[lanes], block_dim=64, device="cpu")
 body = roller_body(90, layers=3, axial=2, order=2, grading=1.6, max_frequency=15e3, cache=False)
-history = run(guided_pair(body, body, load=200e3, speed=50.0, ramp=0.002), 0.004, step=1e-4, start="equilibrium", progress=False)
+history = run(guided_pair(body, body, load=200e3, speed=50.0, ramp=0.002), 0.004, step=1e-4, start="equilibrium",
+progress=False)
 c = history.contacts[PAIR]
-np.savez(sys.argv[2], force=c.force, pressure=c.pressure, torque_second=c.torque_second, modal=history.bodies["upper"].modal,
-         rotation=history.bodies["lower"].rotation, kinetic=history.energy["kinetic"], status=history.status, lanes=lanes.numpy()[0])
+np.savez(sys.argv[2], force=c.force, pressure=c.pressure, torque_second=c.torque_second,
+modal=history.bodies["upper"].modal,
+         rotation=history.bodies["lower"].rotation, kinetic=history.energy["kinetic"], status=history.status,
+         lanes=lanes.numpy()[0])
 """
 
 

@@ -27,5 +27,13 @@ def other_body() -> ReducedBody:
 def crowned_body() -> ReducedBody:
     """A crowned rim: the patch is an ellipse that ends inside the width."""
     return roller_body(
-        90, layers=3, axial=5, grading=1.8, order=1, outer_radius=0.04, crown_radius=0.6, max_frequency=15e3, cache=False
+        90,
+        layers=3,
+        axial=5,
+        grading=1.8,
+        order=1,
+        outer_radius=0.04,
+        crown_radius=0.6,
+        max_frequency=15e3,
+        cache=False,
     )

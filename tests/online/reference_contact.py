@@ -1,8 +1,10 @@
 """The contact problem of two bodies of revolution in plain NumPy: dense, every hat of a window, every cell, no reuse.
 
-Written from the equations (module docstrings of `contact_geometry` and `contact_compliance`), not from the kernels: positions of
+Written from the equations (module docstrings of `contact_geometry` and `contact_compliance`), not from the kernels:
+positions of
 points are built in the world, the gap is found as the root of a quadratic, hats are evaluated as functions. The
-complementarity problem 0 <= s, g + G s >= 0, s.(g + G s) = 0 is the optimality condition of min s.G.s/2 + g.s over s >= 0, and with
+complementarity problem 0 <= s, g + G s >= 0, s.(g + G s) = 0 is the optimality condition of min s.G.s/2 + g.s over s
+>= 0, and with
 G = U^T U of the non-negative least squares problem |U s + U^-T g|.
 """
 
@@ -56,7 +58,8 @@ def full_gram(surface: Any) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Weak gaps (n,), compliance G (n, n), areas (n,), wrench of a unit hat pressure on A (n, 6: force, moment about A's
+    """Weak gaps (n,), compliance G (n, n), areas (n,), wrench of a unit hat pressure on A (n, 6: force, moment about
+    A's
     user origin) and load on B's hats (n, nodes of B), for the hats `index` (n, 2: column, row) of A."""
 
     index: np.ndarray
@@ -70,7 +73,7 @@ class Problem:
         """The solution s (n,) [Pa]."""
         scale = 1.0 / np.sqrt(np.diag(self.G))
         U = cholesky(self.G * scale[:, None] * scale[None, :])
-        y = solve_triangular(U, -self.gap * scale, trans="T")
+        y = solve_triangular(U, -self.gap * scale, trans=1)
         size = np.abs(y).max()
         s, _ = nnls(U, y / size, maxiter=50 * len(y))
         active = s > 0.0  # once more on the active set, to round-off
@@ -119,7 +122,8 @@ def contact_problem(
                     theta = ga.theta_start + x * ga.pitch
                     xi = (theta - theta_A + np.pi) % (2.0 * np.pi) - np.pi
                     y = R_A * np.sin(xi)
-                    # opposite point of B: at -h along c seen from b, at y along t; its radius is that at its own axial station
+                    # opposite point of B: at -h along c seen from b, at y along t; its radius is that at its own
+                    # axial station
                     R_B = float(second.shape.radius_at(axial_b))
                     h = np.sqrt(R_B**2 - y**2)
                     axial = axial_b + (y * t - h * c) @ e_B

@@ -15,19 +15,19 @@ from warpffrf.output.result import Result
 from warpffrf.study.rollers import PAIR, Path, StaticPath, prescribed_pair
 
 sys.path.insert(0, str(FilePath(__file__).parent))
-from reference_contact import Pose, Problem, contact_problem  # noqa: E402
+from reference_contact import Pose, Problem, contact_problem
 
-SETTINGS = Settings(window_strain=0.3, residual_tolerance=1e-10)
+SETTINGS = Settings(window_strain=0.5, residual_tolerance=1e-10)
 AGREE = 1e-9
 
 CASES = {
-    "equal": ("plain_body", "plain_body", 0.0, 600e-6),
-    "unequal grids": ("plain_body", "other_body", 0.0, 600e-6),
-    "unequal grids, swapped": ("other_body", "plain_body", 0.0, 600e-6),
-    "unequal and tilted": ("plain_body", "other_body", 3e-3, 600e-6),
-    "crowned": ("plain_body", "crowned_body", 0.0, 600e-6),
-    "crowned first": ("crowned_body", "plain_body", 0.0, 600e-6),
-    "crowned and tilted": ("crowned_body", "other_body", 5e-3, 600e-6),
+    "equal": ("plain_body", "plain_body", 0.0, 1500e-6),
+    "unequal grids": ("plain_body", "other_body", 0.0, 1500e-6),
+    "unequal grids, swapped": ("other_body", "plain_body", 0.0, 1500e-6),
+    "unequal and tilted": ("plain_body", "other_body", 3e-3, 1500e-6),
+    "crowned": ("plain_body", "crowned_body", 0.0, 1500e-6),
+    "crowned first": ("crowned_body", "plain_body", 0.0, 1500e-6),
+    "crowned and tilted": ("crowned_body", "other_body", 5e-3, 1500e-6),
 }
 
 
@@ -53,9 +53,11 @@ def solved(first, second, tilt: float, approach: float) -> tuple[Result, Problem
 @pytest.mark.parametrize("case", list(CASES))
 def test_pressures_equal_the_dense_solution(case: str, request: pytest.FixtureRequest) -> None:
     first, second, tilt, approach = CASES[case]
-    result, problem, exact, found = solved(request.getfixturevalue(first), request.getfixturevalue(second), tilt, approach)
+    result, problem, exact, found = solved(
+        request.getfixturevalue(first), request.getfixturevalue(second), tilt, approach
+    )
     active = int((exact > 0.0).sum())
-    assert active >= 6 and np.array_equal(exact > 0.0, found > 0.0)
+    assert active >= 4 and np.array_equal(exact > 0.0, found > 0.0)
     worst = np.abs(exact - found).max() / exact.max()
     print(f"{case}: {active} active, pressures agree to {worst:.1e}")
     assert worst < AGREE
@@ -66,16 +68,17 @@ def test_pressures_equal_the_dense_solution(case: str, request: pytest.FixtureRe
     assert np.abs(wrench[3:] - c.torque[0]).max() < AGREE * F * 0.05
     loads = (found @ problem.load).sum()  # hats sum to one: nothing of the load is lost on the way to B
     assert loads == pytest.approx(c.load_second[0].sum(), rel=1e-12)
-    assert np.abs(c.force[0] + c.force_second[0]).max() < 1e-10 * F
+    # the line of centres turns along a tilted pair; on B's side its direction is interpolated between the ends
+    assert np.abs(c.force[0] + c.force_second[0]).max() < (1e-10 + 1e-3 * tilt**2) * F
 
 
 def test_complementarity(plain_body, other_body) -> None:
     """No tension, no penetration, and never both pressure and gap; the energy is s.G.s/2."""
-    result, problem, _, s = solved(plain_body, other_body, 0.0, 600e-6)
+    result, problem, _, s = solved(plain_body, other_body, 0.0, 1500e-6)
     open_gap = (problem.gap + problem.G @ s) / problem.area
     assert s.min() >= 0.0
-    assert open_gap.min() > -1e-9 * 600e-6
-    assert np.abs(open_gap[s > 0.0]).max() < 1e-9 * 600e-6
+    assert open_gap.min() > -1e-9 * 1500e-6
+    assert np.abs(open_gap[s > 0.0]).max() < 1e-9 * 1500e-6
     assert result.energy["contact"][0] == pytest.approx(0.5 * s @ problem.G @ s, rel=1e-9)
 
 
@@ -87,7 +90,9 @@ def test_weak_gaps_are_those_of_the_true_surfaces(plain_body, other_body) -> Non
     bodies = [scene.body(n) for n in ("lower", "upper")]
     poses = [Pose(b.position, rot.matrix(b.rotation), np.zeros(b.mode_count)) for b in bodies]
     grid = contact.a.surface.grid
-    top = int(round((-0.5 * np.pi - grid.theta_start) / grid.pitch))  # e_1 = e_a x e_0 = -z: the top is at theta = -90 degrees
+    top = int(
+        round((-0.5 * np.pi - grid.theta_start) / grid.pitch)
+    )  # e_1 = e_a x e_0 = -z: the top is at theta = -90 degrees
     columns = top + np.arange(-3, 4)
     problem = contact_problem(
         contact.a.surface, contact.b.surface, poses[0], poses[1], columns, theta_points=4, z_points=3

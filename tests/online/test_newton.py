@@ -11,7 +11,8 @@ from warpffrf.online import Engine, Settings, run
 from warpffrf.study.rollers import PAIR, Path, guided_pair, prescribed_pair
 
 ROUND_OFF = 1e-10  # residuals below this are round-off of the joint equations
-FIXED_PHASE = 0.02  # the tangent leaves out how the grids' phases follow a tilt: then the tail is linear, with this factor at most
+# the tangent leaves out how the grids' phases follow a tilt: then the tail is linear, with this factor at most
+FIXED_PHASE = 0.02
 QUADRATIC = 1.5  # least order between 1 (linear) and 2 that counts as the latter for residuals of a few iterations
 
 
@@ -54,7 +55,9 @@ def test_steps_of_a_rolling_pair_take_few_iterations(plain_body: ReducedBody) ->
         history = run(scene, 50 * step, step=step, start="equilibrium", progress=False)
         assert history.status == "completed"
         assert history.counters["mean_iterations"] <= 4.0 and history.counters["max_iterations"] <= 12
-        assert history.iterations[1:].sum() == pytest.approx(history.counters["mean_iterations"] * history.counters["steps"])
+        assert history.iterations[1:].sum() == pytest.approx(
+            history.counters["mean_iterations"] * history.counters["steps"]
+        )
         assert np.all(history.factorisations[1:] >= history.iterations[1:])
 
 
@@ -73,6 +76,8 @@ def test_cycling_and_too_few_iterations_are_reported(plain_body: ReducedBody) ->
     engine = Engine(prescribed_pair(plain_body, plain_body, path), settings=Settings(max_inner=1, window_strain=0.2))
     static(engine)
     assert int(engine.word("STATUS")[0]) & int(k.CYCLING)
-    engine = Engine(prescribed_pair(plain_body, plain_body, path), settings=Settings(max_iterations=1, window_strain=0.2))
+    engine = Engine(
+        prescribed_pair(plain_body, plain_body, path), settings=Settings(max_iterations=1, window_strain=0.2)
+    )
     static(engine)
     assert int(engine.word("STATUS")[0]) & int(k.NOT_CONVERGED)

@@ -55,7 +55,7 @@ def rolling_run(body: ReducedBody, load: float, step: float, speed: float = 100.
     assert history.counters["max_iterations"] <= 12 and history.counters["mean_iterations"] <= 4.0
     F = np.linalg.norm(history.contacts[PAIR].force, axis=1)
     F0 = np.linalg.norm(rest.contacts[PAIR].force[-1])
-    at_hand = sum(history.energy[name] for name in ("kinetic", "strain", "contact"))
+    at_hand = np.sum([history.energy[name] for name in ("kinetic", "strain", "contact")], axis=0)
     return float(np.abs(F / F0 - 1.0).max()), ledger_rise(history) / float(at_hand.max())
 
 
@@ -91,7 +91,8 @@ def test_frictionless_contact_leaves_free_spins_alone(small_body: ReducedBody) -
 @pytest.mark.parametrize("gap", [0.0, 1e-5, 1e-3])
 @pytest.mark.parametrize("stiffness", [1e3, 2e6])
 def test_equilibrium_is_found_across_an_open_gap(small_body: ReducedBody, gap: float, stiffness: float) -> None:
-    """Load, weight and spring balance the contact force; the guide never passes the gap by more than the deformation."""
+    """Load, weight and spring balance the contact force; the guide never passes the gap by more than the
+    deformation."""
     load = 20e3
     scene = guided_pair(small_body, small_body, load=load, stiffness=stiffness, gap=gap, speed=10.0)
     rest = find_equilibrium(scene)

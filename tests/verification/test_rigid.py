@@ -20,7 +20,8 @@ def order(errors: list[float]) -> float:
 
 
 def test_free_rigid_body_turns_as_euler_says() -> None:
-    """I = (1, 2, 3), omega_0 = (1e-3, 5, 1e-3) rad/s, about the unstable axis; omega(10 s) from Jacobi's elliptic functions."""
+    """I = (1, 2, 3), omega_0 = (1e-3, 5, 1e-3) rad/s, about the unstable axis; omega(10 s) from Jacobi's elliptic
+    functions."""
     exact = np.array([4.510627138, -2.157369653, 2.604211920])
     errors = []
     for step in (4e-3, 2e-3):
@@ -36,7 +37,8 @@ def test_free_rigid_body_turns_as_euler_says() -> None:
 
 
 def pendulum(step: float, length: float = 1.0) -> tuple[float, float]:
-    """Error of the angle after the quarter period of a pendulum let go from the horizontal, and worst loss of energy."""
+    """Error of the angle after the quarter period of a pendulum let go from the horizontal, and worst loss of
+    energy."""
     mass, inertia, g = 2.0, 0.05, 9.81
     effective = length + inertia / (mass * length)  # of the equivalent mathematical pendulum
     quarter = np.sqrt(effective / g) * float(ellipk(0.5))
@@ -61,7 +63,8 @@ def test_pendulum_from_the_horizontal_swings_with_the_exact_period() -> None:
 
 @pytest.mark.parametrize("rho_inf", [0.5, 0.8, 1.0])
 def test_sprung_slider_follows_the_damped_oscillation(rho_inf: float) -> None:
-    """Prismatic joint with spring, damper and weight: z(t) = z_s (1 - exp(-zeta w t)(cos w_d t + zeta w/w_d sin w_d t))."""
+    """Prismatic joint with spring, damper and weight: z(t) = z_s (1 - exp(-zeta w t)(cos w_d t + zeta w/w_d sin w_d
+    t))."""
     mass, k, d, g = 2.0, 800.0, 8.0, 9.81
     w, zeta = np.sqrt(k / mass), d / (2.0 * np.sqrt(k * mass))
     w_d = w * np.sqrt(1.0 - zeta**2)
@@ -105,7 +108,9 @@ def test_driven_joints_reach_their_prescribed_positions(name: str, quantity: str
     assert history.status == "completed"
     t = np.linspace(0.0, 0.12, 24001)
     rate = signal(t)
-    integral = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(t))])  # independent of the exact one
+    integral = np.concatenate(
+        [[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(t))]
+    )  # independent of the exact one
     exact = np.interp(history.time, t, integral) if quantity == "velocity" else signal(history.time)
     exact = exact - exact[0]
     tolerance = 1e-5 if quantity == "velocity" else 1e-9  # trapezoidal rule of the reference; joint tolerance

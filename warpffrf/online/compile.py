@@ -332,6 +332,16 @@ class _Compiler:
         m.pair_modes = pair_modes
         m.slot_capacity = slots
         m.coupled_capacity = max([len(c) for c in coupled], default=1)
+        if max(pair_modes, m.coupled_capacity) > k.MOST_PAIR_MODES:
+            raise InputError(
+                f"scene: a contact pair has {pair_modes} global modes and {m.coupled_capacity} outer columns, at most "
+                f"{k.MOST_PAIR_MODES} each: reduce with a lower max_frequency"
+            )
+        if stencil[0] * stencil[1] > k.MOST_STENCIL:
+            raise InputError(
+                f"scene: a hat of a contact's first grid covers {stencil[0]} x {stencil[1]} nodes of the second, at "
+                f"most {k.MOST_STENCIL}: swap the two surfaces, or give the second a coarser traction_spacing"
+            )
         m.coupled_count = self.array([len(c) for c in coupled], int)
         m.coupled = self.array(
             [c + [0] * (m.coupled_capacity - len(c)) for c in coupled], int, (-1, m.coupled_capacity)

@@ -2,7 +2,8 @@
 
 Level by level every count doubles while the layers' grading keeps the same map of the wall (growth g becomes sqrt(g)),
 so that the meshes are nested. The force is the mean over phases of the grid, which removes the ripple. Compliance
-is an energy: linear elements promise an error of order h^2; quadratic ones h^4 for a smooth solution, but the pressure ends in
+is an energy: linear elements promise an error of order h^2; quadratic ones h^4 for a smooth solution, but the
+pressure ends in
 a square root at the edge of the patch, which limits any uniform refinement to between h^2 and h^3.
 """
 

@@ -47,6 +47,8 @@ def hertz_phases(body: ReducedBody, elements: float, *, phases: int = 8) -> dict
     settings = window_for(body, elements)
     found = {}
     for sense, sign in SENSES.items():
-        path = Path.of(np.full(phases, approach), turn, 0.5 * (sign - 1.0) * turn)  # rolling: opposite; else the first alone
+        path = Path.of(
+            np.full(phases, approach), turn, 0.5 * (sign - 1.0) * turn
+        )  # rolling: opposite; else the first alone
         found[sense] = hertz_errors(solve_path(body, body, path, settings=settings), size)
     return found

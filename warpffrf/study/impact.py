@@ -1,9 +1,12 @@
 r"""A roller dropped on another: energy ledger and restitution of the first bounce.
 
-The upper roller and its carriage, mass m together, fall freely through `gap` on the lower one: t = sqrt(2 gap / g), v = sqrt(2 g gap).
-A step h lands on the impact at an arbitrary *phase*; the phase is swept by moving the start, gap(t) = g t^2/2 with t = t_0 + phase h.
+The upper roller and its carriage, mass m together, fall freely through `gap` on the lower one: t = sqrt(2 gap / g), v
+= sqrt(2 g gap).
+A step h lands on the impact at an arbitrary *phase*; the phase is swept by moving the start, gap(t) = g t^2/2 with t
+= t_0 + phase h.
 
-*Rise of the ledger*: with L = numerical + contact_grid (all that no wrench accounts for), the largest climb of L above what it has
+*Rise of the ledger*: with L = numerical + contact_grid (all that no wrench accounts for), the largest climb of L
+above what it has
 been before, over the energy at hand (the kinetic energy that arrives, m g gap): an integrator that gains energy
 shows here even where it loses as much later.
 *Restitution*: speed of the common centre of mass of roller and carriage at the separation over that at the touch, both
@@ -86,17 +89,21 @@ def drop(
     rho_inf: float = 0.8,
     carriage_mass: float = CARRIAGE_MASS,
 ) -> tuple[Drop, History]:
-    """Drop `second` with its carriage through about `gap` [m] on `first`; the touch comes `phase` steps later than that."""
+    """Drop `second` with its carriage through about `gap` [m] on `first`; the touch comes `phase` steps later than
+    that."""
     fall_time = np.sqrt(2.0 * gap / GRAVITY) + phase * step
     fall = 0.5 * GRAVITY * fall_time**2
-    scene = guided_pair(first, second, load=0.0, stiffness=0.0, damping=0.0, gap=fall, gravity=GRAVITY, carriage_mass=carriage_mass)
+    scene = guided_pair(
+        first, second, load=0.0, stiffness=0.0, damping=0.0, gap=fall, gravity=GRAVITY, carriage_mass=carriage_mass
+    )
     steps = int(np.ceil((fall_time + max(after, 3.0 * step)) / step))
     history = run(scene, steps * step, step=step, integrator=GeneralizedAlpha(rho_inf), progress=False)
     at_hand = (second.mass + carriage_mass) * GRAVITY * fall
     L = history.energy["numerical"] + history.energy["contact_grid"]
     counters = history.counters
     found = Drop(
-        step, phase, restitution(history, fall), ledger_rise(history) / at_hand, float(L[-1] - L[0]) / at_hand, history.status,
+        step, phase, restitution(history, fall), ledger_rise(history) / at_hand, float(L[-1] - L[0]) / at_hand,
+        history.status,
         int(counters["steps"]), int(counters["rejected_steps"]),
     )  # fmt: skip
     return found, history

@@ -1,6 +1,7 @@
 """The two rollers that the studies measure on: bodies, and a pair whose approach and angles are prescribed.
 
-A prescribed pair has no dynamics: the lower axle is fixed, the upper one sits in a carriage on a vertical guide, and guide
+A prescribed pair has no dynamics: the lower axle is fixed, the upper one sits in a carriage on a vertical guide, and
+guide
 and axles follow tables of a path parameter that takes the place of time. State `i` of the path is the static state
 at `time = i`; it is found from its neighbour, so that neighbours should lie close together.
 """
@@ -31,8 +32,11 @@ STEEL = Material(210e9, 0.3, 7850.0, name="steel")
 PAIR = "lower-upper"  # name of the contact pair
 CARRIAGE_MASS = 5.0  # kg
 CARRIAGE_INERTIA = (0.01, 0.01, 0.01)  # kg m2; it never turns
-STATIC_STEP = 1.0  # s: the proximal term is then 1e-9 of the stiffness of a steel bore, and the joint equations stay well conditioned
-CORRECTIONS = 2  # static solves a state: the second removes what the first leaves in the joints (1e-9 m) and the proximal term
+# s: the proximal term is then 1e-9 of the stiffness of a steel bore, and the joint equations stay well conditioned
+STATIC_STEP = 1.0
+CORRECTIONS = (
+    2  # static solves a state: the second removes what the first leaves in the joints (1e-9 m) and the proximal term
+)
 
 
 def roller_body(
@@ -127,7 +131,8 @@ def guided_pair(
 ) -> Scene:
     """The upper roller on a sprung vertical guide, pressed down by `load` [N, number or signal of the force along -z].
 
-    stiffness [N/m], damping [N s/m] of the guide, gap [m] at the start, speed [rad/s] of both rollers, equal and opposite,
+    stiffness [N/m], damping [N s/m] of the guide, gap [m] at the start, speed [rad/s] of both rollers, equal and
+    opposite,
     reached smoothly within `ramp` [s]; None leaves the axles free.
     """
     scene = Scene(gravity=(0.0, 0.0, -gravity))

@@ -1,7 +1,9 @@
 """Ripple of the contact force of two rollers that turn at constant approach.
 
-On a round body nothing should change when it turns. What does change comes from the grid: the load on an element's middle is met by
-another compliance than the load on its edge. Rolling without slip freezes the relative phase of the two grids and sweeps
+On a round body nothing should change when it turns. What does change comes from the grid: the load on an element's
+middle is met by
+another compliance than the load on its edge. Rolling without slip freezes the relative phase of the two grids and
+sweeps
 the phase of the patch; turning both the same way round lets the grids slide past each other. Both are swept, at several
 relative phases and several sizes of the patch, because the ripple is not monotone in any of them.
 """
@@ -38,13 +40,15 @@ def element_size(body: ReducedBody) -> float:
 
 
 def window_for(body: ReducedBody, elements: float) -> Settings:
-    """Settings whose contact window holds a patch of the half-width `elements` on two such rollers, and half as much again."""
+    """Settings whose contact window holds a patch of the half-width `elements` on two such rollers, and half as much
+    again."""
     effective = 0.5 * body.contact_surfaces["rim"].shape.radius
     return Settings(window_strain=1.5 * elements * element_size(body) / effective)
 
 
 def approach_for(body: ReducedBody, elements: Any, *, samples: int = 12) -> np.ndarray:
-    """Approaches [m] of two such rollers at which Hertz's half-width for the mid-width line load is `elements` elements."""
+    """Approaches [m] of two such rollers at which Hertz's half-width for the mid-width line load is `elements`
+    elements."""
     wanted = np.atleast_1d(np.asarray(elements, float))
     size = element_size(body)
     radius = 0.5 * body.contact_surfaces["rim"].shape.radius
@@ -60,7 +64,8 @@ def approach_for(body: ReducedBody, elements: Any, *, samples: int = 12) -> np.n
 def ripples(
     body: ReducedBody, elements: Any, *, positions: int = 12, phases: int = 5, second: ReducedBody | None = None
 ) -> list[Ripple]:
-    """Ripple of every sweep: each size of the patch in `elements` (half-width over element), sense and relative phase."""
+    """Ripple of every sweep: each size of the patch in `elements` (half-width over element), sense and relative
+    phase."""
     other = second or body
     pitch = element_size(body) / body.contact_surfaces["rim"].shape.radius
     turn = pitch * np.arange(positions) / positions

@@ -1,8 +1,10 @@
 """Time of a step against the number of local modes, and against the size of the patch.
 
-*Against local modes*: two equal rollers press on each other at a constant approach. Hats cover an arc of the rim (the tread)
+*Against local modes*: two equal rollers press on each other at a constant approach. Hats cover an arc of the rim (the
+tread)
 that grows from row to row; mesh, contact grid, approach and speed stay the same, so that the patch is the same too. The
-rollers swing to and fro so far that the patch runs over the whole tread: what it touches is new to the caches. If the cost
+rollers swing to and fro so far that the patch runs over the whole tread: what it touches is new to the caches. If the
+cost
 followed the number of local modes, the last row would be many times the first.
 
 *Against the active modes*: the same pair, whole rim, pressed deeper and deeper.
@@ -54,7 +56,8 @@ class StepTime:
 def tread_body(
     columns: int | None, *, sectors: int = 960, layers: int = 14, axial: int = 8, modes: int = 0
 ) -> ReducedBody:
-    """A roller of linear hexahedra whose hats cover `columns` grid columns about the angle zero; None: the whole rim."""
+    """A roller of linear hexahedra whose hats cover `columns` grid columns about the angle zero; None: the whole
+    rim."""
     mesh = roller(RADIUS, BORE, WIDTH, sectors=sectors, layers=layers, axial=axial, grading=1.3, order=1)
     name = "rim"
     if columns is not None:
@@ -69,7 +72,8 @@ def tread_body(
 def swinging_pair(body: ReducedBody, approach: float, swing: float, rate: float, duration: float) -> Scene:
     """Two such rollers with axles fixed at the distance 2 R - `approach` [m] that roll to and fro on each other.
 
-    swing [rad] is the amplitude about the middle of the tread, rate [rad/s] the largest speed, duration [s] the time to cover.
+    swing [rad] is the amplitude about the middle of the tread, rate [rad/s] the largest speed, duration [s] the time
+    to cover.
     """
     scene = Scene()
     (name,) = body.contact_surfaces
@@ -95,7 +99,8 @@ def swinging_pair(body: ReducedBody, approach: float, swing: float, rate: float,
 
 
 def _sine(amplitude: float, period: float, duration: float) -> signals.Table:
-    """amplitude sin(2 pi t / period) from its trough before t = 0 to a turning point after `duration`, where the spline's end
+    """amplitude sin(2 pi t / period) from its trough before t = 0 to a turning point after `duration`, where the
+    spline's end
     slopes, zero, are right."""
     halves = int(np.ceil(2.0 * duration / period + 0.5))
     t = period * np.linspace(-0.25, -0.25 + 0.5 * halves, halves * SAMPLES_PER_SWING // 2 + 1)
@@ -129,7 +134,8 @@ def time_swing(
     columns_per_step: float = 0.25,
     settings: Settings | None = None,
 ) -> StepTime:
-    """Time of a step while two such rollers swing over all of their tread (a whole rim: a sixth of the turn each way)."""
+    """Time of a step while two such rollers swing over all of their tread (a whole rim: a sixth of the turn each
+    way)."""
     (surface,) = body.contact_surfaces.values()
     grid = surface.grid
     half_patch = np.sqrt(approach * RADIUS) / (RADIUS * grid.pitch)  # columns, more than the patch has
@@ -144,7 +150,11 @@ def time_swing(
 def machine() -> dict[str, Any]:
     """What the times were taken on."""
     return {
-        "machine": {"platform": platform.platform(), "processor": platform.processor(), "python": platform.python_version()},
+        "machine": {
+            "platform": platform.platform(),
+            "processor": platform.processor(),
+            "python": platform.python_version(),
+        },
         "versions": library_versions(("warpffrf", "warp-lang", "numpy", "scipy")),
         "unit_seconds": unit_seconds(),
     }
