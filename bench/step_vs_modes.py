@@ -1,6 +1,7 @@
 """Step time against local modes per roller: `python bench/step_vs_modes.py [--json FILE] [--steps N]`.
 
-Same mesh, contact grid, approach and speed; the arc of the rim that carries hats grows, and the patch runs over fresh hats.
+Same mesh, contact grid, approach and speed; the arc of the rim that carries hats grows, and the patch runs over fresh
+hats.
 """
 
 from __future__ import annotations

@@ -214,7 +214,7 @@ def decide(
             b += 1
         clk[w, k.MOVE] = move
         ctl[w, k.STEP] = ctl[w, k.STEP] + 1
-        if ctl[w, k.MODE] == k.START:
+        if ctl[w, k.MODE] != k.STATIC:
             clk[w, k.TIME] = clk[w, k.START_TIME]
         return
     ctl[w, k.SUB] = ctl[w, k.SUB] + 1
@@ -263,7 +263,7 @@ def keep_bodies(
     b = lane
     while b < r.shape[1]:
         mode = ctl[w, k.MODE]
-        if mode != k.START:
+        if mode == k.DYNAMIC or mode == k.STATIC:
             r[w, b] = r1[w, b]
             p[w, b] = p1[w, b]
         h = clk[w, k.H]
@@ -274,12 +274,12 @@ def keep_bodies(
         if mode == k.START or restarts(ctl, w):
             a_t = v1_rate[w, b]
             a_r = omega1_rate[w, b]
-        if mode != k.STATIC:
+        if mode == k.DYNAMIC or mode == k.START:
             v_rate[w, b] = v1_rate[w, b]
             omega_rate[w, b] = omega1_rate[w, b]
             v_alg[w, b] = a_t
             omega_alg[w, b] = a_r
-        if mode == k.DYNAMIC:
+        if mode == k.DYNAMIC or mode == k.PROJECT:
             v[w, b] = v1[w, b]
             omega[w, b] = omega1[w, b]
         b += wp.block_dim()
@@ -312,16 +312,16 @@ def keep_modes(
     while n < q.shape[1]:
         mode = ctl[w, k.MODE]
         modal_load[w, 0, n] = modal_load[w, 1, n]
-        if mode != k.START:
+        if mode == k.DYNAMIC or mode == k.STATIC:
             q[w, n] = q1[w, n]
         h = clk[w, k.H]
         a = (dq[w, n] - h * qd[w, n] - h * h * (real(0.5) - clk[w, k.BETA]) * qd_alg[w, n]) / (clk[w, k.BETA] * h * h)
         if mode == k.START or restarts(ctl, w):
             a = qd1_rate[w, n]
-        if mode != k.STATIC:
+        if mode == k.DYNAMIC or mode == k.START:
             qd_rate[w, n] = qd1_rate[w, n]
             qd_alg[w, n] = a
-        if mode == k.DYNAMIC:
+        if mode == k.DYNAMIC or mode == k.PROJECT:
             qd[w, n] = qd1[w, n]
         n += wp.block_dim()
 
@@ -343,7 +343,7 @@ def keep_rest(
     model = models[0]
     if ctl[w, k.ATTEMPT] == 0:
         return
-    accept = ctl[w, k.ACCEPT] != 0
+    accept = ctl[w, k.ACCEPT] != 0 and ctl[w, k.MODE] != k.PROJECT  # whose multipliers are impulses over the tiny step
     row = int(0)
     while row < model.row_count:
         if accept:

@@ -50,6 +50,7 @@ def take_slots(
                 phase[w, pair, i] = phase[w, pair, 4 + i]
             pair += 1
         ctl[w, k.REASSEMBLE] = 0
+        ctl[w, k.RECENTER] = 0
     count = ctl[w, k.SLOTS]
     ctl[w, k.FRESH] = count
     number = int(0)

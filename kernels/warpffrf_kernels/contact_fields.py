@@ -24,21 +24,26 @@ def set_second_window(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     window: wp.array3d(dtype=int),
+    area: wp.array3d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
     second_window: wp.array3d(dtype=int),
 ):
-    """Per (world, pair): columns of the second grid that the window can touch."""
+    """Per (world, pair): columns of the second grid that the hats of the window reach."""
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0:
+    if ctl[w, k.RUN] == 0 or (ctl[w, k.MOVED] == 0 and ctl[w, k.REASSEMBLE] == 0):
         return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    ratio = model.surface_pitch[A] * model.surface_radius[A] / (model.surface_pitch[B] * model.surface_radius[B])
-    # outermost cell, half a column of phase on either grid, arc over its projection, and the node beyond
-    cells = real(wp.max(wp.abs(window[w, pair, 0]), wp.abs(window[w, pair, 1]))) + real(1.5)
-    half = wp.min(int(wp.floor(cells * ratio * real(1.02) + real(0.5))) + 1, model.second_half_window)
-    second_window[w, pair, 0] = model.second_half_window - half
-    second_window[w, pair, 1] = model.second_half_window + half
+    rows = model.surface_rows[model.pair_first[pair]]
+    low = model.second_columns - 1
+    high = int(0)
+    m = (window[w, pair, 0] + model.half_window) * rows
+    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+        if area[w, pair, m] > real(0.0):
+            low = wp.min(low, stencil_at[w, pair, m, 0])
+            high = wp.max(high, stencil_at[w, pair, m, 0] + model.stencil_columns - 1)
+        m += 1
+    second_window[w, pair, 0] = wp.min(low, high)
+    second_window[w, pair, 1] = high
 
 
 @wp.kernel
@@ -343,6 +348,8 @@ def residual_gap(
             m += 1
         pair += 1
     gap_defect[w, 0] = real(0.0)
+    gap_defect[w, 1] = real(0.0)
     if depth > real(0.0):
-        gap_defect[w, 0] = worst / wp.max(depth, SHALLOW)
+        gap_defect[w, 1] = wp.max(depth, SHALLOW)
+        gap_defect[w, 0] = worst / gap_defect[w, 1]
     contact_energy[w, 0] = energy

@@ -27,6 +27,8 @@ B opposite (grid column, row), which gives the stencil `l_i[node] = int psi_i ps
 a unit pressure hat of A.
 """
 
+import math
+
 import warp as wp
 
 from warpffrf_kernels import control as k
@@ -39,6 +41,9 @@ PHASE_TOLERANCE = wp.constant(
     wp.float64(1.0e-4)
 )  # columns: G changes by about this fraction; as a tangent it may, see contact_solve
 SERIES = wp.constant(wp.float64(5.0e-6))  # rad: third-order terms are then below round-off
+TWO_PI = wp.constant(wp.float64(2.0 * math.pi))
+DRIFT = wp.constant(wp.float64(0.75))  # columns off the centre column, beyond which the windows are moved
+FARTHEST = wp.constant(wp.float64(1.0e6))  # columns: a phase beyond is that of a state that has left the scene
 GUARD = wp.constant(2)  # outermost columns of a full window that must end inactive
 MARGIN = wp.constant(3)  # columns looked at beyond the active ones
 
@@ -93,8 +98,8 @@ def locate(
     e_A = vec3(F_A[0, 2], F_A[1, 2], F_A[2, 2])
     e_B = vec3(F_B[0, 2], F_B[1, 2], F_B[2, 2])
     cosine = wp.dot(e_A, e_B)
-    turn_a = real(2.0 * 3.141592653589793) / model.surface_pitch[A]
-    turn_b = real(2.0 * 3.141592653589793) / model.surface_pitch[B]
+    turn_a = TWO_PI / model.surface_pitch[A]
+    turn_b = TWO_PI / model.surface_pitch[B]
     middle_a = real(0.5) * real(model.surface_columns[A] - 1)
     middle_b = real(0.5) * real(model.surface_columns[B] - 1)
     rows = model.surface_rows[A]
@@ -164,9 +169,18 @@ def locate(
         s += 1
     if largest > PHASE_TOLERANCE:
         ctl[w, k.REASSEMBLE] = 1
-    if ctl[w, k.ITERATION] == 0:
-        center[w, pair, 0] = int(wp.floor(real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6]) + real(0.5)))
-        center[w, pair, 1] = int(wp.floor(real(0.5) * (phase[w, pair, 5] + phase[w, pair, 7]) + real(0.5)))
+    mid_a = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6])
+    mid_b = real(0.5) * (phase[w, pair, 5] + phase[w, pair, 7])
+    if not (wp.abs(mid_a) < FARTHEST and wp.abs(mid_b) < FARTHEST):  # also where they are not numbers
+        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_FINITE
+        ctl[w, k.RUN] = 0
+        return
+    drift = wp.max(wp.abs(mid_a - real(center[w, pair, 0])), wp.abs(mid_b - real(center[w, pair, 1])))
+    if ctl[w, k.ITERATION] == 0 or drift > DRIFT:
+        center[w, pair, 0] = int(wp.floor(mid_a + real(0.5)))
+        center[w, pair, 1] = int(wp.floor(mid_b + real(0.5)))
+        ctl[w, k.REASSEMBLE] = 1
+        ctl[w, k.RECENTER] = 1
 
 
 @wp.kernel
@@ -184,7 +198,7 @@ def open_window(
     active ones and MARGIN more on each side, relative to the centre column."""
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.ITERATION] != 0 or ctl[w, k.INNER] != 0:
+    if ctl[w, k.RUN] == 0 or ctl[w, k.RECENTER] == 0:
         return
     rows = model.surface_rows[model.pair_first[pair]]
     H = model.half_window
@@ -425,6 +439,10 @@ def weigh(
         )  # fmt: skip
         if beyond != 0:
             ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.CAPACITY
+        # a hat beyond the end of an arc, or so far round the bodies that nothing of the second window is opposite
+        reached = stencil_at[w, pair, m, 0]
+        if reached < 0 or reached + model.stencil_columns > model.second_columns:
+            area[w, pair, m] = real(0.0)
         absolute = center[w, pair, 0] + m / rows - H
         if model.surface_periodic[A] == 0 and (absolute < 0 or absolute >= model.surface_columns[A]):
             area[w, pair, m] = real(0.0)

@@ -15,7 +15,7 @@ FAILURE = wp.constant(6)  # failure bits of this attempt
 SLOTS = wp.constant(7)  # rows of G in use
 FRESH = wp.constant(8)  # first row of G not yet assembled
 ACTIVE = wp.constant(9)  # active modes
-MODE = wp.constant(10)  # DYNAMIC, STATIC or START
+MODE = wp.constant(10)  # DYNAMIC, STATIC, PROJECT or START
 STATUS = wp.constant(11)  # failure bits that stopped this world for good
 LEVEL = wp.constant(12)  # the step in use is the user's step / 2**LEVEL
 SUB = wp.constant(13)  # how many such steps of the current user step are done
@@ -38,7 +38,8 @@ ACCEPT = wp.constant(29)  # 1 when the attempt was accepted
 RECORD = wp.constant(30)  # 1 when the accepted state is to be saved
 EVERY = wp.constant(31)  # save every so many user steps
 REFRESH = wp.constant(32)  # 1 when the outer matrix is to be inverted anew
-CTL = 33
+RECENTER = wp.constant(33)  # 1 when the windows are to be laid anew
+CTL = 34
 
 # --- reals
 START_TIME = wp.constant(0)
@@ -62,6 +63,7 @@ CLK = 15
 DYNAMIC = wp.constant(0)
 STATIC = wp.constant(1)
 START = wp.constant(2)
+PROJECT = wp.constant(3)
 
 NOT_CONVERGED = wp.constant(1)
 CYCLING = wp.constant(2)

@@ -8,9 +8,11 @@ kinds of coordinates
     (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) vdot_1 + alpha_f vdot_0,
 
 so that `a_1`, `v_1`, `vdot_1` are affine in `d` with slopes `1/(beta h^2)`, `VEL = gamma/(beta h)` and
-`ACC = (1 - alpha_m)/(beta h^2 (1 - alpha_f))`. Two other uses of the same formulas:
+`ACC = (1 - alpha_m)/(beta h^2 (1 - alpha_f))`. Three other uses of the same formulas:
 
 * STATIC (beta = 1, gamma = 0, alphas 0, all rates zero): `vdot_1 = d/h^2`, a proximal step towards the static state.
+* PROJECT (beta = gamma = 1, alphas 0): one tiny implicit Euler step; its velocity is the given one made consistent with
+  joints and drives, in the mass metric.
 * START (beta = 1/2, gamma = 1, alphas 0): one tiny step of constant acceleration gives consistent `vdot` and `lambda`.
 
 Balance of a body in the floating frame with origin in its centre of mass and constant inertia (linear momentum in world
@@ -47,6 +49,7 @@ def begin_step(
     ctl[w, k.MOVED] = 1
     ctl[w, k.REASSEMBLE] = 1
     ctl[w, k.REFRESH] = 1
+    ctl[w, k.RECENTER] = 0
     ctl[w, k.ITERATION] = 0
     ctl[w, k.INNER] = 0
     ctl[w, k.CHANGES] = 0
@@ -71,10 +74,11 @@ def begin_step(
         clk[w, k.NEXT_TIME] = clk[w, k.START_TIME] + h_user * (
             real(ctl[w, k.STEP]) + real(ctl[w, k.SUB] + 1) * fraction
         )
-    if ctl[w, k.MODE] == k.START:
-        beta = real(0.5)
+    if ctl[w, k.MODE] == k.START or ctl[w, k.MODE] == k.PROJECT:
         gamma = real(1.0)
         clk[w, k.NEXT_TIME] = clk[w, k.TIME] + h
+        if ctl[w, k.MODE] == k.START:
+            beta = real(0.5)
     clk[w, k.H] = h
     clk[w, k.ALPHA_M] = am
     clk[w, k.ALPHA_F] = af

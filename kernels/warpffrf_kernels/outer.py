@@ -27,6 +27,7 @@ wp.set_module_options(MODULE_OPTIONS)
 REFRESH_ABOVE = wp.constant(
     wp.float64(1.0e-4)
 )  # residual below which the inverse of the last iteration serves once more
+ROUND_OFF = wp.constant(wp.float64(1.0e-6))  # times the residual tolerance: a few digits above machine precision
 PIVOT_TOLERANCE = wp.constant(
     wp.float64(1.0e-13)
 )  # of the equilibrated matrix: below it a row is dependent on the others
@@ -243,6 +244,10 @@ def balance(
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     v1_rate: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    omega1_rate: wp.array2d(dtype=vec3),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
     lam: wp.array2d(dtype=real),
     defect: wp.array2d(dtype=real),
     softness: wp.array2d(dtype=real),
@@ -256,7 +261,7 @@ def balance(
 ):
     """Per world: is the state balanced? Residual forces with contact, row defects and gaps left open, all as fractions.
 
-    The scale of forces is the largest of weight, inertia force, multiplier and contact force; of lengths, 1 m for
+    The scale of forces is the largest of weight, inertia and gyroscopic force, multiplier and contact force; of lengths, 1 m for
     joints and the largest rigid penetration for gaps (`gap_defect` arrives scaled).
     """
     w = wp.tid()
@@ -266,15 +271,26 @@ def balance(
     scale = real(1.0e-30)
     b = int(0)
     while b < model.body_count:
-        scale = wp.max(scale, model.mass[b] * (wp.length(model.gravity) + wp.length(v1_rate[w, b])))
+        m = model.mass[b]
+        J = model.inertia[b]
+        gyration = wp.sqrt(J[0, 0] / m)
+        scale = wp.max(scale, m * (wp.length(model.gravity) + wp.length(v1_rate[w, b])))
+        turning = wp.length(J * omega1_rate[w, b]) + wp.length(wp.cross(omega1[w, b], J * omega1[w, b]))
+        scale = wp.max(scale, turning / gyration)
+        # accelerations are differences of increments: below this they are round-off
+        travel = wp.length(dx[w, b]) + gyration * wp.length(psi[w, b])
+        scale = wp.max(scale, ROUND_OFF * clk[w, k.ACC] * m * travel)
         b += 1
+    length = real(1.0)
+    if gap_defect[w, 1] > real(0.0):
+        length = gap_defect[w, 1]
     worst = real(0.0)
     row = int(0)
     while row < model.row_count:
         if model.row_kind[row] == k.TRANSLATION or model.row_kind[row] == k.DISTANCE:
             scale = wp.max(scale, wp.abs(lam[w, row]))
         if softness[w, row] == real(0.0):
-            worst = wp.max(worst, wp.abs(defect[w, row]))
+            worst = wp.max(worst, wp.abs(defect[w, row]) / wp.min(length, real(1.0)))
         row += 1
     pair = int(0)
     while pair < model.pair_count:

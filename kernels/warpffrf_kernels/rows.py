@@ -5,7 +5,7 @@ x_a, x_b:
 
     TRANSLATION   c = u_i . (x_b - x_a) - s(t)
     DIRECTION     c = u_i . w_j
-    ANGLE_DRIVE   c = w_x . (cos(s) u_y - sin(s) u_x) = sin(angle - s), which needs no counting of turns
+    ANGLE_DRIVE   c = angle - s in (-pi, pi], from the components of w_x, which needs no counting of turns
     DISTANCE      c = |x_b - x_a|
 
 with s the signal of the row (0 without one). Every variation has the form `f.(dx_b - dx_a) + t.(dTheta_b - dTheta_a)`,
@@ -210,10 +210,13 @@ def evaluate_rows(
             value = wp.dot(u, z)
             torque = wp.cross(z, u)
         if kind == k.ANGLE_DRIVE:
-            u = wp.cos(s) * vec3(R_a[0, 1], R_a[1, 1], R_a[2, 1]) - wp.sin(s) * vec3(R_a[0, 0], R_a[1, 0], R_a[2, 0])
+            e_x = vec3(R_a[0, 0], R_a[1, 0], R_a[2, 0])
+            e_y = vec3(R_a[0, 1], R_a[1, 1], R_a[2, 1])
+            u = wp.cos(s) * e_y - wp.sin(s) * e_x
+            v = wp.cos(s) * e_x + wp.sin(s) * e_y
             z = vec3(R_b[0, 0], R_b[1, 0], R_b[2, 0])
-            value = wp.dot(u, z)
-            torque = wp.cross(z, u)
+            value = wp.atan2(wp.dot(u, z), wp.dot(v, z))
+            torque = vec3(R_a[0, 2], R_a[1, 2], R_a[2, 2])
         if kind == k.DISTANCE:
             gap = x_b - x_a
             value = wp.length(gap)

@@ -1,5 +1,6 @@
 """Mesh data, cells and the structured roller."""
 
+import logging
 from dataclasses import replace
 
 import numpy as np
@@ -116,8 +117,7 @@ def test_counts_chosen_from_the_half_width(order: int) -> None:
     assert mesh.cyclic is not None
     around = 2.0 * np.pi * R / mesh.cyclic.sectors
     assert 0.9 * b / (2 / order) <= around <= b / (2 / order)
-    radii = np.unique(np.round(np.hypot(mesh.points[:, 0], mesh.points[:, 2]), 12))[::-1][::order]
-    thickness = -np.diff(radii)
+    thickness = layer_thicknesses(mesh, order)
     assert thickness[0] <= around * 1.01
     np.testing.assert_allclose(thickness[1:] / thickness[:-1], thickness[1] / thickness[0], rtol=1e-6)
 
@@ -127,6 +127,41 @@ def test_given_layers_start_with_the_wanted_size() -> None:
     mesh = wfmesh.roller(R, R_I, WIDTH, sectors=24, axial=1, layers=8, half_width=b, order=1)
     radii = np.unique(np.round(np.hypot(mesh.points[:, 0], mesh.points[:, 2]), 12))[::-1]
     assert radii[0] - radii[1] == pytest.approx(b / 2, rel=1e-9)
+
+
+def layer_thicknesses(mesh, order: int) -> np.ndarray:
+    """Thicknesses of the layers of cells [m], from the rim inwards."""
+    radii = np.unique(np.round(np.hypot(mesh.points[:, 0], mesh.points[:, 2]), 12))[::-1]
+    return -np.diff(radii[::order])
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_layers_are_graded_towards_the_rim_by_themselves(order: int) -> None:
+    graded = layer_thicknesses(small(order, sectors=120, layers=5), order)
+    assert graded[0] == pytest.approx(2.0 * np.pi * R / 120, rel=1e-8)  # as deep as a cell is wide around
+    np.testing.assert_allclose(graded[1:] / graded[:-1], graded[1] / graded[0], rtol=1e-6)
+    assert graded[1] > graded[0] and graded.sum() == pytest.approx(R - R_I)
+
+
+@pytest.mark.parametrize("growth", [1.0, 1.3])
+def test_a_given_grading_wins(growth: float) -> None:
+    for more in ({}, {"half_width": 1e-3}):
+        given = layer_thicknesses(small(1, sectors=120, layers=5, grading=growth, **more), 1)
+        np.testing.assert_allclose(given[1:] / given[:-1], growth, rtol=1e-8)
+
+
+def test_layers_already_shallow_stay_uniform() -> None:
+    np.testing.assert_allclose(layer_thicknesses(small(1, sectors=12, layers=4), 1), (R - R_I) / 4, rtol=1e-9)
+
+
+def test_too_few_layers_are_warned_about(caplog: pytest.LogCaptureFixture) -> None:
+    with caplog.at_level(logging.WARNING, logger="warpffrf"):
+        small(1, sectors=360, layers=3)
+        assert "layers=3" in caplog.text and "use layers >= 6" in caplog.text
+        caplog.clear()
+        small(1, sectors=360, layers=6)  # 0.87 mm times 2^6 - 1 reaches through 35 mm
+        small(1, sectors=360, layers=3, grading=1.0)
+        assert not caplog.text
 
 
 @pytest.mark.parametrize(

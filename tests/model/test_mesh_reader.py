@@ -117,13 +117,13 @@ def test_wrong_unit_is_warned_about(tmp_path: Path, caplog: pytest.LogCaptureFix
 
 
 def test_missing_unreadable_and_unknown_files(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="does not exist"):
+    with pytest.raises(InputError, match="nothing.msh' does not exist; check the path"):
         wfmesh.read(tmp_path / "nothing.msh", length_unit="mm")
     for suffix in (".msh", ".vtu"):
         bad = tmp_path / f"bad{suffix}"
         for content in (b"", b"this is no mesh\n" * 3, TET_ROLLER.read_bytes()[:5000]):
             bad.write_bytes(content)
-            with pytest.raises(InputError, match="cannot be read"):
+            with pytest.raises(InputError, match=f"bad{suffix}: cannot be read.*export it again"):
                 wfmesh.read(bad, length_unit="mm")
     other = tmp_path / "mesh.stp"
     other.write_text("solid")

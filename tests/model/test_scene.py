@@ -157,7 +157,7 @@ def test_contact_border(body_maker) -> None:
     third = scene.add_body(lower.reduced, name="third")
     pair = scene.add(Contact(lower["rim"], upper["rim"]))
     assert pair.name == "lower-upper" and scene.contact("lower-upper") is pair
-    with pytest.raises(InputError, match="in contact with itself"):
+    with pytest.raises(InputError, match="contact 'lower-lower': body 'lower' in contact with itself.*two bodies"):
         Contact(lower["rim"], lower["rim"])
     with pytest.raises(InputError, match="frictionless"):
         Contact(lower["rim"], third["rim"], friction=0.1)

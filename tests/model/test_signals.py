@@ -97,7 +97,7 @@ def test_any_table_passes_through_its_points(steps, start, cubic) -> None:
 
 
 def test_border() -> None:
-    with pytest.raises(InputError, match=r"values\[1\] is nan"):
+    with pytest.raises(InputError, match=r"signal table: values\[1\] is nan, numbers must be finite"):
         signals.Table([0.0, 1.0, 2.0], [0.0, np.nan, 1.0])
     with pytest.raises(InputError, match=r"times\[2\]"):
         signals.Table([0.0, 1.0, 0.5], [0.0, 1.0, 2.0])

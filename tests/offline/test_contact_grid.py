@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from offline_bodies import reduced
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced_body import axial_gram
 from warpffrf.model.surfaces import CrownedCylinder, Cylinder
-from warpffrf.offline.contact_grid import facet_chart, nodal_plan, spaced_plan
+from warpffrf.offline.contact_grid import facet_chart, nodal_plan, spaced_plan, thinned_rows
 from warpffrf.offline.hat_loads import hat_loads
 
 
@@ -65,17 +67,25 @@ def test_axial_gram_sums_to_the_area():
     assert axial_gram(shape, z).sum() == pytest.approx(0.5 * 2.0 * half, rel=1e-13)
 
 
-def test_coarse_grid_is_the_sum_of_fine_hats(small_roller):
+@pytest.mark.parametrize(
+    ("width", "Z"),
+    [
+        (0.02, np.array([[1.0, 0.0], [0.5, 0.5], [0.0, 1.0]])),  # rows 10 mm apart: the middle one is dropped
+        (0.12, np.eye(3)),  # rows 60 mm apart, further than the spacing: all are kept
+    ],
+)
+def test_coarse_grid_is_the_sum_of_fine_hats(width, Z):
     """Every third column: D_c = M_c^-1 W^T M D M W M_c^-1, with W the fine coefficients of the coarse hats."""
-    fine = reduced(small_roller, modes=4).contact_surfaces["rim"]
-    coarse = reduced(small_roller, modes=4, traction_spacing=0.0525).contact_surfaces["rim"]
+    mesh = roller(0.05, 0.015, width, sectors=18, layers=2, axial=2, order=1)
+    fine = reduced(mesh, modes=4).contact_surfaces["rim"]
+    coarse = reduced(mesh, modes=4, traction_spacing=0.0525).contact_surfaces["rim"]
     n, m = fine.grid.columns, coarse.grid.columns
-    assert n == 3 * m and coarse.grid.rows == 2
+    assert n == 3 * m and coarse.grid.rows == Z.shape[1]
+    assert np.isin(np.round(coarse.grid.z, 12), np.round(fine.grid.z, 12)).all()
     W = np.zeros((n, m))
     for j in range(m):
         for a in range(-2, 3):
             W[(3 * j + a) % n, j] = 1.0 - abs(a) / 3.0
-    Z = np.array([[1.0, 0.0], [0.5, 0.5], [0.0, 1.0]])
     W = np.kron(W, Z)
     M = np.kron(fine.grid.gram_theta(), fine.gram_z)
     M_c = np.kron(coarse.grid.gram_theta(), coarse.gram_z)
@@ -88,10 +98,37 @@ def test_coarse_grid_is_the_sum_of_fine_hats(small_roller):
         np.abs(normal @ normal.T - coarse.mode_normal @ coarse.mode_normal.T).max()
         < quadrature * np.abs(normal).max() ** 2
     )
-    forces = np.random.default_rng(0).standard_normal((m, 2))
+    forces = np.random.default_rng(0).standard_normal((m, coarse.grid.rows))
     same = (M @ W @ np.linalg.solve(M_c, forces.ravel())).reshape(n, 3)
     u = fine.recover(same)
     assert np.abs(coarse.recover(forces) - u).max() < 2e-6 * np.abs(u).max()  # single precision
+
+
+@given(gaps=st.lists(st.floats(1e-4, 5e-3), min_size=1, max_size=12), spacing=st.floats(1e-4, 2e-2))
+def test_thinned_rows_are_apart_and_none_is_dropped_in_vain(gaps, spacing):
+    lines = np.cumsum([0.0, *gaps])
+    rows = thinned_rows(np.repeat(lines, 3), spacing)
+    assert np.isin(np.round(rows, 12), np.round(lines, 12)).all() and rows[[0, -1]] == pytest.approx(lines[[0, -1]])
+    slack = 1e-8 * spacing
+    assert len(rows) == 2 or np.diff(rows).min() >= spacing - slack
+    for dropped in np.setdiff1d(np.round(lines, 12), np.round(rows, 12)):
+        assert np.abs(rows - dropped).min() < spacing + slack
+
+
+def test_thinned_rows_of_a_uniform_surface():
+    z = np.linspace(-0.01, 0.01, 9)
+    assert thinned_rows(z, 2.5e-3) == pytest.approx(z)
+    assert thinned_rows(z, 5e-3) == pytest.approx(z[::2])
+    assert thinned_rows(z, 6e-3) == pytest.approx(
+        z[[0, 3, 8]]
+    )  # 7.5 mm, then 12.5 mm: 6 and 5 mm would leave too little
+    assert thinned_rows(z, 1.0) == pytest.approx(z[[0, -1]])
+
+
+def test_spacing_longer_than_a_quarter_turn_keeps_four_columns(small_roller):
+    assert reduced(small_roller, modes=0, traction_spacing=1.0).contact_surfaces["rim"].grid.columns == 6
+    three = roller(0.05, 0.015, 0.02, sectors=3, layers=1, axial=1, order=2)
+    assert reduced(three, modes=0, traction_spacing=1.0).contact_surfaces["rim"].grid.columns == 3
 
 
 @pytest.mark.parametrize("order", [1, 2])

@@ -117,8 +117,8 @@ def test_cut_by_the_axis_of_a_shape_elsewhere(small_roller):
 @pytest.mark.parametrize(
     "settings, message",
     [
-        ({"interfaces": {"hub": "rigid"}}, "'hub'.*'rim'.*'bore'"),
-        ({"contact": {"tread": None}}, "'tread'.*'rim'.*'bore'"),
+        ({"interfaces": {"hub": "rigid"}}, "facet set 'hub' does not exist; known: 'rim', 'bore', 'ends'"),
+        ({"contact": {"tread": None}}, "facet set 'tread' does not exist; known: 'rim', 'bore', 'ends'"),
         ({"interfaces": {"bore": "average"}}, "'average' is not available"),
         ({"basis": "craig_bampton"}, "'craig_bampton' is not available"),
         ({"max_frequency": -1.0}, "max_frequency"),
@@ -130,7 +130,10 @@ def test_cut_by_the_axis_of_a_shape_elsewhere(small_roller):
         ({"interfaces": {"rim": "rigid"}}, "'rim' cannot be"),
         ({"interfaces": {"bore": "rigid", "ends": "rigid"}}, "share 36 nodes"),
         ({"contact": {"rim": 5}}, "no surface shape"),
-        ({"contact": {"rim": Cylinder(radius=0.06)}}, "'rim'.*do not fit"),
+        (
+            {"contact": {"rim": Cylinder(radius=0.06)}},
+            "contact 'rim'.*do not fit.*largest distance of a node 0.01 m.*fit_tolerance",
+        ),
         ({"contact": {"ends": Cylinder()}}, "'ends'"),
     ],
 )
@@ -148,8 +151,38 @@ def test_inverted_cell_is_refused(small_roller):
     cells = small_roller.cell_nodes.copy()
     cells[3] = cells[3][[4, 5, 6, 7, 0, 1, 2, 3]]
     mesh = Mesh(small_roller.points, {"hex8": cells}, small_roller.facet_sets)
-    with pytest.raises(InputError, match="inverted"):
+    with pytest.raises(InputError, match="1 inverted hex8 cell.*number 3.*repair"):
         reduced(mesh)
+
+
+def test_two_disconnected_parts_are_refused(small_roller):
+    points = np.concatenate([small_roller.points, small_roller.points + 1.0])
+    cells = np.concatenate([small_roller.cell_nodes, small_roller.cell_nodes + len(small_roller.points)])
+    with pytest.raises(InputError, match="2 disconnected parts with 72, 72 cells.*merge"):
+        reduced(Mesh(points, {"hex8": cells}, small_roller.facet_sets))
+
+
+def test_things_of_another_kind_are_refused(small_roller):
+    with pytest.raises(InputError, match="a material is needed.*got 210"):
+        reduce(small_roller, 210e9)  # pyright: ignore[reportArgumentType]
+    with pytest.raises(InputError, match="a mesh is needed, made by mesh.roller or mesh.read, got 'roller.msh'"):
+        reduce("roller.msh", STEEL)  # pyright: ignore[reportArgumentType]
+
+
+def test_linear_algebra_runs_on_one_thread(small_roller, monkeypatch):
+    from threadpoolctl import threadpool_info
+
+    import warpffrf.offline.reduction as reduction
+
+    def threads():
+        return {pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"}
+
+    before, inside = threads(), []
+    compute = reduction.reduce_cyclic
+    monkeypatch.setattr(reduction, "reduce_cyclic", lambda *given: inside.append(threads()) or compute(*given))
+    body = reduced(small_roller)
+    assert inside == [{1}] and threads() == before
+    assert body.report["blas_threads"] == 1
 
 
 # --- file and cache ---

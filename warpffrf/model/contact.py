@@ -48,12 +48,14 @@ class Contact:
             if not isinstance(port, SurfacePort):
                 raise InputError(
                     f"contact: the {place} surface must be a contact surface, body['rim'] with 'rim' named in "
-                    f"reduce(contact=...), got {getattr(port, 'label', repr(port))}"
+                    f"reduce(contact=...), got {getattr(port, 'label', None) or repr(getattr(port, 'name', port))}"
                 )
         self.a, self.b = a, b
         self.name = f"{a.body.name}-{b.body.name}" if name is None else name
         if a.body is b.body:
-            raise InputError(f"contact {self.name!r}: body {a.body.name!r} in contact with itself is not supported")
+            raise InputError(
+                f"contact {self.name!r}: body {a.body.name!r} in contact with itself is not supported; name two bodies"
+            )
         self.friction = require_number(friction, f"contact {self.name!r}: friction", non_negative=True)
         if self.friction != 0.0:
             raise InputError(f"contact {self.name!r}: friction is not available yet, only friction=0.0 (frictionless)")

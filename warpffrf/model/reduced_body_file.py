@@ -165,7 +165,7 @@ def read_reduced_body(path: Path) -> ReducedBody:
     import h5py
 
     if not path.is_file():
-        raise InputError(f"reduced body: there is no file {path}")
+        raise InputError(f"reduced body: there is no file {path}; check the path")
     cure = "run the reduction again"
     try:
         with h5py.File(path, "r") as file:

@@ -15,6 +15,7 @@ from warpffrf.model.errors import InputError
 
 SAME_PLACE = 1e-6  # chart coordinates of nodes closer than this fraction of the extent are the same line of the grid
 ROUND_SPACING = 1e-9  # a spacing that divides a length up to round-off divides it
+FEWEST_COLUMNS = 4  # of a grid that is not the mesh's own: on a full turn fewer hats would overlap on both sides
 
 
 @dataclass(frozen=True)
@@ -114,29 +115,25 @@ def nodal_plan(chart: Chart, name: str, theta_first: float | None = None) -> Gri
     return GridPlan(origin + float(theta[0]), float(np.mean(steps)), len(theta), False, z, True)
 
 
-def spaced_plan(
-    chart: Chart, shape, name: str, spacing: float, theta_first: float = 0.0, multiple: int = 1
-) -> GridPlan:
-    """A structured grid of about `spacing` [m]; a full turn gets a number of columns that is a multiple of
-    `multiple`."""
+def spaced_plan(chart: Chart, shape, name: str, spacing: float) -> GridPlan:
+    """A structured grid of `spacing` [m] or a little more around and along, whatever the mesh."""
     start, extent, full = covered_arc(chart, name)
     low, high = float(chart.z.min()), float(chart.z.max())
     radius = float(np.max(shape.radius_at(np.array([low, 0.5 * (low + high), high]))))
     rows = max(int((high - low) / spacing + ROUND_SPACING) + 1, 2)
     z = np.linspace(low, high, rows)
     if full:
-        columns = max(int(2.0 * np.pi * radius / (spacing * multiple) + ROUND_SPACING), 1) * multiple
-        columns = max(columns, 4)
-        return GridPlan(theta_first, 2.0 * np.pi / columns, columns, True, z, False)
-    columns = max(int(extent * radius / spacing + ROUND_SPACING) + 1, 4)
+        columns = max(int(2.0 * np.pi * radius / spacing + ROUND_SPACING), FEWEST_COLUMNS)
+        return GridPlan(0.0, 2.0 * np.pi / columns, columns, True, z, False)
+    columns = max(int(extent * radius / spacing + ROUND_SPACING) + 1, FEWEST_COLUMNS)
     return GridPlan(start, extent / (columns - 1), columns, False, z, False)
 
 
 def thinned_rows(z: np.ndarray, spacing: float) -> np.ndarray:
     """Axial rows (rows,) [m] among the corner positions `z` [m] of a structured surface, at least `spacing` apart.
 
-    Both ends are kept. Cells along a roller are often much longer than around it: a grid coarsened around the roller then
-    keeps its rows.
+    Both ends are kept. Cells along a roller are often much longer than around it: a grid coarsened around the roller
+    then keeps its rows.
     """
     lines = _lines(z.ravel(), float(np.ptp(z)))
     rows = [lines[0]]

@@ -19,7 +19,15 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.reduced_body import ContactGrid, axial_gram
-from warpffrf.offline.contact_grid import GridPlan, facet_chart, nodal_plan, thinned_rows
+from warpffrf.offline.contact_grid import (
+    FEWEST_COLUMNS,
+    ROUND_SPACING,
+    SAME_PLACE,
+    GridPlan,
+    facet_chart,
+    nodal_plan,
+    thinned_rows,
+)
 from warpffrf.offline.hat_loads import HatLoads, hat_loads
 from warpffrf.offline.sector import Sector, phase, turned
 
@@ -82,11 +90,11 @@ class CyclicSurface:
                 plan = None
             spacing = chart.edge
         if plan is None:
-            per_sector = int(arc / spacing * (1.0 + 1e-9))
+            per_sector = int(arc / spacing * (1.0 + ROUND_SPACING))
             if per_sector < 1:
-                self.stride = max(
-                    q for q in range(1, self.N // 4 + 1) if not self.N % q and q * arc <= spacing * 1.000001
-                )
+                reach = spacing * (1.0 + SAME_PLACE)
+                strides = range(2, self.N // FEWEST_COLUMNS + 1)
+                self.stride = max([q for q in strides if not self.N % q and q * arc <= reach], default=1)
             rows = thinned_rows(chart.z[:, :corners], spacing)
             columns = self.N * max(per_sector, 1)
             plan = GridPlan(first, 2.0 * np.pi / columns, columns, True, rows, False)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -20,19 +21,23 @@ from warpffrf.model.reduced_body import (
     ReducedBody,
     library_versions,
 )
+from warpffrf.offline.cell_depth import depth_ratio, depth_warning, layer_depth
 from warpffrf.offline.contact_grid import facet_chart
 from warpffrf.offline.cyclic import reduce_cyclic
 from warpffrf.offline.general import reduce_general
 from warpffrf.offline.independence import INDEPENDENCE, check_independence, eigenvalue_ratio, trace_ratio
 from warpffrf.offline.interfaces import rigid_interfaces
 from warpffrf.offline.paths import choose_path, resolve_shapes
-from warpffrf.offline.products import Limits, PathProduct
+from warpffrf.offline.products import Limits, PathProduct, SurfaceProduct
 from warpffrf.offline.progress import Progress
 
 logger = logging.getLogger("warpffrf.offline")
 INTERFACE_KINDS = ("rigid",)
 BASES = ("free_free",)
 LIBRARIES = ("warpffrf", "numpy", "scipy", "scikit-fem")
+# The reduction makes very many small products and factorisations: on two loaded cores two BLAS threads, which wait for
+# each other, took 60 s where one took 3.7 s.
+BLAS_THREADS = 1
 
 
 def reduce(
@@ -67,13 +72,14 @@ def reduce(
 
     The static response to every load in the span of the hats is exact for any number of modes. A rotationally
     periodic mesh is reduced harmonic by harmonic, any other by one factorisation; `report["path"]` tells which, and
-    why. Raises `InputError` for bad settings, unknown sets, facets that do not fit their shape, a contact grid finer
-    than the mesh.
+    why. Linear algebra runs on one thread (`report["blas_threads"]`). What makes a result doubtful, such as cells too
+    deep for the contact grid, is put into `report["warnings"]` and logged. Raises `InputError` for bad settings,
+    unknown sets, facets that do not fit their shape, a contact grid finer than the mesh.
     """
     start = time.perf_counter()
     kinds = dict(interfaces or {})
     shapes = dict(contact or {})
-    limits = _checked(mesh, kinds, shapes, basis, max_frequency, modes, traction_spacing, memory_limit)
+    limits = _checked(mesh, material, kinds, shapes, basis, max_frequency, modes, traction_spacing, memory_limit)
     settings = {
         "mesh": mesh.content_hash(),
         "material": [material.youngs_modulus, material.poisson_ratio, material.density],
@@ -90,47 +96,31 @@ def reduce(
         body.report["cached"] = True
         body.report["seconds_cached"] = time.perf_counter() - start
         logger.info("reduced body taken from the cache, %.2f s", body.report["seconds_cached"])
+        _log_warnings(body)
         return body
 
     stages = Progress(progress)
-    with stages.stage("mesh check"):
-        mesh.check()
-    rigid = rigid_interfaces(mesh, list(kinds))
-    resolved = resolve_shapes(mesh, shapes)
-    choice = choose_path(mesh, list(kinds), resolved)
-    limit = None if memory_limit is None else int(memory_limit)
-    if choice.patterns is not None:
-        surfaces = [(name, choice.shapes[name], choice.patterns[name]) for name in shapes]
-        product = reduce_cyclic(mesh, material, rigid, surfaces, limits, traction_spacing, stages)
-        path = "cyclic"
-    else:
-        named = [(name, choice.shapes[name]) for name in shapes]
-        product = reduce_general(mesh, material, rigid, named, limits, traction_spacing, limit, stages)
-        path = "general"
-
-    report = _report(product, path, choice.reason, mesh, stages)
-    surfaces_out = {}
-    for (name, shape), s in zip(choice.shapes.items(), product.surfaces, strict=True):
-        facets = mesh.facets(name)
-        edge = facet_chart(mesh.points, facets.nodes, facets.corners.shape[1], shape).edge
-        traces = trace_ratio(mesh, name, shape, s.grid)
-        ratio = check_independence(traces, s.window, name, edge)
-        residual = eigenvalue_ratio(s.residual_window)
-        if not residual > INDEPENDENCE:
-            report["warnings"].append(
-                f"contact {name!r}: the global modes hold nearly all that the mesh can do, too little is left to "
-                f"the local modes (eigenvalue ratio {residual:.2g}); use fewer modes or a finer mesh"
-            )
-        report["contact"][name] = {
-            "columns": s.grid.columns,
-            "rows": s.grid.rows,
-            "trace_ratio": traces,
-            "eigenvalue_ratio": ratio,
-            "residual_eigenvalue_ratio": residual,
-            "longest_facet_edge": edge,
-            "deviation": shape.deviation,
-        }
-        surfaces_out[name] = ContactSurface(name, shape, s.grid, s.lags, s.mode_normal, s.recovery)
+    with one_thread():
+        with stages.stage("mesh check"):
+            mesh.check()
+        rigid = rigid_interfaces(mesh, list(kinds))
+        resolved = resolve_shapes(mesh, shapes)
+        choice = choose_path(mesh, list(kinds), resolved)
+        if choice.patterns is not None:
+            surfaces = [(name, choice.shapes[name], choice.patterns[name]) for name in shapes]
+            product = reduce_cyclic(mesh, material, rigid, surfaces, limits, traction_spacing, stages)
+            path = "cyclic"
+        else:
+            named = [(name, choice.shapes[name]) for name in shapes]
+            limit = None if memory_limit is None else int(memory_limit)
+            product = reduce_general(mesh, material, rigid, named, limits, traction_spacing, limit, stages)
+            path = "general"
+        report = _report(product, path, choice.reason, mesh, stages)
+        surfaces_out = {}
+        for (name, shape), s in zip(choice.shapes.items(), product.surfaces, strict=True):
+            report["contact"][name], warnings = _judged(mesh, name, shape, s)
+            report["warnings"] += warnings
+            surfaces_out[name] = ContactSurface(name, shape, s.grid, s.lags, s.mode_normal, s.recovery)
     if len(surfaces_out) > 1:
         report["notes"].append(
             "a load on one contact surface moves another through the global modes only: the local modes of different "
@@ -162,13 +152,61 @@ def reduce(
         },
     )
     body.provenance["content_hash"] = body.content_hash()
+    _log_warnings(body)
     if cache and (fault := body_cache.store(key, body)):
         report["warnings"].append(fault)
     return body
 
 
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Hold the BLAS of NumPy and SciPy to `BLAS_THREADS` inside the block; other work of the process too."""
+    import scipy.linalg  # noqa: F401  SciPy brings a BLAS of its own, which must be loaded to be limited
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(limits=BLAS_THREADS, user_api="blas"):
+        yield
+
+
+def _judged(mesh: Mesh, name: str, shape: Any, s: SurfaceProduct) -> tuple[dict[str, Any], list[str]]:
+    """Figures of a contact surface for the report, and warnings; raises `InputError` where its hats depend."""
+    facets = mesh.facets(name)
+    edge = facet_chart(mesh.points, facets.nodes, facets.corners.shape[1], shape).edge
+    traces = trace_ratio(mesh, name, shape, s.grid)
+    ratio = check_independence(traces, s.window, name, edge)
+    residual = eigenvalue_ratio(s.residual_window)
+    depth = layer_depth(mesh, name, shape)
+    in_spacings = depth_ratio(depth, shape, s.grid)
+    warnings = []
+    if not residual > INDEPENDENCE:
+        warnings.append(
+            f"contact {name!r}: the global modes hold nearly all that the mesh can do, too little is left to "
+            f"the local modes (eigenvalue ratio {residual:.2g}); use fewer modes or a finer mesh"
+        )
+    if text := depth_warning(name, depth, in_spacings):
+        warnings.append(text)
+    figures = {
+        "columns": s.grid.columns,
+        "rows": s.grid.rows,
+        "trace_ratio": traces,
+        "eigenvalue_ratio": ratio,
+        "residual_eigenvalue_ratio": residual,
+        "longest_facet_edge": edge,
+        "layer_depth": depth,
+        "layer_depth_in_spacings": in_spacings,
+        "deviation": shape.deviation,
+    }
+    return figures, warnings
+
+
+def _log_warnings(body: ReducedBody) -> None:
+    for text in body.report["warnings"]:
+        logger.warning("%s", text)
+
+
 def _checked(
     mesh: Mesh,
+    material: Material,
     kinds: dict[str, str],
     shapes: dict[str, Any],
     basis: str,
@@ -178,6 +216,9 @@ def _checked(
     memory_limit: float | None,
 ) -> Limits:
     """Refuse settings that cannot be used; returns the limits of the vibration modes."""
+    for value, kind, cure in ((mesh, Mesh, "mesh.roller or mesh.read"), (material, Material, "Material")):
+        if not isinstance(value, kind):
+            raise InputError(f"reduce: a {kind.__name__.lower()} is needed, made by {cure}, got {value!r}")
     for name, kind in kinds.items():
         mesh.facets(name)
         if kind not in INTERFACE_KINDS:
@@ -219,5 +260,6 @@ def _report(product: PathProduct, path: str, reason: str, mesh: Mesh, stages: Pr
         "notes": notes,
         "warnings": list(mesh.report().warnings),
         "cached": False,
+        "blas_threads": BLAS_THREADS,
         **facts,
     }

@@ -20,7 +20,9 @@ from warpffrf.online.state import State, Work, initial_state
 STATIC_STEPS = 60  # proximal steps of an equilibrium at most
 STATIC_GROWTH = 10.0  # of the proximal step from one to the next
 STATIC_FIRST = 1e-3  # s: moves a body by F/m * 1e-6 at first
-STATIC_LAST = 1e3  # s: a spring of 1 N/m under 1 kg is then 1e6 times stiffer than the proximal term
+STATIC_LAST = (
+    1.0  # s: 1 kg then weighs 1 N/m, far below any spring that carries a load; larger ill-conditions the joints
+)
 STATIC_TOLERANCE = 1e-12  # m, movement of the last proximal step: round-off of positions of order 1 m times 1e4
 REALS = {
     "START_TIME", "USER_STEP", "TIME", "H", "NEXT_TIME", "ALPHA_M", "ALPHA_F", "BETA", "GAMMA", "ACC", "VEL",
@@ -133,12 +135,11 @@ class Engine:
         return False
 
     def start(self) -> None:
-        """Consistent accelerations and multipliers at the present positions and velocities; opens the ledger, saves
-        row 0.
-        """
-        self.control(MODE=int(k.START), STEP=0, SUB=0, LEVEL=0, TARGET=1)
+        """Velocities consistent with joints and drives, then consistent accelerations and multipliers; opens the ledger."""
         self.clock(USER_STEP=self.settings.start_step)
-        self.replay(1)
+        for mode in (k.PROJECT, k.START):
+            self.control(MODE=int(mode), STEP=0, SUB=0, LEVEL=0, TARGET=1)
+            self.replay(1)
 
     def save_now(self) -> None:
         """Append the present state to the rows."""

@@ -151,7 +151,7 @@ class StepGraph:
             self._locate_contact()
         self._launch(
             outer.balance, W,
-            [M, s.ctl, s.clk, x.r1, x.axes, x.v1_rate, s.lam, x.defect, x.softness, x.pair_wrench, x.gap_defect,
+            [M, s.ctl, s.clk, x.r1, x.axes, x.v1_rate, x.omega1, x.omega1_rate, x.dx, x.psi, s.lam, x.defect, x.softness, x.pair_wrench, x.gap_defect,
              x.modal_residual, s.modal_load, x.q1], [x.residual, x.residual_history],
         )  # fmt: skip
         if P:
@@ -202,7 +202,6 @@ class StepGraph:
             contact_geometry.open_window, (W, P), [M, s.ctl, x.phase, x.center],
             [s.active, s.pressure, s.patch_offset, x.window],
         )  # fmt: skip
-        self._launch(contact_fields.set_second_window, (W, P), [M, s.ctl, x.window], [x.second_window])
         self._block(
             contact_geometry.sample, (W, P), [M, s.ctl, x.center, x.window, x.station], [x.point_gap, x.point_place]
         )
@@ -211,6 +210,9 @@ class StepGraph:
             [M, s.ctl, x.center, x.window, x.station, x.station_wrench, x.point_gap, x.point_place],
             [x.weak_gap, x.area, x.wrench, x.stencil, x.stencil_at],
         )  # fmt: skip
+        self._launch(
+            contact_fields.set_second_window, (W, P), [M, s.ctl, x.window, x.area, x.stencil_at], [x.second_window]
+        )
         self._block(
             contact_fields.modal_fields, (W, P),
             [M, s.ctl, x.center, x.window, x.second_window, x.q1.flatten(), 1], [x.first_field, x.second_field],

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 class Settings:
     """What the step graph is built with."""
 
-    residual_tolerance: float = 1e-8  # of the contact force (gaps: of the penetration)
+    residual_tolerance: float = 1e-9  # of the contact force (gaps: of the penetration); promised is 1e-8
     max_iterations: int = 12  # Newton is quadratic: more means a step that is too long
     max_inner: int = 40  # active-set corrections of one linearisation: more means that it cycles
     max_level: int = 14  # a step may be halved this often (1/16384)

@@ -75,7 +75,7 @@ class Work:
             "softness": (REAL, rows), "row_wrench": (REAL, rows, 6),
             "tangent": (REAL, N, N), "rhs": (REAL, N), "scaling": (REAL, N), "pivots": (INT, N),
             "elimination": (REAL, N, N),
-            "residual_history": (REAL, RESIDUALS_KEPT), "gap_defect": (REAL, 1), "contact_energy": (REAL, 1),
+            "residual_history": (REAL, RESIDUALS_KEPT), "gap_defect": (REAL, 2), "contact_energy": (REAL, 1),
             "pair_wrench": (REAL, P, 6), "phase": (REAL, P, 8), "center": (INT, P, 2),
             "station": (REAL, P, stations, 8), "station_wrench": (REAL, P, stations, 6),
             "window": (INT, P, 2), "second_window": (INT, P, 2),

@@ -18,7 +18,7 @@ class HertzErrors:
 
     elements: np.ndarray  # Hertz half-width over element
     half_width: np.ndarray  # twice the root of the second moment of the pressure
-    peak: np.ndarray  # parabola of p^2 through the largest hats
+    peak: np.ndarray  # as results report it at mid-width
     nodal_peak: np.ndarray  # largest hat
 
     def worst(self) -> tuple[float, float]:

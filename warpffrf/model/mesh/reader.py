@@ -67,7 +67,7 @@ def read(path: str | Path, *, length_unit: str, part: int | str | None = None) -
 
 def _load(path: Path) -> Any:
     if not path.is_file():
-        raise InputError(f"mesh file {str(path)!r} does not exist")
+        raise InputError(f"mesh file {str(path)!r} does not exist; check the path")
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(f"mesh file {path.name}: unknown format {path.suffix!r}, known: {', '.join(SUFFIXES)}")
     import meshio
@@ -75,7 +75,10 @@ def _load(path: Path) -> Any:
     try:
         return meshio.read(path, file_format=SUFFIXES[path.suffix.lower()])
     except (Exception, SystemExit) as error:  # meshio leaves with whatever its parsers raise, SystemExit among them
-        raise InputError(f"mesh file {path.name}: cannot be read ({type(error).__name__}: {error})") from error
+        reason = (
+            f"not a valid {path.suffix} file" if isinstance(error, SystemExit) else f"{type(error).__name__}: {error}"
+        )
+        raise InputError(f"mesh file {path.name}: cannot be read ({reason}); export it again") from error
 
 
 def _volume_cells(file: Any, path: Path) -> tuple[str, np.ndarray, dict[int, int]]:

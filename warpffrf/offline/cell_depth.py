@@ -1,0 +1,64 @@
+r"""Are the cells behind a contact surface shallow enough for the pressures that its grid can carry?
+
+A pressure that varies over a length a deforms the body down to a depth of about a. Cells deeper than that cannot
+follow: the surface is too stiff to short waves, the patch too narrow and the pressure too high, without any other
+sign. What counts is the distance between layers of nodes, `depth / degree` of the cells, against the spacing of the
+hats, the shortest length that the pressure can vary over.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from warpffrf.model.mesh import Mesh
+from warpffrf.model.mesh.elements import FACET_CORNERS, cell_kind
+from warpffrf.model.reduced_body import ContactGrid
+
+# First layer of nodes in spacings of the grid. Two equal steel rollers, 35 mm wall, layers growing by 1.3 inwards,
+# worst of four phases: errors of half-width and of peak pressure at mid-width against Hertz.
+#
+#     depth / spacing                       0.5           1            2            4            8
+#     hex8,  2 spacings a half-width     -7, -4 %     -8, +4 %    -11, +10 %   -19, +19 %   -41, +68 %
+#     hex8,  4                           -3,  0       -3, +1       -5,  +2     -10,  +7     -18, +21
+#     hex27, 2                           -6, -6       -6, -6       -7,  -5     -12, +10     -37, +41
+#     hex27, 4                           -2, -1       -2, -1       -2,  -1      -5,  +3
+#
+# The limit costs up to 4 % of the half-width and 6 % of the peak; twice the limit three times as much.
+DEEPEST = 2.0
+
+
+def layer_depth(mesh: Mesh, name: str, shape) -> float:
+    """Largest distance [m] between the surface and the first layer of nodes behind the facets of set `name`.
+
+    The depth of a cell is that of its deepest node under the true surface `shape`, divided by the degree of the cell.
+    """
+    cell = cell_kind(mesh.kind)
+    on_set = np.zeros(len(mesh.points), dtype=bool)
+    on_set[mesh.facets(name).node_set] = True
+    cells = mesh.cell_nodes
+    behind = cells[on_set[cells[:, : _corners(mesh.kind)]].sum(axis=1) >= FACET_CORNERS[cell.facet_kind]]
+    _, _, height = shape.chart(mesh.points[behind.ravel()])
+    return float(np.max(-height)) / int(cell.powers.max())
+
+
+def depth_ratio(depth: float, shape, grid: ContactGrid) -> float:
+    """`depth` [m] over the smaller spacing of the grid, around the largest circle or along the axis."""
+    around = grid.pitch * float(np.max(shape.radius_at(grid.z)))
+    return depth / min(around, float(np.min(np.diff(grid.z))))
+
+
+def depth_warning(name: str, depth: float, ratio: float) -> str | None:
+    """What to tell the user where the cells are too deep, else None."""
+    if ratio <= DEEPEST:
+        return None
+    return (
+        f"contact {name!r}: the first layer of nodes lies {depth:.3g} m behind the surface, {ratio:.3g} spacings of "
+        f"the contact grid, where at most {DEEPEST:g} is good: patches come out too narrow and their pressure too "
+        "high; grade the mesh towards the surface (mesh.roller: leave grading out, or more layers), or use "
+        f"traction_spacing >= {depth / DEEPEST:.3g} m"
+    )
+
+
+def _corners(kind: str) -> int:
+    """Number of corner nodes of a cell; they come first in its node order."""
+    return 8 if kind.startswith("hex") else 4
