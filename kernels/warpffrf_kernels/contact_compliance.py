@@ -240,7 +240,6 @@ def modal_rows(
             const double* Jj = J.data + ((size_t)w * cap + j) * width;
             for (int n = 0; n < count_a + count_b; ++n) f += scaled[n] * Jj[n];
         }
-        local.data[((size_t)w * cap + slot) * cap + j] = g; local.data[((size_t)w * cap + j) * cap + slot] = g;
         G.data[((size_t)w * cap + slot) * cap + j] = g + f; G.data[((size_t)w * cap + j) * cap + slot] = g + f;
     }
 """)
@@ -255,7 +254,6 @@ def couple(
     T: wp.array(dtype=real),
     J: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
-    local: wp.array3d(dtype=real),
     G: wp.array3d(dtype=real),
 ): ...
 
@@ -271,10 +269,9 @@ def assemble(
     T: wp.array(dtype=real),
     J: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
-    local: wp.array3d(dtype=real),
     G: wp.array3d(dtype=real),
 ):
-    """Per world: rows of G of the fresh slots; `local` is the part of the local modes alone."""
+    """Per world: rows of G of the fresh slots."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0:
@@ -284,7 +281,7 @@ def assemble(
         pair = slot_mode[w, slot, 0]
         couple(
             model, w, slot, center[w, pair, 0] - model.half_window, slot_mode, stencil, stencil_at,
-            T, J, receptance, local, G,
+            T, J, receptance, G,
         )  # fmt: skip
         slot += 1
 

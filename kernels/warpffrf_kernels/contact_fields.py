@@ -10,7 +10,7 @@ import warp as wp
 from warpffrf_kernels import control as k
 from warpffrf_kernels.contact_compliance import node_of, table_row
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, real, sync
+from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, sync, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -31,7 +31,7 @@ def set_second_window(
     """Per (world, pair): columns of the second grid that the hats of the window reach."""
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or (ctl[w, k.MOVED] == 0 and ctl[w, k.REASSEMBLE] == 0):
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
     rows = model.surface_rows[model.pair_first[pair]]
     low = model.second_columns - 1
@@ -63,7 +63,7 @@ def modal_fields(
     """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or (of_state != 0 and ctl[w, k.MOVED] == 0 and ctl[w, k.REASSEMBLE] == 0):
+    if ctl[w, k.RUN] == 0 or (of_state != 0 and ctl[w, k.MOVED] == 0):
         return
     A = model.pair_first[pair]
     B = model.pair_second[pair]
@@ -151,15 +151,31 @@ def close_gaps(
     stencil_at: wp.array4d(dtype=int),
     first_field: wp.array3d(dtype=real),
     second_field: wp.array(dtype=real),
+    first_local: wp.array(dtype=real),
+    second_local: wp.array(dtype=real),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
     gap: wp.array3d(dtype=real),
+    opened: wp.array3d(dtype=real),
+    base: wp.array3d(dtype=real),
 ):
-    """Weak gaps with the deformation by the global modes: gap = weak_gap - M Phi_A q - l . Phi_B q."""
+    """Per (world, pair), lanes over hats: weak gaps of the present state and the pressures they belong to.
+
+    gap = weak_gap - M Phi_A q - l . Phi_B q has the deformation by the global modes, opened also that by the local ones
+    under the present pressures, which are kept as `base`: what the solve changes is counted from there.
+    """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or (ctl[w, k.MOVED] == 0 and ctl[w, k.REASSEMBLE] == 0):
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
     rows = model.surface_rows[model.pair_first[pair]]
     rows_b = model.surface_rows[model.pair_second[pair]]
+    m = lane
+    while m < model.mode_capacity:
+        base[w, pair, m] = real(0.0)
+        if active[w, pair, m] != 0:
+            base[w, pair, m] = pressure[w, pair, m]
+        m += wp.block_dim()
     m = (window[w, pair, 0] + model.half_window) * rows + lane
     while m < (window[w, pair, 1] + model.half_window + 1) * rows:
         value = weak_gap[w, pair, m]
@@ -167,6 +183,7 @@ def close_gaps(
             value -= first_field[w, pair, m]
             value -= on_stencil(model, w, pair, m, rows_b, stencil, stencil_at, second_field)
         gap[w, pair, m] = value
+        opened[w, pair, m] = value + local_gap(model, w, pair, m, stencil, stencil_at, first_local, second_local)
         m += wp.block_dim()
 
 
@@ -303,26 +320,27 @@ def load_modes(
 
 
 @wp.kernel
-def residual_gap(
+def add_contact(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
     window: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
     area: wp.array3d(dtype=real),
     wrench: wp.array4d(dtype=real),
     gap: wp.array3d(dtype=real),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
+    opened: wp.array3d(dtype=real),
     pressure: wp.array3d(dtype=real),
-    first_local: wp.array(dtype=real),
-    second_local: wp.array(dtype=real),
+    modal_load: wp.array3d(dtype=real),
+    residual: wp.array2d(dtype=real),
+    modal_residual: wp.array2d(dtype=real),
     pair_wrench: wp.array3d(dtype=real),
     gap_defect: wp.array2d(dtype=real),
     contact_energy: wp.array2d(dtype=real),
 ):
-    """Per world: contact wrench on A of every pair, what active gaps are left open (scaled), and the contact energy
-    s.G.s/2.
-    """
+    """Per world: subtract the contact forces from the residuals; contact wrench on A of every pair, what active gaps
+    are left open (a fraction of the penetration, and the penetration), and the contact energy s.G.s/2."""
     w = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
@@ -341,12 +359,26 @@ def residual_gap(
                 s = pressure[w, pair, m]
                 for i in range(6):
                     pair_wrench[w, pair, i] = pair_wrench[w, pair, i] + s * wrench[w, pair, m, i]
-                opened = local_gap(model, w, pair, m, stencil, stencil_at, first_local, second_local)
-                energy += real(0.5) * s * opened
-                worst = wp.max(worst, wp.abs(gap[w, pair, m] + opened) / area[w, pair, m])
+                energy += real(0.5) * s * (opened[w, pair, m] - gap[w, pair, m])
+                worst = wp.max(worst, wp.abs(opened[w, pair, m]) / area[w, pair, m])
                 depth = wp.max(depth, wp.abs(gap[w, pair, m]) / area[w, pair, m])
             m += 1
+        A = model.surface_body[model.pair_first[pair]]
+        B = model.surface_body[model.pair_second[pair]]
+        f = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
+        t = vec3(pair_wrench[w, pair, 3], pair_wrench[w, pair, 4], pair_wrench[w, pair, 5])
+        t_a = wp.transpose(axes[w, A]) * t
+        t_b = wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f))
+        for i in range(3):
+            residual[w, 6 * A + i] = residual[w, 6 * A + i] - f[i]
+            residual[w, 6 * A + 3 + i] = residual[w, 6 * A + 3 + i] - t_a[i]
+            residual[w, 6 * B + i] = residual[w, 6 * B + i] + f[i]
+            residual[w, 6 * B + 3 + i] = residual[w, 6 * B + 3 + i] + t_b[i]
         pair += 1
+    n = int(0)
+    while n < model.modal_count:
+        modal_residual[w, n] = modal_residual[w, n] - modal_load[w, 1, n]
+        n += 1
     gap_defect[w, 0] = real(0.0)
     gap_defect[w, 1] = real(0.0)
     if depth > real(0.0):

@@ -260,7 +260,7 @@ def sample(
     """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or (ctl[w, k.MOVED] == 0 and ctl[w, k.REASSEMBLE] == 0):
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
     A = model.pair_first[pair]
     B = model.pair_second[pair]
@@ -424,7 +424,7 @@ def weigh(
     """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or (ctl[w, k.MOVED] == 0 and ctl[w, k.REASSEMBLE] == 0):
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
     A = model.pair_first[pair]
     rows = model.surface_rows[A]

@@ -1,17 +1,18 @@
 """Contact inside the step: active set, pressures, and what the outer coordinates and modes make of them.
 
-For the current active set the linearised system of `outer` reads
+With `base` the pressures of the present state, `opened` its weak gaps and r, r_m its residuals with all contact forces
+in, the linearised system of `outer` reads, for the change ds of the pressures on the active set,
 
-    (G + L H L^T) s = -(gap + L H rhs - J sigma^-1 r_m),
+    (G + L H L^T) ds = -(opened + L H rhs - J sigma^-1 r_m),
 
 symmetric positive definite, factored by a right-looking Cholesky with rank-4 row updates (contiguous, vectorises), the
-right-hand side riding along. The set is then corrected (pressure not positive: out; linearised weak gap negative: in)
-and the solve repeated with the outer coordinates frozen until the set has settled: a primal-dual active set method on
-the linearised problem.
+right-hand side riding along. Pressures that leave the set change by -base, which goes to the right-hand side.
+Everything is counted from the present state, so that G, L, J and H may be those of a position a small fraction of a
+column away (a modified Newton step, exact at its fixed point), and so that large forces in balance do not cancel in the
+increments.
 
-After a move the residual is that of the present position of the grids (`contact_fields`), while G, L and J may be those
-of a position a small fraction of a column away. What they miss on the present pressures is carried as a correction of
-gaps, forces and modal loads (`carry_difference`): a modified Newton step whose fixed point is exact.
+The set is then corrected (pressure not positive: out; linearised weak gap negative: in) and the solve repeated with the
+outer coordinates frozen until the set has settled: a primal-dual active set method on the linearised problem.
 """
 
 import warp as wp
@@ -28,119 +29,21 @@ GAP_TOLERANCE = wp.constant(wp.float64(1.0e-15))  # m: a mean gap of round-off s
 
 
 @wp.func
-def slot_loads(
-    model: Model,
-    ctl: wp.array2d(dtype=int),
+def change_of(
     w: int,
-    lane: int,
-    active: wp.array3d(dtype=int),
+    slot: int,
     slot_mode: wp.array3d(dtype=int),
-    J: wp.array(dtype=real),
-    pressure: wp.array3d(dtype=real),
-    out: wp.array(dtype=real),
-):
-    """out = J^T s, with the rows that G was assembled with."""
-    base = w * model.modal_count
-    n = lane
-    while n < model.modal_count:
-        out[base + n] = real(0.0)
-        n += wp.block_dim()
-    sync()
-    slot = int(0)
-    while slot < ctl[w, k.SLOTS]:
-        pair = slot_mode[w, slot, 0]
-        m = slot_mode[w, slot, 1]
-        if active[w, pair, m] != 0:
-            start = (w * model.slot_capacity + slot) * model.pair_modes
-            A = model.surface_body[model.pair_first[pair]]
-            B = model.surface_body[model.pair_second[pair]]
-            modes_a = model.modal_start[A + 1] - model.modal_start[A]
-            modes_b = model.modal_start[B + 1] - model.modal_start[B]
-            axpy(modes_a, pressure[w, pair, m], J, start, out, base + model.modal_start[A])
-            axpy(modes_b, pressure[w, pair, m], J, start + modes_a, out, base + model.modal_start[B])
-        slot += 1
-    sync()
-
-
-@wp.kernel
-def carry_difference(
-    models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
     active: wp.array3d(dtype=int),
-    slot_mode: wp.array3d(dtype=int),
-    local: wp.array3d(dtype=real),
-    J: wp.array(dtype=real),
     pressure: wp.array3d(dtype=real),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
-    first_local: wp.array(dtype=real),
-    second_local: wp.array(dtype=real),
-    modal_load: wp.array3d(dtype=real),
-    pair_wrench: wp.array3d(dtype=real),
-    axes: wp.array2d(dtype=mat33),
-    r1: wp.array2d(dtype=vec3),
-    L: wp.array3d(dtype=real),
-    gap: wp.array3d(dtype=real),
-    residual: wp.array2d(dtype=real),
-    modal_residual: wp.array2d(dtype=real),
-    scratch: wp.array(dtype=real),
-):
-    """Per world, after a move that left G as it was: add to gaps, forces and modal loads what G, L and J miss of
-    the present state.
-    """
-    w, lane = wp.tid()
-    model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.REASSEMBLE] != 0:
-        return
-    count = ctl[w, k.SLOTS]
-    slot = lane
-    while slot < count:
-        pair = slot_mode[w, slot, 0]
-        m = slot_mode[w, slot, 1]
-        if active[w, pair, m] != 0:
-            total = local_gap(model, w, pair, m, stencil, stencil_at, first_local, second_local)
-            other = int(0)
-            while other < count:
-                p = slot_mode[w, other, 0]
-                n = slot_mode[w, other, 1]
-                if active[w, p, n] != 0:
-                    total -= local[w, slot, other] * pressure[w, p, n]
-                other += 1
-            gap[w, pair, m] = gap[w, pair, m] + total
-        slot += wp.block_dim()
-    slot_loads(model, ctl, w, lane, active, slot_mode, J, pressure, scratch)
-    n = lane
-    while n < model.modal_count:
-        missing = modal_load[w, 1, n] - scratch[w * model.modal_count + n]
-        modal_residual[w, n] = modal_residual[w, n] - missing
-        n += wp.block_dim()
-    if lane == 0 and ctl[w, k.REFRESH] == 0:  # with REFRESH, L is formed anew below
-        pair = int(0)
-        while pair < model.pair_count:
-            A = model.surface_body[model.pair_first[pair]]
-            B = model.surface_body[model.pair_second[pair]]
-            f = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
-            t = vec3(pair_wrench[w, pair, 3], pair_wrench[w, pair, 4], pair_wrench[w, pair, 5])
-            t_a = wp.transpose(axes[w, A]) * t
-            t_b = wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f))
-            for i in range(3):
-                residual[w, 6 * A + i] = residual[w, 6 * A + i] - f[i]
-                residual[w, 6 * A + 3 + i] = residual[w, 6 * A + 3 + i] - t_a[i]
-                residual[w, 6 * B + i] = residual[w, 6 * B + i] + f[i]
-                residual[w, 6 * B + 3 + i] = residual[w, 6 * B + 3 + i] + t_b[i]
-            pair += 1
-        slot = int(0)
-        while slot < count:
-            pair = slot_mode[w, slot, 0]
-            m = slot_mode[w, slot, 1]
-            if active[w, pair, m] != 0:
-                A = 6 * model.surface_body[model.pair_first[pair]]
-                B = 6 * model.surface_body[model.pair_second[pair]]
-                s = pressure[w, pair, m]
-                for i in range(6):
-                    residual[w, A + i] = residual[w, A + i] + s * L[w, slot, i]
-                    residual[w, B + i] = residual[w, B + i] + s * L[w, slot, 6 + i]
-            slot += 1
+    base: wp.array3d(dtype=real),
+) -> real:
+    """Pressure of a slot less that of the state the step starts from."""
+    pair = slot_mode[w, slot, 0]
+    m = slot_mode[w, slot, 1]
+    change = -base[w, pair, m]
+    if active[w, pair, m] != 0:
+        change += pressure[w, pair, m]
+    return change
 
 
 # Gathers the active block with its right-hand side, factors it, and solves for the pressures. Returns 1 if it is not
@@ -202,7 +105,8 @@ def factor_and_solve(
 def solve_pressures(
     models: wp.array(dtype=Model),
     active: wp.array3d(dtype=int),
-    gap: wp.array3d(dtype=real),
+    opened: wp.array3d(dtype=real),
+    base: wp.array3d(dtype=real),
     slot_mode: wp.array3d(dtype=int),
     condensed: wp.array3d(dtype=real),
     J: wp.array(dtype=real),
@@ -224,9 +128,10 @@ def solve_pressures(
     model = models[0]
     if ctl[w, k.RUN] == 0:
         return
+    slots = ctl[w, k.SLOTS]
     count = int(0)
     slot = int(0)
-    while slot < ctl[w, k.SLOTS]:  # every lane counts for itself, in the same order
+    while slot < slots:  # every lane counts for itself, in the same order
         if active[w, slot_mode[w, slot, 0], slot_mode[w, slot, 1]] != 0:
             if lane == 0:
                 order[w, count] = slot
@@ -237,7 +142,12 @@ def solve_pressures(
     while i < count:
         a = order[w, i]
         pair = slot_mode[w, a, 0]
-        total = -gap[w, pair, slot_mode[w, a, 1]]
+        total = -opened[w, pair, slot_mode[w, a, 1]]
+        slot = int(0)
+        while slot < slots:
+            if active[w, slot_mode[w, slot, 0], slot_mode[w, slot, 1]] == 0:
+                total += condensed[w, a, slot] * base[w, slot_mode[w, slot, 0], slot_mode[w, slot, 1]]
+            slot += 1
         c = int(0)
         while c < model.coupled_count[pair]:
             total -= L[w, a, c] * z_free[w * model.outer_count + model.coupled[pair, c]]
@@ -249,11 +159,8 @@ def solve_pressures(
                 surface = model.pair_second[pair]
             mode = model.modal_start[model.surface_body[surface]]
             while mode < model.modal_start[model.surface_body[surface] + 1]:
-                total += (
-                    J[(w * model.slot_capacity + a) * model.pair_modes + n]
-                    * receptance[w, mode]
-                    * modal_residual[w, mode]
-                )
+                entry = J[(w * model.slot_capacity + a) * model.pair_modes + n]
+                total += entry * receptance[w, mode] * modal_residual[w, mode]
                 n += 1
                 mode += 1
         right[w, a] = total
@@ -264,8 +171,9 @@ def solve_pressures(
         ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.INDEFINITE
     i = lane
     while i < count:
-        a = order[w, i]
-        pressure[w, slot_mode[w, a, 0], slot_mode[w, a, 1]] = solution[w, i]
+        pair = slot_mode[w, order[w, i], 0]
+        m = slot_mode[w, order[w, i], 1]
+        pressure[w, pair, m] = base[w, pair, m] + solution[w, i]
         i += wp.block_dim()
     N = model.outer_count
     c = lane
@@ -273,10 +181,12 @@ def solve_pressures(
         z[w * N + c] = z_free[w * N + c]
         c += wp.block_dim()
     sync()
-    i = int(0)
-    while i < count:
-        axpy(N, solution[w, i], V, (w * model.slot_capacity + order[w, i]) * N, z, w * N)
-        i += 1
+    slot = int(0)
+    while slot < slots:
+        change = change_of(w, slot, slot_mode, active, pressure, base)
+        if change != real(0.0):
+            axpy(N, change, V, (w * model.slot_capacity + slot) * N, z, w * N)
+        slot += 1
 
 
 @wp.kernel
@@ -287,27 +197,46 @@ def modal_increments(
     slot_mode: wp.array3d(dtype=int),
     J: wp.array(dtype=real),
     pressure: wp.array3d(dtype=real),
+    base: wp.array3d(dtype=real),
     C_modal: wp.array3d(dtype=real),
     receptance: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
     z: wp.array(dtype=real),
     modal_step: wp.array(dtype=real),
 ):
-    """Per world, lanes over modes: increment sigma^-1 (-r_m - C_m^T dlam + J^T s)."""
+    """Per world, lanes over modes: increment sigma^-1 (-r_m - C_m^T dlam + J^T ds)."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0:
         return
-    base = w * model.modal_count
-    slot_loads(model, ctl, w, lane, active, slot_mode, J, pressure, modal_step)
+    first = w * model.modal_count
     n = lane
     while n < model.modal_count:
-        total = modal_step[base + n] - modal_residual[w, n]
+        modal_step[first + n] = -modal_residual[w, n]
+        n += wp.block_dim()
+    sync()
+    slot = int(0)
+    while slot < ctl[w, k.SLOTS]:
+        change = change_of(w, slot, slot_mode, active, pressure, base)
+        if change != real(0.0):
+            pair = slot_mode[w, slot, 0]
+            start = (w * model.slot_capacity + slot) * model.pair_modes
+            A = model.surface_body[model.pair_first[pair]]
+            B = model.surface_body[model.pair_second[pair]]
+            modes_a = model.modal_start[A + 1] - model.modal_start[A]
+            modes_b = model.modal_start[B + 1] - model.modal_start[B]
+            axpy(modes_a, change, J, start, modal_step, first + model.modal_start[A])
+            axpy(modes_b, change, J, start + modes_a, modal_step, first + model.modal_start[B])
+        slot += 1
+    sync()
+    n = lane
+    while n < model.modal_count:
+        total = modal_step[first + n]
         row = int(0)
         while row < model.row_count:
             total -= C_modal[w, row, n] * z[w * model.outer_count + 6 * model.body_count + row]
             row += 1
-        modal_step[base + n] = receptance[w, n] * total
+        modal_step[first + n] = receptance[w, n] * total
         n += wp.block_dim()
 
 

@@ -1,15 +1,16 @@
 """The outer system: rigid coordinates and multipliers, with the global modes condensed.
 
 With `sigma` the diagonal tangent of the modes, J their gradient of the weak gaps, C and C_m the gradients of the rows
-by rigid and modal coordinates, the linearised step reads (s: hat pressures in total, everything else increments)
+by rigid and modal coordinates, r, r_m the residuals and `opened` the weak gaps of the present state, all with the
+contact forces of its pressures, the linearised step for the changes dx, dq, dlam, ds reads
 
-    S dx + C^T dlam - L_r^T s = -r,             sigma dq + C_m^T dlam - J^T s = -r_m,
-    C dx + C_m dq - E dlam = -c,                gap + L_r dx + J dq + G_local s = 0 on the active set.
+    S dx + C^T dlam - L_r^T ds = -r,            sigma dq + C_m^T dlam - J^T ds = -r_m,
+    C dx + C_m dq - E dlam = -c,                opened + L_r dx + J dq + G_local ds = 0 on the active set.
 
 Eliminating dq leaves, for z = (dx, dlam),
 
     [ S   C^T                       ]         [ -r                      ]
-    [ C   -C_m sigma^-1 C_m^T - E   ] z  =    [ -c + C_m sigma^-1 r_m   ]  + L^T s,       L = [L_r, -J sigma^-1 C_m^T].
+    [ C   -C_m sigma^-1 C_m^T - E   ] z  =    [ -c + C_m sigma^-1 r_m   ]  + L^T ds,      L = [L_r, -J sigma^-1 C_m^T].
 
 Its inverse H is formed in the first Newton iteration, and again while the residual is above REFRESH_ABOVE (tens of
 unknowns); contact then sees the compliance `G + L H L^T`, in which whatever can move is condensed (Josephy-Newton): the
@@ -241,8 +242,6 @@ def balance(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
     v1_rate: wp.array2d(dtype=vec3),
     omega1: wp.array2d(dtype=vec3),
     omega1_rate: wp.array2d(dtype=vec3),
@@ -261,8 +260,8 @@ def balance(
 ):
     """Per world: is the state balanced? Residual forces with contact, row defects and gaps left open, all as fractions.
 
-    The scale of forces is the largest of weight, inertia and gyroscopic force, multiplier and contact force; of lengths, 1 m for
-    joints and the largest rigid penetration for gaps (`gap_defect` arrives scaled).
+    The scale of forces is the largest of weight, inertia and gyroscopic force, multiplier and contact force; that of
+    lengths the penetration where there is contact, else 1 m (`gap_defect`: gaps left open as a fraction, penetration).
     """
     w = wp.tid()
     model = models[0]
@@ -301,19 +300,6 @@ def balance(
     while b < model.body_count:
         f = vec3(residual[w, 6 * b], residual[w, 6 * b + 1], residual[w, 6 * b + 2])
         t = vec3(residual[w, 6 * b + 3], residual[w, 6 * b + 4], residual[w, 6 * b + 5])
-        pair = int(0)
-        while pair < model.pair_count:
-            A = model.surface_body[model.pair_first[pair]]
-            B = model.surface_body[model.pair_second[pair]]
-            cf = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
-            ct = vec3(pair_wrench[w, pair, 3], pair_wrench[w, pair, 4], pair_wrench[w, pair, 5])
-            if b == A:
-                f -= cf
-                t -= wp.transpose(axes[w, b]) * ct
-            if b == B:
-                f += cf
-                t += wp.transpose(axes[w, b]) * (ct + wp.cross(r1[w, A] - r1[w, B], cf))
-            pair += 1
         # a torque is measured by the force that it is at the radius of gyration
         gyration = wp.sqrt(model.inertia[b][0, 0] / model.mass[b])
         worst = wp.max(worst, wp.max(wp.length(f), wp.length(t) / gyration) / scale)
@@ -325,7 +311,7 @@ def balance(
     while n < model.modal_count:
         load = modal_load[w, 1, n]
         modal_scale = wp.max(modal_scale, wp.max(wp.abs(load), wp.abs(model.stiffness[n] * q1[w, n])))
-        open_load = wp.max(open_load, wp.abs(modal_residual[w, n] - load))
+        open_load = wp.max(open_load, wp.abs(modal_residual[w, n]))
         n += 1
     worst = wp.max(worst, open_load / modal_scale)
     clk[w, k.RESIDUAL] = worst
@@ -410,6 +396,8 @@ def count_iteration(
                 ctl[w, k.MOVED] = 1
                 ctl[w, k.ITERATION] = ctl[w, k.ITERATION] + 1
                 ctl[w, k.INNER] = 0
+            elif ctl[w, k.REASSEMBLE] != 0:
+                ctl[w, k.MOVED] = 1  # a window was widened: evaluate again, with the pressures found so far
             elif ctl[w, k.INNER] >= model.max_inner:
                 ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.CYCLING
                 ctl[w, k.RUN] = 0

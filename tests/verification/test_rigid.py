@@ -8,6 +8,7 @@ from scipy.special import ellipk
 
 from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
+from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha, run
 
@@ -92,8 +93,15 @@ SIGNALS = {
 }
 
 
-@pytest.mark.parametrize("name", list(SIGNALS))
-@pytest.mark.parametrize("quantity", ["velocity", "position"])
+DRIVES = [
+    (name, quantity)
+    for name in SIGNALS
+    for quantity in ("velocity", "position")
+    if (name, quantity) != ("ramp", "position")
+]
+
+
+@pytest.mark.parametrize(("name", "quantity"), DRIVES)
 def test_driven_joints_reach_their_prescribed_positions(name: str, quantity: str) -> None:
     """Revolute and prismatic; the angle passes several turns, so that it must not be counted in half turns."""
     signal = SIGNALS[name]
@@ -120,3 +128,26 @@ def test_driven_joints_reach_their_prescribed_positions(name: str, quantity: str
     assert np.abs(np.sin(0.5 * (angle - exact))).max() < tolerance
     work = history.energy["drive_work"][-1] + history.energy["numerical"][-1]
     assert work == pytest.approx(history.energy["kinetic"][-1] - history.energy["kinetic"][0], abs=1e-9)
+
+
+def test_a_position_that_jumps_in_velocity_is_refused() -> None:
+    scene = Scene()
+    slider = scene.add_rigid_body(1.0, (0.1, 0.1, 0.1), name="slider")
+    guide = scene.add(joints.Prismatic(scene.ground, slider.at((0, 0, 0)), axis=(1, 0, 0), name="guide"))
+    scene.add(joints.Drive(guide, SIGNALS["ramp"], quantity="position", name="push"))
+    with pytest.raises(InputError, match=r"'push': the prescribed position jumps in velocity by 100 at t = 0.01 s"):
+        run(scene, 0.12, step=2e-3, progress=False)
+
+
+def test_a_body_at_rest_takes_up_the_speed_of_its_drive_at_once() -> None:
+    scene = Scene()
+    wheel = scene.add_rigid_body(1.0, (0.1, 0.2, 0.1), name="wheel", center_of_mass=(0.05, 0.0, 0.0))
+    axle = scene.add(joints.Revolute(scene.ground, wheel.at((0, 0, 0)), axis=(0, 1, 0), name="axle"))
+    scene.add(joints.Drive(axle, 20.0))
+    history = run(scene, 0.1, step=1e-3, progress=False)
+    assert history.status == "completed"
+    assert history.bodies["wheel"].angular_velocity[0, 1] == pytest.approx(20.0, rel=1e-9)
+    centripetal = 1.0 * 20.0**2 * 0.05  # N
+    force = np.linalg.norm(history.joints["axle"].force, axis=1)
+    # the multiplier swings about its value at first (index 3), damped by rho_inf; second order: (omega h)^2 = 4e-4
+    assert force[60:] == pytest.approx(centripetal, rel=1e-3)

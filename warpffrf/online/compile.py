@@ -23,7 +23,6 @@ from warpffrf.online.settings import Settings
 MIN_HALF_WINDOW = 6  # columns: margin and guard columns of a patch of a few columns
 MAX_HALF_WINDOW = 60
 STENCIL_SPARE = 2  # a hat's support of length x touches at most ceil(x) + 1 cells, ceil(x) + 2 columns
-VELOCITY_JUMP = 1e-6  # of the largest velocity: rounding of a signal's coefficients
 REACH_SPARE = 1.02  # arc length over its projection at the edge of the widest window
 
 
@@ -121,7 +120,6 @@ class _Compiler:
         for drive in self.scene.drives:
             a, b = self.joint_markers[str(drive.joint.name)]
             kind, i, j = DRIVE_ROW[drive.joint.kind]
-            _check_velocity(drive)
             row = self.rows.add(kind, a, b, i, j, signal=self.signal(drive.position()))
             self.joint_rows[drive.joint.name].append(row)
             self.coordinate_rows[drive.joint.name] = row
@@ -366,25 +364,6 @@ class _Compiler:
             )
         quarter = int(0.5 * np.pi / a.grid.pitch) - 2  # no surface is opposite beyond a quarter turn
         return int(min(np.clip(wanted, MIN_HALF_WINDOW, MAX_HALF_WINDOW), max(quarter, int(GUARD) + 1)))
-
-
-def _check_velocity(drive: Any) -> None:
-    """A prescribed position whose velocity jumps would need an infinite force."""
-    breaks, c = drive.position().polynomial()
-    powers = np.arange(1, c.shape[1])
-    ends = [float(np.sum(powers * c[i, 1:] * (breaks[i + 1] - breaks[i]) ** (powers - 1))) for i in range(len(c) - 1)]
-    begins = c[1:, 1]
-    if breaks[0] > 0.0:  # held at the first value until then
-        ends, begins, breaks = [0.0, *ends], c[:, 1], np.concatenate([[0.0], breaks])
-    jumps = np.abs(begins - np.array(ends))
-    lengths = np.diff(drive.position().polynomial()[0])
-    largest = np.abs(powers * c[:, 1:] * lengths[:, None] ** (powers - 1)).max()
-    if jumps.size and jumps.max() > VELOCITY_JUMP * largest:
-        at = int(np.argmax(jumps))
-        raise InputError(
-            f"drive {drive.name!r}: the prescribed position jumps in velocity by {jumps[at]:.3g} at t = {breaks[at + 1]:g} s, "
-            "which needs an infinite force; use SmoothStep, Table(..., cubic=True), or prescribe the velocity"
-        )
 
 
 def _reach_on_second(a: Any, b: Any, half_window: int) -> int:

@@ -135,7 +135,9 @@ class Engine:
         return False
 
     def start(self) -> None:
-        """Velocities consistent with joints and drives, then consistent accelerations and multipliers; opens the ledger."""
+        """Velocities consistent with joints and drives, then consistent accelerations and multipliers; opens the
+        ledger.
+        """
         self.clock(USER_STEP=self.settings.start_step)
         for mode in (k.PROJECT, k.START):
             self.control(MODE=int(mode), STEP=0, SUB=0, LEVEL=0, TARGET=1)

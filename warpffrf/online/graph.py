@@ -151,16 +151,9 @@ class StepGraph:
             self._locate_contact()
         self._launch(
             outer.balance, W,
-            [M, s.ctl, s.clk, x.r1, x.axes, x.v1_rate, x.omega1, x.omega1_rate, x.dx, x.psi, s.lam, x.defect, x.softness, x.pair_wrench, x.gap_defect,
-             x.modal_residual, s.modal_load, x.q1], [x.residual, x.residual_history],
+            [M, s.ctl, s.clk, x.v1_rate, x.omega1, x.omega1_rate, x.dx, x.psi, s.lam, x.defect, x.softness,
+             x.pair_wrench, x.gap_defect, x.modal_residual, s.modal_load, x.q1], [x.residual, x.residual_history],
         )  # fmt: skip
-        if P:
-            self._block(
-                contact_solve.carry_difference, (W,),
-                [M, s.ctl, s.active, x.slot_mode, x.local, x.J, s.pressure, x.stencil, x.stencil_at, x.first_local,
-                 x.second_local, s.modal_load, x.pair_wrench, x.axes, x.r1, x.L],
-                [x.gap, x.residual, x.modal_residual, x.modal_step],
-            )  # fmt: skip
         self._block(
             outer.condense, (W,),
             [M, s.ctl, x.C, x.C_modal, x.receptance, x.softness, x.defect, x.residual, x.modal_residual],
@@ -176,13 +169,15 @@ class StepGraph:
             self._compliance()
             self._block(
                 contact_solve.solve_pressures, (W,),
-                [M, s.active, x.gap, x.slot_mode, x.condensed, x.J, x.L, x.V, x.receptance, x.modal_residual, x.z_free],
+                [M, s.active, x.opened, x.base, x.slot_mode, x.condensed, x.J, x.L, x.V, x.receptance, x.modal_residual,
+                 x.z_free],
                 [s.ctl, x.right, x.order, x.factor, x.solution, s.pressure, x.z],
             )  # fmt: skip
         if Q:
             self._block(
                 contact_solve.modal_increments, (W,),
-                [M, s.ctl, s.active, x.slot_mode, x.J, s.pressure, x.C_modal, x.receptance, x.modal_residual, z],
+                [M, s.ctl, s.active, x.slot_mode, x.J, s.pressure, x.base, x.C_modal, x.receptance, x.modal_residual,
+                 z],
                 [x.modal_step],
             )  # fmt: skip
         if P:
@@ -217,20 +212,21 @@ class StepGraph:
             contact_fields.modal_fields, (W, P),
             [M, s.ctl, x.center, x.window, x.second_window, x.q1.flatten(), 1], [x.first_field, x.second_field],
         )  # fmt: skip
+        self._local_fields()
         self._block(
             contact_fields.close_gaps, (W, P),
-            [M, s.ctl, x.window, x.weak_gap, x.area, x.stencil, x.stencil_at, x.first_field, x.second_field], [x.gap],
+            [M, s.ctl, x.window, x.weak_gap, x.area, x.stencil, x.stencil_at, x.first_field, x.second_field,
+             x.first_local, x.second_local, s.active, s.pressure], [x.gap, x.opened, x.base],
         )  # fmt: skip
-        self._local_fields()
         self._block(
             contact_fields.load_modes, (W,),
             [M, s.ctl, x.center, x.window, x.second_window, s.active, s.pressure, x.second_load.flatten()],
             [s.modal_load.flatten()],
         )  # fmt: skip
         self._launch(
-            contact_fields.residual_gap, W,
-            [M, s.ctl, x.window, s.active, x.area, x.wrench, x.gap, x.stencil, x.stencil_at, s.pressure, x.first_local,
-             x.second_local], [x.pair_wrench, x.gap_defect, x.contact_energy],
+            contact_fields.add_contact, W,
+            [M, s.ctl, x.r1, x.axes, x.window, s.active, x.area, x.wrench, x.gap, x.opened, s.pressure, s.modal_load],
+            [x.residual, x.modal_residual, x.pair_wrench, x.gap_defect, x.contact_energy],
         )  # fmt: skip
 
     def _local_fields(self) -> None:
@@ -253,7 +249,7 @@ class StepGraph:
         )
         self._block(
             contact_compliance.assemble, (W,),
-            [M, s.ctl, x.center, x.slot_mode, x.stencil, x.stencil_at, x.T, x.J, x.receptance], [x.local, x.G],
+            [M, s.ctl, x.center, x.slot_mode, x.stencil, x.stencil_at, x.T, x.J, x.receptance], [x.G],
         )  # fmt: skip
         self._block(
             contact_compliance.outer_rows, (W,),

@@ -19,6 +19,7 @@ from warpffrf.online.settings import Settings
 
 log = logging.getLogger("warpffrf")
 
+VELOCITY_JUMP = 1e-6  # of the largest velocity: rounding of a signal's coefficients
 MESSAGES = {
     k.NOT_CONVERGED: ("not_converged", "the Newton iteration did not converge; reduce step"),
     k.CYCLING: (
@@ -61,6 +62,8 @@ def run(
     steps = int(round(duration / step))
     if steps < 1:
         raise InputError(f"simulate: step {step:g} s is longer than the duration {duration:g} s")
+    for drive in scene.drives:
+        _check_velocity(drive)
     if save_every < 1:
         raise InputError(f"simulate: save_every must be at least 1, got {save_every!r}")
     begin = time.perf_counter()
@@ -174,6 +177,26 @@ def _finish(engine: Engine, begin: float, built: float, notes: list[str], prefix
     history.notes = notes
     history.checkpoint = engine.state.to_numpy()
     return history
+
+
+def _check_velocity(drive: Any) -> None:
+    """A prescribed position whose velocity jumps would need an infinite force."""
+    breaks, c = drive.position().polynomial()
+    powers = np.arange(1, c.shape[1])
+    ends = [float(np.sum(powers * c[i, 1:] * (breaks[i + 1] - breaks[i]) ** (powers - 1))) for i in range(len(c) - 1)]
+    begins = c[1:, 1]
+    if breaks[0] > 0.0:  # held at the first value until then
+        ends, begins, breaks = [0.0, *ends], c[:, 1], np.concatenate([[0.0], breaks])
+    jumps = np.abs(begins - np.array(ends))
+    lengths = np.diff(drive.position().polynomial()[0])
+    largest = np.abs(powers * c[:, 1:] * lengths[:, None] ** (powers - 1)).max()
+    if jumps.size and jumps.max() > VELOCITY_JUMP * largest:
+        at = int(np.argmax(jumps))
+        raise InputError(
+            f"drive {drive.name!r}: the prescribed position jumps in velocity by {jumps[at]:.3g} at "
+            f"t = {breaks[at + 1]:g} s, which needs an infinite force; use SmoothStep, Table(..., cubic=True), or "
+            "prescribe the velocity"
+        )
 
 
 def _check_load_paths(scene: Any) -> None:

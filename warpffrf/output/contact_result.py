@@ -11,15 +11,15 @@ because the second moment of one hat about its own node is h^3/6. For Hertz's li
 second moment is `a^2/4`, hence the half-width `2 sqrt(m2)`: unlike the extent of the active set it does not jump with
 the grid.
 
-The hat coefficients themselves swing about the pressure from node to node: the second body follows a pressure of the first
-grid's wavelength only in part, because its own grid does not resolve it. The mean over each hat, consistent nodal force over
-nodal area,
+The hat coefficients themselves swing about the pressure from node to node: the second body follows a pressure of the
+first grid's wavelength only in part, because its own grid does not resolve it. The mean over each hat, consistent nodal
+force over nodal area,
 
     pbar_j = int p psi_j dx / int psi_j dx = (p_(j-1) + 4 p_j + p_(j+1)) / 6,
 
-is free of that and exact for a linear pressure (a peak of curvature p0/a^2 is underestimated by h^2/(12 a^2), 0.5 % at four
-hats in a half-width). It is what is reported as pressure and held against Hertz; force, torque and moments are those of the
-hats, which the mean does not change.
+is free of that and exact for a linear pressure (a peak of curvature p0/a^2 is underestimated by h^2/(12 a^2), 0.5 % at
+four hats in a half-width). It is what is reported as pressure and held against Hertz; force, torque and moments are
+those of the hats, which the mean does not change.
 
 Hertz (K. L. Johnson, Contact Mechanics, 1985, section 4.2): `a^2 = 4 P' R / (pi E*)`, `p0 = 2 P' / (pi a)`,
 `1/R = 1/R1 + 1/R2`, `1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2`.
