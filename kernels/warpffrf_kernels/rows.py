@@ -104,6 +104,7 @@ def write_side(
     force: vec3,
     torque: vec3,
     x: vec3,
+    x_marker: vec3,
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     C: wp.array3d(dtype=real),
@@ -121,8 +122,10 @@ def write_side(
     f = model.marker_interface[marker]
     if f < 0:
         return
+    # the interface turns about its undeformed point: du = Phi_t dq + (Phi_r dq) x (X - X_if)
     fb = At * force
-    tb = At * (wp.cross(x - r1[w, b], force) + torque) - wp.cross(model.interface_point[f], fb)
+    tb = At * (wp.cross(x - x_marker, force) + torque)
+    tb += wp.cross(model.marker_point[marker] - model.interface_point[f], fb)
     m = model.modal_start[b]
     o = m
     while m < model.modal_start[b + 1]:
@@ -223,8 +226,8 @@ def evaluate_rows(
             force = gap / wp.max(value, real(1.0e-300))
         clear_side(model, w, row, a, C, C_modal)
         clear_side(model, w, row, b, C, C_modal)
-        write_side(model, w, row, b, force, torque, x_b, r1, axes, C, C_modal)
-        write_side(model, w, row, a, -force, -torque, x_b, r1, axes, C, C_modal)
+        write_side(model, w, row, b, force, torque, x_b, x_b, r1, axes, C, C_modal)
+        write_side(model, w, row, a, -force, -torque, x_b, x_a, r1, axes, C, C_modal)
         coordinate[w, row] = value + s
         value -= model.row_reference[row]
         drive_rate[w, 1, row] = s_rate
@@ -320,7 +323,7 @@ def apply_forces(
             residual[w, 6 * b + c] = residual[w, 6 * b + c] - f[c]
             residual[w, 6 * b + 3 + c] = residual[w, 6 * b + 3 + c] - moment[c]
         if interface >= 0:
-            tb = wp.cross(arm - model.interface_point[interface], fb)
+            tb = wp.cross(X - model.interface_point[interface], fb)
             m = model.modal_start[b]
             o = m
             while m < model.modal_start[b + 1]:

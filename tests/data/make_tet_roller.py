@@ -17,7 +17,7 @@ FILE = Path(__file__).with_name("tet_roller.msh")
 
 
 def main() -> None:
-    import gmsh
+    import gmsh  # pyright: ignore[reportMissingImports] (an extra, only for making the file anew)
 
     length = math.sqrt(sum(a * a for a in AXIS))
     e_a = [a / length for a in AXIS]

@@ -59,7 +59,7 @@ class CompiledScene:
     """Device constants of a scene and the host-side map from rows and surfaces back to names."""
 
     scene: Any
-    model: Model
+    model: Any  # warpffrf_kernels.model.Model
     models: wp.array  # the same as a device array of one entry: kernels read it by address, launches stay small
     device: str
     joint_rows: dict[str, list[int]]  # joint name -> its rows, drives included
@@ -205,7 +205,7 @@ class _Compiler:
             self.coordinate_rows, len(self.rows), modal_start, pairs, self.notes,
         )  # fmt: skip
 
-    def _interfaces(self, m: Model) -> None:
+    def _interfaces(self, m: Any) -> None:
         bodies = self.scene.bodies
         widest = max([b.mode_count for b in bodies], default=0)
         points = np.zeros((max(len(self.interfaces), 1), 3))
@@ -217,7 +217,7 @@ class _Compiler:
         m.interface_point = self.array(points, wp.vec3d)
         m.interface_modes = self.array(modes)
 
-    def _markers_rows_signals(self, m: Model) -> None:
+    def _markers_rows_signals(self, m: Any) -> None:
         for force in self.scene.forces:
             if isinstance(force, PointForce):
                 force_signals = [self.signal(s) for s in force.components]
@@ -238,7 +238,7 @@ class _Compiler:
             np.concatenate([np.zeros((0, 8))] + [c for _, c in self.signals]), shape=(-1, 8)
         )
 
-    def _forces(self, m: Model) -> None:
+    def _forces(self, m: Any) -> None:
         forces = [f for f in self.scene.forces if isinstance(f, PointForce)]
         m.force_count = len(forces)
         m.force_body = self.array([f.port.body.index for f in forces], int)
@@ -248,7 +248,7 @@ class _Compiler:
         m.force_in_body = self.array([int(f.frame == "body") for f in forces], int)
         m.force_signal = self.array(getattr(self, "force_signals", []), int, (-1, 3))
 
-    def _surfaces(self, m: Model) -> None:
+    def _surfaces(self, m: Any) -> None:
         lists: dict[str, list] = {name: [] for name in (
             "body", "origin", "frame", "radius", "crown", "theta", "pitch", "columns", "periodic",
             "turn", "rows", "block",
@@ -290,7 +290,7 @@ class _Compiler:
         m.mode_normal = self.array(np.concatenate(empty + modes))
         m.mode_moment = self.array(np.concatenate(empty + moments))
 
-    def _pairs(self, m: Model) -> None:
+    def _pairs(self, m: Any) -> None:
         settings = self.settings
         for name, count in (("theta", settings.theta_points), ("z", settings.z_points)):
             x, weight = np.polynomial.legendre.leggauss(count)

@@ -35,7 +35,7 @@ class StepGraph:
         self._load_modules()
         with wp.ScopedCapture(device=self.device) as capture:
             wp.capture_while(work.more, self._attempt)
-        self.graph = capture.graph
+        self.graph: Any = capture.graph
 
     def replay(self, budget: int) -> None:
         """Attempt steps until every world has reached its target or failed, at most `budget` times."""
