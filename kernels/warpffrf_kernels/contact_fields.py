@@ -14,9 +14,7 @@ from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, syn
 
 wp.set_module_options(MODULE_OPTIONS)
 
-SHALLOW = wp.constant(
-    wp.float64(1.0e-8)
-)  # m: a penetration below this does not tighten the tolerance of gaps any further
+SHALLOW = wp.constant(wp.float64(1.0e-6))  # m: smaller penetrations do not tighten the tolerance of gaps: round-off
 
 
 @wp.kernel

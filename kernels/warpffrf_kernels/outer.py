@@ -25,9 +25,10 @@ from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, ve
 
 wp.set_module_options(MODULE_OPTIONS)
 
-REFRESH_ABOVE = wp.constant(
-    wp.float64(1.0e-4)
-)  # residual below which the inverse of the last iteration serves once more
+# residual below which the inverse of the last iteration serves once more
+REFRESH_ABOVE = wp.constant(wp.float64(1.0e-7))
+# of the coordinates: a joint defect is not measured against less, or round-off would exceed the tolerance
+SHORT = wp.constant(wp.float64(1.0e-6))
 ROUND_OFF = wp.constant(wp.float64(1.0e-6))  # times the residual tolerance: a few digits above machine precision
 PIVOT_TOLERANCE = wp.constant(
     wp.float64(1.0e-13)
@@ -242,6 +243,7 @@ def balance(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
+    r1: wp.array2d(dtype=vec3),
     v1_rate: wp.array2d(dtype=vec3),
     omega1: wp.array2d(dtype=vec3),
     omega1_rate: wp.array2d(dtype=vec3),
@@ -282,7 +284,12 @@ def balance(
         b += 1
     length = real(1.0)
     if gap_defect[w, 1] > real(0.0):
-        length = gap_defect[w, 1]
+        extent = real(1.0)
+        b = int(0)
+        while b < model.body_count:
+            extent = wp.max(extent, wp.length(r1[w, b]))
+            b += 1
+        length = wp.max(gap_defect[w, 1], SHORT * extent)
     worst = real(0.0)
     row = int(0)
     while row < model.row_count:

@@ -13,7 +13,9 @@ from warpffrf.study.rollers import PAIR, Path, guided_pair, prescribed_pair
 ROUND_OFF = 1e-10  # residuals below this are round-off of the joint equations
 # the tangent leaves out how the grids' phases follow a tilt: then the tail is linear, with this factor at most
 FIXED_PHASE = 0.02
-QUADRATIC = 1.5  # least order between 1 (linear) and 2 that counts as the latter for residuals of a few iterations
+# residual <= QUADRATIC * (residual before)^2: a turn of 0.03 rad in one step bends joint equations by its square, which
+# is large beside a penetration of 1e-4 m; measured 0.001 to 2300
+QUADRATIC = 5e3
 
 
 def residuals(engine: Engine) -> np.ndarray:
@@ -45,7 +47,7 @@ def test_residuals_fall_quadratically(plain_body: ReducedBody, crowned_body: Red
     assert len(r) <= 8 and r[-1] <= ROUND_OFF
     for before, after in zip(r[:-1], r[1:], strict=True):
         if after > ROUND_OFF:
-            assert after < max(before**QUADRATIC, FIXED_PHASE * before if tilt else 0.0)
+            assert after < max(QUADRATIC * before**2, FIXED_PHASE * before if tilt else 0.0)
 
 
 def test_steps_of_a_rolling_pair_take_few_iterations(plain_body: ReducedBody) -> None:

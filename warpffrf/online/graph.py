@@ -151,7 +151,7 @@ class StepGraph:
             self._locate_contact()
         self._launch(
             outer.balance, W,
-            [M, s.ctl, s.clk, x.v1_rate, x.omega1, x.omega1_rate, x.dx, x.psi, s.lam, x.defect, x.softness,
+            [M, s.ctl, s.clk, x.r1, x.v1_rate, x.omega1, x.omega1_rate, x.dx, x.psi, s.lam, x.defect, x.softness,
              x.pair_wrench, x.gap_defect, x.modal_residual, s.modal_load, x.q1], [x.residual, x.residual_history],
         )  # fmt: skip
         self._block(
