@@ -10,8 +10,8 @@ step books
 
 A step is accepted when its Newton loop converged, everything is finite, and, if it opened or closed a contact,
 `numerical + contact grid` did not rise by more than `energy_tolerance` of the energy at hand. Otherwise it is halved
-(levels are powers of two of the user's step, so time stays exact), and the algorithmic accelerations restart from the
-true ones when the step size changes or a contact opens.
+(levels are powers of two of the user's step, so time stays exact). Contact opens or closes where the force of a pair
+vanishes on one side of the step only; the algorithmic accelerations then restart from the true ones.
 """
 
 import warp as wp
@@ -22,6 +22,10 @@ from warpffrf_kernels.rows import evaluate_signal
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
+
+QUIET = wp.constant(
+    wp.float64(0.125)
+)  # of the energy tolerance: a step of second order with a defect below 1/2^3 of it may be doubled
 
 
 @wp.kernel
@@ -67,7 +71,6 @@ def balance_energy(
     dq: wp.array2d(dtype=real),
     lam0: wp.array2d(dtype=real),
     lam: wp.array2d(dtype=real),
-    defect: wp.array2d(dtype=real),
     coordinate: wp.array2d(dtype=real),
     drive_rate: wp.array3d(dtype=real),
     applied: wp.array3d(dtype=vec3),
@@ -158,6 +161,7 @@ def decide(
     models: wp.array(dtype=Model),
     energy: wp.array3d(dtype=real),
     dx: wp.array2d(dtype=vec3),
+    pair_force: wp.array4d(dtype=real),
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
 ):
@@ -167,12 +171,22 @@ def decide(
     if ctl[w, k.ATTEMPT] == 0:
         return
     total = real(0.0)
-    for line in range(9):
+    for line in range(k.LINES):
         total += energy[w, 1, line]
     if not wp.isfinite(total):
         ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_FINITE
-    opened = ctl[w, k.TOUCHED] > 0 and ctl[w, k.ACTIVE] == 0
-    closed = ctl[w, k.TOUCHED] == 0 and ctl[w, k.ACTIVE] > 0
+    event = int(0)
+    pair = int(0)
+    while pair < model.pair_count:
+        before = real(0.0)
+        after = real(0.0)
+        for c in range(3):
+            before += wp.abs(pair_force[w, pair, 0, c])
+            after += wp.abs(pair_force[w, pair, 1, c])
+        if (before > real(0.0)) != (after > real(0.0)):
+            event = int(1)
+        pair += 1
+    ctl[w, k.EVENT] = event
     dynamic = ctl[w, k.MODE] == k.DYNAMIC
     defect = energy[w, 1, k.NUMERICAL] - energy[w, 0, k.NUMERICAL]
     defect += energy[w, 1, k.CONTACT_GRID] - energy[w, 0, k.CONTACT_GRID]
@@ -180,7 +194,7 @@ def decide(
     for side in range(2):
         at_hand = energy[w, side, k.KINETIC] + energy[w, side, k.STRAIN] + energy[w, side, k.CONTACT]
         hand = wp.max(hand, at_hand)
-    if dynamic and ctl[w, k.FAILURE] == 0 and (opened or closed):
+    if dynamic and ctl[w, k.FAILURE] == 0 and event != 0:
         if wp.abs(defect) > model.energy_tolerance * hand:
             ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ENERGY
     failure = ctl[w, k.FAILURE]
@@ -219,11 +233,10 @@ def decide(
         return
     ctl[w, k.SUB] = ctl[w, k.SUB] + 1
     if ctl[w, k.LEVEL] > 0:
-        quiet = not opened and not closed and wp.abs(defect) <= real(0.125) * model.energy_tolerance * hand
-        while quiet and ctl[w, k.LEVEL] > 0 and ctl[w, k.SUB] % 2 == 0:
+        quiet = event == 0 and wp.abs(defect) <= QUIET * model.energy_tolerance * hand
+        if quiet and ctl[w, k.SUB] % 2 == 0:  # one level at a time
             ctl[w, k.LEVEL] = ctl[w, k.LEVEL] - 1
             ctl[w, k.SUB] = ctl[w, k.SUB] / 2
-            quiet = False  # one level at a time
     whole = int(1)
     level = int(0)
     while level < ctl[w, k.LEVEL]:
@@ -271,7 +284,7 @@ def keep_bodies(
         a_r = (psi[w, b] - h * omega[w, b] - h * h * (real(0.5) - clk[w, k.BETA]) * omega_alg[w, b]) / (
             clk[w, k.BETA] * h * h
         )
-        if mode == k.START or restarts(ctl, w):
+        if mode == k.START or ctl[w, k.EVENT] != 0:
             a_t = v1_rate[w, b]
             a_r = omega1_rate[w, b]
         if mode == k.DYNAMIC or mode == k.START:
@@ -283,12 +296,6 @@ def keep_bodies(
             v[w, b] = v1[w, b]
             omega[w, b] = omega1[w, b]
         b += wp.block_dim()
-
-
-@wp.func
-def restarts(ctl: wp.array2d(dtype=int), w: int) -> bool:
-    """After a contact has opened or closed, the algorithmic accelerations start afresh."""
-    return (ctl[w, k.TOUCHED] > 0) != (ctl[w, k.ACTIVE] > 0)
 
 
 @wp.kernel
@@ -316,7 +323,7 @@ def keep_modes(
             q[w, n] = q1[w, n]
         h = clk[w, k.H]
         a = (dq[w, n] - h * qd[w, n] - h * h * (real(0.5) - clk[w, k.BETA]) * qd_alg[w, n]) / (clk[w, k.BETA] * h * h)
-        if mode == k.START or restarts(ctl, w):
+        if mode == k.START or ctl[w, k.EVENT] != 0:
             a = qd1_rate[w, n]
         if mode == k.DYNAMIC or mode == k.START:
             qd_rate[w, n] = qd1_rate[w, n]
@@ -364,7 +371,7 @@ def keep_rest(
         for c in range(12):
             pair_force[w, pair, 0, c] = pair_force[w, pair, 1, c]
         pair += 1
-    for line in range(9):
+    for line in range(k.LINES):
         energy[w, 0, line] = energy[w, 1, line]
 
 
@@ -379,7 +386,10 @@ def sum_second(
 ):
     """Per (world, pair): the wrench that the hat forces on the second surface sum to there (about A's centre of mass).
 
-    Hats reproduce linear functions, so force and moment agree with those of the first side to round-off.
+    The wrench of a unit force is interpolated linearly between the first and the last station, at the axial position of
+    the node. Hats reproduce linear functions, so force and moment agree with those of the first side to round-off where
+    that wrench is linear in z: for parallel axes. On tilted ones the line of centres turns along the width, and what is
+    left is of the order of the tilt squared.
     """
     w, pair = wp.tid()
     model = models[0]
@@ -397,7 +407,9 @@ def sum_second(
         f = second_load[w, pair, i]
         if f != real(0.0):
             z = model.surface_z[model.surface_z_start[B] + i % rows_b]
-            e = (z - z0) / (z1 - z0)
+            e = real(0.0)
+            if last > 0:
+                e = (z - z0) / (z1 - z0)
             for c in range(6):
                 value = (real(1.0) - e) * station_wrench[w, pair, 0, c] + e * station_wrench[w, pair, last, c]
                 second_wrench[w, pair, c] = second_wrench[w, pair, c] - f * value
@@ -440,9 +452,9 @@ def record(
     ring[w, at, 3] = real(ctl[w, k.PENDING_SOLVES])
     ctl[w, k.PENDING] = 0
     ctl[w, k.PENDING_SOLVES] = 0
-    for line in range(9):
+    for line in range(k.LINES):
         ring[w, at, 4 + line] = energy[w, 0, line]
-    o = int(13)
+    o = int(4 + k.LINES)
     b = int(0)
     while b < model.body_count:
         for i in range(3):

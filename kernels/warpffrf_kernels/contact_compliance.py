@@ -23,9 +23,8 @@ wp.set_module_options(MODULE_OPTIONS)
 @wp.kernel
 def take_slots(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
     active: wp.array3d(dtype=int),
-    area: wp.array3d(dtype=real),
+    ctl: wp.array2d(dtype=int),
     phase: wp.array3d(dtype=real),
     slot_of: wp.array3d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
@@ -58,8 +57,6 @@ def take_slots(
     while pair < model.pair_count:
         m = int(0)
         while m < capacity:
-            if active[w, pair, m] != 0 and area[w, pair, m] == real(0.0):
-                active[w, pair, m] = 0
             if active[w, pair, m] != 0:
                 number += 1
                 if slot_of[w, pair, m] < 0:

@@ -24,9 +24,12 @@ def set_second_window(
     window: wp.array3d(dtype=int),
     area: wp.array3d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
     second_window: wp.array3d(dtype=int),
 ):
-    """Per (world, pair): columns of the second grid that the hats of the window reach."""
+    """Per (world, pair): columns of the second grid that the hats of the window reach; hats that face nothing leave the
+    active set, since their stencils may lie beyond that grid's window."""
     w, pair = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
@@ -39,6 +42,9 @@ def set_second_window(
         if area[w, pair, m] > real(0.0):
             low = wp.min(low, stencil_at[w, pair, m, 0])
             high = wp.max(high, stencil_at[w, pair, m, 0] + model.stencil_columns - 1)
+        else:
+            active[w, pair, m] = 0
+            pressure[w, pair, m] = real(0.0)
         m += 1
     second_window[w, pair, 0] = wp.min(low, high)
     second_window[w, pair, 1] = high

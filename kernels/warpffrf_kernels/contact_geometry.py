@@ -22,6 +22,11 @@ phase changes is the grid defect of the ledger.
 Gradient of d. A displacement field w of B's axis relative to A moves b by w + sigma e_B with e_A.(w + sigma e_B) = 0,
 hence `dd = N.w`, `N = c - e_A (c.e_B)/(e_A.e_B)`.
 
+The phases of a step are those of its first evaluation, the predicted state, until an iteration moves the grids by more
+than FREEZE: the force ripples by a fraction of a percent a column, so that is below the residual tolerance. At fixed
+phases the gap of two cylinders is linear in d, and an evaluation only shifts the weak gaps (`shift`) instead of
+sampling them again.
+
 Weak gaps. Hats psi_i of A's grid, Gauss points in every cell: `g_i = int psi_i g dA`; B is interpolated at the point of
 B opposite (grid column, row), which gives the stencil `l_i[node] = int psi_i psi^B_node dA`, the load of B's hats under
 a unit pressure hat of A.
@@ -42,6 +47,7 @@ PHASE_TOLERANCE = wp.constant(
 )  # columns: G changes by about this fraction; as a tangent it may, see contact_solve
 SERIES = wp.constant(wp.float64(5.0e-6))  # rad: third-order terms are then below round-off
 TWO_PI = wp.constant(wp.float64(2.0 * math.pi))
+FREEZE = wp.constant(wp.float64(2.0e-7))  # columns: phases that an iteration changes by less stay, see above
 DRIFT = wp.constant(wp.float64(0.75))  # columns off the centre column, beyond which the windows are moved
 FARTHEST = wp.constant(wp.float64(1.0e6))  # columns: a phase beyond is that of a state that has left the scene
 GUARD = wp.constant(2)  # outermost columns of a full window that must end inactive
@@ -71,9 +77,9 @@ def wrap(x: real, turn: real, middle: real) -> real:
 @wp.kernel
 def locate(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
+    ctl: wp.array2d(dtype=int),
     phase: wp.array3d(dtype=real),
     center: wp.array3d(dtype=int),
     station: wp.array4d(dtype=real),
@@ -81,7 +87,8 @@ def locate(
 ):
     """Per (world, pair): contact frame and grid phases of every axial station.
 
-    station: d, column on A, column on B, axial position on B, t.e_B, c.e_B, weight int dz R_A, sense of B's angle
+    station: d, column on A, column on B, axial position on B, t.e_B, c.e_B, weight int dz R_A, sense of B's angle, d
+    where the gaps were sampled, columns of this evaluation.
     """
     w, pair = wp.tid()
     model = models[0]
@@ -111,6 +118,7 @@ def locate(
     column_a = real(0.0)
     column_b = real(0.0)
     largest = real(0.0)
+    moved = real(0.0)
     s = int(0)
     while s < count:
         cell = s / model.z_points
@@ -148,8 +156,9 @@ def locate(
         if axial < zb_low or axial > zb_high:
             weight = real(0.0)  # no opposite surface here
         station[w, pair, s, 0] = d
-        station[w, pair, s, 1] = x_a
-        station[w, pair, s, 2] = x_b
+        moved = wp.max(moved, wp.max(wp.abs(x_a - station[w, pair, s, 1]), wp.abs(x_b - station[w, pair, s, 2])))
+        station[w, pair, s, 9] = x_a
+        station[w, pair, s, 10] = x_b
         station[w, pair, s, 3] = axial
         station[w, pair, s, 4] = wp.dot(t, e_B)
         station[w, pair, s, 5] = wp.dot(c, e_B)
@@ -175,12 +184,22 @@ def locate(
         ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_FINITE
         ctl[w, k.RUN] = 0
         return
+    center[w, pair, 2] = 0
     drift = wp.max(wp.abs(mid_a - real(center[w, pair, 0])), wp.abs(mid_b - real(center[w, pair, 1])))
     if ctl[w, k.ITERATION] == 0 or drift > DRIFT:
         center[w, pair, 0] = int(wp.floor(mid_a + real(0.5)))
         center[w, pair, 1] = int(wp.floor(mid_b + real(0.5)))
         ctl[w, k.REASSEMBLE] = 1
         ctl[w, k.RECENTER] = 1
+    elif moved <= FREEZE and ctl[w, k.REASSEMBLE] == 0 and model.surface_crown[B] == real(0.0):
+        center[w, pair, 2] = 1
+    if center[w, pair, 2] == 0:
+        s = int(0)
+        while s < count:
+            station[w, pair, s, 1] = station[w, pair, s, 9]
+            station[w, pair, s, 2] = station[w, pair, s, 10]
+            station[w, pair, s, 8] = station[w, pair, s, 0]
+            s += 1
 
 
 @wp.kernel
@@ -223,6 +242,9 @@ def open_window(
     found = int(0)
     m = int(0)
     while m < model.window_columns * rows:
+        if active[w, pair, m] != 0 and not wp.isfinite(pressure[w, pair, m]):  # left by a rejected attempt
+            active[w, pair, m] = 0
+            pressure[w, pair, m] = real(0.0)
         if active[w, pair, m] != 0:
             o = m / rows - H
             if found == 0:
@@ -260,7 +282,7 @@ def sample(
     """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or center[w, pair, 2] != 0:
         return
     A = model.pair_first[pair]
     B = model.pair_second[pair]
@@ -341,16 +363,15 @@ def sample(
     const int s1 = (row + 1 < rows ? row + 1 : rows - 1) * model.z_points;
     const double* g = point_gap.data + p0 * (model.window_columns + 1) * NT * most;
     const double* place = point_place.data + p0 * (model.window_columns + 1) * NT * most * 2;
-    const double* st = station.data + p0 * most * 8;
+    const double* st = station.data + p0 * most * 11;
     const double* sw = station_wrench.data + p0 * most * 6;
     double* l = stencil.data + hat * SC * SR;
     double* f = wrench.data + hat * 6;
     for (int e = 0; e < SC * SR; ++e) l[e] = 0.0;
     for (int c = 0; c < 6; ++c) f[c] = 0.0;
     double total = 0.0, size = 0.0, lowest_c = 1e300, lowest_r = 1e300;
-    const int ends[2] = {column * NT * NS, ((column + 2) * NT - 1) * NS};
-    for (int e = 0; e < 2; ++e) for (int s = s0; s < s1; ++s) {
-        const double* q = place + (size_t)(ends[e] + s) * 2;
+    for (int t = 0; t < 2 * NT; ++t) for (int s = s0; s < s1; ++s) {
+        const double* q = place + (size_t)((column * NT + t) * NS + s) * 2;
         if (q[0] < lowest_c) lowest_c = q[0];
         if (q[1] < lowest_r) lowest_r = q[1];
     }
@@ -359,7 +380,7 @@ def sample(
     for (int s = s0; s < s1; ++s) {
         const int zc = s / model.z_points;
         const double zeta = model.z_abscissa.data[s - zc * model.z_points];
-        const double wz = (zc == row ? 1.0 - zeta : zeta) * st[s * 8 + 6] * pitch;
+        const double wz = (zc == row ? 1.0 - zeta : zeta) * st[s * 11 + 6] * pitch;
         double hat_weight = 0.0;
         for (int t = 0; t < 2 * NT; ++t) {
             const double x = model.theta_abscissa.data[t % NT];
@@ -405,13 +426,13 @@ def sum_hat(
 @wp.kernel
 def weigh(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     station: wp.array4d(dtype=real),
     station_wrench: wp.array4d(dtype=real),
     point_gap: wp.array3d(dtype=real),
     point_place: wp.array4d(dtype=real),
+    ctl: wp.array2d(dtype=int),
     weak_gap: wp.array3d(dtype=real),
     area: wp.array3d(dtype=real),
     wrench: wp.array4d(dtype=real),
@@ -424,7 +445,7 @@ def weigh(
     """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or center[w, pair, 2] != 0:
         return
     A = model.pair_first[pair]
     rows = model.surface_rows[A]
@@ -437,8 +458,6 @@ def weigh(
             model, w, pair, m, rows, rows_b, center[w, pair, 1] - model.second_half_window, model.surface_pitch[A],
             station, station_wrench, point_gap, point_place, weak_gap, area, wrench, stencil, stencil_at,
         )  # fmt: skip
-        if beyond != 0:
-            ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.CAPACITY
         # a hat beyond the end of an arc, or so far round the bodies that nothing of the second window is opposite
         reached = stencil_at[w, pair, m, 0]
         if reached < 0 or reached + model.stencil_columns > model.second_columns:
@@ -446,4 +465,51 @@ def weigh(
         absolute = center[w, pair, 0] + m / rows - H
         if model.surface_periodic[A] == 0 and (absolute < 0 or absolute >= model.surface_columns[A]):
             area[w, pair, m] = real(0.0)
+        if beyond != 0 and area[w, pair, m] > real(0.0):
+            ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.STENCIL
+        m += wp.block_dim()
+
+
+@wp.kernel
+def shift(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    station: wp.array4d(dtype=real),
+    station_wrench: wp.array4d(dtype=real),
+    area: wp.array3d(dtype=real),
+    weak_gap: wp.array3d(dtype=real),
+    wrench: wp.array4d(dtype=real),
+    shifted_gap: wp.array3d(dtype=real),
+):
+    """Per (world, pair), lanes over hats: the sampled weak gaps at the present distance of the axes, and their
+    gradient.
+    """
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+        return
+    A = model.pair_first[pair]
+    rows = model.surface_rows[A]
+    frozen = center[w, pair, 2]
+    m = (window[w, pair, 0] + model.half_window) * rows + lane
+    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+        value = weak_gap[w, pair, m]
+        if frozen != 0 and area[w, pair, m] > real(0.0):
+            row = m % rows
+            for i in range(6):
+                wrench[w, pair, m, i] = real(0.0)
+            s = wp.max(row - 1, 0) * model.z_points
+            while s < wp.min(row + 1, rows - 1) * model.z_points:
+                zc = s / model.z_points
+                psi = model.z_abscissa[s - zc * model.z_points]
+                if zc == row:
+                    psi = real(1.0) - psi
+                q = psi * station[w, pair, s, 6] * model.surface_pitch[A]  # a hat's integral around is the pitch
+                value += q * (station[w, pair, s, 0] - station[w, pair, s, 8])
+                for i in range(6):
+                    wrench[w, pair, m, i] = wrench[w, pair, m, i] + q * station_wrench[w, pair, s, i]
+                s += 1
+        shifted_gap[w, pair, m] = value
         m += wp.block_dim()

@@ -129,13 +129,21 @@ def solve_pressures(
     if ctl[w, k.RUN] == 0:
         return
     slots = ctl[w, k.SLOTS]
+    # active slots from the front of `order`, those that have left the set from its back
     count = int(0)
+    left = int(0)
     slot = int(0)
     while slot < slots:  # every lane counts for itself, in the same order
-        if active[w, slot_mode[w, slot, 0], slot_mode[w, slot, 1]] != 0:
+        pair = slot_mode[w, slot, 0]
+        m = slot_mode[w, slot, 1]
+        if active[w, pair, m] != 0:
             if lane == 0:
                 order[w, count] = slot
             count += 1
+        elif base[w, pair, m] != real(0.0):
+            left += 1
+            if lane == 0:
+                order[w, model.slot_capacity - left] = slot
         slot += 1
     sync()
     i = lane
@@ -143,11 +151,11 @@ def solve_pressures(
         a = order[w, i]
         pair = slot_mode[w, a, 0]
         total = -opened[w, pair, slot_mode[w, a, 1]]
-        slot = int(0)
-        while slot < slots:
-            if active[w, slot_mode[w, slot, 0], slot_mode[w, slot, 1]] == 0:
-                total += condensed[w, a, slot] * base[w, slot_mode[w, slot, 0], slot_mode[w, slot, 1]]
-            slot += 1
+        e = int(1)
+        while e <= left:
+            slot = order[w, model.slot_capacity - e]
+            total += condensed[w, a, slot] * base[w, slot_mode[w, slot, 0], slot_mode[w, slot, 1]]
+            e += 1
         c = int(0)
         while c < model.coupled_count[pair]:
             total -= L[w, a, c] * z_free[w * model.outer_count + model.coupled[pair, c]]
@@ -300,9 +308,9 @@ def correct_set(
 @wp.kernel
 def accept_set(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
     center: wp.array3d(dtype=int),
     proposed: wp.array3d(dtype=int),
+    ctl: wp.array2d(dtype=int),
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
     window: wp.array3d(dtype=int),
@@ -310,7 +318,7 @@ def accept_set(
     """Per world: take over the corrected set, count the changes, widen a window that its patch has reached, check the
     guards.
 
-    The pressures of modes that left are zeroed only when the set goes on changing; a settled set keeps what was solved.
+    The pressures of modes that leave are zeroed.
     """
     w = wp.tid()
     model = models[0]

@@ -24,14 +24,14 @@ TARGET = wp.constant(15)  # user steps to do in this chunk
 SAVED = wp.constant(16)  # rows written to the ring
 REJECTED = wp.constant(17)  # rejected attempts so far
 WORST = wp.constant(18)  # largest number of iterations of an accepted step
-TOUCHED = wp.constant(19)  # active modes of the state the attempt starts from
-SOLVES = wp.constant(20)  # active-set solves, all accepted steps
+TOUCHED = wp.constant(19)  # active modes before the attempt, restored when it is rejected
+EVENT = wp.constant(20)  # 1 when the attempt opened or closed the contact of a pair
 ITERATIONS = wp.constant(21)  # Newton iterations, all accepted steps
 STEPS = wp.constant(22)  # accepted steps
 REASON = wp.constant(23)  # failure bits of all rejected attempts
 PENDING = wp.constant(24)  # iterations since the last saved row
 PENDING_SOLVES = wp.constant(25)
-SPARE = wp.constant(26)  # needed capacity when a capacity is exceeded
+SPARE = wp.constant(26)  # capacity that would do, where one is exceeded
 EDGE = wp.constant(27)  # 1 when a patch ran onto the end of a contact surface that covers an arc only
 ATTEMPT = wp.constant(28)  # 1 when this world takes part in the attempt
 ACCEPT = wp.constant(29)  # 1 when the attempt was accepted
@@ -53,11 +53,9 @@ BETA = wp.constant(7)
 GAMMA = wp.constant(8)
 ACC = wp.constant(9)  # d(acceleration)/d(displacement)
 VEL = wp.constant(10)  # d(velocity)/d(displacement)
-RESIDUAL = wp.constant(11)  # scaled residual of the last evaluation
-FORCE_SCALE = wp.constant(12)
-MOVE = wp.constant(13)  # largest displacement of a static step [m]
-DONE_STEP = wp.constant(14)  # size of the last accepted step
-CLK = 15
+MOVE = wp.constant(11)  # largest displacement of a static step [m]
+DONE_STEP = wp.constant(12)  # size of the last accepted step
+CLK = 13
 
 # --- values
 DYNAMIC = wp.constant(0)
@@ -73,6 +71,7 @@ UNDERFLOW = wp.constant(16)
 SINGULAR = wp.constant(32)
 ENERGY = wp.constant(64)
 INDEFINITE = wp.constant(128)
+STENCIL = wp.constant(256)
 
 # --- constraint row kinds
 TRANSLATION = wp.constant(0)

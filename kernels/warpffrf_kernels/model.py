@@ -1,4 +1,4 @@
-"""Constant data of a scene on the device. Filled by `warpffrf.online.model`; the meaning of every field is given here.
+"""Constant data of a scene on the device. Filled by `warpffrf.online.compile`; the meaning of every field is given here.
 
 Indices of absent things are -1. Body frames have their origin in the centre of mass (Tisserand frame).
 """
@@ -21,7 +21,6 @@ class Model:
     mass: wp.array(dtype=real)  # (bodies,) kg
     inertia: wp.array(dtype=mat33)  # (bodies,) kg m2, about the centre of mass, body axes
     modal_start: wp.array(dtype=int)  # (bodies + 1,)
-    modal_body: wp.array(dtype=int)  # (modes,)
     stiffness: wp.array(dtype=real)  # (modes,) omega^2
     damping: wp.array(dtype=real)  # (modes,) 2 zeta omega
     # flexible interfaces
@@ -79,7 +78,7 @@ class Model:
     self_compliance: wp.array(dtype=real)  # M D M, same layout
     mode_normal: wp.array(dtype=real)  # (nodes, modes of the body), flat per surface
     mode_moment: wp.array(dtype=real)  # M Phi, same layout
-    # axial quadrature of the first surface of each pair
+    # quadrature of a cell of the first grid of each pair
     theta_points: int
     theta_abscissa: wp.array(dtype=real)  # in (0, 1)
     theta_weight: wp.array(dtype=real)
@@ -97,8 +96,7 @@ class Model:
     stencil_rows: int
     second_half_window: int
     second_columns: int
-    second_rows: int
-    node_capacity: int  # second_columns * second_rows
+    node_capacity: int  # second_columns * most rows of a second surface
     pair_modes: int  # largest number of modes of a pair's two bodies
     coupled_count: wp.array(dtype=int)  # (pairs,) outer columns the gap of a pair depends on
     coupled: wp.array2d(dtype=int)  # (pairs, largest coupled_count)

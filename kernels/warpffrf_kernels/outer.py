@@ -30,6 +30,7 @@ REFRESH_ABOVE = wp.constant(wp.float64(1.0e-7))
 # of the coordinates: a joint defect is not measured against less, or round-off would exceed the tolerance
 SHORT = wp.constant(wp.float64(1.0e-6))
 ROUND_OFF = wp.constant(wp.float64(1.0e-6))  # times the residual tolerance: a few digits above machine precision
+NO_FORCE = wp.constant(wp.float64(1.0e-30))  # N: a scale that is never zero
 PIVOT_TOLERANCE = wp.constant(
     wp.float64(1.0e-13)
 )  # of the equilibrated matrix: below it a row is dependent on the others
@@ -241,7 +242,6 @@ def factor_outer(
 @wp.kernel
 def balance(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
     r1: wp.array2d(dtype=vec3),
     v1_rate: wp.array2d(dtype=vec3),
@@ -257,19 +257,24 @@ def balance(
     modal_residual: wp.array2d(dtype=real),
     modal_load: wp.array3d(dtype=real),
     q1: wp.array2d(dtype=real),
+    qd1_rate: wp.array2d(dtype=real),
+    dq: wp.array2d(dtype=real),
     residual: wp.array2d(dtype=real),
+    ctl: wp.array2d(dtype=int),
     history: wp.array2d(dtype=real),
 ):
-    """Per world: is the state balanced? Residual forces with contact, row defects and gaps left open, all as fractions.
+    """Per world: is the state balanced? Residual forces with contact, row defects, spring laws and gaps left open, all
+    as fractions.
 
-    The scale of forces is the largest of weight, inertia and gyroscopic force, multiplier and contact force; that of
-    lengths the penetration where there is contact, else 1 m (`gap_defect`: gaps left open as a fraction, penetration).
+    The scale of forces is the largest of weight, inertia and gyroscopic force, multiplier and contact force, that of
+    modal ones the largest contact load, elastic and inertia force; that of lengths the penetration where there is
+    contact, else 1 m (`gap_defect`: gaps left open as a fraction, penetration).
     """
     w = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.ITERATION] == 0:
         return
-    scale = real(1.0e-30)
+    scale = NO_FORCE
     b = int(0)
     while b < model.body_count:
         m = model.mass[b]
@@ -291,6 +296,7 @@ def balance(
             b += 1
         length = wp.max(gap_defect[w, 1], SHORT * extent)
     worst = real(0.0)
+    sum = gap_defect[w, 0]  # a largest value drops what is not a number, a sum keeps it
     row = int(0)
     while row < model.row_count:
         if model.row_kind[row] == k.TRANSLATION or model.row_kind[row] == k.DISTANCE:
@@ -303,6 +309,12 @@ def balance(
         f = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
         scale = wp.max(scale, wp.length(f))
         pair += 1
+    row = int(0)
+    while row < model.row_count:  # a spring's force against its law; a stretch of round-off size passes
+        if softness[w, row] > real(0.0):
+            worst = wp.max(worst, wp.abs(defect[w, row]) / wp.max(scale * softness[w, row], ROUND_OFF))
+        sum += defect[w, row]
+        row += 1
     b = int(0)
     while b < model.body_count:
         f = vec3(residual[w, 6 * b], residual[w, 6 * b + 1], residual[w, 6 * b + 2])
@@ -310,21 +322,23 @@ def balance(
         # a torque is measured by the force that it is at the radius of gyration
         gyration = wp.sqrt(model.inertia[b][0, 0] / model.mass[b])
         worst = wp.max(worst, wp.max(wp.length(f), wp.length(t) / gyration) / scale)
+        sum += wp.length(f) + wp.length(t)
         b += 1
     worst = wp.max(worst, gap_defect[w, 0])
-    modal_scale = real(1.0e-30)
+    modal_scale = NO_FORCE
     open_load = real(0.0)
     n = int(0)
     while n < model.modal_count:
         load = modal_load[w, 1, n]
         modal_scale = wp.max(modal_scale, wp.max(wp.abs(load), wp.abs(model.stiffness[n] * q1[w, n])))
+        travel = wp.abs(dq[w, n])
+        modal_scale = wp.max(modal_scale, wp.max(wp.abs(qd1_rate[w, n]), ROUND_OFF * clk[w, k.ACC] * travel))
         open_load = wp.max(open_load, wp.abs(modal_residual[w, n]))
+        sum += modal_residual[w, n]
         n += 1
     worst = wp.max(worst, open_load / modal_scale)
-    clk[w, k.RESIDUAL] = worst
-    clk[w, k.FORCE_SCALE] = scale
     history[w, wp.min(ctl[w, k.ITERATION], 31)] = worst
-    if not wp.isfinite(worst):
+    if not wp.isfinite(worst + sum):
         ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_FINITE
         ctl[w, k.RUN] = 0
         return

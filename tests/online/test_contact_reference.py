@@ -18,7 +18,9 @@ sys.path.insert(0, str(FilePath(__file__).parent))
 from reference_contact import Pose, Problem, contact_problem
 
 SETTINGS = Settings(window_strain=0.5, residual_tolerance=1e-10)
-AGREE = 1e-9
+# phases may stay 2e-7 columns behind (FREEZE in contact_geometry) and a column changes pressures by percents: 2e-9
+# where the iteration turns the grids (tilted pairs), round-off elsewhere
+AGREE = 5e-9
 
 CASES = {
     "equal": ("plain_body", "plain_body", 0.0, 1500e-6),

@@ -174,7 +174,6 @@ class _Compiler:
         m.mass = self.array([b.mass for b in bodies])
         m.inertia = self.array([b.inertia for b in bodies], wp.mat33d, (-1, 3, 3))
         m.modal_start = self.array(modal_start, int)
-        m.modal_body = self.array(np.repeat(np.arange(len(bodies)), np.diff(modal_start)), int)
         omega = np.concatenate(
             [np.zeros(0)] + [2.0 * np.pi * b.reduced.frequencies for b in bodies if b.reduced is not None]
         )
@@ -311,7 +310,6 @@ class _Compiler:
             ratio = a.grid.pitch * a.shape.radius / (b.grid.pitch * b.shape.radius)
             columns = int(np.ceil(2.0 * ratio * REACH_SPARE - 1e-9)) + STENCIL_SPARE
             stencil = (max(stencil[0], columns), max(stencil[1], _row_reach(a.grid.z, b.grid.z)))
-            second_half = max(second_half, _reach_on_second(a, b, wanted))
             pair_modes = max(pair_modes, body_a.mode_count + body_b.mode_count)
             hats = (2 * wanted + 1) * a.grid.rows
             slots += hats if contact.capacity is None else min(contact.capacity, hats)
@@ -323,10 +321,12 @@ class _Compiler:
             coupled.append(
                 [6 * body_a.index + c for c in range(6)] + [6 * body_b.index + c for c in range(6)] + touching
             )
+        for i in range(m.pair_count):  # all pairs share the widest window, so each needs what lies opposite that
+            second_half = max(second_half, _reach_on_second(self.surfaces[2 * i][1], self.surfaces[2 * i + 1][1], half))
         m.half_window, m.window_columns, m.max_rows = half, 2 * half + 1, rows
         m.mode_capacity = m.window_columns * rows
         m.stencil_columns, m.stencil_rows = stencil
-        m.second_half_window, m.second_columns, m.second_rows = second_half, 2 * second_half + 1, second_rows
+        m.second_half_window, m.second_columns = second_half, 2 * second_half + 1
         m.node_capacity = m.second_columns * second_rows
         self.reach = m.reach = m.window_columns + m.second_columns + m.stencil_columns
         m.pair_modes = pair_modes

@@ -26,7 +26,7 @@ STATIC_LAST = (
 STATIC_TOLERANCE = 1e-12  # m, movement of the last proximal step: round-off of positions of order 1 m times 1e4
 REALS = {
     "START_TIME", "USER_STEP", "TIME", "H", "NEXT_TIME", "ALPHA_M", "ALPHA_F", "BETA", "GAMMA", "ACC", "VEL",
-    "RESIDUAL", "FORCE_SCALE", "MOVE", "DONE_STEP",
+    "MOVE", "DONE_STEP",
 }  # fmt: skip
 
 

@@ -71,7 +71,7 @@ class StepGraph:
 
     def _attempt(self) -> None:
         m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
-        _B, Q, P, _rows_n = m.body_count, m.modal_count, m.pair_count, m.row_count
+        Q, P = m.modal_count, m.pair_count
         self._launch(motion.begin_step, W, [x.rho_inf], [s.ctl, s.clk])
         self._block(
             motion.predict_bodies, (W,),
@@ -85,11 +85,11 @@ class StepGraph:
             self._launch(commit.generalise_contact, (W, P), [M, s.ctl, x.r1, x.axes, x.pair_wrench], [s.pair_force])
         self._launch(
             commit.balance_energy, W,
-            [M, s.ctl, s.clk, x.r1, x.v1, x.omega1, x.dx, x.psi, x.q1, s.qd, x.qd1, x.dq, s.lam0, s.lam, x.defect,
+            [M, s.ctl, s.clk, x.r1, x.v1, x.omega1, x.dx, x.psi, x.q1, s.qd, x.qd1, x.dq, s.lam0, s.lam,
              x.coordinate, s.drive_rate, s.applied, s.applied_at, s.pair_force, s.modal_load, x.contact_energy],
             [s.energy],
         )  # fmt: skip
-        self._launch(commit.decide, W, [M, s.energy, x.dx], [s.ctl, s.clk])
+        self._launch(commit.decide, W, [M, s.energy, x.dx, s.pair_force], [s.ctl, s.clk])
         self._block(
             commit.keep_bodies, (W,),
             [s.ctl, x.r1, x.p1, x.v1, x.v1_rate, x.omega1, x.omega1_rate, x.dx, x.psi, s.clk],
@@ -125,7 +125,7 @@ class StepGraph:
 
     def _iteration(self) -> None:
         m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
-        _B, Q, P, R = m.body_count, m.modal_count, m.pair_count, m.row_count
+        Q, P, R = m.modal_count, m.pair_count, m.row_count
         self._block(
             motion.move_bodies, (W,),
             [M, s.ctl, s.clk, s.r, s.p, s.v, s.v_rate, s.v_alg, s.omega, s.omega_rate, s.omega_alg, x.dx, x.psi],
@@ -151,8 +151,9 @@ class StepGraph:
             self._locate_contact()
         self._launch(
             outer.balance, W,
-            [M, s.ctl, s.clk, x.r1, x.v1_rate, x.omega1, x.omega1_rate, x.dx, x.psi, s.lam, x.defect, x.softness,
-             x.pair_wrench, x.gap_defect, x.modal_residual, s.modal_load, x.q1], [x.residual, x.residual_history],
+            [M, s.clk, x.r1, x.v1_rate, x.omega1, x.omega1_rate, x.dx, x.psi, s.lam, x.defect, x.softness,
+             x.pair_wrench, x.gap_defect, x.modal_residual, s.modal_load, x.q1, x.qd1_rate, x.dq, x.residual],
+            [s.ctl, x.residual_history],
         )  # fmt: skip
         self._block(
             outer.condense, (W,),
@@ -191,7 +192,7 @@ class StepGraph:
         m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
         P = m.pair_count
         self._launch(
-            contact_geometry.locate, (W, P), [M, s.ctl, x.r1, x.axes], [x.phase, x.center, x.station, x.station_wrench]
+            contact_geometry.locate, (W, P), [M, x.r1, x.axes], [s.ctl, x.phase, x.center, x.station, x.station_wrench]
         )
         self._launch(
             contact_geometry.open_window, (W, P), [M, s.ctl, x.phase, x.center],
@@ -202,11 +203,18 @@ class StepGraph:
         )
         self._block(
             contact_geometry.weigh, (W, P),
-            [M, s.ctl, x.center, x.window, x.station, x.station_wrench, x.point_gap, x.point_place],
-            [x.weak_gap, x.area, x.wrench, x.stencil, x.stencil_at],
+            [M, x.center, x.window, x.station, x.station_wrench, x.point_gap, x.point_place],
+            [s.ctl, x.weak_gap, x.area, x.wrench, x.stencil, x.stencil_at],
+        )  # fmt: skip
+        self._block(
+            contact_geometry.shift, (W, P),
+            [M, s.ctl, x.center, x.window, x.station, x.station_wrench, x.area, x.weak_gap], [x.wrench, x.shifted_gap],
         )  # fmt: skip
         self._launch(
-            contact_fields.set_second_window, (W, P), [M, s.ctl, x.window, x.area, x.stencil_at], [x.second_window]
+            contact_fields.set_second_window,
+            (W, P),
+            [M, s.ctl, x.window, x.area, x.stencil_at],
+            [s.active, s.pressure, x.second_window],
         )
         self._block(
             contact_fields.modal_fields, (W, P),
@@ -215,7 +223,7 @@ class StepGraph:
         self._local_fields()
         self._block(
             contact_fields.close_gaps, (W, P),
-            [M, s.ctl, x.window, x.weak_gap, x.area, x.stencil, x.stencil_at, x.first_field, x.second_field,
+            [M, s.ctl, x.window, x.shifted_gap, x.area, x.stencil, x.stencil_at, x.first_field, x.second_field,
              x.first_local, x.second_local, s.active, s.pressure], [x.gap, x.opened, x.base],
         )  # fmt: skip
         self._block(
@@ -238,8 +246,8 @@ class StepGraph:
         )  # fmt: skip
 
     def _compliance(self) -> None:
-        _m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
-        self._launch(contact_compliance.take_slots, W, [M], [s.ctl, s.active, x.area, x.phase, x.slot_of, x.slot_mode])
+        M, s, x, W = self.compiled.models, self.state, self.work, self.worlds
+        self._launch(contact_compliance.take_slots, W, [M, s.active], [s.ctl, x.phase, x.slot_of, x.slot_mode])
         self._block(
             contact_compliance.respond, (W,),
             [M, s.ctl, x.center, x.second_window, x.slot_mode, x.stencil, x.stencil_at], [x.T],
@@ -271,5 +279,5 @@ class StepGraph:
              x.second_step, x.first_local, x.second_local, x.z, s.pressure, s.active], [x.proposed],
         )  # fmt: skip
         self._launch(
-            contact_solve.accept_set, W, [M], [s.ctl, x.center, x.proposed, s.active, s.pressure, x.window]
+            contact_solve.accept_set, W, [M, x.center, x.proposed], [s.ctl, s.active, s.pressure, x.window]
         )  # fmt: skip

@@ -76,7 +76,7 @@ class History:
     iterations: np.ndarray  # (T,) int, Newton iterations of the step
     factorisations: np.ndarray  # (T,) int, factorisations of the active contact block in the step
     status: str = (
-        "completed"  # completed | interrupted | not_converged | cycling | capacity | not_finite | step_underflow
+        "completed"  # completed | interrupted | no_equilibrium | step_underflow | a word of `online.run.MESSAGES`
     )
     message: str = ""
     counters: dict[str, float] = field(

@@ -36,6 +36,12 @@ MESSAGES = {
         "indefinite",
         "the contact compliance is not positive definite; coarsen the contact grid (traction_spacing)",
     ),
+    k.STENCIL: (
+        "stencil",
+        "a hat of the first contact surface faces more of the second grid than its stencil holds (the bodies are "
+        "turned or tilted too far against each other for the window); lower the capacity of the contact, or swap its "
+        "surfaces",
+    ),
     k.ENERGY: ("energy", "the energy ledger does not close at an impact; reduce step"),
 }
 
