@@ -295,6 +295,9 @@ def keep_bodies(
         if mode == k.DYNAMIC or mode == k.PROJECT:
             v[w, b] = v1[w, b]
             omega[w, b] = omega1[w, b]
+        if mode == k.START:  # PROJECT found the velocity at the end of its tiny step: back to its beginning
+            v[w, b] = v[w, b] - h * v1_rate[w, b]
+            omega[w, b] = omega[w, b] - h * omega1_rate[w, b]
         b += wp.block_dim()
 
 
@@ -330,6 +333,8 @@ def keep_modes(
             qd_alg[w, n] = a
         if mode == k.DYNAMIC or mode == k.PROJECT:
             qd[w, n] = qd1[w, n]
+        if mode == k.START:
+            qd[w, n] = qd[w, n] - h * qd1_rate[w, n]
         n += wp.block_dim()
 
 

@@ -352,7 +352,7 @@ def sample(
 
 
 # Weak gap, area, gradient and stencil of one hat: the sum over the Gauss points of its (up to) four cells.
-# Measured against the same loop in Warp's Python: 4 times faster, the whole step 1.15 times.
+# Measured against the same loop in Warp's Python: `weigh` 17.3 -> 4.9 us of a step of 141 us.
 @wp.func_native("""
     const int NS = (rows - 1) * model.z_points, NT = model.theta_points, most = (model.max_rows - 1) * model.z_points;
     const int SC = model.stencil_columns, SR = model.stencil_rows;

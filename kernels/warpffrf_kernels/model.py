@@ -1,4 +1,4 @@
-"""Constant data of a scene on the device. Filled by `warpffrf.online.compile`; the meaning of every field is given here.
+"""Constant data of a scene on the device, filled by `warpffrf.online.compile`; every field is explained here.
 
 Indices of absent things are -1. Body frames have their origin in the centre of mass (Tisserand frame).
 """

@@ -4,14 +4,16 @@ Derivation. For R(psi) = exp(psi^), a small change of psi turns the body by `T(p
     exp((psi + dpsi)^) = exp(psi^) exp((T(psi) dpsi)^) + O(dpsi^2),
     T(psi)    = I - (1 - cos a)/a^2 psi^ + (a - sin a)/a^3 psi^2,           a = |psi|,
     T(psi)^-1 = I + psi^/2 + (1/a^2 - (1 + cos a)/(2 a sin a)) psi^2.
-Series are used below SMALL, where the closed forms lose digits. (Iserles, Munthe-Kaas, Norsett, Zanna 2000, eq. 2.41.)
+Series are used below SMALL and SMALL_SQUARED, where the closed forms lose digits. (Iserles, Munthe-Kaas, Norsett, Zanna
+2000, eq. 2.41.)
 """
 
 import warp as wp
 
 from warpffrf_kernels.scalars import mat33, quat, real, vec3
 
-SMALL = wp.constant(wp.float64(1.0e-4))
+SMALL = wp.constant(wp.float64(1.0e-4))  # rad: the next term of the series of `exponential` is below 1e-18
+SMALL_SQUARED = wp.constant(wp.float64(1.0e-4))  # rad^2: what the series of `tangent_inverse` drops is round-off
 
 
 @wp.func
@@ -38,7 +40,7 @@ def tangent_inverse(psi: vec3) -> mat33:
     """T(psi)^-1: from a turn about the body's own axes to the change of the rotation vector."""
     a2 = wp.dot(psi, psi)
     k = real(1.0) / real(12.0) + a2 / real(720.0)
-    if a2 > real(1.0e-4):
+    if a2 > SMALL_SQUARED:
         a = wp.sqrt(a2)
         k = real(1.0) / a2 - (real(1.0) + wp.cos(a)) / (real(2.0) * a * wp.sin(a))
     p = hat(psi)

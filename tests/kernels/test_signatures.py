@@ -100,7 +100,7 @@ def follow_calls(functions: list[Function]) -> None:
 
 def out_of_order(function: Function) -> list[str]:
     """Arrays that are written although one that is only read follows."""
-    read_last = max([i for i, a in enumerate(function.arrays) if a not in function.writes], default=-1)
+    read_last = max([i for i, a in enumerate(function.arrays) if a not in function.writes], default=0)
     return [a for a in function.arrays[:read_last] if a in function.writes]
 
 

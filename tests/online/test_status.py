@@ -8,11 +8,13 @@ from warpffrf_kernels import control as k
 
 from warpffrf.model import forces, joints, signals
 from warpffrf.model.errors import InputError
+from warpffrf.model.material import Material
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
-from warpffrf.online.run import describe
-from warpffrf.study.rollers import PAIR, guided_pair
+from warpffrf.online.graph import StepGraph
+from warpffrf.online.run import MESSAGES, describe
+from warpffrf.study.rollers import PAIR, guided_pair, roller_body
 
 LOAD = 200e3  # N: some columns of hats
 
@@ -176,3 +178,81 @@ def test_forces_at_interfaces_balance(plain_body: ReducedBody) -> None:
     rest = find_equilibrium(scene)
     assert rest.status == "completed", rest.message
     assert np.allclose(rest.joints["clamp"].force[-1], (-300.0, 200.0, -500.0), rtol=1e-8)
+
+
+def test_every_failure_bit_has_a_message() -> None:
+    """Bits are powers of two; UNDERFLOW only goes with another one."""
+    names = ("NOT_CONVERGED", "CYCLING", "CAPACITY", "NOT_FINITE", "SINGULAR", "ENERGY", "INDEFINITE", "STENCIL")
+    bits = {int(getattr(k, name)) for name in names}
+    assert bits == {int(bit) for bit in MESSAGES}
+    assert bits | {int(k.UNDERFLOW)} == {1 << i for i in range(len(names) + 1)}
+    for bit in bits:
+        status, message = describe(bit | int(k.UNDERFLOW), 40)
+        assert status and "halved as often as allowed" in message and "{" not in message
+    assert describe(int(k.UNDERFLOW), 0)[0] == "step_underflow"
+
+
+def test_a_soft_body_starts() -> None:
+    """Modes that follow their inertia alone at the tiny step of the start, pushed by a joint force only: balanced."""
+    rubber = Material(1e6, 0.3, 1000.0)
+    body = roller_body(24, layers=2, axial=1, max_frequency=60.0, material=rubber, cache=False)
+    scene = Scene()
+    free = scene.add_body(body, name="free")
+    scene.add(forces.PointForce(free["bore"], (1.0, 2.0, 0.0)))
+    history = run(scene, 1e-2, step=1e-3, progress=False)
+    assert history.status == "completed", history.message
+    center = history.bodies["free"].position[-1]
+    assert np.allclose(center, 0.5e-4 * np.array([1.0, 2.0, 0.0]) / body.mass, rtol=1e-3, atol=1e-12)
+
+
+def test_a_pressure_left_by_a_failed_attempt_does_not_end_the_run(plain_body: ReducedBody) -> None:
+    """The active set of a rejected attempt is kept, but not what is not a number."""
+    engine = stepping_engine(guided_pair(plain_body, plain_body, load=LOAD, speed=20.0), 1)
+    pressure = engine.state.pressure.numpy().copy()
+    pressure[0, 0, np.flatnonzero(engine.state.active.numpy()[0, 0])] = np.nan
+    engine.state.pressure.assign(pressure)
+    engine.replay(400)
+    assert engine.word("STATUS")[0] == 0 and engine.word("STEP")[0] == 20
+
+
+def test_a_spring_obeys_its_law_in_every_accepted_state() -> None:
+    """A mass swings past the anchor of an unstretched spring: force equals stiffness times stretch, also where the
+    first linearisation sees no stretch at all."""
+    stiffness, length = 1e3, 1.0
+    scene = Scene()
+    bob = scene.add_rigid_body(2.0, (0.1,) * 3, name="bob", position=(length, 0, 0), velocity=(0, 3.0, 0))
+    scene.add(forces.SpringDamper(scene.ground.at((0, 0, 0)), bob.at((0, 0, 0)), stiffness, free_length=length))
+    engine = Engine(scene)
+    engine.initial_rates()
+    engine.start()
+    engine.control(MODE=int(k.DYNAMIC), STEP=0, SUB=0, LEVEL=0, EVERY=1)
+    engine.clock(USER_STEP=1e-2)
+    for step in range(1, 40):
+        engine.control(TARGET=step)
+        engine.replay(40)
+        force = engine.state.lam.numpy()[0, 0]
+        stretch = np.linalg.norm(engine.state.r.numpy()[0, 0]) - length
+        assert force == pytest.approx(stiffness * stretch, rel=1e-8, abs=1e-9)
+    assert engine.word("STATUS")[0] == 0
+
+
+def test_ctrl_c_keeps_the_results_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The interrupt comes right after a chunk, before its rows are taken out of the ring: none is lost."""
+    scene = Scene(gravity=(0.0, 0.0, -9.81))
+    scene.add_rigid_body(1.0, (1.0, 1.0, 1.0), name="stone")
+    launches = 0
+    replay = StepGraph.replay
+
+    def interrupted(graph: StepGraph, budget: int) -> None:
+        nonlocal launches
+        replay(graph, budget)
+        launches += budget > 1  # chunks, not the start and what is saved in between
+        if launches == 3:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(StepGraph, "replay", interrupted)
+    history = run(scene, 1000.0, step=1e-3, progress=False)
+    assert history.status == "interrupted" and "kept" in history.message
+    steps = len(history.time) - 1
+    assert 0 < steps < 1_000_000 and steps == history.counters["steps"]
+    assert history.bodies["stone"].position[-1, 2] == pytest.approx(-0.5 * 9.81 * history.time[-1] ** 2, rel=1e-9)

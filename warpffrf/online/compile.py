@@ -20,6 +20,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.forces import JointSpringDamper, PointForce, SpringDamper
 from warpffrf.online.settings import Settings
 
+LARGEST_TABLE = 2**31 - 1  # kernels count in 32-bit integers
 MIN_HALF_WINDOW = 6  # columns: margin and guard columns of a patch of a few columns
 MAX_HALF_WINDOW = 60
 STENCIL_SPARE = 2  # a hat's support of length x touches at most ceil(x) + 1 cells, ceil(x) + 2 columns
@@ -148,6 +149,11 @@ class _Compiler:
         data = np.ascontiguousarray(values, dtype=kind)
         if shape is not None:
             data = data.reshape(shape)
+        if data.size > LARGEST_TABLE:
+            raise InputError(
+                f"scene: a table of {data.size} numbers is needed, at most {LARGEST_TABLE} can be indexed; reduce with "
+                "a coarser traction_spacing"
+            )
         if data.size == 0:
             data = np.zeros([max(n, 1) for n in data.shape], kind)
         return wp.array(data, dtype=wp.int32 if kind is np.int32 else dtype, device=self.device)

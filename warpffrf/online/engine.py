@@ -105,6 +105,11 @@ class Engine:
         self.graph.replay(attempts)
         seconds = time.perf_counter() - begin
         self.seconds_in_graph += seconds
+        self.drain()
+        return seconds
+
+    def drain(self) -> None:
+        """Take the rows that the graph has saved since the last time out of the ring."""
         saved = self.word("SAVED")
         if np.any(saved > self.drained):
             ring = self.work.ring.numpy()
@@ -113,7 +118,6 @@ class Engine:
                     at = np.arange(self.drained[w], saved[w]) % ring.shape[1]
                     self.rows[w].append(ring[w, at].copy())
             self.drained = saved
-        return seconds
 
     # --- phases
 

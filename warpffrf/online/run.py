@@ -132,6 +132,7 @@ def run(
             bar.update(done - first_step)
     except KeyboardInterrupt:
         interrupted = True
+        engine.drain()
     bar.close()
     history = _finish(engine, begin, built, notes, "")
     history.counters["loop_seconds"] = time.perf_counter() - loop

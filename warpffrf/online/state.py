@@ -10,10 +10,12 @@ import warp as wp
 from warpffrf_kernels import control as k
 
 from warpffrf.model import rotation as rot
+from warpffrf.model.errors import InputError
 from warpffrf.online.compile import CompiledScene
 
 REAL, VEC3, MAT33, QUAT, INT = wp.float64, wp.vec3d, wp.mat33d, wp.quatd, wp.int32
 RESIDUALS_KEPT = 32
+LARGEST_INDEX = 2**31 - 1  # kernels count in 32-bit integers
 
 
 @dataclass
@@ -119,7 +121,16 @@ def ring_width(m: Any) -> int:
 
 
 def zeros(dtype: Any, shape: tuple[int, ...], device: str) -> wp.array:
-    """Zero array; an axis without entries gets one that nobody uses, so that kernels can be given it."""
+    """Zero array; an axis without entries gets one that nobody uses, so that kernels can be given it.
+
+    Raises InputError for more entries than the indices of kernels reach.
+    """
+    size = int(np.prod([max(n, 1) for n in shape], dtype=np.int64))
+    if size > LARGEST_INDEX:
+        raise InputError(
+            f"scene: an array of {size} numbers is needed, at most {LARGEST_INDEX} can be indexed; run fewer worlds "
+            "at a time, or lower the capacity of the contacts"
+        )
     return wp.zeros(tuple(max(n, 1) for n in shape), dtype=dtype, device=device)
 
 

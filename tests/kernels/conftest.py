@@ -1,0 +1,32 @@
+"""An engine stopped inside a step, so that its work arrays can be rebuilt in NumPy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from warpffrf_kernels import control as k
+
+from warpffrf.online import Engine, Settings
+from warpffrf.study.rollers import Path, prescribed_pair, roller_body
+
+
+@pytest.fixture(scope="session")
+def engine() -> Engine:
+    """Two unlike rollers, tilted by 4 mrad, pressed 1.5 mm into each other: a static step, and all contact kernels run
+    once more on the accepted state with every slot fresh."""
+    first = roller_body(120, layers=3, axial=3, grading=1.6, max_frequency=15e3, cache=False)
+    second = roller_body(
+        84, layers=3, axial=2, grading=1.8, outer_radius=0.035, inner_radius=0.012, width=0.026, max_frequency=15e3,
+        cache=False,
+    )  # fmt: skip
+    scene = prescribed_pair(first, second, Path.of([1500e-6], 0.021, -0.013), tilt=4e-3)
+    engine = Engine(scene, settings=Settings(window_strain=0.5))
+    engine.control(MODE=int(k.STATIC), STEP=0, SUB=0, LEVEL=0, TARGET=1)
+    engine.clock(USER_STEP=1.0)
+    engine.replay(1)
+    assert engine.word("STATUS")[0] == 0
+    engine.control(RUN=1, MOVED=1, REASSEMBLE=1, REFRESH=1, RECENTER=0, ITERATION=0, FAILURE=0)
+    engine.graph._iteration()
+    assert engine.word("FAILURE")[0] == 0 and engine.word("ACTIVE")[0] > 10
+    assert np.count_nonzero(engine.compiled.model.coupled_count.numpy()) == 1
+    return engine

@@ -1,0 +1,182 @@
+"""The contact snippets against NumPy, written from the equations, on the arrays of an engine inside a step.
+
+sum_hat: the sums over Gauss points of the module docstring of `contact_geometry`; couple: G of `contact_compliance`
+from the dense compliance of both surfaces, without the tables; add_outer: G + L H L^T with H inverted here.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import warp as wp
+from warpffrf_kernels import contact_geometry
+from warpffrf_kernels import control as k
+from warpffrf_kernels.scalars import BLOCK
+
+from warpffrf.online import Engine
+
+ROUND_OFF = 1e-12  # relative to the largest entry: sums of some hundred terms
+
+
+def slots(engine: Engine) -> tuple[np.ndarray, int]:
+    """Hats of the window that have a slot, and their number."""
+    count = int(engine.word("SLOTS")[0])
+    return engine.work.slot_mode.numpy()[0, :count, 1].copy(), count
+
+
+def surfaces(engine: Engine):
+    contact = engine.scene.contacts[0]
+    return contact.a.surface, contact.b.surface
+
+
+def hats_of_points(engine: Engine) -> dict[str, np.ndarray]:
+    """What `weigh` sums, point by point: every Gauss point adds to four hats of A, and there to four hats of B."""
+    m, x = engine.compiled.model, engine.work
+    a, b = surfaces(engine)
+    rows, rows_b, NT, NZ = a.grid.rows, b.grid.rows, m.theta_points, m.z_points
+    NS = (rows - 1) * NZ
+    cells = m.window_columns + 1
+    gap = x.point_gap.numpy()[0, 0][: cells * NT * NS].reshape(cells, NT, NS)
+    place = x.point_place.numpy()[0, 0][: cells * NT * NS].reshape(cells, NT, NS, 2)
+    weight, wrench = x.station.numpy()[0, 0, :, 6], x.station_wrench.numpy()[0, 0]
+    xt, wt = m.theta_abscissa.numpy(), m.theta_weight.numpy()
+    xz = m.z_abscissa.numpy()
+    origin = int(x.center.numpy()[0, 0, 1]) - m.second_half_window
+    low, high = x.window.numpy()[0, 0] + m.half_window
+    found = {
+        "weak_gap": np.zeros((m.window_columns, rows)), "area": np.zeros((m.window_columns, rows)),
+        "wrench": np.zeros((m.window_columns, rows, 6)),
+        "load": np.zeros((m.window_columns, rows, m.second_columns, rows_b)),
+    }  # fmt: skip
+    for cell in range(low, high + 2):
+        for t in range(NT):
+            for s in range(NS):
+                q = a.grid.pitch * wt[t] * weight[s]
+                u, v = place[cell, t, s]
+                c_b = int(np.floor(u))
+                r_b = min(int(np.floor(v)), rows_b - 2)
+                for column, across in ((cell - 1, 1.0 - xt[t]), (cell, xt[t])):
+                    if not low <= column <= high:
+                        continue
+                    zc = s // NZ
+                    for row, along in ((zc, 1.0 - xz[s % NZ]), (zc + 1, xz[s % NZ])):
+                        w = q * across * along
+                        found["area"][column, row] += w
+                        found["weak_gap"][column, row] += w * gap[cell, t, s]
+                        found["wrench"][column, row] += w * wrench[s]
+                        for dc, part in ((0, 1.0 - (u - c_b)), (1, u - c_b)):
+                            for dr, share in ((0, 1.0 - (v - r_b)), (1, v - r_b)):
+                                found["load"][column, row, c_b + dc - origin, r_b + dr] += w * part * share
+    return found
+
+
+def stencils(engine: Engine) -> np.ndarray:
+    """Loads on B's hats of the second window under unit pressure hats, (columns, rows, columns of B, rows of B)."""
+    m, x = engine.compiled.model, engine.work
+    a, b = surfaces(engine)
+    rows, rows_b, SC, SR = a.grid.rows, b.grid.rows, m.stencil_columns, m.stencil_rows
+    weight, at = x.stencil.numpy()[0, 0], x.stencil_at.numpy()[0, 0]
+    load = np.zeros((m.mode_capacity, m.second_columns, rows_b + SR))
+    low, high = x.window.numpy()[0, 0] + m.half_window
+    for i in range(low * rows, (high + 1) * rows):
+        if x.area.numpy()[0, 0, i] > 0.0:
+            load[i, at[i, 0] : at[i, 0] + SC, at[i, 1] : at[i, 1] + SR] += weight[i].reshape(SC, SR)
+    assert not load[:, :, rows_b:].any()
+    return load[: m.window_columns * rows, :, :rows_b].reshape(m.window_columns, rows, m.second_columns, rows_b)
+
+
+def close(found: np.ndarray, expected: np.ndarray, tolerance: float = ROUND_OFF) -> bool:
+    return bool(np.abs(found - expected).max() <= tolerance * np.abs(expected).max())
+
+
+def test_sum_hat(engine: Engine) -> None:
+    m, x = engine.compiled.model, engine.work
+    expected = hats_of_points(engine)
+    rows = surfaces(engine)[0].grid.rows
+    low, high = x.window.numpy()[0, 0] + m.half_window
+    inside = slice(low, high + 1)
+    for name, shape in (("weak_gap", ()), ("area", ()), ("wrench", (6,))):
+        values = getattr(x, name).numpy()[0, 0][: m.window_columns * rows].reshape(m.window_columns, rows, *shape)
+        assert close(values[inside], expected[name][inside]), name
+    assert close(stencils(engine)[inside], expected["load"][inside])
+
+
+def test_stencil_holds_a_row_that_only_inner_points_reach(engine: Engine) -> None:
+    """The lowest row of B under a hat may lie under any of its points: the load of a hat is its area all the same."""
+    m, x = engine.compiled.model, engine.work
+    a = surfaces(engine)[0]
+    rows, NT = a.grid.rows, m.theta_points
+    NS = (rows - 1) * m.z_points
+    place = x.point_place.numpy().copy()
+    changed = place.copy()
+    points = changed[0, 0][: (m.window_columns + 1) * NT * NS].reshape(-1, NT, NS, 2)
+    points[..., 1] = 1.0 + 1e-9
+    points[:, NT // 2, :, 1] = 1.0 - 1e-9
+    names = ("weak_gap", "area", "wrench", "stencil", "stencil_at")
+    kept = {name: getattr(x, name).numpy().copy() for name in names}
+    x.point_place.assign(changed)
+    engine.control(RUN=1, MOVED=1)
+    wp.launch_tiled(
+        contact_geometry.weigh, dim=(1, 1),
+        inputs=[engine.compiled.models, x.center, x.window, x.station, x.station_wrench, x.point_gap, x.point_place],
+        outputs=[engine.state.ctl, *(getattr(x, name) for name in names)], block_dim=BLOCK, device="cpu",
+    )  # fmt: skip
+    failure = int(engine.word("FAILURE")[0])
+    low, high = x.window.numpy()[0, 0] + m.half_window
+    inside = slice(low * rows, (high + 1) * rows)
+    load = x.stencil.numpy()[0, 0, inside].sum(axis=1)
+    area = x.area.numpy()[0, 0, inside].copy()
+    x.point_place.assign(place)
+    for name, values in kept.items():
+        getattr(x, name).assign(values)
+    engine.control(FAILURE=0)
+    assert failure & int(k.STENCIL) == 0
+    assert close(load, area)
+
+
+def test_couple(engine: Engine) -> None:
+    """G from D of both bodies, hat by hat, and the condensed global modes."""
+    m, x = engine.compiled.model, engine.work
+    a, b = surfaces(engine)
+    mode, count = slots(engine)
+    load = stencils(engine).reshape(m.window_columns * a.grid.rows, -1)[mode]
+    first = (int(x.center.numpy()[0, 0, 0]) - m.half_window + mode // a.grid.rows) % a.grid.columns
+    node = first * a.grid.rows + mode % a.grid.rows
+    second = np.arange(m.second_columns) + int(x.center.numpy()[0, 0, 1]) - m.second_half_window
+    node_b = ((second % b.grid.columns)[:, None] * b.grid.rows + np.arange(b.grid.rows)).ravel()
+    D_A, D_B = (s.compliance(np.arange(s.grid.columns)) for s in (a, b))
+    M_A = np.kron(a.grid.gram_theta(), a.gram_z)[node]
+    G = M_A @ D_A @ M_A.T + load @ D_B[np.ix_(node_b, node_b)] @ load.T
+    J = np.hstack([-M_A @ a.mode_normal, -load @ b.mode_normal[node_b]])
+    receptance = x.receptance.numpy()[0]
+    G += J * receptance @ J.T
+    found_J = x.J.numpy().reshape(-1, m.pair_modes)[:count, : J.shape[1]]
+    assert close(found_J, J)
+    assert close(x.G.numpy()[0, :count, :count], G)
+    assert np.linalg.eigvalsh(G).min() > 0.0
+
+
+def test_add_outer(engine: Engine) -> None:
+    """condensed = G + L H L^T. H is not quite symmetric (gyroscopic terms), condensed is by construction."""
+    m, x = engine.compiled.model, engine.work
+    _, count = slots(engine)
+    N = m.outer_count
+    columns = m.coupled.numpy()[0, : m.coupled_count.numpy()[0]]
+    L = np.zeros((count, N))
+    L[:, columns] = x.L.numpy()[0, :count, : len(columns)]
+    H = x.inverse_transposed.numpy().reshape(N, N).T
+    V = x.V.numpy().reshape(-1, N)[:count]
+    assert close(V, L @ H.T)
+    upper = np.triu(x.G.numpy()[0, :count, :count] + V @ L.T)
+    found = x.condensed.numpy()[0, :count, :count]
+    assert close(np.triu(found), upper)
+    assert np.array_equal(found, found.T)
+    assert close(upper - np.triu(x.G.numpy()[0, :count, :count]), np.triu(L @ H @ L.T), 1e-9)
+
+
+def test_first_rigid_columns_of_the_gradient(engine: Engine) -> None:
+    """Hats that all move apart: L of a translation of A along the line of centres is minus that of B."""
+    m, x = engine.compiled.model, engine.work
+    _, count = slots(engine)
+    L = x.L.numpy()[0, :count]
+    assert close(L[:, 6:9], -L[:, 0:3])
+    assert m.outer_count == 6 * m.body_count + m.row_count
