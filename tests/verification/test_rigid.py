@@ -147,6 +147,7 @@ def test_a_body_at_rest_takes_up_the_speed_of_its_drive_at_once() -> None:
     history = run(scene, 0.1, step=1e-3, progress=False)
     assert history.status == "completed"
     assert history.bodies["wheel"].angular_velocity[0, 1] == pytest.approx(20.0, rel=1e-9)
+    assert any("'wheel': its initial velocity did not agree" in note and "20 rad/s" in note for note in history.notes)
     centripetal = 1.0 * 20.0**2 * 0.05  # N
     force = np.linalg.norm(history.joints["axle"].force, axis=1)
     # the multiplier swings about its value at first (index 3), damped by rho_inf; second order: (omega h)^2 = 4e-4

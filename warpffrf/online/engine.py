@@ -24,6 +24,7 @@ STATIC_LAST = (
     1.0  # s: 1 kg then weighs 1 N/m, far below any spring that carries a load; larger ill-conditions the joints
 )
 STATIC_TOLERANCE = 1e-12  # m, movement of the last proximal step: round-off of positions of order 1 m times 1e4
+VELOCITY_CHANGE = 1e-5  # m/s, rad/s: far above what a step of 1e-7 s changes under any bearable load
 REALS = {
     "START_TIME", "USER_STEP", "TIME", "H", "NEXT_TIME", "ALPHA_M", "ALPHA_F", "BETA", "GAMMA", "ACC", "VEL",
     "MOVE", "DONE_STEP",
@@ -76,6 +77,7 @@ class Engine:
         self.rows: list[list[np.ndarray]] = [[] for _ in range(worlds)]
         self.drained = np.zeros(worlds, dtype=int)
         self.seconds_in_graph = 0.0
+        self.start_notes: list[str] = []
 
     # --- control words, all worlds alike
 
@@ -140,12 +142,20 @@ class Engine:
 
     def start(self) -> None:
         """Velocities consistent with joints and drives, then consistent accelerations and multipliers; opens the
-        ledger.
-        """
+        ledger. Velocities that had to change are noted in `start_notes`."""
+        given = {name: getattr(self.state, name).numpy().copy() for name in ("v", "omega")}
         self.clock(USER_STEP=self.settings.start_step)
         for mode in (k.PROJECT, k.START):
             self.control(MODE=int(mode), STEP=0, SUB=0, LEVEL=0, TARGET=1)
             self.replay(1)
+        for name, unit in (("v", "m/s"), ("omega", "rad/s")):
+            change = np.linalg.norm(getattr(self.state, name).numpy() - given[name], axis=-1)
+            for i, body in enumerate(self.scene.bodies):
+                if change[:, i].max() > VELOCITY_CHANGE * (1.0 + np.abs(given[name]).max()):
+                    self.start_notes.append(
+                        f"body {body.name!r}: its initial velocity did not agree with joints and drives and was "
+                        f"changed by {change[:, i].max():.3g} {unit}"
+                    )
 
     def save_now(self) -> None:
         """Append the present state to the rows."""

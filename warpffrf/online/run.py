@@ -95,6 +95,7 @@ def run(
             return _finish(engine, begin, built, notes, "equilibrium: ")
         engine.initial_rates()
         engine.start()
+        notes.extend(engine.start_notes)
         if np.any(engine.word("STATUS")):
             return _finish(engine, begin, built, notes, "start: ")
         engine.control(
