@@ -16,7 +16,8 @@ import warpffrf_kernels
 from warpffrf_kernels.scalars import BLOCK
 
 ARCH = 90  # compute capability 9.0
-MODULES = [m.name for m in pkgutil.iter_modules(warpffrf_kernels.__path__)]
+FOLDER = Path(warpffrf_kernels.__file__).parent
+MODULES = [m.name for m in pkgutil.iter_modules([str(FOLDER)]) if "@wp.kernel" in (FOLDER / f"{m.name}.py").read_text()]
 LANES = 1e-12  # relative: the lanes add in another order
 
 
@@ -29,8 +30,7 @@ def test_module_compiles_for_sm_90(name: str, tmp_path: Path) -> None:
     """NVRTC compiles to PTX; no device is needed."""
     module = importlib.import_module(f"warpffrf_kernels.{name}")
     warp_module = wp.get_module(module.__name__)
-    if not warp_module.kernels:
-        pytest.skip("holds no kernels")
+    assert warp_module.kernels
     before = warp_module.options["block_dim"]
     warp_module.options["block_dim"] = BLOCK
     try:

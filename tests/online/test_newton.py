@@ -25,10 +25,8 @@ def residuals(engine: Engine) -> np.ndarray:
 
 
 def static(engine: Engine) -> None:
-    engine._rates_to_zero()
-    engine.control(MODE=int(k.STATIC), STEP=0, SUB=0, LEVEL=0, TARGET=1)
-    engine.clock(USER_STEP=1.0)
-    engine.replay(1)
+    engine.rates_to_zero()
+    engine.static_step(1.0)
 
 
 @pytest.mark.parametrize("case", ["deep", "tilted", "crowned"])

@@ -256,3 +256,12 @@ def test_ctrl_c_keeps_the_results_so_far(monkeypatch: pytest.MonkeyPatch) -> Non
     steps = len(history.time) - 1
     assert 0 < steps < 1_000_000 and steps == history.counters["steps"]
     assert history.bodies["stone"].position[-1, 2] == pytest.approx(-0.5 * 9.81 * history.time[-1] ** 2, rel=1e-9)
+
+
+def test_a_duration_that_is_no_multiple_of_the_step_is_named() -> None:
+    scene = Scene()
+    scene.add_rigid_body(1.0, (1.0, 1.0, 1.0), name="stone")
+    history = run(scene, 0.0104, step=1e-3, progress=False)
+    assert history.time[-1] == pytest.approx(0.01)
+    assert any("no multiple of the step: 10 steps" in note for note in history.notes)
+    assert not any("multiple" in note for note in run(scene, 0.01, step=1e-3, progress=False).notes)

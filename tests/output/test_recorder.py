@@ -70,8 +70,7 @@ def test_arrows_show_action_and_reaction(result: Result, tmp_path: Path) -> None
 def test_rerun_verifies_the_file(result: Result, tmp_path: Path) -> None:
     info = record(result, tmp_path / "run.rrd", max_frames=2)
     program = shutil.which("rerun", path=str(Path(sys.executable).parent))
-    if program is None:
-        pytest.skip("the rerun program is not beside this Python")
+    assert program is not None, "the rerun wheel brings the program"
     done = subprocess.run([program, "rrd", "verify", str(info.path)], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stdout + done.stderr
 

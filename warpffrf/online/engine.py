@@ -123,16 +123,24 @@ class Engine:
 
     # --- phases
 
+    def enter(self, mode: int, step: float, target: int = 1) -> None:
+        """Begin a count of `target` user steps of `step` [s] in a mode (DYNAMIC, STATIC, PROJECT, START)."""
+        self.control(MODE=int(mode), STEP=0, SUB=0, LEVEL=0, TARGET=target)
+        self.clock(USER_STEP=step)
+
+    def static_step(self, tau: float) -> None:
+        """One proximal step of size tau [s] towards the static state; rates must be zero."""
+        self.enter(k.STATIC, tau)
+        self.replay(1)
+
     def settle(self) -> bool:
         """Bring every world to its static state at the present time by proximal steps of growing size; True on
         success.
         """
-        self._rates_to_zero()
+        self.rates_to_zero()
         tau = STATIC_FIRST
         for _ in range(STATIC_STEPS):
-            self.control(MODE=int(k.STATIC), STEP=0, SUB=0, LEVEL=0, TARGET=1)
-            self.clock(USER_STEP=tau)
-            self.replay(1)
+            self.static_step(tau)
             if np.any(self.word("STATUS")):
                 return False
             if tau >= STATIC_LAST and np.all(self.word("MOVE") <= STATIC_TOLERANCE):
@@ -144,9 +152,8 @@ class Engine:
         """Velocities consistent with joints and drives, then consistent accelerations and multipliers; opens the
         ledger. Velocities that had to change are noted in `start_notes`."""
         given = {name: getattr(self.state, name).numpy().copy() for name in ("v", "omega")}
-        self.clock(USER_STEP=self.settings.start_step)
         for mode in (k.PROJECT, k.START):
-            self.control(MODE=int(mode), STEP=0, SUB=0, LEVEL=0, TARGET=1)
+            self.enter(mode, self.settings.start_step)
             self.replay(1)
         for name, unit in (("v", "m/s"), ("omega", "rad/s")):
             change = np.linalg.norm(getattr(self.state, name).numpy() - given[name], axis=-1)
@@ -164,13 +171,13 @@ class Engine:
         self.control(RECORD=0)
         self.replay(0)
 
-    def _rates_to_zero(self) -> None:
+    def rates_to_zero(self) -> None:
         for name in ("v", "v_rate", "v_alg", "omega", "omega_rate", "omega_alg", "qd", "qd_rate", "qd_alg"):
             getattr(self.state, name).zero_()
 
     def initial_rates(self) -> None:
         """Velocities of the scene, on top of whatever positions the state has."""
         fresh = initial_state(self.compiled, self.worlds)
-        self._rates_to_zero()
+        self.rates_to_zero()
         wp.copy(self.state.v, fresh.v)
         wp.copy(self.state.omega, fresh.omega)

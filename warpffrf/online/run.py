@@ -10,7 +10,7 @@ import numpy as np
 from warpffrf_kernels import control as k
 
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.online.engine import STATIC_TOLERANCE, Engine
+from warpffrf.online.engine import Engine
 from warpffrf.online.generalized_alpha import GeneralizedAlpha
 from warpffrf.online.history import History
 from warpffrf.online.progress import Progress
@@ -19,6 +19,7 @@ from warpffrf.online.settings import Settings
 
 log = logging.getLogger("warpffrf")
 
+SAME_TIME = 1e-9  # relative: times that differ by less were meant to be the same
 VELOCITY_JUMP = 1e-6  # of the largest velocity: rounding of a signal's coefficients
 MESSAGES = {
     k.NOT_CONVERGED: ("not_converged", "the Newton iteration did not converge; reduce step"),
@@ -78,11 +79,15 @@ def run(
     built = time.perf_counter()
     continued = isinstance(start, History)
     notes = list(engine.compiled.notes)
+    if abs(steps * step - duration) > SAME_TIME * duration:
+        notes.append(
+            f"the duration {duration:g} s is no multiple of the step: {steps} steps, {steps * step:g} s, are simulated"
+        )
     if continued:
         engine.state.assign(start.checkpoint)
         engine.drained = engine.word("SAVED")
         first_step = int(engine.word("STEP")[0])
-        if not np.isclose(engine.word("USER_STEP")[0], step, rtol=1e-12):
+        if not np.isclose(engine.word("USER_STEP")[0], step, rtol=SAME_TIME):
             # time is counted in steps from START_TIME: begin a new count here
             engine.clock(START_TIME=float(engine.word("TIME")[0]), USER_STEP=step)
             engine.control(STEP=0, SUB=0, LEVEL=0)
@@ -98,19 +103,8 @@ def run(
         notes.extend(engine.start_notes)
         if np.any(engine.word("STATUS")):
             return _finish(engine, begin, built, notes, "start: ")
-        engine.control(
-            MODE=int(k.DYNAMIC),
-            STEP=0,
-            SUB=0,
-            LEVEL=0,
-            REJECTED=0,
-            STEPS=0,
-            ITERATIONS=0,
-            WORST=0,
-            PENDING=0,
-            PENDING_SOLVES=0,
-        )
-        engine.clock(USER_STEP=step)
+        engine.control(REJECTED=0, STEPS=0, ITERATIONS=0, WORST=0, PENDING=0, PENDING_SOLVES=0)
+        engine.enter(k.DYNAMIC, step, target=0)
         engine.save_now()
         first_step = 0
     engine.control(EVERY=save_every)
@@ -156,12 +150,7 @@ def find_equilibrium(scene: Any, *, device: str = "cpu", settings: Settings | No
 def _finish(engine: Engine, begin: float, built: float, notes: list[str], prefix: str) -> History:
     bits = int(engine.word("STATUS")[0])
     status, message = describe(bits, int(engine.word("SPARE")[0]))
-    if (
-        prefix.startswith("equilibrium")
-        and status == "completed"
-        and not engine.rows[0]
-        and float(engine.word("MOVE")[0]) > STATIC_TOLERANCE
-    ):
+    if prefix.startswith("equilibrium") and status == "completed" and not engine.rows[0]:
         status, message = "no_equilibrium", _no_load_path(engine)
     history = history_from_rows(engine.compiled, engine.rows[0])
     history.status, history.message = status, (prefix + message if message else "")

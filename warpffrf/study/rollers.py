@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels import control as k
 
 from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
@@ -164,12 +163,10 @@ class StaticPath:
         """History of the states at times 0 to count - 1; stops at the first that fails, with its status."""
         engine = self.engine
         for i in range(count):
-            engine._rates_to_zero()
+            engine.rates_to_zero()
             engine.clock(TIME=float(i))
             for _ in range(CORRECTIONS):
-                engine.control(MODE=int(k.STATIC), STEP=0, SUB=0, LEVEL=0, TARGET=1)
-                engine.clock(USER_STEP=STATIC_STEP)
-                engine.replay(1)
+                engine.static_step(STATIC_STEP)
             if engine.word("STATUS")[0]:
                 break
             engine.save_now()
