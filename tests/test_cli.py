@@ -27,12 +27,12 @@ def coarse(tmp_path: Path) -> Path:
 
     mesh = wf.mesh.roller(0.05, 0.015, 0.02, sectors=24, layers=2, axial=2, order=1)
     names = ("rim", "bore")
-    facets = np.concatenate([mesh.facets(n).nodes for n in names])
+    facets = np.concatenate([mesh.facets(n).single[1] for n in names])
     owner = np.repeat(names, [len(mesh.facets(n)) for n in names])
-    data = {n: [np.zeros(len(mesh.cell_nodes), dtype=int), (owner == n).astype(int)] for n in names}
+    data = {n: [np.zeros(len(mesh.single[1]), dtype=int), (owner == n).astype(int)] for n in names}
     path = tmp_path / "roller.vtu"
     meshio.write(
-        path, meshio.Mesh(mesh.points * 1e3, [("hexahedron", mesh.cell_nodes), ("quad", facets)], cell_data=data)
+        path, meshio.Mesh(mesh.points * 1e3, [("hexahedron", mesh.single[1]), ("quad", facets)], cell_data=data)
     )
     return path
 

@@ -34,11 +34,11 @@ def generator() -> Any:
 def write(path: Path, mesh: wfmesh.Mesh, *, flip: bool = False, name: str = "rim", **data: Any) -> Path:
     """A mesh with its rim facets as a VTU file; `flip` turns the facets inside out."""
     facets = mesh.facets("rim")
-    nodes = facets.nodes
+    nodes = facets.single[1]
     if flip:
-        nodes = nodes[:, [0, 3, 2, 1]] if facets.kind == "quad4" else nodes[:, [0, 3, 2, 1, 7, 6, 5, 4, 8]]
-    cells: list[Any] = [(MESHIO_CELL[mesh.kind], mesh.cell_nodes), (MESHIO_FACET[facets.kind], nodes)]
-    marks = [np.zeros(len(mesh.cell_nodes), int), np.ones(len(nodes), int)]
+        nodes = nodes[:, [0, 3, 2, 1]] if facets.single[0] == "quad4" else nodes[:, [0, 3, 2, 1, 7, 6, 5, 4, 8]]
+    cells: list[Any] = [(MESHIO_CELL[mesh.single[0]], mesh.single[1]), (MESHIO_FACET[facets.single[0]], nodes)]
+    marks = [np.zeros(len(mesh.single[1]), int), np.ones(len(nodes), int)]
     arrays: dict[str, Any] = {name: marks, **data}
     meshio.Mesh(mesh.points, cells, cell_data=arrays).write(path)
     return path
@@ -52,7 +52,7 @@ def test_tetrahedral_roller_of_gmsh() -> None:
     assert TET_ROLLER.stat().st_size < 1_000_000
     made = generator()
     mesh = wfmesh.read(TET_ROLLER, length_unit="mm")
-    assert mesh.kind == "tet10" and set(mesh.sets) == {"rim", "bore", "ends"} and mesh.cyclic is None
+    assert mesh.single[0] == "tet10" and set(mesh.sets) == {"rim", "bore", "ends"} and mesh.cyclic is None
     axis = np.array(made.AXIS) / np.linalg.norm(made.AXIS)
     for name, radius in (("rim", made.OUTER_RADIUS), ("bore", made.BORE_RADIUS)):
         shape = surfaces.Cylinder().fitted(mesh.points[mesh.facets(name).node_set])
@@ -75,7 +75,7 @@ def test_facets_of_the_file_enclose_it() -> None:
     N, dN = cell.shape(xi)
     total = 0.0
     for facets in mesh.facet_sets.values():
-        X = mesh.points[facets.nodes]
+        X = mesh.points[facets.single[1]]
         position = np.einsum("qa,maj->mqj", N[:, face], X)
         t1, t2 = (np.einsum("qa,maj->mqj", dN[:, face, d], X) for d in (0, 1))
         total += np.einsum("q,mqj,mqj->", weight, position, np.cross(t1, t2)) / 3.0
@@ -88,16 +88,16 @@ def test_vtu_round_trip_orients_the_facets(tmp_path: Path, order: int, flip: boo
     mesh = roller(order)
     again = wfmesh.read(write(tmp_path / "r.vtu", mesh, flip=flip), length_unit="m")
     np.testing.assert_allclose(again.points, mesh.points)
-    np.testing.assert_array_equal(again.cell_nodes, mesh.cell_nodes)
-    rows = {tuple(sorted(row)): row for row in mesh.facets("rim").nodes.tolist()}
-    for row in again.facets("rim").nodes.tolist():
+    np.testing.assert_array_equal(again.single[1], mesh.single[1])
+    rows = {tuple(sorted(row)): row for row in mesh.facets("rim").single[1].tolist()}
+    for row in again.facets("rim").single[1].tolist():
         assert row == rows[tuple(sorted(row))]
 
 
 def test_vtu_array_with_several_values_makes_several_sets(tmp_path: Path) -> None:
     mesh = roller()
     number = np.arange(mesh.sets["rim"]) % 3
-    marks = [np.zeros(len(mesh.cell_nodes), int), number]
+    marks = [np.zeros(len(mesh.single[1]), int), number]
     again = wfmesh.read(write(tmp_path / "r.vtu", mesh, side=marks), length_unit="m")
     assert again.sets == {"rim": 8, "side_1": int(np.sum(number == 1)), "side_2": int(np.sum(number == 2))}
 
@@ -134,7 +134,7 @@ def test_missing_unreadable_and_unknown_files(tmp_path: Path) -> None:
 def test_no_volume_cells(tmp_path: Path) -> None:
     mesh = roller()
     path = tmp_path / "surface.vtu"
-    meshio.Mesh(mesh.points, [("quad", mesh.facets("rim").nodes)]).write(path)
+    meshio.Mesh(mesh.points, [("quad", mesh.facets("rim").single[1])]).write(path)
     with pytest.raises(InputError, match="no volume cells.*quad"):
         wfmesh.read(path, length_unit="m")
     meshio.Mesh(np.random.default_rng(0).random((20, 3)), [("hexahedron20", np.arange(20)[None])]).write(path)
@@ -144,7 +144,7 @@ def test_no_volume_cells(tmp_path: Path) -> None:
 
 def test_inverted_cell(tmp_path: Path) -> None:
     mesh = roller()
-    cells = mesh.cell_nodes.copy()
+    cells = mesh.single[1].copy()
     cells[2] = cells[2][[4, 5, 6, 7, 0, 1, 2, 3]]
     path = tmp_path / "inverted.vtu"
     meshio.Mesh(mesh.points, [("hexahedron", cells)]).write(path)
@@ -157,7 +157,7 @@ def test_two_parts_and_choosing_one(tmp_path: Path) -> None:
     n = len(mesh.points)
     points = np.concatenate([mesh.points, mesh.points + [0.0, 0.0, 1.0]])
     path = tmp_path / "two.vtu"
-    meshio.Mesh(points, [("hexahedron", np.concatenate([mesh.cell_nodes, mesh.cell_nodes + n]))]).write(path)
+    meshio.Mesh(points, [("hexahedron", np.concatenate([mesh.single[1], mesh.single[1] + n]))]).write(path)
     with pytest.raises(InputError, match="2 disconnected parts.*part=0"):
         wfmesh.read(path, length_unit="m")
     second = wfmesh.read(path, length_unit="m", part=1)
@@ -178,9 +178,9 @@ def test_volume_group_of_gmsh_by_name() -> None:
 def test_facet_off_the_cells(tmp_path: Path) -> None:
     mesh = roller()
     path = tmp_path / "odd.vtu"
-    quads = mesh.facets("rim").nodes.copy()
+    quads = mesh.facets("rim").single[1].copy()
     quads[0, 0] = quads[3, 2]
-    marks: Any = [np.zeros(len(mesh.cell_nodes), int), np.ones(len(quads), int)]
-    meshio.Mesh(mesh.points, [("hexahedron", mesh.cell_nodes), ("quad", quads)], cell_data={"rim": marks}).write(path)
+    marks: Any = [np.zeros(len(mesh.single[1]), int), np.ones(len(quads), int)]
+    meshio.Mesh(mesh.points, [("hexahedron", mesh.single[1]), ("quad", quads)], cell_data={"rim": marks}).write(path)
     with pytest.raises(InputError, match="'rim' has a facet that is no face of a cell"):
         wfmesh.read(path, length_unit="m")

@@ -22,7 +22,7 @@ def matrices(mesh, material):
     maker = {"hex8": skfem.MeshHex, "tet4": skfem.MeshTet}[kind]
     grid = maker(mesh.points.T.copy(), cells[:, order].T.copy())
     vector = skfem.ElementVector(element)
-    stiff, heavy = skfem.Basis(grid, vector, intorder=3), skfem.Basis(grid, vector, intorder=5)
+    basis = skfem.Basis(grid, vector, intorder=3)  # 2 x 2 x 2 points in a hexahedron, for K and for M
     lam, mu = material.lame
 
     @skfem.BilinearForm
@@ -34,8 +34,8 @@ def matrices(mesh, material):
     def mass(u, v, _):
         return material.density * dot(u, v)
 
-    order = np.asarray(stiff.nodal_dofs).T.ravel()
-    return tuple(form.toarray()[np.ix_(order, order)] for form in (stiffness.assemble(stiff), mass.assemble(heavy)))
+    order = np.asarray(basis.nodal_dofs).T.ravel()
+    return tuple(form.toarray()[np.ix_(order, order)] for form in (stiffness.assemble(basis), mass.assemble(basis)))
 
 
 def free_response(K, M, R, f):

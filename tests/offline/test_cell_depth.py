@@ -34,7 +34,7 @@ def test_depth_of_a_roller_is_its_rim_layer(order, growth):
 
 def test_depth_of_tetrahedra_is_at_most_their_edge():
     mesh = meshes.read(DATA / "tet_roller.msh", length_unit="mm")
-    x = mesh.points[mesh.cell_nodes[:, :4]]
+    x = mesh.points[mesh.single[1][:, :4]]
     longest = max(np.linalg.norm(x[:, i] - x[:, j], axis=1).max() for i in range(4) for j in range(i))
     depth = layer_depth(mesh, "rim", rim_shape(mesh))
     assert 0.1 * longest < depth <= 0.5 * longest  # half: ten-node cells

@@ -19,10 +19,10 @@ from warpffrf.offline.hat_loads import hat_loads
 def loads_of(mesh, shape, spacing=None):
     facets = mesh.facets("rim")
     shape = shape.fitted(mesh.points[facets.node_set])
-    chart = facet_chart(mesh.points, facets.nodes, facets.corners.shape[1], shape)
+    chart = facet_chart(mesh.points, *facets.single, shape)
     plan = nodal_plan(chart, "rim") if spacing is None else spaced_plan(chart, shape, "rim", spacing)
     assert plan is not None
-    return shape, plan, hat_loads(facets.kind, facets.nodes, chart, shape, plan)
+    return shape, plan, hat_loads(*facets.single, chart, shape, plan)
 
 
 @pytest.mark.parametrize("spacing", [None, 0.021])

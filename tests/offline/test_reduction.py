@@ -148,7 +148,7 @@ def test_dense_operator_beyond_the_memory_limit(small_roller):
 
 
 def test_inverted_cell_is_refused(small_roller):
-    cells = small_roller.cell_nodes.copy()
+    cells = small_roller.single[1].copy()
     cells[3] = cells[3][[4, 5, 6, 7, 0, 1, 2, 3]]
     mesh = Mesh(small_roller.points, {"hex8": cells}, small_roller.facet_sets)
     with pytest.raises(InputError, match="1 inverted hex8 cell.*number 3.*repair"):
@@ -157,7 +157,7 @@ def test_inverted_cell_is_refused(small_roller):
 
 def test_two_disconnected_parts_are_refused(small_roller):
     points = np.concatenate([small_roller.points, small_roller.points + 1.0])
-    cells = np.concatenate([small_roller.cell_nodes, small_roller.cell_nodes + len(small_roller.points)])
+    cells = np.concatenate([small_roller.single[1], small_roller.single[1] + len(small_roller.points)])
     with pytest.raises(InputError, match="2 disconnected parts with 72, 72 cells.*merge"):
         reduced(Mesh(points, {"hex8": cells}, small_roller.facet_sets))
 
@@ -165,7 +165,7 @@ def test_two_disconnected_parts_are_refused(small_roller):
 def test_things_of_another_kind_are_refused(small_roller):
     with pytest.raises(InputError, match="a material is needed.*got 210"):
         reduce(small_roller, 210e9)  # pyright: ignore[reportArgumentType]
-    with pytest.raises(InputError, match="a mesh is needed, made by mesh.roller or mesh.read, got 'roller.msh'"):
+    with pytest.raises(InputError, match="a mesh is needed, .*mesh.read .*got 'roller.msh'"):
         reduce("roller.msh", STEEL)  # pyright: ignore[reportArgumentType]
 
 

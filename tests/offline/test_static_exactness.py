@@ -34,10 +34,10 @@ def full(small_roller, steel):
     R[3 * len(free) :] = np.eye(6)
     shape = reduced(small_roller).contact_surfaces["rim"].shape
     facets = small_roller.facets("rim")
-    chart = facet_chart(points, facets.nodes, 4, shape)
+    chart = facet_chart(points, *facets.single, shape)
     plan = nodal_plan(chart, "rim")
     assert plan is not None
-    loads = hat_loads(facets.kind, facets.nodes, chart, shape, plan)
+    loads = hat_loads(*facets.single, chart, shape, plan)
     rows = len(plan.z)
     B = np.zeros((len(points), 3, plan.columns * rows))
     for d in range(3):

@@ -69,7 +69,7 @@ def roller() -> ReducedBody:
         contact_surfaces={"rim": surface},
         surface=DisplaySurface(points, np.array(triangles), modes),
         report={},
-        provenance={"material": material},
+        provenance={"contact_materials": {"rim": material}},
     )
 
 

@@ -10,30 +10,44 @@ batched over components and cells. Dofs are node-interleaved, `3*node + componen
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.material import Material
+from warpffrf.model.mesh import Mesh
+from warpffrf.offline.materials import Assignment
 from warpffrf.offline.reference import MASS_DEGREE, STIFFNESS_DEGREE, rule
 
 Sparse = Any  # a scipy.sparse csr matrix; the stubs of scipy lose its type on every product and slice
 CHUNK_BYTES = 1 << 26  # element matrices worked on together: 64 MiB keeps the peak far below that of a factorisation
 
 
-def assemble(points: np.ndarray, kind: str, cells: np.ndarray, material: Material) -> tuple[Sparse, Sparse]:
-    """K [N/m] and M [kg], both (3 n, 3 n) sparse, of `cells` (m, k) of `kind` over the nodes `points` (n, 3) [m]."""
-    n, k = len(points), cells.shape[1]
-    chunk = max(1, CHUNK_BYTES // (8 * 3 * (3 * k) ** 2))
+def fe_matrices(mesh: Mesh, assignment: Assignment) -> tuple[Sparse, Sparse]:
+    """K [N/m] and M [kg] of the body: those that the mesh carries, or those of its cells."""
+    if mesh.matrices is not None:
+        return mesh.matrices.stiffness, mesh.matrices.mass
+    return assemble(mesh.points, mesh.cells, assignment)
+
+
+def assemble(points: np.ndarray, cells: Mapping[str, np.ndarray], assignment: Assignment) -> tuple[Sparse, Sparse]:
+    """K [N/m] and M [kg], both (3 n, 3 n) sparse, of the `cells` {kind: (m, k)} over the nodes `points` (n, 3) [m]."""
+    n = len(points)
     K = sp.csr_matrix((3 * n, 3 * n))
     m = sp.csr_matrix((n, n))
-    for start in range(0, len(cells), chunk):
-        part = cells[start : start + chunk]
-        x = points[part]
-        dofs = (3 * part[:, :, None] + np.arange(3)).reshape(len(part), -1)
-        K = K + _scatter(_stiffness(x, kind, material), dofs, 3 * n)
-        m = m + _scatter(_mass(x, kind, material.density), part, n)
+    for kind, all_cells in cells.items():
+        for i, material in enumerate(assignment.materials):
+            here = all_cells[assignment.of_cell[kind] == i]
+            k = here.shape[1]
+            chunk = max(1, CHUNK_BYTES // (8 * 3 * (3 * k) ** 2))
+            for start in range(0, len(here), chunk):
+                part = here[start : start + chunk]
+                x = points[part]
+                dofs = (3 * part[:, :, None] + np.arange(3)).reshape(len(part), -1)
+                K = K + _scatter(_stiffness(x, kind, material), dofs, 3 * n)
+                m = m + _scatter(_mass(x, kind, material.density), part, n)
     return sp.csr_matrix(K), sp.csr_matrix(sp.kron(m, sp.identity(3), format="csr"))
 
 

@@ -20,7 +20,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.reduced_body_file import SCHEMA
 
 logger = logging.getLogger("warpffrf.offline")
-METHOD = 2  # raised whenever the reduction gives other numbers for the same input
+METHOD = 3  # raised whenever the reduction gives other numbers for the same input
 VARIABLE = "WARPFFRF_CACHE"
 
 

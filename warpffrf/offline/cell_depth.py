@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.mesh.elements import FACET_CORNERS, cell_kind
+from warpffrf.model.mesh.elements import cell_kind, facet_kind
 from warpffrf.model.reduced_body import ContactGrid
 
 # First layer of nodes in spacings of the grid. Two equal steel rollers, 35 mm wall, layers growing by 1.3 inwards,
@@ -32,13 +32,17 @@ def layer_depth(mesh: Mesh, name: str, shape) -> float:
 
     The depth of a cell is that of its deepest node under the true surface `shape`, divided by the degree of the cell.
     """
-    cell = cell_kind(mesh.kind)
     on_set = np.zeros(len(mesh.points), dtype=bool)
     on_set[mesh.facets(name).node_set] = True
-    cells = mesh.cell_nodes
-    behind = cells[on_set[cells[:, : _corners(mesh.kind)]].sum(axis=1) >= FACET_CORNERS[cell.facet_kind]]
-    _, _, height = shape.chart(mesh.points[behind.ravel()])
-    return float(np.max(-height)) / int(cell.powers.max())
+    deepest = 0.0
+    for kind, cells in mesh.cells.items():
+        cell = cell_kind(kind)
+        shared = min(facet_kind(facet).corner_count for facet in cell.faces)
+        behind = cells[on_set[cells[:, : cell.corner_count]].sum(axis=1) >= shared]
+        if len(behind):
+            _, _, height = shape.chart(mesh.points[behind.ravel()])
+            deepest = max(deepest, float(np.max(-height)) / cell.degree)
+    return deepest
 
 
 def depth_ratio(depth: float, shape, grid: ContactGrid) -> float:
@@ -57,8 +61,3 @@ def depth_warning(name: str, depth: float, ratio: float) -> str | None:
         "high; grade the mesh towards the surface (mesh.roller: leave grading out, or more layers), or use "
         f"traction_spacing >= {depth / DEEPEST:.3g} m"
     )
-
-
-def _corners(kind: str) -> int:
-    """Number of corner nodes of a cell; they come first in its node order."""
-    return 8 if kind.startswith("hex") else 4

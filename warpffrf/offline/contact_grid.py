@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.mesh.elements import facet_kind
 
 SAME_PLACE = 1e-6  # chart coordinates of nodes closer than this fraction of the extent are the same line of the grid
 ROUND_SPACING = 1e-9  # a spacing that divides a length up to round-off divides it
@@ -44,12 +45,12 @@ class Chart:
         return Chart(self.theta[mask], self.z[mask], self.edge)
 
 
-def facet_chart(points: np.ndarray, nodes: np.ndarray, corners: int, shape) -> Chart:
-    """Chart coordinates of the nodes of facets `nodes` (m, k); neighbouring facets may differ by a full turn."""
+def facet_chart(points: np.ndarray, kind: str, nodes: np.ndarray, shape) -> Chart:
+    """Chart coordinates of the nodes of facets `nodes` (m, k) of one `kind`; neighbours may differ by a full turn."""
     theta, z, _ = shape.chart(points[nodes.ravel()])
     theta, z = theta.reshape(nodes.shape), z.reshape(nodes.shape)
     theta = theta[:, :1] + _wrapped(theta - theta[:, :1])
-    x = points[nodes[:, :corners]]
+    x = points[nodes[:, : facet_kind(kind).corner_count]]
     edge = float(np.max(np.linalg.norm(x - np.roll(x, 1, axis=1), axis=2)))
     return Chart(theta, z, edge)
 

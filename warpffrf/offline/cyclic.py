@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
+from warpffrf.model.mesh.facets import outer_faces, triangles
 from warpffrf.model.reduced_body import Recovery, sector_to_user
 from warpffrf.offline.assembly import rigid_modes
 from warpffrf.offline.cyclic_surface import CyclicSurface, FacetPattern
@@ -26,11 +26,11 @@ from warpffrf.offline.global_basis import attachment_modes, deflated, global_bas
 from warpffrf.offline.harmonics import DIRECTIONS, AxialInterface, Harmonics
 from warpffrf.offline.independence import window_columns
 from warpffrf.offline.interfaces import RigidInterface
+from warpffrf.offline.materials import Assignment
 from warpffrf.offline.modes import SAME_FREQUENCY, vibration_modes, whole_multiples
 from warpffrf.offline.products import Limits, PathProduct, SurfaceProduct, mass_properties
 from warpffrf.offline.progress import Progress
 from warpffrf.offline.sector import Sector, assemble_sector, sector_axes
-from warpffrf.offline.skin import outer_faces, triangles
 
 LIMIT_GROWTH = 1.35  # factor by which the frequency limit grows until it holds the wanted number of modes
 
@@ -49,7 +49,7 @@ class HarmonicModes:
 
 def reduce_cyclic(
     mesh: Mesh,
-    material: Material,
+    assignment: Assignment,
     interfaces: list[RigidInterface],
     surfaces: list[tuple[str, object, FacetPattern]],
     limits: Limits,
@@ -63,7 +63,7 @@ def reduce_cyclic(
     axis = cyclic.axis_direction
     first = mesh.points[0] - cyclic.axis_point
     toward = first if np.linalg.norm(np.cross(first, axis)) > 0.0 else np.eye(3)[int(np.argmin(np.abs(axis)))]
-    sector = assemble_sector(mesh, material, sector_axes(axis, toward))
+    sector = assemble_sector(mesh, assignment, sector_axes(axis, toward))
     N, nn = sector.count, sector.nodes
     on_axis = [AxialInterface(i.nodes[i.nodes < nn], float((i.point - sector.origin) @ axis)) for i in interfaces]
     harmonics = Harmonics(sector, on_axis)
@@ -276,11 +276,14 @@ def _rigid_mass(sector: Sector) -> Array:
 def _skin(mesh: Mesh, nn: int) -> tuple[Array, Array]:
     """Skin nodes of sector 0 (p,), and all triangles (t, 3) numbered sector-major over the skin points."""
     N = len(mesh.points) // nn
-    cells = mesh.cell_nodes.reshape(N, -1, mesh.cell_nodes.shape[1])
-    near = np.concatenate([cells[s] for s in dict.fromkeys((0, 1, N - 1))])
-    faces = outer_faces(mesh.kind, near, inner=cells.shape[1])
-    skin = np.unique(faces % nn)
-    corner = triangles(mesh.kind, faces)
+    near, inner = {}, {}
+    for kind, nodes in mesh.cells.items():
+        cells = nodes.reshape(N, -1, nodes.shape[1])
+        near[kind] = np.concatenate([cells[s] for s in dict.fromkeys((0, 1, N - 1))])
+        inner[kind] = cells.shape[1]
+    faces = outer_faces(near, inner)
+    skin = np.unique(faces.node_set % nn)
+    corner = triangles(faces)
     local = (corner // nn) * len(skin) + np.searchsorted(skin, corner % nn)
     shift = len(skin) * np.arange(N)[:, None, None]
     return skin, ((local[None] + shift) % (N * len(skin))).reshape(-1, 3)

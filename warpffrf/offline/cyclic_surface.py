@@ -18,6 +18,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
+from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.model.reduced_body import ContactGrid, axial_gram
 from warpffrf.offline.contact_grid import (
     FEWEST_COLUMNS,
@@ -49,7 +50,9 @@ def facet_pattern(mesh: Mesh, name: str) -> FacetPattern | str:
         return "the mesh is not marked as rotationally periodic"
     N, n = mesh.cyclic.sectors, len(mesh.points)
     nn = n // N
-    nodes = mesh.facets(name).nodes
+    if len(mesh.facets(name).blocks) > 1:
+        return f"facet set {name!r} holds facets of several kinds"
+    nodes = mesh.facets(name).single[1]
     sector = nodes // nn
     low, high = sector.min(axis=1), sector.max(axis=1)
     own = np.where((low == 0) & (high == N - 1), N - 1, low)
@@ -73,12 +76,12 @@ class CyclicSurface:
     def __init__(self, mesh: Mesh, sector: Sector, name: str, shape, pattern: FacetPattern, spacing: float | None):
         self.name, self.shape = name, shape
         self.N, nn = sector.count, sector.nodes
-        facets = mesh.facets(name)
-        corners = facets.corners.shape[1]
-        chart = facet_chart(mesh.points, pattern.nodes, corners, shape)
+        kind = mesh.facets(name).single[0]
+        corners = facet_kind(kind).corner_count
+        chart = facet_chart(mesh.points, kind, pattern.nodes, shape)
         shift = nn * np.arange(self.N)[:, None, None]
         whole = (pattern.nodes[None] + shift).reshape(-1, pattern.nodes.shape[1]) % len(mesh.points)
-        whole_chart = facet_chart(mesh.points, whole, corners, shape)
+        whole_chart = facet_chart(mesh.points, kind, whole, shape)
         first = float(chart.theta.min())
         self.edge = chart.edge
         pitch = 2.0 * np.pi / self.N
@@ -103,7 +106,7 @@ class CyclicSurface:
         self.z = plan.z
         self.gram_z = axial_gram(shape, plan.z)
         self.pitch = plan.pitch * self.stride
-        self._B = self._loads(hat_loads(facets.kind, pattern.nodes, chart, shape, plan), sector, nn)
+        self._B = self._loads(hat_loads(kind, pattern.nodes, chart, shape, plan), sector, nn)
         self.grid, self.offset = self._grid(plan, pattern)
 
     @property

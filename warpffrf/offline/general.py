@@ -12,20 +12,20 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
+from warpffrf.model.mesh.facets import triangles
 from warpffrf.model.reduced_body import ContactGrid, Recovery, axial_gram
-from warpffrf.offline.assembly import assemble, rigid_modes
+from warpffrf.offline.assembly import fe_matrices, rigid_modes
 from warpffrf.offline.contact_grid import GridPlan, facet_chart, nodal_plan, spaced_plan
 from warpffrf.offline.elastic import Array, free_model
 from warpffrf.offline.global_basis import attachment_modes, deflated, global_basis
 from warpffrf.offline.hat_loads import hat_loads
 from warpffrf.offline.independence import window_columns
 from warpffrf.offline.interfaces import RigidInterface, constraint
+from warpffrf.offline.materials import Assignment
 from warpffrf.offline.modes import vibration_modes, whole_multiples
 from warpffrf.offline.products import Limits, PathProduct, SurfaceProduct, mass_properties
 from warpffrf.offline.progress import Progress
-from warpffrf.offline.skin import outer_faces, triangles
 
 BLOCK = 64  # right-hand sides solved together; larger blocks gain little, single ones cost six times more a side
 # arrays of the size of a block alive at once: load, projected load, permuted, solution, residual, response
@@ -36,7 +36,7 @@ DEFAULT_MEMORY = 4 << 30  # bytes
 
 def reduce_general(
     mesh: Mesh,
-    material: Material,
+    assignment: Assignment,
     interfaces: list[RigidInterface],
     surfaces: list[tuple[str, object]],
     limits: Limits,
@@ -46,13 +46,13 @@ def reduce_general(
 ) -> PathProduct:
     """Reduce any mesh; `surfaces` are name and resolved shape. See the module docstring."""
     contacts = [_Surface(mesh, name, shape, spacing) for name, shape in surfaces]
-    faces = outer_faces(mesh.kind, mesh.cell_nodes)
-    skin = np.unique(faces)
+    faces = mesh.outer_facets()
+    skin = faces.node_set
     skin_dofs = (3 * skin[:, None] + np.arange(3)).ravel()
     limit = DEFAULT_MEMORY if memory_limit is None else memory_limit
     _check_memory(contacts, len(skin_dofs), limit)
 
-    K, M = assemble(mesh.points, mesh.kind, mesh.cell_nodes, material)
+    K, M = fe_matrices(mesh, assignment)
     middle = mesh.points.mean(axis=0)
     R = rigid_modes(mesh.points, middle)
     mass, center, inertia = mass_properties(R.T @ (M @ R), middle)
@@ -109,7 +109,7 @@ def reduce_general(
         interface_modes=[Phi[first + 6 * j : first + 6 * j + 6].T.copy() for j in range(len(interfaces))],
         surfaces=products,
         skin_points=mesh.points[skin],
-        skin_triangles=np.searchsorted(skin, triangles(mesh.kind, faces)),
+        skin_triangles=np.searchsorted(skin, triangles(faces)),
         skin_modes=shape[skin_dofs].T.reshape(len(omega), -1, 3).astype(np.float32),
         facts={"dependent_directions_dropped": dropped, "notes": notes, "block": width},
     )
@@ -131,16 +131,16 @@ class _Surface:
 
     def __init__(self, mesh: Mesh, name: str, shape, spacing: float | None) -> None:
         self.name, self.shape = name, shape
-        facets = mesh.facets(name)
-        chart = facet_chart(mesh.points, facets.nodes, facets.corners.shape[1], shape)
-        plan = nodal_plan(chart, name) if spacing is None and facets.kind.startswith("quad") else None
+        kind, nodes = mesh.facets(name).single
+        chart = facet_chart(mesh.points, kind, nodes, shape)
+        plan = nodal_plan(chart, name) if spacing is None and kind.startswith("quad") else None
         if plan is None:
             plan = spaced_plan(chart, shape, name, chart.edge if spacing is None else spacing)
         self.plan: GridPlan = plan
         self.edge = chart.edge
         rows = len(plan.z)
         self.hats = plan.columns * rows
-        loads = hat_loads(facets.kind, facets.nodes, chart, shape, plan)
+        loads = hat_loads(kind, nodes, chart, shape, plan)
         hat = (loads.column % plan.columns) * rows + loads.row
         dofs = (3 * loads.node[:, None] + np.arange(3)).ravel()
         self.B = sp.csr_matrix(

@@ -48,8 +48,8 @@ def eigenvalue_ratio(window: np.ndarray) -> float:
 
 def trace_ratio(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
     """Eigenvalue ratio of the traces of the grid's first columns on the facets of set `name` (module docstring)."""
-    facets = mesh.facets(name)
-    chart = facet_chart(mesh.points, facets.nodes, facets.corners.shape[1], shape)
+    kind, nodes_of = mesh.facets(name).single
+    chart = facet_chart(mesh.points, kind, nodes_of, shape)
     count, rows = window_columns(grid.columns, grid.rows), grid.rows
     # the window alone as a grid on an arc, with a margin of columns whose hats complete the lumped areas of its nodes
     turn = 2.0 * np.pi
@@ -60,7 +60,7 @@ def trace_ratio(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
     columns = int(np.ceil(turn / grid.pitch - 1e-6))
     plan = GridPlan(grid.theta_start, turn / columns, columns, True, grid.z, False)
     part = chart.part(near)
-    loads = hat_loads(facets.kind, facets.nodes[near], part, shape, plan)
+    loads = hat_loads(kind, nodes_of[near], part, shape, plan)
     column = loads.column % columns
     nodes, node = np.unique(loads.node, return_inverse=True)
     lumped = np.bincount(node, weights=np.abs(loads.area))

@@ -50,11 +50,15 @@ def rigid_interfaces(mesh: Mesh, names: list[str]) -> list[RigidInterface]:
 def reference_point(mesh: Mesh, name: str) -> np.ndarray:
     """Reference point (3,) [m] of the facet set: area centroid, moved onto the axis where the set is a cylinder."""
     facets = mesh.facets(name)
-    r = rule(facets.kind, FACET_DEGREE[facets.kind])
-    x = mesh.points[facets.nodes]
-    tangents = np.einsum("mki,qkd->mqdi", x, r.gradients)
-    area = np.linalg.norm(np.cross(tangents[:, :, 0], tangents[:, :, 1]), axis=2) * r.weights
-    center = np.einsum("mq,qk,mki->i", area, r.values, x) / area.sum()
+    total, moment = 0.0, np.zeros(3)
+    for kind, nodes in facets.blocks.items():
+        r = rule(kind, FACET_DEGREE[kind])
+        x = mesh.points[nodes]
+        tangents = np.einsum("mki,qkd->mqdi", x, r.gradients)
+        area = np.linalg.norm(np.cross(tangents[:, :, 0], tangents[:, :, 1]), axis=2) * r.weights
+        total += float(area.sum())
+        moment += np.einsum("mq,qk,mki->i", area, r.values, x)
+    center = moment / total
     try:
         shape = Cylinder().fitted(mesh.points[facets.node_set])
     except InputError:

@@ -11,6 +11,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.surfaces import CrownedCylinder, Cylinder
 from warpffrf.offline.cyclic_surface import FacetPattern, facet_pattern
+from warpffrf.offline.materials import Assignment
 from warpffrf.offline.sector import periodicity_fault
 
 COAXIAL = 1e-9  # of the radius: a shape this close to the axis of periodicity turns into itself, far below any gap
@@ -56,9 +57,11 @@ def _any_shape(points: np.ndarray) -> Any:
         return CrownedCylinder().fitted(points)
 
 
-def choose_path(mesh: Mesh, interface_sets: list[str], shapes: dict[str, Any]) -> PathChoice:
+def choose_path(
+    mesh: Mesh, interface_sets: list[str], shapes: dict[str, Any], assignment: Assignment | None = None
+) -> PathChoice:
     """Cyclic where mesh, interfaces and surfaces repeat from sector to sector, else general; never silently."""
-    fault = periodicity_fault(mesh, interface_sets)
+    fault = periodicity_fault(mesh, interface_sets, assignment)
     patterns: dict[str, FacetPattern] = {}
     if fault is None and mesh.cyclic is not None:
         if mesh.cyclic.sectors < LEAST_SECTORS:

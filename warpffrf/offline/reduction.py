@@ -6,6 +6,7 @@ import logging
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from warpffrf.offline.cyclic import reduce_cyclic
 from warpffrf.offline.general import reduce_general
 from warpffrf.offline.independence import INDEPENDENCE, check_independence, eigenvalue_ratio, trace_ratio
 from warpffrf.offline.interfaces import rigid_interfaces
+from warpffrf.offline.materials import assign, facet_material
 from warpffrf.offline.paths import choose_path, resolve_shapes
 from warpffrf.offline.products import Limits, PathProduct, SurfaceProduct
 from warpffrf.offline.progress import Progress
@@ -42,7 +44,7 @@ BLAS_THREADS = 1
 
 def reduce(
     mesh: Mesh,
-    material: Material,
+    material: Material | Mapping[str, Material] | None = None,
     *,
     interfaces: Mapping[str, str] | None = None,
     contact: Mapping[str, Any] | None = None,
@@ -58,7 +60,8 @@ def reduce(
 
     Parameters
     ----------
-    mesh, material: the body; the frame of the mesh is the body's user frame.
+    mesh: the body; its frame is the body's user frame.
+    material: one material, or {cell set: Material} that covers every cell once. A mesh made of matrices needs none.
     interfaces: {facet set: "rigid"}; the nodes of a rigid interface move as one rigid body.
     contact: {facet set: shape}, a `warpffrf.surfaces` shape, or None to have a cylinder or crowned cylinder fitted.
     basis: "free_free": free-free vibration modes and inertia-relief attachment modes of the interfaces.
@@ -79,10 +82,11 @@ def reduce(
     start = time.perf_counter()
     kinds = dict(interfaces or {})
     shapes = dict(contact or {})
-    limits = _checked(mesh, material, kinds, shapes, basis, max_frequency, modes, traction_spacing, memory_limit)
+    limits = _checked(mesh, kinds, shapes, basis, max_frequency, modes, traction_spacing, memory_limit)
+    assignment = assign(mesh, material)
     settings = {
         "mesh": mesh.content_hash(),
-        "material": [material.youngs_modulus, material.poisson_ratio, material.density],
+        "material": _material_settings(material),
         "interfaces": kinds,
         "contact": {name: None if s is None else s.describe() for name, s in shapes.items()},
         "basis": basis,
@@ -105,15 +109,15 @@ def reduce(
             mesh.check()
         rigid = rigid_interfaces(mesh, list(kinds))
         resolved = resolve_shapes(mesh, shapes)
-        choice = choose_path(mesh, list(kinds), resolved)
+        choice = choose_path(mesh, list(kinds), resolved, assignment)
         if choice.patterns is not None:
             surfaces = [(name, choice.shapes[name], choice.patterns[name]) for name in shapes]
-            product = reduce_cyclic(mesh, material, rigid, surfaces, limits, traction_spacing, stages)
+            product = reduce_cyclic(mesh, assignment, rigid, surfaces, limits, traction_spacing, stages)
             path = "cyclic"
         else:
             named = [(name, choice.shapes[name]) for name in shapes]
             limit = None if memory_limit is None else int(memory_limit)
-            product = reduce_general(mesh, material, rigid, named, limits, traction_spacing, limit, stages)
+            product = reduce_general(mesh, assignment, rigid, named, limits, traction_spacing, limit, stages)
             path = "general"
         report = _report(product, path, choice.reason, mesh, stages)
         surfaces_out = {}
@@ -141,11 +145,8 @@ def reduce(
         provenance={
             "mesh_name": mesh.name,
             "settings": settings,
-            "material": {
-                "youngs_modulus": material.youngs_modulus,
-                "poisson_ratio": material.poisson_ratio,
-                "density": material.density,
-                "name": material.name,
+            "contact_materials": {
+                name: _described(facet_material(mesh, mesh.facets(name), assignment)) for name in shapes
             },
             "key": key,
             "versions": library_versions(LIBRARIES),
@@ -170,8 +171,7 @@ def one_thread() -> Iterator[None]:
 
 def _judged(mesh: Mesh, name: str, shape: Any, s: SurfaceProduct) -> tuple[dict[str, Any], list[str]]:
     """Figures of a contact surface for the report, and warnings; raises `InputError` where its hats depend."""
-    facets = mesh.facets(name)
-    edge = facet_chart(mesh.points, facets.nodes, facets.corners.shape[1], shape).edge
+    edge = facet_chart(mesh.points, *mesh.facets(name).single, shape).edge
     traces = trace_ratio(mesh, name, shape, s.grid)
     ratio = check_independence(traces, s.window, name, edge)
     residual = eigenvalue_ratio(s.residual_window)
@@ -204,9 +204,20 @@ def _log_warnings(body: ReducedBody) -> None:
         logger.warning("%s", text)
 
 
+def _described(material: Material | None) -> dict[str, Any] | None:
+    """Plain data of a material."""
+    return None if material is None else asdict(material)
+
+
+def _material_settings(material: Material | Mapping[str, Material] | None) -> Any:
+    """Plain data of what was given, for the cache key: names of materials do not count."""
+    if isinstance(material, Material):
+        return [material.youngs_modulus, material.poisson_ratio, material.density]
+    return None if material is None else {name: _material_settings(one) for name, one in material.items()}
+
+
 def _checked(
     mesh: Mesh,
-    material: Material,
     kinds: dict[str, str],
     shapes: dict[str, Any],
     basis: str,
@@ -216,9 +227,10 @@ def _checked(
     memory_limit: float | None,
 ) -> Limits:
     """Refuse settings that cannot be used; returns the limits of the vibration modes."""
-    for value, kind, cure in ((mesh, Mesh, "mesh.roller or mesh.read"), (material, Material, "Material")):
-        if not isinstance(value, kind):
-            raise InputError(f"reduce: a {kind.__name__.lower()} is needed, made by {cure}, got {value!r}")
+    if not isinstance(mesh, Mesh):
+        raise InputError(
+            f"reduce: a mesh is needed, made by mesh.roller, mesh.read or mesh.from_matrices, got {mesh!r}"
+        )
     for name, kind in kinds.items():
         mesh.facets(name)
         if kind not in INTERFACE_KINDS:

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.offline.assembly import Sparse, assemble
+from warpffrf.offline.materials import Assignment
 
 PERIODIC = 1e-10  # of the body's radius: nodes of turned sectors agree to round-off, 1 nm on 50 mm is seen (2e-8)
 
@@ -76,9 +76,9 @@ def turned(points: np.ndarray, axes: np.ndarray, angle: float) -> np.ndarray:
     return (local @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])) @ axes.T
 
 
-def periodicity_fault(mesh: Mesh, whole_sets: list[str]) -> str | None:
+def periodicity_fault(mesh: Mesh, whole_sets: list[str], assignment: Assignment | None = None) -> str | None:
     """Why `mesh` cannot be treated as its `cyclic` says, or None. `whole_sets` are facet sets that must be periodic
-    too."""
+    too, and so must the materials."""
     if mesh.cyclic is None:
         return "the mesh is not marked as rotationally periodic"
     N, n = mesh.cyclic.sectors, len(mesh.points)
@@ -93,12 +93,16 @@ def periodicity_fault(mesh: Mesh, whole_sets: list[str]) -> str | None:
     error = np.abs(np.stack([c * x - s * y, s * x + c * y, np.broadcast_to(z, (N, nn))], axis=2) - local)
     if float(error.max()) > PERIODIC * size:
         return f"nodes of turned sectors differ by {error.max():.3g} m"
-    cells = mesh.cell_nodes.reshape(N, -1, mesh.cell_nodes.shape[1])
-    if cells[0].max() >= 2 * nn:
-        return "cells of sector 0 reach beyond sector 1"
     shift = nn * np.arange(N)[:, None, None]
-    if not np.array_equal((cells[0][None] + shift) % n, cells):
-        return "cells of the sectors are not numbered alike"
+    for kind, nodes in mesh.cells.items():
+        cells = nodes.reshape(N, -1, nodes.shape[1])
+        if cells[0].max() >= 2 * nn:
+            return f"{kind} cells of sector 0 reach beyond sector 1"
+        if not np.array_equal((cells[0][None] + shift) % n, cells):
+            return f"{kind} cells of the sectors are not numbered alike"
+        parts = None if assignment is None else assignment.of_cell[kind].reshape(N, -1)
+        if parts is not None and np.any(parts != parts[0]):
+            return "the materials differ from sector to sector"
     for name in whole_sets:
         nodes = mesh.facets(name).node_set
         here = nodes[nodes < nn]
@@ -111,15 +115,16 @@ def _off_axis(axis: np.ndarray) -> np.ndarray:
     return np.eye(3)[int(np.argmin(np.abs(axis)))]
 
 
-def assemble_sector(mesh: Mesh, material: Material, axes: np.ndarray) -> Sector:
+def assemble_sector(mesh: Mesh, assignment: Assignment, axes: np.ndarray) -> Sector:
     """Matrices of sector 0 of a periodic mesh, in the sector's `axes` (third column: the axis of rotation)."""
     cyclic = mesh.cyclic
     if cyclic is None:
         raise ValueError("assemble_sector needs a periodic mesh")
     N = cyclic.sectors
     nn = len(mesh.points) // N
-    cells = mesh.cell_nodes[: len(mesh.cell_nodes) // N]
-    K, M = assemble(mesh.points[: 2 * nn], mesh.kind, cells, material)
+    cells = {kind: nodes[: len(nodes) // N] for kind, nodes in mesh.cells.items()}
+    own_materials = {kind: part[: len(part) // N] for kind, part in assignment.of_cell.items()}
+    K, M = assemble(mesh.points[: 2 * nn], cells, Assignment(assignment.materials, own_materials))
     phi = 2.0 * np.pi / N
     own = sp.kron(sp.identity(nn), axes)
     next_axes = np.stack([turned(a[None], axes, phi)[0] for a in axes.T], axis=1)

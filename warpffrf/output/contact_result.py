@@ -193,8 +193,11 @@ class ContactResult:
     def effective_modulus(self) -> float:
         """E* [Pa] of the pair, from the materials in the reduced bodies' provenance."""
         compliance = 0.0
-        for body in (self.view.first_body, self.view.second_body):
-            material = body.reduced.provenance.get("material")
+        for body, surface in (
+            (self.view.first_body, self.view.first),
+            (self.view.second_body, self.view.second),
+        ):
+            material = body.reduced.provenance.get("contact_materials", {}).get(surface.name)
             if not material:
                 raise InputError(
                     f"contact '{self.name}': body '{body.name}' does not say its material, so Hertz cannot be "

@@ -7,6 +7,8 @@ shows there first.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from warpffrf.model.errors import InputError
@@ -28,23 +30,25 @@ def jacobian_range(points: np.ndarray, kind: str, cells: np.ndarray) -> tuple[np
     return smallest, cube
 
 
-def check_orientation(points: np.ndarray, kind: str, cells: np.ndarray) -> None:
-    """Raise `InputError` naming the first inverted (or flat) cell and their number."""
-    smallest, cube = jacobian_range(points, kind, cells)
-    bad = np.flatnonzero(~(smallest > FLAT_CELL * cube))
-    if len(bad):
-        first = int(bad[0])
-        center = ", ".join(f"{x:.6g}" for x in points[cells[first]].mean(axis=0))
-        raise InputError(
-            f"mesh: {len(bad)} inverted {kind} cell(s), the first is number {first} at ({center}) m with "
-            f"det J = {smallest[first]:.3g} m3; repair the mesh or the node order of its cells"
-        )
+def check_orientation(points: np.ndarray, cells: Mapping[str, np.ndarray]) -> None:
+    """Raise `InputError` naming the first inverted (or flat) cell of each kind and their number."""
+    for kind, nodes in cells.items():
+        smallest, cube = jacobian_range(points, kind, nodes)
+        bad = np.flatnonzero(~(smallest > FLAT_CELL * cube))
+        if len(bad):
+            first = int(bad[0])
+            center = ", ".join(f"{x:.6g}" for x in points[nodes[first]].mean(axis=0))
+            raise InputError(
+                f"mesh: {len(bad)} inverted {kind} cell(s), the first is number {first} at ({center}) m with "
+                f"det J = {smallest[first]:.3g} m3; repair the mesh or the node order of its cells"
+            )
 
 
-def check_used(node_count: int, cells: np.ndarray) -> None:
+def check_used(node_count: int, cells: Mapping[str, np.ndarray]) -> None:
     """Raise `InputError` when a node belongs to no cell: it would have neither stiffness nor mass."""
     used = np.zeros(node_count, dtype=bool)
-    used[cells.ravel()] = True
+    for nodes in cells.values():
+        used[nodes.ravel()] = True
     if not used.all():
         first = int(np.flatnonzero(~used)[0])
         raise InputError(
@@ -52,21 +56,21 @@ def check_used(node_count: int, cells: np.ndarray) -> None:
         )
 
 
-def part_labels(node_count: int, cells: np.ndarray) -> np.ndarray:
-    """Number of the connected part of each cell (m,), counted from 0."""
+def part_labels(node_count: int, cells: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Number of the connected part of each cell (all cells of all blocks), counted from 0."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    first = np.repeat(cells[:, 0], cells.shape[1] - 1)
-    other = cells[:, 1:].ravel()
+    first = np.concatenate([np.repeat(c[:, 0], c.shape[1] - 1) for c in cells.values()])
+    other = np.concatenate([c[:, 1:].ravel() for c in cells.values()])
     graph = coo_matrix((np.ones(len(first), dtype=np.int8), (first, other)), shape=(node_count, node_count))
-    labels = connected_components(graph, directed=False)[1][cells[:, 0]]
-    return np.unique(labels, return_inverse=True)[1]
+    parts = connected_components(graph, directed=False)[1]
+    return np.unique(np.concatenate([parts[c[:, 0]] for c in cells.values()]), return_inverse=True)[1]
 
 
-def check_connected(points: np.ndarray, cells: np.ndarray) -> None:
+def check_connected(node_count: int, cells: Mapping[str, np.ndarray]) -> None:
     """Raise `InputError` when the cells form more than one part: a body must hang together."""
-    labels = part_labels(len(points), cells)
+    labels = part_labels(node_count, cells)
     count = int(labels.max()) + 1
     if count > 1:
         sizes = ", ".join(str(n) for n in np.bincount(labels))

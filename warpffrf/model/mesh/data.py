@@ -1,4 +1,4 @@
-"""A finite-element mesh as plain arrays: points, cells of one kind, named facet sets, rotational periodicity.
+"""A finite-element body as plain arrays: points, cells of several kinds, named sets, rotational periodicity, matrices.
 
 The frame of `points` is the *user frame* of the body made from the mesh. Lengths are metres.
 """
@@ -6,42 +6,19 @@ The frame of `points` is the *user frame* of the body made from the mesh. Length
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_count, require_direction, unknown_name
-from warpffrf.model.mesh import elements
+from warpffrf.model.material import Material
 from warpffrf.model.mesh.checks import check_connected, check_orientation, check_used
+from warpffrf.model.mesh.elements import cell_kind
+from warpffrf.model.mesh.facets import FacetSet, node_numbers, outer_faces
 
 USUAL_SIZE = (1e-3, 10.0)  # m; outside it the length unit of a file was probably wrong
-
-
-@dataclass(frozen=True, eq=False)
-class FacetSet:
-    """Facets of one kind: `kind` in quad4, quad9, tri3, tri6; `nodes` (m, k) int64, VTK order, outward normal."""
-
-    kind: str
-    nodes: np.ndarray
-
-    def __post_init__(self) -> None:
-        if self.kind not in elements.FACET_NODES:
-            raise unknown_name("facet kind", self.kind, elements.FACET_NODES)
-        object.__setattr__(self, "nodes", _indices(self.nodes, "facet set", elements.FACET_NODES[self.kind]))
-
-    def __len__(self) -> int:
-        return len(self.nodes)
-
-    @property
-    def corners(self) -> np.ndarray:
-        """Corner nodes (m, 3 or 4)."""
-        return self.nodes[:, : elements.FACET_CORNERS[self.kind]]
-
-    @property
-    def node_set(self) -> np.ndarray:
-        """Sorted numbers of all nodes on the set."""
-        return np.unique(self.nodes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +38,14 @@ class Cyclic:
         object.__setattr__(self, "axis_point", require_array(self.axis_point, "cyclic: axis_point", (3,)))
         direction = require_direction(self.axis_direction, "cyclic: axis_direction")
         object.__setattr__(self, "axis_direction", direction)
+
+
+@dataclass(frozen=True, eq=False)
+class Matrices:
+    """`stiffness` K [N/m] and `mass` M [kg], scipy.sparse csr (3 n, 3 n), dof `3*node + component`, user axes."""
+
+    stiffness: Any
+    mass: Any
 
 
 @dataclass(frozen=True)
@@ -93,10 +78,12 @@ class MeshReport:
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Points (n, 3) [m], cells of one kind, named facet sets, and rotational periodicity where there is one.
+    """Points (n, 3) [m], cells by kind, named facet and cell sets, rotational periodicity where there is one.
 
-    `cells`: {kind: (m, k) int64} with one kind in hex8, hex27, tet4, tet10 (VTK order). Construction checks shapes,
-    finite numbers and index ranges; `check()` looks at the geometry. The arrays are read-only.
+    `cells`: {kind: (m, k) int64}, kinds in `elements.CELL_KINDS`; cells are numbered through the blocks in the order of
+    the dict. `cell_sets`: {name: (m,) cell numbers}. `materials`: {cell set: Material} as a file gave them. `notes`:
+    what a reader left out or took differently. A body that comes as `matrices` needs no cells. Construction checks
+    shapes, finite numbers and index ranges; `check()` looks at the geometry. The arrays are read-only.
     """
 
     points: np.ndarray
@@ -104,40 +91,70 @@ class Mesh:
     facet_sets: Mapping[str, FacetSet] = field(default_factory=dict)
     cyclic: Cyclic | None = None
     name: str = ""
+    cell_sets: Mapping[str, np.ndarray] = field(default_factory=dict, kw_only=True)
+    materials: Mapping[str, Material] = field(default_factory=dict, kw_only=True)
+    notes: tuple[str, ...] = field(default=(), kw_only=True)
+    matrices: Matrices | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         points = require_array(self.points, "mesh: points", (None, 3))
         points.setflags(write=False)
-        if len(self.cells) != 1:
-            kinds = ", ".join(self.cells) or "none"
-            raise InputError(f"mesh: exactly one kind of volume cell is supported, got {kinds}")
-        ((kind, nodes),) = self.cells.items()
-        cells = _indices(nodes, f"mesh: {kind} cells", len(elements.cell_kind(kind).nodes))
-        if not len(cells):
+        cells = {}
+        for kind, nodes in self.cells.items():
+            numbers = node_numbers(nodes, f"mesh: {kind} cells", len(cell_kind(kind).nodes))
+            _in_range(numbers, len(points), f"mesh: {kind} cells")
+            if len(numbers):
+                cells[kind] = numbers
+        if not cells and self.matrices is None:
             raise InputError("mesh: there are no volume cells")
-        _in_range(cells, len(points), f"mesh: {kind} cells")
-        wanted = elements.cell_kind(kind).facet_kind
+        known = {facet for kind in cells for facet in cell_kind(kind).faces}
         for name, facets in self.facet_sets.items():
-            if facets.kind != wanted:
-                raise InputError(f"mesh: set {name!r} holds {facets.kind} facets, {kind} cells have {wanted} faces")
-            _in_range(facets.nodes, len(points), f"mesh: set {name!r}")
+            for kind, nodes in facets.blocks.items():
+                if cells and kind not in known:
+                    raise InputError(
+                        f"mesh: set {name!r} holds {kind} facets, {', '.join(cells)} cells have no such face"
+                    )
+                _in_range(nodes, len(points), f"mesh: set {name!r}")
+        cell_count = sum(len(nodes) for nodes in cells.values())
+        sets = {name: _cell_numbers(members, cell_count, name) for name, members in self.cell_sets.items()}
         if self.cyclic is not None:
-            for count, what in ((len(points), "nodes"), (len(cells), "cells")):
+            for count, what in (
+                (len(points), "nodes"),
+                *((len(nodes), f"{kind} cells") for kind, nodes in cells.items()),
+            ):
                 if count % self.cyclic.sectors:
                     raise InputError(f"mesh: {count} {what} cannot be split over {self.cyclic.sectors} equal sectors")
+        if self.matrices is not None:
+            for matrix, what in ((self.matrices.stiffness, "stiffness"), (self.matrices.mass, "mass")):
+                if matrix.shape != (3 * len(points), 3 * len(points)):
+                    raise InputError(
+                        f"mesh: {what} matrix is {matrix.shape}, {len(points)} nodes have {3 * len(points)} dofs"
+                    )
         object.__setattr__(self, "points", points)
-        object.__setattr__(self, "cells", {kind: cells})
+        object.__setattr__(self, "cells", cells)
         object.__setattr__(self, "facet_sets", dict(self.facet_sets))
+        object.__setattr__(self, "cell_sets", sets)
+        object.__setattr__(self, "materials", dict(self.materials))
+        object.__setattr__(self, "notes", tuple(self.notes))
 
     @property
-    def kind(self) -> str:
-        """Kind of the volume cells."""
-        return next(iter(self.cells))
+    def cell_count(self) -> int:
+        """Number of cells of all kinds."""
+        return sum(len(nodes) for nodes in self.cells.values())
 
     @property
-    def cell_nodes(self) -> np.ndarray:
-        """Node numbers of the volume cells (m, k)."""
-        return self.cells[self.kind]
+    def single(self) -> tuple[str, np.ndarray]:
+        """Kind and nodes (m, k) of a mesh of one kind of cells; raises `InputError` for any other."""
+        if len(self.cells) != 1:
+            raise InputError(f"a mesh of one kind of cells is needed, got {', '.join(self.cells) or 'none'}")
+        return next(iter(self.cells.items()))
+
+    def by_block(self, values: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+        """Split `values` (cell_count, ...), one a cell, into (kind, values of that block)."""
+        start = 0
+        for kind, nodes in self.cells.items():
+            yield kind, values[start : start + len(nodes)]
+            start += len(nodes)
 
     @property
     def sets(self) -> dict[str, int]:
@@ -145,10 +162,22 @@ class Mesh:
         return {name: len(facets) for name, facets in self.facet_sets.items()}
 
     def facets(self, name: str) -> FacetSet:
-        """The facet set called `name`; raises `InputError` listing those that exist."""
+        """The facet set called `name`; raises `InputError` listing those that exist, and for an empty one."""
         if name not in self.facet_sets:
             raise unknown_name(f"mesh {self.name or '(unnamed)'}: facet set", name, self.facet_sets)
+        if not len(self.facet_sets[name]):
+            raise InputError(f"mesh {self.name or '(unnamed)'}: facet set {name!r} is empty; select its facets again")
         return self.facet_sets[name]
+
+    def outer_facets(self) -> FacetSet:
+        """All faces that belong to one cell only; of a body without cells all facets of its sets."""
+        if self.cells:
+            return outer_faces(self.cells)
+        merged: dict[str, list[np.ndarray]] = {}
+        for facets in self.facet_sets.values():
+            for kind, nodes in facets.blocks.items():
+                merged.setdefault(kind, []).append(nodes)
+        return FacetSet({kind: _distinct(np.concatenate(parts)) for kind, parts in merged.items()})
 
     def select(self, name: str, from_set: str, predicate: Callable[[np.ndarray], np.ndarray]) -> Mesh:
         """A new mesh with one more facet set: the facets of `from_set` that `predicate` keeps.
@@ -159,24 +188,27 @@ class Mesh:
         source = self.facets(from_set)
         if name in self.facet_sets:
             raise InputError(f"mesh: facet set {name!r} exists already, choose another name")
-        mask = np.asarray(predicate(self.points[source.corners].mean(axis=1)))
+        mask = np.asarray(predicate(source.centers(self.points)))
         if mask.shape != (len(source),) or mask.dtype != bool:
             raise InputError(f"select {name!r}: the predicate must return {len(source)} booleans, one per facet")
         if not mask.any():
             raise InputError(f"select {name!r}: no facet of {from_set!r} fulfils the predicate")
-        return replace(self, facet_sets={**self.facet_sets, name: FacetSet(source.kind, source.nodes[mask])})
+        return replace(self, facet_sets={**self.facet_sets, name: source.kept(mask)})
 
     def volume(self) -> float:
-        """Volume [m3], by quadrature exact for the isoparametric cells."""
-        kind = elements.cell_kind(self.kind)
-        determinants = kind.jacobians(self.points[self.cell_nodes], kind.quadrature_points)
-        return float(np.sum(determinants @ kind.quadrature_weights))
+        """Volume [m3], by quadrature exact for the isoparametric cells; 0 for a body without cells."""
+        total = 0.0
+        for kind, nodes in self.cells.items():
+            cell = cell_kind(kind)
+            total += float(np.sum(cell.jacobians(self.points[nodes], cell.quadrature_points) @ cell.quadrature_weights))
+        return total
 
     def check(self) -> Mesh:
         """Raise `InputError` for inverted cells, unused nodes or disconnected parts; else return the mesh itself."""
-        check_orientation(self.points, self.kind, self.cell_nodes)
-        check_used(len(self.points), self.cell_nodes)
-        check_connected(self.points, self.cell_nodes)
+        if self.cells:
+            check_orientation(self.points, self.cells)
+            check_used(len(self.points), self.cells)
+            check_connected(len(self.points), self.cells)
         return self
 
     def report(self) -> MeshReport:
@@ -210,22 +242,35 @@ class Mesh:
             digest.update(np.ascontiguousarray(array).tobytes())
 
         add("points", self.points)
-        add(self.kind, self.cell_nodes)
+        for kind, nodes in self.cells.items():
+            add(kind, nodes)
         for name, facets in sorted(self.facet_sets.items()):
-            add(f"set|{name}|{facets.kind}", facets.nodes)
+            for kind, nodes in facets.blocks.items():
+                add(f"set|{name}|{kind}", nodes)
+        for name, members in sorted(self.cell_sets.items()):
+            add(f"cell set|{name}", members)
         if self.cyclic is not None:
             axis = np.concatenate([self.cyclic.axis_point, self.cyclic.axis_direction])
             add(f"cyclic|{self.cyclic.sectors}", axis)
+        if self.matrices is not None:
+            for label, matrix in (("K", self.matrices.stiffness), ("M", self.matrices.mass)):
+                for part in ("indptr", "indices", "data"):
+                    add(f"{label}|{part}", getattr(matrix, part))
         return digest.hexdigest()
 
 
-def _indices(nodes: object, name: str, width: int) -> np.ndarray:
-    array = np.array(nodes)
-    if array.ndim != 2 or array.shape[1] != width or not np.issubdtype(array.dtype, np.integer):
-        raise InputError(f"{name}: node numbers must be integers of shape (m, {width}), got {array.shape}")
+def _cell_numbers(members: object, count: int, name: str) -> np.ndarray:
+    array = np.unique(np.asarray(members))
+    if array.size and (not np.issubdtype(array.dtype, np.integer) or array[0] < 0 or array[-1] >= count):
+        raise InputError(f"mesh: cell set {name!r}: cell numbers must be integers in 0 to {count - 1}")
     array = array.astype(np.int64)
     array.setflags(write=False)
     return array
+
+
+def _distinct(nodes: np.ndarray) -> np.ndarray:
+    """Facets without those that occur twice, in the order of their first occurrence."""
+    return nodes[np.sort(np.unique(np.sort(nodes, axis=1), axis=0, return_index=True)[1])]
 
 
 def _in_range(nodes: np.ndarray, count: int, name: str) -> None:

@@ -18,9 +18,10 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, unknown_name
-from warpffrf.model.mesh import elements
 from warpffrf.model.mesh.checks import part_labels
-from warpffrf.model.mesh.data import FacetSet, Mesh
+from warpffrf.model.mesh.data import Mesh
+from warpffrf.model.mesh.elements import cell_kind, facet_kind
+from warpffrf.model.mesh.facets import FacetSet
 
 logger = logging.getLogger(__name__)
 
@@ -45,7 +46,7 @@ def read(path: str | Path, *, length_unit: str, part: int | str | None = None) -
     file = _load(path)
     kind, cells, blocks = _volume_cells(file, path)
     groups = _groups(file, path.suffix.lower())
-    cells = _one_part(path, cells, blocks, groups, part, len(file.points))
+    cells = _one_part(path, kind, cells, blocks, groups, part, len(file.points))
 
     used = np.unique(cells)
     new_number = np.full(len(file.points), -1, dtype=np.int64)
@@ -140,7 +141,13 @@ def _mark(groups: dict[str, list[np.ndarray]], name: str, block: int, members: n
 
 
 def _one_part(
-    path: Path, cells: np.ndarray, blocks: dict[int, int], groups: dict, part: int | str | None, node_count: int
+    path: Path,
+    kind: str,
+    cells: np.ndarray,
+    blocks: dict[int, int],
+    groups: dict,
+    part: int | str | None,
+    node_count: int,
 ) -> np.ndarray:
     """The cells of the wanted part; all of them for None."""
     if part is None:
@@ -151,7 +158,7 @@ def _one_part(
             raise unknown_name(f"mesh file {path.name}: volume group", part, volumes)
         members = [volumes[part][number] + offset for number, offset in blocks.items()]
         return cells[np.concatenate(members)]
-    labels = part_labels(node_count, cells)
+    labels = part_labels(node_count, {kind: cells})
     order = labels[np.sort(np.unique(labels, return_index=True)[1])]  # parts in the order of their first cells
     if not isinstance(part, int) or not 0 <= part < len(order):
         raise InputError(f"mesh file {path.name}: part {part!r} does not exist, it has {len(order)} connected part(s)")
@@ -162,9 +169,9 @@ def _facet_sets(
     file: Any, groups: dict, kind: str, cells: np.ndarray, new_number: np.ndarray, path: Path
 ) -> dict[str, FacetSet]:
     """Facet sets in the numbering of the kept nodes, each facet in the node order of the cell face it lies on."""
-    cell = elements.cell_kind(kind)
-    corner_count = elements.FACET_CORNERS[cell.facet_kind]
-    faces = cells[:, cell.faces].reshape(-1, cell.faces.shape[1])
+    ((facet_name, local),) = cell_kind(kind).faces.items()
+    corner_count = facet_kind(facet_name).corner_count
+    faces = cells[:, local].reshape(-1, local.shape[1])
     keys = np.sort(faces[:, :corner_count], axis=1)
     unique, first, count = np.unique(keys, axis=0, return_index=True, return_counts=True)
     place = {tuple(key): i for i, key in enumerate(unique.tolist())}
@@ -187,5 +194,5 @@ def _facet_sets(
         if inside:
             logger.warning("mesh file %s: set %r: %d facets inside the volume are left out", path.name, name, inside)
         if rows:
-            sets[name] = FacetSet(cell.facet_kind, faces[np.unique(rows)])
+            sets[name] = FacetSet({facet_name: faces[np.unique(rows)]})
     return sets

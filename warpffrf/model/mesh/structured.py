@@ -196,13 +196,12 @@ def _topology(sectors: int, layers: int, axial: int, order: int) -> tuple[dict, 
     shift = per_sector * np.arange(sectors, dtype=np.int64)[:, None, None]
     nodes = (sector_cells[None] + shift) % (sectors * per_sector)
     by_place = nodes.reshape(sectors, layers, axial, -1)
-    face = kind.faces  # order of faces: xi-, xi+, eta-, eta+, zeta-, zeta+
+    ((facet_kind, face),) = kind.faces.items()  # order of faces: xi-, xi+, eta-, eta+, zeta-, zeta+
     bore = by_place[:, 0][..., face[0]]
     rim = by_place[:, -1][..., face[1]]
     ends = np.concatenate([by_place[:, :, 0][..., face[4]], by_place[:, :, -1][..., face[5]]], axis=1)
     width = face.shape[1]
     facets = {
-        name: FacetSet(kind.facet_kind, f.reshape(-1, width))
-        for name, f in (("rim", rim), ("bore", bore), ("ends", ends))
+        name: FacetSet({facet_kind: f.reshape(-1, width)}) for name, f in (("rim", rim), ("bore", bore), ("ends", ends))
     }
     return {kind.name: nodes.reshape(-1, nodes.shape[-1])}, facets

@@ -1,0 +1,100 @@
+"""Facets of a mesh: named sets of them, and the outer faces of its cells."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.mesh.elements import cell_kind, facet_kind
+
+
+@dataclass(frozen=True, eq=False)
+class FacetSet:
+    """Facets by kind: {quad4, quad8, quad9, tri3 or tri6: nodes (m, k) int64}, VTK order, outward normal."""
+
+    blocks: Mapping[str, np.ndarray]
+
+    def __post_init__(self) -> None:
+        blocks = {}
+        for kind, nodes in self.blocks.items():
+            blocks[kind] = node_numbers(nodes, f"{kind} facets", len(facet_kind(kind).nodes))
+        object.__setattr__(self, "blocks", {kind: nodes for kind, nodes in blocks.items() if len(nodes)})
+
+    def __len__(self) -> int:
+        return sum(len(nodes) for nodes in self.blocks.values())
+
+    @property
+    def node_set(self) -> np.ndarray:
+        """Sorted numbers of all nodes on the set."""
+        if not self.blocks:
+            return np.zeros(0, dtype=np.int64)
+        return np.unique(np.concatenate([nodes.ravel() for nodes in self.blocks.values()]))
+
+    @property
+    def corners(self) -> dict[str, np.ndarray]:
+        """Corner nodes (m, 3 or 4) of each block."""
+        return {kind: nodes[:, : facet_kind(kind).corner_count] for kind, nodes in self.blocks.items()}
+
+    @property
+    def single(self) -> tuple[str, np.ndarray]:
+        """Kind and nodes (m, k) of a set of one kind; raises `InputError` for a set of several."""
+        if len(self.blocks) != 1:
+            raise InputError(f"facets of one kind are needed, got {', '.join(self.blocks) or 'none'}")
+        return next(iter(self.blocks.items()))
+
+    def centers(self, points: np.ndarray) -> np.ndarray:
+        """Means of the corners (m, 3) [m], blocks one after the other."""
+        return np.concatenate([np.zeros((0, 3)), *(points[c].mean(axis=1) for c in self.corners.values())])
+
+    def kept(self, mask: np.ndarray) -> FacetSet:
+        """The facets for which `mask` (m,) is true, counted through the blocks."""
+        stops = np.cumsum([len(nodes) for nodes in self.blocks.values()])[:-1]
+        parts = np.split(np.asarray(mask), stops)
+        return FacetSet({kind: nodes[m] for (kind, nodes), m in zip(self.blocks.items(), parts, strict=True)})
+
+    def renumbered(self, new_number: np.ndarray) -> FacetSet:
+        """The set over other node numbers: node a becomes `new_number[a]`."""
+        return FacetSet({kind: new_number[nodes] for kind, nodes in self.blocks.items()})
+
+
+def outer_faces(cells: Mapping[str, np.ndarray], inner: Mapping[str, int] | None = None) -> FacetSet:
+    """Faces of `cells` {kind: (m, k)} that belong to one cell only, outward.
+
+    With `inner`, only the faces of the first `inner[kind]` cells are returned; the others serve as their neighbours.
+    """
+    found: list[tuple[str, np.ndarray, np.ndarray]] = []  # facet kind, faces, and which of them are looked at
+    keys = []
+    for kind, nodes in cells.items():
+        for facet, local in cell_kind(kind).faces.items():
+            faces = nodes[:, local].reshape(-1, local.shape[1])
+            corners = np.sort(faces[:, : facet_kind(facet).corner_count], axis=1)
+            keys.append(np.pad(corners, ((0, 0), (0, 4 - corners.shape[1])), constant_values=-1))
+            looked_at = np.ones(len(faces), dtype=bool)
+            if inner is not None:
+                looked_at[inner[kind] * len(local) :] = False
+            found.append((facet, faces, looked_at))
+    _, inverse, counts = np.unique(np.concatenate(keys), axis=0, return_inverse=True, return_counts=True)
+    single = np.split(counts[inverse.ravel()] == 1, np.cumsum([len(k) for k in keys])[:-1])
+    blocks: dict[str, list[np.ndarray]] = {}
+    for (facet, faces, looked_at), alone in zip(found, single, strict=True):
+        blocks.setdefault(facet, []).append(faces[alone & looked_at])
+    return FacetSet({facet: np.concatenate(parts) for facet, parts in blocks.items()})
+
+
+def triangles(facets: FacetSet) -> np.ndarray:
+    """Triangles (t, 3) of the facets, outward, split at the facets' own nodes."""
+    parts = [nodes[:, facet_kind(kind).triangles].reshape(-1, 3) for kind, nodes in facets.blocks.items()]
+    return np.concatenate([np.zeros((0, 3), dtype=np.int64), *parts])
+
+
+def node_numbers(nodes: object, name: str, width: int) -> np.ndarray:
+    """`nodes` as read-only int64 (m, width); raises `InputError` otherwise."""
+    array = np.array(nodes)
+    if array.ndim != 2 or array.shape[1] != width or not np.issubdtype(array.dtype, np.integer):
+        raise InputError(f"{name}: node numbers must be integers of shape (m, {width}), got {array.shape}")
+    array = array.astype(np.int64)
+    array.setflags(write=False)
+    return array
