@@ -1,0 +1,276 @@
+"""Keyword blocks -> `Deck`: one small function a keyword, in a registry.
+
+Keywords that are not in the registry say nothing about the body's shape, sets or elastic material and are counted.
+Those that make or move nodes and elements cannot be passed over and are refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from warpffrf.model.mesh.elements import cell_kind
+from warpffrf.model.mesh.inp import numbers
+from warpffrf.model.mesh.inp.cells import kind_of
+from warpffrf.model.mesh.inp.deck import Block, Place, read_blocks
+from warpffrf.model.mesh.inp.model import (
+    Deck,
+    Elements,
+    Instance,
+    MaterialText,
+    Members,
+    Scope,
+    Section,
+    SurfaceDefinition,
+    SurfaceItem,
+    fold,
+)
+
+GENERATORS = {
+    "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SYMMETRICMODELGENERATION", "SUBSTRUCTUREGENERATE"
+}  # fmt: skip
+OTHER_FACES = {"SPOS", "SNEG", "SP", "SN", "EDGE", "E1", "E2", "E3", "E4", "END1", "END2"}
+
+
+class Parser:
+    """Goes through the blocks of a deck and collects what they say in `deck`."""
+
+    def __init__(self, path: Path) -> None:
+        self.deck = Deck(path.name, Scope("", Place(path.name, 1)))
+        self.open: list[tuple[str, Place]] = []  # PART, ASSEMBLY and INSTANCE that have not ended
+        self.part: Scope | None = None
+        self.instance: Instance | None = None
+        self.material: MaterialText | None = None
+
+    @property
+    def scope(self) -> Scope:
+        """Where nodes, elements and sets go at present."""
+        if self.instance is not None:
+            return self.instance.scope
+        return self.part if self.part is not None else self.deck.top
+
+    def run(self, blocks: list[Block]) -> Deck:
+        """Read all blocks; raises `InputError` for what cannot be understood, or where something does not end."""
+        for block in blocks:
+            handler = HANDLERS.get(block.keyword)
+            if block.keyword in GENERATORS:
+                raise block.place.fault(f"*{block.keyword} is not supported; write the mesh out node by node")
+            if handler is None:
+                self.deck.ignored[block.keyword] += 1
+            else:
+                handler(self, block)
+        if self.open:
+            keyword, place = self.open[-1]
+            raise place.fault(f"*{keyword} has no *End {keyword.title()}; is the deck cut off?")
+        for instance in self.deck.instances.values():
+            if fold(instance.part) not in self.deck.parts:
+                known = ", ".join(repr(p.name) for p in self.deck.parts.values()) or "none"
+                raise instance.place.fault(f"there is no part {instance.part!r}; known: {known}")
+        return self.deck
+
+
+def parse(path: Path) -> Deck:
+    """What the deck at `path` and its included files say."""
+    return Parser(path).run(read_blocks(path))
+
+
+def _nothing(parser: Parser, block: Block) -> None:
+    """A title, an end of something that is not looked at."""
+
+
+def _begin(parser: Parser, block: Block, inside: tuple[str, ...]) -> None:
+    if tuple(keyword for keyword, _ in parser.open) not in ((), inside):
+        keyword, place = parser.open[-1]
+        raise block.place.fault(f"*{block.keyword} inside the *{keyword} of {place}, which has not ended")
+    parser.open.append((block.keyword, block.place))
+
+
+def _end(parser: Parser, block: Block) -> None:
+    keyword = block.keyword.removeprefix("END")
+    if not parser.open or parser.open[-1][0] != keyword:
+        raise block.place.fault(f"*End {keyword.title()} without *{keyword.title()}")
+    parser.open.pop()
+
+
+def _part(parser: Parser, block: Block) -> None:
+    _begin(parser, block, ())
+    name = block.required("NAME")
+    known = parser.deck.parts.get(fold(name))
+    if known is not None:
+        raise block.place.fault(f"there is a part {name!r} already, in {known.place}")
+    parser.part = parser.deck.parts[fold(name)] = Scope(name, block.place)
+
+
+def _end_part(parser: Parser, block: Block) -> None:
+    _end(parser, block)
+    parser.part = None
+
+
+def _assembly(parser: Parser, block: Block) -> None:
+    _begin(parser, block, ())
+
+
+def _instance(parser: Parser, block: Block) -> None:
+    _begin(parser, block, ("ASSEMBLY",))
+    name = block.required("NAME")
+    known = parser.deck.instances.get(fold(name))
+    if known is not None:
+        raise block.place.fault(f"there is an instance {name!r} already, in {known.place}")
+    placed = _placement(block)
+    parser.instance = Instance(name, block.required("PART"), block.place, Scope(name, block.place), *placed)
+    parser.deck.instances[fold(name)] = parser.instance
+
+
+def _end_instance(parser: Parser, block: Block) -> None:
+    _end(parser, block)
+    parser.instance = None
+
+
+def _placement(block: Block) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Translation (3,), a point of the axis (3,) and the rotation matrix: line 1 moves, then line 2 turns about a-b."""
+    rows = list(block.fields())
+    translation, point, rotation = np.zeros(3), np.zeros(3), np.eye(3)
+    if len(rows) > 2:
+        raise rows[2][1].fault("an instance has one line of translation and one of rotation")
+    if rows:
+        values = numbers.reals(rows[0][0], rows[0][1], "the translation of an instance", 1)
+        translation = np.array([*values[:3], 0.0, 0.0])[:3]
+    if len(rows) == 2:
+        values = numbers.reals(rows[1][0], rows[1][1], "the rotation of an instance (two points and degrees)", 7)
+        point, angle = np.array(values[:3]), np.radians(values[6])
+        with np.errstate(over="ignore", invalid="ignore"):
+            axis = np.array(values[3:6]) - point
+            length = float(np.linalg.norm(axis))
+        if not np.isfinite(length) or length == 0.0:
+            raise rows[1][1].fault("the two points of the rotation axis coincide")
+        rotation = Rotation.from_rotvec(angle * axis / length).as_matrix()
+    return translation, point, rotation
+
+
+def _node(parser: Parser, block: Block) -> None:
+    system = (block.value("SYSTEM") or "R").upper()
+    if system not in ("R", "RC"):
+        raise block.place.fault(f"*Node with SYSTEM={system} is not supported; write the nodes in x, y, z")
+    table = numbers.node_table(block)
+    parser.scope.nodes.append(table)
+    name = block.value("NSET")
+    if name is not None:
+        parser.scope.add_members("nset", name, Members(block.place, labels=table.labels))
+
+
+def _element(parser: Parser, block: Block) -> None:
+    element_type = block.required("TYPE").upper()
+    kind = kind_of(element_type)
+    table = None if kind is None else numbers.element_table(block, len(cell_kind(kind).nodes))
+    labels = numbers.element_numbers(block) if table is None else table.labels
+    parser.scope.elements.append(Elements(element_type, kind, block.place, labels, table))
+    name = block.value("ELSET")
+    if name is not None:
+        parser.scope.add_members("elset", name, Members(block.place, labels=labels))
+
+
+def _set(parser: Parser, block: Block) -> None:
+    family = block.keyword.lower()
+    name = block.required(block.keyword)
+    labels, names = np.zeros(0, dtype=np.int64), []
+    ranges: list[tuple[int, int, int]] = []
+    if block.has("GENERATE"):
+        ranges = numbers.set_ranges(block)
+    else:
+        labels, names = numbers.set_members(block)
+    elset = block.value("ELSET") if family == "nset" else None
+    members = Members(block.place, block.value("INSTANCE"), labels, tuple(ranges), tuple(names), elset)
+    parser.scope.add_members(family, name, members, block.has("INTERNAL"))
+
+
+def _surface(parser: Parser, block: Block) -> None:
+    name = block.required("NAME")
+    kind = (block.value("TYPE") or "ELEMENT").upper()
+    if kind not in ("ELEMENT", "NODE") or block.has("COMBINE") or block.has("CROP"):
+        parser.deck.ignored["SURFACE of another kind than elements or nodes"] += 1
+        return
+    known = parser.scope.surfaces.get(fold(name))
+    if known is not None:
+        raise block.place.fault(f"there is a surface {name!r} already, in {known.place}")
+    items = []
+    for fields, place in block.fields():
+        if not fields or not fields[0]:
+            raise place.fault(f"surface {name!r}: a line begins with an element, a node or a set")
+        face = fields[1].upper() if len(fields) > 1 and kind == "ELEMENT" else ""
+        if face in OTHER_FACES:
+            parser.deck.ignored[f"SURFACE lines with face {face} of shells, beams or plane elements"] += 1
+            continue
+        if face and (len(face) != 2 or face[0] != "S" or face[1] not in "123456"):
+            raise place.fault(f"surface {name!r}: {face!r} is no face of a solid element; S1 to S6 are")
+        items.append(SurfaceItem(fields[0], int(face[1]) if face else None, place))
+    definition = SurfaceDefinition(name, block.place, kind == "NODE", block.has("INTERNAL"), items)
+    parser.scope.surfaces[fold(name)] = definition
+
+
+def _solid_section(parser: Parser, block: Block) -> None:
+    material = block.value("MATERIAL")
+    if material is None:
+        parser.deck.ignored["SOLIDSECTION without MATERIAL="] += 1
+        return
+    parser.scope.sections.append(Section(block.required("ELSET"), material, block.place))
+
+
+def _material(parser: Parser, block: Block) -> None:
+    name = block.required("NAME")
+    known = parser.deck.materials.get(fold(name))
+    if known is not None:
+        raise block.place.fault(f"there is a material {name!r} already, in {known.place}")
+    parser.material = parser.deck.materials[fold(name)] = MaterialText(name, block.place)
+
+
+def _property(parser: Parser, block: Block, what: str, count: int) -> tuple[MaterialText, list[float]]:
+    """The material that is open, and the first row of a property table; further rows are noted."""
+    if parser.material is None:
+        raise block.place.fault(f"*{block.keyword.title()} without a *Material before it")
+    rows = list(block.fields())
+    if not rows:
+        raise block.place.fault(f"*{block.keyword.title()} has no data line")
+    material = parser.material
+    values = numbers.reals(rows[0][0], rows[0][1], what, count)
+    if len(rows) > 1:
+        at = f", at temperature {values[count]:g}" if len(values) > count else ""
+        material.notes.append(f"of the {len(rows)} rows of *{block.keyword.title()} the first is taken{at}")
+    return material, values
+
+
+def _elastic(parser: Parser, block: Block) -> None:
+    kind = (block.value("TYPE") or "ISOTROPIC").upper()
+    if kind not in ("ISOTROPIC", "ISO"):
+        if parser.material is not None:
+            parser.material.faults.append(f"*Elastic of type {kind} is not isotropic")
+        return
+    material, values = _property(parser, block, "*Elastic (Young's modulus, Poisson ratio)", 2)
+    material.elastic = (values[0], values[1])
+
+
+def _density(parser: Parser, block: Block) -> None:
+    material, values = _property(parser, block, "*Density", 1)
+    material.density = values[0]
+
+
+HANDLERS: dict[str, Callable[[Parser, Block], None]] = {
+    "HEADING": _nothing,
+    "PART": _part,
+    "ENDPART": _end_part,
+    "ASSEMBLY": _assembly,
+    "ENDASSEMBLY": _end,
+    "INSTANCE": _instance,
+    "ENDINSTANCE": _end_instance,
+    "NODE": _node,
+    "ELEMENT": _element,
+    "NSET": _set,
+    "ELSET": _set,
+    "SURFACE": _surface,
+    "SOLIDSECTION": _solid_section,
+    "MATERIAL": _material,
+    "ELASTIC": _elastic,
+    "DENSITY": _density,
+}

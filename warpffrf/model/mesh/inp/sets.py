@@ -1,0 +1,128 @@
+"""Named sets of a deck as sets of the mesh: element sets -> cell sets, surfaces and node sets -> facet sets.
+
+Sets of the part (or of a deck without parts) keep their names. A set of the assembly has its own name too, unless the
+part uses it for something else: then it is called `assembly.NAME`. Sets that a preprocessor marks `internal` are left
+out, unless a material needs them. A node set becomes a facet set when it holds all nodes of a free face; a surface of
+the same name goes first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from warpffrf.model.mesh.facets import FacetSet
+from warpffrf.model.mesh.inp.body import ASSEMBLY, Body
+from warpffrf.model.mesh.inp.faces import Faces
+from warpffrf.model.mesh.inp.model import SetDefinition, SurfaceDefinition, fold
+from warpffrf.model.mesh.inp.solid import Solid
+
+ASSEMBLY_PREFIX = "assembly."
+MANY = 8  # items shown in a note
+
+
+def cell_sets(body: Body, solid: Solid, needed: Iterable[str], notes: list[str]) -> dict[str, np.ndarray]:
+    """{name: cell numbers} of the element sets that hold cells; `needed` are own sets that are kept though internal."""
+    keep = {fold(name) for name in needed}
+    found: dict[str, np.ndarray] = {}
+    for level, definition in _definitions(body, "elset"):
+        numbers = solid.cell_numbers(body.members(level, "elset", definition.name, definition.place))
+        if not len(numbers) or (definition.internal and (level == ASSEMBLY or fold(definition.name) not in keep)):
+            continue
+        name = definition.name
+        taken = {fold(k): v for k, v in found.items()}.get(fold(name))
+        if taken is not None:
+            if np.array_equal(taken, numbers):
+                continue
+            name = _second_name(name, "element set", notes)
+        found[name] = numbers
+    return found
+
+
+def facet_sets(body: Body, solid: Solid, notes: list[str]) -> dict[str, FacetSet]:
+    """{name: facets} of the surfaces, then of the node sets, that hold free faces."""
+    faces = Faces(solid.cells)
+    found: dict[str, FacetSet] = {}
+    for level in body.levels():
+        for surface in body.surfaces(level):
+            if surface.internal:
+                continue
+            facets, inside = _surface(body, level, surface, solid, faces)
+            if inside:
+                notes.append(f"surface {surface.name!r}: {inside} faces inside the body are left out")
+            _add(found, surface.name, facets, "surface", notes)
+    surfaces = {fold(name) for name in found}
+    dropped: list[str] = []
+    for level, definition in _definitions(body, "nset"):
+        labels = body.members(level, "nset", definition.name, definition.place)
+        if definition.internal or not len(labels):
+            continue
+        facets = faces.over_nodes(solid.node_mask(labels))
+        if not len(facets):
+            dropped.append(definition.name)
+        elif fold(definition.name) in surfaces:
+            notes.append(f"node set {definition.name!r} is not taken over, a surface has that name")
+        else:
+            _add(found, definition.name, facets, "node set", notes)
+    if dropped:
+        notes.append(f"node sets that hold no whole free face are not taken over: {listed([repr(n) for n in dropped])}")
+    return found
+
+
+def listed(items: list[str]) -> str:
+    """The first items of a list, and how many more there are."""
+    shown = ", ".join(items[:MANY])
+    return shown if len(items) <= MANY else f"{shown} and {len(items) - MANY} more"
+
+
+def _definitions(body: Body, family: str) -> list[tuple[str, SetDefinition]]:
+    """All sets that reach the body, with their level; the first of a name in each level."""
+    found = []
+    for level in body.levels():
+        names = [key for scope in body.scopes(level) for key in scope.sets[family]]
+        for key in dict.fromkeys(names):
+            definition = body.definition(level, family, key)
+            if definition is not None:
+                found.append((level, definition))
+    return found
+
+
+def _surface(body: Body, level: str, surface: SurfaceDefinition, solid: Solid, faces: Faces) -> tuple[FacetSet, int]:
+    """The free faces of a surface, and how many of its faces lie inside."""
+    if surface.nodal:
+        labels = [body.surface_target(level, "nset", item.target, item.place) for item in surface.items]
+        return faces.over_nodes(solid.node_mask(np.concatenate([np.zeros(0, dtype=np.int64), *labels]))), 0
+    wanted = np.zeros_like(faces.exists)
+    for item in surface.items:
+        labels = body.surface_target(level, "elset", item.target, item.place)
+        numbers = solid.cell_numbers(labels)
+        if not len(numbers):
+            continue
+        if item.face is None:
+            wanted |= faces.free_of(numbers)
+            continue
+        has = faces.exists[numbers, item.face]
+        if not has.any():
+            raise item.place.fault(f"surface {surface.name!r}: the cells of {item.target!r} have no face S{item.face}")
+        wanted[numbers[has], item.face] = True
+    return faces.selected(wanted)
+
+
+def _add(found: dict[str, FacetSet], name: str, facets: FacetSet, what: str, notes: list[str]) -> None:
+    if not len(facets):
+        return
+    taken = {fold(k): v for k, v in found.items()}.get(fold(name))
+    if taken is not None:
+        if taken.blocks.keys() == facets.blocks.keys() and all(
+            np.array_equal(taken.blocks[kind], nodes) for kind, nodes in facets.blocks.items()
+        ):
+            return
+        name = _second_name(name, what, notes)
+    found[name] = facets
+
+
+def _second_name(name: str, what: str, notes: list[str]) -> str:
+    """The name of a set of the assembly where the part has another one of that name."""
+    notes.append(f"the {what} {name!r} of the assembly is called {ASSEMBLY_PREFIX + name!r}, the part has another")
+    return ASSEMBLY_PREFIX + name

@@ -1,0 +1,183 @@
+"""The nodes and solid cells of one body: numbers of the deck become indices, unused nodes go, the instance is placed.
+
+Nodes are ordered by their number in the deck, cells by kind in the order in which the kinds appear, then as in the
+deck. A number that is given to several nodes means the last of them, as in Abaqus.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.mesh.checks import part_labels
+from warpffrf.model.mesh.inp.body import OWN, Body, present
+from warpffrf.model.mesh.inp.cells import formulation, is_volume
+from warpffrf.model.mesh.inp.deck import Place
+from warpffrf.model.mesh.inp.model import Elements
+from warpffrf.model.mesh.inp.numbers import Table
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """`points` (n, 3) [file's unit] of the used nodes with their numbers `node_labels` (n,), ascending;
+    `cells` {kind: (m, k) indices}; `cell_labels` (N,) in the order of the blocks; `notes` what was taken differently.
+    """
+
+    points: np.ndarray
+    node_labels: np.ndarray
+    cells: Mapping[str, np.ndarray]
+    cell_labels: np.ndarray
+    notes: tuple[str, ...]
+
+    def node_mask(self, labels: np.ndarray) -> np.ndarray:
+        """Which nodes (n,) have one of the numbers."""
+        return np.isin(self.node_labels, labels)
+
+    def cell_numbers(self, labels: np.ndarray) -> np.ndarray:
+        """Sorted cell numbers of the elements with these numbers; those that are no solid cells are passed over."""
+        ordered, order = self._by_label
+        return np.sort(order[np.searchsorted(ordered, present(labels, ordered))])
+
+    @cached_property
+    def _by_label(self) -> tuple[np.ndarray, np.ndarray]:
+        order = np.argsort(self.cell_labels)
+        return self.cell_labels[order], order
+
+
+def solid_of(body: Body, part: int | str | None, file: str) -> Solid:
+    """The nodes and cells of `body`; `part` keeps one element set (a name) or one connected part (a number) of it.
+
+    Raises `InputError` for elements that refer to unknown nodes, share a number or have an unsupported solid type.
+    """
+    blocks = [block for scope in reversed(body.own) for block in scope.elements]  # the part, then the instance's own
+    for block in blocks:
+        if block.kind is None and is_volume(block.type):
+            raise block.place.fault(f"solid elements of type {block.type} are not supported; use C3D4 to C3D20")
+    labels, coordinates, notes = _nodes(body)
+    by_kind: dict[str, list[Table]] = {}
+    for block in blocks:
+        if block.kind is not None and block.table is not None and len(block.labels):
+            by_kind.setdefault(block.kind, []).append(block.table)
+    if not by_kind:
+        raise InputError(f"mesh file {file}: there are no solid elements; export the 3-D mesh")
+    _unique_numbers([table for tables in by_kind.values() for table in tables])
+    cells = {kind: np.concatenate([_indices(table, labels) for table in tables]) for kind, tables in by_kind.items()}
+    numbers = np.concatenate([table.labels for tables in by_kind.values() for table in tables])
+    if part is not None:
+        cells, numbers = _kept(cells, numbers, _wanted(body, part, file, cells, numbers, len(labels)))
+
+    used = np.unique(np.concatenate([nodes.ravel() for nodes in cells.values()]))
+    new_number = np.full(len(labels), -1, dtype=np.int64)
+    new_number[used] = np.arange(len(used))
+    if len(used) < len(labels) and part is None:
+        notes.append(f"{len(labels) - len(used)} nodes belong to no solid cell and are left out")
+    notes += _element_notes(blocks)
+    points = _placed(body, coordinates[used], file)
+    return Solid(points, labels[used], {kind: new_number[n] for kind, n in cells.items()}, numbers, tuple(notes))
+
+
+def _nodes(body: Body) -> tuple[np.ndarray, np.ndarray, list[str]]:
+    """Sorted node numbers, their coordinates, and a note where one number has several places."""
+    tables = [table for scope in reversed(body.own) for table in scope.nodes]
+    labels = np.concatenate([np.zeros(0, dtype=np.int64), *(t.labels for t in tables)])
+    coordinates = np.concatenate([np.zeros((0, 3)), *(t.rows for t in tables)])
+    unique, last, inverse = np.unique(labels[::-1], return_index=True, return_inverse=True)
+    kept = coordinates[::-1][last]
+    moved = np.unique(labels[::-1][np.any(kept[inverse.ravel()] != coordinates[::-1], axis=1)])
+    notes = []
+    if len(moved):
+        notes.append(f"{len(moved)} node numbers are defined twice with different places, the last counts: {moved[0]}")
+    return unique, kept, notes
+
+
+def _unique_numbers(tables: list[Table]) -> None:
+    numbers = np.concatenate([table.labels for table in tables])
+    order = np.argsort(numbers, kind="stable")
+    twice = np.flatnonzero(np.diff(numbers[order]) == 0)
+    if len(twice):
+        first, second = (_place_of_row(tables, int(order[twice[0] + i])) for i in (0, 1))
+        raise second.fault(f"element {numbers[order[twice[0]]]} is defined already, in {first}")
+
+
+def _place_of_row(tables: list[Table], row: int) -> Place:
+    for table in tables:
+        if row < len(table.labels):
+            return table.place(row)
+        row -= len(table.labels)
+    raise IndexError(row)
+
+
+def _indices(table: Table, labels: np.ndarray) -> np.ndarray:
+    """Node indices (m, k) of a table of elements."""
+    place = np.searchsorted(labels, table.rows)
+    if not len(labels):
+        raise table.place(0).fault(f"element {table.labels[0]} refers to node {table.rows[0, 0]}, but there are none")
+    unknown = labels[np.minimum(place, len(labels) - 1)] != table.rows
+    if unknown.any():
+        row, column = (int(i) for i in np.argwhere(unknown)[0])
+        raise table.place(row).fault(
+            f"element {table.labels[row]} refers to node {table.rows[row, column]}, which does not exist"
+        )
+    return place
+
+
+def _wanted(
+    body: Body, part: int | str, file: str, cells: Mapping[str, np.ndarray], numbers: np.ndarray, node_count: int
+) -> np.ndarray:
+    """Which cells (N,) belong to the wanted part."""
+    if isinstance(part, str):
+        if body.definition(OWN, "elset", part) is None:
+            known = ", ".join(repr(d.name) for d in body.own[0].sets["elset"].values()) or "none"
+            raise InputError(f"mesh file {file}: there is no element set {part!r} for part=; known: {known}")
+        mask = np.isin(numbers, body.members(OWN, "elset", part, body.place))
+        if not mask.any():
+            raise InputError(f"mesh file {file}: element set {part!r} holds no solid cells")
+        return mask
+    found = part_labels(node_count, cells)
+    order = found[np.sort(np.unique(found, return_index=True)[1])]  # parts in the order of their first cells
+    if not 0 <= part < len(order):
+        raise InputError(f"mesh file {file}: part {part!r} does not exist, it has {len(order)} connected part(s)")
+    return found == order[part]
+
+
+def _kept(
+    cells: Mapping[str, np.ndarray], numbers: np.ndarray, mask: np.ndarray
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    stops = np.cumsum([len(nodes) for nodes in cells.values()])[:-1]
+    parts = {kind: nodes[m] for (kind, nodes), m in zip(cells.items(), np.split(mask, stops), strict=True)}
+    return {kind: nodes for kind, nodes in parts.items() if len(nodes)}, numbers[mask]
+
+
+def _placed(body: Body, points: np.ndarray, file: str) -> np.ndarray:
+    """Points of the instance in the assembly: first moved, then turned about the axis."""
+    if body.instance is None:
+        return points
+    at = body.instance
+    with np.errstate(over="ignore", invalid="ignore"):
+        points = (points + at.translation - at.axis_point) @ at.rotation.T + at.axis_point
+    if not np.isfinite(points).all():
+        raise at.place.fault("the instance lies too far away to be computed")
+    return points
+
+
+def _element_notes(blocks: list[Elements]) -> list[str]:
+    """Cells whose formulation is replaced, and elements that are left out, with their numbers."""
+    replaced: Counter[tuple[str, str, str]] = Counter()
+    others: Counter[str] = Counter()
+    for block in blocks:
+        if block.kind is None:
+            others[block.type] += len(block.labels)
+        else:
+            said = formulation(block.type)
+            if said is not None:
+                replaced[block.type, said, block.kind] += len(block.labels)
+    notes = [f"{count} {name} cells {said}, as {kind}" for (name, said, kind), count in replaced.items()]
+    if others:
+        listed = ", ".join(f"{count} {name}" for name, count in others.items())
+        notes.append(f"elements that fill no volume are left out: {listed}")
+    return notes
