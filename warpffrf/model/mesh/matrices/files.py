@@ -1,0 +1,113 @@
+"""Matrices in the files of FE programs: one reader a format, chosen by the name and the first line of the file.
+
+| file | reader | what its rows are |
+|---|---|---|
+| `.mtx` beginning with `%%MatrixMarket` | `matrix_market` | not said |
+| `.mtx` of Abaqus, `*MATRIX OUTPUT` | `abaqus` | node and dof in every line (MATRIX INPUT), or not said (COORDINATE) |
+| `.sti`, `.mas` of CalculiX | `calculix` | in the `.dof` file beside them |
+| `.op4`, `.op2` of Nastran | `nastran` | not said |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+
+ROLES = ("stiffness", "mass")
+
+
+@dataclass(frozen=True, eq=False)
+class FileMatrix:
+    """A matrix of a file in the file's own units and order.
+
+    `matrix`: scipy.sparse csr (d, d). `dofs` (d, 2) int64: of each row the node's number *in the FE program* and the
+    component (0 to 2 displacements, 3 to 5 rotations); None where the file does not say. `source`: for messages.
+    """
+
+    matrix: Any
+    dofs: np.ndarray | None
+    source: str
+
+
+def read_matrix(path: str | Path, name: str | None = None, *, role: str = "stiffness") -> FileMatrix:
+    """The matrix in a file; see the module's table of formats.
+
+    `name`: which matrix, for files of several (Nastran); without it the usual names of the `role`, "stiffness" or
+    "mass", are looked for. One triangle of a symmetric matrix is completed. Raises `InputError` for a file that is
+    missing, garbled (with the number of the line), of an unknown format, or without such a matrix.
+    """
+    if role not in ROLES:
+        raise InputError(f"read_matrix: role must be one of {', '.join(ROLES)}, got {role!r}")
+    file = Path(path)
+    if not file.is_file():
+        raise InputError(f"matrix file {str(path)!r} does not exist; check the path")
+    suffix = file.suffix.lower()
+    readers = _readers()
+    if suffix not in readers:
+        raise InputError(
+            f"matrix file {file.name}: unknown format {suffix!r}; known: {', '.join(readers)}, or give a NumPy array "
+            "or SciPy sparse matrix"
+        )
+    found = readers[suffix](file, name, role)
+    if found.matrix.shape[0] != found.matrix.shape[1]:
+        raise InputError(
+            f"matrix file {found.source}: the matrix is {found.matrix.shape}, not square; name another one"
+        )
+    return replace(found, matrix=completed(found.matrix))
+
+
+def _readers() -> dict[str, Callable[[Path, str | None, str], FileMatrix]]:
+    from warpffrf.model.mesh.matrices import calculix, nastran
+
+    return {
+        ".mtx": _mtx,
+        ".mm": _mtx,
+        ".sti": calculix.read,
+        ".mas": calculix.read,
+        ".op4": nastran.read_op4,
+        ".op2": nastran.read_op2,
+    }
+
+
+def _mtx(file: Path, name: str | None, role: str) -> FileMatrix:
+    """Matrix Market and Abaqus share a suffix: the banner decides."""
+    from warpffrf.model.mesh.matrices import abaqus, matrix_market
+
+    with file.open("rb") as stream:
+        banner = stream.read(len(matrix_market.BANNER))
+    reader = matrix_market if banner.lower() == matrix_market.BANNER else abaqus
+    return reader.read(file, name, role)
+
+
+def completed(matrix: Any) -> Any:
+    """A csr matrix with both triangles: where no entry off the diagonal has a partner, each gets one.
+
+    FE programs write one triangle of a symmetric matrix, upper or lower in *their* order of rows, which in the order
+    of node numbers is a mixture. A matrix some of whose entries have partners is taken as it is.
+    """
+    import scipy.sparse as sp
+
+    A = sp.csr_matrix(matrix)
+    A.sum_duplicates()
+    A.eliminate_zeros()
+    diagonal = sp.diags_array(A.diagonal(), format="csr")
+    beside = A - diagonal
+    beside.eliminate_zeros()
+    pattern = beside.copy()
+    pattern.data = np.ones_like(pattern.data)
+    if pattern.multiply(pattern.T).nnz:
+        return A
+    return sp.csr_matrix(beside + beside.T + diagonal)
+
+
+def from_triplets(rows: np.ndarray, columns: np.ndarray, values: np.ndarray, size: int) -> Any:
+    """csr (size, size) of entries at 0-based `rows` and `columns`."""
+    import scipy.sparse as sp
+
+    return sp.coo_matrix((values, (rows, columns)), shape=(size, size)).tocsr()
