@@ -137,8 +137,8 @@ def test_no_volume_cells(tmp_path: Path) -> None:
     meshio.Mesh(mesh.points, [("quad", mesh.facets("rim").single[1])]).write(path)
     with pytest.raises(InputError, match="no volume cells.*quad"):
         wfmesh.read(path, length_unit="m")
-    meshio.Mesh(np.random.default_rng(0).random((20, 3)), [("hexahedron20", np.arange(20)[None])]).write(path)
-    with pytest.raises(InputError, match="hexahedron20 cells are not supported"):
+    meshio.Mesh(np.random.default_rng(0).random((18, 3)), [("wedge18", np.arange(18)[None])]).write(path)
+    with pytest.raises(InputError, match="wedge18 cells are not supported.*hexahedron20"):
         wfmesh.read(path, length_unit="m")
 
 
@@ -173,6 +173,101 @@ def test_volume_group_of_gmsh_by_name() -> None:
     assert wfmesh.read(TET_ROLLER, length_unit="mm", part="roller").content_hash() == whole.content_hash()
     with pytest.raises(InputError, match="'wheel'.*'roller'"):
         wfmesh.read(TET_ROLLER, length_unit="mm", part="wheel")
+
+
+RING = (0.010, 0.015, 0.020, 0.005)  # m: radii and width of the quarter rings of make_gmsh_kinds.py, three cells around
+
+
+@pytest.mark.parametrize("kind", ["hex8", "hex20", "hex27", "wedge6", "wedge15"])
+def test_curved_cells_of_gmsh(kind: str) -> None:
+    """Volume of a polygon or of parabolas through three nodes of each arc, middle nodes on the circles, groups."""
+    mesh = wfmesh.read(DATA / f"gmsh_{kind}.msh", length_unit="mm")
+    assert mesh.single[0] == kind and mesh.sets == {"rim": 3}
+    half = np.pi / 12
+    arc = np.sin(half) * np.cos(half)  # triangle of each cell over the square of its radius
+    if mesh.single[1].shape[1] > 8:
+        arc += 4.0 / 3.0 * np.sin(half) * (1.0 - np.cos(half))  # parabola over its chord
+    exact = 3.0 * arc * (RING[2] ** 2 - RING[0] ** 2) * RING[3]
+    assert mesh.volume() == pytest.approx(exact, rel=1e-12)
+    rim = mesh.points[mesh.facets("rim").node_set]
+    np.testing.assert_allclose(np.hypot(rim[:, 0], rim[:, 1]), RING[2], rtol=1e-12)
+    centers = np.hypot(*mesh.points[mesh.single[1][:, : cell_kind(kind).corner_count]].mean(axis=1)[:, :2].T)
+    inner = np.flatnonzero(centers < 0.97 * RING[1])
+    np.testing.assert_array_equal(mesh.cell_sets["inner"], inner)
+    assert len(mesh.cell_sets["inner"]) == len(mesh.cell_sets["outer"]) == mesh.cell_count // 2
+    part = wfmesh.read(DATA / f"gmsh_{kind}.msh", length_unit="mm", part="inner")
+    assert part.cell_count == mesh.cell_count // 2 and set(part.cell_sets) == {"inner"} and not part.sets
+
+
+def mixed() -> wfmesh.Mesh:
+    """Two cubes along x, the second one cut into two wedges."""
+    x = np.array([(i, j, k) for i in range(3) for j in range(2) for k in range(2)], float)
+    cube = np.array([0, 4, 6, 2, 1, 5, 7, 3])
+    wedges = (cube + 4)[np.array([(0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7)])]
+    return wfmesh.Mesh(x, {"hex8": cube[None], "wedge6": wedges}).check()
+
+
+@pytest.mark.parametrize("suffix", [".vtu", ".vtk", ".msh"])
+def test_several_kinds_of_cells_and_facets(tmp_path: Path, suffix: str) -> None:
+    mesh = mixed()
+    cells: list[Any] = [
+        ("quad", np.array([[1, 5, 7, 3]])),
+        ("triangle", np.array([[5, 9, 11], [5, 7, 11]])),  # one of them inside out
+        ("wedge", mesh.cells["wedge6"]),
+        ("hexahedron", mesh.cells["hex8"]),
+    ]
+    path = tmp_path / f"mixed{suffix}"
+    if suffix == ".msh":
+        tags = [np.array(v) for v in ([1], [1, 1], [2, 3], [3])]
+        data: Any = {"gmsh:physical": tags, "gmsh:geometrical": tags}
+        names = {"top": np.array([1, 2]), "alu": np.array([2, 3]), "steel": np.array([3, 3])}
+        meshio.Mesh(mesh.points, cells, cell_data=data, field_data=names).write(path, "gmsh22", binary=False)
+    else:
+        data = {
+            "top": [np.array(v) for v in ([1], [1, 1], [0, 0], [0])],
+            "alu": [np.array(v) for v in ([0], [0, 0], [1, 0], [0])],
+            "steel": [np.array(v) for v in ([0], [0, 0], [0, 1], [1])],
+            "cell": [np.array(v) for v in ([7], [7, 7], [2, 0], [4])],
+        }
+        meshio.Mesh(mesh.points, cells, cell_data=data).write(path, binary=False)
+    again = wfmesh.read(path, length_unit="m")
+    assert again.volume() == pytest.approx(2.0) and set(again.cells) == {"hex8", "wedge6"}
+    top = again.facets("top")
+    assert {kind: len(nodes) for kind, nodes in top.blocks.items()} == {"quad4": 1, "tri3": 2}
+    for nodes in top.corners.values():
+        x = again.points[nodes]
+        assert np.all(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])[:, 2] > 0.0)
+    # wedges come first in the file and keep their numbers
+    assert list(again.cells) == ["wedge6", "hex8"]
+    found = {name: members.tolist() for name, members in again.cell_sets.items()}
+    expected = {"alu": [0], "steel": [1, 2]}
+    if suffix != ".msh":
+        expected |= {"cell_2": [0], "cell_0": [1], "cell_4": [2]}
+    assert found == expected
+
+
+def test_array_of_numbers_makes_no_sets(tmp_path: Path) -> None:
+    mesh = wfmesh.roller(0.05, 0.015, 0.02, sectors=72, layers=2, axial=2, order=1)
+    marks = [np.arange(mesh.cell_count), np.zeros(mesh.sets["rim"], int)]
+    again = wfmesh.read(write(tmp_path / "r.vtu", mesh, number=marks), length_unit="m")
+    assert again.sets == {"rim": mesh.sets["rim"]}
+    assert not again.cell_sets and any("'number' has 288 values" in note for note in again.notes)
+
+
+def test_binary_vtk_with_data_is_refused(tmp_path: Path) -> None:
+    mesh = roller()
+    path = tmp_path / "r.vtk"
+    meshio.Mesh(mesh.points, [("hexahedron", mesh.single[1])], point_data={"a": mesh.points[:, 0]}).write(path)
+    with pytest.raises(InputError, match=r"r.vtk: data of binary .vtk files.*save it as .vtu"):
+        wfmesh.read(path, length_unit="m")
+
+
+def test_deck_of_abaqus_is_read_by_our_own_reader(tmp_path: Path) -> None:
+    path = tmp_path / "cube.inp"
+    corners = "\n".join(f"{i + 1}, {', '.join(map(str, x))}" for i, x in enumerate(cell_kind("hex8").nodes))
+    path.write_text(f"*Node\n{corners}\n*Element, type=C3D8R\n1, 1, 2, 3, 4, 5, 6, 7, 8\n")
+    mesh = wfmesh.read(path, length_unit="mm")
+    assert mesh.volume() == pytest.approx(8e-9) and any("C3D8R" in note for note in mesh.notes)
 
 
 def test_facet_off_the_cells(tmp_path: Path) -> None:

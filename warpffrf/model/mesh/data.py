@@ -14,11 +14,15 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_count, require_direction, unknown_name
 from warpffrf.model.material import Material
+from warpffrf.model.mesh import periodicity, pyvista_export
+from warpffrf.model.mesh import select as selection
 from warpffrf.model.mesh.checks import check_connected, check_orientation, check_used
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.facets import FacetSet, node_numbers, outer_faces
+from warpffrf.model.mesh.report import MeshReport
+from warpffrf.model.mesh.report import report as make_report
 
-USUAL_SIZE = (1e-3, 10.0)  # m; outside it the length unit of a file was probably wrong
+_CHUNK = 20_000  # cells looked at together: bounds the memory to some tens of MB
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,34 +50,6 @@ class Matrices:
 
     stiffness: Any
     mass: Any
-
-
-@dataclass(frozen=True)
-class MeshReport:
-    """Summary of a mesh; `str()` gives readable lines. Lengths m, volume m3."""
-
-    name: str
-    node_count: int
-    cells: dict[str, int]
-    sets: dict[str, int]
-    lower: tuple[float, float, float]
-    upper: tuple[float, float, float]
-    volume: float
-    sectors: int | None
-    warnings: tuple[str, ...] = ()
-
-    def __str__(self) -> str:
-        size = [b - a for a, b in zip(self.lower, self.upper, strict=True)]
-        lines = [
-            f"mesh {self.name or '(unnamed)'}: {self.node_count} nodes, {3 * self.node_count} degrees of freedom",
-            "  cells   " + ", ".join(f"{count} {kind}" for kind, count in self.cells.items()),
-            "  sets    " + (", ".join(f"{name} ({count} facets)" for name, count in self.sets.items()) or "none"),
-            "  box     " + " x ".join(f"{s:.6g}" for s in size) + " m, from "
-            f"({', '.join(f'{x:.6g}' for x in self.lower)}) to ({', '.join(f'{x:.6g}' for x in self.upper)})",
-            f"  volume  {self.volume:.6g} m3",
-            f"  cyclic  {f'{self.sectors} sectors' if self.sectors else 'no'}",
-        ]
-        return "\n".join(lines + [f"  warning: {w}" for w in self.warnings])
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,12 +171,69 @@ class Mesh:
             raise InputError(f"select {name!r}: no facet of {from_set!r} fulfils the predicate")
         return replace(self, facet_sets={**self.facet_sets, name: source.kept(mask)})
 
+    def select_plane(
+        self, name: str, *, point: Any, normal: Any, tolerance: float | None = None, from_set: str | None = None
+    ) -> Mesh:
+        """A new mesh with the facet set `name` on a plane through `point` (3,) [m]; `selection.plane`."""
+        return selection.plane(self, name, point=point, normal=normal, tolerance=tolerance, from_set=from_set)
+
+    def select_cylinder(
+        self,
+        name: str,
+        *,
+        axis_point: Any = None,
+        axis_direction: Any = None,
+        radius: float | None = None,
+        tolerance: float | None = None,
+        from_set: str | None = None,
+    ) -> Mesh:
+        """A new mesh with the facet set `name` on a cylinder, what is None fitted to `from_set`; `selection.cylinder`.
+
+        Lengths in m.
+        """
+        return selection.cylinder(
+            self,
+            name,
+            axis_point=axis_point,
+            axis_direction=axis_direction,
+            radius=radius,
+            tolerance=tolerance,
+            from_set=from_set,
+        )
+
+    def select_sphere(
+        self, name: str, *, center: Any, radius: float, tolerance: float | None = None, from_set: str | None = None
+    ) -> Mesh:
+        """A new mesh with the facet set `name` on a sphere about `center` (3,) [m]; `selection.sphere`."""
+        return selection.sphere(self, name, center=center, radius=radius, tolerance=tolerance, from_set=from_set)
+
+    def select_feature(self, name: str, *, seed: Any, angle: float = 30.0, from_set: str | None = None) -> Mesh:
+        """A new mesh with the facet set `name`: all one reaches from the facet nearest `seed` (3,) [m] without
+        crossing an edge of more than `angle` [degrees]; `selection.feature`."""
+        return selection.feature(self, name, seed=seed, angle=angle, from_set=from_set)
+
+    def find_periodicity(self) -> Cyclic | None:
+        """Axis and largest number of equal sectors of the cells, or None; `periodicity`."""
+        return periodicity.find(self)
+
+    def with_periodicity(
+        self, *, axis_point: Any = None, axis_direction: Any = None, sectors: int | None = None
+    ) -> Mesh:
+        """The same body numbered sector by sector, with `cyclic` set; what is None is found. See `periodicity`.
+
+        Nodes move by what the file's digits left open, at most 1e-5 of the radius; the largest move is in `notes`.
+        Raises `InputError` saying why where the mesh is not periodic.
+        """
+        return periodicity.required(self, axis_point=axis_point, axis_direction=axis_direction, sectors=sectors)
+
     def volume(self) -> float:
         """Volume [m3], by quadrature exact for the isoparametric cells; 0 for a body without cells."""
         total = 0.0
         for kind, nodes in self.cells.items():
             cell = cell_kind(kind)
-            total += float(np.sum(cell.jacobians(self.points[nodes], cell.quadrature_points) @ cell.quadrature_weights))
+            for part in np.array_split(nodes, len(nodes) // _CHUNK + 1):
+                x = self.points[part]
+                total += float(np.sum(cell.jacobians(x, cell.quadrature_points) @ cell.quadrature_weights))
         return total
 
     def check(self) -> Mesh:
@@ -211,27 +244,17 @@ class Mesh:
             check_connected(len(self.points), self.cells)
         return self
 
-    def report(self) -> MeshReport:
-        """Bounding box, counts, volume, and a warning where the size lies outside 1 mm to 10 m."""
-        lower, upper = self.points.min(axis=0), self.points.max(axis=0)
-        size = float(np.max(upper - lower))
-        warnings = []
-        if not USUAL_SIZE[0] <= size <= USUAL_SIZE[1]:
-            warnings.append(
-                f"the largest dimension is {size:.3g} m, outside {USUAL_SIZE[0]:g} to {USUAL_SIZE[1]:g} m: "
-                "is the length unit right?"
-            )
-        return MeshReport(
-            name=self.name,
-            node_count=len(self.points),
-            cells={kind: len(nodes) for kind, nodes in self.cells.items()},
-            sets=self.sets,
-            lower=(float(lower[0]), float(lower[1]), float(lower[2])),
-            upper=(float(upper[0]), float(upper[1]), float(upper[2])),
-            volume=self.volume(),
-            sectors=self.cyclic.sectors if self.cyclic else None,
-            warnings=tuple(warnings),
-        )
+    def report(self, material: Material | Mapping[str, Material] | None = None) -> MeshReport:
+        """Size, volume, quality, warnings; with `material`, one or {cell set: Material}, mass and inertia too.
+
+        Where it is None the materials of the mesh's file serve, if they cover every cell. Raises `InputError` for an
+        unknown cell set and for cells without material.
+        """
+        return make_report(self, material)
+
+    def to_pyvista(self) -> Any:
+        """`pyvista.UnstructuredGrid` of cells and set facets, an array of 0 and 1 a set; `pyvista_export`."""
+        return pyvista_export.to_pyvista(self)
 
     def content_hash(self) -> str:
         """sha256 over all arrays, set names and the periodicity (not over `name`)."""

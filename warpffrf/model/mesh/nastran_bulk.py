@@ -1,0 +1,305 @@
+r"""Nastran bulk data: grid points, solid elements, shells as facets, properties, isotropic materials.
+
+Read by hand because meshio takes coordinates in local systems for basic ones, stops at a shell with an orientation, and
+knows no materials. A card is a line of up to 10 fields, in one of three formats, with continuation lines:
+
+    free         fields between commas
+    small field  8 columns each
+    large field  the name ends in *: 8 columns, then 16 each, half as many fields a line
+
+A continuation begins with +, *, a blank field or a comma. Reals may drop the E of their exponent: 7.-2 is 0.07.
+
+Solids with property p form the cell set `property_p`, shells on their surface the facet set of that name. A local
+system (CORD2R, CORD2C, CORD2S) is given by three points in its reference system: the origin A, B on its third axis e_3
+and C in the half plane of e_1 and e_3; `x = A + x_1 e_1 + x_2 e_2 + x_3 e_3` for the Cartesian coordinates that
+(r, theta, z) or (r, theta, phi), angles in degrees, stand for.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.material import Material
+from warpffrf.model.mesh.raw_mesh import RawMesh
+
+SUFFIXES = (".bdf", ".nas", ".fem", ".dat")
+SYSTEMS = {"m": (1.0, 1.0, "Pa and kg/m3"), "mm": (1e6, 1e12, "MPa and t/mm3")}  # stress in Pa, density in kg/m3
+MOST_LISTED = 20  # kinds of unused cards in the note; control decks have a handful
+
+# linear kind, quadratic kind, place in the card of each node of the quadratic kind (Nastran puts the vertical edges
+# before those of the top)
+_SOLIDS = {
+    "CTETRA": ("tet4", "tet10", list(range(10))),
+    "CPENTA": ("wedge6", "wedge15", [*range(9), 12, 13, 14, 9, 10, 11]),
+    "CHEXA": ("hex8", "hex20", [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]),
+}
+_SHELLS = {
+    "CTRIA3": ("tri3", 3),
+    "CTRIAR": ("tri3", 3),
+    "CQUAD4": ("quad4", 4),
+    "CQUADR": ("quad4", 4),
+    "CTRIA6": ("tri6", 6),
+    "CQUAD8": ("quad8", 8),
+}
+_CORNERS = {"CTETRA": 4, "CPENTA": 6, "CHEXA": 8}
+_LOCAL = {"CORD2R", "CORD2C", "CORD2S"}
+_EXPONENT = re.compile(r"(?<=[0-9.])([+-][0-9]+)$")
+
+Array = np.ndarray
+
+
+@dataclass
+class _Card:
+    """A card's `name`, its fields after the name, and where it begins."""
+
+    name: str
+    fields: list[str]
+    place: str
+
+    def text(self, i: int) -> str:
+        """Field i, counted from 1 after the name; empty where there is none."""
+        return self.fields[i - 1] if i <= len(self.fields) else ""
+
+    def fault(self, message: str) -> InputError:
+        return InputError(f"mesh file {self.place}: {self.name}: {message}")
+
+    def integer(self, i: int, default: int | None = None) -> int:
+        text = self.text(i)
+        if not text and default is not None:
+            return default
+        try:
+            return int(text)
+        except ValueError:
+            raise self.fault(f"field {i + 1} must be an integer, got {text!r}; repair the line") from None
+
+    def real(self, i: int, default: float | None = None) -> float:
+        text = self.text(i)
+        if not text and default is not None:
+            return default
+        try:
+            value = float(text)
+        except ValueError:  # Nastran's own forms
+            try:
+                value = float(_EXPONENT.sub(r"e\1", text.lower().replace("d", "e")))
+            except ValueError:
+                value = math.inf
+        if not math.isfinite(value):
+            raise self.fault(f"field {i + 1} must be a number, got {text!r}; repair the line")
+        return value
+
+
+@dataclass
+class _Deck:
+    """The cards that make a solid body."""
+
+    grids: dict[int, tuple[int, tuple[float, float, float], _Card]] = field(default_factory=dict)
+    systems: dict[int, _Card] = field(default_factory=dict)
+    cells: dict[str, list[tuple[int, list[int], _Card]]] = field(default_factory=dict)  # by kind: property, nodes
+    solids: dict[int, _Card] = field(default_factory=dict)  # PSOLID by property
+    materials: dict[int, _Card] = field(default_factory=dict)  # MAT1
+    ignored: Counter[str] = field(default_factory=Counter)
+
+
+def read_bulk(path: Path, length_unit: str) -> RawMesh:
+    """What a bulk data file holds. Raises `InputError`, with file and line, for what cannot be understood."""
+    deck = _Deck()
+    for card in _cards(path):
+        _take(deck, card)
+    numbers = {node: i for i, node in enumerate(deck.grids)}
+    placed = _Systems(deck)
+    points = np.array([placed.basic(cp, x, card) for cp, x, card in deck.grids.values()]).reshape(-1, 3)
+    blocks, groups = [], {}
+    for kind, rows in deck.cells.items():
+        try:
+            nodes = np.array([[numbers[a] for a in row] for _, row, _ in rows], dtype=np.int64)
+        except KeyError:
+            card, missing = next((c, a) for _, row, c in rows for a in row if a not in numbers)
+            raise card.fault(f"grid point {missing} does not exist") from None
+        properties = np.array([p for p, _, _ in rows])
+        for p in np.unique(properties):
+            members = groups.setdefault(f"property_{p}", {})
+            members[len(blocks)] = np.flatnonzero(properties == p)
+        blocks.append((kind, nodes))
+    if not any(name in deck.cells for pair in _SOLIDS.values() for name in pair[:2]):
+        raise InputError(f"mesh file {path.name}: there are no volume cells ({', '.join(_SOLIDS)}); export the solids")
+    empty = np.zeros(0, dtype=np.int64)
+    full = {name: [members.get(b, empty) for b in range(len(blocks))] for name, members in groups.items()}
+    notes: list[str] = []
+    materials = _materials(deck, length_unit, notes)
+    if deck.ignored:
+        listed = [f"{name} ({count})" for name, count in deck.ignored.most_common(MOST_LISTED)]
+        more = len(deck.ignored) - len(listed)
+        notes.append(f"cards that are not used: {', '.join(listed)}" + (f" and {more} other kinds" if more else ""))
+    return RawMesh(points, blocks, full, materials, tuple(notes), stray_facets=True)
+
+
+def _take(deck: _Deck, card: _Card) -> None:
+    name = card.name
+    if name == "GRID":
+        x = (card.real(3, 0.0), card.real(4, 0.0), card.real(5, 0.0))
+        deck.grids[card.integer(1)] = (card.integer(2, 0), x, card)
+    elif name in _SOLIDS:
+        linear, quadratic, order = _SOLIDS[name]
+        corners = _CORNERS[name]
+        given = [t for t in card.fields[2 + corners : 2 + len(order)] if t not in ("", "0")]
+        if given and len(given) < len(order) - corners:
+            raise card.fault(f"{len(order) - corners - len(given)} of its mid-side nodes are missing; give all or none")
+        kind, wanted = (quadratic, [3 + i for i in order]) if given else (linear, list(range(3, 3 + corners)))
+        _add(deck, kind, card, wanted)
+    elif name in _SHELLS:
+        kind, count = _SHELLS[name]
+        if kind in ("tri6", "quad8") and any(not card.text(3 + i) for i in range(count)):
+            kind, count = ("tri3", 3) if kind == "tri6" else ("quad4", 4)  # facets are matched by their corners
+        _add(deck, kind, card, list(range(3, 3 + count)))
+    elif name in ("CPYRAM", "CPYRA"):
+        raise card.fault("pyramids are not supported; mesh with tetrahedra, wedges and hexahedra")
+    elif name in _LOCAL:
+        deck.systems[card.integer(1)] = card
+    elif name == "PSOLID":
+        deck.solids[card.integer(1)] = card
+    elif name == "MAT1":
+        deck.materials[card.integer(1)] = card
+    elif name == "GRDSET" and card.integer(2, 0) != 0:
+        raise card.fault("a default coordinate system for all grid points is not supported; write it to each GRID")
+    else:
+        deck.ignored[name] += 1
+
+
+def _add(deck: _Deck, kind: str, card: _Card, fields: list[int]) -> None:
+    nodes = [card.integer(i) for i in fields]
+    deck.cells.setdefault(kind, []).append((card.integer(2, card.integer(1)), nodes, card))
+
+
+class _Systems:
+    """Places in local coordinate systems, in basic ones."""
+
+    def __init__(self, deck: _Deck) -> None:
+        self._cards = deck.systems
+        self._frames: dict[int, tuple[Array, Array]] = {}
+
+    def basic(self, system: int, x: tuple[float, float, float] | Array, card: _Card, depth: int = 0) -> Array:
+        """Basic coordinates (3,) of the coordinates `x` in `system`."""
+        if system == 0:
+            return np.asarray(x, dtype=float)
+        if system not in self._cards or depth > len(self._cards):
+            raise card.fault(f"coordinate system {system} is not given by CORD2R, CORD2C or CORD2S, or by itself")
+        definition = self._cards[system]
+        if system not in self._frames:
+            reference = definition.integer(2, 0)
+            A, B, C = (
+                self.basic(reference, np.array([definition.real(i + j, 0.0) for j in range(3)]), definition, depth + 1)
+                for i in (3, 6, 9)
+            )
+            e_2 = np.cross(B - A, C - A)
+            lengths = np.linalg.norm(B - A), np.linalg.norm(e_2)
+            if not min(lengths) > 0.0:
+                raise definition.fault("its three points lie on one line")
+            e_3, e_2 = (B - A) / lengths[0], e_2 / lengths[1]
+            self._frames[system] = A, np.stack([np.cross(e_2, e_3), e_2, e_3])
+        origin, frame = self._frames[system]
+        a, b, c = x
+        if definition.name == "CORD2C":
+            a, b = a * np.cos(np.radians(b)), a * np.sin(np.radians(b))
+        elif definition.name == "CORD2S":  # r, theta from the third axis, phi
+            theta, phi = np.radians(b), np.radians(c)
+            a, b, c = a * np.sin(theta) * np.cos(phi), a * np.sin(theta) * np.sin(phi), a * np.cos(theta)
+        return origin + np.array([a, b, c]) @ frame
+
+
+def _materials(deck: _Deck, length_unit: str, notes: list[str]) -> dict[str, Material]:
+    """{property_p: Material} [SI] of PSOLID and MAT1; what is not taken over is said in `notes`."""
+    if not deck.solids or not deck.materials:
+        return {}
+    if length_unit not in SYSTEMS:
+        notes.append(
+            f"materials are not taken over: with lengths in {length_unit} the units of stress and density are not "
+            f"known (they are with {' and '.join(SYSTEMS)}); give the materials yourself"
+        )
+        return {}
+    stress, density, units = SYSTEMS[length_unit]
+    found: dict[str, Material] = {}
+    for p, solid in deck.solids.items():
+        number = solid.integer(2)
+        card = deck.materials.get(number)
+        if card is None:
+            notes.append(f"PSOLID {p}: material {number} is not a MAT1 and is not taken over")
+            continue
+        E, G, nu, rho = (card.real(i, 0.0) for i in (2, 3, 4, 5))
+        if not card.text(4) and E > 0.0 and G > 0.0:
+            nu = E / (2.0 * G) - 1.0
+        elif not E > 0.0:
+            E = 2.0 * G * (1.0 + nu)
+        try:
+            found[f"property_{p}"] = Material(stress * E, nu, density * rho, name=f"MAT1 {number}")
+        except InputError as error:
+            notes.append(f"MAT1 {number} is not taken over: {error}")
+    if found:
+        notes.append(f"materials are read in {units}, the system that goes with lengths in {length_unit}")
+    return found
+
+
+def _cards(path: Path) -> Iterator[_Card]:
+    """The cards of the bulk data section with their continuations put together."""
+    card: _Card | None = None
+    width = 8
+    for line, place in _bulk_lines(path):
+        free = "," in line
+        fields = [f.strip() for f in line.split(",")] if free else []
+        head = fields[0] if free else line[:8].strip()
+        large = head.endswith("*") or head.startswith("*")
+        if not free:
+            step = 16 if large else 8
+            fields = [head, *(line[8 + i * step : 8 + (i + 1) * step].strip() for i in range(64 // step))]
+        if free and len(fields) > 1 and fields[-1].startswith(("+", "*")) and not _is_number(fields[-1]):
+            fields.pop()
+        limit = 4 if large else 8
+        # behind the data comes the name of the continuation; a longer free line is one that goes on without
+        data = fields[1:] if len(fields) > limit + 2 else fields[1 : 1 + limit]
+        if head == "" or head[0] in "+*":
+            if card is None:
+                raise InputError(f"mesh file {place}: a continuation without a card before it; repair the line")
+            card.fields += [""] * (-len(card.fields) % width) + data
+            width = limit
+            continue
+        if card is not None:
+            yield card
+        card, width = _Card(head.rstrip("*").upper(), data, place), limit
+    if card is not None:
+        yield card
+
+
+def _is_number(text: str) -> bool:
+    return re.fullmatch(r"[+-]?[0-9.]+([ed]?[+-]?[0-9]+)?", text.lower()) is not None
+
+
+def _bulk_lines(path: Path, parents: tuple[Path, ...] = ()) -> Iterator[tuple[str, str]]:
+    """Lines of the bulk data section without comments, includes put in, each with its place in words."""
+    try:
+        lines = path.read_text(encoding="latin-1").splitlines()  # comments may hold anything
+    except OSError as error:
+        raise InputError(f"mesh file {path.name}: cannot be read ({error}); check the path") from None
+    begin = next((i for i, line in enumerate(lines) if line.upper().split()[:2] == ["BEGIN", "BULK"]), -1)
+    for number, raw in enumerate(lines[begin + 1 :], start=begin + 2):
+        line = raw.split("$", 1)[0].expandtabs(8).rstrip()
+        if not line:
+            continue
+        place = f"{path.name}, line {number}"
+        word = line.split(None, 1)[0].upper()
+        if word == "ENDDATA":
+            return
+        if word != "INCLUDE":
+            yield line, place
+            continue
+        name = line.split(None, 1)[1].strip("'\" ") if len(line.split(None, 1)) > 1 else ""
+        other = path.parent / name
+        if not name or not other.is_file() or other.resolve() in [p.resolve() for p in (*parents, path)]:
+            raise InputError(f"mesh file {place}: INCLUDE {name!r} does not exist or includes itself; correct the path")
+        yield from _bulk_lines(other, (*parents, path))

@@ -1,0 +1,197 @@
+"""From what a mesh file holds to a `Mesh`: one part, its nodes, facet sets on its faces, cell sets.
+
+Facets are matched with the faces of the cells by their corners and take the faces' node order, so that normals point
+outwards whatever the file's order was. A wedge whose triangles run the other way (VTK's documentation and meshio
+disagree with VTK and everyone else about its first triangle) is turned over.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.model.material import Material
+from warpffrf.model.mesh.checks import part_labels
+from warpffrf.model.mesh.data import Mesh
+from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind, facet_kind
+from warpffrf.model.mesh.facets import FacetSet
+
+logger = logging.getLogger(__name__)
+
+# nodes of a wedge seen from its other side: corners 1 and 2, 4 and 5 change places, and the middle nodes with them
+_TURNED_OVER = {"wedge6": [0, 2, 1, 3, 5, 4], "wedge15": [0, 2, 1, 3, 5, 4, 8, 7, 6, 11, 10, 9, 12, 14, 13]}
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class RawMesh:
+    """What a file holds. `points` (n, 3) in the file's unit; `blocks`: kinds of cells or facets with their nodes (m, k)
+    as numbers of points; `groups`: {name: member numbers in each block}; `materials` in SI units.
+
+    `stray_facets`: facets that are no faces of a cell are left out with a note (shells of a larger model) instead of
+    refused.
+    """
+
+    points: Array
+    blocks: Sequence[tuple[str, Array]]
+    groups: Mapping[str, Sequence[Array]]
+    materials: Mapping[str, Material] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    stray_facets: bool = False
+
+
+def built(raw: RawMesh, *, scale: float, part: int | str | None, name: str, label: str) -> Mesh:
+    """The checked mesh of one part of `raw`, coordinates times `scale`; `label` names the file in errors."""
+    volumes = [b for b, (kind, _) in enumerate(raw.blocks) if kind in CELL_KINDS]
+    count = len(raw.points)
+    for b in volumes:
+        nodes = raw.blocks[b][1]
+        if nodes.size and (nodes.min() < 0 or nodes.max() >= count):
+            raise InputError(f"{label}: a cell refers to a node that the file does not hold")
+    kept = _one_part(raw, volumes, part, label)
+    if not any(mask.any() for mask in kept.values()):
+        raise InputError(f"{label}: there are no volume cells; export the 3-D mesh")
+
+    by_kind: dict[str, list[Array]] = {}
+    for b in volumes:
+        kind, nodes = raw.blocks[b]
+        if kept[b].any():
+            by_kind.setdefault(kind, []).append(_upright(kind, raw.points, nodes[kept[b]]))
+    cells = {kind: np.concatenate(parts) for kind, parts in by_kind.items()}
+    number = _cell_numbers(raw, volumes, kept, list(cells))
+    used = np.unique(np.concatenate([nodes.ravel() for nodes in cells.values()]))
+    new_number = np.full(count, -1, dtype=np.int64)
+    new_number[used] = np.arange(len(used))
+    cells = {kind: new_number[nodes] for kind, nodes in cells.items()}
+
+    cell_sets = {}
+    for group, parts in raw.groups.items():
+        members = np.concatenate([number[b][parts[b]] for b in volumes])
+        if np.any(members >= 0):
+            cell_sets[group] = members[members >= 0]
+    facet_sets, notes = _facet_sets(raw, cells, new_number, label)
+    mesh = Mesh(
+        raw.points[used] * scale,
+        cells,
+        facet_sets,
+        name=name,
+        cell_sets=cell_sets,
+        materials={group: material for group, material in raw.materials.items() if group in cell_sets},
+        notes=(*raw.notes, *notes),
+    )
+    try:
+        return mesh.check()
+    except InputError as error:
+        raise InputError(f"{label}: {error}") from None
+
+
+def _one_part(raw: RawMesh, volumes: list[int], part: int | str | None, label: str) -> dict[int, Array]:
+    """For each volume block which of its cells belong to the wanted part; all of them for None."""
+    masks = {b: np.full(len(raw.blocks[b][1]), part is None) for b in volumes}
+    if part is None or not volumes:
+        return masks
+    if isinstance(part, str):
+        named = {name for name, parts in raw.groups.items() if any(len(parts[b]) for b in volumes)}
+        if part not in named:
+            raise unknown_name(f"{label}: volume group", part, sorted(named))
+        for b in volumes:
+            masks[b][raw.groups[part][b]] = True
+        return masks
+    # blocks are given names of their own: several may be of one kind
+    labels = part_labels(len(raw.points), {str(b): raw.blocks[b][1] for b in volumes})
+    order = labels[np.sort(np.unique(labels, return_index=True)[1])]  # parts in the order of their first cells
+    if isinstance(part, bool) or not isinstance(part, int) or not 0 <= part < len(order):
+        raise InputError(f"{label}: part {part!r} does not exist, it has {len(order)} connected part(s)")
+    stops = np.cumsum([len(raw.blocks[b][1]) for b in volumes])[:-1]
+    return dict(zip(volumes, np.split(labels == order[part], stops), strict=True))
+
+
+def _upright(kind: str, points: Array, nodes: Array) -> Array:
+    """The cells, with wedges that are inside out turned over."""
+    if kind not in _TURNED_OVER:
+        return nodes
+    cell = cell_kind(kind)
+    middle = cell.nodes[: cell.corner_count].mean(axis=0, keepdims=True)
+    over = cell.jacobians(points[nodes], middle)[:, 0] < 0.0
+    return np.where(over[:, None], nodes[:, _TURNED_OVER[kind]], nodes)
+
+
+def _cell_numbers(raw: RawMesh, volumes: list[int], kept: dict[int, Array], kinds: list[str]) -> dict[int, Array]:
+    """Number in the mesh of each cell of each volume block, -1 for those left out."""
+    counts = {kind: sum(int(kept[b].sum()) for b in volumes if raw.blocks[b][0] == kind) for kind in kinds}
+    start = dict(zip(kinds, np.cumsum([0, *counts.values()])[:-1].tolist(), strict=True))
+    number = {}
+    for b in volumes:
+        number[b] = np.full(len(kept[b]), -1, dtype=np.int64)
+        if kept[b].any():
+            kind, found = raw.blocks[b][0], int(kept[b].sum())
+            number[b][kept[b]] = start[kind] + np.arange(found)
+            start[kind] += found
+    return number
+
+
+def _facet_sets(
+    raw: RawMesh, cells: dict[str, Array], new_number: Array, label: str
+) -> tuple[dict[str, FacetSet], list[str]]:
+    """Facet sets on the outer faces of `cells`, and notes about facets that are left out."""
+    surfaces = [b for b, (kind, nodes) in enumerate(raw.blocks) if kind not in CELL_KINDS and len(nodes)]
+    if not surfaces:
+        return {}, []
+    faces: list[tuple[str, Array]] = []
+    for kind, nodes in cells.items():
+        for facet, local in cell_kind(kind).faces.items():
+            faces.append((facet, nodes[:, local].reshape(-1, local.shape[1])))
+    queries = []
+    for b in surfaces:
+        nodes = raw.blocks[b][1]
+        if nodes.min() < 0 or nodes.max() >= len(new_number):
+            raise InputError(f"{label}: a facet refers to a node that the file does not hold")
+        queries.append((raw.blocks[b][0], new_number[nodes]))
+    keys = [_key(*item) for item in [*faces, *queries]]
+    same = np.unique(np.concatenate(keys), axis=0, return_inverse=True)[1].ravel()
+    split = np.split(same, np.cumsum([len(k) for k in keys])[:-1])
+    of_faces, of_queries = np.concatenate(split[: len(faces)]), split[len(faces) :]
+    times = np.bincount(of_faces, minlength=int(same.max()) + 1)
+    first = np.full(len(times), -1, dtype=np.int64)
+    first[of_faces] = np.arange(len(of_faces))
+    starts = np.cumsum([0, *(len(f) for _, f in faces)])
+
+    sets: dict[str, FacetSet] = {}
+    notes: list[str] = []
+    for name, parts in raw.groups.items():
+        chosen = []
+        stray = 0
+        for b, (_, nodes), ids in zip(surfaces, queries, of_queries, strict=True):
+            members = np.asarray(parts[b], dtype=np.int64)
+            ids = ids[members[np.all(nodes[members] >= 0, axis=1)]]
+            stray += int(np.sum(times[ids] == 0))
+            chosen.append(ids[times[ids] > 0])
+        if stray and not raw.stray_facets:
+            raise InputError(f"{label}: set {name!r} has a facet that is no face of a cell ({stray} of them)")
+        if stray:
+            notes.append(f"set {name!r}: {stray} facets that are no faces of a cell are left out")
+        ids = np.unique(np.concatenate(chosen))
+        inside = int(np.sum(times[ids] > 1))
+        if inside:
+            notes.append(f"set {name!r}: {inside} facets inside the volume are left out")
+            logger.warning("%s: %s", label, notes[-1])
+        rows = np.sort(first[ids[times[ids] == 1]])
+        blocks: dict[str, list[Array]] = {}
+        for (facet, nodes), start in zip(faces, starts[:-1], strict=True):
+            here = rows[(rows >= start) & (rows < start + len(nodes))] - start
+            if len(here):
+                blocks.setdefault(facet, []).append(nodes[here])
+        if blocks:
+            sets[name] = FacetSet({facet: np.concatenate(parts) for facet, parts in blocks.items()})
+    return sets, notes
+
+
+def _key(kind: str, nodes: Array) -> Array:
+    """Sorted corners (m, 4) of facets, filled up with -1."""
+    corners = np.sort(nodes[:, : facet_kind(kind).corner_count], axis=1)
+    return np.pad(corners, ((0, 0), (0, 4 - corners.shape[1])), constant_values=-1)
