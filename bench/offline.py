@@ -1,6 +1,7 @@
-"""Time and memory of the reduction: `python bench/offline.py [--json FILE] [--large]`.
+"""Time and memory of the reduction: `python bench/offline.py [--json FILE] [--large] [--solvers]`.
 
-Each row is reduced in a process of its own, without cache, so that its peak memory is its own.
+Each row is reduced in a process of its own, without cache, so that its peak memory is its own. `--solvers` times the
+sparse solvers that are installed on the stiffness of a block: the hardest shape, no separator is small.
 """
 
 from __future__ import annotations
@@ -23,7 +24,19 @@ ROWS = [
 LARGE = [
     {"name": "cyclic hex27, large", "sectors": 480, "layers": 10, "axial": 6, "order": 2, "general": False},
     {"name": "general hex8, large", "sectors": 120, "layers": 8, "axial": 6, "order": 1, "general": True},
+    {
+        "name": "general hex8, 100,000 dofs",
+        "sectors": 120,
+        "layers": 16,
+        "axial": 15,
+        "order": 1,
+        "general": True,
+        "modes": 50,
+    },
 ]
+BLOCK_NODES = 33  # along each edge: 107,811 dofs
+SMALL_BLOCK_NODES = 18
+SIDES = 64  # right-hand sides
 MAX_FREQUENCY = 20e3  # Hz, as the two-roller demo
 
 
@@ -64,7 +77,8 @@ def measure(row: dict) -> dict:
         Material(210e9, 0.3, 7850.0),
         interfaces={"bore": "rigid"},
         contact={"rim": Cylinder()},
-        max_frequency=MAX_FREQUENCY,
+        max_frequency=None if "modes" in row else MAX_FREQUENCY,
+        modes=row.get("modes"),
         cache=False,
         progress=False,
     )
@@ -81,10 +95,74 @@ def measure(row: dict) -> dict:
     }
 
 
+def block_stiffness(nodes: int):
+    """K (n, n) of a steel cube of `nodes` hex8 nodes along each edge, held at one face; places (n, 3) of its dofs."""
+    import numpy as np
+
+    from warpffrf.model.material import Material
+    from warpffrf.offline.assembly import assemble
+    from warpffrf.offline.materials import Assignment
+
+    axis = np.linspace(0.0, 0.1, nodes)
+    points = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
+    number = np.arange(nodes**3).reshape(nodes, nodes, nodes)
+    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+    cells = np.stack(
+        [number[a : a + nodes - 1, b : b + nodes - 1, c : c + nodes - 1].ravel() for a, b, c in corners], axis=1
+    )
+    of_cell = Assignment((Material(210e9, 0.3, 7850.0),), {"hex8": np.zeros(len(cells), dtype=np.int64)})
+    K = assemble(points, {"hex8": cells}, of_cell)[0]
+    free = np.repeat(points[:, 0] > 0.0, 3)
+    return K[free][:, free], np.repeat(points, 3, axis=0)[free]
+
+
+def measure_solver(name: str, nodes: int) -> dict:
+    """Factor and solve time of one solver, blocks of `SIDES` right-hand sides."""
+    import numpy as np
+    from threadpoolctl import threadpool_limits
+
+    from warpffrf.offline.solvers import factorise
+
+    K, places = block_stiffness(nodes)
+    F = np.random.default_rng(0).standard_normal((K.shape[0], SIDES))
+    with threadpool_limits(limits=1, user_api="blas"):
+        start = time.perf_counter()
+        factor = factorise(K, places, name)
+        factored = time.perf_counter()
+        x = factor.solve(F)
+        end = time.perf_counter()
+    return {
+        "name": name,
+        "dofs": K.shape[0],
+        "factor_seconds": factored - start,
+        "seconds_a_side": (end - factored) / SIDES,
+        "factor_bytes": factor.bytes,
+        "residual": float(np.abs(K @ x - F).max() / np.abs(F).max()),
+    }
+
+
+def solver_table(context, nodes: int) -> list[dict]:
+    """Rows of all installed solvers, printed as they come."""
+    from warpffrf.offline.solvers import installed
+
+    print(f"{'solver':14} {'dofs':>8} {'factor s':>9} {'ms a side':>10} {'factors GiB':>12} {'residual':>9}")
+    rows = []
+    for name in installed():
+        with context.Pool(1) as pool:
+            row = pool.apply(measure_solver, (name, nodes))
+        rows.append(row)
+        print(
+            f"{name:14} {row['dofs']:8d} {row['factor_seconds']:9.2f} {1e3 * row['seconds_a_side']:10.2f} "
+            f"{row['factor_bytes'] / 2**30:12.2f} {row['residual']:9.1e}"
+        )
+    return rows
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
     parser.add_argument("--large", action="store_true", help="add the rows that take minutes")
+    parser.add_argument("--solvers", action="store_true", help="time the sparse solvers (with --large at full size)")
     options = parser.parse_args()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # inherited by the processes of the rows
     from warpffrf.model.reduced_body import library_versions
@@ -101,6 +179,7 @@ def main() -> None:
             f"{done['name']:32} {done['dofs']:9d} {done['local_modes']:7d} {done['global_modes']:7d} "
             f"{done['seconds']:8.2f} {memory:>6}"
         )
+    solvers = solver_table(context, BLOCK_NODES if options.large else SMALL_BLOCK_NODES) if options.solvers else []
     if options.json:
         machine = {
             "machine": platform.machine(),
@@ -109,7 +188,9 @@ def main() -> None:
             "cores": os.cpu_count(),
         }
         versions = {"python": platform.python_version(), **library_versions(("numpy", "scipy", "scikit-fem"))}
-        options.json.write_text(json.dumps({"machine": machine, "versions": versions, "rows": rows}, indent=1))
+        options.json.write_text(
+            json.dumps({"machine": machine, "versions": versions, "rows": rows, "solvers": solvers}, indent=1)
+        )
 
 
 if __name__ == "__main__":

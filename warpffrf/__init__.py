@@ -13,13 +13,15 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from warpffrf.model import forces, joints, mesh, signals, surfaces
+    from warpffrf.model import bases, forces, joints, mesh, signals, surfaces
     from warpffrf.model.contact import Contact
     from warpffrf.model.errors import InputError
     from warpffrf.model.material import Material
     from warpffrf.model.reduced_body import ReducedBody
     from warpffrf.model.scene import Scene
+    from warpffrf.model.stress_field import StressPoints
     from warpffrf.offline import reduce
+    from warpffrf.offline.grid_rule import contact_spacing
     from warpffrf.online import GeneralizedAlpha
     from warpffrf.output.result import Result
     from warpffrf.output.simulate import equilibrium, simulate
@@ -34,6 +36,9 @@ __all__ = [
     "ReducedBody",
     "Result",
     "Scene",
+    "StressPoints",
+    "bases",
+    "contact_spacing",
     "equilibrium",
     "forces",
     "joints",
@@ -53,6 +58,9 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "ReducedBody": ("warpffrf.model.reduced_body", "ReducedBody"),
     "Result": ("warpffrf.output.result", "Result"),
     "Scene": ("warpffrf.model.scene", "Scene"),
+    "StressPoints": ("warpffrf.model.stress_field", "StressPoints"),
+    "bases": ("warpffrf.model.bases", None),
+    "contact_spacing": ("warpffrf.offline.grid_rule", "contact_spacing"),
     "equilibrium": ("warpffrf.output.simulate", "equilibrium"),
     "forces": ("warpffrf.model.forces", None),
     "joints": ("warpffrf.model.joints", None),

@@ -166,18 +166,22 @@ def reduce_mesh(
 
 @app.command("info")
 def info(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Mesh (.msh, .vtu), reduced body or results (.h5).")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Mesh, reduced body or results (.h5).")],
     length_unit: Annotated[
         str | None,
         typer.Option(metavar="UNIT", help="For a mesh: unit of the lengths in the file: m, cm, mm, um, in or ft."),
     ] = None,
     density: Annotated[float, typer.Option(help="For a mesh: density in kg/m3; left out: steel.")] = 7850.0,
+    page: Annotated[
+        Path | None,
+        typer.Option(metavar="PNG", help="For a reduced body: also write a picture of its quality here."),
+    ] = None,
 ) -> None:
     """Say what is in a file: size, mass, inertia, named sets, modes, or how a run went."""
     with _one_line_errors():
         from warpffrf.cli_info import describe_file
 
-        print(describe_file(file, length_unit=length_unit, density=density))
+        print(describe_file(file, length_unit=length_unit, density=density, page=page))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

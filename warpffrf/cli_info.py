@@ -12,21 +12,23 @@ ROUND_OFF = 1e-12  # of the largest moment of inertia: products below it are rou
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
-def describe_file(path: Path, *, length_unit: str | None, density: float) -> str:
+def describe_file(path: Path, *, length_unit: str | None, density: float, page: Path | None = None) -> str:
     """Readable lines about the file: sizes, bounding box, mass, inertia, and warnings.
 
-    length_unit, density [kg/m3]: used for meshes only, which carry neither. Raises `InputError` for a file that is
-    missing or of no known kind, and for a mesh without `length_unit`.
+    length_unit, density [kg/m3]: used for meshes only, which carry neither. page: for a reduced body, where to write
+    the picture of its quality. Raises `InputError` for a file that is missing or of no known kind, for a mesh without
+    `length_unit`, and for a page that cannot be written or of a file that is no reduced body.
     """
     if not path.is_file():
         raise InputError(f"there is no file {str(path)!r}")
     with path.open("rb") as file:
         start = file.read(len(HDF5_SIGNATURE))
     if start == HDF5_SIGNATURE:
-        return _hdf5(path)
+        return _hdf5(path, page)
     from warpffrf.model.mesh.reader import SUFFIXES
 
     if path.suffix.lower() in SUFFIXES:
+        _no_page(page, path)
         return _mesh(path, length_unit, density)
     known = ", ".join(SUFFIXES)
     raise InputError(f"{path.name} is neither a mesh ({known}) nor a reduced body or results file (.h5)")
@@ -54,7 +56,7 @@ def _mesh(path: Path, length_unit: str | None, density: float) -> str:
     )
 
 
-def _hdf5(path: Path) -> str:
+def _hdf5(path: Path, page: Path | None) -> str:
     import h5py
 
     from warpffrf.model.reduced_body_file import MARK
@@ -66,17 +68,28 @@ def _hdf5(path: Path) -> str:
     except OSError as error:
         raise InputError(f"{path.name} is damaged ({error}); write it again") from None
     if kind == MARK:
-        return _reduced_body(path)
+        return _reduced_body(path, page)
     if kind == FORMAT:
+        _no_page(page, path)
         return _results(path)
     raise InputError(f"{path.name} is an HDF5 file, but neither a reduced body nor results of warpffrf")
 
 
-def _reduced_body(path: Path) -> str:
+def _no_page(page: Path | None, path: Path) -> None:
+    if page is not None:
+        raise InputError(
+            f"{path.name} is no reduced body, and only a reduced body has a quality page; leave out --page"
+        )
+
+
+def _reduced_body(path: Path, page: Path | None) -> str:
     from warpffrf.model.reduced_body import ReducedBody
 
     body = ReducedBody.load(path)
-    return "\n".join([body.info(), _box(body.surface.points), *_inertia(body.inertia)])
+    lines = [body.info(), _box(body.surface.points), *_inertia(body.inertia)]
+    if page is not None:
+        lines.append(f"quality page written to {body.quality_page(page)}")
+    return "\n".join(lines)
 
 
 def _results(path: Path) -> str:

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from warpffrf.model import surfaces
-from warpffrf.model.reduced_body import ContactGrid, ContactSurface, DisplaySurface, Interface, Recovery, ReducedBody
+from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.reduced_body import ContactSurface, DisplaySurface, Interface, Recovery, ReducedBody
 
 
 def make_body(

@@ -25,10 +25,11 @@ SAME = 1e-9  # relative: round-off of a factorisation; the order of sums may dif
 def reduced(mesh: Mesh, material: Material | None) -> ReducedBody:
     return reduce(
         mesh,
-        material,  # type: ignore[arg-type]
+        material,
         interfaces={"bore": "rigid"},
         contact={"rim": Cylinder()},
         modes=9,
+        periodic=False,
         cache=False,
         progress=False,
     )

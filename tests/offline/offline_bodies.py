@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from warpffrf.model.material import Material
@@ -14,9 +12,11 @@ STEEL = Material(210e9, 0.3, 7850.0)
 
 
 def reduced(mesh, *, general: bool = False, **settings):
-    """`reduce` with a rigid bore and a contact rim, without cache; `general` hides the periodicity."""
+    """`reduce` with a rigid bore and a contact rim, without cache; `general` forbids the cyclic path."""
     given = {"interfaces": {"bore": "rigid"}, "contact": {"rim": Cylinder()}, "cache": False, "progress": False}
-    return reduce(replace(mesh, cyclic=None) if general else mesh, STEEL, **{**given, **settings})
+    if general:
+        given["periodic"] = False
+    return reduce(mesh, STEEL, **{**given, **settings})
 
 
 def skin_order(body) -> np.ndarray:

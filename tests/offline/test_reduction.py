@@ -74,8 +74,10 @@ def test_more_modes_than_the_mesh_has():
     mesh = roller(0.05, 0.03, 0.02, sectors=4, layers=1, axial=1, order=1)
     free = 3 * len(mesh.points) - 6
     for general in (False, True):
-        body = reduced(mesh, general=general, interfaces={}, contact={}, modes=10 * free)
+        body = reduced(mesh, general=general, interfaces={}, contact={}, modes=free)
         assert len(body.frequencies) == free
+        with pytest.raises(InputError, match="more than the model has"):
+            reduced(mesh, general=general, interfaces={}, contact={}, modes=10 * free)
 
 
 # --- a mesh made elsewhere ---
@@ -119,8 +121,12 @@ def test_cut_by_the_axis_of_a_shape_elsewhere(small_roller):
     [
         ({"interfaces": {"hub": "rigid"}}, "facet set 'hub' does not exist; known: 'rim', 'bore', 'ends'"),
         ({"contact": {"tread": None}}, "facet set 'tread' does not exist; known: 'rim', 'bore', 'ends'"),
-        ({"interfaces": {"bore": "average"}}, "'average' is not available"),
-        ({"basis": "craig_bampton"}, "'craig_bampton' is not available"),
+        ({"interfaces": {"bore": "elastic"}}, "kind 'elastic' does not exist; known: rigid, average, free"),
+        ({"basis": "guyan"}, "basis 'guyan'"),
+        ({"traction": "spots"}, "traction 'spots' is not available"),
+        ({"tangential": "spots"}, "traction 'spots' is not available"),
+        ({"solver": "magic"}, "solver 'magic' is not available"),
+        ({"periodic": True}, "periodic must be None"),
         ({"max_frequency": -1.0}, "max_frequency"),
         ({"max_frequency": float("nan")}, "max_frequency"),
         ({"modes": -2}, "modes"),
@@ -179,7 +185,9 @@ def test_linear_algebra_runs_on_one_thread(small_roller, monkeypatch):
 
     before, inside = threads(), []
     compute = reduction.reduce_cyclic
-    monkeypatch.setattr(reduction, "reduce_cyclic", lambda *given: inside.append(threads()) or compute(*given))
+    monkeypatch.setattr(
+        reduction, "reduce_cyclic", lambda *given, **how: inside.append(threads()) or compute(*given, **how)
+    )
     body = reduced(small_roller)
     assert inside == [{1}] and threads() == before
     assert body.report["blas_threads"] == 1

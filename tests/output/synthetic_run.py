@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from warpffrf.model.contact_grid import ContactGrid, meridian_gram
 from warpffrf.model.reduced_body import (
-    ContactGrid,
     ContactSurface,
     DisplaySurface,
     Interface,
     Recovery,
     ReducedBody,
-    axial_gram,
 )
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.online.history import ENERGY_LINES, BodyHistory, ContactHistory, History, JointHistory
@@ -117,7 +116,7 @@ def make_history(body: ReducedBody, *, name: str = "lower-upper") -> History:
     second_column = np.floor(center_second + 0.5).astype(int) - WINDOW // 2
     pressure = np.zeros((STEPS, WINDOW, ROWS))
     load = np.zeros((STEPS, WINDOW, ROWS))
-    gram_z = axial_gram(body.contact_surfaces["rim"].shape, body.contact_surfaces["rim"].grid.z)
+    gram_z = meridian_gram("hats", body.contact_surfaces["rim"].shape, body.contact_surfaces["rim"].grid.z)
     for i in range(STEPS):
         pressure[i] = peak[i] * hertz_hats(center_first[i] - first_column[i] - WINDOW // 2)[:, None]
         line = peak[i] * hertz_loads(center_second[i] - second_column[i] - WINDOW // 2)

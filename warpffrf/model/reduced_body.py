@@ -16,77 +16,20 @@ On a body of N equal sectors `D` couples sectors by their distance only (block-c
 
 from __future__ import annotations
 
+import importlib
 import importlib.metadata
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-GAUSS_PER_ROW = 6  # points between two grid rows: a crown's measure is not polynomial, six points leave 1e-14 of it
+from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.tangential import Tangential
 
-
-@dataclass(frozen=True, eq=False)
-class ContactGrid:
-    """A grid of hats over the chart (theta, z) of a surface of revolution.
-
-    Node (j, k) lies at `theta_start + j*pitch`, `z[k]`; its flat index is `j*rows + k`. The hat of a node is the
-    product of two linear hats. `periodic`: the columns close around the full turn; otherwise the hats stand on an
-    arc, and all of their supports lie inside the contact surface.
-    """
-
-    e_0: np.ndarray  # (3,) direction of theta = 0, user axes
-    theta_start: float  # rad
-    pitch: float  # rad
-    columns: int
-    periodic: bool
-    z: np.ndarray  # (rows,) m, ascending
-    columns_per_sector: int
-
-    @property
-    def rows(self) -> int:
-        """Number of axial grid nodes."""
-        return len(self.z)
-
-    @property
-    def theta(self) -> np.ndarray:
-        """Angles of the columns (columns,) [rad]."""
-        return self.theta_start + self.pitch * np.arange(self.columns)
-
-    def gram_theta(self) -> np.ndarray:
-        """M_theta (columns, columns) [rad]: int psi_j psi_j' dtheta, tridiagonal or circulant."""
-        n = self.columns
-        M = np.zeros((n, n))
-        j = np.arange(n)
-        M[j, j] = 2.0 / 3.0 * self.pitch
-        if self.periodic:
-            np.add.at(M, (j, (j + 1) % n), self.pitch / 6.0)
-            np.add.at(M, ((j + 1) % n, j), self.pitch / 6.0)
-        else:
-            M[j[:-1], j[1:]] = M[j[1:], j[:-1]] = self.pitch / 6.0
-        return M
-
-
-def axial_gram(shape: Any, z: np.ndarray) -> np.ndarray:
-    """M_z (rows, rows) [m^2/rad]: int psi_k psi_k' R(z) sqrt(1 + R'(z)^2) dz for the axial hats on the nodes `z` [m].
-
-    `shape` is a resolved surface of revolution (`radius_at`, `slope_at`). The hat Gram matrix of the surface is
-    `M = M_theta (x) M_z` [m^2], `M f`: hat coefficients of a traction to hat forces.
-    """
-    rows = len(z)
-    x, w = np.polynomial.legendre.leggauss(GAUSS_PER_ROW)
-    s = 0.5 * (x + 1.0)
-    step = np.diff(z)
-    points = z[:-1, None] + step[:, None] * s
-    measure = 0.5 * step[:, None] * w * shape.radius_at(points) * np.sqrt(1.0 + shape.slope_at(points) ** 2)
-    hats = np.stack([1.0 - s, s])
-    M = np.zeros((rows, rows))
-    local = np.einsum("aq,bq,eq->eab", hats, hats, measure)
-    for a in range(2):
-        for b in range(2):
-            np.add.at(M, (np.arange(rows - 1) + a, np.arange(rows - 1) + b), local[:, a, b])
-    return M
+if TYPE_CHECKING:
+    from warpffrf.model.stress_field import StressField
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,6 +85,7 @@ class ContactSurface:
     lags: np.ndarray  # (sectors, c rows, c rows) m/N
     mode_normal: np.ndarray  # (columns rows, m) m per unit modal coordinate
     recovery: Recovery
+    tangential: Tangential | None = None
 
     @property
     def local_modes(self) -> int:
@@ -150,8 +94,8 @@ class ContactSurface:
 
     @cached_property
     def gram_z(self) -> np.ndarray:
-        """M_z (rows, rows) [m^2/rad], see `axial_gram`."""
-        return axial_gram(self.shape, self.grid.z)
+        """M_z (rows, rows) [m^2/rad], see `meridian_gram`."""
+        return self.grid.gram_z(self.shape)
 
     def recover(self, forces: np.ndarray) -> np.ndarray:
         """Local displacement (n, 3) [m], user axes, of the display surface's points under outward hat forces
@@ -170,12 +114,18 @@ class ContactSurface:
 
 @dataclass(frozen=True, eq=False)
 class Interface:
-    """A rigid interface: `modes` (m, 6) is translation [m] and rotation [rad] at `point` (3,) [m] per unit modal
-    coordinate, user axes. Local modes do not move it."""
+    """An interface of kind "rigid", "average" or "free": `modes` (m, 6) is its translation [m] and rotation [rad] at
+    `point` (3,) [m] per unit modal coordinate, user axes; of the last two kinds the mean motion of its nodes.
+
+    Local modes do not move it. A free one keeps its `nodes` (k, 3) [m], places in the user frame, and their
+    displacement `node_modes` (m, k, 3) [m]; local modes move none of them either.
+    """
 
     kind: str
     point: np.ndarray
     modes: np.ndarray
+    nodes: np.ndarray | None = None
+    node_modes: np.ndarray | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,6 +151,7 @@ class ReducedBody:
     interfaces: dict[str, Interface]
     contact_surfaces: dict[str, ContactSurface]
     surface: DisplaySurface
+    stress: dict[str, StressField] = field(default_factory=dict)  # where stresses can be asked for, by name
     report: dict[str, Any] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
 
@@ -229,35 +180,40 @@ class ReducedBody:
         return content_hash(self)
 
     def info(self) -> str:
-        """Readable summary."""
-        f = self.frequencies
-        x, y, z = self.center_of_mass
-        lines = [
-            f"reduced body {self.provenance.get('mesh_name') or '(unnamed)'}",
-            f"  mass            {self.mass:.6g} kg, centre ({x:.6g}, {y:.6g}, {z:.6g}) m",
-            "  inertia         " + ", ".join(f"{v:.6g}" for v in np.diag(self.inertia)) + " kg m2 (diagonal)",
-            f"  global modes    {len(f)}" + (f", {f[0]:.6g} to {f[-1]:.6g} Hz" if len(f) else ""),
-            f"  local modes     {self.local_modes} (normal)",
-        ]
-        for name, i in self.interfaces.items():
-            lines.append(f"  interface       {name}: {i.kind}, at ({', '.join(f'{v:.6g}' for v in i.point)}) m")
-        for name, s in self.contact_surfaces.items():
-            g = s.grid
-            extent = "full turn" if g.periodic else f"arc of {np.degrees(g.pitch * (g.columns + 1)):.4g} degrees"
-            lines.append(
-                f"  contact surface {name}: {type(s.shape).__name__}, {g.columns} x {g.rows} hats on a {extent}, "
-                f"compliance {'block-circulant' if len(s.lags) > 1 else 'dense'}, {s.lags.nbytes / 2**20:.3g} MiB"
-            )
-        lines.append(f"  skin            {len(self.surface.points)} points, {len(self.surface.triangles)} triangles")
-        for key, label in (("path", "path"), ("path_reason", "because"), ("dofs", "FE dofs"), ("seconds", "seconds")):
-            if key in self.report:
-                value = self.report[key]
-                lines.append(f"  {label:<15} {value:.3g}" if isinstance(value, float) else f"  {label:<15} {value}")
-        for key in ("notes", "warnings"):
-            lines.extend(f"  {key[:-1]}: {text}" for text in self.report.get(key, []))
-        if digest := self.provenance.get("content_hash"):
-            lines.append(f"  content hash    {digest[:16]}")
-        return "\n".join(lines)
+        """Readable summary with the quality report."""
+        from warpffrf.model.body_summary import summary
+
+        return summary(self)
+
+    def quality_page(self, path: str | Path) -> Path:
+        """Write a picture of the body's quality: mode shapes, compliance decay, frequencies covered, key figures.
+
+        The ending of `path` chooses the format (.png, .pdf, .svg). Raises `InputError` where it cannot be written.
+        """
+        return _output("quality_page").write_quality_page(self, path)
+
+    def show(
+        self,
+        mode: int | None = None,
+        *,
+        path: str | Path | None = None,
+        frames: int = 60,
+        scale: float | None = None,
+    ) -> Any:
+        """Animate a mode in rerun: in its viewer, or written to `path` (.rrd), which `rerun FILE` opens.
+
+        Modes are numbered as finite-element programs number those of a free body: 1 to 6 are the rigid motions, 7 is
+        the first elastic mode. None: the elastic modes one after the other, one cycle each. `frames`: pictures a
+        cycle. `scale`: largest displacement drawn, as a part of the body's largest extent. Returns what was shown, see
+        `warpffrf.output.show.ShownModes`. Raises `InputError` for a mode that the body does not have.
+        """
+        return _output("show").show_modes(self, mode, path=path, frames=frames, scale=scale)
+
+
+def _output(module: str) -> Any:
+    """A module of the output package. It imports the model, not the other way round: a method that draws finds it by
+    name when it is called, so that the model depends on no viewer."""
+    return importlib.import_module(f"warpffrf.output.{module}")
 
 
 def library_versions(names: tuple[str, ...]) -> dict[str, str]:

@@ -16,17 +16,19 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import surfaces
+from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import (
-    ContactGrid,
     ContactSurface,
     DisplaySurface,
     Interface,
     Recovery,
     ReducedBody,
 )
+from warpffrf.model.stress_field import StressField
+from warpffrf.model.tangential import Tangential
 
-SCHEMA = 1
+SCHEMA = 2
 MARK = "warpffrf reduced body"
 _COMPRESSED_FROM = 1 << 16  # bytes; below it a compressed chunk costs more than it saves
 _UNITS = {
@@ -54,6 +56,9 @@ def _flatten(body: ReducedBody) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     for name, interface in body.interfaces.items():
         arrays[f"interfaces/{name}/point"] = interface.point
         arrays[f"interfaces/{name}/modes"] = interface.modes
+        if interface.nodes is not None and interface.node_modes is not None:
+            arrays[f"interfaces/{name}/nodes"] = interface.nodes
+            arrays[f"interfaces/{name}/node_modes"] = interface.node_modes
         facts["interfaces"][name] = interface.kind
     for name, s in body.contact_surfaces.items():
         root = f"contact_surfaces/{name}"
@@ -61,19 +66,59 @@ def _flatten(body: ReducedBody) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
         arrays[f"{root}/grid/z"] = s.grid.z
         arrays[f"{root}/lags"] = s.lags
         arrays[f"{root}/mode_normal"] = s.mode_normal
-        arrays[f"{root}/recovery/transfer"] = s.recovery.transfer
-        arrays[f"{root}/recovery/axes"] = s.recovery.axes
         facts["contact_surfaces"][name] = {
             "shape": s.shape.describe(),
             "deviation": s.shape.deviation,
-            "theta_start": float(s.grid.theta_start),
-            "pitch": float(s.grid.pitch),
-            "columns": int(s.grid.columns),
-            "periodic": bool(s.grid.periodic),
-            "columns_per_sector": int(s.grid.columns_per_sector),
-            "recovery": [int(s.recovery.sectors), int(s.recovery.offset), int(s.recovery.stride)],
+            "recovery": _flatten_recovery(arrays, f"{root}/recovery", s.recovery),
+            **_grid_facts(s.grid),
         }
+        if (t := s.tangential) is not None:
+            arrays[f"{root}/tangential/lags_tt"] = t.lags_tt
+            arrays[f"{root}/tangential/lags_nt"] = t.lags_nt
+            arrays[f"{root}/tangential/mode_tangent"] = t.mode_tangent
+            recovery = _flatten_recovery(arrays, f"{root}/tangential/recovery", t.recovery)
+            facts["contact_surfaces"][name]["tangential"] = {**_grid_facts(t.grid), "recovery": recovery}
+    if body.stress:
+        facts["stress"] = {name: field.facts() for name, field in body.stress.items()}
+    for name, field in body.stress.items():
+        arrays.update({f"stress/{name}/{key}": array for key, array in field.arrays().items()})
     return arrays, facts
+
+
+def _grid_facts(grid: ContactGrid) -> dict[str, Any]:
+    return {
+        "theta_start": float(grid.theta_start),
+        "pitch": float(grid.pitch),
+        "columns": int(grid.columns),
+        "periodic": bool(grid.periodic),
+        "columns_per_sector": int(grid.columns_per_sector),
+        "kind": grid.kind,
+    }
+
+
+def _grid(arrays: dict[str, np.ndarray], root: str, f: dict[str, Any]) -> ContactGrid:
+    """The grid of `_grid_facts` on the lines of `root`; files of schema 1 hold hats and do not say so."""
+    return ContactGrid(
+        e_0=arrays[f"{root}/grid/e_0"],
+        theta_start=f["theta_start"],
+        pitch=f["pitch"],
+        columns=f["columns"],
+        periodic=f["periodic"],
+        z=arrays[f"{root}/grid/z"],
+        columns_per_sector=f["columns_per_sector"],
+        kind=f.get("kind", "hats"),
+    )
+
+
+def _flatten_recovery(arrays: dict[str, np.ndarray], root: str, recovery: Recovery) -> list[int]:
+    arrays[f"{root}/transfer"] = recovery.transfer
+    arrays[f"{root}/axes"] = recovery.axes
+    return [int(recovery.sectors), int(recovery.offset), int(recovery.stride)]
+
+
+def _recovery(arrays: dict[str, np.ndarray], root: str, numbers: list[int]) -> Recovery:
+    sectors, offset, stride = numbers
+    return Recovery(arrays[f"{root}/transfer"], sectors, arrays[f"{root}/axes"], offset, stride)
 
 
 def _restore(arrays: dict[str, np.ndarray], facts: dict[str, Any], report: dict, provenance: dict) -> ReducedBody:
@@ -82,33 +127,47 @@ def _restore(arrays: dict[str, np.ndarray], facts: dict[str, Any], report: dict,
         root = f"contact_surfaces/{name}"
         shape = surfaces.from_description(f["shape"])
         object.__setattr__(shape, "deviation", f["deviation"])
-        grid = ContactGrid(
-            e_0=arrays[f"{root}/grid/e_0"],
-            theta_start=f["theta_start"],
-            pitch=f["pitch"],
-            columns=f["columns"],
-            periodic=f["periodic"],
-            z=arrays[f"{root}/grid/z"],
-            columns_per_sector=f["columns_per_sector"],
-        )
-        sectors, offset, stride = f["recovery"]
-        recovery = Recovery(
-            arrays[f"{root}/recovery/transfer"], sectors, arrays[f"{root}/recovery/axes"], offset, stride
-        )
+        tangential = None
+        if (t := f.get("tangential")) is not None:
+            tangential = Tangential(
+                _grid(arrays, root, t),
+                arrays[f"{root}/tangential/lags_tt"],
+                arrays[f"{root}/tangential/lags_nt"],
+                arrays[f"{root}/tangential/mode_tangent"],
+                _recovery(arrays, f"{root}/tangential/recovery", t["recovery"]),
+            )
         contact[name] = ContactSurface(
-            name, shape, grid, arrays[f"{root}/lags"], arrays[f"{root}/mode_normal"], recovery
+            name,
+            shape,
+            _grid(arrays, root, f),
+            arrays[f"{root}/lags"],
+            arrays[f"{root}/mode_normal"],
+            _recovery(arrays, f"{root}/recovery", f["recovery"]),
+            tangential,
         )
+    stress = {}
+    for name, f in facts.get("stress", {}).items():
+        root = f"stress/{name}/"
+        own = {key.removeprefix(root): array for key, array in arrays.items() if key.startswith(root)}
+        stress[name] = StressField.restore(name, own, f, contact)
     return ReducedBody(
         mass=facts["mass"],
         center_of_mass=arrays["center_of_mass"],
         inertia=arrays["inertia"],
         frequencies=arrays["frequencies"],
         interfaces={
-            name: Interface(kind, arrays[f"interfaces/{name}/point"], arrays[f"interfaces/{name}/modes"])
+            name: Interface(
+                kind,
+                arrays[f"interfaces/{name}/point"],
+                arrays[f"interfaces/{name}/modes"],
+                arrays.get(f"interfaces/{name}/nodes"),
+                arrays.get(f"interfaces/{name}/node_modes"),
+            )
             for name, kind in facts["interfaces"].items()
         },
         contact_surfaces=contact,
         surface=DisplaySurface(arrays["surface/points"], arrays["surface/triangles"], arrays["surface/modes"]),
+        stress=stress,
         report=report,
         provenance=provenance,
     )

@@ -18,9 +18,10 @@ from typing import Any
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.reduced_body_file import SCHEMA
+from warpffrf.offline.checkpoint import SUFFIX
 
 logger = logging.getLogger("warpffrf.offline")
-METHOD = 3  # raised whenever the reduction gives other numbers for the same input
+METHOD = 4  # raised whenever the reduction gives other numbers for the same input
 VARIABLE = "WARPFFRF_CACHE"
 
 
@@ -41,6 +42,11 @@ def cache_key(settings: dict[str, Any]) -> str:
     """sha256 of the settings (plain data, mesh hash included), schema and method."""
     text = json.dumps({"settings": settings, "schema": SCHEMA, "method": METHOD}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
+
+
+def work_file(key: str) -> Path:
+    """Where the finished parts of an interrupted reduction are kept."""
+    return cache_folder() / f"{key}{SUFFIX}"
 
 
 def load_cached(key: str) -> ReducedBody | None:

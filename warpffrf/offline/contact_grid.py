@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from warpffrf.model.contact_grid import cell_edges
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.elements import facet_kind
 
@@ -31,6 +32,16 @@ class GridPlan:
     z: np.ndarray
     nodal: bool
 
+    def lines(self, kind: str) -> GridPlan:
+        """The lines at which functions of `kind` have kinks or jumps: the nodes' own, or those around the cells.
+
+        An arc of n columns has n + 1 lines around its cells, the outer two beyond its edges.
+        """
+        if kind == "hats":
+            return self
+        start, columns = self.theta_start - 0.5 * self.pitch, self.columns + (not self.periodic)
+        return GridPlan(start, self.pitch, columns, self.periodic, cell_edges(self.z), False)
+
 
 @dataclass(frozen=True)
 class Chart:
@@ -43,6 +54,18 @@ class Chart:
     def part(self, mask: np.ndarray) -> Chart:
         """The facets that `mask` (m,) keeps."""
         return Chart(self.theta[mask], self.z[mask], self.edge)
+
+    @staticmethod
+    def joined(charts: list[Chart]) -> Chart:
+        """Facets of several kinds as one chart; rows of fewer nodes repeat their last one."""
+        if len(charts) == 1:
+            return charts[0]
+        width = max(chart.theta.shape[1] for chart in charts)
+        theta, z = (
+            np.concatenate([np.pad(v, ((0, 0), (0, width - v.shape[1])), mode="edge") for v in values])
+            for values in ([c.theta for c in charts], [c.z for c in charts])
+        )
+        return Chart(theta, z, max(chart.edge for chart in charts))
 
 
 def facet_chart(points: np.ndarray, kind: str, nodes: np.ndarray, shape) -> Chart:

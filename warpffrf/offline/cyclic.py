@@ -1,185 +1,288 @@
 r"""The cyclic path: a rotationally periodic body, one harmonic after the other.
 
-Only the matrices of one sector are assembled. In each harmonic k = 0..N/2 the loads of one sector's hats are solved,
-the global modes of that harmonic are found and taken out, and the residual compliance `D_k = M_k^-1 C_k M_k^-1` and the
-display transfer are stored; since deflation happens within the harmonic, the result stays block-circulant and
+Only the matrices of one sector are assembled. In each harmonic k = 0..N/2 the responses to the loads of one sector's
+traction functions are found, the global modes of that harmonic are taken out, and the residual compliance
+`D_k = M_k^-1 C_k M_k^-1` and what the observers see are stored; since deflation happens within the harmonic, the result
+stays block-circulant and
 
     lags[l] = 1/N sum_k D_k e^{i k l phi}
 
 is an inverse FFT. A complex mode `u` of harmonic 0 < k < N/2 with `u^H M_k u = 1` stands for the two real modes
 `sqrt(2/N) Re, Im (u e^{i k s phi})`; one of k = 0 or N/2 for `u e^{i k s phi}/sqrt(N)`.
+
+The matrices are real in the coordinates of `waves` on most meshes, and a complex load is two real ones there. All loads
+of all fields act on few dofs (those of the surface's nodes): where the loads are more, unit loads on these dofs are
+solved instead, `G F = (G E) (E^T F)`, so that tangential fields cost few solves beyond the normal one.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import outer_faces, triangles
-from warpffrf.model.reduced_body import Recovery, sector_to_user
-from warpffrf.offline.assembly import rigid_modes
+from warpffrf.model.reduced_body import Interface, Recovery, sector_to_user
+from warpffrf.model.tangential import Tangential
+from warpffrf.offline.assembly import Sparse, rigid_modes
+from warpffrf.offline.cyclic_observers import CyclicObserver, ObservedModes, selected_dofs
 from warpffrf.offline.cyclic_surface import CyclicSurface, FacetPattern
-from warpffrf.offline.elastic import Array
-from warpffrf.offline.global_basis import attachment_modes, deflated, global_basis
+from warpffrf.offline.cyclic_vibrations import vibrations
+from warpffrf.offline.elastic import Array, ElasticModel
+from warpffrf.offline.global_basis import attachment_modes, global_basis
 from warpffrf.offline.harmonics import DIRECTIONS, AxialInterface, Harmonics
 from warpffrf.offline.independence import window_columns
-from warpffrf.offline.interfaces import RigidInterface
+from warpffrf.offline.interfaces import BodyInterface
 from warpffrf.offline.materials import Assignment
-from warpffrf.offline.modes import SAME_FREQUENCY, vibration_modes, whole_multiples
 from warpffrf.offline.products import Limits, PathProduct, SurfaceProduct, mass_properties
 from warpffrf.offline.progress import Progress
+from warpffrf.offline.quality import sampled_residual
 from warpffrf.offline.sector import Sector, assemble_sector, sector_axes
 
-LIMIT_GROWTH = 1.35  # factor by which the frequency limit grows until it holds the wanted number of modes
+SKIN = "skin"  # name of the observer of the display surface
+REAL_LOADS = 1e-12  # imaginary part of loads, relative to the largest, that is round-off of the wave's phases
 
 
 @dataclass
 class HarmonicModes:
-    """Global modes of one harmonic: omega (p,), sector displacement (3 nn, p), interface amplitudes (2 i, p), and on
-    each contact surface the hat coefficients of the normal displacement (hats, p)."""
+    """Global modes of one harmonic: omega (p,), sector displacement (3 nn, p), interface amplitudes (2 i, p), on each
+    contact surface the coefficients of the displacement in each field (count, p), and the observers' values
+    (rows, p)."""
 
     k: int
     omega: Array
     shape: Array
     interface: Array
-    normal: list[Array]
+    fields: list[list[Array]]
+    observed: list[Array]
+
+
+def axes_of(mesh: Mesh) -> Array:
+    """Axes (3, 3) of sector 0 of a periodic mesh, in columns: towards its first node, beside it, along the axis."""
+    cyclic = mesh.cyclic
+    if cyclic is None:
+        raise ValueError("axes_of needs a periodic mesh")
+    axis = cyclic.axis_direction
+    first = mesh.points[0] - cyclic.axis_point
+    toward = first if np.linalg.norm(np.cross(first, axis)) > 0.0 else np.eye(3)[int(np.argmin(np.abs(axis)))]
+    return sector_axes(axis, toward)
 
 
 def reduce_cyclic(
     mesh: Mesh,
     assignment: Assignment,
-    interfaces: list[RigidInterface],
+    interfaces: Sequence[BodyInterface],
     surfaces: list[tuple[str, object, FacetPattern]],
     limits: Limits,
-    spacing: float | None,
+    spacing: Mapping[str, float | None],
     progress: Progress,
+    *,
+    traction: str = "hats",
+    tangential: str | None = None,
+    observers: Sequence[CyclicObserver] = (),
 ) -> PathProduct:
-    """Reduce a periodic mesh; `surfaces` are name, resolved shape and facet pattern. See the module docstring."""
-    cyclic = mesh.cyclic
-    if cyclic is None:
-        raise ValueError("reduce_cyclic needs a periodic mesh")
-    axis = cyclic.axis_direction
-    first = mesh.points[0] - cyclic.axis_point
-    toward = first if np.linalg.norm(np.cross(first, axis)) > 0.0 else np.eye(3)[int(np.argmin(np.abs(axis)))]
-    sector = assemble_sector(mesh, assignment, sector_axes(axis, toward))
-    N, nn = sector.count, sector.nodes
-    on_axis = [AxialInterface(i.nodes[i.nodes < nn], float((i.point - sector.origin) @ axis)) for i in interfaces]
-    harmonics = Harmonics(sector, on_axis)
-    contacts = [CyclicSurface(mesh, sector, name, shape, pattern, spacing) for name, shape, pattern in surfaces]
-    skin, skin_triangles = _skin(mesh, nn)
-    skin_dofs = (3 * skin[:, None] + np.arange(3)).ravel()
+    """Reduce a periodic mesh: rigid `interfaces` on its axis, `surfaces` with resolved shape and facet pattern.
+    See the module docstring.
 
-    vibrations, facts = _vibrations(harmonics, limits, progress)
-    count = N // 2 + 1
-    D = [np.zeros((count, s.hats, s.hats), dtype=complex) for s in contacts]
-    C = [np.zeros((count, s.hats, s.hats), dtype=complex) for s in contacts]
-    whole = [np.zeros_like(c) for c in C]  # compliance with the global modes' part
-    transfer = [np.zeros((count, len(skin_dofs), s.hats), dtype=np.complex64) for s in contacts]
-    found: list[HarmonicModes] = []
+    `spacing` of the contact grid by surface [m] (None: the mesh's own); `traction`, `tangential`: kind of the functions
+    of normal and of tangential tractions ("hats", "cells"; None: no tangential ones). `observers` are looked at besides
+    the display skin.
+    """
+    with progress.stage("sector"):
+        sector = assemble_sector(mesh, assignment, axes_of(mesh))
+        N, nn = sector.count, sector.nodes
+        heights = [float((i.point - sector.origin) @ sector.axes[:, 2]) for i in interfaces]
+        on_axis = [AxialInterface(i.nodes[i.nodes < nn], h) for i, h in zip(interfaces, heights, strict=True)]
+        contacts = [
+            CyclicSurface(mesh, sector, name, shape, pattern, spacing.get(name), traction, tangential)
+            for name, shape, pattern in surfaces
+        ]
+        loaded = [field.loaded_nodes() for s in contacts for field in s.fields]
+        harmonics = Harmonics(sector, on_axis, np.unique(np.concatenate(loaded)) if loaded else None)
+        skin, skin_triangles = _skin(mesh, nn)
+        skin_dofs = (3 * skin[:, None] + np.arange(3)).ravel()
+    looking = [selected_dofs(SKIN, skin_dofs, 3 * nn), *observers]
+
+    found, facts = vibrations(harmonics, limits, progress)
+    results = [_SurfaceResults(s, [o.rows for o in looking]) for s in contacts]
+    modes_of: list[HarmonicModes] = []
     dropped = 0
-    for k in progress.track(range(count), "static responses"):
-        omega, Phi, cut = np.zeros(0), np.zeros((0, 0)), 0
-        T = harmonics.constraint(k)
-        TH = T.conj().T
-        loads = [s.load(k) for s in contacts]
-        if k < 2 or k in vibrations:
-            model = harmonics.model(k)
-            flexibility = model.flexibility
-            V = vibrations.get(k, np.zeros((model.size, 0)))
+    worst: list[float] = []
+    for k in progress.track(range(N // 2 + 1), "static responses"):
+        omega, Phi = np.zeros(0), np.zeros((0, 0))
+        Q = harmonics.waves.basis(k)
+        T = sp.csr_matrix(Q @ harmonics.constraint(k))  # sector displacement from the coordinates of this harmonic
+        if k < 2 or k in found:
+            model, V = found.pop(k, None) or (harmonics.model(k), None)
+            flexibility = _of_complex(model)
+            V = np.zeros((model.size, 0)) if V is None else V
             omega, Phi, cut = global_basis(model, V, attachment_modes(model, harmonics.interface_loads(k)))
             dropped += cut
         else:
-            flexibility = harmonics.solver(k)
+            flexibility = harmonics.factor(k).solve
+        B = [[field.load(k) for field in s.fields] for s in contacts]
+        F = [[sp.csr_matrix(T.conj().T @ b) for b in of_surface] for of_surface in B]
+        if k < 2 or k == N // 2:
+            tested = model if k < 2 else harmonics.model(k)
+            worst += [sampled_residual(tested, f, _of_complex(tested)) for of_surface in F for f in of_surface]
+        views = [sp.csr_matrix(o.harmonic(k, N) @ T) for o in looking]
         if len(omega):
             shape = T @ Phi
-            normal = [s.without_gram(k, B.conj().T @ shape) for s, B in zip(contacts, loads, strict=True)]
-            found.append(HarmonicModes(k, omega, shape, Phi[len(harmonics.free) :], normal))
-        for i, s in enumerate(contacts):
-            F = TH @ loads[i]
-            response = flexibility(F)
-            whole[i][k] = F.conj().T @ response
-            if len(omega):
-                response, C[i][k] = deflated(response, F, omega, Phi)
-            else:
-                C[i][k] = whole[i][k]
-            D[i][k] = s.without_gram(k, s.without_gram(k, C[i][k]).conj().T)
-            skin_response = (T @ response)[skin_dofs]
-            transfer[i][k] = s.without_gram(k, skin_response.conj().T).conj().T
+            coefficients = [
+                [field.without_gram(k, b.conj().T @ shape) for field, b in zip(s.fields, of_surface, strict=True)]
+                for s, of_surface in zip(contacts, B, strict=True)
+            ]
+            observed = [view @ Phi for view in views]
+            modes_of.append(HarmonicModes(k, omega, shape, harmonics.interface_motion(k, Phi), coefficients, observed))
+        for result, loads in zip(results, F, strict=True):
+            result.add(k, loads, views, flexibility, omega, Phi)
 
-    modes = _RealModes(N, found)
+    modes = _RealModes(N, modes_of)
     facts.update(
         modes.facts(),
         dependent_directions_dropped=dropped,
         sectors=N,
         nodes_per_sector=nn,
-        half_bandwidth=harmonics._width,
+        harmonics="real" if harmonics.waves.mirrored else "complex",
+        worst_load_residual=max(worst, default=None),
+        widest_block=harmonics.pattern.widest,
     )
-    products = []
-    for i, s in enumerate(contacts):
-        lags = np.fft.irfft(D[i], n=N, axis=0)[:: s.stride]
-        windows = [_window(np.fft.irfft(c[i], n=N, axis=0)[:: s.stride], s) for c in (whole, C)]
-        recovery = Recovery(transfer[i], N, sector.axes, s.offset, s.stride)
-        normal = modes.combine([s.sampled(m.k, m.normal[i]) for m in found])
-        products.append(SurfaceProduct(s.grid, np.ascontiguousarray(lags), normal, recovery, *windows))
-
     mass, center, inertia = mass_properties(_rigid_mass(sector), sector.origin)
     return PathProduct(
         mass=mass,
         center=center,
         inertia=inertia,
         omega=modes.omega,
-        interface_modes=[modes.interface_motion(j, sector.axes) for j in range(len(interfaces))],
-        surfaces=products,
+        interfaces={
+            i.name: Interface(i.kind, i.point, modes.interface_motion(j, sector.axes)) for j, i in enumerate(interfaces)
+        },
+        surfaces=[
+            result.product(N, sector.axes, [o.name for o in observers], modes, [h.fields[i] for h in modes_of])
+            for i, result in enumerate(results)
+        ],
         skin_points=mesh.points.reshape(N, nn, 3)[:, skin].reshape(-1, 3),
         skin_triangles=skin_triangles,
         skin_modes=modes.skin(skin_dofs, sector.axes),
         facts=facts,
+        observed_modes={
+            o.name: ObservedModes([(h.k, h.observed[i]) for h in modes_of], o.rows, modes.combine)
+            for i, o in enumerate(looking[1:], start=1)
+        },
     )
 
 
-def _vibrations(harmonics: Harmonics, limits: Limits, progress: Progress) -> tuple[dict[int, Array], dict]:
-    """Vibration modes by harmonic: {k: V (n_k, p)}, whole pairs only, and what was rounded."""
-    if limits.none:
-        return {}, {}
-    last = harmonics.count // 2
-    if limits.omega_max is not None:
-        found = _modes_up_to(harmonics, limits.omega_max, progress)
-    else:
-        # a limit that holds at least one mode, then larger ones until it holds enough (or nothing is added any more)
-        lowest = [vibration_modes(harmonics.model(k), count=1)[0] for k in range(min(3, last + 1))]
-        limit, found, before = LIMIT_GROWTH * min(float(w[0]) for w in lowest if len(w)), {}, -1
-        total = sum(harmonics.multiplicity(k) * harmonics.model(k).size for k in range(last + 1))
-        while _number(harmonics, found) < min(limits.count or 0, total) and before < total:
-            found = _modes_up_to(harmonics, limit, progress)
-            limit *= LIMIT_GROWTH
-            before = _number(harmonics, found)
-            if before >= total - 6:
-                break
-    facts: dict = {}
-    if limits.count is not None:
-        omega = np.sort(np.concatenate([np.repeat(w, harmonics.multiplicity(k)) for k, (w, _) in found.items()]))
-        kept = whole_multiples(omega, limits.count)
-        if kept > limits.count:
-            facts["notes"] = [f"modes={limits.count} would split a pair of equal frequencies: {kept} are kept"]
-        cut = omega[kept - 1] * (1.0 + SAME_FREQUENCY) if kept else 0.0
-        found = {k: (w[w <= cut], V[:, w <= cut]) for k, (w, V) in found.items()}
-    return {k: V for k, (w, V) in found.items() if len(w)}, facts
+class _SurfaceResults:
+    """Operators of one contact surface as they come, harmonic by harmonic."""
+
+    def __init__(self, surface: CyclicSurface, rows: list[int]) -> None:
+        self.surface = surface
+        harmonics = surface.N // 2 + 1
+        counts = [field.count for field in surface.fields]
+        # residual compliance [field][field], of the first field also that with the global modes' part
+        self.C = {
+            (a, b): np.zeros((harmonics, counts[a], counts[b]), dtype=complex)
+            for a in range(len(counts))
+            for b in range(a, len(counts))
+        }
+        self.whole = np.zeros_like(self.C[0, 0])
+        self.transfer = [[np.zeros((harmonics, r, n), dtype=np.complex64) for n in counts] for r in rows]
+
+    def add(self, k: int, loads: list[Sparse], views: list[Sparse], flexibility, omega: Array, Phi: Array) -> None:
+        """Harmonic k: sparse `loads` (n, count) of each field, operators `views` (rows, n) of the observers."""
+        touched = np.flatnonzero(sum(np.diff(load.indptr) for load in loads))
+        phases = [field.phases(k) for field in self.surface.fields]
+        units = np.concatenate([(f @ sp.diags(p)).toarray() for f, p in zip(loads, phases, strict=True)], axis=1)
+        if np.abs(np.imag(units)).max(initial=0.0) <= REAL_LOADS * np.abs(np.real(units)).max(initial=0.0):
+            units = np.real(units)
+        direct = units.shape[1] * (2 if np.iscomplexobj(units) else 1) <= len(touched)
+        if direct:
+            parts = [np.eye(len(units[0]))[:, c] * p.conj() for c, p in zip(_columns(loads), phases, strict=True)]
+        else:
+            units = np.zeros((len(units), len(touched)))
+            units[touched, np.arange(len(touched))] = 1.0
+            parts = [load[touched].toarray() for load in loads]
+        response = flexibility(units)
+        G = units.conj().T @ response if direct else response[touched]
+        seen = [view @ response for view in views]
+        on_modes = [load.conj().T @ Phi / omega for load in loads] if len(omega) else []
+        view_modes = [(view @ Phi) / omega for view in views] if len(omega) else []
+        for (a, b), C in self.C.items():
+            C[k] = parts[a].conj().T @ G @ parts[b]
+            if (a, b) == (0, 0):
+                self.whole[k] = C[k]
+            if len(omega):
+                C[k] -= on_modes[a] @ on_modes[b].conj().T
+            if a == b:
+                C[k] = 0.5 * (C[k] + C[k].conj().T)
+        for number, y in enumerate(seen):
+            for a, field in enumerate(self.surface.fields):
+                values = y @ parts[a]
+                if len(omega):
+                    values = values - view_modes[number] @ on_modes[a].conj().T
+                self.transfer[number][a][k] = field.without_gram(k, values.conj().T).conj().T
+
+    def product(
+        self, N: int, axes: Array, names: list[str], modes: _RealModes, coefficients: list[list[Array]]
+    ) -> SurfaceProduct:
+        """The finished operators; `coefficients` of each harmonic's modes in each field."""
+        s = self.surface
+        recoveries = [[Recovery(t, N, axes, s.offset, s.stride) for t in of_fields] for of_fields in self.transfer]
+        sampled = [
+            ObservedModes(
+                [(h.k, c[a]) for h, c in zip(modes.found, coefficients, strict=True)], f.count, modes.combine
+            ).real(f.sampled)
+            for a, f in enumerate(s.fields)
+        ]
+        tangential = None
+        if s.tangential is not None:
+            tangential = Tangential(
+                s.tangential.grid(),
+                self._lags(1, 1),
+                self._lags(0, 1),
+                sampled[1].reshape(2, len(sampled[1]) // 2, -1),
+                recoveries[0][1],
+            )
+        windows = (_window(np.fft.irfft(c, n=N, axis=0)[:: s.stride], s) for c in (self.whole, self.C[0, 0]))
+        return SurfaceProduct(
+            s.normal.grid(),
+            self._lags(0, 0),
+            sampled[0],
+            recoveries[0][0],
+            *windows,
+            tangential=tangential,
+            observed={name: r[0] for name, r in zip(names, recoveries[1:], strict=True)},
+            observed_tangential={name: r[1] for name, r in zip(names, recoveries[1:], strict=True) if len(r) > 1},
+            first_column=s.first,
+            whole_columns=s.plan.columns // s.stride,
+        )
+
+    def _lags(self, a: int, b: int) -> Array:
+        """Blocks of D between fields a and b, by distance in sectors."""
+        s = self.surface
+        D = np.empty_like(self.C[a, b])
+        for k, C in enumerate(self.C[a, b]):
+            half = s.fields[a].without_gram(k, C)
+            D[k] = s.fields[b].without_gram(k, half.conj().T).conj().T
+        return np.ascontiguousarray(np.fft.irfft(D, n=s.N, axis=0)[:: s.stride])
 
 
-def _number(harmonics: Harmonics, found: dict[int, tuple[Array, Array]]) -> int:
-    return sum(harmonics.multiplicity(k) * len(w) for k, (w, _) in found.items())
+def _columns(loads: list[Sparse]) -> list[slice]:
+    stops = np.cumsum([load.shape[1] for load in loads])
+    return [slice(int(stop) - load.shape[1], int(stop)) for stop, load in zip(stops, loads, strict=True)]
 
 
-def _modes_up_to(harmonics: Harmonics, omega: float, progress: Progress) -> dict[int, tuple[Array, Array]]:
-    found = {}
-    for k in progress.track(range(harmonics.count // 2 + 1), "vibration modes"):
-        if k < 2 or harmonics.has_modes(k, omega):
-            w, V = vibration_modes(harmonics.model(k), omega_max=omega)
-            if len(w):
-                found[k] = (w, V)
-    return found
+def _of_complex(model: ElasticModel):
+    """The flexibility of `model`, of complex loads too where its matrices are real."""
+
+    def flexibility(F: Array) -> Array:
+        if np.iscomplexobj(F) and not np.iscomplexobj(model.K.data):
+            return model.flexibility(np.real(F)) + 1j * model.flexibility(np.imag(F))
+        return model.flexibility(F)
+
+    return flexibility
 
 
 class _RealModes:
@@ -245,10 +348,11 @@ class _RealModes:
 
 def _window(lags: Array, s: CyclicSurface) -> Array:
     """C of the first columns, all rows."""
-    j = np.arange(window_columns(s.grid.columns, s.rows))
+    rows = s.normal.rows
+    j = np.arange(window_columns(s.normal.columns, rows))
     lag = (j[:, None] // s.c - j[None, :] // s.c) % len(lags)
-    blocks = lags.reshape(len(lags), s.c, s.rows, s.c, s.rows)[lag, (j % s.c)[:, None], :, (j % s.c)[None, :], :]
-    return blocks.transpose(0, 2, 1, 3).reshape(len(j) * s.rows, -1)
+    blocks = lags.reshape(len(lags), s.c, rows, s.c, rows)[lag, (j % s.c)[:, None], :, (j % s.c)[None, :], :]
+    return blocks.transpose(0, 2, 1, 3).reshape(len(j) * rows, -1)
 
 
 def _rigid_mass(sector: Sector) -> Array:

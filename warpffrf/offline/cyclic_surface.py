@@ -1,45 +1,48 @@
 r"""A contact surface of a rotationally periodic body: grid, loads per harmonic, Gram matrix per harmonic.
 
-Hats of sector o load the nodes of sector 0 by `B_o` (in that sector's axes); a wave of hat coefficients
-`s_o = s e^{i k o phi}` loads it by `B_k s`, `B_k = sum_o B_o e^{i k o phi}`, and `B_k^H u` are the conjugate
-displacements. A grid coarser than the sectors, one column in q of them, has hats that are sums of fine ones with
-weights `w_a = 1 - |a|/q`; stuffed with zeros it is a periodic signal on the fine columns, so `B_k` is multiplied by
-`w_k = sum_a w_a e^{i k a phi}` and results are read at every q-th column: everything stays one harmonic at a time.
+Functions (hats or cells) of sector o load the nodes of sector 0 by `B_o` (in that sector's axes); a wave of
+coefficients `s_o = s e^{i k o phi}` loads it by `B_k s`, `B_k = sum_o B_o e^{i k o phi}`, and `B_k^H u` are the
+conjugate displacements. A grid coarser than the sectors, one column in q of them, has functions that are sums of fine
+ones with weights w_a: hats `1 - |a|/q`, cells 1 for -q/2 <= a < q/2 (cells around the fine columns for odd q, between
+them for even q: the sum is centred). Stuffed with zeros it is a periodic signal on the fine columns, so `B_k` is
+multiplied by `w_k = sum_a w_a e^{-i k a phi}` and results are read at every q-th column: everything stays one harmonic
+at a time.
 
-A facet set on an arc uses the operators of the full turn, of which it is a part: its hats keep their whole support, and
-D and the projection of displacements are those of the full turn restricted to the hats of the arc.
+A facet set on an arc uses the operators of the full turn, of which it is a part: its functions keep their whole
+support, and D and the projection of displacements are those of the full turn restricted to the columns of the arc.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.sparse as sp
 
+from warpffrf.model.contact_grid import ContactGrid, meridian_gram, require_kind
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
-from warpffrf.model.reduced_body import ContactGrid, axial_gram
+from warpffrf.offline.assembly import Sparse
 from warpffrf.offline.contact_grid import (
     FEWEST_COLUMNS,
     ROUND_SPACING,
     SAME_PLACE,
     GridPlan,
-    facet_chart,
     nodal_plan,
     thinned_rows,
 )
-from warpffrf.offline.hat_loads import HatLoads, hat_loads
 from warpffrf.offline.sector import Sector, phase, turned
+from warpffrf.offline.traction_fields import NODAL_KINDS, NORMAL, TANGENTIAL, ContactFacets
 
 Array = np.ndarray
 
 
 @dataclass(frozen=True)
 class FacetPattern:
-    """Facets of one sector `nodes` (u, k) (numbers below 2 nn), and the run of sectors that carry them."""
+    """Facets of one sector, `nodes` {kind: (u, k)} (numbers below 2 nn), and the run of sectors that carry them."""
 
-    nodes: np.ndarray
+    nodes: dict[str, np.ndarray]
     first: int
     count: int
 
@@ -50,90 +53,97 @@ def facet_pattern(mesh: Mesh, name: str) -> FacetPattern | str:
         return "the mesh is not marked as rotationally periodic"
     N, n = mesh.cyclic.sectors, len(mesh.points)
     nn = n // N
-    if len(mesh.facets(name).blocks) > 1:
-        return f"facet set {name!r} holds facets of several kinds"
-    nodes = mesh.facets(name).single[1]
-    sector = nodes // nn
-    low, high = sector.min(axis=1), sector.max(axis=1)
-    own = np.where((low == 0) & (high == N - 1), N - 1, low)
-    local = (nodes - nn * own[:, None]) % n
-    if local.max() >= 2 * nn:
-        return f"facets of {name!r} reach over more than two sectors"
-    unique, kind = np.unique(local, axis=0, return_inverse=True)
-    present = np.unique(own)
-    if len(nodes) != len(present) * len(unique) or len(np.unique(own * len(unique) + kind.ravel())) != len(nodes):
+    patterns, carriers = {}, []
+    for kind, nodes in mesh.facets(name).blocks.items():
+        sector = nodes // nn
+        low, high = sector.min(axis=1), sector.max(axis=1)
+        own = np.where((low == 0) & (high == N - 1), N - 1, low)
+        local = (nodes - nn * own[:, None]) % n
+        if local.max() >= 2 * nn:
+            return f"facets of {name!r} reach over more than two sectors"
+        unique, which = np.unique(local, axis=0, return_inverse=True)
+        present = np.unique(own)
+        if len(nodes) != len(present) * len(unique) or len(np.unique(own * len(unique) + which.ravel())) != len(nodes):
+            return f"facet set {name!r} differs from sector to sector"
+        patterns[kind] = unique
+        carriers.append(present)
+    present = carriers[0]
+    if any(not np.array_equal(present, other) for other in carriers):
         return f"facet set {name!r} differs from sector to sector"
     breaks = np.flatnonzero((present + 1) % N != np.roll(present, -1))
     if len(breaks) > 1:
         return f"facet set {name!r} covers more than one run of sectors"
     first = 0 if len(present) == N else int(present[(breaks[0] + 1) % len(present)])
-    return FacetPattern(unique, first, len(present))
+    return FacetPattern(patterns, first, len(present))
 
 
 class CyclicSurface:
-    """Grid, loads and Gram matrix of one contact surface, harmonic by harmonic."""
+    """Grid and traction fields of one contact surface: `normal`, and `tangential` (None where not wanted)."""
 
-    def __init__(self, mesh: Mesh, sector: Sector, name: str, shape, pattern: FacetPattern, spacing: float | None):
-        self.name, self.shape = name, shape
-        self.N, nn = sector.count, sector.nodes
-        kind = mesh.facets(name).single[0]
-        corners = facet_kind(kind).corner_count
-        chart = facet_chart(mesh.points, kind, pattern.nodes, shape)
-        shift = nn * np.arange(self.N)[:, None, None]
-        whole = (pattern.nodes[None] + shift).reshape(-1, pattern.nodes.shape[1]) % len(mesh.points)
-        whole_chart = facet_chart(mesh.points, kind, whole, shape)
-        first = float(chart.theta.min())
-        self.edge = chart.edge
-        pitch = 2.0 * np.pi / self.N
-        arc = pitch * float(np.max(shape.radius_at(chart.z)))
-        self.stride, plan = 1, None
-        if spacing is None:
-            plan = nodal_plan(whole_chart, name, first)
-            if plan is not None and plan.columns % self.N:
-                plan = None
-            spacing = chart.edge
-        if plan is None:
-            per_sector = int(arc / spacing * (1.0 + ROUND_SPACING))
-            if per_sector < 1:
-                reach = spacing * (1.0 + SAME_PLACE)
-                strides = range(2, self.N // FEWEST_COLUMNS + 1)
-                self.stride = max([q for q in strides if not self.N % q and q * arc <= reach], default=1)
-            rows = thinned_rows(chart.z[:, :corners], spacing)
-            columns = self.N * max(per_sector, 1)
-            plan = GridPlan(first, 2.0 * np.pi / columns, columns, True, rows, False)
-        self.c = plan.columns // self.N
-        self.rows = len(plan.z)
-        self.z = plan.z
-        self.gram_z = axial_gram(shape, plan.z)
-        self.pitch = plan.pitch * self.stride
-        self._B = self._loads(hat_loads(kind, pattern.nodes, chart, shape, plan), sector, nn)
-        self.grid, self.offset = self._grid(plan, pattern)
+    def __init__(
+        self,
+        mesh: Mesh,
+        sector: Sector,
+        name: str,
+        shape,
+        pattern: FacetPattern,
+        spacing: float | None,
+        traction: str = "hats",
+        tangential: str | None = None,
+    ) -> None:
+        self.name, self.shape, self.N = name, shape, sector.count
+        facets = ContactFacets.of(mesh.points, pattern.nodes, shape)
+        self.edge = facets.chart.edge
+        self.stride, self.plan = self._plan(mesh, facets, pattern, spacing)
+        self.c = self.plan.columns // self.N
+        self.first, self.columns, self.periodic = self._extent(pattern)
+        self.normal = CyclicField(self, facets, sector, traction, NORMAL)
+        self.tangential = None if tangential is None else CyclicField(self, facets, sector, tangential, TANGENTIAL)
 
     @property
-    def hats(self) -> int:
-        """Hats of one sector."""
-        return self.c * self.rows
+    def fields(self) -> list[CyclicField]:
+        """The fields that there are."""
+        return [self.normal] if self.tangential is None else [self.normal, self.tangential]
 
-    def _loads(self, loads: HatLoads, sector: Sector, nn: int) -> dict[int, Array]:
-        of_node, node = loads.node // nn, loads.node % nn
-        of_hat, part = loads.column // self.c, loads.column % self.c
-        B: dict[int, Array] = {}
-        for s in (0, 1):
-            axes = np.stack([turned(a[None], sector.axes, s * sector.phi)[0] for a in sector.axes.T], axis=1)
-            for o in np.unique(of_hat[of_node == s]):
-                here = (of_node == s) & (of_hat == o)
-                block = B.setdefault(int(o) - s, np.zeros((nn, 3, self.hats)))
-                hat = part[here] * self.rows + loads.row[here]
-                for d in range(3):
-                    np.add.at(block[:, d], (node[here], hat), loads.value[here] @ axes[:, d])
-        return {o: block.reshape(3 * nn, self.hats) for o, block in B.items()}
+    @property
+    def offset(self) -> int:
+        """Fine column of column 0 of the grid."""
+        return self.first * self.stride
 
-    def _grid(self, plan: GridPlan, pattern: FacetPattern) -> tuple[ContactGrid, int]:
-        q, c, N = self.stride, self.c, self.N
-        full = pattern.count == N
-        if full:
-            first, columns = 0, plan.columns // q
-        elif q > 1:
+    def _plan(self, mesh: Mesh, facets: ContactFacets, pattern: FacetPattern, spacing: float | None):
+        """Distance between columns in sectors (1 where a sector has columns), and the plan of the fine columns."""
+        chart = facets.chart
+        first = float(chart.theta.min())
+        if spacing is None:
+            if len(pattern.nodes) == 1 and next(iter(pattern.nodes)) in NODAL_KINDS:
+                plan = nodal_plan(self._whole(mesh, pattern).chart, self.name, first)
+                if plan is not None and plan.columns % self.N == 0:
+                    return 1, plan
+            spacing = chart.edge
+        arc = 2.0 * np.pi / self.N * float(np.max(self.shape.radius_at(chart.z)))
+        per_sector, stride = int(arc / spacing * (1.0 + ROUND_SPACING)), 1
+        if per_sector < 1:
+            reach = spacing * (1.0 + SAME_PLACE)
+            strides = range(2, self.N // FEWEST_COLUMNS + 1)
+            stride = max([q for q in strides if not self.N % q and q * arc <= reach], default=1)
+        corners = [c.z[:, : facet_kind(kind).corner_count].ravel() for kind, _, c in facets.blocks]
+        columns = self.N * max(per_sector, 1)
+        rows = thinned_rows(np.concatenate(corners), spacing)
+        return stride, GridPlan(first, 2.0 * np.pi / columns, columns, True, rows, False)
+
+    def _whole(self, mesh: Mesh, pattern: FacetPattern) -> ContactFacets:
+        """The facets of the full turn."""
+        n = len(mesh.points)
+        shift = n // self.N * np.arange(self.N)[:, None, None]
+        whole = {kind: (nodes[None] + shift).reshape(-1, nodes.shape[1]) % n for kind, nodes in pattern.nodes.items()}
+        return ContactFacets.of(mesh.points, whole, self.shape)
+
+    def _extent(self, pattern: FacetPattern) -> tuple[int, int, bool]:
+        """First column of the grid, number of columns of hats, full turn or not."""
+        q, c = self.stride, self.c
+        if pattern.count == self.N:
+            return 0, self.plan.columns // q, True
+        if q > 1:
             first = -(-pattern.first // q) + 1
             columns = (pattern.first + pattern.count) // q - first
         else:
@@ -143,30 +153,100 @@ class CyclicSurface:
                 f"contact {self.name!r}: the facets span {pattern.count} sectors, too short for one hat; "
                 "choose a longer arc or a smaller traction_spacing"
             )
-        e_0 = np.asarray(self.shape.e_0, dtype=float)
-        start = plan.theta_start + first * self.pitch
-        return ContactGrid(e_0, start, self.pitch, columns, full, self.z, c), first * q
+        return first, columns, False
 
-    def load(self, k: int) -> Array:
-        """B_k (3 nn, hats)."""
+
+class CyclicField:
+    """Functions of one kind in one or two directions: loads and Gram matrix of every harmonic.
+
+    Functions of a sector are numbered by direction, column, row.
+    """
+
+    def __init__(
+        self, surface: CyclicSurface, facets: ContactFacets, sector: Sector, kind: str, directions: tuple[str, ...]
+    ) -> None:
+        self.surface, self.kind, self.directions = surface, require_kind(kind), directions
+        self.c, self.N, self.stride = surface.c, surface.N, surface.stride
+        plan = surface.plan
+        self._axes = sector.axes
+        self.rows, self.columns = len(plan.z), surface.columns
+        self.pitch = plan.pitch * self.stride
+        self._gram_z = meridian_gram(kind, surface.shape, plan.z)
+        self._B: dict[int, Sparse] = {}
+        if kind == "cells" and self.stride % 2 == 0:
+            plan = replace(plan, theta_start=plan.theta_start + 0.5 * plan.pitch)
+        for number, direction in enumerate(directions):
+            self._add_loads(facets.loads(plan, kind, direction), sector, number)
+
+    @property
+    def count(self) -> int:
+        """Functions of one sector, all directions."""
+        return len(self.directions) * self.c * self.rows
+
+    def grid(self) -> ContactGrid:
+        """The grid of the field as the reduced body keeps it."""
+        s = self.surface
+        start = s.plan.theta_start + s.first * self.pitch
+        e_0 = np.asarray(s.shape.e_0, dtype=float)
+        return ContactGrid(e_0, start, self.pitch, self.columns, s.periodic, s.plan.z, self.c, self.kind)
+
+    def _add_loads(self, loads, sector: Sector, number: int) -> None:
+        nn = sector.nodes
+        of_node, node = loads.node // nn, loads.node % nn
+        of_hat, part = loads.column // self.c, loads.column % self.c
+        for s in (0, 1):
+            axes = np.stack([turned(a[None], sector.axes, s * sector.phi)[0] for a in sector.axes.T], axis=1)
+            for o in np.unique(of_hat[of_node == s]):
+                here = (of_node == s) & (of_hat == o)
+                function = (number * self.c + part[here]) * self.rows + loads.row[here]
+                dofs = (3 * node[here][:, None] + np.arange(3)).ravel()
+                entries = ((loads.value[here] @ axes).ravel(), (dofs, np.repeat(function, 3)))
+                block = sp.csr_matrix(entries, shape=(3 * nn, self.count))
+                at = int(o) - s
+                self._B[at] = block if at not in self._B else self._B[at] + block
+
+    def loaded_nodes(self) -> Array:
+        """Nodes of the sector with loads."""
+        return np.unique(np.concatenate([np.flatnonzero(np.diff(block.indptr)) // 3 for block in self._B.values()]))
+
+    def load(self, k: int) -> Sparse:
+        """B_k (3 nn, count), csr."""
         total = sum(phase(k * o, self.N) * block for o, block in self._B.items())
         q = self.stride
+        if q == 1:
+            return sp.csr_matrix(total)
+        if self.kind == "cells":
+            return sp.csr_matrix(total * sum(phase(-k * a, self.N) for a in range(-(q // 2), q - q // 2)))
         weight = sum((1.0 - abs(a) / q) * np.cos(2.0 * np.pi * k * a / self.N) for a in range(1 - q, q))
-        return np.asarray(total) * weight
+        return sp.csr_matrix(total * weight)
+
+    def phases(self, k: int) -> Array:
+        """Unit factors p (count,): loads `Q_k^H B_k diag(p)` of hats on node planes are real in the coordinates of
+        `waves`."""
+        plan, shape = self.surface.plan, self.surface.shape
+        around = np.cross(shape.e_a, shape.e_0)
+        start = (np.cos(plan.theta_start) * shape.e_0 + np.sin(plan.theta_start) * around) @ self._axes
+        angle = np.arctan2(start[1], start[0]) + plan.pitch * np.arange(self.c)
+        turned_by = np.array([1.0j if direction == "theta" else 1.0 for direction in self.directions])
+        wave = turned_by[:, None] * np.exp(1j * k * angle)
+        return np.repeat(wave.ravel(), self.rows)
 
     def without_gram(self, k: int, values: Array) -> Array:
-        """M_k^-1 `values` (hats, m), M_k the Gram matrix of the hats in harmonic k."""
-        c, rows = self.c, self.rows
+        """M_k^-1 `values` (count, m), M_k the Gram matrix in harmonic k."""
+        c, rows, directions = self.c, self.rows, len(self.directions)
+        parts = values.reshape(directions, c, rows, -1)
+        if self.kind == "cells":
+            return (parts / (self.pitch * np.diag(self._gram_z))[:, None]).reshape(values.shape)
         M = np.zeros((c, c), dtype=complex)
         for a in range(c):
             for d, entry in ((-1, 1.0 / 6.0), (0, 2.0 / 3.0), (1, 1.0 / 6.0)):
                 M[a, (a + d) % c] += self.pitch * entry * phase(self.stride * k * ((a + d) // c), self.N)
-        around = np.linalg.solve(M, values.reshape(c, -1)).reshape(c, rows, -1)
-        return np.linalg.solve(self.gram_z, around).reshape(c * rows, -1)
+        around = np.linalg.solve(M, parts.reshape(directions, c, -1)).reshape(directions * c, rows, -1)
+        return np.linalg.solve(self._gram_z, around).reshape(values.shape)
 
     def sampled(self, k: int, amplitude: Array) -> Array:
-        """Waves `amplitude` (hats, m) e^{i k s phi} at the columns of the grid: (columns rows, m), complex."""
-        fine = self.offset + self.stride * np.arange(self.grid.columns)
+        """Waves `amplitude` (count, m) e^{i k s phi} at the columns of the grid: (directions columns rows, m)."""
+        fine = self.surface.offset + self.stride * np.arange(self.columns)
         wave = np.array([phase(k * int(s), self.N) for s in fine // self.c])
-        parts = amplitude.reshape(self.c, self.rows, -1)[fine % self.c]
-        return (parts * wave[:, None, None]).reshape(len(fine) * self.rows, -1)
+        parts = amplitude.reshape(len(self.directions), self.c, self.rows, -1)[:, fine % self.c]
+        return (parts * wave[:, None, None]).reshape(len(self.directions) * len(fine) * self.rows, -1)

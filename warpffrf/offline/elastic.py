@@ -8,6 +8,14 @@ statically determinate way, is such an inverse: the reactions vanish. So
     flexibility(F) = P^H K^+ P F = P^H (K with pinned dofs)^-1 P F
 
 is exact, symmetric, and independent of which dofs are pinned; its range is M-orthogonal to rigid motion.
+
+Only some rows of the response to sparse loads F are wanted where loads come by the thousand (`StaticResponse`). Then P
+need not fill the loads up: with `X = K_p^-1 F` and `W = K_p^-1 M R` (K_p: pinned),
+
+    flexibility(F) = (1 - R R^H M) (X - W R^H F) = X - W a - R (W^H F - (R^H M W) a),     a = R^H F,
+
+since `R^H M X = W^H F`. Every term is a row of X, W or R times small matrices. In X and W alone the pinned dofs carry
+reactions, which cancel; measured on 100,000 dofs this costs no digit (1e-14 between the two ways, 2e-13 of both).
 """
 
 from __future__ import annotations
@@ -19,22 +27,30 @@ from typing import Any
 import numpy as np
 import scipy.linalg as sla
 import scipy.sparse as sp
-import scipy.sparse.linalg as spla
 
-from warpffrf.offline.ordering import nested_dissection
+from warpffrf.offline.solvers import Factor, factorise
 
 Array = np.ndarray
-SMALL_SYSTEM = 2000  # dofs; below it SuperLU's own ordering costs less than a dissection
+# Normwise backward error |K x - f|/(|K| |x| + |f|) of a solve above which all get one step of refinement. Elimination
+# of a definite matrix is backward stable: on meshes 1e-16 is seen, whatever the solver.
+REFINED_ABOVE = 1e-13
 
 
 @dataclass
 class ElasticModel:
-    """K, M (n, n) sparse, rigid modes R (n, r), M-orthonormal (r may be 0), and `solve` with the pinned dofs held."""
+    """K, M (n, n) sparse, rigid modes R (n, r), M-orthonormal (r may be 0), and `solve` with the pinned dofs held.
+
+    A model of `free_model` also knows its `factor` of the dofs `free` (n - r,) that are not held, and the
+    `backward_error` of a solve.
+    """
 
     K: Any
     M: Any
     R: Array
     solve: Callable[[Array], Array]
+    factor: Factor | None = None
+    free: Array | None = None
+    backward_error: float = 0.0
 
     @property
     def size(self) -> int:
@@ -52,6 +68,47 @@ class ElasticModel:
     def flexibility(self, F: Array) -> Array:
         """P^H K^+ P F (n, m)."""
         return self.without_rigid(self.solve(self.self_equilibrated(F)))
+
+
+class StaticResponse:
+    """Chosen `rows` (r,) of the flexible response of a `free_model` to sparse loads, without the part in K-orthogonal
+    M-orthonormal modes `Phi` (n, m) of frequencies `omega` (m,) [rad/s]:
+
+    rows of `flexibility(F) - Phi omega^-2 Phi^H F`, see the module docstring.
+    """
+
+    def __init__(self, model: ElasticModel, rows: Array, omega: Array, Phi: Array) -> None:
+        if model.factor is None or model.free is None:
+            raise ValueError("StaticResponse needs a model of free_model")
+        self.factor, self.rows = model.factor, rows
+        self.refined = model.backward_error > REFINED_ABOVE
+        self.model = model
+        position = np.full(model.size, -1)
+        position[model.free] = np.arange(len(model.free))
+        self.place = position[rows]  # among the dofs that are not held; -1: held, at rest
+        R = model.R
+        W = model.solve(model.M @ R)
+        self.inertia = R.conj().T @ (model.M @ W)
+        self.R, self.W, self.Phi, self.stiffness = R, W, Phi, omega**2
+        self.directions = np.concatenate([W[rows], R[rows], Phi[rows]], axis=1)
+
+    def __call__(self, F: Any) -> Array:
+        """Rows (r, m) of the response to loads F (n, m), csc."""
+        if self.refined:
+            X = self.model.solve(F.toarray())[self.rows]
+        else:
+            held = self.place < 0
+            X = self.factor.solve(F[self.model.free], np.where(held, 0, self.place))
+            X[held] = 0.0
+        a = _on(self.R, F)
+        parts = [a, _on(self.W, F) - self.inertia @ a, _on(self.Phi, F) / self.stiffness[:, None]]
+        X -= self.directions @ np.concatenate(parts)
+        return X
+
+
+def _on(modes: Array, F: Any) -> Array:
+    """modes^H F (m, count) for sparse F (n, count)."""
+    return (F.conj().T @ modes).conj().T
 
 
 def orthonormal_rigid(M: Any, R: Array) -> Array:
@@ -76,31 +133,44 @@ def pinned_dofs(R: Array, preferred: Array | None = None) -> Array:
     return np.sort(np.asarray(pivots)[:r])
 
 
-def free_model(K: Any, M: Any, R: Array, pinned: Array | None = None, coordinates: Array | None = None) -> ElasticModel:
+def free_model(
+    K: Any,
+    M: Any,
+    R: Array,
+    pinned: Array | None = None,
+    coordinates: Array | None = None,
+    *,
+    solver: str | None = None,
+    memory_limit: int | None = None,
+) -> ElasticModel:
     """Model of a free body by one sparse factorisation of K without its pinned dofs.
 
-    `coordinates` (n, 3) [m], place of each dof, orders large systems by nested dissection (NaN: ordered last).
+    `coordinates` (n, 3) [m], place of each dof (NaN: none), let large systems be dissected; `solver` and `memory_limit`
+    as in `solvers.factorise`. Raises `InputError` as that does.
     """
     R = orthonormal_rigid(M, R)
     n = M.shape[0]
     held = pinned_dofs(R, pinned)
     free = np.setdiff1d(np.arange(n), held)
     Kff = sp.csc_matrix(sp.csr_matrix(K)[free][:, free])
-    if coordinates is not None and n > SMALL_SYSTEM:
-        order = nested_dissection(Kff, coordinates[free])
-        free, Kff = free[order], sp.csc_matrix(Kff[order][:, order])
-        permutation = "NATURAL"
-    else:
-        permutation = "MMD_AT_PLUS_A"
-    # K is definite on the free dofs: no pivoting, symmetric elimination
-    lu = spla.splu(Kff, permc_spec=permutation, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    factor = factorise(Kff, None if coordinates is None else coordinates[free], solver, memory_limit=memory_limit)
+    error = backward_error(Kff, factor)
+    refined = error > REFINED_ABOVE
 
     def solve(F: Array) -> Array:
         U = np.zeros(F.shape, dtype=np.result_type(F, Kff.dtype))
-        rhs = np.ascontiguousarray(F[free].astype(Kff.dtype, copy=False))
-        x = lu.solve(rhs)
-        # one step of iterative refinement: elimination without pivoting on a stiff mesh leaves a few digits to regain
-        U[free] = x + lu.solve(rhs - Kff @ x)
+        x = factor.solve(F[free])
+        U[free] = x + factor.solve(F[free] - Kff @ x) if refined else x
         return U
 
-    return ElasticModel(K, M, R, solve)
+    return ElasticModel(K, M, R, solve, factor, free, error)
+
+
+def backward_error(K: Any, factor: Factor) -> float:
+    """Largest |K x - f|/(|K| |x| + |f|), maximum norms, of a few random loads f."""
+    f = np.random.default_rng(0).standard_normal((factor.size, 2)).astype(factor.dtype)
+    if not factor.size:
+        return 0.0
+    x = factor.solve(f)
+    scale = abs(K).sum(axis=1).max() * np.abs(x).max(axis=0) + np.abs(f).max(axis=0)
+    return float(np.max(np.abs(K @ x - f).max(axis=0) / scale))

@@ -1,220 +1,147 @@
 r"""The general path: any mesh, one sparse factorisation, blocks of right-hand sides.
 
 The constrained model (rigid interfaces slaved) is factorised once with as many dofs held as there are rigid modes;
-the same factors serve vibration modes, attachment modes and the static responses `u_i = G B psi_i` of all hats. Of
-these only what is needed is kept: `C = (B psi)^T u`, the skin's part of `u`, both freed from the global modes; `D =
-M^-1 C M^-1` is dense.
+the same factors serve vibration modes, attachment modes and the static responses `u_i = G B psi_i` of all unit loads.
+Of these only what is needed is kept: `C = (B psi)^T u` and what observers see of `u`, the skin first, both freed from
+the global modes; `D = M^-1 C M^-1` is dense. Finished parts go to a work file, from which an interrupted run goes on.
 """
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
 import scipy.sparse as sp
 
+from warpffrf.model.bases import Basis
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import triangles
-from warpffrf.model.reduced_body import ContactGrid, Recovery, axial_gram
 from warpffrf.offline.assembly import fe_matrices, rigid_modes
-from warpffrf.offline.contact_grid import GridPlan, facet_chart, nodal_plan, spaced_plan
-from warpffrf.offline.elastic import Array, free_model
-from warpffrf.offline.global_basis import attachment_modes, deflated, global_basis
-from warpffrf.offline.hat_loads import hat_loads
-from warpffrf.offline.independence import window_columns
-from warpffrf.offline.interfaces import RigidInterface, constraint
+from warpffrf.offline.bases import GlobalBasis, build_basis
+from warpffrf.offline.checkpoint import Checkpoint
+from warpffrf.offline.elastic import ElasticModel, free_model
+from warpffrf.offline.general_surface import GeneralSurface
+from warpffrf.offline.interface_system import InterfaceSystem
+from warpffrf.offline.interfaces import BodyInterface
 from warpffrf.offline.materials import Assignment
-from warpffrf.offline.modes import vibration_modes, whole_multiples
-from warpffrf.offline.products import Limits, PathProduct, SurfaceProduct, mass_properties
+from warpffrf.offline.observers import SKIN, Observer, node_observer, require_observers
+from warpffrf.offline.products import Limits, PathProduct, mass_properties
 from warpffrf.offline.progress import Progress
+from warpffrf.offline.quality import sampled_residual
+from warpffrf.offline.unit_loads import ResponseSolver, UnitLoads, results_bytes
 
-BLOCK = 64  # right-hand sides solved together; larger blocks gain little, single ones cost six times more a side
-# arrays of the size of a block alive at once: load, projected load, permuted, solution, residual, response
-BLOCK_COPIES = 6
-COVERED = 0.02  # a hat counts as inside the facets when its area is covered to this: the error of a kinked quadrature
-DEFAULT_MEMORY = 4 << 30  # bytes
+DEFAULT_MEMORY = 8 << 30  # bytes
 
 
 def reduce_general(
     mesh: Mesh,
     assignment: Assignment,
-    interfaces: list[RigidInterface],
-    surfaces: list[tuple[str, object]],
+    interfaces: Sequence[BodyInterface],
+    surfaces: Sequence[tuple[str, object]],
+    options: Basis,
     limits: Limits,
-    spacing: float | None,
+    spacing: Mapping[str, float | None],
     memory_limit: int | None,
     progress: Progress,
+    *,
+    traction: str = "hats",
+    tangential: str | None = None,
+    observers: Sequence[Observer] = (),
+    solver: str | None = None,
+    checkpoint: Checkpoint | None = None,
 ) -> PathProduct:
-    """Reduce any mesh; `surfaces` are name and resolved shape. See the module docstring."""
-    contacts = [_Surface(mesh, name, shape, spacing) for name, shape in surfaces]
+    """Reduce any mesh; `surfaces` are name and resolved shape. See the module docstring.
+
+    `spacing` of the contact grid by surface [m] (None: the mesh's own); `options`: the basis of the global modes;
+    `traction`, `tangential`: kind of the functions of normal and of tangential tractions ("hats", "cells"; None: no
+    tangential ones); `observers`: what is kept of modes and responses beside the skin; `solver`: a name in
+    `solvers.SOLVERS`, None: the default; `checkpoint`: work file of finished parts, whose caller enters its context.
+    Raises `InputError` for a memory limit that is too small, a model that can move without deforming, a solver that is
+    not installed.
+    """
+    checkpoint = checkpoint or Checkpoint()
+    limit = DEFAULT_MEMORY if memory_limit is None else memory_limit
+    contacts = [GeneralSurface(mesh, name, shape, spacing.get(name), traction, tangential) for name, shape in surfaces]
     faces = mesh.outer_facets()
     skin = faces.node_set
-    skin_dofs = (3 * skin[:, None] + np.arange(3)).ravel()
-    limit = DEFAULT_MEMORY if memory_limit is None else memory_limit
-    _check_memory(contacts, len(skin_dofs), limit)
+    seen = [node_observer(SKIN, skin, len(mesh.points)), *observers]
+    require_observers(seen, len(mesh.points))
+    _check_results([s.count for s in contacts], seen, limit)
 
     K, M = fe_matrices(mesh, assignment)
     middle = mesh.points.mean(axis=0)
     R = rigid_modes(mesh.points, middle)
     mass, center, inertia = mass_properties(R.T @ (M @ R), middle)
-    T, free = constraint(mesh.points, interfaces)
-    size = T.shape[1]
-    first = 3 * len(free)
-    coordinates = np.full((size, 3), np.nan)
-    coordinates[:first] = np.repeat(mesh.points[free], 3, axis=0)
-    rigid = [R[(3 * free[:, None] + np.arange(3)).ravel()]]
-    for interface in interfaces:  # translation of its point, and the rotation itself
-        rigid.append(np.concatenate([rigid_modes(interface.point[None], middle), np.eye(3, 6, 3)]))
-    pinned = first + np.arange(6) if interfaces else None
+    system = InterfaceSystem(mesh.points, interfaces)
+    T = system.T
     with progress.stage("factorisation"):
-        model = free_model(
-            sp.csr_matrix(T.T @ K @ T), sp.csr_matrix(T.T @ M @ T), np.concatenate(rigid), pinned, coordinates
-        )
+        K, M = sp.csr_matrix(T.T @ K @ T), sp.csr_matrix(T.T @ M @ T)
+        places = system.coordinates
+        model = free_model(K, M, system.rigid(middle), system.pinned, places, solver=solver, memory_limit=limit)
+    factor = model.factor
+    facts: dict[str, Any] = {"backward_error": model.backward_error}
+    if factor is not None:
+        facts |= {"solver": factor.name, "factor_entries": factor.fill, "factor_bytes": factor.bytes}
+        checkpoint.begin({"solver": factor.name, "observers": [(o.name, o.rows, o.dtype.str) for o in seen]})
 
-    with progress.stage("vibration modes"):
-        # more, to see whether a pair would be split
-        wanted = limits.count if limits.count is None else limits.count + 4
-        omega, V = vibration_modes(model, count=wanted, omega_max=limits.omega_max)
-        notes = []
-        if limits.count is not None:
-            kept = whole_multiples(omega, limits.count)
-            if kept > limits.count:
-                notes = [f"modes={limits.count} would split a pair of equal frequencies: {kept} are kept"]
-            V = V[:, :kept]
-        F = np.zeros((size, 6 * len(interfaces)))
-        F[first:] = np.eye(6 * len(interfaces))
-        omega, Phi, dropped = global_basis(model, V, attachment_modes(model, F))
+    with progress.stage("global modes"):
+        basis = _global_modes(options, model, system, limits, checkpoint)
+        omega, Phi = basis.omega, basis.Phi
 
+    B = [s.loads() for s in contacts]
+    loads = [UnitLoads(s.name, sp.csc_matrix(T.T @ b)) for s, b in zip(contacts, B, strict=True)]
+    with progress.stage("residuals"):
+        tested = [*(u.loads for u in loads), system.loads]
+        facts["worst_load_residual"] = max((sampled_residual(model, F) for F in tested), default=0.0)
+    responses = ResponseSolver(model, omega, Phi, T, loads, seen, limit) if loads else None
     products = []
     shape = T @ Phi
-    width = int(np.clip(limit // (8 * BLOCK_COPIES * 3 * len(mesh.points)), 1, BLOCK))
-    TS = sp.csr_matrix(T[skin_dofs])
-    for s in contacts:
-        loads = sp.csc_matrix(T.T @ s.B)
-        hats = s.hats
-        C = np.zeros((hats, hats))
-        transfer = np.zeros((len(skin_dofs), hats), dtype=np.float32)
-        for start in progress.track(range(0, hats, width), f"static responses of {s.name}"):
-            part = slice(start, start + width)
-            f = loads[:, part].toarray()
-            response, _ = deflated(model.flexibility(f), f, omega, Phi)
-            C[:, part] = loads.T @ response
-            transfer[:, part] = TS @ response
-        products.append(s.product(0.5 * (C + C.T), transfer, s.B.T @ shape, omega))
+    for i, s in enumerate(contacts):
+        if responses is not None:
+            found = responses.responses(i, progress, checkpoint)
+            transfers = {o.name: t for o, t in zip(seen, found.transfers, strict=True)}
+            products.append(s.product(found.compliance, transfers, B[i].T @ shape, omega))
 
+    if responses is not None:
+        facts |= {"block": responses.width, "threads": responses.workers}
+    modes = {o.name: o.operator @ shape for o in seen}
     return PathProduct(
         mass=mass,
         center=center,
         inertia=inertia,
         omega=omega,
-        interface_modes=[Phi[first + 6 * j : first + 6 * j + 6].T.copy() for j in range(len(interfaces))],
+        interfaces=system.products(Phi),
         surfaces=products,
         skin_points=mesh.points[skin],
         skin_triangles=np.searchsorted(skin, triangles(faces)),
-        skin_modes=shape[skin_dofs].T.reshape(len(omega), -1, 3).astype(np.float32),
-        facts={"dependent_directions_dropped": dropped, "notes": notes, "block": width},
+        skin_modes=modes[SKIN].T.reshape(len(omega), len(skin), 3).astype(np.float32),
+        facts={**basis.facts, **facts},
+        observed_modes=modes,
     )
 
 
-def _check_memory(contacts: list[_Surface], skin_dofs: int, limit: int) -> None:
-    hats = [s.hats for s in contacts]
-    # C, D and a working copy; display transfer in float32
-    needed = sum(8 * 3 * n * n + 4 * n * skin_dofs for n in hats)
+def _global_modes(
+    options: Basis, model: ElasticModel, system: InterfaceSystem, limits: Limits, checkpoint: Checkpoint
+) -> GlobalBasis:
+    """The global modes: from the work file, or computed."""
+    if (known := checkpoint.get("global modes")) is not None:
+        return GlobalBasis(known["omega"], known["Phi"], json.loads(str(known["facts"])))
+    basis = build_basis(options, model, system, limits)
+    # as it comes back from a work file: the same products, bit for bit
+    basis = GlobalBasis(basis.omega, np.ascontiguousarray(basis.Phi), basis.facts)
+    arrays = {"omega": basis.omega, "Phi": basis.Phi, "facts": np.array(json.dumps(basis.facts))}
+    checkpoint.put("global modes", arrays)
+    return basis
+
+
+def _check_results(counts: list[int], observers: list[Observer], limit: int) -> None:
+    """Refuse results that do not fit before any work is done."""
+    needed = results_bytes(counts, observers)
     if needed > limit:
         raise InputError(
-            f"the dense compliance of {sum(hats)} hats needs {needed / 2**30:.3g} GiB, memory_limit is "
+            f"the dense compliance of {sum(counts)} hats needs {needed / 2**30:.3g} GiB, memory_limit is "
             f"{limit / 2**30:.3g} GiB; raise memory_limit or traction_spacing, or use a rotationally periodic mesh"
-        )
-
-
-class _Surface:
-    """Grid and loads of one contact surface; `B` (3 n, hats) over the whole rectangle of the plan."""
-
-    def __init__(self, mesh: Mesh, name: str, shape, spacing: float | None) -> None:
-        self.name, self.shape = name, shape
-        kind, nodes = mesh.facets(name).single
-        chart = facet_chart(mesh.points, kind, nodes, shape)
-        plan = nodal_plan(chart, name) if spacing is None and kind.startswith("quad") else None
-        if plan is None:
-            plan = spaced_plan(chart, shape, name, chart.edge if spacing is None else spacing)
-        self.plan: GridPlan = plan
-        self.edge = chart.edge
-        rows = len(plan.z)
-        self.hats = plan.columns * rows
-        loads = hat_loads(kind, nodes, chart, shape, plan)
-        hat = (loads.column % plan.columns) * rows + loads.row
-        dofs = (3 * loads.node[:, None] + np.arange(3)).ravel()
-        self.B = sp.csr_matrix(
-            (loads.value.ravel(), (dofs, np.repeat(hat, 3))), shape=(3 * len(mesh.points), self.hats)
-        )
-        self.gram_z = axial_gram(shape, plan.z)
-        full = ContactGrid(
-            np.asarray(shape.e_0, float),
-            plan.theta_start,
-            plan.pitch,
-            plan.columns,
-            plan.periodic,
-            plan.z,
-            plan.columns,
-        )
-        gram = full.gram_theta()
-        if not plan.periodic:  # the hats on the edges of the arc are half hats
-            gram[0, 0] = gram[-1, -1] = plan.pitch / 3.0
-        self.gram_theta = gram
-        area = np.bincount(hat, weights=loads.area, minlength=self.hats)
-        self.grid, self.first = self._grid(full, area.reshape(plan.columns, rows))
-
-    def _grid(self, full: ContactGrid, area: Array) -> tuple[ContactGrid, int]:
-        """The columns whose hats lie inside the facets, and the first of them. Raises `InputError` where there are
-        holes."""
-        expected = np.outer(self.gram_theta.sum(axis=1), self.gram_z.sum(axis=1))
-        covered = np.all(np.abs(area / expected - 1.0) < COVERED, axis=1)
-        if self.plan.periodic:
-            if not covered.all():
-                raise InputError(self._holes(int(np.sum(~covered))))
-            return full, 0
-        inside = covered.copy()
-        inside[[0, -1]] = False
-        kept = np.flatnonzero(inside)
-        if not len(kept) or len(kept) != kept[-1] - kept[0] + 1:
-            raise InputError(self._holes(int(np.sum(~inside))))
-        grid = ContactGrid(
-            full.e_0,
-            full.theta_start + full.pitch * kept[0],
-            full.pitch,
-            len(kept),
-            False,
-            full.z,
-            len(kept),
-        )
-        return grid, int(kept[0])
-
-    def _holes(self, columns: int) -> str:
-        return (
-            f"contact {self.name!r}: the facets leave part of {columns} of {self.plan.columns} grid columns uncovered; "
-            "choose facets that cover the surface between two angles over its whole width"
-        )
-
-    def _without_gram(self, values: Array) -> Array:
-        """M^-1 values (hats, m), with M = M_theta (x) M_z."""
-        columns, rows = self.plan.columns, len(self.plan.z)
-        around = np.linalg.solve(self.gram_theta, values.reshape(columns, -1)).reshape(columns, rows, -1)
-        return np.linalg.solve(self.gram_z, around).reshape(columns * rows, -1)
-
-    def product(self, C: Array, transfer: Array, loads_on_modes: Array, omega: Array) -> SurfaceProduct:
-        """D and its companions, restricted to the columns of the grid."""
-        rows = len(self.plan.z)
-        kept = slice(self.first * rows, (self.first + self.grid.columns) * rows)
-        D = self._without_gram(self._without_gram(C).T)
-        D = 0.5 * (D + D.T)[kept, kept]
-        normal = self._without_gram(loads_on_modes)[kept]
-        display = self._without_gram(transfer.T.astype(np.float64)).T[:, kept].astype(np.float32)
-        judged = slice(kept.start, kept.start + window_columns(self.grid.columns, rows) * rows)
-        on_modes = loads_on_modes[judged] / omega
-        return SurfaceProduct(
-            grid=self.grid,
-            lags=np.ascontiguousarray(D)[None],
-            mode_normal=normal,
-            recovery=Recovery(display[None], 1, np.eye(3)),
-            window=C[judged, judged] + on_modes @ on_modes.T,
-            residual_window=C[judged, judged],
         )

@@ -1,9 +1,11 @@
-r"""Consistent nodal loads of the hats: `B psi_i`, `(B psi_i)_a = int N_a psi_i n dA`.
+r"""Consistent nodal loads of the functions of a contact grid: `B psi_i`, `(B psi_i)_a = int N_a psi_i d dA`.
 
-The integral runs over the *chart* of the true surface, pulled back to the facets: theta and z of a facet are
-interpolated from its nodes' chart coordinates, `theta = sum N_a theta_a`, `z = sum N_a z_a`, and
+psi are the hats on the lines of a grid or the cells between them (1 on a cell, 0 elsewhere), d a direction of the
+surface: the outward normal n, the circumferential `e_theta`, or the meridian `t_z = (R' e_r + e_a)/sqrt(1 + R'^2)`,
+with `e_theta x t_z = n`. The integral runs over the *chart* of the true surface, pulled back to the facets: theta and z
+of a facet are interpolated from its nodes' chart coordinates, `theta = sum N_a theta_a`, `z = sum N_a z_a`, and
 
-    dA = R(z) sqrt(1 + R'(z)^2) |d(theta, z)/d(xi, eta)| dxi deta,      n the normal of the true surface at (theta, z).
+    dA = R(z) sqrt(1 + R'(z)^2) |d(theta, z)/d(xi, eta)| dxi deta,      d taken on the true surface at (theta, z).
 
 So neighbouring facets meet without gap or overlap and the area is that of the true surface; since `sum_a N_a = 1` and
 `sum_i psi_i = 1` a constant pressure is applied exactly, and on a structured linear mesh with the nodal grid
@@ -16,24 +18,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 
+from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.offline.contact_grid import Chart, GridPlan
+from warpffrf.offline.cut_quadrature import cut_points
 from warpffrf.offline.reference import FACET_DEGREE, rule
 
-# Pieces of a facet edge for the quadrature: hats of the nodal grid have their kinks on the facet's own node lines,
-# others anywhere; with 4 pieces a hat and degree 5 a kinked integrand is integrated to about 1e-3 of the hat's own
-# load.
+# Lines of the nodal grid run along the edges of linear facets and through the middle of quadratic ones: these many
+# equal pieces of a facet hold no kink. All other grids cut the facets, see `cut_quadrature`.
 PIECES = {"quad4": 1, "quad9": 2}
-PIECES_PER_HAT = 4
-MOST_PIECES = 16  # a grid that would need more is far finer than the mesh and is refused afterwards
+CHUNK = 2000  # facets worked on together: with a grid as fine as the mesh some 100 MB
+POINTS = 20_000  # quadrature points worked on together: 9 nodes, 4 hats and 4 values of each are 23 MB
+DIRECTIONS = ("normal", "theta", "meridian")
 
 
 @dataclass(frozen=True)
 class HatLoads:
-    """Entries of B: load vectors `value` (e, 3) [m^2] on mesh `node` (e,) per unit coefficient of hat (`column`,
+    """Entries of B: load vectors `value` (e, 3) [m^2] on mesh `node` (e,) per unit coefficient of function (`column`,
     `row`).
 
-    `area` (e,) [m^2] is the part int N_a psi_i dA of the hat's area, so that the sum over nodes is int psi_i dA.
+    `area` (e,) [m^2] is the part int N_a psi_i dA of the function's area, so that the sum over nodes is int psi_i dA.
     Columns count from the plan's `theta_start` and on a full turn are not wrapped: take them modulo `columns`.
     """
 
@@ -44,48 +49,117 @@ class HatLoads:
     area: np.ndarray
 
 
-def hat_loads(kind: str, nodes: np.ndarray, chart: Chart, shape, plan: GridPlan) -> HatLoads:
-    """Loads of all hats that reach the facets `nodes` (m, k) of `kind`; rows and edge columns are clipped to the
-    grid."""
-    if plan.nodal and kind in PIECES:
-        pieces = PIECES[kind]
-    else:
-        around = float(np.max(np.ptp(chart.theta, axis=1))) / plan.pitch
-        along = float(np.max(np.ptp(chart.z, axis=1)) / np.min(np.diff(plan.z)))
-        pieces = int(np.clip(np.ceil(PIECES_PER_HAT * max(around, along) - 1e-6), PIECES_PER_HAT, MOST_PIECES))
-    r = rule(kind, FACET_DEGREE[kind], pieces)
-    theta, z = chart.theta @ r.values.T, chart.z @ r.values.T  # (m, q)
-    dtheta = np.einsum("mk,qkd->mqd", chart.theta, r.gradients)
-    dz = np.einsum("mk,qkd->mqd", chart.z, r.gradients)
-    stretch = np.abs(dtheta[..., 0] * dz[..., 1] - dtheta[..., 1] * dz[..., 0])
-    area = r.weights * stretch * shape.radius_at(z) * np.sqrt(1.0 + shape.slope_at(z) ** 2)
-    load = shape.normal(theta, z) * area[..., None]  # (m, q, 3)
+def hat_loads(
+    kind: str,
+    nodes: np.ndarray,
+    chart: Chart,
+    shape,
+    plan: GridPlan,
+    *,
+    basis: str = "hats",
+    direction: str = "normal",
+) -> HatLoads:
+    """Loads of all functions on the lines of `plan` that reach the facets `nodes` (m, k) of `kind`: `basis` "hats" on
+    them or "cells" between them (`GridPlan.lines`), in one of `DIRECTIONS`. Rows and edge columns are clipped."""
+    parts = []
+    for start in range(0, len(nodes), CHUNK):
+        here = slice(start, start + CHUNK)
+        parts.append(_loads(kind, nodes[here], chart.theta[here], chart.z[here], shape, plan, basis, direction))
+    return merged_loads(parts, len(plan.z))
 
+
+def surface_vectors(shape, theta: np.ndarray, z: np.ndarray, direction: str) -> np.ndarray:
+    """Unit vectors (..., 3), user axes, of a `direction` of the surface of revolution `shape` at (theta, z)."""
+    normal = shape.normal(theta, z)
+    if direction == "normal":
+        return normal
+    around = -np.sin(theta)[..., None] * shape.e_0 + np.cos(theta)[..., None] * np.cross(shape.e_a, shape.e_0)
+    return around if direction == "theta" else np.cross(normal, around)
+
+
+def _loads(kind, nodes, theta, z, shape, plan: GridPlan, basis: str, direction: str) -> HatLoads:
+    """Loads of some facets, see `hat_loads`."""
     x = (theta - plan.theta_start) / plan.pitch
-    if not plan.periodic:
-        turn = 2.0 * np.pi / plan.pitch
-        x = (x + 0.5) % turn - 0.5
-    j = np.floor(x).astype(np.int64)
+    if not plan.periodic:  # facets on either side of theta = 0 belong to one arc
+        turn, low = 2.0 * np.pi / plan.pitch, x.min(axis=1, keepdims=True)
+        x = x + ((low + 0.5) % turn - 0.5 - low)
+    j = k = None  # the lines below each point
+    if plan.nodal and kind in PIECES:
+        r = rule(kind, FACET_DEGREE[kind], PIECES[kind])
+        facet = np.repeat(np.arange(len(nodes)), len(r.weights))
+        N, slopes, weight = (
+            np.tile(v, (len(nodes),) + (1,) * (v.ndim - 1)) for v in (r.values, r.gradients, r.weights)
+        )
+    else:
+        lines = (int(np.floor(x.min())), int(np.ceil(x.max())))
+        facet, points, weight, j, k = cut_points(kind, x, z, lines, plan.z)
+        N, slopes = facet_kind(kind).shape(points)  # (p, k), (p, k, 2)
+    at_x, at_z = np.einsum("pk,pk->p", N, x[facet]), np.einsum("pk,pk->p", N, z[facet])
+    if j is None:
+        j = np.floor(at_x).astype(np.int64)
+        k = np.clip(np.searchsorted(plan.z, at_z, side="right") - 1, 0, len(plan.z) - 2)
+    dx = np.einsum("pk,pkd->pd", x[facet], slopes)
+    dz = np.einsum("pk,pkd->pd", z[facet], slopes)
+    stretch = np.abs(dx[:, 0] * dz[:, 1] - dx[:, 1] * dz[:, 0]) * plan.pitch
+    area = weight * stretch * shape.radius_at(at_z) * np.sqrt(1.0 + shape.slope_at(at_z) ** 2)
+    load = surface_vectors(shape, plan.theta_start + plan.pitch * at_x, at_z, direction) * area[:, None]
+
+    # points of one facet under the same functions are summed first: few sums instead of many entries to sort
+    column, row, psi = _functions(plan, basis, at_x, at_z, j, k)
+    low = column[:, 0].min(initial=0)
+    width = (column[:, 0].max(initial=0) - low + 1) * len(plan.z)
+    group = facet * width + (column[:, 0] - low) * len(plan.z) + row[:, 0]
+    _, first, member = np.unique(group, return_index=True, return_inverse=True)
+    member = member.ravel()
+    points, nodes_each, f = len(member), N.shape[1], psi.shape[1]
+    sums = np.zeros((len(first), nodes_each * f * 4))
+    four = np.concatenate([load, area[:, None]], axis=1)
+    for start in range(0, points, POINTS):
+        here = slice(start, start + POINTS)
+        values = (N[here, :, None, None] * psi[here, None, :, None] * four[here, None, None, :]).reshape(
+            -1, nodes_each * f * 4
+        )
+        ones = (np.ones(len(values)), (member[here], np.arange(len(values))))
+        sums += sp.csr_matrix(ones, shape=(len(first), len(values))) @ values
+    sums = sums.reshape(-1, 4)
+    full = (len(first), nodes_each, f)
+    return _summed(
+        np.broadcast_to(nodes[facet[first]][:, :, None], full).ravel(),
+        np.broadcast_to(column[first][:, None, :], full).ravel(),
+        np.broadcast_to(row[first][:, None, :], full).ravel(),
+        sums[:, :3],
+        sums[:, 3],
+        len(plan.z),
+    )
+
+
+def _functions(plan: GridPlan, basis: str, x, z, j, k) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Columns, rows and values (p, f) of the functions that are not zero at points (x, z) between the lines j, j + 1
+    and k, k + 1."""
     if not plan.periodic:
         j = np.clip(j, 0, plan.columns - 2)
-    k = np.clip(np.searchsorted(plan.z, z, side="right") - 1, 0, len(plan.z) - 2)
-    s, t = x - j, (z - plan.z[k]) / (plan.z[k + 1] - plan.z[k])
-    hats = np.stack([(1 - s) * (1 - t), (1 - s) * t, s * (1 - t), s * t], axis=2)  # (m, q, 4)
-    column, row = np.stack([j, j, j + 1, j + 1], axis=2), np.stack([k, k + 1, k, k + 1], axis=2)
-    share = r.values[None, :, :, None] * hats[:, :, None, :]  # N_a psi_i (m, q, k, 4)
-    value = share[..., None] * load[:, :, None, None, :]
-    part = share * area[:, :, None, None]
-    shape_full = share.shape
-    node = np.broadcast_to(nodes[:, None, :, None], shape_full)
-    column, row = (np.broadcast_to(v[:, :, None, :], shape_full) for v in (column, row))
-    return _merged(node.ravel(), column.ravel(), row.ravel(), value.reshape(-1, 3), part.ravel(), len(plan.z))
+    if basis == "cells":
+        return j[:, None], k[:, None], np.ones((len(x), 1))
+    s, t = np.clip(x - j, 0.0, 1.0), np.clip((z - plan.z[k]) / (plan.z[k + 1] - plan.z[k]), 0.0, 1.0)
+    psi = np.stack([(1 - s) * (1 - t), (1 - s) * t, s * (1 - t), s * t], axis=1)
+    return np.stack([j, j, j + 1, j + 1], axis=1), np.stack([k, k + 1, k, k + 1], axis=1), psi
 
 
-def _merged(node, column, row, value, area, rows: int) -> HatLoads:
-    """Sum entries with the same node and hat."""
-    low = column.min()
-    width = (column.max() - low + 1) * rows
+def _summed(node, column, row, value, area, rows: int) -> HatLoads:
+    """Sum entries with the same node and function."""
+    low = column.min(initial=0)
+    width = (column.max(initial=0) - low + 1) * rows
     key = node * width + (column - low) * rows + row
     _, first, inverse = np.unique(key, return_index=True, return_inverse=True)
-    summed = [np.bincount(inverse, weights=w, minlength=len(first)) for w in (*value.T, area)]
+    summed = [np.bincount(inverse.ravel(), weights=w, minlength=len(first)) for w in (*value.T, area)]
     return HatLoads(node[first], column[first], row[first], np.stack(summed[:3], axis=1), summed[3])
+
+
+def merged_loads(parts: list[HatLoads], rows: int) -> HatLoads:
+    """Loads of several groups of facets on one grid as one, entries of the same node and function summed."""
+    if len(parts) == 1:
+        return parts[0]
+    node, column, row, value, area = (
+        np.concatenate([getattr(p, name) for p in parts]) for name in ("node", "column", "row", "value", "area")
+    )
+    return _summed(node, column, row, value, area, rows)

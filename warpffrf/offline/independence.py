@@ -18,11 +18,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.reduced_body import ContactGrid
-from warpffrf.offline.contact_grid import GridPlan, facet_chart
-from warpffrf.offline.hat_loads import hat_loads
+from warpffrf.offline.contact_grid import GridPlan
+from warpffrf.offline.traction_fields import ContactFacets
 
 # Nodal grids have 3e-3 to 1e-2, a grid 1.4 times as fine as linear facets 1e-6 or less: in between, and towards the
 # lower end more and more, the pressure oscillates from hat to hat but is unique.
@@ -48,8 +48,8 @@ def eigenvalue_ratio(window: np.ndarray) -> float:
 
 def trace_ratio(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
     """Eigenvalue ratio of the traces of the grid's first columns on the facets of set `name` (module docstring)."""
-    kind, nodes_of = mesh.facets(name).single
-    chart = facet_chart(mesh.points, kind, nodes_of, shape)
+    facets = ContactFacets.of(mesh.points, mesh.facets(name), shape)
+    chart = facets.chart
     count, rows = window_columns(grid.columns, grid.rows), grid.rows
     # the window alone as a grid on an arc, with a margin of columns whose hats complete the lumped areas of its nodes
     turn = 2.0 * np.pi
@@ -59,8 +59,7 @@ def trace_ratio(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
     near = (low < reach) | (low + span > turn - grid.pitch)
     columns = int(np.ceil(turn / grid.pitch - 1e-6))
     plan = GridPlan(grid.theta_start, turn / columns, columns, True, grid.z, False)
-    part = chart.part(near)
-    loads = hat_loads(kind, nodes_of[near], part, shape, plan)
+    loads = facets.part(near).loads(plan, getattr(grid, "kind", "hats"), "normal")
     column = loads.column % columns
     nodes, node = np.unique(loads.node, return_inverse=True)
     lumped = np.bincount(node, weights=np.abs(loads.area))

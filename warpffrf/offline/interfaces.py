@@ -1,86 +1,231 @@
-r"""Rigid interfaces: the nodes of a facet set slaved to six dofs at a reference point P (RBE2).
+r"""Interfaces of a body: how the nodes of a facet set are held together, and how the set moves as a whole.
 
-    u_a = t + r x (X_a - P),     u = T u^,     K^ = T^T K T,     M^ = T^T M T,     f^ = T^T f.
+Every kind has six coordinates, translation and rotation at a reference point X_P, and `X (3 k, 6)`, the rigid motions
+about X_P of its k nodes.
 
-Modes, attachment modes and responses to loads all live in this constrained model, so a rigid interface never deforms.
-P is the area centroid of the set; where the nodes lie on a circular cylinder, its foot on the cylinder's axis,
-because a joint turns about P and an irregular mesh must not make it eccentric.
+*rigid* (RBE2): the nodes follow the six coordinates, `u_a = t + theta x (X_a - X_P)`. A constraint `u = T u^`, so that
+modes, attachment modes and responses all live in the constrained model and the interface never deforms.
+
+*average* (RBE3): the nodes deform freely, the coordinates are the rigid motion nearest to theirs over the area,
+
+    minimise int |N u - x|^2 dA over rigid motions x    =>    (t, theta) = S u,    S = (X^T W X)^-1 X^T W,
+
+`W (3 k, 3 k)` the mass matrix of the facets at unit density, which is definite for every kind of facet (nodal areas of
+quadratic facets are zero or negative at corners). `S X = 1`: a rigid motion is found exactly. A force and moment on the
+interface load it by the transpose, `S^T (f, m)`: the work is the same, and the load is that of a traction that varies
+linearly over the facets.
+
+*free*: every node keeps its own three unit loads and attachment modes; `S` gives its motion as a whole.
+
+X_P is the area centroid of the set; where the nodes lie on a circular cylinder, its foot on the cylinder's axis,
+because a joint turns about X_P and an irregular mesh must not make it eccentric.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.model.errors import InputError
+from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline.assembly import Sparse, rigid_modes
 from warpffrf.offline.reference import FACET_DEGREE, rule
 
+# Extent across their longest direction, over their longest, below which nodes count as lying on a line: the rotation
+# about it would be known to this fraction only.
+COLLINEAR = 1e-6
+# Nodes of a free interface: each brings three attachment modes, and dense algebra of three times as many columns grows
+# with the third power; 200 nodes, 600 modes, take seconds.
+MOST_FREE_NODES = 200
 
-@dataclass(frozen=True)
-class RigidInterface:
-    """Interface `name` with its mesh `nodes` (sorted) and reference `point` (3,) [m]."""
+
+@dataclass(frozen=True, eq=False)
+class BodyInterface:
+    """Interface `name` with its mesh `nodes` (k,), sorted, and reference `point` (3,) [m]."""
 
     name: str
     nodes: np.ndarray
     point: np.ndarray
 
+    kind: ClassVar[str] = ""
+    slaved: ClassVar[bool] = False  # its nodes follow the six coordinates and lose their own dofs
 
-def rigid_interfaces(mesh: Mesh, names: list[str]) -> list[RigidInterface]:
-    """The interfaces on the facet sets `names`. Raises `InputError` for an unknown set, or nodes shared by two sets."""
-    found: list[RigidInterface] = []
-    for name in names:
-        facets = mesh.facets(name)
-        nodes = facets.node_set
+    @classmethod
+    def of(cls, mesh: Mesh, name: str) -> BodyInterface:
+        """The interface on the facet set `name`; raises `InputError` where the set does not suit."""
+        nodes = mesh.facets(name).node_set
+        require_spread(mesh.points[nodes], name)
+        return cls(name, nodes, reference_point(mesh, name))
+
+    @property
+    def dofs(self) -> np.ndarray:
+        """Dofs (3 k,) of its nodes in the mesh."""
+        return (3 * self.nodes[:, None] + np.arange(3)).ravel()
+
+
+@dataclass(frozen=True, eq=False)
+class RigidInterface(BodyInterface):
+    """Its nodes move as one rigid body."""
+
+    kind: ClassVar[str] = "rigid"
+    slaved: ClassVar[bool] = True
+
+
+@dataclass(frozen=True, eq=False)
+class AverageInterface(BodyInterface):
+    """Its motion is the mean rigid motion `S` (6, 3 k) of nodes that deform freely."""
+
+    S: np.ndarray
+    kind: ClassVar[str] = "average"
+
+    @classmethod
+    def of(cls, mesh: Mesh, name: str) -> AverageInterface:
+        """The interface on the facet set `name`; raises `InputError` where the set does not suit."""
+        plain = BodyInterface.of(mesh, name)
+        return cls(name, plain.nodes, plain.point, mean_motion(mesh, name, plain.point))
+
+    @cached_property
+    def loads(self) -> np.ndarray:
+        """Nodal loads (3 k, a) of its unit loads: here of three forces and three moments."""
+        return self.S.T
+
+
+@dataclass(frozen=True, eq=False)
+class FreeInterface(AverageInterface):
+    """Every node keeps its own displacement; `S` (6, 3 k) is their mean rigid motion."""
+
+    kind: ClassVar[str] = "free"
+
+    @classmethod
+    def of(cls, mesh: Mesh, name: str) -> AverageInterface:
+        """The interface on the facet set `name`; raises `InputError` for more than `MOST_FREE_NODES` nodes."""
+        _refuse_many(name, mesh.facets(name).node_set)
+        return super().of(mesh, name)
+
+    @cached_property
+    def loads(self) -> np.ndarray:
+        """Unit forces on every node (3 k, 3 k)."""
+        return np.eye(3 * len(self.nodes))
+
+
+INTERFACE_KINDS: dict[str, type[BodyInterface]] = {
+    cls.kind: cls for cls in (RigidInterface, AverageInterface, FreeInterface)
+}
+
+
+def body_interfaces(mesh: Mesh, kinds: Mapping[str, str]) -> list[BodyInterface]:
+    """The interfaces on facet sets, {set: kind}.
+
+    Raises `InputError` for an unknown set or kind, nodes that a rigid interface shares with another one, fewer than
+    three nodes off a line, more than `MOST_FREE_NODES` of a free one.
+    """
+    found: list[BodyInterface] = []
+    for name, kind in kinds.items():
+        if kind not in INTERFACE_KINDS:
+            raise unknown_name(f"interface {name!r}: kind", kind, INTERFACE_KINDS)
+        interface = INTERFACE_KINDS[kind].of(mesh, name)
         for other in found:
-            shared = np.intersect1d(nodes, other.nodes)
-            if len(shared):
-                raise InputError(
-                    f"interfaces {other.name!r} and {name!r} share {len(shared)} nodes; a node can follow one rigid "
-                    "interface only: separate the sets, or join them to one interface"
-                )
-        found.append(RigidInterface(name, nodes, reference_point(mesh, name)))
+            if interface.slaved or other.slaved:
+                _refuse_shared(interface, other)
+        found.append(interface)
     return found
 
 
-def reference_point(mesh: Mesh, name: str) -> np.ndarray:
-    """Reference point (3,) [m] of the facet set: area centroid, moved onto the axis where the set is a cylinder."""
-    facets = mesh.facets(name)
+def rigid_interfaces(mesh: Mesh, names: list[str]) -> list[RigidInterface]:
+    """Rigid interfaces on the facet sets `names`, see `body_interfaces`."""
+    found = body_interfaces(mesh, dict.fromkeys(names, RigidInterface.kind))
+    return [i for i in found if isinstance(i, RigidInterface)]
+
+
+def _refuse_shared(interface: BodyInterface, other: BodyInterface) -> None:
+    shared = np.intersect1d(interface.nodes, other.nodes)
+    if len(shared):
+        raise InputError(
+            f"interfaces {other.name!r} and {interface.name!r} share {len(shared)} nodes; a node can follow one rigid "
+            "interface only: separate the sets, or join them to one interface"
+        )
+
+
+def _refuse_many(name: str, nodes: np.ndarray) -> None:
+    if len(nodes) > MOST_FREE_NODES:
+        raise InputError(
+            f"interface {name!r}: kind 'free' keeps three dofs of each of its {len(nodes)} nodes, which is "
+            f"{3 * len(nodes)} attachment modes; at most {MOST_FREE_NODES} nodes are taken: use a smaller set, or kind "
+            "'average' or 'rigid'"
+        )
+
+
+def require_spread(points: np.ndarray, name: str) -> None:
+    """Raises `InputError` where the nodes at `points` (k, 3) of interface `name` leave a rotation undetermined."""
+    extent = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) if len(points) else np.zeros(1)
+    if len(points) < 3 or extent[1] <= COLLINEAR * extent[0]:
+        raise InputError(
+            f"interface {name!r}: at least three nodes that are not on one line are needed to follow a rotation, the "
+            f"set has {len(points)}{'' if len(points) < 3 else ' on a line'}; choose a set with more facets"
+        )
+
+
+def _facet_mass(mesh: Mesh, name: str) -> tuple[Sparse, float, np.ndarray]:
+    """W (n, n) [m2] of one component over all mesh nodes, area [m2], first moment of area (3,) [m3] of a set."""
+    n = len(mesh.points)
+    W = sp.csr_matrix((n, n))
     total, moment = 0.0, np.zeros(3)
-    for kind, nodes in facets.blocks.items():
+    for kind, nodes in mesh.facets(name).blocks.items():
         r = rule(kind, FACET_DEGREE[kind])
         x = mesh.points[nodes]
         tangents = np.einsum("mki,qkd->mqdi", x, r.gradients)
         area = np.linalg.norm(np.cross(tangents[:, :, 0], tangents[:, :, 1]), axis=2) * r.weights
+        local = np.einsum("mq,qa,qb->mab", area, r.values, r.values)
+        k = nodes.shape[1]
+        W = W + sp.coo_matrix((local.ravel(), (np.repeat(nodes, k, axis=1).ravel(), np.tile(nodes, k).ravel())), (n, n))
         total += float(area.sum())
         moment += np.einsum("mq,qk,mki->i", area, r.values, x)
+    return sp.csr_matrix(W), total, moment
+
+
+def mean_motion(mesh: Mesh, name: str, point: np.ndarray) -> np.ndarray:
+    """S (6, 3 k): translation and rotation at `point` (3,) of the rigid motion nearest to the k nodes of the set."""
+    nodes = mesh.facets(name).node_set
+    W, _, _ = _facet_mass(mesh, name)
+    X = rigid_modes(mesh.points[nodes], point)
+    size = float(np.max(np.ptp(mesh.points[nodes], axis=0)))
+    scale = np.repeat([1.0, 1.0 / size], 3)  # rotations times the size are lengths, like translations
+    WX = sp.kron(W[nodes][:, nodes], sp.identity(3), format="csr") @ (X * scale)
+    return scale[:, None] * np.linalg.solve((X * scale).T @ WX, WX.T)
+
+
+def reference_point(mesh: Mesh, name: str) -> np.ndarray:
+    """Reference point (3,) [m] of the facet set: area centroid, moved onto the axis where the set is a cylinder."""
+    _, total, moment = _facet_mass(mesh, name)
     center = moment / total
+    points = mesh.points[mesh.facets(name).node_set]
     try:
-        shape = Cylinder().fitted(mesh.points[facets.node_set])
+        shape = Cylinder().fitted(points)
     except InputError:
         return center
-    size = float(np.max(np.ptp(mesh.points[facets.node_set], axis=0)))
+    size = float(np.max(np.ptp(points, axis=0)))
     if float(shape.radius_at(0.0)) > size:  # a plane set fits a cylinder of any huge radius
         return center
     return shape.axis_point + np.dot(center - shape.axis_point, shape.e_a) * shape.e_a
 
 
-def constraint(points: np.ndarray, interfaces: list[RigidInterface]) -> tuple[Sparse, np.ndarray]:
-    """T (3 n, free + 6 i) and the free nodes: first the dofs of the nodes on no interface, then six of each
-    interface."""
+def constraint(points: np.ndarray, interfaces: Sequence[BodyInterface]) -> tuple[Sparse, np.ndarray]:
+    """T (3 n, free + 6 i) and the free nodes: first the dofs of the nodes on no rigid interface, then six of each."""
     n = len(points)
+    rigid = [i for i in interfaces if i.slaved]
     slaved = np.zeros(n, dtype=bool)
-    for interface in interfaces:
+    for interface in rigid:
         slaved[interface.nodes] = True
     free = np.flatnonzero(~slaved)
     dofs = (3 * free[:, None] + np.arange(3)).ravel()
     blocks = [sp.csr_matrix((np.ones(len(dofs)), (dofs, np.arange(len(dofs)))), shape=(3 * n, len(dofs)))]
-    for interface in interfaces:
-        rows = (3 * interface.nodes[:, None] + np.arange(3)).ravel()
+    for interface in rigid:
         R = sp.coo_matrix(rigid_modes(points[interface.nodes], interface.point))
-        blocks.append(sp.csr_matrix((R.data, (rows[R.row], R.col)), shape=(3 * n, 6)))
+        blocks.append(sp.csr_matrix((R.data, (interface.dofs[R.row], R.col)), shape=(3 * n, 6)))
     return sp.csr_matrix(sp.hstack(blocks, format="csr")), free

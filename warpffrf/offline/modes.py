@@ -24,12 +24,12 @@ SAME_FREQUENCY = 1e-6  # relative distance of frequencies that are one multiple 
 
 
 def vibration_modes(
-    model: ElasticModel, *, count: int | None = None, omega_max: float | None = None
+    model: ElasticModel, *, count: int | None = None, omega_max: float | None = None, residual: float = RESIDUAL
 ) -> tuple[Array, Array]:
     """Lowest elastic modes: `omega` (m,) [rad/s] ascending and M-orthonormal `Phi` (n, m).
 
     `count` modes at least (some more may come), or all up to `omega_max`; both: the fewer. All that the mesh has, if
-    less.
+    less. A mode is accepted when its residual is below `residual` of its eigenvalue.
     """
     if count == 0 or (count is None and omega_max is None):
         return np.zeros(0), np.zeros((model.size, 0), dtype=_dtype(model))
@@ -40,13 +40,13 @@ def vibration_modes(
         if more and len(krylov.H) < 1.15 * checked_at:
             continue
         checked_at = len(krylov.H)
-        nu, Y, residual = krylov.ritz()
+        nu, Y, rest = krylov.ritz()
         wanted = np.ones(len(nu), dtype=bool) if omega_max is None else nu * omega_max**2 >= 1.0
         if count is not None:
             wanted[count:] = False
         m = int(wanted.sum())
-        accurate = bool(np.all(residual[:m] <= RESIDUAL * nu[:m] + ROUND_OFF * nu[0]))
-        beyond = (m < len(nu) and residual[m] <= SEEN_BEYOND * nu[m]) or (count is not None and m == count < len(nu))
+        accurate = bool(np.all(rest[:m] <= residual * nu[:m] + ROUND_OFF * nu[0]))
+        beyond = (m < len(nu) and rest[m] <= SEEN_BEYOND * nu[m]) or (count is not None and m == count < len(nu))
         if not more or (accurate and beyond):
             positive = nu[:m] > EXHAUSTED * nu[0] if len(nu) else np.zeros(0, dtype=bool)
             return 1.0 / np.sqrt(nu[:m][positive]), krylov.Q @ Y[:, :m][:, positive]

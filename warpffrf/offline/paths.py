@@ -58,10 +58,17 @@ def _any_shape(points: np.ndarray) -> Any:
 
 
 def choose_path(
-    mesh: Mesh, interface_sets: list[str], shapes: dict[str, Any], assignment: Assignment | None = None
+    mesh: Mesh,
+    interface_sets: list[str],
+    shapes: dict[str, Any],
+    assignment: Assignment | None = None,
+    reason: str | None = None,
 ) -> PathChoice:
-    """Cyclic where mesh, interfaces and surfaces repeat from sector to sector, else general; never silently."""
-    fault = periodicity_fault(mesh, interface_sets, assignment)
+    """Cyclic where mesh, interfaces and surfaces repeat from sector to sector, else general; never silently.
+
+    `reason`: why the general path is taken in any case; None where it need not be.
+    """
+    fault = reason or periodicity_fault(mesh, interface_sets, assignment)
     patterns: dict[str, FacetPattern] = {}
     if fault is None and mesh.cyclic is not None:
         if mesh.cyclic.sectors < LEAST_SECTORS:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from warpffrf.model.reduced_body import ContactGrid, Recovery
+from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.reduced_body import Interface, Recovery
+from warpffrf.model.tangential import Tangential
 
 
 @dataclass(frozen=True)
@@ -27,7 +30,11 @@ class Limits:
 class SurfaceProduct:
     """Operators of one contact surface, see `ContactSurface`, and what the independence check looks at: the flexible
     compliance `(B psi)^T G (B psi)` of a window of hats, with (`window`) and without (`residual_window`) the global
-    modes' part."""
+    modes' part.
+
+    `observed`, `observed_tangential`: transfer of each observer, by name, of normal and of tangential forces. The grid
+    begins at `first_column` of the `whole_columns` that its plan has.
+    """
 
     grid: ContactGrid
     lags: np.ndarray
@@ -35,22 +42,29 @@ class SurfaceProduct:
     recovery: Recovery
     window: np.ndarray
     residual_window: np.ndarray
+    tangential: Tangential | None = None
+    observed: dict[str, Recovery] = field(default_factory=dict)
+    observed_tangential: dict[str, Recovery] = field(default_factory=dict)
+    first_column: int = 0
+    whole_columns: int = 0
 
 
 @dataclass
 class PathProduct:
-    """Everything that a path computes."""
+    """Everything that a path computes. `observed_modes`: what each observer sees of the global modes, (rows, m), or on
+    the cyclic path `ObservedModes`."""
 
     mass: float
     center: np.ndarray  # (3,) m
     inertia: np.ndarray  # (3, 3) kg m2 about the centre
     omega: np.ndarray  # (m,) rad/s
-    interface_modes: list[np.ndarray]  # (m, 6) each
+    interfaces: dict[str, Interface]
     surfaces: list[SurfaceProduct]
     skin_points: np.ndarray
     skin_triangles: np.ndarray
     skin_modes: np.ndarray  # (m, n, 3)
     facts: dict = field(default_factory=dict)
+    observed_modes: dict[str, Any] = field(default_factory=dict)
 
 
 def mass_properties(J: np.ndarray, origin: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:

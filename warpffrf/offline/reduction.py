@@ -6,39 +6,40 @@ import logging
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
 import warpffrf.offline.cache as body_cache
-from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.bases import Basis
+from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.reduced_body import (
-    ContactSurface,
-    DisplaySurface,
-    Interface,
-    ReducedBody,
-    library_versions,
-)
+from warpffrf.model.mesh.periodicity import detect
+from warpffrf.model.reduced_body import ContactSurface, DisplaySurface, ReducedBody, library_versions
 from warpffrf.offline.cell_depth import depth_ratio, depth_warning, layer_depth
-from warpffrf.offline.contact_grid import facet_chart
-from warpffrf.offline.cyclic import reduce_cyclic
+from warpffrf.offline.checkpoint import Checkpoint
+from warpffrf.offline.cyclic import axes_of, reduce_cyclic
+from warpffrf.offline.expected_contact import expected_grids, promised, spacings
 from warpffrf.offline.general import reduce_general
+from warpffrf.offline.grid_rule import GridChoice
 from warpffrf.offline.independence import INDEPENDENCE, check_independence, eigenvalue_ratio, trace_ratio
-from warpffrf.offline.interfaces import rigid_interfaces
-from warpffrf.offline.materials import assign, facet_material
-from warpffrf.offline.paths import choose_path, resolve_shapes
-from warpffrf.offline.products import Limits, PathProduct, SurfaceProduct
+from warpffrf.offline.interfaces import body_interfaces
+from warpffrf.offline.materials import Assignment, assign, facet_material
+from warpffrf.offline.paths import PathChoice, choose_path, resolve_shapes
+from warpffrf.offline.products import PathProduct, SurfaceProduct
 from warpffrf.offline.progress import Progress
+from warpffrf.offline.quality import quality
+from warpffrf.offline.settings import Settings
+from warpffrf.offline.stress import stress_plans
+from warpffrf.offline.stress_fields import StressRecovery
+from warpffrf.offline.traction_fields import ContactFacets
 
 logger = logging.getLogger("warpffrf.offline")
-INTERFACE_KINDS = ("rigid",)
-BASES = ("free_free",)
 LIBRARIES = ("warpffrf", "numpy", "scipy", "scikit-fem")
 # Small dense systems by the thousand: the threads of a BLAS wait for each other. The vibration modes of a roller of
-# 302,400 dofs took 0.09 s with one thread and 0.52 s with two.
+# 302,400 dofs took 0.09 s with one thread and 0.52 s with two. Threads work on harmonics, subtrees and blocks instead.
 BLAS_THREADS = 1
 
 
@@ -48,10 +49,17 @@ def reduce(
     *,
     interfaces: Mapping[str, str] | None = None,
     contact: Mapping[str, Any] | None = None,
-    basis: str = "free_free",
+    basis: str | Basis = "free_free",
     max_frequency: float | None = None,
     modes: int | None = None,
     traction_spacing: float | None = None,
+    expected_half_width: float | None = None,
+    contact_error: float = 0.01,
+    traction: str = "hats",
+    tangential: bool | str = False,
+    stress: Mapping[str, Any] | None = None,
+    periodic: bool | None = None,
+    solver: str | None = None,
     memory_limit: float | None = None,
     cache: bool = True,
     progress: bool = True,
@@ -61,102 +69,183 @@ def reduce(
     Parameters
     ----------
     mesh: the body; its frame is the body's user frame.
-    material: one material, or {cell set: Material} that covers every cell once. A mesh made of matrices needs none.
-    interfaces: {facet set: "rigid"}; the nodes of a rigid interface move as one rigid body.
+    material: one material, or {cell set: Material} that covers every cell once (`mesh.materials` where a file brought
+        them). A mesh made of matrices needs none.
+    interfaces: {facet set: kind}. "rigid": the nodes move as one rigid body (RBE2); "average": the interface is the
+        mean motion of nodes that deform freely (RBE3); "free": every node keeps its own displacement.
     contact: {facet set: shape}, a `warpffrf.surfaces` shape, or None to have a cylinder or crowned cylinder fitted.
-    basis: "free_free": free-free vibration modes and inertia-relief attachment modes of the interfaces.
-    max_frequency [Hz], modes: vibration modes up to this frequency, or this many, or the fewer of both; neither:
-        none, the attachment modes alone. A pair of equal frequencies is never split (`report["notes"]` says so).
+    basis: where the global modes come from: a name or options of `warpffrf.bases`. "free_free": vibration modes of the
+        free body and inertia-relief attachment modes of the interfaces.
+    max_frequency [Hz], modes: for "free_free" vibration modes up to this frequency, or this many, or the fewer of both;
+        neither: none, the attachment modes alone. A pair of equal frequencies is never split (`report["notes"]` says
+        so). The other bases say what they mean there.
     traction_spacing [m]: spacing of the contact grid; None: the surface nodes of a structured mesh, else the longest
         facet edge.
-    memory_limit [byte]: bound for dense operators and blocks of right-hand sides of the general path; None: 4 GiB.
-    cache: look the result up in, and put it into, the user's cache.
+    expected_half_width [m], contact_error: instead of a spacing, the half-width of the smallest patch that matters and
+        the error of the contact force that the grid may make there; see `contact_spacing` for the rule.
+    traction, tangential: functions of the normal tractions on that grid, "hats" or "cells", and of two tangential
+        directions: False (none), True ("cells"), "hats" or "cells".
+    stress: {name: points} where stresses can be asked for later (`Result.stress`): points (p, 3) [m], the name of a
+        facet set, "skin", "all", or `StressPoints` for one side of an interface between materials.
+    periodic: None: rotational periodicity is used, and looked for in meshes that do not state it; False: never.
+    solver: a name of the installed direct solvers for large systems; None: the default, `report["solver"]`.
+    memory_limit [byte]: bound for factors, dense operators and blocks of right-hand sides of the general path together;
+        None: 8 GiB.
+    cache: look the result up in, and put it into, the user's cache. An interrupted reduction leaves a work file there,
+        and goes on from it when called again.
     progress: a bar on a terminal.
 
-    The static response to every load in the span of the hats is exact for any number of modes. A rotationally
-    periodic mesh is reduced harmonic by harmonic, any other by one factorisation; `report["path"]` tells which, and
-    why. Linear algebra runs on one thread (`report["blas_threads"]`). What makes a result doubtful, such as cells too
-    deep for the contact grid, is put into `report["warnings"]` and logged. Raises `InputError` for bad settings,
-    unknown sets, facets that do not fit their shape, a contact grid finer than the mesh.
+    The static response to every load in the span of the traction functions and on the interfaces is exact for any
+    number of modes. A rotationally periodic mesh is reduced harmonic by harmonic, any other by one factorisation;
+    `report["path"]` tells which, and why. `report["quality"]` holds what is known of the body's quality. What makes a
+    result doubtful, such as cells too deep for the contact grid, is put into `report["warnings"]` and logged. Raises
+    `InputError` for bad settings, unknown sets, facets that do not fit their shape, a contact grid finer than the mesh,
+    a memory limit too small for one unit load.
     """
     start = time.perf_counter()
-    kinds = dict(interfaces or {})
-    shapes = dict(contact or {})
-    limits = _checked(mesh, kinds, shapes, basis, max_frequency, modes, traction_spacing, memory_limit)
-    assignment = assign(mesh, material)
-    settings = {
-        "mesh": mesh.content_hash(),
-        "material": _material_settings(material),
-        "interfaces": kinds,
-        "contact": {name: None if s is None else s.describe() for name, s in shapes.items()},
-        "basis": basis,
-        "max_frequency": max_frequency,
-        "modes": modes,
-        "traction_spacing": traction_spacing,
-        "memory_limit": memory_limit,
-    }
-    key = body_cache.cache_key(settings)
+    if not isinstance(mesh, Mesh):
+        raise InputError(f"reduce: a mesh is needed, from mesh.roller, mesh.read or mesh.from_matrices, got {mesh!r}")
+    settings = Settings.of(
+        material=material,
+        interfaces=interfaces,
+        contact=contact,
+        basis=basis,
+        max_frequency=max_frequency,
+        modes=modes,
+        traction_spacing=traction_spacing,
+        expected_half_width=expected_half_width,
+        contact_error=contact_error,
+        traction=traction,
+        tangential=tangential,
+        stress=stress,
+        periodic=periodic,
+        solver=solver,
+        memory_limit=memory_limit,
+    )
+    settings.check_against(mesh)
+    assign(mesh, material)
+    described = settings.describe(mesh)
+    key = body_cache.cache_key(described)
     if cache and (body := body_cache.load_cached(key)) is not None:
         body.report["cached"] = True
         body.report["seconds_cached"] = time.perf_counter() - start
         logger.info("reduced body taken from the cache, %.2f s", body.report["seconds_cached"])
         _log_warnings(body)
         return body
+    with one_thread(), Checkpoint(body_cache.work_file(key) if cache else None) as checkpoint:
+        body = _reduced(mesh, settings, checkpoint, Progress(progress))
+        body.provenance.update(settings=described, key=key, versions=library_versions(LIBRARIES))
+        body.provenance["content_hash"] = body.content_hash()
+        body.report["seconds"] = time.perf_counter() - start
+        _log_warnings(body)
+        if cache and (fault := body_cache.store(key, body)):
+            body.report["warnings"].append(fault)
+    return body
 
-    stages = Progress(progress)
-    with one_thread():
-        with stages.stage("mesh check"):
-            mesh.check()
-        rigid = rigid_interfaces(mesh, list(kinds))
-        resolved = resolve_shapes(mesh, shapes)
-        choice = choose_path(mesh, list(kinds), resolved, assignment)
-        if choice.patterns is not None:
-            surfaces = [(name, choice.shapes[name], choice.patterns[name]) for name in shapes]
-            product = reduce_cyclic(mesh, assignment, rigid, surfaces, limits, traction_spacing, stages)
-            path = "cyclic"
-        else:
-            named = [(name, choice.shapes[name]) for name in shapes]
-            limit = None if memory_limit is None else int(memory_limit)
-            product = reduce_general(mesh, assignment, rigid, named, limits, traction_spacing, limit, stages)
-            path = "general"
-        report = _report(product, path, choice.reason, mesh, stages)
-        surfaces_out = {}
-        for (name, shape), s in zip(choice.shapes.items(), product.surfaces, strict=True):
-            report["contact"][name], warnings = _judged(mesh, name, shape, s)
-            report["warnings"] += warnings
-            surfaces_out[name] = ContactSurface(name, shape, s.grid, s.lags, s.mode_normal, s.recovery)
-    if len(surfaces_out) > 1:
+
+def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Progress) -> ReducedBody:
+    """The reduction itself; `given` is the mesh as the user has it."""
+    with stages.stage("mesh check"):
+        given.check()
+        mesh, found = _periodic(given, settings)
+    assignment = assign(mesh, settings.material)
+    shapes = resolve_shapes(mesh, settings.contact)
+    joints = body_interfaces(mesh, settings.interfaces)
+    choice = choose_path(mesh, list(settings.interfaces), shapes, assignment, settings.general_reason or found.reason)
+    cyclic = choice.patterns is not None
+    plans = stress_plans(mesh, assignment, settings.stress, choice.shapes)
+    recovery = StressRecovery(plans, axes_of(mesh) if cyclic else None)
+    expected = expected_grids(mesh, choice.shapes, settings)
+    product = _product(mesh, assignment, settings, joints, choice, expected, recovery, checkpoint, stages)
+
+    report = _report(product, choice, given, settings, stages)
+    report["notes"] += found.notes
+    surfaces: dict[str, ContactSurface] = {}
+    for (name, shape), s in zip(choice.shapes.items(), product.surfaces, strict=True):
+        report["contact"][name], warnings = _judged(mesh, name, shape, s)
+        report["warnings"] += warnings
+        if name in expected:
+            kept = promised(expected[name], s.grid, shape)
+            report["contact"][name]["expected"] = kept.facts()
+            report["warnings"] += [text for text in [expected[name].warning(name)] if text]
+        surfaces[name] = ContactSurface(name, shape, s.grid, s.lags, s.mode_normal, s.recovery, s.tangential)
+    if len(surfaces) > 1:
         report["notes"].append(
             "a load on one contact surface moves another through the global modes only: the local modes of different "
             "surfaces are not coupled"
         )
-    report["seconds"] = time.perf_counter() - start
+    materials = {name: facet_material(mesh, mesh.facets(name), assignment) for name in settings.contact}
     body = ReducedBody(
         mass=product.mass,
         center_of_mass=product.center,
         inertia=product.inertia,
         frequencies=product.omega / (2.0 * np.pi),
-        interfaces={
-            i.name: Interface(kinds[i.name], i.point, m) for i, m in zip(rigid, product.interface_modes, strict=True)
-        },
-        contact_surfaces=surfaces_out,
+        interfaces=product.interfaces,
+        contact_surfaces=surfaces,
         surface=DisplaySurface(product.skin_points, product.skin_triangles, product.skin_modes),
+        stress=recovery.fields(product, surfaces),
         report=report,
         provenance={
             "mesh_name": mesh.name,
-            "settings": settings,
-            "contact_materials": {
-                name: _described(facet_material(mesh, mesh.facets(name), assignment)) for name in shapes
-            },
-            "key": key,
-            "versions": library_versions(LIBRARIES),
+            "contact_materials": {name: None if m is None else asdict(m) for name, m in materials.items()},
         },
     )
-    body.provenance["content_hash"] = body.content_hash()
-    _log_warnings(body)
-    if cache and (fault := body_cache.store(key, body)):
-        report["warnings"].append(fault)
+    report["quality"] = quality(body, product.surfaces, settings.limits)
     return body
+
+
+@dataclass(frozen=True)
+class _Found:
+    """What the search for periodicity says: why there is none, and notes where there is one."""
+
+    reason: str | None = None
+    notes: tuple[str, ...] = ()
+
+
+def _periodic(mesh: Mesh, settings: Settings) -> tuple[Mesh, _Found]:
+    """The mesh numbered by sectors where periodicity may be used and is found, else the mesh itself."""
+    if mesh.cyclic is not None or not mesh.cells or settings.general_reason is not None:
+        return mesh, _Found()
+    materials = settings.material if isinstance(settings.material, Mapping) else {}
+    detection = detect(mesh, whole=[*settings.interfaces, *materials])
+    if detection.mesh is None or detection.mesh.cyclic is None:
+        return mesh, _Found(detection.reason)
+    move = f", nodes moved by up to {detection.largest_move:.2g} m" if detection.largest_move > 0.0 else ""
+    return detection.mesh, _Found(notes=(f"found to be periodic: {detection.mesh.cyclic.sectors} sectors{move}",))
+
+
+def _product(
+    mesh: Mesh,
+    assignment: Assignment,
+    settings: Settings,
+    joints: list[Any],
+    choice: PathChoice,
+    expected: dict[str, GridChoice],
+    recovery: StressRecovery,
+    checkpoint: Checkpoint,
+    stages: Progress,
+) -> PathProduct:
+    """What the chosen path computes."""
+    how: dict[str, Any] = {
+        "traction": settings.traction,
+        "tangential": settings.tangential,
+        "observers": recovery.observers(),
+    }
+    spacing = spacings(mesh, choice.shapes, settings, expected)
+    limits = settings.limits
+    if choice.patterns is not None:
+        most = 3 * (len(mesh.points) - sum(len(i.nodes) for i in joints)) + 6 * len(joints) - 6
+        if limits.count is not None and limits.count > most:
+            raise InputError(
+                f"basis {settings.basis.kind!r}: {limits.count} vibration modes are more than the model has ({most}); "
+                "ask for fewer, or refine the mesh"
+            )
+        cyclic = [(name, shape, choice.patterns[name]) for name, shape in choice.shapes.items()]
+        return reduce_cyclic(mesh, assignment, joints, cyclic, limits, spacing, stages, **how)
+    how |= {"solver": settings.solver, "checkpoint": checkpoint}
+    named = list(choice.shapes.items())
+    memory = settings.memory_limit
+    return reduce_general(mesh, assignment, joints, named, settings.basis, limits, spacing, memory, stages, **how)
 
 
 @contextmanager
@@ -171,7 +260,7 @@ def one_thread() -> Iterator[None]:
 
 def _judged(mesh: Mesh, name: str, shape: Any, s: SurfaceProduct) -> tuple[dict[str, Any], list[str]]:
     """Figures of a contact surface for the report, and warnings; raises `InputError` where its hats depend."""
-    edge = facet_chart(mesh.points, *mesh.facets(name).single, shape).edge
+    edge = ContactFacets.of(mesh.points, mesh.facets(name), shape).chart.edge
     traces = trace_ratio(mesh, name, shape, s.grid)
     ratio = check_independence(traces, s.window, name, edge)
     residual = eigenvalue_ratio(s.residual_window)
@@ -204,73 +293,24 @@ def _log_warnings(body: ReducedBody) -> None:
         logger.warning("%s", text)
 
 
-def _described(material: Material | None) -> dict[str, Any] | None:
-    """Plain data of a material."""
-    return None if material is None else asdict(material)
-
-
-def _material_settings(material: Material | Mapping[str, Material] | None) -> Any:
-    """Plain data of what was given, for the cache key: names of materials do not count."""
-    if isinstance(material, Material):
-        return [material.youngs_modulus, material.poisson_ratio, material.density]
-    return None if material is None else {name: _material_settings(one) for name, one in material.items()}
-
-
-def _checked(
-    mesh: Mesh,
-    kinds: dict[str, str],
-    shapes: dict[str, Any],
-    basis: str,
-    max_frequency: float | None,
-    modes: int | None,
-    spacing: float | None,
-    memory_limit: float | None,
-) -> Limits:
-    """Refuse settings that cannot be used; returns the limits of the vibration modes."""
-    if not isinstance(mesh, Mesh):
-        raise InputError(
-            f"reduce: a mesh is needed, made by mesh.roller, mesh.read or mesh.from_matrices, got {mesh!r}"
-        )
-    for name, kind in kinds.items():
-        mesh.facets(name)
-        if kind not in INTERFACE_KINDS:
-            raise InputError(
-                f"interface {name!r}: kind {kind!r} is not available, use one of {', '.join(INTERFACE_KINDS)}"
-            )
-    for name, shape in shapes.items():
-        mesh.facets(name)
-        if name in kinds:
-            raise InputError(f"set {name!r} cannot be a rigid interface and a contact surface at once; use two sets")
-        if shape is not None and not hasattr(shape, "fitted"):
-            raise InputError(f"contact {name!r}: {shape!r} is no surface shape; use surfaces.Cylinder() or None")
-    if basis not in BASES:
-        raise InputError(f"basis {basis!r} is not available, use one of {', '.join(BASES)}")
-    omega_max = None
-    if max_frequency is not None:
-        omega_max = 2.0 * np.pi * require_number(max_frequency, "reduce: max_frequency", positive=True)
-    count = None if modes is None else require_count(modes, "reduce: modes", 0)
-    if spacing is not None:
-        require_number(spacing, "reduce: traction_spacing", positive=True)
-    if memory_limit is not None:
-        require_number(memory_limit, "reduce: memory_limit", positive=True)
-    return Limits(count, omega_max)
-
-
-def _report(product: PathProduct, path: str, reason: str, mesh: Mesh, stages: Progress) -> dict[str, Any]:
+def _report(
+    product: PathProduct, choice: PathChoice, mesh: Mesh, settings: Settings, stages: Progress
+) -> dict[str, Any]:
     facts = dict(product.facts)
-    notes = facts.pop("notes", [])
+    notes = [*mesh.notes, *facts.pop("notes", [])]
     dropped = facts.get("dependent_directions_dropped", 0)
     if dropped:
-        notes = [*notes, f"{dropped} dependent direction(s) of attachment and vibration modes were dropped"]
+        notes.append(f"{dropped} dependent direction(s) of attachment and vibration modes were dropped")
+    known = settings.material if isinstance(settings.material, Material | Mapping) else None
     return {
-        "path": path,
-        "path_reason": reason,
+        "path": "general" if choice.patterns is None else "cyclic",
+        "path_reason": choice.reason,
         "nodes": len(mesh.points),
         "dofs": 3 * len(mesh.points),
         "stage_seconds": dict(stages.seconds),
         "contact": {},
         "notes": notes,
-        "warnings": list(mesh.report().warnings),
+        "warnings": list(mesh.report(known).warnings),
         "cached": False,
         "blas_threads": BLAS_THREADS,
         **facts,

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.reduced_body import GAUSS_PER_ROW
+from warpffrf.model.contact_grid import GAUSS_PER_ROW
 from warpffrf.output.skin import grid_theta_offset, rotate
 
 

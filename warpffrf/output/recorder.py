@@ -1,4 +1,4 @@
-"""A rerun recording of a run: the only module that imports rerun.
+"""A rerun recording of a run: one of the two modules that import rerun (`show` is the other).
 
 Entities: `/world/<body>` carries the rigid motion as a transform, its child `surface` the deforming skin in the user
 frame with the displacement times the deformation factor, coloured by displacement;

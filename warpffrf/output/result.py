@@ -6,7 +6,7 @@ from __future__ import annotations
 import os
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from warpffrf.online.history import BodyHistory, History, JointHistory
 from warpffrf.output.contact_result import ContactResult
 from warpffrf.output.scene_view import SceneView, scene_view
 from warpffrf.output.skin import Skin
+
+if TYPE_CHECKING:
+    from warpffrf.output.stress import StressResult
 
 
 class Result:
@@ -77,6 +80,16 @@ class Result:
             for name, body in self.view.bodies.items()
             if body.reduced is not None
         }
+
+    def stress(self, body: str, points: str) -> StressResult:
+        """Stress [Pa] of the body at the `points` that were named when it was reduced (`reduce(..., stress={name:
+        points})`), at every saved step: `.tensor` (T, p, 6), `.von_mises`, `.principal`, `.max_shear`.
+
+        Raises InputError for a body without stress points of that name; the message lists those there are.
+        """
+        from warpffrf.output.stress import stress_result
+
+        return stress_result(self, body, points)
 
     @cached_property
     def energy_scale(self) -> float:

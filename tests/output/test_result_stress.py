@@ -1,0 +1,153 @@
+"""Stress of a run: the parts of both bodies of a pair, invariants in closed form, and names that do not exist."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from synthetic_run import COLUMNS, MODES, ROWS, make_history, roller
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.reduced_body import Recovery
+from warpffrf.model.stress_field import (
+    GridSpan,
+    LoadStress,
+    StressField,
+    from_tensor,
+    max_shear,
+    principal,
+    rotated,
+    to_tensor,
+    von_mises,
+)
+from warpffrf.output.result import Result
+from warpffrf.output.scene_view import SceneView
+from warpffrf.output.skin import spread
+
+POINTS = 4
+SINGLE = 1e-6  # transfers in single precision
+
+
+@pytest.fixture(scope="module")
+def stressed():
+    """The synthetic roller with made-up stress operators of full rank at four points."""
+    body = roller()
+    rng = np.random.default_rng(3)
+    hats = COLUMNS * ROWS
+    transfer = Recovery(rng.standard_normal((1, 6 * POINTS, hats)).astype(np.float32), 1, np.eye(3))
+    own = sp.csr_matrix(rng.standard_normal((6 * POINTS, hats)) * (rng.random((6 * POINTS, hats)) < 0.2))
+    surface = LoadStress(body.contact_surfaces["rim"], transfer, own, GridSpan(0, COLUMNS, True))
+    field = StressField(
+        "here",
+        rng.standard_normal((POINTS, 3)),
+        rng.standard_normal((MODES, POINTS, 6)).astype(np.float32),
+        {"rim": surface},
+        {},
+        np.arange(POINTS),
+        np.zeros(POINTS, dtype=int),
+    )
+    return replace(body, stress={"here": field})
+
+
+def test_stress_is_modes_response_and_traction(stressed) -> None:
+    history = make_history(stressed)
+    result = Result(history)
+    field = stressed.stress["here"]
+    s, contact = stressed.contact_surfaces["rim"], history.contacts["lower-upper"]
+    gram = np.kron(s.grid.gram_theta(), s.gram_z)
+    for name in ("lower", "upper"):
+        found = result.stress(name, "here")
+        assert found.tensor.shape == (len(history.time), POINTS, 6)
+        assert np.array_equal(found.time, history.time) and np.array_equal(found.points, field.points)
+        for i in (0, 4, 8):
+            if name == "lower":
+                coefficients = -spread(s, contact.first_column[i], contact.pressure[i]).ravel()
+                forces = gram @ coefficients
+            else:
+                forces = -spread(s, contact.first_column_second[i], contact.load_second[i]).ravel()
+                coefficients = np.linalg.solve(gram, forces)
+            q = history.bodies[name].modal[i]
+            part = field.normal["rim"]
+            expected = np.tensordot(q, field.modes, axes=1).ravel() + part.transfer.transfer[0] @ forces
+            expected = (expected + part.own @ coefficients).reshape(-1, 6)
+            assert np.abs(found.tensor[i] - expected).max() < SINGLE * np.abs(expected).max()
+    assert found.von_mises.shape == (len(history.time), POINTS)
+    assert found.principal.shape == (len(history.time), POINTS, 3)
+    assert found.max_shear == pytest.approx(0.5 * (found.principal[..., 0] - found.principal[..., 2]))
+
+
+def test_loads_of_several_pairs_on_one_surface_add(stressed) -> None:
+    history = make_history(stressed)
+    scene = history.scene
+    assert isinstance(scene, SceneView)
+    pair = scene.pairs["lower-upper"]
+    once = Result(history).stress("lower", "here").tensor
+    modes = Result(replace(history, contacts={}, scene=replace(scene, pairs={}))).stress("lower", "here").tensor
+    twice = replace(
+        history,
+        contacts={**history.contacts, "again": history.contacts["lower-upper"]},
+        scene=replace(scene, pairs={"lower-upper": pair, "again": replace(pair, name="again")}),
+    )
+    found = Result(twice).stress("lower", "here").tensor
+    assert np.abs(found - modes - 2.0 * (once - modes)).max() < SINGLE * np.abs(once).max()
+
+
+def test_unknown_names_are_listed(stressed) -> None:
+    result = Result(make_history(stressed))
+    with pytest.raises(InputError, match=r"no stress points called 'bore'; it has: 'here'.*reduce\(\.\.\., stress="):
+        result.stress("lower", "bore")
+    with pytest.raises(InputError, match="no body called 'middle'; it has: 'lower', 'upper'"):
+        result.stress("middle", "here")
+    bare = Result(make_history(roller()))
+    with pytest.raises(InputError, match="no stress points called 'here'; it has: none"):
+        bare.stress("lower", "here")
+
+
+# --- invariants ---
+
+
+def test_invariants_of_plain_states() -> None:
+    pull = np.array([2.0, 0, 0, 0, 0, 0])
+    shear = np.array([0, 0, 0, 0, 3.0, 0])
+    pressure = np.array([-5.0, -5.0, -5.0, 0, 0, 0])
+    states = np.stack([pull, shear, pressure])
+    assert von_mises(states) == pytest.approx([2.0, 3.0 * np.sqrt(3.0), 0.0])
+    assert principal(states) == pytest.approx(np.array([[2, 0, 0], [3, 0, -3], [-5, -5, -5.0]]), abs=1e-12)
+    assert max_shear(states) == pytest.approx([1.0, 3.0, 0.0], abs=1e-12)
+
+
+def test_invariants_do_not_turn() -> None:
+    rng = np.random.default_rng(0)
+    stress = rng.standard_normal((7, 6))
+    Q, _ = np.linalg.qr(rng.standard_normal((3, 3)))
+    turned = rotated(stress, Q)
+    assert von_mises(turned) == pytest.approx(von_mises(stress))
+    assert principal(turned) == pytest.approx(principal(stress))
+    assert from_tensor(to_tensor(stress)) == pytest.approx(stress)
+    deviator = to_tensor(stress) - np.trace(to_tensor(stress), axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
+    assert von_mises(stress) == pytest.approx(np.sqrt(1.5 * np.sum(deviator**2, axis=(1, 2))))
+
+
+# --- the Gram matrix behind the traction ---
+
+
+@pytest.mark.parametrize("closed", [True, False])
+def test_traction_coefficients_invert_the_gram_matrix(closed: bool) -> None:
+    """A full turn, and an arc with half hats at both ends of which the grid is a part."""
+    rng = np.random.default_rng(1)
+    columns, rows, pitch, first = 9, 3, 0.1, 2
+    gram_z = np.diag([2.0, 4.0, 2.0]) + 0.5 * (np.eye(3, k=1) + np.eye(3, k=-1))
+    hats = pitch / 6.0 * (4.0 * np.eye(columns) + np.eye(columns, k=1) + np.eye(columns, k=-1))
+    if closed:
+        hats[0, -1] = hats[-1, 0] = pitch / 6.0
+    else:
+        hats[0, 0] = hats[-1, -1] = pitch / 3.0
+    forces = rng.standard_normal((2, 5, rows))
+    whole = np.zeros((2, columns, rows))
+    whole[:, first : first + 5] = forces
+    found = GridSpan(first, columns, closed).coefficients(forces, "hats", pitch, gram_z)
+    assert hats @ found @ gram_z == pytest.approx(whole, abs=1e-12)
+    found = GridSpan(first, columns, closed).coefficients(forces, "cells", pitch, np.diag(np.diag(gram_z)))
+    assert pitch * found * np.diag(gram_z) == pytest.approx(whole, abs=1e-12)

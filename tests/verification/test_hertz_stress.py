@@ -1,0 +1,147 @@
+"""Stress under Hertz's line contact: the maximum shear 0.3003 p0 at 0.786 a below the surface (VERIFICATION C1).
+
+Closed form on the axis of symmetry, plane strain (K. L. Johnson, Contact Mechanics, 1985, section 4.2), depth z
+in units of a: sigma_x = -p0 ((1 + 2 z^2)/sqrt(1 + z^2) - 2 z), sigma_z = -p0/sqrt(1 + z^2), and sigma_y = nu (sigma_x +
+sigma_z) between them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.sparse.linalg as spla
+
+from warpffrf.model.mesh import FacetSet, Mesh, roller
+from warpffrf.model.mesh.elements import cell_kind
+from warpffrf.model.stress_field import max_shear
+from warpffrf.model.surfaces import Cylinder
+from warpffrf.offline import reduce
+from warpffrf.offline.assembly import assemble
+from warpffrf.offline.materials import assign
+from warpffrf.offline.stress import StressPlan
+from warpffrf.study.rollers import PAIR, STEEL, Path, solve_path
+from warpffrf.study.rolling import approach_for, window_for
+
+SHEAR, DEPTH = 0.3003, 0.786
+ELEMENTS = 8  # in a half-width
+VALUE_ERROR, DEPTH_ERROR = 0.03, 0.05  # what stress recovery promises at that size
+
+
+def closed_form(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """sigma_x and sigma_z over p0 at depth z/a."""
+    w = np.sqrt(1.0 + z**2)
+    return 2.0 * z - (1.0 + 2.0 * z**2) / w, -1.0 / w
+
+
+def largest(depth: np.ndarray, shear: np.ndarray) -> tuple[float, float]:
+    """Depth and value of the maximum of a smooth curve through the samples beside it: the maximum is flat (5 % of depth
+    change it by 0.1 %), and the interpolated stress has its kinks at the nodes."""
+    near = (depth > 0.45) & (depth < 1.25)
+    curve = np.polynomial.Polynomial.fit(depth[near], shear[near], 4)
+    fine = np.linspace(0.5, 1.2, 701)
+    values = curve(fine)
+    return float(fine[np.argmax(values)]), float(values.max())
+
+
+def test_curve_finds_the_maximum_of_the_closed_form() -> None:
+    z = np.linspace(0.3, 1.5, 49)
+    x, y = closed_form(z)
+    assert largest(z, 0.5 * (x - y)) == pytest.approx((DEPTH, SHEAR), rel=3e-3)
+
+
+# --- a block under the given pressure ---
+
+
+def spaced(fine: float, until: float, end: float, growth: float) -> np.ndarray:
+    """Positions from 0: steps `fine` up to `until`, then growing up to `end`."""
+    x, step = list(np.arange(0.0, until + 0.5 * fine, fine)), fine
+    while x[-1] < end:
+        step *= growth
+        x.append(x[-1] + step)
+    return np.array(x)
+
+
+def half_plane() -> Mesh:
+    """A block of unit half-width: 8 hex8 cells in it, 100 half-widths to its sides and its ground, one cell along y."""
+    side = spaced(1.0 / ELEMENTS, 1.5, 100.0, 1.3)
+    x, y, z = np.concatenate([-side[:0:-1], side]), np.array([0.0, 0.2]), -side[::-1]
+    points = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
+    i, j, k = (v.ravel() for v in np.meshgrid(*(np.arange(len(v) - 1) for v in (x, y, z)), indexing="ij"))
+    at = np.rint((cell_kind("hex8").nodes + 1.0) / 2.0).astype(int)
+    cells = ((i[:, None] + at[:, 0]) * 2 + j[:, None] + at[:, 1]) * len(z) + k[:, None] + at[:, 2]
+    (faces,) = cell_kind("hex8").faces.values()
+    return Mesh(points, {"hex8": cells}, {"top": FacetSet({"quad4": cells[k == len(z) - 2][:, faces[5]]})})
+
+
+def test_block_under_hertz_pressure() -> None:
+    mesh = half_plane()
+    assignment = assign(mesh, STEEL)
+    K, _ = assemble(mesh.points, mesh.cells, assignment)
+    # the nodes of the top share the pressure as hats along x, alike on both ends of the cell along y
+    top = mesh.facets("top").node_set
+    x = np.unique(mesh.points[top, 0])
+    fine = np.linspace(-1.0, 1.0, 20_001)
+    p = np.sqrt(1.0 - fine**2) * (fine[1] - fine[0])
+    load = np.array([np.sum(p * np.interp(fine, x, e)) for e in np.eye(len(x))]) * 0.1
+    f = np.zeros((len(mesh.points), 3))
+    f[top, 2] = -load[np.searchsorted(x, mesh.points[top, 0])]
+    free = np.ones_like(f, dtype=bool)
+    free[:, 1] = False  # plane strain
+    free[mesh.points[:, 2] == mesh.points[:, 2].min()] = False
+    u = np.zeros(f.size)
+    dofs = np.flatnonzero(free.ravel())
+    u[dofs] = spla.splu(K[dofs][:, dofs].tocsc()).solve(f.ravel()[dofs])
+
+    depth = np.linspace(0.3, 1.5, 49)
+    line = np.stack([0.0 * depth, 0.0 * depth + 0.1, -depth], axis=1)
+    stress = (StressPlan(mesh, assignment, "line", line).operator() @ u).reshape(-1, 6)
+    at, value = largest(depth, max_shear(stress))
+    assert value == pytest.approx(SHEAR, rel=VALUE_ERROR)
+    assert at == pytest.approx(DEPTH, rel=DEPTH_ERROR)
+    sx, sz = closed_form(depth)
+    assert np.abs(stress[:, 0] - sx).max() < 0.02 and np.abs(stress[:, 2] - sz).max() < 0.02
+
+
+# --- two rollers, from the mesh to the result ---
+
+
+@pytest.mark.slow
+def test_two_rollers() -> None:
+    """a = 0.42 mm on R = 50 mm: what the round body adds to the half-plane, about a/(2 R) p0, is below 1 % of p0."""
+    sectors, R = 6000, 0.05
+    a = ELEMENTS * 2.0 * np.pi * R / sectors
+    depth = np.linspace(0.3, 1.5, 49) * a
+    line = np.stack([0.0 * depth, 0.0 * depth, R - depth], axis=1)
+    across = np.linspace(-0.9, 0.9, 19) * a / R
+    top = R * np.stack([np.sin(across), 0.0 * across, np.cos(across)], axis=1)
+    mesh = roller(R, 0.015, 0.02, sectors=sectors, layers=50, axial=1, grading=1.08, order=1)
+    body = reduce(
+        mesh,
+        STEEL,
+        interfaces={"bore": "rigid"},
+        contact={"rim": Cylinder()},
+        stress={"line": line, "top": top, "from below": -line},
+        cache=False,
+        progress=False,
+    )
+    approach = approach_for(body, ELEMENTS, samples=4)[0]
+    result = solve_path(body, body, Path.of([approach]), settings=window_for(body, ELEMENTS))
+    hertz = result.contact(PAIR).hertz(0)
+    a, p0 = hertz.half_width, hertz.peak_pressure
+    assert a * sectors / (2.0 * np.pi * R) == pytest.approx(ELEMENTS, rel=0.02)
+    found = result.stress("lower", "line")
+    at, value = largest(depth / a, found.max_shear[0] / p0)
+    assert value == pytest.approx(SHEAR, rel=VALUE_ERROR)
+    assert at == pytest.approx(DEPTH, rel=DEPTH_ERROR)
+    sx, sz = closed_form(depth / a)
+    assert np.abs(found.tensor[0, :, 0] / p0 - sx).max() < 0.015
+    assert np.abs(found.tensor[0, :, 2] / p0 - sz).max() < 0.015
+    # the second body of the pair, whose load is the pressure of the first projected on its own hats
+    at, value = largest(depth / a, result.stress("upper", "from below").max_shear[0] / p0)
+    assert value == pytest.approx(SHEAR, rel=VALUE_ERROR)
+    assert at == pytest.approx(DEPTH, rel=DEPTH_ERROR)
+    # on the surface sigma_x = sigma_z = -p (closed form), here within what the hats make of the pressure
+    pressure = np.sqrt(1.0 - (across * R / a) ** 2)
+    surface = result.stress("lower", "top").tensor[0]
+    assert np.abs(surface[:, 2] / p0 + pressure).max() < 0.05
+    assert np.abs(surface[:, 0] / p0 + pressure).max() < 0.05

@@ -1,0 +1,75 @@
+r"""From any basis to global modes: the one place where attachment modes come first and everything is orthonormalised.
+
+Columns X of a basis are freed from rigid motion, `X := P^T X` (M-orthogonal: Tisserand frame); the inertia-relief
+attachment modes `A = G F` of all interface loads are put before them; `global_basis` makes the union K- and
+M-orthonormal, revealing rank. With A in the span of Phi, for every basis,
+
+    Phi Omega^-2 Phi^T F = G F,        F^T (G - Phi Omega^-2 Phi^T) = 0:
+
+the static response to interface loads is exact and the residual local modes leave the interface coordinates at rest.
+Where a basis lacks A of its own, `static_completion` says by how much: the largest energy norm of a unit-energy
+attachment mode outside its span.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from warpffrf.model.bases import Basis
+from warpffrf.offline.bases.balanced import balanced
+from warpffrf.offline.bases.craig_bampton import craig_bampton
+from warpffrf.offline.bases.craig_chang import craig_chang
+from warpffrf.offline.bases.free_free import free_free
+from warpffrf.offline.bases.krylov import krylov
+from warpffrf.offline.bases.pod import pod
+from warpffrf.offline.bases.problem import BasisProblem, RawBasis
+from warpffrf.offline.elastic import Array, ElasticModel
+from warpffrf.offline.global_basis import attachment_modes, global_basis, missing_energy
+from warpffrf.offline.interface_system import InterfaceSystem
+from warpffrf.offline.products import Limits
+
+BASES: dict[str, Callable[[BasisProblem, Any], RawBasis]] = {
+    "free_free": free_free,
+    "craig_bampton": craig_bampton,
+    "craig_chang": craig_chang,
+    "krylov": krylov,
+    "balanced": balanced,
+    "pod": pod,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class GlobalBasis:
+    """`omega` (m,) [rad/s] ascending, Phi (n^, m) in the coordinates of the constrained model, and what to report."""
+
+    omega: Array
+    Phi: Array
+    facts: dict[str, Any]
+
+
+def build_basis(options: Basis, model: ElasticModel, system: InterfaceSystem, limits: Limits) -> GlobalBasis:
+    """Global modes of the free constrained body `model` from the basis `options`.
+
+    Raises `InputError` for a basis larger than the model, for one that needs interfaces where there are none, and for
+    limits that it does not take.
+    """
+    A = attachment_modes(model, system.loads)
+    raw = BASES[options.kind](BasisProblem(model, system, limits, A), options)
+    V = model.without_rigid(raw.columns)
+    omega, Phi, dropped = global_basis(model, V, A, dependent=options.dependent_tolerance)
+    facts = {
+        "dependent_directions_dropped": max(dropped - raw.redundant, 0),
+        "notes": raw.notes,
+        "basis": {
+            "kind": options.kind,
+            "columns": raw.columns.shape[1],
+            "static_completion": {
+                "attachment_modes": A.shape[1],
+                "missing_before": missing_energy(model, V, A, dependent=options.dependent_tolerance),
+            },
+            **raw.facts,
+        },
+    }
+    return GlobalBasis(omega, Phi, facts)

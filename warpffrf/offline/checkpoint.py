@@ -1,0 +1,205 @@
+"""A work file that lets an interrupted reduction go on where it stopped.
+
+Finished parts (the modes, each block of static responses) are appended as records
+
+    magic (4), length (8), checksum (4), payload: an .npz archive of the part's arrays and its name,
+
+so a file cut off anywhere keeps all records before the cut, and what is damaged is noticed. The first record holds a
+signature of whatever decides the numbers beside the key of the input; another signature starts anew. Records wait in
+memory and go to disk every few seconds: a short reduction writes no file, a killed one loses those seconds.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import logging
+import os
+import struct
+import time
+import zipfile
+import zlib
+from pathlib import Path
+from types import TracebackType
+from typing import Any, BinaryIO
+
+import numpy as np
+
+logger = logging.getLogger("warpffrf.offline")
+Array = np.ndarray
+MAGIC = b"WFP1"
+HEADER = struct.Struct("<4sQI")
+SUFFIX = ".part"
+SECONDS = 3.0  # between writes: longer loses more of a killed run, shorter writes files for reductions of no length
+NAME = "__name__"
+UNREADABLE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile)  # what a damaged archive raises
+
+
+class Checkpoint:
+    """Parts finished so far: `get` and `put` by name. Use as a context manager around the work.
+
+    Leaving the context normally removes the file; an error or an interruption keeps it, and an interruption says how to
+    go on. Without a `path` nothing is kept on disk. A file that cannot be written is reported once and given up: it
+    must not lose the work.
+    """
+
+    def __init__(self, path: Path | None = None, *, seconds: float = SECONDS) -> None:
+        self.path = path
+        self.seconds = seconds
+        self.found = 0  # parts taken over from an earlier run
+        self._records: dict[str, tuple[int, int]] = {}  # payload's place and length in the file
+        self._waiting: dict[str, bytes] = {}
+        self._written = time.monotonic()
+        self._file: BinaryIO | None = None
+
+    def begin(self, signature: dict[str, Any]) -> None:
+        """Take over the parts of an earlier run with the same `signature` (plain data), and keep it with new ones."""
+        text = json.dumps(signature, sort_keys=True)
+        first = _packed("signature", {"text": np.array(text)})
+        self._waiting = {"signature": first}
+        if self.path is None or not self.path.is_file():
+            return
+        try:
+            records, end, size = _scan(self.path)
+            same = "signature" in records and str(self._read(*records["signature"])["text"]) == text
+        except UNREADABLE as error:
+            self._drop(f"cannot be read: {error}")
+            return
+        if not records:
+            self._drop("is damaged")
+        elif not same:
+            self._drop("belongs to other settings or another solver")
+        else:
+            if end < size:
+                logger.warning("work file %s: damaged behind %d parts, those are used", self.path, len(records) - 1)
+                with self.path.open("r+b") as file:
+                    file.truncate(end)
+            self._records, self._waiting = records, {}
+            self.found = len(records) - 1
+            logger.info("going on with %d finished parts of %s", self.found, self.path)
+
+    def get(self, name: str) -> dict[str, Array] | None:
+        """Arrays of part `name`, None where it is not finished."""
+        if name in self._waiting:
+            return _unpacked(self._waiting[name])
+        if name not in self._records:
+            return None
+        try:
+            return self._read(*self._records[name])
+        except UNREADABLE as error:  # checked when found, so the file changed since
+            logger.warning("work file %s: part %r cannot be read (%s), it is made again", self.path, name, error)
+            del self._records[name]
+            return None
+
+    def put(self, name: str, arrays: dict[str, Array]) -> None:
+        """Keep the finished part `name`."""
+        if self.path is None:
+            return
+        self._waiting[name] = _packed(name, arrays)
+        if time.monotonic() - self._written >= self.seconds:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write what is waiting, to the disk."""
+        if self.path is None or not self._waiting:
+            return
+        try:
+            if self._file is None:
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+                self._file = self.path.open("ab")
+            for name, payload in self._waiting.items():
+                header = HEADER.pack(MAGIC, len(payload), zlib.crc32(payload))
+                start = self._file.seek(0, os.SEEK_END)
+                self._file.write(header + payload)
+                self._records[name] = start + HEADER.size, len(payload)
+            self._file.flush()
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            logger.warning("work file %s cannot be written, an interrupted run starts anew: %s", self.path, error)
+            self.path = None
+            return
+        self._waiting = {}
+        self._written = time.monotonic()
+
+    def remove(self) -> None:
+        """Forget all parts and delete the file."""
+        self._close()
+        self._waiting, self._records = {}, {}
+        if self.path is not None:
+            try:
+                self.path.unlink(missing_ok=True)
+            except OSError:
+                pass  # a file that stays costs space; the next run of this input finds the cache entry first
+
+    def __enter__(self) -> Checkpoint:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if error is None:
+            self.remove()
+            return
+        self.flush()
+        self._close()
+        if isinstance(error, KeyboardInterrupt) and self.path is not None and len(self._records) > 1:
+            raise KeyboardInterrupt(
+                f"interrupted; {len(self._records) - 1} finished parts are kept in {self.path}: call reduce with the "
+                "same input to go on from there"
+            ) from error
+
+    def _read(self, start: int, length: int) -> dict[str, Array]:
+        if self.path is None:
+            raise OSError("the work file was given up")
+        with self.path.open("rb") as file:
+            file.seek(start)
+            return _unpacked(file.read(length))
+
+    def _drop(self, reason: str) -> None:
+        logger.warning("work file %s %s: dropped, the reduction starts anew", self.path, reason)
+        if self.path is not None:
+            try:
+                self.path.unlink(missing_ok=True)
+            except OSError:
+                self.path = None
+
+    def _close(self) -> None:
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+
+def _packed(name: str, arrays: dict[str, Array]) -> bytes:
+    buffer = io.BytesIO()
+    np.savez(buffer, **{NAME: np.array(name)}, **arrays)  # pyright: ignore[reportArgumentType]
+    return buffer.getvalue()
+
+
+def _unpacked(payload: bytes) -> dict[str, Array]:
+    with np.load(io.BytesIO(payload), allow_pickle=False) as archive:
+        return {key: archive[key] for key in archive.files if key != NAME}
+
+
+def _scan(path: Path) -> tuple[dict[str, tuple[int, int]], int, int]:
+    """Undamaged leading records of a file (name -> place and length of the payload), their end, the file's size."""
+    records: dict[str, tuple[int, int]] = {}
+    size = path.stat().st_size
+    end = 0
+    with path.open("rb") as file:
+        while header := file.read(HEADER.size):
+            if len(header) < HEADER.size:
+                break
+            magic, length, checksum = HEADER.unpack(header)
+            if magic != MAGIC or length > size - file.tell():
+                break
+            payload = file.read(length)
+            if zlib.crc32(payload) != checksum:
+                break
+            try:
+                with np.load(io.BytesIO(payload), allow_pickle=False) as archive:
+                    name = str(archive[NAME])
+            except UNREADABLE:
+                break
+            records[name] = end + HEADER.size, length
+            end = file.tell()
+    return records, end, size

@@ -1,0 +1,71 @@
+"""The contact grid of each surface where an expected half-width is given instead of a spacing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.mesh import Mesh
+from warpffrf.model.surfaces import CrownedCylinder
+from warpffrf.offline.contact_grid import nodal_plan
+from warpffrf.offline.grid_rule import GridChoice, choose_spacing, grid_error
+from warpffrf.offline.settings import Settings
+from warpffrf.offline.traction_fields import ContactFacets
+
+
+def expected_grids(mesh: Mesh, shapes: dict[str, Any], settings: Settings) -> dict[str, GridChoice]:
+    """The rule's choice by surface; empty where no half-width is expected. A crowned surface is touched in an ellipse,
+    a cylinder along a line."""
+    if settings.expected_half_width is None:
+        return {}
+    return {
+        name: choose_spacing(
+            settings.expected_half_width,
+            _finest(mesh, name, shape),
+            error=settings.contact_error,
+            patch=_patch(shape),
+            traction=settings.traction,
+        )
+        for name, shape in shapes.items()
+    }
+
+
+def _patch(shape: Any) -> str:
+    return "ellipse" if isinstance(shape, CrownedCylinder) else "line"
+
+
+def _finest(mesh: Mesh, name: str, shape: Any) -> float:
+    """Spacing [m] that the surface mesh can carry: the distance of its nodes where they form a grid, else its longest
+    facet edge."""
+    chart = ContactFacets.of(mesh.points, mesh.facets(name), shape).chart
+    plan = nodal_plan(chart, name)
+    return chart.edge if plan is None else plan.pitch * float(np.max(shape.radius_at(plan.z)))
+
+
+def spacings(mesh: Mesh, shapes: dict[str, Any], settings: Settings, chosen: dict[str, GridChoice]) -> dict[str, Any]:
+    """Spacing [m] by surface, None for the mesh's own grid.
+
+    Columns divide a sector of a periodic mesh evenly; where one is wider than the spacing, the spacing is rounded down
+    to do so, since rounding up could double it.
+    """
+    found = {}
+    for name, shape in shapes.items():
+        spacing = settings.traction_spacing
+        if name in chosen:
+            spacing = None if chosen[name].limited_by_mesh else chosen[name].spacing
+        if name in chosen and spacing is not None and mesh.cyclic is not None:
+            arc = 2.0 * np.pi * float(np.max(shape.radius_at(0.0))) / mesh.cyclic.sectors
+            even = arc / np.ceil(arc / spacing)
+            spacing = float(even) if arc > spacing and even >= _finest(mesh, name, shape) else spacing
+        found[name] = spacing
+    return found
+
+
+def promised(choice: GridChoice, grid: ContactGrid, shape: Any) -> GridChoice:
+    """The choice with the spacing that the finished grid has, and what that promises."""
+    spacing = grid.pitch * float(np.max(shape.radius_at(grid.z)))
+    error = grid_error(spacing, choice.half_width, quantity=choice.quantity, patch=_patch(shape), traction=grid.kind)
+    return replace(choice, spacing=spacing, error=error)

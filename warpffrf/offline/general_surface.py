@@ -1,0 +1,144 @@
+r"""A contact surface of the general path: its grid, its traction fields, and its operators from the responses to them.
+
+The loads of a surface are those of its fields, each a set of tractions with a Gram matrix `M`: the normal one first,
+then the tangential one where it is wanted. With the compliance `C_ab = B_a^T G B_b` between fields a and b,
+displacement coefficients of a per unit force of b are
+
+    D_ab = M_a^-1 C_ab M_b^-1.
+
+The loads stand on the whole rectangle of the grid's plan. On an arc the functions on its edges are half ones: they
+are needed to project a displacement, and left out of the reduced body, as all that reaches beyond the facets.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.errors import InputError
+from warpffrf.model.mesh import Mesh
+from warpffrf.model.reduced_body import Recovery
+from warpffrf.model.tangential import Tangential
+from warpffrf.offline.independence import window_columns
+from warpffrf.offline.observers import SKIN
+from warpffrf.offline.products import SurfaceProduct
+from warpffrf.offline.traction_fields import NORMAL, TANGENTIAL, ContactFacets, TractionField
+
+Array = np.ndarray
+COVERED = 0.02  # a hat counts as inside the facets when its area is covered to this: the error of a kinked quadrature
+ROWS = 4096  # rows of a transfer worked on at a time in double precision
+
+
+class GeneralSurface:
+    """Grid and fields of the contact surface `name` with resolved `shape`; kinds of functions as in `TractionField`."""
+
+    def __init__(
+        self,
+        mesh: Mesh,
+        name: str,
+        shape: Any,
+        spacing: float | None,
+        traction: str = "hats",
+        tangential: str | None = None,
+    ) -> None:
+        self.name, self.shape, self.nodes = name, shape, len(mesh.points)
+        facets = ContactFacets.of(mesh.points, mesh.facets(name), shape)
+        self.plan = facets.plan(name, spacing)
+        self.first, self.columns = self._extent(TractionField("hats", NORMAL, self.plan, facets))
+        self.fields = [TractionField(traction, NORMAL, self.plan, facets)]
+        if tangential is not None:
+            self.fields.append(TractionField(tangential, TANGENTIAL, self.plan, facets))
+
+    @property
+    def count(self) -> int:
+        """Number of loads of all fields."""
+        return sum(f.count for f in self.fields)
+
+    def loads(self) -> Any:
+        """B (3 n, count) of all fields, one field after the other, csc."""
+        return sp.csc_matrix(sp.hstack([f.loads(self.nodes) for f in self.fields]))
+
+    def _extent(self, hats: TractionField) -> tuple[int, int]:
+        """First column, and number of columns, of those whose hats lie inside the facets. Raises `InputError` where
+        there are holes."""
+        inside = hats.covered(COVERED)
+        if not self.plan.periodic:
+            inside[[0, -1]] = False
+        kept = np.flatnonzero(inside)
+        whole = len(kept) == len(inside) if self.plan.periodic else len(kept) and kept[-1] - kept[0] + 1 == len(kept)
+        if not whole:
+            raise InputError(
+                f"contact {self.name!r}: the facets leave part of {int(np.sum(~inside))} of {self.plan.columns} grid "
+                "columns uncovered; choose facets that cover the surface between two angles over its whole width"
+            )
+        return int(kept[0]), len(kept)
+
+    def _kept(self, f: TractionField) -> Array:
+        """Numbers of the functions of a field that the reduced body has."""
+        numbers = np.arange(f.count).reshape(len(f.directions), f.columns, f.rows)
+        return numbers[:, self.first : self.first + self.columns].ravel()
+
+    def _grid(self, f: TractionField) -> ContactGrid:
+        plan = self.plan
+        start = plan.theta_start + plan.pitch * self.first
+        e_0 = np.asarray(self.shape.e_0, dtype=float)
+        return ContactGrid(e_0, start, plan.pitch, self.columns, plan.periodic, plan.z, self.columns, f.kind)
+
+    def product(self, C: Array, transfers: dict[str, Array], loads_on_modes: Array, omega: Array) -> SurfaceProduct:
+        """Operators from C (count, count), what the observers saw {name: (rows, count)}, and B^T Phi (count, m)."""
+        stops = np.cumsum([f.count for f in self.fields])
+        parts = [slice(int(stop) - f.count, int(stop)) for f, stop in zip(self.fields, stops, strict=True)]
+        kept = [self._kept(f) for f in self.fields]
+        modes = [f.without_gram(loads_on_modes[p])[k] for f, p, k in zip(self.fields, parts, kept, strict=True)]
+        seen = [
+            {name: _recovery(t[:, p], f, k) for name, t in transfers.items()}
+            for f, p, k in zip(self.fields, parts, kept, strict=True)
+        ]
+        normal = self.fields[0]
+
+        def D(a: int, b: int) -> Array:
+            half = self.fields[a].without_gram(C[parts[a], parts[b]])[kept[a]]
+            return self.fields[b].without_gram(half.T)[kept[b]].T
+
+        tangential = None
+        if len(self.fields) > 1:
+            f = self.fields[1]
+            tangential = Tangential(
+                self._grid(f),
+                _symmetric(D(1, 1))[None],
+                np.ascontiguousarray(D(0, 1))[None],
+                modes[1].reshape(2, len(kept[1]) // 2, -1),
+                seen[1].pop(SKIN),
+            )
+        grid = self._grid(normal)
+        judged = kept[0][: window_columns(grid.columns, grid.rows) * grid.rows]
+        window, on_modes = C[np.ix_(judged, judged)], loads_on_modes[judged] / omega
+        return SurfaceProduct(
+            grid=grid,
+            lags=_symmetric(D(0, 0))[None],
+            mode_normal=modes[0],
+            recovery=seen[0].pop(SKIN),
+            window=window + on_modes @ on_modes.T,
+            residual_window=window,
+            tangential=tangential,
+            observed=seen[0],
+            observed_tangential=seen[1] if len(seen) > 1 else {},
+            first_column=self.first,
+            whole_columns=self.plan.columns,
+        )
+
+
+def _symmetric(D: Array) -> Array:
+    return np.ascontiguousarray(0.5 * (D + D.T))
+
+
+def _recovery(transfer: Array, f: TractionField, kept: Array) -> Recovery:
+    """Transfer (rows, count) per unit coefficient -> (rows, kept) per unit force, in its own precision."""
+    out = np.empty((len(transfer), len(kept)), dtype=transfer.dtype)
+    for start in range(0, len(transfer), ROWS):
+        part = slice(start, start + ROWS)
+        out[part] = f.without_gram(transfer[part].T.astype(np.float64))[kept].T
+    return Recovery(out[None], 1, np.eye(3))

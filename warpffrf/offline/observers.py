@@ -1,0 +1,53 @@
+"""What is looked at of a response: sparse operators on the displacements of all nodes.
+
+The skin for pictures is one, stress at chosen points another. The reduction keeps of every unit load and of every
+global mode only what some observer sees, so a further quantity costs its own size and nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from warpffrf.model.errors import InputError
+
+Array = np.ndarray
+SKIN = "skin"
+
+
+@dataclass(frozen=True, eq=False)
+class Observer:
+    """`operator` (rows, 3 n) csr: the quantity `name`, by rows, of displacements of all nodes [m], dofs 3*node +
+    component, user axes. Its transfer is stored in precision `dtype`."""
+
+    name: str
+    operator: Any
+    dtype: np.dtype = field(default_factory=lambda: np.dtype(np.float32))
+
+    @property
+    def rows(self) -> int:
+        """Number of values observed."""
+        return self.operator.shape[0]
+
+
+def node_observer(name: str, nodes: Array, node_count: int) -> Observer:
+    """Displacements (3 k rows) of `nodes` (k,)."""
+    columns = (3 * np.asarray(nodes)[:, None] + np.arange(3)).ravel()
+    ones = np.ones(len(columns))
+    return Observer(name, sp.csr_matrix((ones, (np.arange(len(columns)), columns)), (len(columns), 3 * node_count)))
+
+
+def require_observers(observers: Sequence[Observer], node_count: int) -> None:
+    """Raise `InputError` for two observers of one name, or an operator that does not fit the mesh."""
+    for i, observer in enumerate(observers):
+        if any(other.name == observer.name for other in observers[:i]):
+            raise InputError(f"observer {observer.name!r} exists twice; give each quantity its own name")
+        if observer.operator.shape[1] != 3 * node_count:
+            raise InputError(
+                f"observer {observer.name!r}: the operator has {observer.operator.shape[1]} columns, the mesh "
+                f"{3 * node_count} dofs; make the observer for this mesh"
+            )

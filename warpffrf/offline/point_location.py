@@ -1,0 +1,153 @@
+r"""Which cell a point lies in, and where: the inverse of the isoparametric map.
+
+A cell lies in the box of its nodes, widened where it is curved. Cells are put into classes by the size of that box
+(powers of two); in each, a KD-tree of the centres gives the candidates, and their boxes thin them out, so that long
+thin cells are found as surely as cubes. `x(xi) = sum_a N_a(xi) x_a = x` is then solved by Newton's method from the
+middle of the reference cell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.mesh.elements import cell_kind
+
+Array = np.ndarray
+LINEAR = {"hex": "hex8", "wedge": "wedge6", "tet": "tet4"}  # the cell with straight edges on each domain
+# Mid nodes this many times their distance from the straight cell: what a quadratic map reaches beyond its nodes is less
+# than that distance along an edge, less than twice it on a face.
+BULGE = 2.0
+INSIDE = 1e-6  # reference coordinates: a point this far outside a cell, a millionth of it, lies on its face
+# Of a cell's size: a point this close outside the mesh is moved onto it. The true circle lies pi/(4 N) of a cell
+# outside the linear cells of a mesh with N cells around, 2 % at N = 40.
+SNAP = 0.02
+STEPS = 25  # of Newton's method; a cell that is not inverted needs about five
+_CHUNK = 20_000  # pairs of point and cell worked on together: bounds the memory to some tens of MB
+CONVERGED = 1e-13  # reference coordinates, round-off
+LIMIT = 2.0  # reference coordinates further out than this are cut: outside, the map of a curved cell may turn over
+
+
+@dataclass(frozen=True)
+class Located:
+    """Cells that hold points, several for a point on a face: `point` (e,), `kind` (e,) number of the block, `cell`
+    (e,) within the block, reference coordinates `xi` (e, 3); and how far each point was moved, `moved` (p,) [m]."""
+
+    point: Array
+    kind: Array
+    cell: Array
+    xi: Array
+    moved: Array
+
+
+def locate(points: Array, nodes: Array, cells: Mapping[str, Array], name: str) -> Located:
+    """Find `points` (p, 3) in the `cells` {kind: (m, k)} over `nodes` (n, 3), all in m.
+
+    Raises `InputError` naming the first point that lies outside, with its distance to the nearest cell.
+    """
+    found = [_in_block(points, nodes[block], kind) for kind, block in cells.items()]
+    number = np.concatenate([np.full(len(f[0]), i) for i, f in enumerate(found)])
+    point, cell, xi, gap, size = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    nearest = np.full(len(points), np.inf)
+    np.minimum.at(nearest, point, gap)
+    outside = np.flatnonzero(np.isinf(nearest))
+    if len(outside):
+        x = points[outside[0]]
+        distance = min(_distance(x, nodes[block], kind) for kind, block in cells.items())
+        raise InputError(
+            f"stress {name!r}: {len(outside)} of {len(points)} points lie outside the mesh, the first is number "
+            f"{outside[0]} at ({', '.join(f'{v:.6g}' for v in x)}) m, {distance:.3g} m from the nearest cell; move it "
+            "inside, or check its unit and frame"
+        )
+    keep = gap <= nearest[point] + INSIDE * size
+    return Located(point[keep], number[keep], cell[keep], xi[keep], nearest)
+
+
+def _in_block(points: Array, x: Array, kind: str) -> tuple[Array, Array, Array, Array, Array]:
+    """(point, cell, xi, distance, cell size) of the points in or close to cells with node coordinates x (m, k, 3)."""
+    point, cell = _candidates(points, x, kind)
+    xi, gap = np.zeros((len(point), 3)), np.zeros(len(point))
+    for start in range(0, len(point), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        xi[part], gap[part] = inverse_map(points[point[part]], x[cell[part]], kind)
+    size = np.max(np.ptp(x[cell], axis=1), axis=1)
+    near = gap <= SNAP * size
+    return point[near], cell[near], xi[near], gap[near], size[near]
+
+
+def _candidates(points: Array, x: Array, kind: str) -> tuple[Array, Array]:
+    """Pairs (point, cell) where the point lies in the cell's widened box."""
+    from scipy.spatial import KDTree
+
+    element = cell_kind(kind)
+    straight = cell_kind(LINEAR[element.domain]).shape(element.nodes)[0] @ x[:, : element.corner_count]
+    low, high = x.min(axis=1), x.max(axis=1)
+    margin = BULGE * np.max(np.abs(x - straight), axis=1) + SNAP * np.max(high - low, axis=1)[:, None]
+    low, high = low - margin, high + margin
+    radius = 0.5 * np.linalg.norm(high - low, axis=1)
+    pairs = []
+    levels = np.floor(np.log2(radius)).astype(int)
+    for level in np.unique(levels):
+        members = np.flatnonzero(levels == level)
+        tree = KDTree(0.5 * (low + high)[members])
+        lists = tree.query_ball_point(points, float(radius[members].max()))
+        point = np.repeat(np.arange(len(points)), [len(entry) for entry in lists])
+        cell = members[np.concatenate([np.asarray(entry, dtype=int) for entry in lists])]
+        inside = np.all((points[point] >= low[cell]) & (points[point] <= high[cell]), axis=1)
+        pairs.append(np.stack([point[inside], cell[inside]]))
+    point, cell = np.concatenate(pairs, axis=1)
+    return point, cell
+
+
+def inverse_map(points: Array, x: Array, kind: str) -> tuple[Array, Array]:
+    """Reference coordinates (e, 3), cut to the reference cell, of one point in each cell x (e, k, 3), and the distance
+    (e,) [m] between the point and their image; 0 for a point inside."""
+    element = cell_kind(kind)
+    xi = np.tile(element.nodes[: element.corner_count].mean(axis=0), (len(points), 1))
+    active = np.arange(len(points))
+    for _ in range(STEPS):
+        if not len(active):
+            break
+        N, dN = element.shape(xi[active])
+        residual = points[active] - np.einsum("ea,eai->ei", N, x[active])
+        J = np.einsum("eai,eaj->eij", x[active], dN)
+        step = np.linalg.solve(J + _tiny(J), residual[..., None])[..., 0]
+        moved = np.clip(xi[active] + step, -LIMIT, LIMIT)
+        done = np.max(np.abs(moved - xi[active]), axis=1) < CONVERGED
+        xi[active] = moved
+        active = active[~done]
+    cut = inside_cell(xi, element.domain)
+    image = np.einsum("ea,eai->ei", element.shape(cut)[0], x)
+    gap = np.linalg.norm(points - image, axis=1)
+    inside = np.max(np.abs(cut - xi), axis=1, initial=0.0) < INSIDE
+    exact = gap < INSIDE * np.max(np.ptp(x, axis=1), axis=1)
+    return cut, np.where(inside & exact, 0.0, gap)
+
+
+def inside_cell(xi: Array, domain: str) -> Array:
+    """Reference coordinates (e, 3) moved onto the reference cell of `domain` "hex", "wedge" or "tet"."""
+    if domain == "hex":
+        return np.clip(xi, -1.0, 1.0)
+    flat = 3 if domain == "tet" else 2
+    cut = xi.copy()
+    cut[:, :flat] = np.maximum(cut[:, :flat], 0.0)
+    cut[:, :flat] /= np.maximum(cut[:, :flat].sum(axis=1), 1.0)[:, None]
+    if domain == "wedge":
+        cut[:, 2] = np.clip(cut[:, 2], -1.0, 1.0)
+    return cut
+
+
+def _tiny(J: Array) -> Array:
+    """Round-off of each Jacobian on its diagonal: keeps the solve defined where the cut map is singular."""
+    return 1e-14 * np.abs(J).max(axis=(1, 2))[:, None, None] * np.eye(3)
+
+
+def _distance(x: Array, cells: Array, kind: str) -> float:
+    """About the distance [m] of the point x (3,) to the nearest of the cells (m, k, 3)."""
+    count = min(32, len(cells))
+    corners = cells[:, : cell_kind(kind).corner_count]
+    order = np.argsort(np.min(np.linalg.norm(corners - x, axis=2), axis=1))[:count]
+    return float(inverse_map(np.tile(x, (count, 1)), cells[order], kind)[1].min())

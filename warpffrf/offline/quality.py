@@ -1,0 +1,270 @@
+r"""How good a reduced body is: figures that are measured or derived, never hoped for. `quality` collects them as plain
+data for `ReducedBody.report["quality"]`.
+
+**Frequencies covered.** A basis that holds the vibration modes `V` of the FE model exactly and is M-orthonormalised has
+them among its Ritz pairs, and the rest of its span is M-orthogonal to them, so every other Ritz frequency lies above
+the first vibration mode that was left out. The lowest `v` frequencies of the body are therefore the FE model's own, and
+the range is covered up to `max_frequency`, or up to the last of them where the number of modes was the limit.
+
+**Mass captured.** Hold an interface and shake the body with it. The relative motion is approximated in the space that
+keeps the interface at rest: with rigid motion `a` about the interface point and modes `q`,
+
+    a + Phi_I q = 0   =>   (a, q) = V q,   V = [-Phi_I; 1],   Phi_I (6, m) interface motion of the modes,
+    M_r = diag(J, 1),   J (6, 6) rigid mass matrix about the interface point.
+
+A rigid motion `r` of the base excites `Gamma = V^T M_r (r, 0) = -Phi_I^T J r`; the part of the body's inertia `r^T J r`
+that the space moves is the sum of its effective masses,
+
+    captured = Gamma^T (V^T M_r V)^-1 Gamma / (r^T J r) = 1 - r^T (J^-1 + Phi_I Phi_I^T)^-1 r / (r^T J r),
+
+the second form by the Woodbury identity. It needs 6x6 matrices only and says what is missing: `(J^-1 + Phi_I
+Phi_I^T)^-1` is the mass that the interface feels at infinite frequency. With all modes of the mesh it is the mass of
+the interface itself (Craig and Kurdila 2006, "Fundamentals of Structural Dynamics", 17.6, for effective masses). Of
+interfaces that deform ("average", "free") it is the mean motion that is held.
+
+**Static completeness.** The response `u` to a unit load `f` is exact in theory; `|P f - K u| / |P f|` says what the
+solver and the inertia relief leave of that. A path measures it on a sample of loads (`sampled_residual`) and reports
+the worst as the fact `worst_load_residual`. What would be lost without local modes is the
+share of a hat's own compliance, `C_res,ii / C_ii`, that global modes do not have.
+
+**Error of the contact grid.** Hertz's pressure `p = sqrt(1 - (x/a)^2)` across the columns, the same in all rows, given
+by hats of the present spacing (cells: their means), is replaced by the combination of hats (cells) of twice the spacing
+that is nearest in energy; these are combinations of the fine ones, the columns of `P`. The energy lost,
+
+    e = 1 - b^T (P^T C P)^-1 b / (p^T C p),   b = P^T C p,
+
+is measured with the body's own compliance `C` of a window. The error at the present spacing is estimated as `e/4`: the
+energy error falls with the third power of the spacing (square-root ends of p in the norm of order -1/2), eight times
+per halving, of which the fine functions' own coarseness hides about half. On a half-plane, four spacings to the
+half-width, the estimate is 1.1 to 1.2 times the true error of the same position; of cells the worst position has 1.5
+times that of the best. It is about the grid alone: errors of the mesh come on top.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.reduced_body import ContactSurface, ReducedBody
+from warpffrf.offline.elastic import Array, ElasticModel
+from warpffrf.offline.modes import SAME_FREQUENCY, whole_multiples
+from warpffrf.offline.products import Limits, SurfaceProduct
+
+# bases whose span holds the vibration modes of the free body, so that a covered range can be stated
+HOLDS_VIBRATIONS = ("free_free", "craig_chang")
+HALF_WIDTH = 4  # spacings to the half-width of the pressure that the grid is judged with: a usual, well resolved patch
+LEAST_COLUMNS = 7  # of a window: three coarse hats and their feet; a grid with fewer is not judged
+SAMPLED = 16  # unit loads of a surface whose residual is measured: they cost one block of solves
+HALVING = 4.0  # energy lost by doubling the spacing over the error at the present one (module docstring)
+
+
+def quality(body: ReducedBody, surfaces: Sequence[SurfaceProduct], limits: Limits) -> dict[str, Any]:
+    """Plain data for `body.report["quality"]`; `surfaces` in the order of `body.contact_surfaces`.
+
+    Reads `dependent_directions_dropped`, `worst_load_residual` and `basis` in `body.report`, where they are.
+    """
+    named = list(zip(body.contact_surfaces.values(), surfaces, strict=True))
+    frequencies = covered_frequencies(body, limits)
+    return {
+        "frequencies": frequencies,
+        "captured": {name: captured(body, name) for name in body.interfaces},
+        "static": {
+            "worst_load_residual": body.report.get("worst_load_residual"),
+            "local_share": {s.name: local_share(p.window, p.residual_window) for s, p in named},
+        },
+        "contact_grid": {s.name: _judged_grid(s, p) for s, p in named},
+        "memory": memory(body),
+        "truncated": _truncated(body, limits, frequencies),
+    }
+
+
+def covered_frequencies(body: ReducedBody, limits: Limits) -> dict[str, Any]:
+    """What the basis holds of the FE model's vibration modes (module docstring), frequencies in Hz.
+
+    `covered` is None where the basis is of a kind that does not hold vibration modes, 0 where none were wanted.
+    """
+    f = body.frequencies
+    asked = None if limits.omega_max is None else limits.omega_max / (2.0 * np.pi)
+    kind = body.report.get("basis", {}).get("kind", HOLDS_VIBRATIONS[0])
+    found: dict[str, Any] = {
+        "modes": len(f),
+        "first": float(f[0]) if len(f) else None,
+        "highest": float(f[-1]) if len(f) else None,
+        "max_frequency": asked,
+        "modes_asked": limits.count,
+        "vibration_modes": None,
+        "last_vibration": None,
+        "covered": None,
+    }
+    if kind not in HOLDS_VIBRATIONS:
+        return found
+    below = 0 if limits.none else len(f)
+    if asked is not None:
+        below = min(below, int(np.sum(f <= asked * (1.0 + SAME_FREQUENCY))))
+    kept = below if limits.count is None else whole_multiples(f[:below], limits.count)
+    kept = min(body.report.get("basis", {}).get("vibration_modes", kept), len(f))  # where the basis counted them
+    found["vibration_modes"] = kept
+    found["last_vibration"] = float(f[kept - 1]) if kept else None
+    # nothing was cut by the number of modes: all up to max_frequency are there
+    found["covered"] = asked if asked is not None and kept == below else (found["last_vibration"] or 0.0)
+    return found
+
+
+def rigid_mass(body: ReducedBody, point: Array) -> Array:
+    """J (6, 6): mass matrix of the rigid body for translation [m] and rotation [rad] at `point` (3,) [m], user axes.
+
+    J = [[m 1, -m c~], [m c~, I + m (c.c 1 - c c^T)]] with c the centre of mass relative to `point`.
+    """
+    c = body.center_of_mass - point
+    cross = body.mass * np.array([[0.0, -c[2], c[1]], [c[2], 0.0, -c[0]], [-c[1], c[0], 0.0]])
+    about = body.inertia + body.mass * (c @ c * np.eye(3) - np.outer(c, c))
+    return np.block([[body.mass * np.eye(3), -cross], [cross, about]])
+
+
+def captured(body: ReducedBody, name: str) -> dict[str, list[float]]:
+    """Fractions of the mass (x, y, z) and of the moments of inertia about the interface point (x, y, z) that move in
+    the reduced model while interface `name` is held (module docstring)."""
+    interface = body.interfaces[name]
+    J = rigid_mass(body, interface.point)
+    scale = 1.0 / np.sqrt(np.diag(J))  # kg and kg m2 made comparable before anything is inverted
+    B = interface.modes / scale  # columns to coordinates with unit diagonal mass
+    unit = J * np.outer(scale, scale)
+    felt = np.linalg.inv(np.linalg.inv(unit) + B.T @ B)
+    share = 1.0 - np.diag(felt) / np.diag(unit)
+    return {"mass": share[:3].tolist(), "inertia": share[3:].tolist()}
+
+
+def load_residual(model: ElasticModel, loads: Array, response: Array) -> float:
+    """Largest `|P f - K u| / |P f|` over the columns f of `loads` (n, h) and u of `response` (n, h), the whole static
+    response of the reduced model: of its global and its local modes."""
+    balanced = model.self_equilibrated(loads)
+    size = np.linalg.norm(balanced, axis=0)
+    rest = np.linalg.norm(balanced - model.K @ response, axis=0)
+    return float(np.max(rest[size > 0.0] / size[size > 0.0], initial=0.0))
+
+
+def sampled_residual(
+    model: ElasticModel, loads: Any, flexibility: Callable[[Array], Array] | None = None, *, count: int = SAMPLED
+) -> float:
+    """`load_residual` of `count` evenly spread columns of `loads` (n, h), dense or sparse.
+
+    Their whole response is `flexibility(loads)` (None: the model's own), which is what the residual local modes are
+    made of: the part that the global modes have is taken out of it and added again.
+    """
+    chosen = np.unique(np.linspace(0, loads.shape[1] - 1, min(count, loads.shape[1])).round().astype(int))
+    f = loads[:, chosen]
+    f = f.toarray() if hasattr(f, "toarray") else np.asarray(f)
+    return load_residual(model, f, (flexibility or model.flexibility)(f)) if f.shape[1] else 0.0
+
+
+def local_share(window: Array, residual_window: Array) -> float:
+    """Largest share (0 to 1) of a hat's own compliance that the local modes carry: `window` (h, h) with and
+    `residual_window` (h, h) without the global modes' part."""
+    return float(np.max(np.diag(residual_window) / np.diag(window)))
+
+
+def grid_error(
+    window: Array, rows: int, *, kind: str = "hats", half_width: int = HALF_WIDTH
+) -> tuple[float, int] | None:
+    """Estimated relative error of the compliance energy of Hertz's pressure on this grid, and the half-width in
+    spacings that it holds for: `half_width`, or less where the window is narrower. None for a window of fewer than
+    `LEAST_COLUMNS` columns.
+
+    `window` (w rows, w rows): compliance of neighbouring columns of functions of `kind`, per coefficient. See the
+    module docstring.
+    """
+    columns = len(window) // rows
+    if columns < LEAST_COLUMNS:
+        return None
+    p, around, half = COARSER[kind](columns, half_width)
+    C = window[: len(p) * rows, : len(p) * rows]
+    p, P = np.repeat(p, rows), np.kron(around, np.eye(rows))
+    load = C @ p
+    b = P.T @ load
+    lost = 1.0 - b @ np.linalg.solve(P.T @ (C @ P), b) / (p @ load)
+    return max(float(lost), 0.0) / HALVING, half
+
+
+def _coarser_hats(columns: int, half_width: int) -> tuple[Array, Array, int]:
+    """Hertz's pressure at the nodes (n,) of the first `columns` or one less, hats of twice the spacing (n, m) whose
+    supports lie inside, and the half-width in spacings."""
+    middle = (columns - 1) // 2
+    half = min(half_width, middle - 1)
+    offset = np.arange(-middle, middle + 1)
+    centers = offset[(offset % 2 == 0) & (np.abs(offset) < middle)]
+    p = np.sqrt(np.maximum(0.0, 1.0 - (offset / half) ** 2))
+    return p, np.maximum(0.0, 1.0 - 0.5 * np.abs(offset[:, None] - centers)), half
+
+
+def _coarser_cells(columns: int, half_width: int) -> tuple[Array, Array, int]:
+    """The same for cells, two of which make one of twice the spacing: means of Hertz's pressure, centred on an edge.
+
+    With x = sin t the integral of sqrt(1 - x^2) is (t + sin t cos t)/2.
+    """
+    pairs = columns // 4 * 2  # an even number: the middle is an edge of the coarse cells too
+    half = min(half_width, pairs)
+    t = np.arcsin(np.clip(np.arange(-pairs, pairs + 1) / half, -1.0, 1.0))
+    p = half * np.diff(0.5 * (t + np.sin(t) * np.cos(t)))
+    return p, np.kron(np.eye(pairs), np.ones((2, 1))), half
+
+
+COARSER = {"hats": _coarser_hats, "cells": _coarser_cells}
+
+
+def _judged_grid(surface: ContactSurface, product: SurfaceProduct) -> dict[str, float] | None:
+    """Estimated error, the half-width [m] it holds for and the spacing [m] of the columns; None where not judged."""
+    found = grid_error(product.window, surface.grid.rows, kind=surface.grid.kind)
+    if found is None:
+        return None
+    z = surface.grid.z
+    spacing = float(surface.grid.pitch * surface.shape.radius_at(0.5 * (z[0] + z[-1])))
+    return {"error": found[0], "half_width": found[1] * spacing, "spacing": spacing}
+
+
+def memory(body: ReducedBody) -> dict[str, int]:
+    """Bytes of every array of the body, by its path, without compression; the largest first."""
+    sizes: dict[str, int] = {}
+    for path, array in _arrays(body, ""):
+        sizes[path] = sizes.get(path, 0) + array.nbytes
+    return dict(sorted(sizes.items(), key=lambda item: -item[1]))
+
+
+def _arrays(thing: Any, path: str) -> Iterator[tuple[str, Array]]:
+    """Every array that `thing` holds in dataclass fields and mappings, and the path to it."""
+    if isinstance(thing, np.ndarray):
+        yield path, thing
+    elif is_dataclass(thing):
+        for part in fields(thing):
+            yield from _arrays(getattr(thing, part.name), f"{path}/{part.name}".lstrip("/"))
+    elif isinstance(thing, Mapping):
+        for name, value in thing.items():
+            yield from _arrays(value, f"{path}/{name}".lstrip("/"))
+
+
+def _truncated(body: ReducedBody, limits: Limits, frequencies: dict[str, Any]) -> list[str]:
+    """What the reduced body leaves out of the FE model, and why."""
+    texts = []
+    if limits.none:
+        texts.append("all vibration modes, because neither max_frequency nor modes asked for any")
+    elif frequencies["covered"] is None:
+        texts.append("vibration modes as such: the basis is of another kind and states no range of frequencies")
+    elif frequencies["covered"] == frequencies["max_frequency"]:
+        texts.append(f"vibration modes above {frequencies['covered']:.6g} Hz, the max_frequency asked for")
+    elif limits.count is not None and frequencies["vibration_modes"] >= limits.count:
+        texts.append(
+            f"vibration modes above {frequencies['covered']:.6g} Hz, because modes={limits.count} was asked for"
+        )
+    if dropped := body.report.get("dependent_directions_dropped", 0):
+        texts.append(f"{dropped} direction(s) of the global basis, because the others hold them already")
+    for s in body.contact_surfaces.values():
+        if not s.grid.periodic:
+            texts.append(
+                f"the outermost columns at the two ends of the arc of contact surface {s.name!r}, because their "
+                "supports would leave it"
+            )
+    if body.contact_surfaces:
+        texts.append("digits of the displayed local displacement beyond single precision, to halve the file")
+    return texts

@@ -1,0 +1,166 @@
+"""What `reduce` was asked for, checked: everything that decides the numbers of a reduced body."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.bases import Basis, basis_options
+from warpffrf.model.contact_grid import require_kind
+from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.material import Material
+from warpffrf.model.mesh import Mesh
+from warpffrf.offline.interfaces import INTERFACE_KINDS
+from warpffrf.offline.products import Limits
+from warpffrf.offline.solvers import require_solver
+from warpffrf.offline.stress import stress_settings
+
+TANGENTIAL = "cells"  # of `tangential=True`: friction is solved in cells, hats were measured to be worse
+CYCLIC_BASES = ("free_free", "craig_chang")  # whose span is that of free vibration and attachment modes
+
+
+@dataclass(frozen=True, eq=False)
+class Settings:
+    """Arguments of `reduce`; see there. `check` raises `InputError` for what cannot be used."""
+
+    material: Material | Mapping[str, Material] | None
+    interfaces: dict[str, str]
+    contact: dict[str, Any]
+    basis: Basis
+    max_frequency: float | None
+    modes: int | None
+    traction_spacing: float | None
+    expected_half_width: float | None
+    contact_error: float
+    traction: str
+    tangential: str | None
+    stress: dict[str, Any]
+    periodic: bool | None
+    solver: str | None
+    memory_limit: int | None
+
+    @classmethod
+    def of(
+        cls,
+        *,
+        material: Any,
+        interfaces: Mapping[str, str] | None,
+        contact: Mapping[str, Any] | None,
+        basis: Any,
+        max_frequency: float | None,
+        modes: int | None,
+        traction_spacing: float | None,
+        expected_half_width: float | None,
+        contact_error: float,
+        traction: str,
+        tangential: bool | str,
+        stress: Mapping[str, Any] | None,
+        periodic: bool | None,
+        solver: str | None,
+        memory_limit: float | None,
+    ) -> Settings:
+        """The settings behind the arguments of `reduce`, checked as far as they can be without the mesh."""
+        options = basis_options(basis)
+        options.check_limits(max_frequency, modes)
+        if max_frequency is not None:
+            max_frequency = require_number(max_frequency, "reduce: max_frequency", positive=True)
+        if traction_spacing is not None:
+            require_number(traction_spacing, "reduce: traction_spacing", positive=True)
+        if expected_half_width is not None:
+            require_number(expected_half_width, "reduce: expected_half_width", positive=True)
+            if traction_spacing is not None:
+                raise InputError(
+                    "reduce: expected_half_width chooses the spacing of the contact grid; leave traction_spacing out"
+                )
+        require_number(contact_error, "reduce: contact_error", positive=True)
+        if memory_limit is not None:
+            memory_limit = int(require_number(memory_limit, "reduce: memory_limit", positive=True))
+        if periodic not in (None, False):
+            raise InputError(
+                f"reduce: periodic must be None (used where the mesh has it) or False (never used), got {periodic!r}"
+            )
+        stress_settings(stress or {})  # refuses what is no {name: points}
+        if tangential is True:
+            tangential = TANGENTIAL
+        return cls(
+            material=material,
+            interfaces=dict(interfaces or {}),
+            contact=dict(contact or {}),
+            basis=options,
+            max_frequency=max_frequency,
+            modes=None if modes is None else require_count(modes, "reduce: modes", 0),
+            traction_spacing=traction_spacing,
+            expected_half_width=expected_half_width,
+            contact_error=contact_error,
+            traction=require_kind(traction),
+            tangential=require_kind(tangential) if tangential else None,
+            stress=dict(stress or {}),
+            periodic=periodic,
+            solver=None if solver is None else require_solver(solver),
+            memory_limit=memory_limit,
+        )
+
+    def check_against(self, mesh: Mesh) -> None:
+        """Raises `InputError` for what the mesh does not have or cannot be combined."""
+        for name, kind in self.interfaces.items():
+            mesh.facets(name)
+            if kind not in INTERFACE_KINDS:
+                raise InputError(
+                    f"interface {name!r}: kind {kind!r} does not exist; known: {', '.join(INTERFACE_KINDS)}"
+                )
+        for name, shape in self.contact.items():
+            mesh.facets(name)
+            if self.interfaces.get(name) == "rigid":
+                raise InputError(
+                    f"set {name!r} cannot be a rigid interface and a contact surface at once; use two sets"
+                )
+            if shape is not None and not hasattr(shape, "fitted"):
+                raise InputError(f"contact {name!r}: {shape!r} is no surface shape; use surfaces.Cylinder() or None")
+
+    @property
+    def limits(self) -> Limits:
+        """Which modes are wanted."""
+        omega = None if self.max_frequency is None else 2.0 * np.pi * self.max_frequency
+        return Limits(self.modes, omega)
+
+    @property
+    def general_reason(self) -> str | None:
+        """Why these settings need the general path whatever the mesh, or None."""
+        if self.periodic is False:
+            return "periodic=False"
+        if self.basis.kind not in CYCLIC_BASES or self.basis != type(self.basis)():
+            return f"basis {self.basis.kind!r} with these options is made on the general path"
+        other = [name for name, kind in self.interfaces.items() if kind != "rigid"]
+        if other:
+            return f"interface {other[0]!r} is not rigid"
+        return None
+
+    def describe(self, mesh: Mesh) -> dict[str, Any]:
+        """Plain data for provenance and the key of the cache. How it is computed (solver, threads) does not count."""
+        return {
+            "mesh": mesh.content_hash(),
+            "material": _numbers(self.material),
+            "interfaces": self.interfaces,
+            "contact": {name: None if s is None else s.describe() for name, s in self.contact.items()},
+            "basis": self.basis.describe(),
+            "max_frequency": self.max_frequency,
+            "modes": self.modes,
+            "traction_spacing": self.traction_spacing,
+            "expected_half_width": self.expected_half_width,
+            "contact_error": self.contact_error if self.expected_half_width is not None else None,
+            "traction": self.traction,
+            "tangential": self.tangential,
+            "stress": stress_settings(self.stress),
+            "periodic": self.periodic,
+            "memory_limit": self.memory_limit,
+        }
+
+
+def _numbers(material: Material | Mapping[str, Material] | None) -> Any:
+    """What of a material decides numbers: not its name."""
+    if isinstance(material, Material):
+        return [material.youngs_modulus, material.poisson_ratio, material.density]
+    return None if material is None else {name: _numbers(one) for name, one in material.items()}

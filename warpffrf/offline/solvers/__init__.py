@@ -1,0 +1,76 @@
+"""Sparse direct solvers behind one interface: `factorise(K) -> Factor`, `factor.solve(F)`.
+
+A further solver is one file with a class of the constructor `(K, coordinates, memory_limit)` and a line in `SOLVERS`.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable
+from typing import Any
+
+import scipy.sparse as sp
+
+from warpffrf.model.errors import InputError
+from warpffrf.offline.ordering import Array
+from warpffrf.offline.solvers.cholmod import Cholmod
+from warpffrf.offline.solvers.factor import Factor
+from warpffrf.offline.solvers.multifrontal import Multifrontal
+from warpffrf.offline.solvers.pardiso import Pardiso
+from warpffrf.offline.solvers.superlu import SMALL_SYSTEM, SuperLU
+
+__all__ = ["SOLVERS", "Factor", "chosen", "factorise", "installed"]
+
+SOLVERS: dict[str, Callable[[Any, Array | None, int | None], Factor]] = {
+    "multifrontal": Multifrontal,
+    "superlu": SuperLU,
+    "cholmod": Cholmod,
+    "pardiso": Pardiso,
+}
+MODULES = {"cholmod": "sksparse", "pardiso": "pypardiso"}  # what the optional ones import
+
+
+def installed() -> list[str]:
+    """Names of the solvers that can be used here."""
+    return [name for name in SOLVERS if name not in MODULES or importlib.util.find_spec(MODULES[name]) is not None]
+
+
+def require_solver(name: str) -> str:
+    """`name` of a solver that is installed, else `InputError`."""
+    if name not in SOLVERS:
+        raise InputError(f"solver {name!r} is not available, use one of {', '.join(SOLVERS)}")
+    if name not in installed():
+        raise InputError(
+            f"solver {name!r} is not installed; pip install 'warpffrf[{name}]', or choose one of "
+            f"{', '.join(installed())}"
+        )
+    return name
+
+
+def chosen(size: int, placed: bool, name: str | None = None) -> str:
+    """The solver of a system of `size` dofs: the named one, which must be installed; without a name "multifrontal" for
+    large systems whose dofs have places (`placed`), "superlu" for all others.
+
+    No optional solver is chosen by itself: the default was measured to be as fast as CHOLMOD and faster than Pardiso
+    (`bench/offline.py --solvers`), and so a result does not depend on what else is installed.
+    """
+    if name is not None:
+        return require_solver(name)
+    return "multifrontal" if placed and size > SMALL_SYSTEM else "superlu"
+
+
+def factorise(
+    K: Any, coordinates: Array | None = None, name: str | None = None, *, memory_limit: int | None = None
+) -> Factor:
+    """Factors of a sparse symmetric or Hermitian positive definite matrix K (n, n).
+
+    `coordinates` (n, 3) [m] are the places of the dofs, NaN for those without one; `name` the solver (`chosen`);
+    `memory_limit` [byte] bounds the factorisation where its need is known beforehand. Raises `InputError` for a matrix
+    that is not square or not positive definite, a solver that is not installed, too little memory.
+    """
+    if K.ndim != 2 or K.shape[0] != K.shape[1]:
+        raise InputError(f"solver: the matrix must be square, got shape {K.shape}")
+    if coordinates is not None and coordinates.shape != (K.shape[0], 3):
+        raise InputError(f"solver: coordinates must have shape ({K.shape[0]}, 3), got {coordinates.shape}")
+    solver = SOLVERS[chosen(K.shape[0], coordinates is not None, name)]
+    return solver(sp.csc_matrix(K), coordinates, memory_limit)
