@@ -32,9 +32,9 @@ def measure(row: dict) -> dict:
     from warpffrf.model.material import Material
     from warpffrf.model.mesh import Mesh, roller
     from warpffrf.model.surfaces import Cylinder
-    from warpffrf.offline.cyclic import reduce_cyclic
-    from warpffrf.offline.interfaces import rigid_interfaces
-    from warpffrf.offline.materials import assign
+    from warpffrf.offline.cyclic.path import reduce_cyclic
+    from warpffrf.offline.fe.materials import assign
+    from warpffrf.offline.interfaces.kinds import rigid_interfaces
     from warpffrf.offline.paths import choose_path, resolve_shapes
     from warpffrf.offline.products import Limits
     from warpffrf.offline.progress import Progress

@@ -11,7 +11,6 @@ import pytest
 
 import warpffrf as wf
 from warpffrf import cli, cli_info
-from warpffrf.offline.mesh_mass import mesh_mass
 
 DATA = Path(__file__).resolve().parent / "data"
 STEEL = ["--youngs-modulus", "210e9", "--poisson-ratio", "0.3", "--density", "7850"]
@@ -110,7 +109,8 @@ def test_info_of_a_mesh_gives_its_size_mass_and_inertia(capsys: pytest.CaptureFi
     said = capsys.readouterr().out
     for word in ("nodes", "box", "rim (", "bore (", "mass", "inertia"):
         assert word in said
-    mass, _, inertia = mesh_mass(wf.mesh.read(path, length_unit="mm"), 7850.0)
+    found = wf.mesh.read(path, length_unit="mm").report(wf.Material(210e9, 0.3, 7850.0))
+    mass, inertia = found.mass, found.inertia
     R, r, width = 0.05, 0.015, 0.02  # of the script that made the mesh
     expected = 7850.0 * np.pi * (R**2 - r**2) * width
     assert mass == pytest.approx(expected, rel=FACET_LOSS)

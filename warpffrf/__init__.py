@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
     from warpffrf.model.stress_field import StressPoints
     from warpffrf.offline import reduce
-    from warpffrf.offline.grid_rule import contact_spacing
+    from warpffrf.offline.contact.grid_rule import contact_spacing
     from warpffrf.online import GeneralizedAlpha
     from warpffrf.output.result import Result
     from warpffrf.output.simulate import equilibrium, simulate
@@ -60,7 +60,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "Scene": ("warpffrf.model.scene", "Scene"),
     "StressPoints": ("warpffrf.model.stress_field", "StressPoints"),
     "bases": ("warpffrf.model.bases", None),
-    "contact_spacing": ("warpffrf.offline.grid_rule", "contact_spacing"),
+    "contact_spacing": ("warpffrf.offline.contact.grid_rule", "contact_spacing"),
     "equilibrium": ("warpffrf.output.simulate", "equilibrium"),
     "forces": ("warpffrf.model.forces", None),
     "joints": ("warpffrf.model.joints", None),

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -104,18 +104,26 @@ def demo_two_rollers(
 
 @app.command("reduce")
 def reduce_mesh(
-    mesh_file: Annotated[Path, typer.Argument(metavar="MESH", help="Volume mesh: Gmsh .msh or VTK .vtu.")],
+    mesh_file: Annotated[
+        Path,
+        typer.Argument(metavar="MESH", help="Volume mesh: .msh, .vtu, .inp (Abaqus, CalculiX), .bdf (Nastran)."),
+    ],
     length_unit: Annotated[
         str, typer.Option(metavar="UNIT", help="Unit of the lengths in the mesh file: m, cm, mm, um, in or ft.")
     ],
-    youngs_modulus: Annotated[float, typer.Option(help="Young's modulus in Pa, for steel 210e9.")],
-    poisson_ratio: Annotated[float, typer.Option(help="Poisson's ratio, for steel 0.3.")],
-    density: Annotated[float, typer.Option(help="Density in kg/m3, for steel 7850.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="File to write, for example roller.h5.")],
+    youngs_modulus: Annotated[
+        float | None, typer.Option(help="Young's modulus in Pa, for steel 210e9. Left out: the materials of the file.")
+    ] = None,
+    poisson_ratio: Annotated[float | None, typer.Option(help="Poisson's ratio, for steel 0.3.")] = None,
+    density: Annotated[float | None, typer.Option(help="Density in kg/m3, for steel 7850.")] = None,
+    part: Annotated[str | None, typer.Option(help="Which body of several: instance, part or group.")] = None,
     interface: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="SET", help="Named set of facets that a joint holds, as one rigid piece. Repeat for more."
+            metavar="SET",
+            help="Named set of facets that a joint holds: as one rigid piece, SET, or by its mean motion, SET=average. "
+            "Repeat for more.",
         ),
     ] = None,
     contact: Annotated[
@@ -127,9 +135,20 @@ def reduce_mesh(
     max_frequency: Annotated[
         float | None, typer.Option(help="Keep vibration modes up to this frequency in Hz.")
     ] = None,
+    basis: Annotated[
+        str, typer.Option(help="free_free, craig_bampton, craig_chang, krylov, balanced or pod.")
+    ] = "free_free",
     modes: Annotated[int | None, typer.Option(help="Keep at most this many vibration modes.")] = None,
     traction_spacing: Annotated[
         float | None, typer.Option(help="Spacing of the contact grid in m; left out: that of the mesh.")
+    ] = None,
+    half_width: Annotated[
+        float | None,
+        typer.Option(help="Instead of a spacing: expected half-width of the contact patch in m (force within 1 %)."),
+    ] = None,
+    stress: Annotated[
+        list[str] | None,
+        typer.Option(metavar="SET", help="Set of facets, skin or all, where stresses are wanted. Repeat for more."),
     ] = None,
     cache: Annotated[
         bool, typer.Option(help="Take an unchanged body from the cache instead of reducing again.")
@@ -146,22 +165,38 @@ def reduce_mesh(
         from warpffrf.output.paths import checked_output_path
 
         target = checked_output_path(output, "--output")
-        material = warpffrf.Material(youngs_modulus, poisson_ratio, density)
-        mesh = warpffrf.mesh.read(mesh_file, length_unit=length_unit)
+        mesh = warpffrf.mesh.read(mesh_file, length_unit=length_unit, part=part)
         body = warpffrf.reduce(
             mesh,
-            material,
-            interfaces=dict.fromkeys(interface or [], "rigid"),
+            _material(mesh, youngs_modulus, poisson_ratio, density),
+            interfaces=dict((*entry.split("=", 1), "rigid")[:2] for entry in interface or []),
             contact=dict.fromkeys(contact or []),
+            basis=basis,
             max_frequency=max_frequency,
             modes=modes,
             traction_spacing=traction_spacing,
+            expected_half_width=half_width,
+            stress={name: name for name in stress or []},
             cache=cache,
             progress=not _State.quiet,
         )
         body.save(target)
         print(body.info())
         print(f"written to {target}")
+
+
+def _material(mesh: Any, E: float | None, nu: float | None, rho: float | None) -> Any:
+    """The material of the options, all three of them, or those of the mesh's file."""
+    given = [value for value in (E, nu, rho) if value is not None]
+    if len(given) == 3:
+        return warpffrf.Material(*given)
+    if given:
+        raise warpffrf.InputError("--youngs-modulus, --poisson-ratio and --density belong together; give all three")
+    if not mesh.materials:
+        raise warpffrf.InputError(
+            f"mesh {mesh.name}: the file says no material; add --youngs-modulus, --poisson-ratio and --density"
+        )
+    return mesh.materials
 
 
 @app.command("info")
@@ -171,7 +206,10 @@ def info(
         str | None,
         typer.Option(metavar="UNIT", help="For a mesh: unit of the lengths in the file: m, cm, mm, um, in or ft."),
     ] = None,
-    density: Annotated[float, typer.Option(help="For a mesh: density in kg/m3; left out: steel.")] = 7850.0,
+    density: Annotated[
+        float | None,
+        typer.Option(help="For a mesh: density in kg/m3; left out: that of the file's materials, or steel."),
+    ] = None,
     page: Annotated[
         Path | None,
         typer.Option(metavar="PNG", help="For a reduced body: also write a picture of its quality here."),

@@ -7,15 +7,18 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.material import Material
 
+STEEL_DENSITY = 7850.0  # kg/m3
 ROUND_OFF = 1e-12  # of the largest moment of inertia: products below it are rounding and printed as zero
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
-def describe_file(path: Path, *, length_unit: str | None, density: float, page: Path | None = None) -> str:
+def describe_file(path: Path, *, length_unit: str | None, density: float | None, page: Path | None = None) -> str:
     """Readable lines about the file: sizes, bounding box, mass, inertia, and warnings.
 
-    length_unit, density [kg/m3]: used for meshes only, which carry neither. page: for a reduced body, where to write
+    length_unit, density [kg/m3]: used for meshes only; without a density that of the file's materials, else of steel.
+    page: for a reduced body, where to write
     the picture of its quality. Raises `InputError` for a file that is missing or of no known kind, for a mesh without
     `length_unit`, and for a page that cannot be written or of a file that is no reduced body.
     """
@@ -34,26 +37,19 @@ def describe_file(path: Path, *, length_unit: str | None, density: float, page: 
     raise InputError(f"{path.name} is neither a mesh ({known}) nor a reduced body or results file (.h5)")
 
 
-def _mesh(path: Path, length_unit: str | None, density: float) -> str:
+def _mesh(path: Path, length_unit: str | None, density: float | None) -> str:
     from warpffrf.model import mesh as meshes
     from warpffrf.model.mesh.reader import LENGTH_UNITS
-    from warpffrf.offline.mesh_mass import mesh_mass
 
     if length_unit is None:
         units = ", ".join(LENGTH_UNITS)
         raise InputError(f"{path.name}: a mesh file does not say its unit of length; add --length-unit, one of {units}")
     mesh = meshes.read(path, length_unit=length_unit)
-    mass, center, inertia = mesh_mass(mesh, density)
-    lines = str(mesh.report()).splitlines()
-    warnings = [line for line in lines if line.startswith("  warning")]
-    return "\n".join(
-        [
-            *[line for line in lines if line not in warnings],
-            f"  mass    {mass:.6g} kg at {density:g} kg/m3, centre {_vector(center)} m",
-            *_inertia(inertia),
-            *warnings,
-        ]
-    )
+    if density is None and mesh.report().mass is not None:
+        return str(mesh.report())
+    rho = STEEL_DENSITY if density is None else density
+    # the mass needs the density alone; the moduli are those of steel, so that no warning is about them
+    return str(mesh.report(Material(210e9, 0.3, rho))) + f"\n  note: mass at {rho:g} kg/m3"
 
 
 def _hdf5(path: Path, page: Path | None) -> str:

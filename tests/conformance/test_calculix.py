@@ -14,8 +14,8 @@ import scipy.linalg as sla
 
 from warpffrf.model.mesh import from_matrices, read
 from warpffrf.offline import reduce
-from warpffrf.offline.assembly import fe_matrices
-from warpffrf.offline.materials import assign
+from warpffrf.offline.fe.assembly import fe_matrices
+from warpffrf.offline.fe.materials import assign
 
 FOLDER = Path(__file__).parents[1] / "data" / "calculix"
 PROMISED = 1e-6  # relative, of the frequencies

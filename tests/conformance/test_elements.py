@@ -11,9 +11,9 @@ from element_meshes import crooked_block, ring
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind
-from warpffrf.offline.assembly import assemble, rigid_modes
-from warpffrf.offline.materials import assign
-from warpffrf.offline.reference import STIFFNESS_DEGREE, rule
+from warpffrf.offline.fe.assembly import assemble, rigid_modes
+from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe.reference import STIFFNESS_DEGREE, rule
 
 STEEL = Material(210e9, 0.3, 7850.0)
 ROUND_OFF = 1e-11  # relative: sums of some hundred terms and one small solve

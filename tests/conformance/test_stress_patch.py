@@ -14,9 +14,9 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind, facet_kind
 from warpffrf.model.stress_field import StressPoints, from_tensor
-from warpffrf.offline.materials import assign
-from warpffrf.offline.point_location import locate
-from warpffrf.offline.stress import StressPlan
+from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.stress.plan import StressPlan
+from warpffrf.offline.stress.point_location import locate
 
 STEEL, BRASS = Material(210e9, 0.3, 7850.0), Material(100e9, 0.35, 8500.0)
 ROUND_OFF = 1e-11  # relative: sums of some hundred terms

@@ -17,8 +17,8 @@ from warpffrf.model.mesh import FacetSet, Mesh
 from warpffrf.model.mesh.matrices import from_matrices
 from warpffrf.model.mesh.matrices.checks import require_semidefinite
 from warpffrf.model.mesh.matrices.motion import RIGID
-from warpffrf.offline.assembly import assemble
-from warpffrf.offline.materials import assign
+from warpffrf.offline.fe.assembly import assemble
+from warpffrf.offline.fe.materials import assign
 
 STEEL = Material(210e9, 0.3, 7850.0)
 rng = np.random.default_rng(11)

@@ -21,8 +21,8 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.matrices import from_matrices, read_matrix
 from warpffrf.model.mesh.matrices.files import completed
-from warpffrf.offline.assembly import assemble
-from warpffrf.offline.materials import assign
+from warpffrf.offline.fe.assembly import assemble
+from warpffrf.offline.fe.materials import assign
 
 CALCULIX = Path(__file__).resolve().parents[1] / "data" / "calculix"
 STEEL = Material(210e9, 0.3, 7850.0)

@@ -14,7 +14,7 @@ from warpffrf.model import mesh as wfmesh
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import periodicity
 from warpffrf.model.mesh.facets import FacetSet, outer_faces
-from warpffrf.offline.sector import periodicity_fault
+from warpffrf.offline.cyclic.sector import periodicity_fault
 
 R, R_I, WIDTH = 0.05, 0.015, 0.02
 TET_ROLLER = Path(__file__).resolve().parents[1] / "data" / "tet_roller.msh"

@@ -7,11 +7,11 @@ import scipy.sparse as sp
 from offline_bodies import STEEL
 
 from warpffrf.model.mesh import Mesh, roller
-from warpffrf.offline.assembly import assemble
 from warpffrf.offline.elastic import ElasticModel, free_model
-from warpffrf.offline.interface_system import InterfaceSystem
-from warpffrf.offline.interfaces import body_interfaces
-from warpffrf.offline.materials import assign
+from warpffrf.offline.fe.assembly import assemble
+from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.interfaces.kinds import body_interfaces
+from warpffrf.offline.interfaces.system import InterfaceSystem
 
 
 def box(counts: tuple[int, int, int], size: tuple[float, float, float]) -> Mesh:

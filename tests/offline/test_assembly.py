@@ -8,10 +8,10 @@ from reference_fe import matrices
 
 from warpffrf.model.mesh import Mesh, roller
 from warpffrf.model.mesh.elements import CELL_KINDS, FACET_KINDS, cell_kind, facet_kind
-from warpffrf.offline.assembly import assemble, rigid_modes
-from warpffrf.offline.materials import assign
+from warpffrf.offline.fe.assembly import assemble, rigid_modes
+from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe.reference import rule
 from warpffrf.offline.products import mass_properties
-from warpffrf.offline.reference import rule
 
 
 @pytest.mark.parametrize("kind", [*CELL_KINDS, *FACET_KINDS])

@@ -13,7 +13,7 @@ from offline_bodies import reduced
 from warpffrf.model import mesh as meshes
 from warpffrf.model.mesh import roller
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline.cell_depth import DEEPEST, layer_depth
+from warpffrf.offline.contact.cell_depth import DEEPEST, layer_depth
 
 R, R_I = 0.05, 0.015
 DATA = Path(__file__).resolve().parents[1] / "data"

@@ -13,10 +13,10 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
 from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.model.surfaces import CrownedCylinder, Cylinder
-from warpffrf.offline.contact_grid import facet_chart, nodal_plan, spaced_plan, thinned_rows
-from warpffrf.offline.cut_quadrature import BEND, cut_points
-from warpffrf.offline.hat_loads import hat_loads, surface_vectors
-from warpffrf.offline.traction_fields import ContactFacets, TractionField
+from warpffrf.offline.contact.contact_grid import facet_chart, nodal_plan, spaced_plan, thinned_rows
+from warpffrf.offline.contact.cut_quadrature import BEND, cut_points
+from warpffrf.offline.contact.hat_loads import hat_loads, surface_vectors
+from warpffrf.offline.contact.traction_fields import ContactFacets, TractionField
 
 
 def loads_of(mesh, shape, spacing=None):

@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 from traction_reference import cyclic_product, mixed_roller, relative, sector_of, the_surface
 
 from warpffrf.model.mesh import Mesh, roller
-from warpffrf.offline.block_cholesky import BlockPattern, NotDefiniteError, chain, work
-from warpffrf.offline.cyclic import axes_of
-from warpffrf.offline.cyclic_observers import CyclicObserver
-from warpffrf.offline.harmonics import AxialInterface, Harmonics
-from warpffrf.offline.waves import Waves
+from warpffrf.offline.cyclic.block_cholesky import BlockPattern, NotDefiniteError, chain, work
+from warpffrf.offline.cyclic.harmonics import AxialInterface, Harmonics
+from warpffrf.offline.cyclic.observers import CyclicObserver
+from warpffrf.offline.cyclic.path import axes_of
+from warpffrf.offline.cyclic.waves import Waves
 
 ROUND_OFF = 1e-11
 
@@ -130,7 +130,7 @@ def test_both_kinds_of_arithmetic_agree(order, monkeypatch):
 
 
 def test_a_harmonic_has_modes_where_lanczos_finds_them():
-    from warpffrf.offline.modes import vibration_modes
+    from warpffrf.offline.bases.modes import vibration_modes
 
     harmonics = Harmonics(sector_of(roller(0.05, 0.02, 0.02, sectors=9, layers=2, axial=1, order=1)), [])
     for k in (2, 3, 4):

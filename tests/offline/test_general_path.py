@@ -15,19 +15,20 @@ import pytest
 import scipy.sparse as sp
 from offline_bodies import STEEL
 
-import warpffrf.offline.unit_loads as unit_loads
+import warpffrf.offline.general.unit_loads as unit_loads
 from warpffrf.model.bases import FreeFree
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline.assembly import fe_matrices, rigid_modes
-from warpffrf.offline.checkpoint import Checkpoint
+from warpffrf.offline import reduce
 from warpffrf.offline.elastic import free_model
-from warpffrf.offline.general import reduce_general
-from warpffrf.offline.general_surface import GeneralSurface
-from warpffrf.offline.interfaces import rigid_interfaces
-from warpffrf.offline.materials import assign
-from warpffrf.offline.observers import Observer, node_observer
+from warpffrf.offline.fe.assembly import fe_matrices, rigid_modes
+from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.general.checkpoint import Checkpoint
+from warpffrf.offline.general.observers import Observer, node_observer
+from warpffrf.offline.general.path import reduce_general
+from warpffrf.offline.general.surface import GeneralSurface
+from warpffrf.offline.interfaces.kinds import rigid_interfaces
 from warpffrf.offline.products import Limits, SurfaceProduct
 from warpffrf.offline.progress import Progress
 from warpffrf.offline.solvers import installed
@@ -220,7 +221,7 @@ def test_a_resumed_run_gives_the_same_bits(mesh, tmp_path, monkeypatch, small_bl
                 general(mesh, checkpoint=checkpoint)
     assert path.exists() and len(first) == 5
     with monkeypatch.context() as patch:
-        patch.setattr("warpffrf.offline.general.build_basis", None)  # kept as well: not called again
+        patch.setattr("warpffrf.offline.general.path.build_basis", None)  # kept as well: not called again
         second = stop_after(patch, 1000, Stopped())
         with Checkpoint(path, seconds=0.0) as checkpoint:
             resumed = general(mesh, checkpoint=checkpoint)
@@ -337,3 +338,33 @@ def test_a_short_run_writes_no_file(mesh, tmp_path):
     with Checkpoint(path, seconds=1000.0) as checkpoint:
         general(mesh, checkpoint=checkpoint)
         assert not path.exists()
+
+
+def test_reduce_goes_on_after_an_interruption(tmp_path, monkeypatch, mesh):
+    """The file of an interrupted and resumed reduction is that of an uninterrupted one, bit for bit."""
+    monkeypatch.setattr(unit_loads, "BLOCK", BLOCK)
+    monkeypatch.setattr("warpffrf.offline.general.checkpoint.SECONDS", 0.0)
+    given = {"interfaces": {"bore": "rigid"}, "contact": {"rim": Cylinder()}, "modes": 4, "periodic": False}
+    monkeypatch.setenv("WARPFFRF_CACHE", str(tmp_path / "whole"))
+    whole = reduce(mesh, STEEL, progress=False, **given)
+
+    monkeypatch.setenv("WARPFFRF_CACHE", str(tmp_path / "cut"))
+    put, seen = Checkpoint.put, []
+
+    def interrupted(self, name, arrays):
+        put(self, name, arrays)
+        self.flush()
+        seen.append(name)
+        if len(seen) == 4:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Checkpoint, "put", interrupted)
+        with pytest.raises(KeyboardInterrupt, match="call reduce with the same input to go on"):
+            reduce(mesh, STEEL, progress=False, **given)
+    assert list((tmp_path / "cut").glob("*.part"))
+    with monkeypatch.context() as patch:
+        patch.setattr("warpffrf.offline.general.path.build_basis", None)  # not computed again
+        resumed = reduce(mesh, STEEL, progress=False, **given)
+    assert resumed.content_hash() == whole.content_hash()
+    assert not list((tmp_path / "cut").glob("*.part"))

@@ -9,8 +9,8 @@ from scipy.integrate import quad
 from scipy.optimize import nnls
 
 from warpffrf.model.errors import InputError
-from warpffrf.offline.cell_depth import DEEPEST
-from warpffrf.offline.grid_rule import (
+from warpffrf.offline.contact.cell_depth import DEEPEST
+from warpffrf.offline.contact.grid_rule import (
     COARSEST,
     PATCHES,
     QUANTITIES,

@@ -10,16 +10,16 @@ from offline_bodies import STEEL
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import FacetSet, Mesh
 from warpffrf.model.mesh.elements import facet_kind
-from warpffrf.offline.assembly import rigid_modes
-from warpffrf.offline.interface_system import InterfaceSystem
-from warpffrf.offline.interfaces import (
+from warpffrf.offline.fe.assembly import rigid_modes
+from warpffrf.offline.fe.reference import rule
+from warpffrf.offline.interfaces.kinds import (
     INTERFACE_KINDS,
     MOST_FREE_NODES,
     AverageInterface,
     body_interfaces,
     require_spread,
 )
-from warpffrf.offline.reference import rule
+from warpffrf.offline.interfaces.system import InterfaceSystem
 
 BAR = (0.02, 0.03, 0.1)
 

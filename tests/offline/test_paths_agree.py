@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from offline_bodies import reduced, skin_order
 
-from warpffrf.model.mesh import roller
+from warpffrf.model.mesh import Mesh, roller
 from warpffrf.model.surfaces import CrownedCylinder
 
 AGREE = 1e-9
@@ -91,3 +91,22 @@ def test_the_path_is_reported_with_its_reason(small_roller):
     body = reduced(moved)
     assert body.report["path"] == "general" and "turned sectors differ" in body.report["path_reason"]
     assert body.contact_surfaces["rim"].lags.shape[0] == 1
+
+
+def test_periodicity_of_a_read_mesh_is_found() -> None:
+    """A mesh that does not say that it is periodic, numbered at random: the cyclic path, and the same body."""
+    known = roller(0.05, 0.015, 0.02, sectors=14, layers=2, axial=2, order=1)
+    order = np.random.default_rng(5).permutation(len(known.points))
+    number = np.argsort(order)
+    mesh = Mesh(
+        known.points[order],
+        {kind: number[nodes] for kind, nodes in known.cells.items()},
+        {name: facets.renumbered(number) for name, facets in known.facet_sets.items()},
+    )
+    found, general, stated = reduced(mesh, modes=6), reduced(mesh, general=True, modes=6), reduced(known, modes=6)
+    assert found.report["path"] == "cyclic" and general.report["path"] == "general"
+    assert any("found to be periodic: 14 sectors" in note for note in found.report["notes"])
+    for other in (general, stated):
+        assert found.frequencies == pytest.approx(other.frequencies, rel=1e-9)  # eigenvalues of one matrix
+    D, D_stated = (b.contact_surfaces["rim"].compliance(np.arange(14)) for b in (found, stated))
+    assert np.linalg.eigvalsh(D) == pytest.approx(np.linalg.eigvalsh(D_stated), rel=1e-8, abs=1e-12 * D.max())

@@ -19,8 +19,8 @@ from warpffrf.model.mesh.facets import FacetSet
 from warpffrf.model.reduced_body import DisplaySurface, Interface, ReducedBody
 from warpffrf.model.reduced_body_file import _flatten
 from warpffrf.offline import reduce
-from warpffrf.offline.assembly import rigid_modes
 from warpffrf.offline.elastic import ElasticModel, orthonormal_rigid
+from warpffrf.offline.fe.assembly import rigid_modes
 from warpffrf.offline.products import Limits
 from warpffrf.offline.quality import (
     captured,

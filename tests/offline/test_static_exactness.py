@@ -11,9 +11,9 @@ import pytest
 from offline_bodies import reduced
 from reference_fe import free_response, matrices
 
-from warpffrf.offline.assembly import rigid_modes
-from warpffrf.offline.contact_grid import facet_chart, nodal_plan
-from warpffrf.offline.hat_loads import hat_loads
+from warpffrf.offline.contact.contact_grid import facet_chart, nodal_plan
+from warpffrf.offline.contact.hat_loads import hat_loads
+from warpffrf.offline.fe.assembly import rigid_modes
 
 EXACT = 1e-8  # what the product promises
 SINGLE = 2e-6  # the display transfer is stored in single precision
@@ -33,11 +33,11 @@ def full(small_roller, steel):
     R[: 3 * len(free)] = rigid_modes(points[free], np.zeros(3))
     R[3 * len(free) :] = np.eye(6)
     shape = reduced(small_roller).contact_surfaces["rim"].shape
-    facets = small_roller.facets("rim")
-    chart = facet_chart(points, *facets.single, shape)
+    kind, nodes = small_roller.facets("rim").single
+    chart = facet_chart(points, kind, nodes, shape)
     plan = nodal_plan(chart, "rim")
     assert plan is not None
-    loads = hat_loads(*facets.single, chart, shape, plan)
+    loads = hat_loads(kind, nodes, chart, shape, plan)
     rows = len(plan.z)
     B = np.zeros((len(points), 3, plan.columns * rows))
     for d in range(3):

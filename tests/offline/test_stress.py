@@ -14,13 +14,13 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
 from warpffrf.model.stress_field import GridSpan, StressPoints, from_tensor, rotated, sector_frames, to_tensor
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline.assembly import rigid_modes
-from warpffrf.offline.contact_grid import facet_chart, nodal_plan
-from warpffrf.offline.hat_loads import hat_loads, surface_vectors
-from warpffrf.offline.materials import assign
-from warpffrf.offline.sector import sector_axes
-from warpffrf.offline.stress import StressPlan
-from warpffrf.offline.stress_operator import traction_correction, traction_operator
+from warpffrf.offline.contact.contact_grid import facet_chart, nodal_plan
+from warpffrf.offline.contact.hat_loads import hat_loads, surface_vectors
+from warpffrf.offline.cyclic.sector import sector_axes
+from warpffrf.offline.fe.assembly import rigid_modes
+from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.stress.operator import traction_correction, traction_operator
+from warpffrf.offline.stress.plan import StressPlan
 
 SAME = 1e-12  # of the largest stress: round-off of sums and rotations
 FULL = 1e-6  # what the product promises beside the full model
@@ -199,6 +199,7 @@ def test_tangential_loads_on_both_paths(linear, kind, set_name) -> None:
         pressure = np.zeros((s.grid.columns, s.grid.rows))
         pressure[first : first + 3] = rng.standard_normal((3, s.grid.rows))
         forces = s.grid.gram_theta() @ pressure @ s.gram_z
+        assert s.tangential is not None
         grid = s.tangential.grid
         shear = np.zeros((2, grid.columns, grid.rows))
         shear[:, first : first + 3] = rng.standard_normal((2, 3, grid.rows))
@@ -320,6 +321,6 @@ def test_file_holds_the_stress(linear, tmp_path) -> None:
     again = type(body).load(body.save(tmp_path / "body.h5"))
     forces = np.random.default_rng(0).standard_normal((18, 3))
     q = np.ones(len(body.frequencies))
-    both = [b.stress["here"].evaluate(q, {"rim": forces}) for b in (body, again)]
-    assert np.array_equal(*both)
+    first, second = (b.stress["here"].evaluate(q, {"rim": forces}) for b in (body, again))
+    assert np.array_equal(first, second)
     assert again.content_hash() == body.content_hash()

@@ -9,9 +9,9 @@ from traction_reference import cyclic_product, mixed_roller, plan_of, relative, 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
 from warpffrf.model.surfaces import CrownedCylinder
-from warpffrf.offline.cyclic_surface import CyclicField, FacetPattern, facet_pattern
-from warpffrf.offline.sector import phase
-from warpffrf.offline.traction_fields import TANGENTIAL, ContactFacets
+from warpffrf.offline.contact.traction_fields import TANGENTIAL, ContactFacets
+from warpffrf.offline.cyclic.sector import phase
+from warpffrf.offline.cyclic.surface import CyclicField, FacetPattern, facet_pattern
 
 EXACT = 1e-10  # what the issue asks for
 SINGLE = 2e-6  # transfers are stored in single precision

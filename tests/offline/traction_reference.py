@@ -11,16 +11,16 @@ from reference_fe import free_response
 from warpffrf.model.mesh import FacetSet, Mesh, roller
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.model.tangential import Tangential
-from warpffrf.offline.assembly import assemble, rigid_modes
-from warpffrf.offline.cyclic import axes_of, reduce_cyclic
-from warpffrf.offline.cyclic_surface import CyclicSurface, FacetPattern, facet_pattern
-from warpffrf.offline.interfaces import rigid_interfaces
-from warpffrf.offline.materials import assign
+from warpffrf.offline.contact.traction_fields import NORMAL, TANGENTIAL, ContactFacets, TractionField
+from warpffrf.offline.cyclic.path import axes_of, reduce_cyclic
+from warpffrf.offline.cyclic.sector import assemble_sector
+from warpffrf.offline.cyclic.surface import CyclicSurface, FacetPattern, facet_pattern
+from warpffrf.offline.fe.assembly import assemble, rigid_modes
+from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.interfaces.kinds import rigid_interfaces
 from warpffrf.offline.paths import choose_path, resolve_shapes
 from warpffrf.offline.products import Limits, SurfaceProduct
 from warpffrf.offline.progress import Progress
-from warpffrf.offline.sector import assemble_sector
-from warpffrf.offline.traction_fields import NORMAL, TANGENTIAL, ContactFacets, TractionField
 
 
 def relative(a, b) -> float:

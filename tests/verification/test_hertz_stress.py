@@ -16,9 +16,9 @@ from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.stress_field import max_shear
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
-from warpffrf.offline.assembly import assemble
-from warpffrf.offline.materials import assign
-from warpffrf.offline.stress import StressPlan
+from warpffrf.offline.fe.assembly import assemble
+from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.stress.plan import StressPlan
 from warpffrf.study.rollers import PAIR, STEEL, Path, solve_path
 from warpffrf.study.rolling import approach_for, window_for
 

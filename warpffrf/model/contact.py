@@ -50,6 +50,12 @@ class Contact:
                     f"contact: the {place} surface must be a contact surface, body['rim'] with 'rim' named in "
                     f"reduce(contact=...), got {getattr(port, 'label', None) or repr(getattr(port, 'name', port))}"
                 )
+            kind = port.surface.grid.kind
+            if kind != "hats":
+                raise InputError(
+                    f"contact: the {place} surface, {port.label}, was reduced with traction={kind!r}; normal contact is "
+                    "solved with hats: reduce the body with traction='hats'"
+                )
         self.a, self.b = a, b
         self.name = f"{a.body.name}-{b.body.name}" if name is None else name
         if a.body is b.body:

@@ -8,7 +8,7 @@ frame. At point x
 with `q` the global coordinates, `f` the forces `f_i = int psi_i t dA` [N] of the grid functions of a contact surface,
 outward normal ones (columns, rows) or tangential ones (2, columns, rows), `T` the response of the local modes, `s` the
 coefficients of the traction `t = sum_i psi_i s_i` that the forces stand for, and `M` the Gram matrix. `W` is the part
-that follows from the traction alone, without any deformation: see `warpffrf.offline.stress_operator`. It makes the
+that follows from the traction alone, without any deformation: see `warpffrf.offline.stress.operator`. It makes the
 traction on a contact surface the one that was applied.
 
 On a rotationally periodic body `T` is kept for the `p0` distinct places of the points in one sector, in the axes of

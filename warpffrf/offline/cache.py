@@ -18,7 +18,7 @@ from typing import Any
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.reduced_body_file import SCHEMA
-from warpffrf.offline.checkpoint import SUFFIX
+from warpffrf.offline.general.checkpoint import SUFFIX
 
 logger = logging.getLogger("warpffrf.offline")
 METHOD = 4  # raised whenever the reduction gives other numbers for the same input

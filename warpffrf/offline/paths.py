@@ -10,9 +10,9 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.surfaces import CrownedCylinder, Cylinder
-from warpffrf.offline.cyclic_surface import FacetPattern, facet_pattern
-from warpffrf.offline.materials import Assignment
-from warpffrf.offline.sector import periodicity_fault
+from warpffrf.offline.cyclic.sector import periodicity_fault
+from warpffrf.offline.cyclic.surface import FacetPattern, facet_pattern
+from warpffrf.offline.fe.materials import Assignment
 
 COAXIAL = 1e-9  # of the radius: a shape this close to the axis of periodicity turns into itself, far below any gap
 LEAST_SECTORS = 3  # harmonics 0 and 1 must differ from each other and from N/2 for the rigid motions to separate

@@ -49,8 +49,8 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.reduced_body import ContactSurface, ReducedBody
+from warpffrf.offline.bases.modes import SAME_FREQUENCY, whole_multiples
 from warpffrf.offline.elastic import Array, ElasticModel
-from warpffrf.offline.modes import SAME_FREQUENCY, whole_multiples
 from warpffrf.offline.products import Limits, SurfaceProduct
 
 # bases whose span holds the vibration modes of the free body, so that a covered range can be stated

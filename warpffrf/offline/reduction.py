@@ -18,23 +18,23 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.periodicity import detect
 from warpffrf.model.reduced_body import ContactSurface, DisplaySurface, ReducedBody, library_versions
-from warpffrf.offline.cell_depth import depth_ratio, depth_warning, layer_depth
-from warpffrf.offline.checkpoint import Checkpoint
-from warpffrf.offline.cyclic import axes_of, reduce_cyclic
-from warpffrf.offline.expected_contact import expected_grids, promised, spacings
-from warpffrf.offline.general import reduce_general
-from warpffrf.offline.grid_rule import GridChoice
-from warpffrf.offline.independence import INDEPENDENCE, check_independence, eigenvalue_ratio, trace_ratio
-from warpffrf.offline.interfaces import body_interfaces
-from warpffrf.offline.materials import Assignment, assign, facet_material
+from warpffrf.offline.contact.cell_depth import depth_ratio, depth_warning, layer_depth
+from warpffrf.offline.contact.expected_contact import expected_grids, promised, spacings
+from warpffrf.offline.contact.grid_rule import GridChoice
+from warpffrf.offline.contact.independence import INDEPENDENCE, check_independence, eigenvalue_ratio, trace_ratio
+from warpffrf.offline.contact.traction_fields import ContactFacets
+from warpffrf.offline.cyclic.path import axes_of, reduce_cyclic
+from warpffrf.offline.fe.materials import Assignment, assign, facet_material
+from warpffrf.offline.general.checkpoint import Checkpoint
+from warpffrf.offline.general.path import reduce_general
+from warpffrf.offline.interfaces.kinds import body_interfaces
 from warpffrf.offline.paths import PathChoice, choose_path, resolve_shapes
 from warpffrf.offline.products import PathProduct, SurfaceProduct
 from warpffrf.offline.progress import Progress
 from warpffrf.offline.quality import quality
 from warpffrf.offline.settings import Settings
-from warpffrf.offline.stress import stress_plans
-from warpffrf.offline.stress_fields import StressRecovery
-from warpffrf.offline.traction_fields import ContactFacets
+from warpffrf.offline.stress.fields import StressRecovery
+from warpffrf.offline.stress.plan import stress_plans
 
 logger = logging.getLogger("warpffrf.offline")
 LIBRARIES = ("warpffrf", "numpy", "scipy", "scikit-fem")

@@ -13,10 +13,10 @@ from warpffrf.model.contact_grid import require_kind
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
-from warpffrf.offline.interfaces import INTERFACE_KINDS
+from warpffrf.offline.interfaces.kinds import INTERFACE_KINDS
 from warpffrf.offline.products import Limits
 from warpffrf.offline.solvers import require_solver
-from warpffrf.offline.stress import stress_settings
+from warpffrf.offline.stress.plan import stress_settings
 
 TANGENTIAL = "cells"  # of `tangential=True`: friction is solved in cells, hats were measured to be worse
 CYCLIC_BASES = ("free_free", "craig_chang")  # whose span is that of free vibration and attachment modes

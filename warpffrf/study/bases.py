@@ -20,14 +20,14 @@ import scipy.sparse as sp
 from warpffrf.model import bases
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
-from warpffrf.offline.assembly import assemble
 from warpffrf.offline.bases import build_basis
+from warpffrf.offline.bases.global_basis import attachment_modes
 from warpffrf.offline.bases.shifted import shifted_solver
 from warpffrf.offline.elastic import ElasticModel, free_model
-from warpffrf.offline.global_basis import attachment_modes
-from warpffrf.offline.interface_system import InterfaceSystem
-from warpffrf.offline.interfaces import body_interfaces
-from warpffrf.offline.materials import assign
+from warpffrf.offline.fe.assembly import assemble
+from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.interfaces.kinds import body_interfaces
+from warpffrf.offline.interfaces.system import InterfaceSystem
 from warpffrf.offline.products import Limits
 from warpffrf.offline.reduction import one_thread
 from warpffrf.study.tables import table

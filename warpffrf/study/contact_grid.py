@@ -2,7 +2,7 @@
 `python -m warpffrf.study.contact_grid [FOLDER]`. A minute or two.
 
 Every figure in the tables is computed by this script; the factors of the rule are written down, rounded up, in
-`warpffrf.offline.grid_rule`, and the script says where a measured error exceeds them.
+`warpffrf.offline.contact.grid_rule`, and the script says where a measured error exceeds them.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import qmc
 
-from warpffrf.offline.grid_rule import PATCHES, QUANTITIES, RULES, contact_spacing
+from warpffrf.offline.contact.grid_rule import PATCHES, QUANTITIES, RULES, contact_spacing
 from warpffrf.output.error_chart import ErrorPanel, error_charts
 from warpffrf.study.grid_errors import grid_errors, put_on_grid
 from warpffrf.study.grid_on_roller import roller_half_width, roller_states
@@ -228,8 +228,8 @@ grids lie anywhere against each other. {verdict}
 
 ## The rule
 
-`error <= c (s/b)^p`, derived in `warpffrf/offline/grid_rule.py` and used by `warpffrf.contact_spacing`. Spacing in
-half-widths for a wanted error of each quantity, hats:
+`error <= c (s/b)^p`, derived in `warpffrf/offline/contact/grid_rule.py` and used by `warpffrf.contact_spacing`.
+Spacing in half-widths for a wanted error of each quantity, hats:
 
 {table(["patch", "error", *NAMED], _rule_rows())}
 ![errors and rule]({PICTURE})

@@ -23,11 +23,11 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.bases import Balanced
+from warpffrf.offline.bases.global_basis import global_basis
 from warpffrf.offline.bases.gramians import hankel_values, modal_receptance, position_gramian, projected_receptance
+from warpffrf.offline.bases.modes import vibration_modes
 from warpffrf.offline.bases.problem import BasisProblem, RawBasis
 from warpffrf.offline.elastic import Array
-from warpffrf.offline.global_basis import global_basis
-from warpffrf.offline.modes import vibration_modes
 
 POOL_RANGE = 2.0  # pool up to this times max_frequency: modes above still shape the receptance below
 DEFAULT_POOL = 200  # vibration modes of a pool without limits

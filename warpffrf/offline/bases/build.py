@@ -22,12 +22,12 @@ from warpffrf.offline.bases.balanced import balanced
 from warpffrf.offline.bases.craig_bampton import craig_bampton
 from warpffrf.offline.bases.craig_chang import craig_chang
 from warpffrf.offline.bases.free_free import free_free
+from warpffrf.offline.bases.global_basis import attachment_modes, global_basis, missing_energy
 from warpffrf.offline.bases.krylov import krylov
 from warpffrf.offline.bases.pod import pod
 from warpffrf.offline.bases.problem import BasisProblem, RawBasis
 from warpffrf.offline.elastic import Array, ElasticModel
-from warpffrf.offline.global_basis import attachment_modes, global_basis, missing_energy
-from warpffrf.offline.interface_system import InterfaceSystem
+from warpffrf.offline.interfaces.system import InterfaceSystem
 from warpffrf.offline.products import Limits
 
 BASES: dict[str, Callable[[BasisProblem, Any], RawBasis]] = {

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.offline.bases.modes import vibration_modes, whole_multiples
 from warpffrf.offline.elastic import Array, ElasticModel
-from warpffrf.offline.interface_system import InterfaceSystem
-from warpffrf.offline.modes import vibration_modes, whole_multiples
+from warpffrf.offline.interfaces.system import InterfaceSystem
 from warpffrf.offline.products import Limits
 
 AHEAD = 4  # modes computed beyond those wanted, to see whether a multiple frequency would be cut apart

@@ -14,7 +14,7 @@ import scipy.sparse.linalg as spla
 
 from warpffrf.model.errors import InputError
 from warpffrf.offline.elastic import Array
-from warpffrf.offline.ordering import nested_dissection
+from warpffrf.offline.solvers.ordering import nested_dissection
 
 SMALL_SYSTEM = 2000  # dofs; below it SuperLU's own ordering costs less than a dissection
 PIVOT = 0.01  # a diagonal pivot is kept while it is this fraction of the largest of its column

@@ -13,9 +13,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.errors import InputError
-from warpffrf.offline.ordering import Array, nested_dissection
 from warpffrf.offline.solvers.factor import Factor, missing_extra, not_definite
 from warpffrf.offline.solvers.fronts import find_fronts
+from warpffrf.offline.solvers.ordering import Array, nested_dissection
 
 
 class Cholmod(Factor):

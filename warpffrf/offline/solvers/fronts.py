@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.offline.ordering import Array, Dissection
+from warpffrf.offline.solvers.ordering import Array, Dissection
 
 
 @dataclass(frozen=True, eq=False)

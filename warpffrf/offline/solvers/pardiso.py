@@ -12,8 +12,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.errors import InputError
-from warpffrf.offline.ordering import Array
 from warpffrf.offline.solvers.factor import Factor, missing_extra, not_definite
+from warpffrf.offline.solvers.ordering import Array
 
 DEFINITE = 2  # mtype: real symmetric positive definite
 ENTRIES, PERMANENT, FACTORS = 18, 16, 17

@@ -12,8 +12,8 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from warpffrf.offline.ordering import Array, nested_dissection
 from warpffrf.offline.solvers.factor import Factor, not_definite
+from warpffrf.offline.solvers.ordering import Array, nested_dissection
 
 SMALL_SYSTEM = 2000  # dofs; below it SuperLU's own ordering costs less than a dissection
 INDEX_BYTES = 4  # of the row number that goes with each entry

@@ -14,9 +14,9 @@ import scipy.sparse as sp
 
 from warpffrf.model.contact_grid import meridian_gram
 from warpffrf.model.mesh.facets import FacetSet
-from warpffrf.offline.assembly import Sparse
-from warpffrf.offline.contact_grid import Chart, GridPlan, facet_chart, nodal_plan, spaced_plan
-from warpffrf.offline.hat_loads import HatLoads, hat_loads, merged_loads
+from warpffrf.offline.contact.contact_grid import Chart, GridPlan, facet_chart, nodal_plan, spaced_plan
+from warpffrf.offline.contact.hat_loads import HatLoads, hat_loads, merged_loads
+from warpffrf.offline.fe.assembly import Sparse
 
 Array = np.ndarray
 NORMAL = ("normal",)

@@ -23,8 +23,7 @@ from warpffrf.model.contact_grid import ContactGrid, meridian_gram, require_kind
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
-from warpffrf.offline.assembly import Sparse
-from warpffrf.offline.contact_grid import (
+from warpffrf.offline.contact.contact_grid import (
     FEWEST_COLUMNS,
     ROUND_SPACING,
     SAME_PLACE,
@@ -32,8 +31,9 @@ from warpffrf.offline.contact_grid import (
     nodal_plan,
     thinned_rows,
 )
-from warpffrf.offline.sector import Sector, phase, turned
-from warpffrf.offline.traction_fields import NODAL_KINDS, NORMAL, TANGENTIAL, ContactFacets
+from warpffrf.offline.contact.traction_fields import NODAL_KINDS, NORMAL, TANGENTIAL, ContactFacets
+from warpffrf.offline.cyclic.sector import Sector, phase, turned
+from warpffrf.offline.fe.assembly import Sparse
 
 Array = np.ndarray
 

@@ -25,8 +25,8 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.offline.assembly import Sparse
-from warpffrf.offline.sector import Sector, phase
+from warpffrf.offline.cyclic.sector import Sector, phase
+from warpffrf.offline.fe.assembly import Sparse
 
 Array = np.ndarray
 # Imaginary part, relative to the largest entry, below which a sector is its own mirror image: round-off of cells a

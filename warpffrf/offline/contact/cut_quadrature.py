@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.mesh.elements import facet_kind
-from warpffrf.offline.reference import rule
+from warpffrf.offline.fe.reference import rule
 
 Array = np.ndarray
 # Degree of the rule on a piece: 4 of node function times hat, the rest for the turning normal (1e-9 over 20 degrees).

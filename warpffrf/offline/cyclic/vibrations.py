@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from warpffrf.offline.bases.modes import SAME_FREQUENCY, vibration_modes, whole_multiples
+from warpffrf.offline.cyclic.harmonics import Harmonics
 from warpffrf.offline.elastic import Array, ElasticModel
-from warpffrf.offline.harmonics import Harmonics
-from warpffrf.offline.modes import SAME_FREQUENCY, vibration_modes, whole_multiples
 from warpffrf.offline.products import Limits
 from warpffrf.offline.progress import Progress
 

@@ -18,8 +18,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.reduced_body import Interface
-from warpffrf.offline.assembly import Sparse, rigid_modes
-from warpffrf.offline.interfaces import AverageInterface, BodyInterface, constraint
+from warpffrf.offline.fe.assembly import Sparse, rigid_modes
+from warpffrf.offline.interfaces.kinds import AverageInterface, BodyInterface, constraint
 
 Array = np.ndarray
 

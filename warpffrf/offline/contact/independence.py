@@ -21,8 +21,8 @@ import numpy as np
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
-from warpffrf.offline.contact_grid import GridPlan
-from warpffrf.offline.traction_fields import ContactFacets
+from warpffrf.offline.contact.contact_grid import GridPlan
+from warpffrf.offline.contact.traction_fields import ContactFacets
 
 # Nodal grids have 3e-3 to 1e-2, a grid 1.4 times as fine as linear facets 1e-6 or less: in between, and towards the
 # lower end more and more, the pressure oscillates from hat to hat but is unique.

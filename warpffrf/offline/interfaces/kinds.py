@@ -34,8 +34,8 @@ import scipy.sparse as sp
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline.assembly import Sparse, rigid_modes
-from warpffrf.offline.reference import FACET_DEGREE, rule
+from warpffrf.offline.fe.assembly import Sparse, rigid_modes
+from warpffrf.offline.fe.reference import FACET_DEGREE, rule
 
 # Extent across their longest direction, over their longest, below which nodes count as lying on a line: the rotation
 # about it would be known to this fraction only.

@@ -41,8 +41,8 @@ from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.elements.domains import powers_up_to
 from warpffrf.model.mesh.elements.kinds import monomials
 from warpffrf.model.stress_field import from_tensor
-from warpffrf.offline.assembly import CHUNK_BYTES, Sparse
-from warpffrf.offline.materials import Assignment
+from warpffrf.offline.fe.assembly import CHUNK_BYTES, Sparse
+from warpffrf.offline.fe.materials import Assignment
 
 Array = np.ndarray
 _GAUSS = 1.0 / np.sqrt(3.0)  # two-point Gauss rule on [-1, 1]

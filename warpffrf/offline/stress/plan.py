@@ -33,20 +33,20 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import cell_kind, facet_kind
 from warpffrf.model.reduced_body import Recovery
 from warpffrf.model.stress_field import GridSpan, LoadStress, StressField, StressPoints
-from warpffrf.offline.assembly import Sparse
-from warpffrf.offline.grid_values import grid_values
-from warpffrf.offline.hat_loads import surface_vectors
-from warpffrf.offline.materials import Assignment
-from warpffrf.offline.point_location import INSIDE, Located, locate
-from warpffrf.offline.stress_operator import (
+from warpffrf.offline.contact.grid_values import grid_values
+from warpffrf.offline.contact.hat_loads import surface_vectors
+from warpffrf.offline.contact.traction_fields import NORMAL, TANGENTIAL
+from warpffrf.offline.fe.assembly import Sparse
+from warpffrf.offline.fe.materials import Assignment
+from warpffrf.offline.stress.operator import (
     Slots,
     nodal_stress,
     point_blocks,
     traction_correction,
     traction_operator,
 )
-from warpffrf.offline.stress_sectors import SectorOperator, distinct_places, sector_blocks
-from warpffrf.offline.traction_fields import NORMAL, TANGENTIAL
+from warpffrf.offline.stress.point_location import INSIDE, Located, locate
+from warpffrf.offline.stress.sectors import SectorOperator, distinct_places, sector_blocks
 
 Array = np.ndarray
 BATCH = 5000  # nodal values worked on together: of 27-node cells some 100 MB

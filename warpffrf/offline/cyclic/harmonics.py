@@ -26,11 +26,11 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.offline.assembly import Sparse
-from warpffrf.offline.block_cholesky import BlockCholesky, BlockPattern, NotDefiniteError
+from warpffrf.offline.cyclic.block_cholesky import BlockCholesky, BlockPattern, NotDefiniteError
+from warpffrf.offline.cyclic.sector import Sector
+from warpffrf.offline.cyclic.waves import Waves
 from warpffrf.offline.elastic import Array, ElasticModel, free_model
-from warpffrf.offline.sector import Sector
-from warpffrf.offline.waves import Waves
+from warpffrf.offline.fe.assembly import Sparse
 
 DIRECTIONS = {0: np.array([0.0, 0.0, 1.0]), 1: np.array([1.0, 1.0j, 0.0]) / np.sqrt(2.0)}
 ROTATION_UNIT = -1.0j

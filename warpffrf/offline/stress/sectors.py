@@ -18,7 +18,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.stress_field import rotated, sector_frames
-from warpffrf.offline.assembly import Sparse
+from warpffrf.offline.fe.assembly import Sparse
 
 Array = np.ndarray
 SAME_PLACE = 1e-9  # of the body's size: points of turned sectors this close are one place

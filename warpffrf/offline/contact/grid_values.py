@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.stress_field import GridSpan
-from warpffrf.offline.assembly import Sparse
+from warpffrf.offline.fe.assembly import Sparse
 
 Array = np.ndarray
 BORDER = 1e-6  # of a cell: a place this close to the border of two cells, as nodes of the mesh are, takes their mean

@@ -9,9 +9,9 @@ import numpy as np
 
 from warpffrf.model.reduced_body import ContactSurface
 from warpffrf.model.stress_field import GridSpan, StressField
-from warpffrf.offline.cyclic_observers import CyclicObserver, ObservedModes
-from warpffrf.offline.observers import Observer
-from warpffrf.offline.stress import StressPlan
+from warpffrf.offline.cyclic.observers import CyclicObserver, ObservedModes
+from warpffrf.offline.general.observers import Observer
+from warpffrf.offline.stress.plan import StressPlan
 
 
 class StressRecovery:

@@ -19,19 +19,19 @@ from warpffrf.model.bases import Basis
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import triangles
-from warpffrf.offline.assembly import fe_matrices, rigid_modes
 from warpffrf.offline.bases import GlobalBasis, build_basis
-from warpffrf.offline.checkpoint import Checkpoint
 from warpffrf.offline.elastic import ElasticModel, free_model
-from warpffrf.offline.general_surface import GeneralSurface
-from warpffrf.offline.interface_system import InterfaceSystem
-from warpffrf.offline.interfaces import BodyInterface
-from warpffrf.offline.materials import Assignment
-from warpffrf.offline.observers import SKIN, Observer, node_observer, require_observers
+from warpffrf.offline.fe.assembly import fe_matrices, rigid_modes
+from warpffrf.offline.fe.materials import Assignment
+from warpffrf.offline.general.checkpoint import Checkpoint
+from warpffrf.offline.general.observers import SKIN, Observer, node_observer, require_observers
+from warpffrf.offline.general.surface import GeneralSurface
+from warpffrf.offline.general.unit_loads import ResponseSolver, UnitLoads, results_bytes
+from warpffrf.offline.interfaces.kinds import BodyInterface
+from warpffrf.offline.interfaces.system import InterfaceSystem
 from warpffrf.offline.products import Limits, PathProduct, mass_properties
 from warpffrf.offline.progress import Progress
 from warpffrf.offline.quality import sampled_residual
-from warpffrf.offline.unit_loads import ResponseSolver, UnitLoads, results_bytes
 
 DEFAULT_MEMORY = 8 << 30  # bytes
 

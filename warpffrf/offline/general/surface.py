@@ -22,10 +22,10 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.reduced_body import Recovery
 from warpffrf.model.tangential import Tangential
-from warpffrf.offline.independence import window_columns
-from warpffrf.offline.observers import SKIN
+from warpffrf.offline.contact.independence import window_columns
+from warpffrf.offline.contact.traction_fields import NORMAL, TANGENTIAL, ContactFacets, TractionField
+from warpffrf.offline.general.observers import SKIN
 from warpffrf.offline.products import SurfaceProduct
-from warpffrf.offline.traction_fields import NORMAL, TANGENTIAL, ContactFacets, TractionField
 
 Array = np.ndarray
 COVERED = 0.02  # a hat counts as inside the facets when its area is covered to this: the error of a kinked quadrature

@@ -18,8 +18,8 @@ import scipy.sparse as sp
 
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
-from warpffrf.offline.materials import Assignment
-from warpffrf.offline.reference import MASS_DEGREE, STIFFNESS_DEGREE, rule
+from warpffrf.offline.fe.materials import Assignment
+from warpffrf.offline.fe.reference import MASS_DEGREE, STIFFNESS_DEGREE, rule
 
 Sparse = Any  # a scipy.sparse csr matrix; the stubs of scipy lose its type on every product and slice
 CHUNK_BYTES = 1 << 26  # element matrices worked on together: 64 MiB keeps the peak far below that of a factorisation

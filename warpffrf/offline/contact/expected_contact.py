@@ -10,10 +10,10 @@ import numpy as np
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.surfaces import CrownedCylinder
-from warpffrf.offline.contact_grid import nodal_plan
-from warpffrf.offline.grid_rule import GridChoice, choose_spacing, grid_error
+from warpffrf.offline.contact.contact_grid import nodal_plan
+from warpffrf.offline.contact.grid_rule import GridChoice, choose_spacing, grid_error
+from warpffrf.offline.contact.traction_fields import ContactFacets
 from warpffrf.offline.settings import Settings
-from warpffrf.offline.traction_fields import ContactFacets
 
 
 def expected_grids(mesh: Mesh, shapes: dict[str, Any], settings: Settings) -> dict[str, GridChoice]:

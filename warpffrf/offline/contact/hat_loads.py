@@ -21,9 +21,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.mesh.elements import facet_kind
-from warpffrf.offline.contact_grid import Chart, GridPlan
-from warpffrf.offline.cut_quadrature import cut_points
-from warpffrf.offline.reference import FACET_DEGREE, rule
+from warpffrf.offline.contact.contact_grid import Chart, GridPlan
+from warpffrf.offline.contact.cut_quadrature import cut_points
+from warpffrf.offline.fe.reference import FACET_DEGREE, rule
 
 # Lines of the nodal grid run along the edges of linear facets and through the middle of quadratic ones: these many
 # equal pieces of a facet hold no kink. All other grids cut the facets, see `cut_quadrature`.

@@ -18,9 +18,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.errors import InputError
-from warpffrf.offline.checkpoint import Checkpoint
 from warpffrf.offline.elastic import Array, ElasticModel, StaticResponse
-from warpffrf.offline.observers import Observer
+from warpffrf.offline.general.checkpoint import Checkpoint
+from warpffrf.offline.general.observers import Observer
 from warpffrf.offline.progress import Progress
 from warpffrf.offline.threads import worker_count
 

@@ -27,20 +27,20 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import outer_faces, triangles
 from warpffrf.model.reduced_body import Interface, Recovery, sector_to_user
 from warpffrf.model.tangential import Tangential
-from warpffrf.offline.assembly import Sparse, rigid_modes
-from warpffrf.offline.cyclic_observers import CyclicObserver, ObservedModes, selected_dofs
-from warpffrf.offline.cyclic_surface import CyclicSurface, FacetPattern
-from warpffrf.offline.cyclic_vibrations import vibrations
+from warpffrf.offline.bases.global_basis import attachment_modes, global_basis
+from warpffrf.offline.contact.independence import window_columns
+from warpffrf.offline.cyclic.harmonics import DIRECTIONS, AxialInterface, Harmonics
+from warpffrf.offline.cyclic.observers import CyclicObserver, ObservedModes, selected_dofs
+from warpffrf.offline.cyclic.sector import Sector, assemble_sector, sector_axes
+from warpffrf.offline.cyclic.surface import CyclicSurface, FacetPattern
+from warpffrf.offline.cyclic.vibrations import vibrations
 from warpffrf.offline.elastic import Array, ElasticModel
-from warpffrf.offline.global_basis import attachment_modes, global_basis
-from warpffrf.offline.harmonics import DIRECTIONS, AxialInterface, Harmonics
-from warpffrf.offline.independence import window_columns
-from warpffrf.offline.interfaces import BodyInterface
-from warpffrf.offline.materials import Assignment
+from warpffrf.offline.fe.assembly import Sparse, rigid_modes
+from warpffrf.offline.fe.materials import Assignment
+from warpffrf.offline.interfaces.kinds import BodyInterface
 from warpffrf.offline.products import Limits, PathProduct, SurfaceProduct, mass_properties
 from warpffrf.offline.progress import Progress
 from warpffrf.offline.quality import sampled_residual
-from warpffrf.offline.sector import Sector, assemble_sector, sector_axes
 
 SKIN = "skin"  # name of the observer of the display surface
 REAL_LOADS = 1e-12  # imaginary part of loads, relative to the largest, that is round-off of the wave's phases

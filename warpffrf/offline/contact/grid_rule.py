@@ -29,7 +29,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.offline.cell_depth import DEEPEST
+from warpffrf.offline.contact.cell_depth import DEEPEST
 
 QUANTITIES = ("compliance", "force", "peak_pressure", "half_width")
 RULES: dict[tuple[str, str], dict[str, tuple[float, float]]] = {  # (c, p) by (traction, patch), written from the study
@@ -145,7 +145,7 @@ def mesh_advice(spacing: float) -> MeshAdvice:
     """The mesh for a grid of `spacing` [m].
 
     A grid finer than the surface nodes has dependent functions, and `reduce` refuses it. Cells deeper than they are
-    wide make the surface too stiff to short waves, see `warpffrf.offline.cell_depth`.
+    wide make the surface too stiff to short waves, see `warpffrf.offline.contact.cell_depth`.
     """
     s = require_number(spacing, "mesh_advice: spacing", positive=True)
     return MeshAdvice(LINEAR_EDGE * s, QUADRATIC_EDGE * s, COARSEST_EDGE * s, FIRST_LAYER * s, DEEPEST * s)

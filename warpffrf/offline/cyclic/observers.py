@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.offline.assembly import Sparse
-from warpffrf.offline.sector import phase
+from warpffrf.offline.cyclic.sector import phase
+from warpffrf.offline.fe.assembly import Sparse
 
 Array = np.ndarray
 

@@ -1,0 +1,1 @@
+"""The cyclic path: rotationally periodic bodies, one harmonic after the other."""

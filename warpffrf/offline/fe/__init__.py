@@ -1,0 +1,1 @@
+"""Finite-element matrices: quadrature, materials of cells, assembly."""

@@ -1,0 +1,1 @@
+"""The general path: any mesh, one factorisation, unit loads in blocks."""

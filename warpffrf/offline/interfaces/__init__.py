@@ -1,0 +1,1 @@
+"""Interfaces of a body: what moves with them, and their unit loads."""
