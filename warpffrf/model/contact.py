@@ -53,8 +53,8 @@ class Contact:
             kind = port.surface.grid.kind
             if kind != "hats":
                 raise InputError(
-                    f"contact: the {place} surface, {port.label}, was reduced with traction={kind!r}; normal contact is "
-                    "solved with hats: reduce the body with traction='hats'"
+                    f"contact: the {place} surface, {port.label}, was reduced with traction={kind!r}; normal contact "
+                    "is solved with hats: reduce the body with traction='hats'"
                 )
         self.a, self.b = a, b
         self.name = f"{a.body.name}-{b.body.name}" if name is None else name
