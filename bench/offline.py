@@ -1,7 +1,8 @@
-"""Time and memory of the reduction: `python bench/offline.py [--json FILE] [--large] [--solvers]`.
+"""Time and memory of the reduction: `python bench/offline.py [--json FILE] [--large] [--solver NAME] [--solvers]`.
 
-Each row is reduced in a process of its own, without cache, so that its peak memory is its own. `--solvers` times the
-sparse solvers that are installed on the stiffness of a block: the hardest shape, no separator is small.
+Each row is reduced in a process of its own, without cache, so that its peak memory is its own. `--solver` reduces the
+general rows with another solver than the default. `--solvers` times the sparse solvers that are installed on the
+stiffness of a block: the hardest shape, no separator is small.
 """
 
 from __future__ import annotations
@@ -16,16 +17,16 @@ import time
 from pathlib import Path
 
 ROWS = [
-    {"name": "cyclic hex8", "sectors": 960, "layers": 15, "axial": 6, "order": 1, "general": False},
-    {"name": "cyclic hex8, 8 per half-width", "sectors": 2880, "layers": 20, "axial": 6, "order": 1, "general": False},
-    {"name": "cyclic hex27", "sectors": 480, "layers": 7, "axial": 3, "order": 2, "general": False},
-    {"name": "general hex8", "sectors": 60, "layers": 6, "axial": 4, "order": 1, "general": True},
+    {"name": "hex8", "sectors": 960, "layers": 15, "axial": 6, "order": 1, "general": False},
+    {"name": "hex8, 8 per half-width", "sectors": 2880, "layers": 20, "axial": 6, "order": 1, "general": False},
+    {"name": "hex27", "sectors": 480, "layers": 7, "axial": 3, "order": 2, "general": False},
+    {"name": "hex8", "sectors": 60, "layers": 6, "axial": 4, "order": 1, "general": True},
 ]
 LARGE = [
-    {"name": "cyclic hex27, large", "sectors": 480, "layers": 10, "axial": 6, "order": 2, "general": False},
-    {"name": "general hex8, large", "sectors": 120, "layers": 8, "axial": 6, "order": 1, "general": True},
+    {"name": "hex27, large", "sectors": 480, "layers": 10, "axial": 6, "order": 2, "general": False},
+    {"name": "hex8, medium", "sectors": 120, "layers": 8, "axial": 6, "order": 1, "general": True},
     {
-        "name": "general hex8, 100,000 dofs",
+        "name": "hex8, 100,000 dofs",
         "sectors": 120,
         "layers": 16,
         "axial": 15,
@@ -37,6 +38,7 @@ LARGE = [
 BLOCK_NODES = 33  # along each edge: 107,811 dofs
 SMALL_BLOCK_NODES = 18
 SIDES = 64  # right-hand sides
+LIBRARIES = ("numpy", "scipy", "scikit-fem", "scikit-sparse", "pypardiso")  # whose versions are written down
 MAX_FREQUENCY = 20e3  # Hz, as the two-roller demo
 
 
@@ -50,10 +52,8 @@ def peak_memory() -> float | None:
     return float(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit)
 
 
-def measure(row: dict) -> dict:
-    """Reduce one roller and return the row with its figures."""
-    from dataclasses import replace
-
+def measure(row: dict, solver: str | None = None) -> dict:
+    """Reduce one roller and return the row with its figures; `solver` is that of the general rows."""
     from warpffrf.model.material import Material
     from warpffrf.model.mesh import roller
     from warpffrf.model.surfaces import Cylinder
@@ -69,8 +69,6 @@ def measure(row: dict) -> dict:
         order=row["order"],
         half_width=0.3e-3 * 960 / row["sectors"],
     )
-    if row["general"]:
-        mesh = replace(mesh, cyclic=None)
     start = time.perf_counter()
     body = reduce(
         mesh,
@@ -79,12 +77,15 @@ def measure(row: dict) -> dict:
         contact={"rim": Cylinder()},
         max_frequency=None if "modes" in row else MAX_FREQUENCY,
         modes=row.get("modes"),
+        periodic=False if row["general"] else None,
+        solver=solver if row["general"] else None,
         cache=False,
         progress=False,
     )
     return {
         **row,
         "path": body.report["path"],
+        "solver": body.report.get("solver"),
         "dofs": body.report["dofs"],
         "local_modes": body.local_modes,
         "global_modes": len(body.frequencies),
@@ -162,6 +163,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
     parser.add_argument("--large", action="store_true", help="add the rows that take minutes")
+    parser.add_argument("--solver", help="solver of the general rows; left out: the default")
     parser.add_argument("--solvers", action="store_true", help="time the sparse solvers (with --large at full size)")
     options = parser.parse_args()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # inherited by the processes of the rows
@@ -169,15 +171,16 @@ def main() -> None:
 
     rows = []
     context = multiprocessing.get_context("spawn")
-    print(f"{'case':32} {'dofs':>9} {'local':>7} {'global':>7} {'seconds':>8} {'GiB':>6}")
+    head = f"{'case':24} {'path':8} {'solver':14} {'dofs':>9} {'local':>7} {'global':>7} {'seconds':>8} {'GiB':>6}"
+    print(head, flush=True)
     for row in ROWS + (LARGE if options.large else []):
         with context.Pool(1) as pool:
-            done = pool.apply(measure, (row,))
+            done = pool.apply(measure, (row, options.solver))
         rows.append(done)
         memory = "" if done["peak_bytes"] is None else f"{done['peak_bytes'] / 2**30:.2f}"
         print(
-            f"{done['name']:32} {done['dofs']:9d} {done['local_modes']:7d} {done['global_modes']:7d} "
-            f"{done['seconds']:8.2f} {memory:>6}"
+            f"{done['name']:24} {done['path']:8} {done['solver'] or '-':14} {done['dofs']:9d} {done['local_modes']:7d} "
+            f"{done['global_modes']:7d} {done['seconds']:8.2f} {memory:>6}"
         )
     solvers = solver_table(context, BLOCK_NODES if options.large else SMALL_BLOCK_NODES) if options.solvers else []
     if options.json:
@@ -187,7 +190,7 @@ def main() -> None:
             "system": platform.platform(),
             "cores": os.cpu_count(),
         }
-        versions = {"python": platform.python_version(), **library_versions(("numpy", "scipy", "scikit-fem"))}
+        versions = {"python": platform.python_version(), **library_versions(LIBRARIES)}
         options.json.write_text(
             json.dumps({"machine": machine, "versions": versions, "rows": rows, "solvers": solvers}, indent=1)
         )

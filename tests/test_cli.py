@@ -78,6 +78,8 @@ def test_wrong_input_is_one_line_and_exit_1(coarse: Path, tmp_path: Path, capsys
         (["reduce", str(coarse), *mm, *STEEL, "--poisson-ratio", "0.5", *target], "poisson_ratio must lie between"),
         (["reduce", str(coarse), *mm, *STEEL, "--contact", "tread", *target], "known: 'rim', 'bore'"),
         (["reduce", str(coarse), *mm, *STEEL, "-o", str(blocked / "body.h5")], "cannot be written"),
+        (["info", str(DATA / "assembly.inp"), *mm], "say part= one of 'Brick-1', 'Brick-2', 'Peg-1'"),
+        (["info", str(DATA / "flat.inp"), *mm, "--part", "2"], "part 2 does not exist, it has 1 connected part(s)"),
         (["demo", "two-rollers", "--out", str(blocked / "x")], "choose another folder with --out"),
     ]
     for arguments, expected in cases:
@@ -111,11 +113,25 @@ def test_info_of_a_mesh_gives_its_size_mass_and_inertia(capsys: pytest.CaptureFi
         assert word in said
     found = wf.mesh.read(path, length_unit="mm").report(wf.Material(210e9, 0.3, 7850.0))
     mass, inertia = found.mass, found.inertia
+    assert inertia is not None
     R, r, width = 0.05, 0.015, 0.02  # of the script that made the mesh
     expected = 7850.0 * np.pi * (R**2 - r**2) * width
     assert mass == pytest.approx(expected, rel=FACET_LOSS)
     polar, across = 0.5 * expected * (R**2 + r**2), expected * (3 * (R**2 + r**2) + width**2) / 12
     assert np.linalg.eigvalsh(inertia) == pytest.approx([across, across, polar], rel=FACET_LOSS)
+
+
+def test_one_body_of_several(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    deck, mm = str(DATA / "assembly.inp"), ["--length-unit", "mm"]
+    assert cli.main(["info", deck, *mm, "--part", "Brick-2"]) == 0
+    said = capsys.readouterr().out
+    assert "mesh assembly:Brick-2" in said and "2 hex8" in said and "Head (1 facets)" in said
+    assert cli.main(["info", str(DATA / "flat.inp"), *mm, "--part", "0"]) == 0
+    assert "1 hex8, 1 wedge6" in capsys.readouterr().out
+    target = tmp_path / "brick.h5"  # its material is that of the deck
+    sets = ["--interface", "Foot", "--modes", "2", "--no-cache"]
+    assert cli.main(["-q", "reduce", deck, *mm, "--part", "Brick-1", *sets, "-o", str(target)]) == 0
+    assert wf.ReducedBody.load(target).mass == pytest.approx(7850.0 * 2e-6, rel=1e-9)
 
 
 def test_info_warns_of_a_wrong_length_unit(coarse: Path, capsys: pytest.CaptureFixture) -> None:

@@ -1,31 +1,141 @@
-"""The README: its example runs as it stands, and its links and pictures exist."""
+"""The README: its examples run as they stand, its commands are understood, and its links and pictures exist."""
 
 from __future__ import annotations
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
+
+import numpy as np
+from typer.testing import CliRunner
+
+import warpffrf as wf
+from warpffrf.cli import app
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 HALF_WIDTH_TOLERANCE = 0.04  # four elements a half-width
 
 
-def test_the_example_runs(tmp_path: Path) -> None:
-    (code,) = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
-    assert len(code.strip().splitlines()) <= 25
+LONGEST = 25  # lines of an example that one still reads at a glance
+# largest von Mises stress under a line contact over the largest pressure, Poisson's ratio 0.3 (Johnson 1985, 4.2)
+LINE_CONTACT = 0.558
+STRESS_TOLERANCE = 0.06  # contact grid of 0.4 half-widths: the rule for its peak pressure says as much
+RADIUS, HALF, WIDTH, HEIGHT = 50.0, 3.0, 4.0, 20.0  # mm, of a shoe with a round pad on top
+COUNTS = (30, 20, 10)  # cells across, along, down
+CORNERS = ((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1), (0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0))
+HARDENED = 6  # layers of steel on top of the cast iron
+TAIL = """\
+*Surface, type=ELEMENT, name=pad
+top, S2
+*Surface, type=ELEMENT, name=foot
+bottom, S1
+*Solid Section, elset=hardened, material=steel
+*Solid Section, elset=core, material=iron
+*End Part
+*Assembly, name=machine
+*Instance, name=shoe-1, part=shoe
+*End Instance
+*Instance, name=shoe-2, part=shoe
+0., 0., 100.
+*End Instance
+*End Assembly
+*Material, name=steel
+*Density
+7.85e-09
+*Elastic
+210000., 0.3
+*Material, name=iron
+*Density
+7.1e-09
+*Elastic
+120000., 0.26
+"""
+
+
+def deck() -> str:
+    """The deck of the second example: two instances of a shoe, mm, MPa, t/mm3."""
+    nx, ny, nz = COUNTS
+    x, y = np.linspace(-HALF, HALF, nx + 1), np.linspace(-0.5 * WIDTH, 0.5 * WIDTH, ny + 1)
+    X, Y, T = np.meshgrid(x, y, np.linspace(0.0, 1.0, nz + 1) ** 2, indexing="ij")  # T: depth, finer at the top
+    Z = (np.sqrt(RADIUS**2 - X**2) - RADIUS) * (1.0 - T) - HEIGHT * T
+    number = np.arange(X.size).reshape(X.shape) + 1
+    cells = np.stack([number[a : a + nx, b : b + ny, c : c + nz].ravel() for a, b, c in CORNERS], axis=1)
+    layer = np.arange(len(cells)) % nz
+    sets = {"top": layer == 0, "bottom": layer == nz - 1, "hardened": layer < HARDENED, "core": layer >= HARDENED}
+    lines = ["*Part, name=shoe", "*Node"]
+    lines += [
+        f"{n}, {a:.10g}, {b:.10g}, {c:.10g}" for n, a, b, c in zip(*map(np.ravel, (number, X, Y, Z)), strict=True)
+    ]
+    lines += ["*Element, type=C3D8"] + [", ".join(map(str, (n + 1, *nodes))) for n, nodes in enumerate(cells)]
+    for name, members in sets.items():
+        lines += [f"*Elset, elset={name}"] + [str(n + 1) for n in np.flatnonzero(members)]
+    return "\n".join(lines) + "\n" + TAIL
+
+
+def run_example(number: int, folder: Path) -> str:
+    """What the example prints that stands as the given one in the README."""
+    code = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)[number]
     path = os.pathsep.join([str(ROOT), str(ROOT / "kernels")])
     environment = {**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"}
-    script = tmp_path / "example.py"
+    script = folder / "example.py"
     script.write_text(code, encoding="utf-8")
-    done = subprocess.run([sys.executable, script], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    done = subprocess.run([sys.executable, script], cwd=folder, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("status            completed"), done.stdout
-    width, hertz = (float(x) for x in done.stdout.strip().splitlines()[-1].split())
+    return done.stdout
+
+
+def test_examples_are_short() -> None:
+    examples = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+    assert [len([line for line in code.splitlines() if line]) <= LONGEST for code in examples] == [True, True]
+
+
+def test_the_two_rollers_run(tmp_path: Path) -> None:
+    said = run_example(0, tmp_path)
+    assert said.startswith("status            completed"), said
+    width, hertz = (float(x) for x in said.strip().splitlines()[-1].split())
     assert abs(width / hertz - 1.0) < HALF_WIDTH_TOLERANCE
     assert {"rollers.h5", "rollers.rrd"} <= {p.name for p in tmp_path.iterdir()}
+
+
+def test_the_deck_of_ones_own_runs(tmp_path: Path) -> None:
+    (tmp_path / "machine.inp").write_text(deck(), encoding="utf-8")
+    said = run_example(1, tmp_path)
+    assert "steel, E 2.1e+11 Pa" in said and "foot: average" in said and "contact grid  pad" in said, said
+    peak, stress = (float(x) for x in said.strip().splitlines()[-1].split())
+    assert abs(stress / peak / LINE_CONTACT - 1.0) < STRESS_TOLERANCE
+    assert {"shoe.png", "mode_7.rrd"} <= {p.name for p in tmp_path.iterdir()}
+
+
+def test_commands_have_the_options_that_the_readme_gives_them() -> None:
+    text = README.replace("\\\n", " ")
+    commands = [
+        shlex.split(line.split("   run ")[0]) for line in re.findall(r"^    (warpffrf .*)$", text, re.MULTILINE)
+    ]
+    assert {words[1] for words in commands} == {"demo", "info", "reduce"}
+    for words in commands:
+        names = words[1:3] if words[1] == "demo" else words[1:2]
+        known = CliRunner().invoke(app, [*names, "--help"], env={"COLUMNS": "200"}).output
+        for option in (word for word in words if word.startswith("-")):
+            assert re.search(rf"(?<!\S){option}\b", known), f"{' '.join(words)}: no option {option}"
+
+
+def test_extras_of_the_readme_exist() -> None:
+    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    extras = set(re.findall(r"^(\w+) = \[", text.split("[project.optional-dependencies]")[1].split("\n[")[0], re.M))
+    table = README.split("## Extras")[1].split("\n## ")[0]
+    said = {name for line in table.splitlines() if line.startswith("| `") for name in re.findall(r"`(\w+)`", line[:25])}
+    assert said == extras - {"dev"}
+
+
+def test_names_of_the_readme_exist() -> None:
+    for name in re.findall(r"wf\.([A-Za-z_]\w*)", README):
+        assert hasattr(wf, name), f"wf.{name}"
+    for name in re.findall(r"`(?:mesh\.)?((?:select|to_py)\w*)", README):
+        assert hasattr(wf.mesh.Mesh, name), f"mesh.{name}"
 
 
 def test_links_and_pictures_exist() -> None:
@@ -34,3 +144,11 @@ def test_links_and_pictures_exist() -> None:
         for target in re.findall(r"\]\(([^)#]+)", page.read_text(encoding="utf-8")):
             if "://" not in target:
                 assert (page.parent / target).exists(), f"{page.name} points to {target}, which does not exist"
+
+
+def test_files_named_by_the_method_page_exist() -> None:
+    text = (ROOT / "docs" / "method.md").read_text(encoding="utf-8")
+    rooms = [ROOT, ROOT / "warpffrf", ROOT / "warpffrf" / "offline", ROOT / "kernels" / "warpffrf_kernels"]
+    for name in set(re.findall(r"`([\w/]+\.py)`", text)):
+        short = name.removeprefix("kernels/")
+        assert any((room / short).is_file() for room in rooms), f"method.md names {name}, which does not exist"

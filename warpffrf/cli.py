@@ -117,13 +117,16 @@ def reduce_mesh(
     ] = None,
     poisson_ratio: Annotated[float | None, typer.Option(help="Poisson's ratio, for steel 0.3.")] = None,
     density: Annotated[float | None, typer.Option(help="Density in kg/m3, for steel 7850.")] = None,
-    part: Annotated[str | None, typer.Option(help="Which body of several: instance, part or group.")] = None,
+    part: Annotated[
+        str | None,
+        typer.Option(help="Which body of several: instance, part or group, or the number of a connected part from 0."),
+    ] = None,
     interface: Annotated[
         list[str] | None,
         typer.Option(
             metavar="SET",
-            help="Named set of facets that a joint holds: as one rigid piece, SET, or by its mean motion, SET=average. "
-            "Repeat for more.",
+            help="Named set of facets that a joint holds: as one rigid piece, SET, by its mean motion, SET=average, or "
+            "node by node, SET=free. Repeat for more.",
         ),
     ] = None,
     contact: Annotated[
@@ -165,11 +168,11 @@ def reduce_mesh(
         from warpffrf.output.paths import checked_output_path
 
         target = checked_output_path(output, "--output")
-        mesh = warpffrf.mesh.read(mesh_file, length_unit=length_unit, part=part)
+        mesh = warpffrf.mesh.read(mesh_file, length_unit=length_unit, part=part_of(part))
         body = warpffrf.reduce(
             mesh,
             _material(mesh, youngs_modulus, poisson_ratio, density),
-            interfaces=dict((*entry.split("=", 1), "rigid")[:2] for entry in interface or []),
+            interfaces={name: kind or "rigid" for name, _, kind in (entry.partition("=") for entry in interface or [])},
             contact=dict.fromkeys(contact or []),
             basis=basis,
             max_frequency=max_frequency,
@@ -183,6 +186,11 @@ def reduce_mesh(
         body.save(target)
         print(body.info())
         print(f"written to {target}")
+
+
+def part_of(text: str | None) -> int | str | None:
+    """`--part`: a number is that of a connected part, anything else a name."""
+    return int(text) if text is not None and text.isdecimal() else text
 
 
 def _material(mesh: Any, E: float | None, nu: float | None, rho: float | None) -> Any:
@@ -206,6 +214,10 @@ def info(
         str | None,
         typer.Option(metavar="UNIT", help="For a mesh: unit of the lengths in the file: m, cm, mm, um, in or ft."),
     ] = None,
+    part: Annotated[
+        str | None,
+        typer.Option(help="For a mesh: which body of several: instance, part or group, or a number from 0."),
+    ] = None,
     density: Annotated[
         float | None,
         typer.Option(help="For a mesh: density in kg/m3; left out: that of the file's materials, or steel."),
@@ -219,7 +231,7 @@ def info(
     with _one_line_errors():
         from warpffrf.cli_info import describe_file
 
-        print(describe_file(file, length_unit=length_unit, density=density, page=page))
+        print(describe_file(file, length_unit=length_unit, part=part_of(part), density=density, page=page))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

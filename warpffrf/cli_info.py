@@ -14,13 +14,20 @@ ROUND_OFF = 1e-12  # of the largest moment of inertia: products below it are rou
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
-def describe_file(path: Path, *, length_unit: str | None, density: float | None, page: Path | None = None) -> str:
+def describe_file(
+    path: Path,
+    *,
+    length_unit: str | None,
+    density: float | None,
+    part: int | str | None = None,
+    page: Path | None = None,
+) -> str:
     """Readable lines about the file: sizes, bounding box, mass, inertia, and warnings.
 
-    length_unit, density [kg/m3]: used for meshes only; without a density that of the file's materials, else of steel.
-    page: for a reduced body, where to write
-    the picture of its quality. Raises `InputError` for a file that is missing or of no known kind, for a mesh without
-    `length_unit`, and for a page that cannot be written or of a file that is no reduced body.
+    length_unit, part, density [kg/m3]: used for meshes only; without a density that of the file's materials, else of
+    steel. page: for a reduced body, where to write the picture of its quality. Raises `InputError` for a file that is
+    missing or of no known kind, for a mesh without `length_unit` or with several bodies and no `part`, and for a page
+    that cannot be written or of a file that is no reduced body.
     """
     if not path.is_file():
         raise InputError(f"there is no file {str(path)!r}")
@@ -32,19 +39,19 @@ def describe_file(path: Path, *, length_unit: str | None, density: float | None,
 
     if path.suffix.lower() in SUFFIXES:
         _no_page(page, path)
-        return _mesh(path, length_unit, density)
+        return _mesh(path, length_unit, part, density)
     known = ", ".join(SUFFIXES)
     raise InputError(f"{path.name} is neither a mesh ({known}) nor a reduced body or results file (.h5)")
 
 
-def _mesh(path: Path, length_unit: str | None, density: float | None) -> str:
+def _mesh(path: Path, length_unit: str | None, part: int | str | None, density: float | None) -> str:
     from warpffrf.model import mesh as meshes
     from warpffrf.model.mesh.reader import LENGTH_UNITS
 
     if length_unit is None:
         units = ", ".join(LENGTH_UNITS)
         raise InputError(f"{path.name}: a mesh file does not say its unit of length; add --length-unit, one of {units}")
-    mesh = meshes.read(path, length_unit=length_unit)
+    mesh = meshes.read(path, length_unit=length_unit, part=part)
     if density is None and mesh.report().mass is not None:
         return str(mesh.report())
     rho = STEEL_DENSITY if density is None else density

@@ -91,7 +91,8 @@ def part(text: str, name: str = "P") -> str:
         (part(GOOD) + PLACED + "*END INSTANCE\n*NSET, NSET=N, INSTANCE=J\n1\n*END ASSEMBLY\n",
          "line 17: there is no instance 'J'; known: 'I'"),
         (part(GOOD) + GOOD, "line 23: solid elements outside the parts"),
-        (GOOD.replace("5, 6, 7, 8\n", "8, 7, 6, 5\n"), "bad.inp: mesh: 1 inverted hex8"),
+        (GOOD.replace("5, 6, 7, 8\n", "8, 7, 6, 5\n"), "bad.inp: mesh: 1 inverted hex8 .* the first is element 1 "),
+        (GOOD.replace("C3D8", "C3DX8"), "line 10: solid elements of type C3DX8 are not supported; use C3D4 to C3D20"),
     ],
 )  # fmt: skip
 def test_faults_name_file_and_line(tmp_path: Path, text: str, message: str) -> None:

@@ -284,7 +284,8 @@ def test_bad_facets(body: tuple[Mesh, Any, Any]) -> None:
     one_turned = rim.copy()
     one_turned[0] = one_turned[0, ::-1]
     whole = {name: facets.single[1] for name, facets in mesh.facet_sets.items()}
-    cases: list[tuple[dict[str, Any], str]] = [
+    cases: list[tuple[Any, str]] = [
+        (["rim"], "facets must be {set name: nodes .m, k.}, got list"),
         ({"rim": rim + 1}, r"facets 'rim': node numbers must lie in 0 to 71, got .* to 72; they count"),
         ({"rim": rim[:, [0, 1, 2, 3, 0]]}, r"shape \(m, k\).*3 \(tri3\), 4 \(quad4\)"),
         ({"rim": rim.astype(float)}, "must be integers"),
@@ -294,6 +295,8 @@ def test_bad_facets(body: tuple[Mesh, Any, Any]) -> None:
         ({"rim": one_turned}, "facets 'rim': two facets pass the edge from node"),
         ({**whole, "rim": rim[:, ::-1]}, "'ends' together: two facets pass the edge"),
         ({name: nodes[:, ::-1] for name, nodes in whole.items()}, "enclose a negative volume.*reverse"),
+        ({"rim": rim[:, ::-1]}, "facets 'rim': the normals point into the body; reverse"),
+        ({"rim": np.array([[0, 20, 40, 60]])}, "facets 'rim': 1 quad4 facet.s. are no face of a cell"),
     ]
     for facets, message in cases:
         with pytest.raises(InputError, match=message):

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from warpffrf.model import mesh as wfmesh
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind, facet_kind
+from warpffrf.model.mesh.facets import row_numbers
 
 R, R_I, WIDTH = 0.05, 0.015, 0.02
 
@@ -273,3 +274,16 @@ def test_every_roller_has_positive_jacobians(order, sectors, layers, axial, grad
         0.04, 0.04 * ratio, 0.02, sectors=sectors, layers=layers, axial=axial, grading=grading, order=order
     )
     assert mesh.check() is mesh
+
+
+@pytest.mark.parametrize("shape", [(0, 3), (1, 4), (500, 2), (500, 4)])
+def test_row_numbers(shape: tuple[int, int]) -> None:
+    rows = np.random.default_rng(3).integers(-1, 5, shape)
+    np.testing.assert_array_equal(row_numbers(rows), np.unique(rows, axis=0, return_inverse=True)[1].ravel())
+
+
+def test_selection_needs_a_function() -> None:
+    with pytest.raises(InputError, match="select 'half': the predicate must be a function of the facet centres, got 3"):
+        small(1).select("half", "rim", 3)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="mesh report: a Material or .cell set: Material. is needed, got 'steel'"):
+        small(1).report("steel")  # type: ignore[arg-type]

@@ -138,8 +138,15 @@ def test_no_volume_cells(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no volume cells.*quad"):
         wfmesh.read(path, length_unit="m")
     meshio.Mesh(np.random.default_rng(0).random((18, 3)), [("wedge18", np.arange(18)[None])]).write(path)
-    with pytest.raises(InputError, match="wedge18 cells are not supported.*hexahedron20"):
+    with pytest.raises(InputError, match="wedge18 cells are not supported.*hexahedron20.*SecondOrderIncomplete = 1"):
         wfmesh.read(path, length_unit="m")
+
+
+def test_arguments_of_the_wrong_type(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="mesh.read: a path is needed, got None"):
+        wfmesh.read(None, length_unit="m")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="length unit .'mm'. does not exist; known: 'm', 'cm', 'mm'"):
+        wfmesh.read(tmp_path / "mesh.vtu", length_unit=["mm"])  # type: ignore[arg-type]
 
 
 def test_inverted_cell(tmp_path: Path) -> None:

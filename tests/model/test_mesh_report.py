@@ -114,8 +114,8 @@ def test_quality_of_known_cells() -> None:
         assert report.edges[0] == pytest.approx(report.edges[1], rel=1e-12)
     sheared = one_cell("hex8", np.array([[1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]))
     assert sheared.report().scaled_jacobian == pytest.approx(np.sqrt(0.5), rel=1e-12)
-    flat = one_cell("hex20", np.diag([0.1, 0.1, 2e-4])).report()
-    assert flat.aspect_ratio == pytest.approx(500.0) and any("lock" in w for w in flat.warnings)
+    flat = one_cell("hex20", np.diag([0.1, 0.1, 2e-5])).report()
+    assert flat.aspect_ratio == pytest.approx(5000.0) and any("lock" in w for w in flat.warnings)
     sliver = one_cell("tet4", np.diag([1.0, 1.0, 0.01]))
     sliver = replace(sliver, points=sliver.points + np.outer([0, 0, 0, 1], [0.4, 0.4, 0]))
     assert any("scaled Jacobian" in w for w in sliver.report().warnings)
@@ -188,3 +188,9 @@ def test_pyvista_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pyvista", None)
     with pytest.raises(InputError, match=r"pip install warpffrf\[vtk\]"):
         one_cell("hex8").to_pyvista()
+
+
+def test_products_of_inertia_of_round_off_are_printed_as_zero() -> None:
+    mesh = wfmesh.roller(0.05, 0.015, 0.02, sectors=12, layers=2, axial=2, order=1)
+    line = next(line for line in str(mesh.report(STEEL)).splitlines() if "inertia" in line)
+    assert ", 0, 0, 0 kg m2" in line

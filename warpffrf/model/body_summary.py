@@ -31,9 +31,9 @@ def summary(body: ReducedBody) -> str:
         lines.append(f"  interface       {name}: {i.kind}, at {_place(i.point, near)} m")
     for name, s in body.contact_surfaces.items():
         g = s.grid
-        extent = "full turn" if g.periodic else f"arc of {np.degrees(g.pitch * (g.columns + 1)):.4g} degrees"
+        extent = "a full turn" if g.periodic else f"an arc of {np.degrees(g.pitch * (g.columns + 1)):.4g} degrees"
         lines.append(
-            f"  contact surface {name}: {type(s.shape).__name__}, {g.columns} x {g.rows} {g.kind} on a {extent}, "
+            f"  contact surface {name}: {type(s.shape).__name__}, {g.columns} x {g.rows} {g.kind} on {extent}, "
             f"compliance {'block-circulant' if len(s.lags) > 1 else 'dense'}, {s.lags.nbytes / 2**20:.3g} MiB"
         )
     lines.append(f"  skin            {len(body.surface.points)} points, {len(body.surface.triangles)} triangles")
@@ -134,8 +134,9 @@ def _covered(f: dict[str, Any]) -> str:
     elif not f["vibration_modes"]:
         text = "no vibration modes"
     else:
+        counted = f"{f['vibration_modes']} vibration mode" + "s" * (f["vibration_modes"] != 1)
         text = (
-            f"{f['vibration_modes']} vibration modes, {f['first']:.6g} to {f['last_vibration']:.6g} Hz; all of the "
+            f"{counted}, {f['first']:.6g} to {f['last_vibration']:.6g} Hz; all of the "
             f"FE model up to {f['covered']:.6g} Hz"
         )
     asked = [] if f["max_frequency"] is None else [f"max_frequency {f['max_frequency']:.6g} Hz"]

@@ -182,6 +182,11 @@ def _digest(arrays: dict[str, np.ndarray], facts: dict[str, Any]) -> str:
     return digest.hexdigest()
 
 
+def stored_arrays(body: ReducedBody) -> dict[str, np.ndarray]:
+    """Every array that a file of the body holds, by its path there."""
+    return _flatten(body)[0]
+
+
 def content_hash(body: ReducedBody) -> str:
     """sha256 over all arrays and facts of the body, without report and provenance."""
     return _digest(*_flatten(body))

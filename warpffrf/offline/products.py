@@ -33,7 +33,8 @@ class SurfaceProduct:
     modes' part.
 
     `observed`, `observed_tangential`: transfer of each observer, by name, of normal and of tangential forces. The grid
-    begins at `first_column` of the `whole_columns` that its plan has.
+    begins at `first_column` of the `whole_columns` that its plan has. `traces`: the eigenvalue ratio of the traces
+    of its functions on the mesh (`contact.independence`).
     """
 
     grid: ContactGrid
@@ -42,6 +43,7 @@ class SurfaceProduct:
     recovery: Recovery
     window: np.ndarray
     residual_window: np.ndarray
+    traces: float
     tangential: Tangential | None = None
     observed: dict[str, Recovery] = field(default_factory=dict)
     observed_tangential: dict[str, Recovery] = field(default_factory=dict)

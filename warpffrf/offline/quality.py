@@ -42,13 +42,13 @@ times that of the best. It is about the grid alone: errors of the mesh come on t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import fields, is_dataclass
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from warpffrf.model.reduced_body import ContactSurface, ReducedBody
+from warpffrf.model.reduced_body_file import stored_arrays
 from warpffrf.offline.bases.modes import SAME_FREQUENCY, whole_multiples
 from warpffrf.offline.elastic import Array, ElasticModel
 from warpffrf.offline.products import Limits, SurfaceProduct
@@ -226,22 +226,8 @@ def _judged_grid(surface: ContactSurface, product: SurfaceProduct) -> dict[str, 
 
 def memory(body: ReducedBody) -> dict[str, int]:
     """Bytes of every array of the body, by its path, without compression; the largest first."""
-    sizes: dict[str, int] = {}
-    for path, array in _arrays(body, ""):
-        sizes[path] = sizes.get(path, 0) + array.nbytes
+    sizes = {path: int(array.nbytes) for path, array in stored_arrays(body).items()}
     return dict(sorted(sizes.items(), key=lambda item: -item[1]))
-
-
-def _arrays(thing: Any, path: str) -> Iterator[tuple[str, Array]]:
-    """Every array that `thing` holds in dataclass fields and mappings, and the path to it."""
-    if isinstance(thing, np.ndarray):
-        yield path, thing
-    elif is_dataclass(thing):
-        for part in fields(thing):
-            yield from _arrays(getattr(thing, part.name), f"{path}/{part.name}".lstrip("/"))
-    elif isinstance(thing, Mapping):
-        for name, value in thing.items():
-            yield from _arrays(value, f"{path}/{name}".lstrip("/"))
 
 
 def _truncated(body: ReducedBody, limits: Limits, frequencies: dict[str, Any]) -> list[str]:

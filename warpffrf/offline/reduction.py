@@ -21,10 +21,10 @@ from warpffrf.model.reduced_body import ContactSurface, DisplaySurface, ReducedB
 from warpffrf.offline.contact.cell_depth import depth_ratio, depth_warning, layer_depth
 from warpffrf.offline.contact.expected_contact import expected_grids, promised, spacings
 from warpffrf.offline.contact.grid_rule import GridChoice
-from warpffrf.offline.contact.independence import INDEPENDENCE, check_independence, eigenvalue_ratio, trace_ratio
+from warpffrf.offline.contact.independence import INDEPENDENCE, check_compliance, eigenvalue_ratio, held_nodes
 from warpffrf.offline.contact.traction_fields import ContactFacets
 from warpffrf.offline.cyclic.path import axes_of, reduce_cyclic
-from warpffrf.offline.fe.materials import Assignment, assign, facet_material
+from warpffrf.offline.fe.materials import Assignment, assign, facet_material, other_material
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.general.path import reduce_general
 from warpffrf.offline.interfaces.kinds import body_interfaces
@@ -41,6 +41,7 @@ LIBRARIES = ("warpffrf", "numpy", "scipy", "scikit-fem")
 # Small dense systems by the thousand: the threads of a BLAS wait for each other. The vibration modes of a roller of
 # 302,400 dofs took 0.09 s with one thread and 0.52 s with two. Threads work on harmonics, subtrees and blocks instead.
 BLAS_THREADS = 1
+SPACING_NOTED = 0.1  # of the spacing asked for: a difference that a user wants to know of
 
 
 def reduce(
@@ -153,17 +154,20 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
     joints = body_interfaces(mesh, settings.interfaces)
     choice = choose_path(mesh, list(settings.interfaces), shapes, assignment, settings.general_reason or found.reason)
     cyclic = choice.patterns is not None
-    plans = stress_plans(mesh, assignment, settings.stress, choice.shapes)
-    recovery = StressRecovery(plans, axes_of(mesh) if cyclic else None)
+    with stages.stage("stress points"):
+        plans = stress_plans(mesh, assignment, settings.stress, choice.shapes)
+        recovery = StressRecovery(plans, axes_of(mesh) if cyclic else None)
     expected = expected_grids(mesh, choice.shapes, settings)
     product = _product(mesh, assignment, settings, joints, choice, expected, recovery, checkpoint, stages)
 
     report = _report(product, choice, given, settings, stages)
-    report["notes"] += found.notes
+    report["notes"] += _not_used(settings, cyclic)
+    report["notes"] += [*found.notes, *(note for plan in plans for note in plan.notes)]
     surfaces: dict[str, ContactSurface] = {}
     for (name, shape), s in zip(choice.shapes.items(), product.surfaces, strict=True):
-        report["contact"][name], warnings = _judged(mesh, name, shape, s)
+        report["contact"][name], warnings = _judged(mesh, name, shape, s, settings)
         report["warnings"] += warnings
+        report["notes"] += _other_spacing(name, shape, s, settings)
         if name in expected:
             kept = promised(expected[name], s.grid, shape)
             report["contact"][name]["expected"] = kept.facts()
@@ -175,6 +179,12 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
             "surfaces are not coupled"
         )
     materials = {name: facet_material(mesh, mesh.facets(name), assignment) for name in settings.contact}
+    report["notes"] += [
+        f"contact {name!r}: {100.0 * share:.3g} % of the facets are of another material than the one that stands for "
+        "the surface in comparisons with Hertz"
+        for name in settings.contact
+        if (share := other_material(mesh, mesh.facets(name), assignment)) > 0.0
+    ]
     body = ReducedBody(
         mass=product.mass,
         center_of_mass=product.center,
@@ -258,16 +268,18 @@ def one_thread() -> Iterator[None]:
         yield
 
 
-def _judged(mesh: Mesh, name: str, shape: Any, s: SurfaceProduct) -> tuple[dict[str, Any], list[str]]:
+def _judged(
+    mesh: Mesh, name: str, shape: Any, s: SurfaceProduct, settings: Settings
+) -> tuple[dict[str, Any], list[str]]:
     """Figures of a contact surface for the report, and warnings; raises `InputError` where its hats depend."""
     edge = ContactFacets.of(mesh.points, mesh.facets(name), shape).chart.edge
-    traces = trace_ratio(mesh, name, shape, s.grid)
-    ratio = check_independence(traces, s.window, name, edge)
+    held = held_nodes(mesh, name, settings.interfaces)
+    ratio = check_compliance(s.window, name, edge, held)
     residual = eigenvalue_ratio(s.residual_window)
     depth = layer_depth(mesh, name, shape)
     in_spacings = depth_ratio(depth, shape, s.grid)
-    warnings = []
-    if not residual > INDEPENDENCE:
+    warnings = [held] if held else []
+    if not residual > INDEPENDENCE and not held:
         warnings.append(
             f"contact {name!r}: the global modes hold nearly all that the mesh can do, too little is left to "
             f"the local modes (eigenvalue ratio {residual:.2g}); use fewer modes or a finer mesh"
@@ -277,7 +289,7 @@ def _judged(mesh: Mesh, name: str, shape: Any, s: SurfaceProduct) -> tuple[dict[
     figures = {
         "columns": s.grid.columns,
         "rows": s.grid.rows,
-        "trace_ratio": traces,
+        "trace_ratio": s.traces,
         "eigenvalue_ratio": ratio,
         "residual_eigenvalue_ratio": residual,
         "longest_facet_edge": edge,
@@ -286,6 +298,31 @@ def _judged(mesh: Mesh, name: str, shape: Any, s: SurfaceProduct) -> tuple[dict[
         "deviation": shape.deviation,
     }
     return figures, warnings
+
+
+def _not_used(settings: Settings, cyclic: bool) -> list[str]:
+    """Notes on settings that the path taken has no use for."""
+    if not cyclic:
+        return []
+    given = {"solver": settings.solver, "memory_limit": settings.memory_limit}
+    return [
+        f"{name} was not used: a periodic body is reduced harmonic by harmonic, with factors of its own; "
+        "periodic=False forbids that"
+        for name, value in given.items()
+        if value is not None
+    ]
+
+
+def _other_spacing(name: str, shape: Any, s: SurfaceProduct, settings: Settings) -> list[str]:
+    """A note where the columns of the grid are not as far apart as was asked for."""
+    wanted = settings.traction_spacing
+    actual = s.grid.pitch * float(np.max(shape.radius_at(s.grid.z)))
+    if wanted is None or abs(actual - wanted) <= SPACING_NOTED * wanted:
+        return []
+    return [
+        f"contact {name!r}: columns are {actual:.3g} m apart, traction_spacing={wanted:g}: they divide a full turn, or "
+        "a sector, evenly"
+    ]
 
 
 def _log_warnings(body: ReducedBody) -> None:

@@ -87,11 +87,11 @@ class Settings:
             tangential = TANGENTIAL
         return cls(
             material=material,
-            interfaces=dict(interfaces or {}),
-            contact=dict(contact or {}),
+            interfaces=_by_set(interfaces, "interfaces", '{"bore": "rigid"}'),
+            contact=_by_set(contact, "contact", '{"rim": surfaces.Cylinder()}, None for a fitted shape'),
             basis=options,
             max_frequency=max_frequency,
-            modes=None if modes is None else require_count(modes, "reduce: modes", 0),
+            modes=None if modes is None else _count(modes),
             traction_spacing=traction_spacing,
             expected_half_width=expected_half_width,
             contact_error=contact_error,
@@ -117,7 +117,7 @@ class Settings:
                 raise InputError(
                     f"set {name!r} cannot be a rigid interface and a contact surface at once; use two sets"
                 )
-            if shape is not None and not hasattr(shape, "fitted"):
+            if shape is not None and (isinstance(shape, type) or not hasattr(shape, "fitted")):
                 raise InputError(f"contact {name!r}: {shape!r} is no surface shape; use surfaces.Cylinder() or None")
 
     @property
@@ -157,6 +157,21 @@ class Settings:
             "periodic": self.periodic,
             "memory_limit": self.memory_limit,
         }
+
+
+def _by_set(value: Any, what: str, example: str) -> dict[str, Any]:
+    """`value` as a dict with names of sets; raises `InputError` for anything else."""
+    if value is None:
+        return {}
+    if not isinstance(value, Mapping) or not all(isinstance(name, str) for name in value):
+        raise InputError(f"reduce: {what} must be {{facet set: ...}}, such as {example}; got {value!r}")
+    return dict(value)
+
+
+def _count(modes: Any) -> int:
+    if isinstance(modes, bool):
+        raise InputError(f"reduce: modes is a number of modes, got {modes}; leave it out for none")
+    return require_count(modes, "reduce: modes", 0)
 
 
 def _numbers(material: Material | Mapping[str, Material] | None) -> Any:

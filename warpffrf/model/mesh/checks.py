@@ -30,8 +30,14 @@ def jacobian_range(points: np.ndarray, kind: str, cells: np.ndarray) -> tuple[np
     return smallest, cube
 
 
-def check_orientation(points: np.ndarray, cells: Mapping[str, np.ndarray]) -> None:
-    """Raise `InputError` naming the first inverted (or flat) cell of each kind and their number."""
+def check_orientation(
+    points: np.ndarray, cells: Mapping[str, np.ndarray], labels: np.ndarray | None = None, what: str = "number"
+) -> None:
+    """Raise `InputError` naming the first inverted (or flat) cell of a kind and how many there are.
+
+    `labels` (N,), through the blocks, are the cells' numbers in their file, which calls them `what`; None: 0, 1, 2, ...
+    """
+    start = 0
     for kind, nodes in cells.items():
         smallest, cube = jacobian_range(points, kind, nodes)
         bad = np.flatnonzero(~(smallest > FLAT_CELL * cube))
@@ -39,9 +45,11 @@ def check_orientation(points: np.ndarray, cells: Mapping[str, np.ndarray]) -> No
             first = int(bad[0])
             center = ", ".join(f"{x:.6g}" for x in points[nodes[first]].mean(axis=0))
             raise InputError(
-                f"mesh: {len(bad)} inverted {kind} cell(s), the first is number {first} at ({center}) m with "
-                f"det J = {smallest[first]:.3g} m3; repair the mesh or the node order of its cells"
+                f"mesh: {len(bad)} inverted {kind} cell(s), the first is {what} "
+                f"{start + first if labels is None else labels[start + first]} at ({center}) m with det J = "
+                f"{smallest[first]:.3g} m3; repair the mesh or the node order of its cells"
             )
+        start += len(nodes)
 
 
 def check_used(node_count: int, cells: Mapping[str, np.ndarray]) -> None:

@@ -164,6 +164,10 @@ class Mesh:
         source = self.facets(from_set)
         if name in self.facet_sets:
             raise InputError(f"mesh: facet set {name!r} exists already, choose another name")
+        if not callable(predicate):
+            raise InputError(
+                f"select {name!r}: the predicate must be a function of the facet centres, got {predicate!r}"
+            )
         mask = np.asarray(predicate(source.centers(self.points)))
         if mask.shape != (len(source),) or mask.dtype != bool:
             raise InputError(f"select {name!r}: the predicate must return {len(source)} booleans, one per facet")

@@ -76,12 +76,24 @@ def outer_faces(cells: Mapping[str, np.ndarray], inner: Mapping[str, int] | None
             if inner is not None:
                 looked_at[inner[kind] * len(local) :] = False
             found.append((facet, faces, looked_at))
-    _, inverse, counts = np.unique(np.concatenate(keys), axis=0, return_inverse=True, return_counts=True)
-    single = np.split(counts[inverse.ravel()] == 1, np.cumsum([len(k) for k in keys])[:-1])
+    number = row_numbers(np.concatenate(keys))
+    single = np.split(np.bincount(number)[number] == 1, np.cumsum([len(k) for k in keys])[:-1])
     blocks: dict[str, list[np.ndarray]] = {}
     for (facet, faces, looked_at), alone in zip(found, single, strict=True):
         blocks.setdefault(facet, []).append(faces[alone & looked_at])
     return FacetSet({facet: np.concatenate(parts) for facet, parts in blocks.items()})
+
+
+def row_numbers(rows: np.ndarray) -> np.ndarray:
+    """Number (m,) of each row of integers (m, k), counted from 0 in sorted order; equal rows have equal numbers.
+
+    The inverse of `np.unique(rows, axis=0)`, some ten times faster.
+    """
+    order = np.lexsort(rows.T[::-1])
+    new = np.any(np.diff(rows[order], axis=0) != 0, axis=1)
+    number = np.empty(len(rows), dtype=np.int64)
+    number[order] = np.concatenate([np.zeros(min(len(rows), 1), dtype=np.int64), np.cumsum(new)])
+    return number
 
 
 def triangles(facets: FacetSet) -> np.ndarray:
@@ -94,7 +106,9 @@ def node_numbers(nodes: object, name: str, width: int) -> np.ndarray:
     """`nodes` as read-only int64 (m, width); raises `InputError` otherwise."""
     array = np.array(nodes)
     if array.ndim != 2 or array.shape[1] != width or not np.issubdtype(array.dtype, np.integer):
-        raise InputError(f"{name}: node numbers must be integers of shape (m, {width}), got {array.shape}")
+        raise InputError(
+            f"{name}: node numbers must be integers of shape (m, {width}), got {array.shape} of {array.dtype}"
+        )
     array = array.astype(np.int64)
     array.setflags(write=False)
     return array

@@ -33,6 +33,7 @@ _KINDS = {
     "triangle": "tri3",
     "triangle6": "tri6",
 }
+_COMPLETE = {"wedge18"}  # quadratic with nodes in the middle of faces; Gmsh makes them unless told
 
 Array = np.ndarray
 Groups = dict[str, list[Array]]
@@ -52,8 +53,9 @@ def read_meshio(path: Path) -> RawMesh:
         if block.type in _KINDS:
             kept.append(number)
         elif block.dim == 3:
+            hint = "; in Gmsh set Mesh.SecondOrderIncomplete = 1" if block.type in _COMPLETE else ""
             raise InputError(
-                f"mesh file {path.name}: {block.type} cells are not supported; mesh with {', '.join(supported)}"
+                f"mesh file {path.name}: {block.type} cells are not supported; mesh with {', '.join(supported)}{hint}"
             )
         elif block.dim == 2:
             others.add(block.type)

@@ -18,7 +18,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh.checks import part_labels
 from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind, facet_kind
-from warpffrf.model.mesh.facets import FacetSet
+from warpffrf.model.mesh.facets import FacetSet, row_numbers
 
 logger = logging.getLogger(__name__)
 
@@ -153,7 +153,7 @@ def _facet_sets(
             raise InputError(f"{label}: a facet refers to a node that the file does not hold")
         queries.append((raw.blocks[b][0], new_number[nodes]))
     keys = [_key(*item) for item in [*faces, *queries]]
-    same = np.unique(np.concatenate(keys), axis=0, return_inverse=True)[1].ravel()
+    same = row_numbers(np.concatenate(keys))
     split = np.split(same, np.cumsum([len(k) for k in keys])[:-1])
     of_faces, of_queries = np.concatenate(split[: len(faces)]), split[len(faces) :]
     times = np.bincount(of_faces, minlength=int(same.max()) + 1)

@@ -30,8 +30,10 @@ def read(path: str | Path, *, length_unit: str, part: int | str | None = None) -
     .inp deck of an instance. What was left out or taken differently is in `Mesh.notes`. Raises `InputError` when the
     file is missing or unreadable, has no (supported) volume cells, an inverted cell or more than one connected part.
     """
+    if not isinstance(path, str | Path):
+        raise InputError(f"mesh.read: a path is needed, got {path!r}")
     path = Path(path)
-    if length_unit not in LENGTH_UNITS:
+    if not isinstance(length_unit, str) or length_unit not in LENGTH_UNITS:
         raise unknown_name("length unit", length_unit, LENGTH_UNITS)
     if part is not None and (isinstance(part, bool) or not isinstance(part, int | str)):
         raise InputError(f"part must be a name or the number of a connected part, got {part!r}")

@@ -28,7 +28,7 @@ import numpy as np
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.material import Material
 from warpffrf.model.mesh.checks import part_labels
-from warpffrf.model.mesh.elements import CellKind, cell_kind, facet_kind
+from warpffrf.model.mesh.elements import CellKind, cell_kind, determinants, facet_kind
 from warpffrf.model.mesh.elements.domains import hex_rule, tet_rule, wedge_rule
 
 if TYPE_CHECKING:
@@ -38,8 +38,9 @@ USUAL_SIZE = (1e-3, 10.0)  # m; outside it the length unit of a file was probabl
 SOUND_SPEEDS = (100.0, 20_000.0)  # m/s, bar waves: soft rubber 100 or less, diamond 18 km/s
 DENSITIES = (5.0, 23_000.0)  # kg/m3: polymer foam, osmium
 BOX_DENSITY = 0.1  # kg/m3, mass over the volume of the bounding box: a steel frame filling 1e-4 of its box has 0.8
-SLENDER_CELL = 100.0  # aspect ratio from which bending of a linear cell locks and conditions grow visibly
+SLENDER_CELL = 1000.0  # aspect ratio; graded contact meshes reach some hundreds on purpose, beyond is no design
 POOR_CELL = 0.1  # scaled Jacobian: below it solvers' conditioning and stresses of the cell suffer (Verdict manual 2006)
+ROUND_OFF = 1e-12  # of the largest moment of inertia: products below it are rounding and printed as zero
 MOMENT_POINTS = {
     1: 3,
     2: 4,
@@ -92,11 +93,11 @@ class MeshReport:
         lines += [
             "  box     " + " x ".join(f"{s:.6g}" for s in size) + " m, from "
             f"({', '.join(f'{x:.6g}' for x in self.lower)}) to ({', '.join(f'{x:.6g}' for x in self.upper)})",
-            f"  volume  {self.volume:.6g} m3",
+            f"  volume  {self.volume:.6g} m3" if self.cells else "  volume  not known without cells",
         ]
         if self.mass is not None and self.center is not None and self.inertia is not None:
             lines.append(f"  mass    {self.mass:.6g} kg, center ({', '.join(f'{x:.6g}' for x in self.center)}) m")
-            J = self.inertia
+            J = np.where(np.abs(self.inertia) > ROUND_OFF * np.abs(self.inertia).max(), self.inertia, 0.0)
             entries = ", ".join(f"{J[i, j]:.6g}" for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)))
             lines.append(f"  inertia xx, yy, zz, xy, yz, xz: {entries} kg m2 about the center")
         if self.edges is not None:
@@ -115,6 +116,8 @@ def report(mesh: Mesh, material: Material | Mapping[str, Material] | None = None
     Where `material` is None the materials of the mesh's file serve, if they cover every cell. Raises `InputError` for
     an unknown cell set and for cells without material.
     """
+    if material is not None and (not isinstance(material, Material | Mapping) or not material):
+        raise InputError(f"mesh report: a Material or {{cell set: Material}} is needed, got {material!r}")
     lower, upper = mesh.points.min(axis=0), mesh.points.max(axis=0)
     shape = _Shape(mesh)
     given = material
@@ -245,8 +248,8 @@ def _scaled_jacobian(cell: CellKind, x: Array, neighbors: list[list[int]]) -> Ar
         along = (cell.nodes[others] - cell.nodes[corner]).T  # reference directions of the three edges, in columns
         tangents = np.tensordot(x, gradients[corner] @ along, axes=([1], [0]))  # (m, 3, 3 edges)
         lengths = np.prod(np.linalg.norm(tangents, axis=1), axis=1)
-        sign = np.sign(np.linalg.det(along))
-        worst = np.minimum(worst, sign * np.linalg.det(tangents) / np.maximum(lengths, np.finfo(float).tiny))
+        sign = np.sign(determinants(along))
+        worst = np.minimum(worst, sign * determinants(tangents) / np.maximum(lengths, np.finfo(float).tiny))
     return worst / _REGULAR[cell.domain]
 
 

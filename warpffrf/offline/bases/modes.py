@@ -18,8 +18,10 @@ from warpffrf.offline.elastic import Array, ElasticModel
 BLOCK = 8  # vectors a block: more than the multiplicity that symmetry alone gives, and efficient right-hand sides
 RESIDUAL = 1e-11  # of the eigenvalue: eigenvectors to about 1e-9 for neighbours 1 % apart
 ROUND_OFF = 4e-15  # of the largest eigenvalue: residuals below it are noise of the operator itself
+CHECKED = 1.05  # growth of the space after which the Ritz values are looked at again
 SEEN_BEYOND = 1e-3  # relative residual at which the first unwanted mode counts as seen: nothing wanted can hide then
 EXHAUSTED = 1e-11  # of the largest eigenvalue: a new direction below it is noise, the Krylov space is invariant
+ORTHOGONAL = 1e-14  # M-product of a new direction with the basis that one more pass is made for
 SAME_FREQUENCY = 1e-6  # relative distance of frequencies that are one multiple frequency
 
 
@@ -37,7 +39,7 @@ def vibration_modes(
     checked_at = 0
     while True:
         more = krylov.expand()
-        if more and len(krylov.H) < 1.15 * checked_at:
+        if more and len(krylov.H) < CHECKED * checked_at:
             continue
         checked_at = len(krylov.H)
         nu, Y, rest = krylov.ritz()
@@ -53,69 +55,97 @@ def vibration_modes(
 
 
 class _Krylov:
-    """The growing basis Q (n, d), M-orthonormal, and H = Q^H M T Q."""
+    """The growing basis Q (n, d), M-orthonormal and M-orthogonal to rigid motion, and H = Q^H M T Q.
+
+    Rigid modes stand before Q in the store, so that one product frees a block from both.
+    """
 
     def __init__(self, model: ElasticModel) -> None:
         self.model = model
-        n = model.size
-        width = min(BLOCK, max(n - model.R.shape[1], 1))
+        n, rigid = model.R.shape
+        width = min(BLOCK, max(n - rigid, 1))
         rng = np.random.default_rng(n)  # a fixed start: the same input gives the same modes, bit for bit
         start = rng.standard_normal((n, width)).astype(_dtype(model))
         if np.iscomplexobj(start):
             start = start + 1j * rng.standard_normal((n, width))
         start = model.flexibility(model.M @ start)
-        self._store = np.zeros((n, 4 * width), dtype=start.dtype)
-        self._size = 0
+        self._store = np.zeros((n, rigid + 4 * width), dtype=start.dtype, order="F")
+        self._store[:, :rigid] = model.R
+        self._rigid, self._used, self._recent = rigid, rigid, 0
         self.H = np.zeros((0, 0), dtype=start.dtype)
-        self._scale = 0.0
-        self._next, self._S = self._orthonormal(start)
+        self._orthonormal(start)
 
     @property
     def Q(self) -> Array:
-        return self._store[:, : self._size]
+        return self._store[:, self._rigid : self._used]
 
     def expand(self) -> bool:
         """Take the pending block into the basis and prepare the next; False when the space is exhausted."""
-        block = self._next
-        width = block.shape[1]
+        width = self._next.shape[1]
         if not width:
             return False
-        if self._size + width > self._store.shape[1]:
-            self._store = np.concatenate([self._store, np.zeros_like(self._store)], axis=1)
-        self._store[:, self._size : self._size + width] = block
-        self._size += width
-        Z = self.model.flexibility(self.model.M @ block)
-        column = self.Q.conj().T @ (self.model.M @ Z)
-        H = np.zeros((self._size, self._size), dtype=column.dtype)
+        if self._used + width > self._store.shape[1]:
+            grown = np.zeros((len(self._store), 2 * self._store.shape[1]), dtype=self._store.dtype, order="F")
+            grown[:, : self._used] = self._store[:, : self._used]
+            self._store = grown
+        self._store[:, self._used : self._used + width] = self._next
+        self._used += width
+        Z = self.model.flexibility(self._M_next)
+        Z, column = self._without_recent(Z, width)
+        column += self._orthonormal(Z, float(np.max(np.abs(np.diag(column[-width:])))))
+        size = self._used - self._rigid
+        H = np.zeros((size, size), dtype=column.dtype)
         H[:-width, :-width] = self.H
         H[:, -width:] = column
         H[-width:, :] = column.conj().T
-        H[-width:, -width:] = 0.5 * (column[-width:] + column[-width:].conj().T)
+        H[-width:, -width:] = _hermitian(column[-width:])
         self.H = H
-        self._scale = max(self._scale, float(np.max(np.abs(np.diag(H)))))
-        self._next, self._S = self._orthonormal(Z)
-        return self._next.shape[1] > 0 and self._size < self.model.size - self.model.R.shape[1]
+        self._recent = width
+        return self._next.shape[1] > 0 and size < self.model.size - self._rigid
 
-    def _orthonormal(self, Z: Array) -> tuple[Array, Array]:
-        """Z made M-orthogonal to the basis and M-orthonormal in itself (n, w), and S (w, columns of Z)."""
+    def _without_recent(self, Z: Array, width: int) -> tuple[Array, Array]:
+        """Z without its projections on the last two blocks, which are all that it has in exact arithmetic, and these
+        as a column (d, w) of H."""
+        part = slice(self._used - width - self._recent, self._used)
+        found = self._store[:, part].conj().T @ (self.model.M @ Z)
+        column = np.zeros((self._used - self._rigid, Z.shape[1]), dtype=found.dtype)
+        column[-len(found) :] = found
+        return Z - self._store[:, part] @ found, column
+
+    def _orthonormal(self, Z: Array, scale: float = 0.0) -> Array:
+        """Make the next block (n, w) of Z, M-orthogonal to the basis and M-orthonormal in itself, and S (w, columns of
+        Z); returns what of Z lay in the basis (d, columns of Z).
+
+        A pass leaves round-off of the size of what it was given; it counts against the smallest direction that is kept,
+        and another pass follows where it counts.
+        """
         M = self.model.M
-        Z = self._freed(Z)
-        values, vectors = np.linalg.eigh(_hermitian(Z.conj().T @ (M @ Z)))
-        largest = self._scale**2 if self._scale else float(values[-1])
-        keep = values > EXHAUSTED**2 * largest
-        W = self._freed(Z @ (vectors[:, keep] / np.sqrt(values[keep])))
-        if W.shape[1]:  # directions that were mostly round-off shrink here; they are noise and go
-            values, vectors = np.linalg.eigh(_hermitian(W.conj().T @ (M @ W)))
+        MZ = M @ Z
+        before = _largest(Z, MZ)
+        Z, inside = self._freed(Z, MZ)
+        MZ = M @ Z
+        values, vectors = np.linalg.eigh(_hermitian(Z.conj().T @ MZ))
+        largest = max(scale, float(np.max(np.abs(np.diag(self.H)), initial=0.0))) or float(np.sqrt(values[-1]))
+        keep = values > (EXHAUSTED * largest) ** 2
+        combined = vectors[:, keep] / np.sqrt(values[keep])
+        W, MW = Z @ combined, MZ @ combined
+        while W.shape[1] and before * np.finfo(float).eps > ORTHOGONAL * np.sqrt(values[keep].min()):
+            # directions that were mostly round-off shrink here; they are noise and go
+            before = 1.0
+            W, _ = self._freed(W, MW)
+            MW = M @ W
+            values, vectors = np.linalg.eigh(_hermitian(W.conj().T @ MW))
             keep = values > 0.5
-            W = self._freed(W @ (vectors[:, keep] / np.sqrt(values[keep])))
-        return W, W.conj().T @ (M @ Z)
+            combined = vectors[:, keep] / np.sqrt(values[keep])
+            W, MW = W @ combined, MW @ combined
+        self._next, self._M_next, self._S = W, MW, W.conj().T @ MZ
+        return inside[self._rigid :]
 
-    def _freed(self, Z: Array) -> Array:
-        """Z without its M-projections on the basis and on rigid motion."""
-        M, Q = self.model.M, self.Q
-        for _ in range(2):  # twice is enough (Kahan, Parlett)
-            Z = self.model.without_rigid(Z - Q @ (Q.conj().T @ (M @ Z)))
-        return Z
+    def _freed(self, Z: Array, MZ: Array) -> tuple[Array, Array]:
+        """Z without its M-projections on rigid motion and on the basis, and these."""
+        basis = self._store[:, : self._used]
+        inside = basis.conj().T @ MZ
+        return Z - basis @ inside, inside
 
     def ritz(self) -> tuple[Array, Array, Array]:
         """Ritz values nu (d,) descending, vectors Y (d, d), residuals (d,)."""
@@ -123,6 +153,11 @@ class _Krylov:
         nu, Y = nu[::-1], Y[:, ::-1]
         last = self._S.shape[1]
         return nu, Y, np.linalg.norm(self._S @ Y[-last:], axis=0)
+
+
+def _largest(Z: Array, MZ: Array) -> float:
+    """Largest M-norm of the columns of Z."""
+    return float(np.sqrt(max(np.max(np.real(np.einsum("nw,nw->w", Z.conj(), MZ)), initial=0.0), 0.0)))
 
 
 def _dtype(model: ElasticModel) -> np.dtype:

@@ -139,18 +139,39 @@ def nodal_plan(chart: Chart, name: str, theta_first: float | None = None) -> Gri
     return GridPlan(origin + float(theta[0]), float(np.mean(steps)), len(theta), False, z, True)
 
 
-def spaced_plan(chart: Chart, shape, name: str, spacing: float) -> GridPlan:
-    """A structured grid of `spacing` [m] or a little more around and along, whatever the mesh."""
+def spaced_plan(chart: Chart, shape, name: str, spacing: float, nodes: int | None = None) -> GridPlan:
+    """A structured grid of `spacing` [m] or a little more around and along, whatever the mesh.
+
+    Raises `InputError` for a grid of more functions than there are `nodes` to carry them, where those are given.
+    """
     start, extent, full = covered_arc(chart, name)
     low, high = float(chart.z.min()), float(chart.z.max())
     radius = float(np.max(shape.radius_at(np.array([low, 0.5 * (low + high), high]))))
     rows = max(int((high - low) / spacing + ROUND_SPACING) + 1, 2)
+    columns = max(int(extent * radius / spacing + ROUND_SPACING) + (not full), FEWEST_COLUMNS)
+    if nodes is not None:
+        check_count(columns * rows, nodes, name, chart.edge)
     z = np.linspace(low, high, rows)
     if full:
-        columns = max(int(2.0 * np.pi * radius / spacing + ROUND_SPACING), FEWEST_COLUMNS)
         return GridPlan(0.0, 2.0 * np.pi / columns, columns, True, z, False)
-    columns = max(int(extent * radius / spacing + ROUND_SPACING) + 1, FEWEST_COLUMNS)
     return GridPlan(start, extent / (columns - 1), columns, False, z, False)
+
+
+def check_count(functions: int, nodes: int, name: str, edge: float) -> None:
+    """Raises `InputError` for more functions than the facets have nodes: some combination of them loads none.
+
+    `edge` is the longest facet edge [m], named as the cure.
+    """
+    if functions > nodes:
+        raise too_fine(f"{functions} functions on {nodes} nodes", name, edge)
+
+
+def too_fine(detail: str, name: str, edge: float) -> InputError:
+    """The error for a contact grid whose functions the surface mesh cannot tell apart."""
+    return InputError(
+        f"contact {name!r}: contact grid finer than the surface mesh ({detail}); use traction_spacing >= {edge:.3g} m, "
+        "or a finer mesh"
+    )
 
 
 def thinned_rows(z: np.ndarray, spacing: float) -> np.ndarray:

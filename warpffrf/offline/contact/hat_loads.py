@@ -1,9 +1,10 @@
 r"""Consistent nodal loads of the functions of a contact grid: `B psi_i`, `(B psi_i)_a = int N_a psi_i d dA`.
 
-psi are the hats on the lines of a grid or the cells between them (1 on a cell, 0 elsewhere), d a direction of the
-surface: the outward normal n, the circumferential `e_theta`, or the meridian `t_z = (R' e_r + e_a)/sqrt(1 + R'^2)`,
-with `e_theta x t_z = n`. The integral runs over the *chart* of the true surface, pulled back to the facets: theta and z
-of a facet are interpolated from its nodes' chart coordinates, `theta = sum N_a theta_a`, `z = sum N_a z_a`, and
+psi are the hats on the nodes of a grid or the cells around them (1 on a cell, 0 elsewhere; `model.contact_grid` says
+why not between them), d a direction of the surface: the outward normal n, the circumferential `e_theta`, or the
+meridian `t_z = (R' e_r + e_a)/sqrt(1 + R'^2)`, with `e_theta x t_z = n`. The integral runs over the *chart* of the true
+surface, pulled back to the facets: theta and z of a facet are interpolated from its nodes' chart coordinates,
+`theta = sum N_a theta_a`, `z = sum N_a z_a`, and
 
     dA = R(z) sqrt(1 + R'(z)^2) |d(theta, z)/d(xi, eta)| dxi deta,      d taken on the true surface at (theta, z).
 
@@ -59,8 +60,9 @@ def hat_loads(
     basis: str = "hats",
     direction: str = "normal",
 ) -> HatLoads:
-    """Loads of all functions on the lines of `plan` that reach the facets `nodes` (m, k) of `kind`: `basis` "hats" on
-    them or "cells" between them (`GridPlan.lines`), in one of `DIRECTIONS`. Rows and edge columns are clipped."""
+    """Loads of all functions of `plan` that reach the facets `nodes` (m, k) of `kind`: `basis` "hats" on its nodes or
+    "cells" around them, between the lines `GridPlan.lines`, in one of `DIRECTIONS`. Rows and edge columns are
+    clipped."""
     parts = []
     for start in range(0, len(nodes), CHUNK):
         here = slice(start, start + CHUNK)

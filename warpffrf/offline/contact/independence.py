@@ -10,18 +10,20 @@ local:
   over the largest eigenvalue of `A^-1/2 b L^-1 b^T A^-1/2`. It is a number of the two grids alone: at best about
   (1/9)^2 for a nodal grid, where b is the hats' Gram matrix, and zero where hats outnumber nodes. The loads
   themselves cannot tell so sharply: the normal turns within a facet, so that a dependent combination still loads the
-  mesh a little, tangentially.
+  mesh a little, tangentially. Being known before any solve, they are looked at first;
 * C itself, taken with the global modes' part in it.
 """
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 import numpy as np
 
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
-from warpffrf.offline.contact.contact_grid import GridPlan
+from warpffrf.offline.contact.contact_grid import GridPlan, too_fine
 from warpffrf.offline.contact.traction_fields import ContactFacets
 
 # Nodal grids have 3e-3 to 1e-2, a grid 1.4 times as fine as linear facets 1e-6 or less: in between, and towards the
@@ -70,16 +72,41 @@ def trace_ratio(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
     return eigenvalue_ratio(scaled @ scaled.T)
 
 
-def check_independence(traces: float, window: np.ndarray, name: str, edge: float) -> float:
-    """The eigenvalue ratio of C; raises `InputError` where it or `traces` is too small.
+def check_traces(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
+    """`trace_ratio` of the grid; raises `InputError` where it is too small."""
+    traces = trace_ratio(mesh, name, shape, grid)
+    if not traces > TRACES:
+        edge = ContactFacets.of(mesh.points, mesh.facets(name), shape).chart.edge
+        detail = f"eigenvalue ratio of the traces of a window {traces:.2g}, at least {TRACES:g} is needed"
+        raise too_fine(detail, name, edge)
+    return traces
 
-    `edge` is the longest facet edge [m], named as the cure.
+
+def check_compliance(window: np.ndarray, name: str, edge: float, held: str = "") -> float:
+    """The eigenvalue ratio of C; raises `InputError` where it is too small.
+
+    Cures that it names: the longest facet `edge` [m] as spacing, or what `held_nodes` says.
     """
     ratio = eigenvalue_ratio(window)
-    if not (traces > TRACES and ratio > INDEPENDENCE):
-        raise InputError(
-            f"contact {name!r}: contact grid finer than the surface mesh (eigenvalue ratios of a window: traces "
-            f"{traces:.2g}, at least {TRACES:g} is needed; compliance {ratio:.2g}, at least {INDEPENDENCE:g}); "
-            f"use traction_spacing >= {edge:.3g} m, or a finer mesh"
-        )
+    if not ratio > INDEPENDENCE:
+        detail = f"eigenvalue ratio of the compliance of a window {ratio:.2g}, at least {INDEPENDENCE:g} is needed"
+        if held:
+            raise InputError(f"{held} ({detail})")
+        raise too_fine(detail, name, edge)
     return ratio
+
+
+def held_nodes(mesh: Mesh, name: str, interfaces: Mapping[str, str]) -> str:
+    """What is wrong where nodes of the contact surface are on a rigid or free interface, "" where none is.
+
+    Tractions on them move the interface alone: the local modes have no compliance there.
+    """
+    nodes = mesh.facets(name).node_set
+    for other, kind in interfaces.items():
+        shared = 0 if kind == "average" else len(np.intersect1d(nodes, mesh.facets(other).node_set))
+        if shared:
+            return (
+                f"contact {name!r}: {shared} of its {len(nodes)} nodes are on the {kind} interface {other!r}, where "
+                "local modes cannot deform the surface; separate the sets, or make the interface an 'average' one"
+            )
+    return ""

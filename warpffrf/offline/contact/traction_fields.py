@@ -1,13 +1,14 @@
 r"""Traction fields on the grid of a contact surface: their loads on the mesh and their Gram matrix, for both paths.
 
-A field is a basis (hats or cells) in one direction or in several, on the lines of one `GridPlan`. Coefficients s of a
-traction load the mesh by `B s`, and `M^-1 B^T u` are the coefficients of a displacement u: its L2 projection.
-Functions are numbered by direction, column, row.
+A field is a basis (hats on the nodes of one `GridPlan`, or cells around them) in one direction or in several.
+Coefficients s of a traction load the mesh by `B s`, and `M^-1 B^T u` are the coefficients of a displacement u: its L2
+projection. Functions are numbered by direction, column, row.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
@@ -42,14 +43,14 @@ class ContactFacets:
         """All facets as one chart."""
         return Chart.joined([chart for _, _, chart in self.blocks])
 
-    def plan(self, name: str, spacing: float | None) -> GridPlan:
+    def plan(self, name: str, spacing: float | None, nodes: int | None = None) -> GridPlan:
         """Grid for these facets: their nodes where they form one, else lines `spacing` [m] apart (None: the longest
-        facet edge)."""
+        facet edge), on at most as many functions as there are `nodes`."""
         chart = self.chart
         found = None
         if spacing is None and len(self.blocks) == 1 and self.blocks[0][0] in NODAL_KINDS:
             found = nodal_plan(chart, name)
-        return found or spaced_plan(chart, self.shape, name, chart.edge if spacing is None else spacing)
+        return found or spaced_plan(chart, self.shape, name, chart.edge if spacing is None else spacing, nodes)
 
     def loads(self, plan: GridPlan, basis: str, direction: str) -> HatLoads:
         """Loads of the functions of `basis` on the nodes of `plan` on the nodes of all facets."""
@@ -138,14 +139,20 @@ class TractionField:
         """M_z (rows, rows) [m^2/rad]."""
         return meridian_gram(self.kind, self.facets.shape, self.plan.z)
 
+    @cached_property
+    def _inverse_grams(self) -> tuple[Array, Array]:
+        """Of both Gram matrices; their condition is at most a few rows' and columns' worth (hats of equal size: 3)."""
+        return np.linalg.inv(self.gram_theta()), np.linalg.inv(self.gram_z())
+
     def without_gram(self, values: Array) -> Array:
         """M^-1 `values` (count, m)."""
-        shape = (len(self.directions), self.columns, self.rows, -1)
-        by_column = np.moveaxis(values.reshape(shape), 1, 0)
-        around = np.linalg.solve(self.gram_theta(), by_column.reshape(self.columns, -1)).reshape(by_column.shape)
-        by_row = np.moveaxis(around, 2, 0)
-        along = np.linalg.solve(self.gram_z(), by_row.reshape(self.rows, -1)).reshape(by_row.shape)
-        return np.moveaxis(np.moveaxis(along, 0, 2), 0, 1).reshape(self.count, -1)
+        around, along = self._inverse_grams
+        directions, columns, rows = len(self.directions), self.columns, self.rows
+        if self.kind == "cells":
+            scale = np.outer(np.diag(around), np.diag(along)).ravel()
+            return np.tile(scale, directions)[:, None] * values
+        found = around @ values.reshape(directions, columns, -1)
+        return (along @ found.reshape(directions, columns, rows, -1)).reshape(self.count, -1)
 
     def covered(self, tolerance: float) -> Array:
         """Which columns have all their functions inside the facets, by area to `tolerance` (columns,)."""

@@ -252,6 +252,7 @@ class _SurfaceResults:
             sampled[0],
             recoveries[0][0],
             *windows,
+            s.traces,
             tangential=tangential,
             observed={name: r[0] for name, r in zip(names, recoveries[1:], strict=True)},
             observed_tangential={name: r[1] for name, r in zip(names, recoveries[1:], strict=True) if len(r) > 1},

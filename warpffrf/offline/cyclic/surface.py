@@ -28,9 +28,11 @@ from warpffrf.offline.contact.contact_grid import (
     ROUND_SPACING,
     SAME_PLACE,
     GridPlan,
+    check_count,
     nodal_plan,
     thinned_rows,
 )
+from warpffrf.offline.contact.independence import check_traces
 from warpffrf.offline.contact.traction_fields import NODAL_KINDS, NORMAL, TANGENTIAL, ContactFacets
 from warpffrf.offline.cyclic.sector import Sector, phase, turned
 from warpffrf.offline.fe.assembly import Sparse
@@ -99,6 +101,7 @@ class CyclicSurface:
         self.first, self.columns, self.periodic = self._extent(pattern)
         self.normal = CyclicField(self, facets, sector, traction, NORMAL)
         self.tangential = None if tangential is None else CyclicField(self, facets, sector, tangential, TANGENTIAL)
+        self.traces = check_traces(mesh, name, shape, self.normal.grid())
 
     @property
     def fields(self) -> list[CyclicField]:
@@ -127,8 +130,11 @@ class CyclicSurface:
             strides = range(2, self.N // FEWEST_COLUMNS + 1)
             stride = max([q for q in strides if not self.N % q and q * arc <= reach], default=1)
         corners = [c.z[:, : facet_kind(kind).corner_count].ravel() for kind, _, c in facets.blocks]
-        columns = self.N * max(per_sector, 1)
         rows = thinned_rows(np.concatenate(corners), spacing)
+        local = np.concatenate([block.ravel() for block in pattern.nodes.values()])
+        nodes = np.unique(local % (len(mesh.points) // self.N))
+        check_count(max(per_sector, 1) * len(rows), len(nodes), self.name, chart.edge)
+        columns = self.N * max(per_sector, 1)
         return stride, GridPlan(first, 2.0 * np.pi / columns, columns, True, rows, False)
 
     def _whole(self, mesh: Mesh, pattern: FacetPattern) -> ContactFacets:

@@ -18,6 +18,7 @@ import scipy.sparse as sp
 
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
+from warpffrf.model.mesh.elements import determinants
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.fe.reference import MASS_DEGREE, STIFFNESS_DEGREE, rule
 
@@ -62,7 +63,7 @@ def _stiffness(x: np.ndarray, kind: str, material: Material) -> np.ndarray:
     lam, mu = material.lame
     r = rule(kind, STIFFNESS_DEGREE[kind])
     J = np.einsum("eai,qaj->eqij", x, r.gradients)
-    weight = np.linalg.det(J) * r.weights
+    weight = determinants(J) * r.weights
     slopes = np.einsum("qaj,eqji->eqai", r.gradients, np.linalg.inv(J))  # dN_a/dx_i
     e, q, k, _ = slopes.shape
     flat = slopes.reshape(e, q, 3 * k)
@@ -77,7 +78,7 @@ def _stiffness(x: np.ndarray, kind: str, material: Material) -> np.ndarray:
 def _mass(x: np.ndarray, kind: str, density: float) -> np.ndarray:
     r = rule(kind, MASS_DEGREE[kind])
     J = np.einsum("eai,qaj->eqij", x, r.gradients)
-    weight = np.linalg.det(J) * r.weights * density
+    weight = determinants(J) * r.weights * density
     return np.einsum("qa,qb,eq->eab", r.values, r.values, weight, optimize=True)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import FacetSet, Mesh
+from warpffrf.model.mesh.elements import cell_kind
 
 
 @dataclass(frozen=True)
@@ -62,9 +63,23 @@ def facet_material(mesh: Mesh, facets: FacetSet, assignment: Assignment) -> Mate
     """The material under most of the facets; None for a mesh without materials."""
     if len(assignment.materials) < 2:
         return assignment.materials[0] if assignment.materials else None
+    return assignment.materials[int(np.argmax(_cells_behind(mesh, facets, assignment)))]
+
+
+def other_material(mesh: Mesh, facets: FacetSet, assignment: Assignment) -> float:
+    """Share (0 to 1) of the cells behind the facets that are not of `facet_material`."""
+    if len(assignment.materials) < 2:
+        return 0.0
+    behind = _cells_behind(mesh, facets, assignment)
+    return float(1.0 - behind.max() / max(behind.sum(), 1.0))
+
+
+def _cells_behind(mesh: Mesh, facets: FacetSet, assignment: Assignment) -> np.ndarray:
+    """Number of cells with a face on the facets, by material: a face has three corners or more, an edge two."""
     on_set = np.zeros(len(mesh.points), dtype=bool)
     on_set[facets.node_set] = True
-    votes = np.zeros(len(assignment.materials))
+    found = np.zeros(len(assignment.materials))
     for kind, cells in mesh.cells.items():
-        votes += np.bincount(assignment.of_cell[kind], on_set[cells].sum(axis=1) ** 2, len(votes))
-    return assignment.materials[int(np.argmax(votes))]
+        behind = on_set[cells[:, : cell_kind(kind).corner_count]].sum(axis=1) >= 3
+        found += np.bincount(assignment.of_cell[kind][behind], minlength=len(found))
+    return found

@@ -64,14 +64,16 @@ def reduce_general(
     """
     checkpoint = checkpoint or Checkpoint()
     limit = DEFAULT_MEMORY if memory_limit is None else memory_limit
-    contacts = [GeneralSurface(mesh, name, shape, spacing.get(name), traction, tangential) for name, shape in surfaces]
+    with progress.stage("contact grids"):
+        contacts = [GeneralSurface(mesh, n, shape, spacing.get(n), traction, tangential) for n, shape in surfaces]
     faces = mesh.outer_facets()
     skin = faces.node_set
     seen = [node_observer(SKIN, skin, len(mesh.points)), *observers]
     require_observers(seen, len(mesh.points))
     _check_results([s.count for s in contacts], seen, limit)
 
-    K, M = fe_matrices(mesh, assignment)
+    with progress.stage("assembly"):
+        K, M = fe_matrices(mesh, assignment)
     middle = mesh.points.mean(axis=0)
     R = rigid_modes(mesh.points, middle)
     mass, center, inertia = mass_properties(R.T @ (M @ R), middle)
@@ -91,8 +93,9 @@ def reduce_general(
         basis = _global_modes(options, model, system, limits, checkpoint)
         omega, Phi = basis.omega, basis.Phi
 
-    B = [s.loads() for s in contacts]
-    loads = [UnitLoads(s.name, sp.csc_matrix(T.T @ b)) for s, b in zip(contacts, B, strict=True)]
+    with progress.stage("unit loads"):
+        B = [s.loads() for s in contacts]
+        loads = [UnitLoads(s.name, sp.csc_matrix(T.T @ b)) for s, b in zip(contacts, B, strict=True)]
     with progress.stage("residuals"):
         tested = [*(u.loads for u in loads), system.loads]
         facts["worst_load_residual"] = max((sampled_residual(model, F) for F in tested), default=0.0)
@@ -103,7 +106,8 @@ def reduce_general(
         if responses is not None:
             found = responses.responses(i, progress, checkpoint)
             transfers = {o.name: t for o, t in zip(seen, found.transfers, strict=True)}
-            products.append(s.product(found.compliance, transfers, B[i].T @ shape, omega))
+            with progress.stage(f"operators of {s.name}"):
+                products.append(s.product(found.compliance, transfers, B[i].T @ shape, omega))
 
     if responses is not None:
         facts |= {"block": responses.width, "threads": responses.workers}

@@ -22,7 +22,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.reduced_body import Recovery
 from warpffrf.model.tangential import Tangential
-from warpffrf.offline.contact.independence import window_columns
+from warpffrf.offline.contact.independence import check_traces, window_columns
 from warpffrf.offline.contact.traction_fields import NORMAL, TANGENTIAL, ContactFacets, TractionField
 from warpffrf.offline.general.observers import SKIN
 from warpffrf.offline.products import SurfaceProduct
@@ -46,11 +46,12 @@ class GeneralSurface:
     ) -> None:
         self.name, self.shape, self.nodes = name, shape, len(mesh.points)
         facets = ContactFacets.of(mesh.points, mesh.facets(name), shape)
-        self.plan = facets.plan(name, spacing)
+        self.plan = facets.plan(name, spacing, len(mesh.facets(name).node_set))
         self.first, self.columns = self._extent(TractionField("hats", NORMAL, self.plan, facets))
         self.fields = [TractionField(traction, NORMAL, self.plan, facets)]
         if tangential is not None:
             self.fields.append(TractionField(tangential, TANGENTIAL, self.plan, facets))
+        self.traces = check_traces(mesh, name, shape, self._grid(self.fields[0]))
 
     @property
     def count(self) -> int:
@@ -123,6 +124,7 @@ class GeneralSurface:
             recovery=seen[0].pop(SKIN),
             window=window + on_modes @ on_modes.T,
             residual_window=window,
+            traces=self.traces,
             tangential=tangential,
             observed=seen[0],
             observed_tangential=seen[1] if len(seen) > 1 else {},

@@ -45,7 +45,7 @@ from warpffrf.offline.stress.operator import (
     traction_correction,
     traction_operator,
 )
-from warpffrf.offline.stress.point_location import INSIDE, Located, locate
+from warpffrf.offline.stress.point_location import INSIDE, SNAP, Located, locate
 from warpffrf.offline.stress.sectors import SectorOperator, distinct_places, sector_blocks
 
 Array = np.ndarray
@@ -90,6 +90,7 @@ class StressPlan:
                 f"stress {name!r}: stresses need cells and a material, the body has matrices only; give a mesh"
             )
         self.name, self.mesh, self.assignment = name, mesh, assignment
+        self.notes: list[str] = []  # what was done to the points given
         chosen, self.one_side = _chosen_cells(mesh, name, wanted)
         given = wanted.points if isinstance(wanted, StressPoints) else wanted
         self._cells, of_cell = {}, {}
@@ -106,6 +107,7 @@ class StressPlan:
             if not len(self.points):
                 raise InputError(f"stress {name!r}: there are no points; give at least one")
             where = locate(self.points, mesh.points, self._cells, name)
+            self.notes += _moved(name, where)
             self._terms = self._of_cells(where)
             self.home = self._home_sector(where, chosen)
         t, count = self._terms, len(assignment.materials)
@@ -375,6 +377,18 @@ def _chosen_cells(mesh: Mesh, name: str, wanted: Any) -> tuple[dict[str, Array],
     if not chosen.any():
         raise InputError(f"stress {name!r}: cell set {wanted.cell_set!r} is empty; choose another")
     return {kind: mask for kind, mask in mesh.by_block(chosen) if mask.any()}, True
+
+
+def _moved(name: str, located: Located) -> list[str]:
+    """A note where points were moved onto the mesh."""
+    count = int(np.sum(located.moved > 0.0))
+    if not count:
+        return []
+    return [
+        f"stress {name!r}: {count} of {len(located.moved)} points lie outside the mesh, by up to "
+        f"{located.moved.max():.2g} m and at most {100 * SNAP:g} % of a cell; their stress is that of the nearest "
+        "point on it"
+    ]
 
 
 def _keys(corners: Array) -> Array:

@@ -9,13 +9,13 @@ from __future__ import annotations
 from warpffrf.model.errors import unknown_name
 from warpffrf.model.mesh.elements import hex8, hex20, hex27, tet4, tet10, wedge6, wedge15
 from warpffrf.model.mesh.elements.facets import FACETS
-from warpffrf.model.mesh.elements.kinds import CellKind, FacetKind
+from warpffrf.model.mesh.elements.kinds import CellKind, FacetKind, determinants
 
 _CELLS: dict[str, CellKind] = {m.CELL.name: m.CELL for m in (hex8, hex20, hex27, wedge6, wedge15, tet4, tet10)}
 CELL_KINDS = tuple(_CELLS)
 FACET_KINDS = tuple(FACETS)
 
-__all__ = ["CELL_KINDS", "FACET_KINDS", "CellKind", "FacetKind", "cell_kind", "facet_kind"]
+__all__ = ["CELL_KINDS", "FACET_KINDS", "CellKind", "FacetKind", "cell_kind", "determinants", "facet_kind"]
 
 
 def cell_kind(name: str) -> CellKind:

@@ -6,6 +6,7 @@ from collections import Counter
 from pathlib import Path
 
 from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.model.mesh.checks import check_connected, check_orientation
 from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.inp.parse import parse
 from warpffrf.model.mesh.inp.sections import materials_of, sections_of
@@ -64,7 +65,10 @@ def read_inp(path: str | Path, *, length_unit: str, part: int | str | None = Non
         notes=tuple(notes),
     )
     try:
-        return mesh.check()
+        # what mesh.check() does, with the deck's numbers; nodes without cells are left out already
+        check_orientation(mesh.points, mesh.cells, solid.cell_labels, "element")
+        check_connected(len(mesh.points), mesh.cells)
+        return mesh
     except InputError as error:
         raise InputError(f"mesh file {path.name}: {error}") from None
 

@@ -23,7 +23,10 @@ from warpffrf.model.mesh.elements import cell_kind, facet_kind
 
 KINDS = {4: "tet4", 6: "wedge6", 8: "hex8", 10: "tet10", 15: "wedge15", 20: "hex20"}  # by the number of nodes
 _TYPE = re.compile(r"C3D(4|6|8|10|15|20)([RIHMST]*)")
-_VOLUMES = re.compile(r"(C3D|SC|CSS|CCL|DC3D|DCC3D|AC3D|EC3D|FC3D|Q3D)\d")
+_VOLUMES = re.compile(r"C3D|(SC|CSS|CCL|DC3D|DCC3D|AC3D|EC3D|FC3D|Q3D)\d")
+# shells, membranes, plane elements and rigid faces in space, with their number of nodes (STRI65 has six)
+_SHELL = re.compile(r"(?:DS|SFM3D|M3D|CPS|CPE|CPEG|R3D|STRI|S)([3468])[RITHMP0-9]*")
+_SHELL_KINDS = {3: "tri3", 4: "quad4", 6: "tri6", 8: "quad8"}
 _FORMULATIONS = {
     "R": "are integrated fully",
     "I": "have no incompatible modes here",
@@ -45,6 +48,12 @@ def kind_of(element_type: str) -> str | None:
     """The cell kind that an element type becomes, None where it is no solid element of ours."""
     match = _TYPE.fullmatch(element_type.upper())
     return KINDS[int(match[1])] if match else None
+
+
+def shell_kind_of(element_type: str) -> str | None:
+    """The facet kind of an element without volume that covers a face, None for any other."""
+    match = _SHELL.fullmatch(element_type.upper())
+    return _SHELL_KINDS[int(match[1])] if match else None
 
 
 def is_volume(element_type: str) -> bool:

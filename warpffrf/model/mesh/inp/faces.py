@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from warpffrf.model.mesh.elements import facet_kind
-from warpffrf.model.mesh.facets import FacetSet
+from warpffrf.model.mesh.facets import FacetSet, row_numbers
 from warpffrf.model.mesh.inp.cells import FACE_COUNT, faces_of
 
 
@@ -70,6 +70,18 @@ class Faces:
             rows = block.free & chosen[block.cell]
             mask[block.cell[rows], block.number[rows]] = True
         return mask
+
+    def under(self, corners: np.ndarray) -> FacetSet:
+        """The free faces that have the same corners (m, 3 or 4) as one of the rows, in any order."""
+        found = {}
+        keys = np.sort(corners, axis=1)
+        for facet, block in self.blocks.items():
+            own = np.sort(block.free_nodes[:, : facet_kind(facet).corner_count], axis=1)
+            if own.shape[1] != keys.shape[1]:
+                continue
+            same = row_numbers(np.concatenate([keys, own]))
+            found[facet] = block.free_nodes[np.isin(same[len(keys) :], same[: len(keys)])]
+        return FacetSet(found)
 
     def over_nodes(self, node_mask: np.ndarray) -> FacetSet:
         """The free faces all of whose nodes are marked in `node_mask` (n,)."""

@@ -25,13 +25,15 @@ def fold(name: str) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Elements:
-    """Elements of one type: `kind` is our cell kind and `table` their nodes; both None for any other type."""
+    """Elements of one type: `kind` is our cell kind, `shell` our facet kind, both None for any other type; `table` the
+    nodes of either."""
 
     type: str
     kind: str | None
     place: Place
     labels: np.ndarray
     table: Table | None
+    shell: str | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from warpffrf.model.mesh.elements import cell_kind
+from warpffrf.model.mesh.elements import cell_kind, facet_kind
 from warpffrf.model.mesh.inp import numbers
-from warpffrf.model.mesh.inp.cells import kind_of
+from warpffrf.model.mesh.inp.cells import kind_of, shell_kind_of
 from warpffrf.model.mesh.inp.deck import Block, Place, read_blocks
 from warpffrf.model.mesh.inp.model import (
     Deck,
@@ -163,10 +163,14 @@ def _node(parser: Parser, block: Block) -> None:
 
 def _element(parser: Parser, block: Block) -> None:
     element_type = block.required("TYPE").upper()
-    kind = kind_of(element_type)
-    table = None if kind is None else numbers.element_table(block, len(cell_kind(kind).nodes))
+    kind, shell = kind_of(element_type), shell_kind_of(element_type)
+    table = None
+    if kind is not None:
+        table = numbers.element_table(block, len(cell_kind(kind).nodes))
+    elif shell is not None:
+        table = numbers.element_table(block, len(facet_kind(shell).nodes))
     labels = numbers.element_numbers(block) if table is None else table.labels
-    parser.scope.elements.append(Elements(element_type, kind, block.place, labels, table))
+    parser.scope.elements.append(Elements(element_type, kind, block.place, labels, table, shell))
     name = block.value("ELSET")
     if name is not None:
         parser.scope.add_members("elset", name, Members(block.place, labels=labels))

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.inp.body import Body
-from warpffrf.model.mesh.inp.model import Deck, Instance, fold
+from warpffrf.model.mesh.inp.model import Deck, Instance, Scope, fold
 
 
 def choose(deck: Deck, part: str | None) -> Body:
@@ -35,6 +37,13 @@ def choose(deck: Deck, part: str | None) -> Body:
     if len(of_part) > 1:
         placed = ", ".join(repr(i.name) for i in of_part)
         raise InputError(f"mesh file {deck.file}: part {part!r} is placed more than once, say part= one of {placed}")
+    empty = deck.instances.get(fold(part))
+    if empty is not None:
+        scopes = (empty.scope, deck.parts[fold(empty.part)])
+        raise empty.place.fault(
+            f"instance {part!r} holds no solid elements (element types: {_types(scopes)}); say part= one of "
+            f"{names or 'none'}"
+        )
     raise InputError(f"mesh file {deck.file}: there is no body {part!r}; known: {names or 'none'}")
 
 
@@ -56,6 +65,9 @@ def _placed(deck: Deck, instance: Instance) -> Body:
 
 
 def _no_cells(deck: Deck) -> InputError:
-    types = {block.type for scope in (deck.top, *deck.parts.values()) for block in scope.elements}
-    found = ", ".join(sorted(types)) or "none"
+    found = _types((deck.top, *deck.parts.values()))
     return InputError(f"mesh file {deck.file}: there are no solid elements (element types: {found}); export a 3-D mesh")
+
+
+def _types(scopes: Iterable[Scope]) -> str:
+    return ", ".join(sorted({block.type for scope in scopes for block in scope.elements})) or "none"

@@ -1,9 +1,10 @@
-"""Named sets of a deck as sets of the mesh: element sets -> cell sets, surfaces and node sets -> facet sets.
+"""Named sets of a deck as sets of the mesh: of elements -> cell sets; surfaces, sets of shells, of nodes -> facet sets.
 
 Sets of the part (or of a deck without parts) keep their names. A set of the assembly has its own name too, unless the
 part uses it for something else: then it is called `assembly.NAME`. Sets that a preprocessor marks `internal` are left
-out, unless a material needs them. A node set becomes a facet set when it holds all nodes of a free face; a surface of
-the same name goes first.
+out, unless a material needs them. A set of shells (or membranes, plane elements: so meshers write the groups of a
+surface) becomes a facet set of the free faces they lie on, a node set one of the free faces all of whose nodes it
+holds; of one name, a surface goes first, then shells.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.model.mesh.facets import FacetSet
 from warpffrf.model.mesh.inp.body import ASSEMBLY, Body
 from warpffrf.model.mesh.inp.faces import Faces
@@ -52,7 +54,10 @@ def facet_sets(body: Body, solid: Solid, notes: list[str]) -> dict[str, FacetSet
             if inside:
                 notes.append(f"surface {surface.name!r}: {inside} faces inside the body are left out")
             _add(found, surface.name, facets, "surface", notes)
-    surfaces = {fold(name) for name in found}
+    for name, facets in shell_sets(body, solid, faces, notes):
+        if fold(name) not in {fold(k) for k in found}:
+            found[name] = facets
+    surfaces = {fold(name): len(facets) for name, facets in found.items()}
     dropped: list[str] = []
     for level, definition in _definitions(body, "nset"):
         labels = body.members(level, "nset", definition.name, definition.place)
@@ -62,11 +67,45 @@ def facet_sets(body: Body, solid: Solid, notes: list[str]) -> dict[str, FacetSet
         if not len(facets):
             dropped.append(definition.name)
         elif fold(definition.name) in surfaces:
-            notes.append(f"node set {definition.name!r} is not taken over, a surface has that name")
+            if surfaces[fold(definition.name)] != len(facets):
+                notes.append(f"node set {definition.name!r} is not taken over, a surface has that name")
         else:
             _add(found, definition.name, facets, "node set", notes)
     if dropped:
         notes.append(f"node sets that hold no whole free face are not taken over: {listed([repr(n) for n in dropped])}")
+    return found
+
+
+def shell_sets(body: Body, solid: Solid, faces: Faces, notes: list[str]) -> list[tuple[str, FacetSet]]:
+    """(name, facets) of the element sets that hold shells on the surface of the cells, and no cells."""
+    shells = [
+        (block.labels, block.shell, block.table.rows)
+        for scope in body.own
+        for block in scope.elements
+        if block.shell is not None and block.table is not None
+    ]
+    found: list[tuple[str, FacetSet]] = []
+    for level, definition in _definitions(body, "elset") if shells else []:
+        members = body.members(level, "elset", definition.name, definition.place)
+        if definition.internal or len(solid.cell_numbers(members)):
+            continue
+        on_body = 0  # shells all of whose corners are nodes of cells; others belong to parts that are left out
+        blocks: dict[str, list[np.ndarray]] = {}
+        for labels, shell, rows in shells:
+            corners = rows[np.isin(labels, members), : facet_kind(shell).corner_count]
+            place = np.minimum(np.searchsorted(solid.node_labels, corners), len(solid.node_labels) - 1)
+            known = (solid.node_labels[place] == corners).all(axis=1)
+            on_body += int(known.sum())
+            if known.any():
+                for kind, nodes in faces.under(place[known]).blocks.items():
+                    blocks.setdefault(kind, []).append(nodes)
+        facets = FacetSet({kind: np.unique(np.concatenate(parts), axis=0) for kind, parts in blocks.items()})
+        if len(facets):
+            found.append((definition.name, facets))
+        if on_body > len(facets):
+            notes.append(
+                f"element set {definition.name!r}: {on_body - len(facets)} shells inside the body are left out"
+            )
     return found
 
 

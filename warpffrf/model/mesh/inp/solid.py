@@ -179,5 +179,5 @@ def _element_notes(blocks: list[Elements]) -> list[str]:
     notes = [f"{count} {name} cells {said}, as {kind}" for (name, said, kind), count in replaced.items()]
     if others:
         listed = ", ".join(f"{count} {name}" for name, count in others.items())
-        notes.append(f"elements that fill no volume are left out: {listed}")
+        notes.append(f"elements that fill no volume, their stiffness and mass, are left out: {listed}")
     return notes

@@ -70,14 +70,14 @@ def from_matrices(
         or six.
     node_numbers: (n,) the number of each node in the FE program, for files that name nodes; None: 1, 2, 3, ...
     facets: {set name: FacetSet, or nodes (m, k) as positions in `nodes`, or {kind: nodes}}, in the node order of VTK
-        with outward normals; the width k tells the kind (3 tri3, 4 quad4, 6 tri6, 8 quad8, 9 quad9). Orientation cannot
-        be derived without cells; it is checked where facets are neighbours or close a surface.
+        with outward normals; the width k tells the kind (3 tri3, 4 quad4, 6 tri6, 8 quad8, 9 quad9). Orientation is
+        checked against K: the nodes that are coupled with a facet lie behind it.
     length_unit: "m", "cm", "mm", "in" or "ft", with the units of force and mass that go with it (module docstring).
     matrix_units: the same for M and K, where they differ from the nodes' (nodes of a mesh that was read are in m).
 
     Returns a `Mesh` with `matrices` [N/m, kg] and without cells; `notes` tell what was left out or rounded. Raises
     `InputError` for matrices of unequal size, unsymmetric, not finite, found indefinite, with supports or hinges; nodes
-    or dofs in another order (rigid motion must cost no energy); facets out of range or inside out.
+    or dofs in another order (rigid motion must cost no energy); facets out of range, inside the body or inside out.
     """
     points = require_array(nodes, "from_matrices: nodes", (None, 3))
     if len(points) < LEAST_NODES:
@@ -105,7 +105,7 @@ def from_matrices(
 
     K, M = found["K"], found["M"]
     _check(K, M, points, notes)
-    sets = facet_sets(facets, points)
+    sets = facet_sets(facets, points, K)
     for note in notes:
         logger.info("%s", note)
     return Mesh(points, {}, sets, name=name, notes=tuple(notes), matrices=Matrices(K, M))

@@ -1,9 +1,9 @@
 r"""Facet sets of a body without cells.
 
 Where there are cells a facet takes its orientation from the cell it lies on. Here the orientation is taken as given,
-and what can be checked is checked: neighbours pass their common edge in opposite directions, and a surface without
-edges encloses a positive volume, `V = 1/3 sum x . n A > 0` over its triangles. An open surface that is wholly inside
-out is not seen.
+and what can be checked is checked: neighbours pass their common edge in opposite directions, a surface without edges
+encloses a positive volume, `V = 1/3 sum x . n A > 0` over its triangles, and the nodes that K couples with a facet lie
+behind it (`inner_side`). With a dense, condensed K an open surface that is wholly inside out is not seen.
 """
 
 from __future__ import annotations
@@ -16,17 +16,21 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.elements import FACET_KINDS, facet_kind
 from warpffrf.model.mesh.facets import FacetSet, node_numbers, triangles
+from warpffrf.model.mesh.matrices.inner_side import require_on_surface
 
 FLAT = 1e-9  # of the square of a facet's size: an area of round-off
 KIND_OF_WIDTH = {len(facet_kind(kind).nodes): kind for kind in FACET_KINDS}
 
 
-def facet_sets(facets: Mapping[str, Any] | None, points: np.ndarray) -> dict[str, FacetSet]:
+def facet_sets(facets: Mapping[str, Any] | None, points: np.ndarray, K: Any = None) -> dict[str, FacetSet]:
     """Facet sets from {name: `FacetSet`, nodes (m, k), or {kind: nodes (m, k)}}, nodes counted from 0, checked.
 
-    Raises `InputError` for a width that is no facet, node numbers out of range, facets without area, and facets that
-    are turned against their neighbours or enclose a negative volume.
+    With the stiffness `K` (3n, 3n) csr it is also seen which facets are no face of a cell. Raises `InputError` for a
+    width that is no facet, node numbers out of range, facets without area, and facets that are turned against their
+    neighbours, enclose a negative volume, lie inside the body or have normals into it.
     """
+    if facets is not None and not isinstance(facets, Mapping):
+        raise InputError(f"facets must be {{set name: nodes (m, k)}}, got {type(facets).__name__}")
     sets = {name: _facet_set(name, given) for name, given in (facets or {}).items()}
     for name, one in sets.items():
         _check_range(name, one, len(points))
@@ -37,6 +41,9 @@ def facet_sets(facets: Mapping[str, Any] | None, points: np.ndarray) -> dict[str
         _check_edges(whole, f"facets {', '.join(map(repr, sets))} together")
         for label, one in [*((f"facets {name!r}", one) for name, one in sets.items()), ("the facets together", whole)]:
             _check_volume(one, points, label)
+    if K is not None:
+        for name, one in sets.items():
+            require_on_surface(K, one, points, f"facets {name!r}")
     return sets
 
 
