@@ -245,13 +245,14 @@ class _SurfaceResults:
                 sampled[1].reshape(2, len(sampled[1]) // 2, -1),
                 recoveries[0][1],
             )
-        windows = (_window(np.fft.irfft(c, n=N, axis=0)[:: s.stride], s) for c in (self.whole, self.C[0, 0]))
+        whole, residual = (_window(np.fft.irfft(c, n=N, axis=0)[:: s.stride], s) for c in (self.whole, self.C[0, 0]))
         return SurfaceProduct(
             s.normal.grid(),
             self._lags(0, 0),
             sampled[0],
             recoveries[0][0],
-            *windows,
+            whole,
+            residual,
             s.traces,
             tangential=tangential,
             observed={name: r[0] for name, r in zip(names, recoveries[1:], strict=True)},
