@@ -13,7 +13,7 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from warpffrf.model import bases, forces, joints, mesh, signals, surfaces
+    from warpffrf.model import bases, forces, joints, mesh, sensors, signals, surfaces
     from warpffrf.model.contact import Contact
     from warpffrf.model.errors import InputError
     from warpffrf.model.material import Material
@@ -44,6 +44,7 @@ __all__ = [
     "joints",
     "mesh",
     "reduce",
+    "sensors",
     "signals",
     "simulate",
     "surfaces",
@@ -63,6 +64,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "contact_spacing": ("warpffrf.offline.contact.grid_rule", "contact_spacing"),
     "equilibrium": ("warpffrf.output.simulate", "equilibrium"),
     "forces": ("warpffrf.model.forces", None),
+    "sensors": ("warpffrf.model.sensors", None),
     "joints": ("warpffrf.model.joints", None),
     "mesh": ("warpffrf.model.mesh", None),
     "reduce": ("warpffrf.offline", "reduce"),

@@ -1,4 +1,4 @@
-"""The command line: `warpffrf demo | reduce | info`.
+"""The command line: `warpffrf demo | run | reduce | info`.
 
 Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2; no traceback for either. What a
 command finds goes to stdout, progress and warnings go to stderr.
@@ -100,6 +100,42 @@ def demo_two_rollers(
 
         code = two_rollers.main(out, quick=quick, progress=not _State.quiet)
     raise typer.Exit(code)
+
+
+@app.command("run")
+def run_scene_file(
+    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file, .toml; see docs/scene_file.md.")],
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="Another value for a parameter or a key, by its dotted name: --set upper.load=2000. Repeat for more.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Folder for the results; left out: out/NAME of the file NAME.toml.")
+    ] = None,
+    check: Annotated[bool, typer.Option("--check", help="Build the scene and describe it, but do not run it.")] = False,
+) -> None:
+    """Run the scene of a TOML file: bodies, joints, drives, forces, contacts, and how to simulate them.
+
+    Writes the results (.h5), the recording where the file asks for one (.rrd, open it with: rerun FILE), and the scene
+    as it was run (.toml) into a folder, and prints a report. Exit code 1 where a solver gave up; results are kept.
+
+    Example: warpffrf run press.toml --set upper.load=2000 --set simulate.step=5e-5 --out out/press
+    """
+    with _one_line_errors():
+        from warpffrf.scene_file import load_scene, run_scene
+
+        if check:
+            print(load_scene(scene_file, settings=settings or ()).scene.check())
+            return
+        results = run_scene(scene_file, settings=settings or (), out=out, progress=not _State.quiet)
+        for call, result in results.items():
+            print(f"{call}\n{result.report()}")
+        if any(result.status != "completed" for result in results.values()):
+            raise typer.Exit(1)
 
 
 @app.command("reduce")

@@ -17,6 +17,7 @@ vanishes on one side of the step only; the algorithmic accelerations then restar
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.forces import group_energy
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.rows import evaluate_signal
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
@@ -72,9 +73,12 @@ def balance_energy(
     lam0: wp.array2d(dtype=real),
     lam: wp.array2d(dtype=real),
     coordinate: wp.array2d(dtype=real),
+    stretch: wp.array2d(dtype=real),
     drive_rate: wp.array3d(dtype=real),
     applied: wp.array3d(dtype=vec3),
     applied_at: wp.array3d(dtype=vec3),
+    load: wp.array3d(dtype=real),
+    load_on_modes: wp.array3d(dtype=real),
     pair_force: wp.array4d(dtype=real),
     modal_load: wp.array3d(dtype=real),
     contact_energy: wp.array2d(dtype=real),
@@ -99,6 +103,9 @@ def balance_energy(
         kinetic += half * model.mass[b] * wp.dot(v1[w, b], v1[w, b])
         kinetic += half * wp.dot(omega1[w, b], model.inertia[b] * omega1[w, b])
         potential -= model.mass[b] * wp.dot(model.gravity, r1[w, b])
+        for c in range(3):
+            force_work += half * (load[w, 0, 6 * b + c] + load[w, 1, 6 * b + c]) * dx[w, b][c]
+            force_work += half * (load[w, 0, 6 * b + 3 + c] + load[w, 1, 6 * b + 3 + c]) * psi[w, b][c]
         b += 1
     n = int(0)
     while n < model.modal_count:
@@ -106,12 +113,13 @@ def balance_energy(
         strain += half * model.stiffness[n] * q1[w, n] * q1[w, n]
         damping += half * h * model.damping[n] * (qd[w, n] * qd[w, n] + qd1[w, n] * qd1[w, n])
         contact_work += half * (modal_load[w, 0, n] + modal_load[w, 1, n]) * dq[w, n]
+        force_work += half * (load_on_modes[w, 0, n] + load_on_modes[w, 1, n]) * dq[w, n]
         n += 1
     row = int(0)
     while row < model.row_count:
         if model.row_rigid[row] == 0:
-            stretch = coordinate[w, row] - model.row_reference[row]
-            potential += half * model.row_stiffness[row] * stretch * stretch + model.row_preload[row] * stretch
+            change = coordinate[w, row] - model.row_reference[row]
+            potential += half * model.row_stiffness[row] * change * change + model.row_preload[row] * change
             d0 = drive_rate[w, 0, row]
             d1 = drive_rate[w, 1, row]
             damping += half * h * model.row_damping[row] * (d0 * d0 + d1 * d1)
@@ -120,6 +128,10 @@ def balance_energy(
             s1 = evaluate_signal(model, model.row_signal[row], clk[w, k.NEXT_TIME], 0)
             drive_work -= half * (lam0[w, row] + lam[w, row]) * (s1 - s0)
         row += 1
+    groups = group_energy(model, w, h, coordinate, stretch, drive_rate)
+    potential += groups[0]
+    damping += groups[1]
+    force_work += groups[2]
     i = int(0)
     while i < model.force_count:
         f = half * (applied[w, 0, i] + applied[w, 1, i])
@@ -342,11 +354,15 @@ def keep_modes(
 def keep_rest(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
+    coordinate: wp.array2d(dtype=real),
     lam: wp.array2d(dtype=real),
     lam0: wp.array2d(dtype=real),
+    stretch: wp.array2d(dtype=real),
     drive_rate: wp.array3d(dtype=real),
     applied: wp.array3d(dtype=vec3),
     applied_at: wp.array3d(dtype=vec3),
+    load: wp.array3d(dtype=real),
+    load_on_modes: wp.array3d(dtype=real),
     pair_force: wp.array4d(dtype=real),
     energy: wp.array3d(dtype=real),
 ):
@@ -361,6 +377,7 @@ def keep_rest(
         if accept:
             lam0[w, row] = lam[w, row]
             drive_rate[w, 0, row] = drive_rate[w, 1, row]
+            stretch[w, row] = coordinate[w, row]
         else:
             lam[w, row] = lam0[w, row]
         row += 1
@@ -370,6 +387,14 @@ def keep_rest(
     while i < model.force_count:
         applied[w, 0, i] = applied[w, 1, i]
         applied_at[w, 0, i] = applied_at[w, 1, i]
+        i += 1
+    i = int(0)
+    while i < 6 * model.body_count:
+        load[w, 0, i] = load[w, 1, i]
+        i += 1
+    i = int(0)
+    while i < model.modal_count:
+        load_on_modes[w, 0, i] = load_on_modes[w, 1, i]
         i += 1
     pair = int(0)
     while pair < model.pair_count:
@@ -429,7 +454,11 @@ def record(
     p: wp.array2d(dtype=quat),
     v: wp.array2d(dtype=vec3),
     omega: wp.array2d(dtype=vec3),
+    v_rate: wp.array2d(dtype=vec3),
+    omega_rate: wp.array2d(dtype=vec3),
     q: wp.array2d(dtype=real),
+    qd: wp.array2d(dtype=real),
+    qd_rate: wp.array2d(dtype=real),
     lam: wp.array2d(dtype=real),
     coordinate: wp.array2d(dtype=real),
     row_wrench: wp.array3d(dtype=real),
@@ -466,15 +495,19 @@ def record(
             ring[w, at, o + i] = r[w, b][i]
             ring[w, at, o + 7 + i] = v[w, b][i]
             ring[w, at, o + 10 + i] = omega[w, b][i]
+            ring[w, at, o + 13 + i] = v_rate[w, b][i]
+            ring[w, at, o + 16 + i] = omega_rate[w, b][i]
         for i in range(4):
             ring[w, at, o + 3 + i] = p[w, b][i]
-        o += 13
+        o += 19
         b += 1
     n = int(0)
     while n < model.modal_count:
         ring[w, at, o + n] = q[w, n]
+        ring[w, at, o + model.modal_count + n] = qd[w, n]
+        ring[w, at, o + 2 * model.modal_count + n] = qd_rate[w, n]
         n += 1
-    o += model.modal_count
+    o += 3 * model.modal_count
     row = int(0)
     while row < model.row_count:
         ring[w, at, o] = coordinate[w, row]

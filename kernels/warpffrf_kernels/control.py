@@ -76,8 +76,10 @@ STENCIL = wp.constant(256)
 # --- constraint row kinds
 TRANSLATION = wp.constant(0)
 DIRECTION = wp.constant(1)
-ANGLE_DRIVE = wp.constant(2)
+ANGLE = wp.constant(2)
 DISTANCE = wp.constant(3)
+SECOND_ANGLE = wp.constant(4)
+BUSHING = wp.constant(5)
 
 # --- columns of the energy ledger
 KINETIC = wp.constant(0)

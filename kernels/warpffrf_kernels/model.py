@@ -43,6 +43,15 @@ class Model:
     row_reference: wp.array(dtype=real)  # subtracted from c
     row_preload: wp.array(dtype=real)
     row_rigid: wp.array(dtype=int)  # 1: constraint, 0: spring
+    row_group: wp.array(dtype=int)  # group of a spring row that shares matrices with others
+    row_vector: wp.array2d(dtype=real)  # (rows, 6): a bushing coordinate's part of displacement and rotation vector
+    # groups of spring rows with lambda = K c + D cdot + preload, see `forces`
+    group_count: int
+    group_start: wp.array(dtype=int)  # first row; the others follow
+    group_size: wp.array(dtype=int)
+    group_sprung: wp.array(dtype=int)  # rows with stiffness, the first ones; the rest are dampers only
+    group_stiffness: wp.array3d(dtype=real)  # (groups, MOST_COUPLED, MOST_COUPLED)
+    group_damping: wp.array3d(dtype=real)
     # signals: piecewise polynomials of degree 7
     signal_start: wp.array(dtype=int)
     signal_break: wp.array(dtype=real)
@@ -54,6 +63,19 @@ class Model:
     force_point: wp.array(dtype=vec3)
     force_in_body: wp.array(dtype=int)  # 1: components in body axes
     force_signal: wp.array2d(dtype=int)  # (forces, 3)
+    # point torques
+    torque_count: int
+    torque_body: wp.array(dtype=int)
+    torque_interface: wp.array(dtype=int)
+    torque_in_body: wp.array(dtype=int)
+    torque_signal: wp.array2d(dtype=int)  # (torques, 3)
+    # loads that are constant in body axes but for a signal: surface and nodal loads
+    load_count: int
+    load_body: wp.array(dtype=int)
+    load_signal: wp.array(dtype=int)
+    load_force: wp.array(dtype=vec3)  # N per unit signal, body axes
+    load_torque: wp.array(dtype=vec3)  # N m, about the centre of mass
+    load_modal: wp.array2d(dtype=real)  # (loads, modes of the body)
     # contact surfaces (bodies of revolution), body frame
     surface_body: wp.array(dtype=int)
     surface_origin: wp.array(dtype=vec3)  # axis point

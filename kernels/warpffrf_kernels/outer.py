@@ -77,6 +77,7 @@ def condense(
     C_modal: wp.array3d(dtype=real),
     receptance: wp.array2d(dtype=real),
     softness: wp.array2d(dtype=real),
+    flexibility: wp.array(dtype=real),
     defect: wp.array2d(dtype=real),
     residual: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
@@ -127,7 +128,12 @@ def condense(
                     while n < model.modal_count:
                         total -= C_modal[w, i - rigid, n] * receptance[w, n] * C_modal[w, other, n]
                         n += 1
-                    if other == i - rigid:
+                    group = model.row_group[i - rigid]
+                    if group >= 0 and group == model.row_group[other]:
+                        first = model.group_start[group]
+                        entry = 6 * (i - rigid - first) + other - first
+                        total -= flexibility[(w * model.group_count + group) * 36 + entry]
+                    elif other == i - rigid:
                         total -= softness[w, other]
                 tangent[w, i, rigid + other] = total
                 other += 1
@@ -253,6 +259,9 @@ def balance(
     lam: wp.array2d(dtype=real),
     defect: wp.array2d(dtype=real),
     softness: wp.array2d(dtype=real),
+    row_wrench: wp.array3d(dtype=real),
+    load: wp.array3d(dtype=real),
+    load_on_modes: wp.array3d(dtype=real),
     pair_wrench: wp.array3d(dtype=real),
     gap_defect: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
@@ -287,6 +296,9 @@ def balance(
         # accelerations are differences of increments: below this they are round-off
         travel = wp.length(dx[w, b]) + gyration * wp.length(psi[w, b])
         scale = wp.max(scale, ROUND_OFF * clk[w, k.ACC] * m * travel)
+        for c in range(3):
+            scale = wp.max(scale, wp.abs(load[w, 1, 6 * b + c]))
+            scale = wp.max(scale, wp.abs(load[w, 1, 6 * b + 3 + c]) / gyration)
         b += 1
     length = real(1.0)
     if gap_defect[w, 1] > real(0.0):
@@ -302,6 +314,17 @@ def balance(
     while row < model.row_count:
         if model.row_kind[row] == k.TRANSLATION or model.row_kind[row] == k.DISTANCE:
             scale = wp.max(scale, wp.abs(lam[w, row]))
+        elif model.row_rigid[row] == 0:  # a torsional spring, a bushing: force, and torque at the radius of gyration
+            f = vec3(row_wrench[w, row, 0], row_wrench[w, row, 1], row_wrench[w, row, 2])
+            t = vec3(row_wrench[w, row, 3], row_wrench[w, row, 4], row_wrench[w, row, 5])
+            scale = wp.max(scale, wp.abs(lam[w, row]) * wp.length(f))
+            for side in range(2):
+                b = model.marker_body[model.row_a[row]]
+                if side == 1:
+                    b = model.marker_body[model.row_b[row]]
+                if b >= 0:
+                    gyration = wp.sqrt(model.inertia[b][0, 0] / model.mass[b])
+                    scale = wp.max(scale, wp.abs(lam[w, row]) * wp.length(t) / gyration)
         if softness[w, row] == real(0.0):
             worst = wp.max(worst, wp.abs(defect[w, row]) / wp.min(length, real(1.0)))
         row += 1
@@ -330,8 +353,9 @@ def balance(
     open_load = real(0.0)
     n = int(0)
     while n < model.modal_count:
-        load = modal_load[w, 1, n]
-        modal_scale = wp.max(modal_scale, wp.max(wp.abs(load), wp.abs(model.stiffness[n] * q1[w, n])))
+        modal_scale = wp.max(modal_scale, wp.abs(load_on_modes[w, 1, n]))
+        contact = modal_load[w, 1, n]
+        modal_scale = wp.max(modal_scale, wp.max(wp.abs(contact), wp.abs(model.stiffness[n] * q1[w, n])))
         travel = wp.abs(dq[w, n])
         modal_scale = wp.max(modal_scale, wp.max(wp.abs(qd1_rate[w, n]), ROUND_OFF * clk[w, k.ACC] * travel))
         open_load = wp.max(open_load, wp.abs(modal_residual[w, n]))

@@ -48,5 +48,21 @@ def tangent_inverse(psi: vec3) -> mat33:
 
 
 @wp.func
+def rotation_vector(A: mat33) -> vec3:
+    """psi with exp(psi^) = A, |psi| <= pi."""
+    p = wp.quat_from_matrix(A)
+    v = vec3(p[0], p[1], p[2])
+    c = p[3]
+    if c < real(0.0):
+        v = -v
+        c = -c
+    s = wp.length(v)
+    scale = real(2.0) / c
+    if s > SMALL:
+        scale = real(2.0) * wp.atan2(s, c) / s
+    return scale * v
+
+
+@wp.func
 def matrix(p: quat) -> mat33:
     return wp.quat_to_matrix(p)

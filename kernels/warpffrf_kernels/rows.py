@@ -5,13 +5,18 @@ x_a, x_b:
 
     TRANSLATION   c = u_i . (x_b - x_a) - s(t)
     DIRECTION     c = u_i . w_j
-    ANGLE_DRIVE   c = angle - s in (-pi, pi], from the components of w_x, which needs no counting of turns
-    DISTANCE      c = |x_b - x_a|
+    ANGLE         c = angle of w_j about u_i from u_j, minus s(t), in (-pi, pi]: needs no counting of turns
+    SECOND_ANGLE  the same of the other side's axes: angle of w_j about w_i against u_j (universal joints)
+    DISTANCE      c = |x_b - x_a| - s(t)
 
 with s the signal of the row (0 without one). Every variation has the form `f.(dx_b - dx_a) + t.(dTheta_b - dTheta_a)`,
 where dx are material displacements of the point x_b carried by either body and dTheta their turns, so a row pulls with
 the wrench (f, t) at x_b on b and the opposite on a: action equals reaction by construction.
-    TRANSLATION: f = u_i, t = 0;  DIRECTION: f = 0, t = w_j x u_i;  DISTANCE: f = (x_b - x_a)/|x_b - x_a|, t = 0.
+    TRANSLATION: f = u_i, t = 0;  DIRECTION: f = 0, t = w_j x u_i;  DISTANCE: f = (x_b - x_a)/|x_b - x_a|, t = 0;
+    ANGLE: f = 0, t = u_i where w_j is perpendicular to it (in general, and for SECOND_ANGLE: `model/joints/rows.py`).
+    BUSHING       c = v.d + z.phi of the row's vector (v, z), with d = A_a^T (x_b - x_a) and exp(phi^) = A_a^T A_b:
+                  f = A_a v, t = A_a T(phi)^-1 z, since phi turns by T(phi)^-T A_a^T (dTheta_b - dTheta_a).
+An angle that is a spring counts its turns.
 
 A constraint row demands c = 0 and carries the multiplier lambda, generalized force -C^T lambda. A spring row has
 `lambda = k c + d cdot + preload`; divided by its effective stiffness `k_e = k + d VEL` it is a constraint row with the
@@ -26,10 +31,12 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.rotation import exponential, matrix
+from warpffrf_kernels.rotation import exponential, matrix, rotation_vector, tangent_inverse
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
+
+TURN = wp.constant(wp.float64(6.283185307179586))  # 2 pi
 
 
 @wp.func
@@ -162,6 +169,7 @@ def evaluate_rows(
     q1: wp.array2d(dtype=real),
     qd1: wp.array2d(dtype=real),
     lam: wp.array2d(dtype=real),
+    stretch: wp.array2d(dtype=real),
     C: wp.array3d(dtype=real),
     C_modal: wp.array3d(dtype=real),
     coordinate: wp.array2d(dtype=real),
@@ -212,18 +220,36 @@ def evaluate_rows(
             z = vec3(R_b[0, j], R_b[1, j], R_b[2, j])
             value = wp.dot(u, z)
             torque = wp.cross(z, u)
-        if kind == k.ANGLE_DRIVE:
-            e_x = vec3(R_a[0, 0], R_a[1, 0], R_a[2, 0])
-            e_y = vec3(R_a[0, 1], R_a[1, 1], R_a[2, 1])
-            u = wp.cos(s) * e_y - wp.sin(s) * e_x
-            v = wp.cos(s) * e_x + wp.sin(s) * e_y
-            z = vec3(R_b[0, 0], R_b[1, 0], R_b[2, 0])
-            value = wp.atan2(wp.dot(u, z), wp.dot(v, z))
-            torque = vec3(R_a[0, 2], R_a[1, 2], R_a[2, 2])
+        if kind == k.ANGLE or kind == k.SECOND_ANGLE:
+            held = R_a
+            turned = R_b
+            sign = real(1.0)
+            if kind == k.SECOND_ANGLE:
+                held = R_b
+                turned = R_a
+                sign = real(-1.0)
+            axis = vec3(held[0, i], held[1, i], held[2, i])
+            u = vec3(held[0, j], held[1, j], held[2, j])
+            v = sign * wp.cross(axis, u)
+            z = vec3(turned[0, j], turned[1, j], turned[2, j])
+            P = wp.dot(v, z)
+            Q = wp.dot(u, z)
+            value = wp.atan2(P * wp.cos(s) - Q * wp.sin(s), Q * wp.cos(s) + P * wp.sin(s))
+            torque = (sign / (P * P + Q * Q)) * wp.cross(z, Q * v - P * u)
         if kind == k.DISTANCE:
             gap = x_b - x_a
-            value = wp.length(gap)
-            force = gap / wp.max(value, real(1.0e-300))
+            value = wp.length(gap) - s
+            force = gap / wp.max(value + s, real(1.0e-300))
+        if kind == k.ANGLE or kind == k.SECOND_ANGLE:
+            if model.row_rigid[row] == 0:  # a spring counts turns from the last accepted state
+                value += TURN * wp.round((stretch[w, row] - value) / TURN)
+        if kind == k.BUSHING:
+            along = vec3(model.row_vector[row, 0], model.row_vector[row, 1], model.row_vector[row, 2])
+            about = vec3(model.row_vector[row, 3], model.row_vector[row, 4], model.row_vector[row, 5])
+            phi = rotation_vector(wp.transpose(R_a) * R_b)
+            force = R_a * along
+            torque = R_a * (tangent_inverse(phi) * about)
+            value = wp.dot(force, x_b - x_a) + wp.dot(about, phi)
         clear_side(model, w, row, a, C, C_modal)
         clear_side(model, w, row, b, C, C_modal)
         write_side(model, w, row, b, force, torque, x_b, x_b, r1, axes, C, C_modal)

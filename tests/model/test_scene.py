@@ -144,9 +144,9 @@ def test_springs(body_maker) -> None:
         forces.SpringDamper(scene.ground, lower["bore"], 1e4)
     with pytest.raises(InputError, match="stiffness must not be negative"):
         forces.SpringDamper(lower["bore"], upper["bore"], -1.0)
-    hinge = scene.add(joints.Revolute(scene.ground, lower["bore"], axis=(0, 1, 0)))
-    with pytest.raises(InputError, match="prismatic joint, got revolute joint 'revolute_1'"):
-        forces.JointSpringDamper(hinge, 1e4)
+    weld = scene.add(joints.Fixed(scene.ground, lower["bore"]))
+    with pytest.raises(InputError, match="leaves free, fixed joint 'fixed_1' has none"):
+        forces.JointSpringDamper(weld, 1e4)
     slide = scene.add(joints.Prismatic(scene.ground, upper["bore"], axis=(0, 0, 1)))
     guide = scene.add(forces.JointSpringDamper(slide, 1e6, 100.0, preload=-200.0))
     assert guide.name == "joint_spring_damper_1"

@@ -14,6 +14,7 @@ from warpffrf.model.contact import Contact, closing_distance
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number, unknown_name
 from warpffrf.model.forces import JointSpringDamper
 from warpffrf.model.joints import Drive, Joint
+from warpffrf.model.sensors import JointReaction, Sensor
 
 if TYPE_CHECKING:
     from warpffrf.model.reduced_body import ReducedBody
@@ -21,13 +22,15 @@ if TYPE_CHECKING:
 
 SYMMETRY_TOLERANCE = 1e-9  # relative asymmetry of an inertia tensor that is rounding of its numbers
 _LISTS = ("joints", "drives", "forces", "contacts")
+_ADDED = (*_LISTS, "sensors")  # sensors change nothing in a run, so they are no part of what a scene is
 Item = TypeVar("Item")
 
 
 class Scene:
     """A machine: bodies with poses, and what connects and loads them.
 
-    gravity: (3,) [m/s2], world. `bodies`, `joints`, `drives`, `forces`, `contacts` are lists in the order of adding;
+    gravity: (3,) [m/s2], world. `bodies`, `joints`, `drives`, `forces`, `contacts`, `sensors` are lists in the order of
+    adding;
     `ground` is the world as a body. SI units, world axes, quaternions (x, y, z, w).
     """
 
@@ -39,6 +42,7 @@ class Scene:
         self.drives: list[Drive] = []
         self.forces: list[Any] = []
         self.contacts: list[Contact] = []
+        self.sensors: list[Sensor] = []
 
     def add_body(
         self,
@@ -112,10 +116,11 @@ class Scene:
         return handle
 
     def add(self, item: Item) -> Item:
-        """Add a joint, drive, force or contact pair and return it; one without a name gets one (`revolute_1`)."""
+        """Add a joint, drive, force, contact pair or sensor and return it; one without a name gets one
+        (`revolute_1`)."""
         where = getattr(item, "scene_list", None)
-        if where not in _LISTS or isinstance(item, type):
-            raise InputError(f"scene: {item!r} cannot be added; joints, drives, forces and contact pairs can")
+        if where not in _ADDED or isinstance(item, type):
+            raise InputError(f"scene: {item!r} cannot be added; joints, drives, forces, contact pairs and sensors can")
         thing: Any = item
         members = getattr(self, where)
         if any(member is thing for member in members):
@@ -123,7 +128,7 @@ class Scene:
         for port in thing.ports:
             if port.body is not self.ground and not any(port.body is b for b in self.bodies):
                 raise InputError(f"{thing.kind} {thing.name!r}: body {port.body.name!r} belongs to another scene")
-        if isinstance(thing, (Drive, JointSpringDamper)):
+        if isinstance(thing, (Drive, JointSpringDamper, JointReaction)):
             self._check_driven_joint(thing)
         if isinstance(thing, Contact):
             self._check_free_surfaces(thing)
@@ -203,11 +208,13 @@ class Scene:
         if name in taken or name == "ground":
             raise InputError(f"{kind} {name!r}: the name is taken, choose another")
 
-    def _check_driven_joint(self, item: Drive | JointSpringDamper) -> None:
+    def _check_driven_joint(self, item: Drive | JointSpringDamper | JointReaction) -> None:
         if not any(item.joint is joint for joint in self.joints):
             raise InputError(f"{item.kind}: add its joint {item.joint.name!r} to the scene first")
-        if isinstance(item, Drive) and any(drive.joint is item.joint for drive in self.drives):
-            raise InputError(f"drive: joint {item.joint.name!r} is driven already")
+        if isinstance(item, Drive):
+            for drive in self.drives:
+                if drive.joint is item.joint and drive.coordinate == item.coordinate:
+                    raise InputError(f"drive: the {item.coordinate} of joint {item.joint.name!r} is driven already")
 
     def _check_free_surfaces(self, contact: Contact) -> None:
         for other in self.contacts:

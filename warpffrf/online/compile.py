@@ -15,9 +15,9 @@ from warpffrf_kernels import control as k
 from warpffrf_kernels.contact_geometry import GUARD
 from warpffrf_kernels.model import Model
 
-from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
-from warpffrf.model.forces import JointSpringDamper, PointForce, SpringDamper
+from warpffrf.online.compile_forces import ForceTable, compile_forces, fill_forces
+from warpffrf.online.compile_joints import JointTable, compile_joints
 from warpffrf.online.settings import Settings
 
 LARGEST_TABLE = 2**31 - 1  # kernels count in 32-bit integers
@@ -63,23 +63,12 @@ class CompiledScene:
     model: Any  # warpffrf_kernels.model.Model
     models: wp.array  # the same as a device array of one entry: kernels read it by address, launches stay small
     device: str
-    joint_rows: dict[str, list[int]]  # joint name -> its rows, drives included
-    coordinate_rows: dict[str, int]  # joint name -> row whose coordinate is the joint's
+    joints: JointTable  # rows of each joint, drives included, and those left out
+    forces: ForceTable  # rows of each spring
     row_count: int
     modal_start: np.ndarray
     pair_surfaces: list[tuple[int, int]]
     notes: list[str]
-
-
-# A joint kind is a table of rows: (kind, axis of a, axis of b). Its coordinate, where it has one, is measured by
-# COORDINATE.
-_ORIENT = [(k.DIRECTION, 2, 0), (k.DIRECTION, 2, 1)]
-JOINT_ROWS = {
-    "fixed": [(k.TRANSLATION, 0, 0), (k.TRANSLATION, 1, 0), (k.TRANSLATION, 2, 0), *_ORIENT, (k.DIRECTION, 0, 1)],
-    "revolute": [(k.TRANSLATION, 0, 0), (k.TRANSLATION, 1, 0), (k.TRANSLATION, 2, 0), *_ORIENT],
-    "prismatic": [(k.TRANSLATION, 0, 0), (k.TRANSLATION, 1, 0), *_ORIENT, (k.DIRECTION, 0, 1)],
-}
-DRIVE_ROW = {"revolute": (k.ANGLE_DRIVE, 0, 0), "prismatic": (k.TRANSLATION, 2, 0)}
 
 
 class _Compiler:
@@ -90,9 +79,8 @@ class _Compiler:
         self.signals: list[tuple[np.ndarray, np.ndarray]] = []
         self.interfaces: dict[tuple[int, str], int] = {}
         self.notes: list[str] = []
-        self.joint_rows: dict[str, list[int]] = {}
-        self.coordinate_rows: dict[str, int] = {}
-        self.joint_markers: dict[str, tuple[int, int]] = {}
+        self.joint_table = JointTable()
+        self.force_table = ForceTable()
         self.surfaces: list[tuple[Any, Any]] = []  # (body, ContactSurface)
 
     # --- pieces
@@ -111,37 +99,6 @@ class _Compiler:
     def signal(self, signal: Any) -> int:
         self.signals.append(signal.polynomial())
         return len(self.signals) - 1
-
-    def joints(self) -> None:
-        for joint in self.scene.joints:
-            frames = joint.frames()
-            a, b = (self.marker(p, m.point, rot.matrix(m.rotation)) for p, m in zip(joint.ports, frames, strict=True))
-            self.joint_markers[joint.name] = (a, b)
-            self.joint_rows[joint.name] = [self.rows.add(kind, a, b, i, j) for kind, i, j in JOINT_ROWS[joint.kind]]
-        for drive in self.scene.drives:
-            a, b = self.joint_markers[str(drive.joint.name)]
-            kind, i, j = DRIVE_ROW[drive.joint.kind]
-            row = self.rows.add(kind, a, b, i, j, signal=self.signal(drive.position()))
-            self.joint_rows[drive.joint.name].append(row)
-            self.coordinate_rows[drive.joint.name] = row
-
-    def springs(self) -> None:
-        for item in self.scene.forces:
-            if isinstance(item, JointSpringDamper):
-                if item.stiffness == 0.0 and item.damping == 0.0:
-                    raise InputError(
-                        f"joint spring {item.name!r}: stiffness and damping are both zero; use a PointForce"
-                    )
-                a, b = self.joint_markers[str(item.joint.name)]
-                row = self.rows.add(
-                    k.TRANSLATION, a, b, 2, 0, -1, item.stiffness, item.damping, item.reference, -item.preload, 0
-                )
-                self.coordinate_rows.setdefault(str(item.joint.name), row)
-            elif isinstance(item, SpringDamper):
-                if item.stiffness == 0.0 and item.damping == 0.0:
-                    raise InputError(f"spring {item.name!r}: stiffness and damping are both zero; remove it")
-                a, b = (self.marker(p, p.point, np.eye(3)) for p in item.ports)
-                self.rows.add(k.DISTANCE, a, b, 0, 0, -1, item.stiffness, item.damping, item.free_length, 0.0, 0)
 
     def array(self, values: Any, dtype: Any = wp.float64, shape: tuple[int, ...] | None = None) -> wp.array:
         """Device array; an empty one gets a single unused entry, so that kernels can be given it."""
@@ -163,15 +120,13 @@ class _Compiler:
     def compile(self) -> CompiledScene:
         scene, settings = self.scene, self.settings
         m = Model()
-        self.joints()
-        self.springs()
+        self.joint_table = compile_joints(self)
+        self.notes.extend(self.joint_table.notes)
+        self.force_table = compile_forces(self)
         bodies = scene.bodies
         for contact in scene.contacts:
             for port in contact.ports:
                 self.surfaces.append((port.body, port.surface))
-        for force in scene.forces:
-            if isinstance(force, PointForce):
-                self.interface(force.port)
         modal_start = np.cumsum([0] + [b.mode_count for b in bodies])
         m.body_count, m.modal_count, m.row_count = len(bodies), int(modal_start[-1]), len(self.rows)
         m.outer_count = 6 * m.body_count + m.row_count
@@ -187,8 +142,8 @@ class _Compiler:
         m.stiffness = self.array(omega**2)
         m.damping = self.array(2.0 * zeta * omega)
         self._interfaces(m)
+        fill_forces(self, self.force_table, m)
         self._markers_rows_signals(m)
-        self._forces(m)
         self._pairs(m)
         self._surfaces(m)
         m.residual_tolerance = settings.residual_tolerance
@@ -206,8 +161,8 @@ class _Compiler:
             )
         pairs = [(2 * i, 2 * i + 1) for i in range(m.pair_count)]
         return CompiledScene(
-            scene, m, wp.array([m], dtype=Model, device=self.device), self.device, self.joint_rows,
-            self.coordinate_rows, len(self.rows), modal_start, pairs, self.notes,
+            scene, m, wp.array([m], dtype=Model, device=self.device), self.device, self.joint_table, self.force_table,
+            len(self.rows), modal_start, pairs, self.notes,
         )  # fmt: skip
 
     def _interfaces(self, m: Any) -> None:
@@ -223,11 +178,6 @@ class _Compiler:
         m.interface_modes = self.array(modes)
 
     def _markers_rows_signals(self, m: Any) -> None:
-        for force in self.scene.forces:
-            if isinstance(force, PointForce):
-                force_signals = [self.signal(s) for s in force.components]
-                self.force_signals = getattr(self, "force_signals", [])
-                self.force_signals.append(force_signals)
         m.marker_body = self.array([x[0] for x in self.markers], int)
         m.marker_interface = self.array([x[1] for x in self.markers], int)
         m.marker_point = self.array([x[2] for x in self.markers], wp.vec3d, (-1, 3))
@@ -242,16 +192,6 @@ class _Compiler:
         m.signal_coefficient = self.array(
             np.concatenate([np.zeros((0, 8))] + [c for _, c in self.signals]), shape=(-1, 8)
         )
-
-    def _forces(self, m: Any) -> None:
-        forces = [f for f in self.scene.forces if isinstance(f, PointForce)]
-        m.force_count = len(forces)
-        m.force_body = self.array([f.port.body.index for f in forces], int)
-        m.force_interface = self.array([self.interface(f.port) for f in forces], int)
-        points = [f.port.point - f.port.body.center_of_mass for f in forces]
-        m.force_point = self.array(points, wp.vec3d, (-1, 3))
-        m.force_in_body = self.array([int(f.frame == "body") for f in forces], int)
-        m.force_signal = self.array(getattr(self, "force_signals", []), int, (-1, 3))
 
     def _surfaces(self, m: Any) -> None:
         lists: dict[str, list] = {name: [] for name in (
@@ -446,11 +386,4 @@ def compile_scene(scene: Any, settings: Settings, device: str) -> CompiledScene:
     """Constant device data of `scene`; raises `InputError` for a scene that cannot be run."""
     if not scene.bodies:
         raise InputError("scene: there are no bodies; add one with scene.add_body or scene.add_rigid_body")
-    check = scene.check()
-    if check.redundant:
-        names = ", ".join(f"{name!r} ({count})" for name, count in check.redundant.items())
-        raise InputError(
-            f"scene: redundant constraints in {names}: their reactions are not unique; free a motion there "
-            "(for example a Revolute instead of a Fixed joint)"
-        )
     return _Compiler(scene, settings, device).compile()

@@ -16,9 +16,11 @@ from warpffrf_kernels import (
     contact_fields,
     contact_geometry,
     contact_solve,
+    forces,
     motion,
     outer,
     rows,
+    stiffen,
 )
 from warpffrf_kernels.scalars import BLOCK
 
@@ -52,7 +54,9 @@ class StepGraph:
         for module in (
             motion,
             rows,
+            forces,
             outer,
+            stiffen,
             commit,
             contact_geometry,
             contact_compliance,
@@ -86,7 +90,8 @@ class StepGraph:
         self._launch(
             commit.balance_energy, W,
             [M, s.ctl, s.clk, x.r1, x.v1, x.omega1, x.dx, x.psi, x.q1, s.qd, x.qd1, x.dq, s.lam0, s.lam,
-             x.coordinate, s.drive_rate, s.applied, s.applied_at, s.pair_force, s.modal_load, x.contact_energy],
+             x.coordinate, s.stretch, s.drive_rate, s.applied, s.applied_at, s.load, s.load_on_modes,
+             s.pair_force, s.modal_load, x.contact_energy],
             [s.energy],
         )  # fmt: skip
         self._launch(commit.decide, W, [M, s.energy, x.dx, s.pair_force], [s.ctl, s.clk])
@@ -101,8 +106,9 @@ class StepGraph:
                 [s.q, s.qd, s.qd_rate, s.qd_alg, s.modal_load],
             )  # fmt: skip
         self._launch(
-            commit.keep_rest, W, [M, s.ctl],
-            [s.lam, s.lam0, s.drive_rate, s.applied, s.applied_at, s.pair_force, s.energy],
+            commit.keep_rest, W, [M, s.ctl, x.coordinate],
+            [s.lam, s.lam0, s.stretch, s.drive_rate, s.applied, s.applied_at, s.load, s.load_on_modes, s.pair_force,
+             s.energy],
         )  # fmt: skip
         self.record()
         self._launch(commit.count_attempts, 1, [s.ctl], [x.budget, x.more])
@@ -119,8 +125,9 @@ class StepGraph:
             )
         self._launch(
             commit.record, W,
-            [M, s.clk, s.r, s.p, s.v, s.omega, s.q, s.lam, x.coordinate, x.row_wrench, x.center, x.station, s.active,
-             x.pair_wrench, x.second_wrench, s.pressure, x.second_load, s.energy], [s.ctl, x.ring],
+            [M, s.clk, s.r, s.p, s.v, s.omega, s.v_rate, s.omega_rate, s.q, s.qd, s.qd_rate, s.lam, x.coordinate,
+             x.row_wrench, x.center, x.station, s.active, x.pair_wrench,
+             x.second_wrench, s.pressure, x.second_load, s.energy], [s.ctl, x.ring],
         )  # fmt: skip
 
     def _iteration(self) -> None:
@@ -141,25 +148,39 @@ class StepGraph:
                 rows.apply_forces, W, [M, s.ctl, s.clk, x.r1, x.axes, x.q1],
                 [x.residual, x.modal_residual, s.applied, s.applied_at],
             )  # fmt: skip
+        if m.torque_count + m.load_count:
+            self._launch(
+                forces.apply_loads, W, [M, s.ctl, s.clk, x.axes],
+                [x.residual, x.modal_residual, s.load, s.load_on_modes],
+            )  # fmt: skip
         if R:
             self._block(
-                rows.evaluate_rows, (W,), [M, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.q1, x.qd1, s.lam],
+                rows.evaluate_rows, (W,),
+                [M, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.q1, x.qd1, s.lam, s.stretch],
                 [x.C, x.C_modal, x.coordinate, x.defect, x.softness, s.drive_rate, x.row_wrench],
             )  # fmt: skip
+            if m.group_count:
+                self._block(
+                    forces.couple_springs, (W,), [M, s.clk, s.lam, x.coordinate, s.drive_rate],
+                    [s.ctl, x.flexibility, x.defect, x.softness],
+                )  # fmt: skip
             self._block(outer.add_multipliers, (W,), [M, s.ctl, s.lam, x.C, x.C_modal], [x.residual, x.modal_residual])
         if P:
             self._locate_contact()
         self._launch(
             outer.balance, W,
             [M, s.clk, x.r1, x.v1_rate, x.omega1, x.omega1_rate, x.dx, x.psi, s.lam, x.defect, x.softness,
-             x.pair_wrench, x.gap_defect, x.modal_residual, s.modal_load, x.q1, x.qd1_rate, x.dq, x.residual],
+             x.row_wrench, s.load, s.load_on_modes, x.pair_wrench, x.gap_defect, x.modal_residual,
+             s.modal_load, x.q1, x.qd1_rate, x.dq, x.residual],
             [s.ctl, x.residual_history],
         )  # fmt: skip
         self._block(
             outer.condense, (W,),
-            [M, s.ctl, x.C, x.C_modal, x.receptance, x.softness, x.defect, x.residual, x.modal_residual],
+            [M, s.ctl, x.C, x.C_modal, x.receptance, x.softness, x.flexibility, x.defect, x.residual, x.modal_residual],
             [x.tangent, x.rhs, x.C_receptance],
         )  # fmt: skip
+        if R:
+            self._launch(stiffen.stiffen, W, [M, s.ctl, x.r1, x.axes, x.q1, s.lam, x.row_wrench], [x.tangent])
         self._block(
             outer.factor_outer, (W,), [M, x.tangent, x.rhs],
             [s.ctl, x.scaling, x.pivots, x.elimination, x.inverse_transposed, x.z_free],

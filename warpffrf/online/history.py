@@ -6,9 +6,11 @@ Everything that can be derived from these arrays (half-width, peak pressure, fie
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 
 import numpy as np
+
+from warpffrf.model.errors import unknown_name
 
 ENERGY_LINES = (
     "kinetic",  # rigid motion and global modes
@@ -23,6 +25,9 @@ ENERGY_LINES = (
 )
 
 
+_NOT_RECORDED = np.zeros(0)  # stands for the arrays that an older file does not hold
+
+
 @dataclass
 class BodyHistory:
     """Motion of one body: user-frame origin, orientation, velocities, modal coordinates."""
@@ -32,15 +37,63 @@ class BodyHistory:
     velocity: np.ndarray  # (T, 3) m/s, of the user origin
     angular_velocity: np.ndarray  # (T, 3) rad/s
     modal: np.ndarray  # (T, m) global modal coordinates, kg^0.5 m
+    acceleration: np.ndarray = field(default_factory=lambda: _NOT_RECORDED)  # (T, 3) m/s2, of the user origin
+    angular_acceleration: np.ndarray = field(default_factory=lambda: _NOT_RECORDED)  # (T, 3) rad/s2
+    modal_velocity: np.ndarray = field(default_factory=lambda: _NOT_RECORDED)  # (T, m)
+    modal_acceleration: np.ndarray = field(default_factory=lambda: _NOT_RECORDED)  # (T, m)
+
+    def __post_init__(self) -> None:
+        """What was not recorded is NaN."""
+        for name in ("acceleration", "angular_acceleration"):
+            if getattr(self, name) is _NOT_RECORDED:
+                setattr(self, name, np.full(np.shape(self.velocity), np.nan))
+        for name in ("modal_velocity", "modal_acceleration"):
+            if getattr(self, name) is _NOT_RECORDED:
+                setattr(self, name, np.full(np.shape(self.modal), np.nan))
 
 
 @dataclass
 class JointHistory:
-    """Reaction of one joint on its second body, and the joint coordinate where it has one."""
+    """Reaction of one joint on its second body, and the joint coordinates where it has some: `named("rotation")`."""
 
-    coordinate: np.ndarray  # (T,) rad or m; NaN where the joint has none
+    coordinate: np.ndarray  # (T,) rad or m, the first of `names`; NaN where the joint has none
     force: np.ndarray  # (T, 3) N
     torque: np.ndarray  # (T, 3) N m, about the joint point on the second body
+    second_coordinate: np.ndarray | None = None  # (T,) rad or m, the second of `names`; NaN where it has no second
+    coordinate_names: InitVar[tuple[str, ...]] = ()  # "translation", "rotation", "second_rotation", "distance"
+
+    def __post_init__(self, coordinate_names: tuple[str, ...]) -> None:
+        self.names = coordinate_names
+        if self.second_coordinate is None:
+            self.second_coordinate = np.full(len(self.coordinate), np.nan)
+
+    def named(self, name: str) -> np.ndarray:
+        """The coordinate (T,) [m or rad] called `name`; raises `InputError` listing those that exist."""
+        if name not in self.names:
+            raise unknown_name("joint coordinate", name, self.names)
+        values = (self.coordinate, self.second_coordinate)[self.names.index(name)]
+        return np.asarray(values)
+
+
+@dataclass
+class ForceHistory:
+    """One force element: what it exerts on the body that it loads; of an element between two ports on the second one,
+    its opposite acts on the first."""
+
+    force: np.ndarray  # (T, 3) N
+    torque: np.ndarray  # (T, 3) N m, about the (second) port, of surface and nodal loads about the user origin
+    deformation: np.ndarray  # (T, k) coordinates of its law [m, rad], as `model.forces` defines them; k = 0 for loads
+
+
+@dataclass
+class SensorHistory:
+    """Values of one sensor, with what they are."""
+
+    kind: str
+    unit: str
+    frame: str  # axes of the components, "world" or "body"
+    components: tuple[str, ...]
+    values: np.ndarray  # (T, components)
 
 
 @dataclass
@@ -85,4 +138,6 @@ class History:
     notes: list[str] = field(
         default_factory=list
     )  # dropped terms, capped counts, fallbacks: printed by Result.report()
+    forces: dict[str, ForceHistory] = field(default_factory=dict)
+    sensors: dict[str, SensorHistory] = field(default_factory=dict)
     checkpoint: dict[str, np.ndarray] = field(default_factory=dict)  # the complete device state at the end

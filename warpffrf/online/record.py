@@ -7,15 +7,9 @@ from warpffrf_kernels import control as k
 
 from warpffrf.online.compile import CompiledScene
 from warpffrf.online.history import ENERGY_LINES, BodyHistory, ContactHistory, History, JointHistory
+from warpffrf.online.joint_motion import coordinates, left_out_notes
+from warpffrf.online.sensors import force_histories, sensor_histories, turned
 from warpffrf.online.state import ring_width
-
-
-def rotate(p: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Vectors x (3,) or (T, 3) turned by unit quaternions p (T, 4)."""
-    v, w = p[:, :3], p[:, 3:]
-    x = np.broadcast_to(x, v.shape)
-    t = 2.0 * np.cross(v, x)
-    return x + w * t + np.cross(v, t)
 
 
 def history_from_rows(compiled: CompiledScene, chunks: list[np.ndarray]) -> History:
@@ -27,33 +21,44 @@ def history_from_rows(compiled: CompiledScene, chunks: list[np.ndarray]) -> Hist
     energy = {name: rows[:, at + i].copy() for i, name in enumerate(ENERGY_LINES)}
     at += k.LINES
     bodies: dict[str, BodyHistory] = {}
-    modal = at + 13 * m.body_count
+    modal = at + 19 * m.body_count
     for i, body in enumerate(scene.bodies):
-        x = rows[:, at : at + 13]
-        at += 13
+        x = rows[:, at : at + 19]
+        at += 19
         p = x[:, 3:7].copy()
-        arm = rotate(p, body.center_of_mass)
-        omega = rotate(p, x[:, 10:13])
-        q = rows[:, modal + compiled.modal_start[i] : modal + compiled.modal_start[i + 1]].copy()
-        bodies[body.name] = BodyHistory(x[:, :3] - arm, p, x[:, 7:10] - np.cross(omega, arm), omega, q)
-    at += m.modal_count
+        arm = turned(p, body.center_of_mass)
+        omega = turned(p, x[:, 10:13])
+        alpha = turned(p, x[:, 16:19])
+        q, qd, qdd = (
+            rows[:, at_modes + compiled.modal_start[i] : at_modes + compiled.modal_start[i + 1]].copy()
+            for at_modes in modal + m.modal_count * np.arange(3)
+        )
+        swing = np.cross(omega, arm)
+        bodies[body.name] = BodyHistory(
+            x[:, :3] - arm, p, x[:, 7:10] - swing, omega, q,
+            x[:, 13:16] - np.cross(alpha, arm) - np.cross(omega, swing), alpha, qd, qdd,
+        )  # fmt: skip
+    at += 3 * m.modal_count
     row_data = rows[:, at : at + 7 * m.row_count].reshape(T, m.row_count, 7)
     at += 7 * m.row_count
     joints = {}
-    for name, indices in compiled.joint_rows.items():
-        coordinate = np.full(T, np.nan)
-        if name in compiled.coordinate_rows:
-            coordinate = row_data[:, compiled.coordinate_rows[name], 0].copy()
-        wrench = row_data[:, indices, 1:].sum(axis=1)
-        joints[name] = JointHistory(coordinate, wrench[:, :3], wrench[:, 3:])
+    for joint in scene.joints:
+        drives = {d.coordinate: d for d in scene.drives if d.joint is joint}
+        found = coordinates(joint, drives, rows[:, 0], bodies)
+        first, second = [*found.values(), np.full(T, np.nan), np.full(T, np.nan)][:2]
+        wrench = row_data[:, compiled.joints.rows[joint.name], 1:].sum(axis=1)
+        joints[joint.name] = JointHistory(first, wrench[:, :3], wrench[:, 3:], second, tuple(found))
+    forces = force_histories(compiled, rows[:, 0], row_data, bodies)
     contacts = {}
     for i, contact in enumerate(scene.contacts):
         contacts[contact.name] = _contact(compiled, i, rows[:, at:], bodies)
         at += 17 + m.mode_capacity + m.node_capacity
     return History(
         scene=scene, time=rows[:, 0].copy(), step_size=rows[:, 1].copy(),
-        bodies=bodies, joints=joints, contacts=contacts,
+        bodies=bodies, joints=joints, contacts=contacts, forces=forces,
+        sensors=sensor_histories(scene, T, bodies, joints, forces),
         energy=energy, iterations=rows[:, 2].astype(int), factorisations=rows[:, 3].astype(int),
+        notes=left_out_notes(scene, compiled.joints.dropped, bodies, T),
     )  # fmt: skip
 
 
@@ -62,7 +67,7 @@ def _contact(compiled: CompiledScene, i: int, x: np.ndarray, bodies: dict[str, B
     a, b = contact.a.surface, contact.b.surface
     T = len(x)
     first, second = contact.a.body, contact.b.body
-    r_a = bodies[first.name].position + rotate(bodies[first.name].rotation, first.center_of_mass)
+    r_a = bodies[first.name].position + turned(bodies[first.name].rotation, first.center_of_mass)
     force, about_r_a = x[:, 4:7].copy(), x[:, 7:10]
     force_second, second_about_r_a = x[:, 10:13].copy(), x[:, 13:16]
     torque = about_r_a + np.cross(r_a - bodies[first.name].position, force)

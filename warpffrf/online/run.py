@@ -10,6 +10,7 @@ import numpy as np
 from warpffrf_kernels import control as k
 
 from warpffrf.model.errors import InputError, require_number
+from warpffrf.online.checkpoint import is_dynamic, restore
 from warpffrf.online.engine import Engine
 from warpffrf.online.generalized_alpha import GeneralizedAlpha
 from warpffrf.online.history import History
@@ -20,6 +21,7 @@ from warpffrf.online.settings import Settings
 log = logging.getLogger("warpffrf")
 
 SAME_TIME = 1e-9  # relative: times that differ by less were meant to be the same
+MOST_STEPS = 2**31 - 1  # they are counted in 32-bit integers
 VELOCITY_JUMP = 1e-6  # of the largest velocity: rounding of a signal's coefficients
 MESSAGES = {
     k.NOT_CONVERGED: ("not_converged", "the Newton iteration did not converge; reduce step"),
@@ -61,11 +63,15 @@ def run(
 ) -> History:
     """Simulate `scene` for `duration` [s] in steps of `step` [s]; a solver that fails says so in `History.status`.
 
-    start: "initial", "equilibrium", or the History of an earlier run of the same scene. Raises InputError for wrong
-    input.
+    start: "initial", "equilibrium", or the History of an earlier run of the same scene, or of its equilibrium, which
+    is continued bit for bit. Raises InputError for wrong input.
     """
     duration = require_number(duration, "simulate: duration", positive=True)
     step = require_number(step, "simulate: step", positive=True)
+    if duration / step > MOST_STEPS:
+        raise InputError(
+            f"simulate: {duration:g} s are {duration / step:.3g} steps of {step:g} s, more than can be counted"
+        )
     steps = int(round(duration / step))
     if steps < 1:
         raise InputError(f"simulate: step {step:g} s is longer than the duration {duration:g} s")
@@ -78,22 +84,23 @@ def run(
     engine = Engine(scene, device=device, settings=settings, rho_inf=integrator.rho_inf)
     built = time.perf_counter()
     continued = isinstance(start, History)
+    first_step = 0
     notes = list(engine.compiled.notes)
     if abs(steps * step - duration) > SAME_TIME * duration:
         notes.append(
             f"the duration {duration:g} s is no multiple of the step: {steps} steps, {steps * step:g} s, are simulated"
         )
+    at_rest = continued and not is_dynamic(start.checkpoint)  # what `find_equilibrium` leaves
+    if at_rest and start.status != "completed":
+        raise InputError(
+            f"simulate: start ended before its first step ({start.status}: {start.message}); repair that first"
+        )
     if continued:
-        engine.state.assign(start.checkpoint)
-        engine.drained = engine.word("SAVED")
-        first_step = int(engine.word("STEP")[0])
-        if not np.isclose(engine.word("USER_STEP")[0], step, rtol=SAME_TIME):
-            # time is counted in steps from START_TIME: begin a new count here
-            engine.clock(START_TIME=float(engine.word("TIME")[0]), USER_STEP=step)
-            engine.control(STEP=0, SUB=0, LEVEL=0)
-            first_step = 0
-        engine.control(STATUS=0)
-    else:
+        first_step = restore(engine, start.checkpoint, step)
+    if at_rest:
+        engine.control(SAVED=0)
+        engine.drained[:] = 0
+    if not continued or at_rest:
         if start == "equilibrium":
             _check_load_paths(scene)
         if start == "equilibrium" and not engine.settle():
@@ -171,7 +178,7 @@ def _finish(engine: Engine, begin: float, built: float, notes: list[str], prefix
     if engine.word("REJECTED")[0]:
         reasons = [text for bit, (text, _) in MESSAGES.items() if int(engine.word("REASON")[0]) & int(bit)]
         notes.append(f"{int(engine.word('REJECTED')[0])} steps were halved ({', '.join(reasons)})")
-    history.notes = notes
+    history.notes = [*notes, *history.notes]
     history.checkpoint = engine.state.to_numpy()
     return history
 

@@ -44,6 +44,9 @@ class State:
     modal_load: wp.array  # (W, 2, modes)
     applied: wp.array  # (W, 2, forces)
     applied_at: wp.array
+    load: wp.array  # (W, 2, 6 bodies) torques and body loads: force (world axes), torque (body axes)
+    load_on_modes: wp.array  # (W, 2, modes)
+    stretch: wp.array  # (W, rows) value of each row where it was accepted
     drive_rate: wp.array  # (W, 2, rows)
     ctl: wp.array  # (W, CTL) see warpffrf_kernels.control
     clk: wp.array  # (W, CLK)
@@ -102,6 +105,7 @@ class Work:
             "z_free": N, "z": N, "modal_step": Q, "inverse_transposed": N * N, "V": S * N, "J": S * m.pair_modes,
             "T": S * m.node_capacity, "second_field": P * m.node_capacity, "second_step": P * m.node_capacity,
             "C_receptance": rows * Q, "first_local": P * m.mode_capacity, "second_local": P * m.node_capacity,
+            "flexibility": 36 * m.group_count,
         }  # fmt: skip
         for name, size in flat.items():
             setattr(self, name, zeros(REAL, (W * max(size, 1),), compiled.device))
@@ -117,7 +121,7 @@ class Work:
 def ring_width(m: Any) -> int:
     """Numbers in one record, see `warpffrf_kernels.commit.record`."""
     pair = 16 + m.mode_capacity + 1 + m.node_capacity
-    return 4 + k.LINES + 13 * m.body_count + m.modal_count + 7 * m.row_count + pair * m.pair_count
+    return 4 + k.LINES + 19 * m.body_count + 3 * m.modal_count + 7 * m.row_count + pair * m.pair_count
 
 
 def zeros(dtype: Any, shape: tuple[int, ...], device: str) -> wp.array:
@@ -146,6 +150,7 @@ def initial_state(compiled: CompiledScene, worlds: int) -> State:
         "active": (INT, P, m.mode_capacity), "pressure": (REAL, P, m.mode_capacity), "patch_offset": (REAL, P),
         "energy": (REAL, 2, k.LINES),
         "pair_force": (REAL, P, 2, 12), "modal_load": (REAL, 2, Q), "applied": (VEC3, 2, F), "applied_at": (VEC3, 2, F),
+        "load": (REAL, 2, 6 * B), "load_on_modes": (REAL, 2, Q), "stretch": (REAL, rows),
         "drive_rate": (REAL, 2, rows), "ctl": (INT, k.CTL), "clk": (REAL, k.CLK),
     }  # fmt: skip
     state = State(**{name: zeros(dtype, (W, *shape), compiled.device) for name, (dtype, *shape) in table.items()})

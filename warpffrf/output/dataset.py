@@ -11,6 +11,7 @@ from warpffrf.output.fields import (
     CONTACT_FIELDS,
     DERIVED_FIELDS,
     ENERGY_UNITS,
+    FORCE_FIELDS,
     JOINT_FIELDS,
     RUN_FIELDS,
     Field,
@@ -42,6 +43,7 @@ def to_xarray(result: Any) -> Any:
     groups: tuple[tuple[str, tuple[Field, ...], dict[str, Any]], ...] = (
         ("body", BODY_FIELDS, history.bodies),
         ("joint", JOINT_FIELDS, history.joints),
+        ("force", FORCE_FIELDS, history.forces),
         ("pair", CONTACT_FIELDS, history.contacts),
         ("pair", DERIVED_FIELDS, contacts),
     )
@@ -64,6 +66,11 @@ def to_xarray(result: Any) -> Any:
         coords[f"row_{name}"] = ((f"row_{name}",), z, {"units": "m", "frame": "along the axis of the first surface"})
         arc = {"units": "m", "frame": "first surface, from the line of centres"}
         coords[f"arc_{name}"] = (("time", f"column_{name}"), contact.arc, arc)
+    for name in result.sensor_names:
+        sensor = result.sensor(name)
+        coords[f"component_{name}"] = list(sensor.components)
+        about = {"units": sensor.unit, "frame": sensor.frame}
+        data[f"sensor_{name}"] = (("time", f"component_{name}"), sensor.values, about)
     coords["energy_line"] = list(history.energy)
     lines = np.stack(list(history.energy.values()), axis=1) if history.energy else np.zeros((steps, 0))
     data["energy"] = (("time", "energy_line"), lines, {"units": ENERGY_UNITS, "frame": "none"})

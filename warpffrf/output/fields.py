@@ -39,12 +39,23 @@ BODY_FIELDS = (
     Field("body_velocity", "velocity", "m/s", "world, of the origin of the body's user frame", AXIS),
     Field("body_angular_velocity", "angular_velocity", "rad/s", WORLD, AXIS),
     Field("body_modal", "modal", "kg^0.5 m", "modal coordinates of the body", ("mode",), stacked=False),
+    Field("body_acceleration", "acceleration", "m/s2", "world, of the origin of the body's user frame", AXIS),
+    Field("body_angular_acceleration", "angular_acceleration", "rad/s2", WORLD, AXIS),
+    Field("body_modal_velocity", "modal_velocity", "kg^0.5 m/s", "none", ("mode",), stacked=False),
+    Field("body_modal_acceleration", "modal_acceleration", "kg^0.5 m/s2", "none", ("mode",), stacked=False),
 )
 
 JOINT_FIELDS = (
     Field("joint_coordinate", "coordinate", "rad or m", "joint"),
+    Field("joint_second_coordinate", "second_coordinate", "rad or m", "joint"),
     Field("joint_force", "force", "N", "world, on the second body", AXIS),
     Field("joint_torque", "torque", "N m", "world, on the second body, about the joint point", AXIS),
+)
+
+FORCE_FIELDS = (
+    Field("applied_force", "force", "N", "world, on the loaded or the second body", AXIS),
+    Field("applied_torque", "torque", "N m", "world, about the port or the user origin, see ForceHistory", AXIS),
+    Field("applied_deformation", "deformation", "m or rad", "axes of the first port", ("coordinate",), stacked=False),
 )
 
 CONTACT_FIELDS = (

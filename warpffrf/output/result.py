@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.online.history import BodyHistory, History, JointHistory
+from warpffrf.online.history import BodyHistory, ForceHistory, History, JointHistory, SensorHistory
 from warpffrf.output.contact_result import ContactResult
 from warpffrf.output.scene_view import SceneView, scene_view
 from warpffrf.output.skin import Skin
@@ -64,6 +64,32 @@ class Result:
     def joint(self, name: str) -> JointHistory:
         """Reaction and coordinate of the joint called `name`; raises InputError when there is none."""
         return _named(self.history.joints, "joint", name)
+
+    def force(self, name: str) -> ForceHistory:
+        """Force, torque and deformation of the force element called `name`; raises InputError when there is none."""
+        return _named(self.history.forces, "force", name)
+
+    @property
+    def sensor_names(self) -> list[str]:
+        """Names of the sensors."""
+        return [*self.history.sensors, *self._stress_sensors]
+
+    def sensor(self, name: str) -> SensorHistory:
+        """The sensor called `name`: `.values` (T, components), `.components`, `.unit`; raises InputError when there is
+        none. A stress is evaluated when it is first asked for."""
+        if name not in self.history.sensors and name in self._stress_sensors:
+            sensor = self._stress_sensors[name]
+            stress = self.stress(sensor.body.name, sensor.points)
+            i = sensor.index
+            values = np.concatenate([stress.tensor[:, i], stress.von_mises[:, i, None]], axis=1)
+            return SensorHistory(sensor.kind, sensor.unit, sensor.frame, sensor.components, values)
+        return _named({**self.history.sensors, **self._stress_sensors}, "sensor", name)
+
+    @cached_property
+    def _stress_sensors(self) -> dict[str, Any]:
+        """Sensors of a live scene that the run itself has not evaluated; a file holds the values of all."""
+        sensors = getattr(self.history.scene, "sensors", [])
+        return {s.name: s for s in sensors if s.name not in self.history.sensors and s.kind == "stress"}
 
     def contact(self, name: str) -> ContactResult:
         """The contact pair called `name`; raises InputError when there is none."""

@@ -3,6 +3,7 @@
     /time (time), /step_size, /iterations, /factorisations
     /body_position (time, body, axis), /contact_force (time, pair, axis), ...   stacked over the owners
     /contact_pressure/<pair> (time, column, row), /body_modal/<body>, ...       one dataset an owner
+    /sensor/<name> (time, component)
     /energy (time, line)
     /checkpoint/<array>      the complete state at the end, to continue from
     /scene                   names, pairs, mass data, hash of the scene
@@ -27,7 +28,14 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.online.history import BodyHistory, ContactHistory, History, JointHistory
+from warpffrf.online.history import (
+    BodyHistory,
+    ContactHistory,
+    ForceHistory,
+    History,
+    JointHistory,
+    SensorHistory,
+)
 from warpffrf.output.dataset import stacked
 from warpffrf.output.fields import (
     BODY_FIELDS,
@@ -35,6 +43,7 @@ from warpffrf.output.fields import (
     DERIVED_FIELDS,
     DERIVED_POSITIONS,
     ENERGY_UNITS,
+    FORCE_FIELDS,
     JOINT_FIELDS,
     RUN_FIELDS,
     Field,
@@ -49,6 +58,7 @@ _GROUPS = (
     ("bodies", "body", BODY_FIELDS, BodyHistory),
     ("joints", "joint", JOINT_FIELDS, JointHistory),
     ("contacts", "pair", CONTACT_FIELDS, ContactHistory),
+    ("forces", "force", FORCE_FIELDS, ForceHistory),
 )
 
 
@@ -68,11 +78,13 @@ def write_results(result: Any, path: str | os.PathLike[str]) -> Path:
             owners: dict[str, Any] = getattr(history, attribute)
             file.attrs[f"{dim}_names"] = json.dumps(list(owners))
             _put_group(file, dim, fields, owners, steps)
+        file.attrs["joint_coordinates"] = json.dumps({name: j.names for name, j in history.joints.items()})
         contacts = {name: result.contact(name) for name in history.contacts}
         _put_group(file, "pair", (*DERIVED_FIELDS, *DERIVED_POSITIONS), contacts, steps)
         lines = np.stack(list(history.energy.values()), axis=1) if history.energy else np.zeros((steps, 0))
         file.attrs["energy_lines"] = json.dumps(list(history.energy))
         _put(file, Field("energy", "energy", ENERGY_UNITS, "none", ("line",)), lines, ())
+        _put_sensors(file, result)
         for name, array in history.checkpoint.items():
             data = file.create_dataset(f"checkpoint/{_key(name)}", data=np.asarray(array))
             data.attrs.update({"units": "internal", "frame": "internal", "dims": "internal"})
@@ -109,10 +121,10 @@ def read_history(path: str | os.PathLike[str]) -> History:
 def _read(file: Any) -> History:
     groups = {}
     for attribute, dim, fields, record in _GROUPS:
-        names = json.loads(file.attrs[f"{dim}_names"])
-        groups[attribute] = {
-            name: record(**{f.attribute: _get(file, f, name, n) for f in fields}) for n, name in enumerate(names)
-        }
+        names = json.loads(file.attrs.get(f"{dim}_names", "[]"))
+        groups[attribute] = {name: record(**_fields_of(file, fields, name, n)) for n, name in enumerate(names)}
+    for name, named in json.loads(file.attrs.get("joint_coordinates", "{}")).items():
+        groups["joints"][name].names = tuple(named)
     energy = file["energy"][()]
     run = {f.attribute: file[f.name][()] for f in RUN_FIELDS}
     return History(
@@ -122,10 +134,16 @@ def _read(file: Any) -> History:
         message=str(file.attrs["message"]),
         counters=json.loads(file.attrs["counters"]),
         notes=json.loads(file.attrs["notes"]),
+        sensors=_get_sensors(file),
         checkpoint={unquote(k): d[()] for k, d in file["checkpoint"].items()} if "checkpoint" in file else {},
         **run,
         **groups,
     )
+
+
+def _fields_of(file: Any, fields: tuple[Field, ...], name: str, n: int) -> dict[str, Any]:
+    """What the file holds of one owner; older files lack some quantities."""
+    return {f.attribute: _get(file, f, name, n) for f in fields if f.name in file}
 
 
 # --- datasets ---
@@ -154,6 +172,26 @@ def _put_group(file: Any, dim: str, fields: tuple[Field, ...], owners: dict[str,
 
 def _get(file: Any, field: Field, name: str, n: int) -> np.ndarray:
     return file[field.name][:, n] if field.stacked else file[field.name][_key(name)][()]
+
+
+def _put_sensors(file: Any, result: Any) -> None:
+    group = file.create_group("sensor")
+    for name in result.sensor_names:
+        sensor = result.sensor(name)
+        values = np.asarray(sensor.values)
+        data = group.create_dataset(_key(name), data=values, **(COMPRESSION if values.size else {}))
+        data.attrs.update({"units": sensor.unit, "frame": sensor.frame, "dims": "time component"})
+        data.attrs.update({"kind": sensor.kind, "components": json.dumps(list(sensor.components))})
+
+
+def _get_sensors(file: Any) -> dict[str, SensorHistory]:
+    return {
+        unquote(key): SensorHistory(
+            str(d.attrs["kind"]), str(d.attrs["units"]), str(d.attrs["frame"]),
+            tuple(json.loads(d.attrs["components"])), d[()],
+        )
+        for key, d in file.get("sensor", {}).items()
+    }  # fmt: skip
 
 
 # --- the scene, as far as results need it ---

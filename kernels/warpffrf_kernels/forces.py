@@ -1,0 +1,248 @@
+"""Springs whose rows share matrices, torques, and loads that are constant in body axes.
+
+A group of spring rows with values c, gradient C and matrices K, D has `lambda = K c + D cdot + preload`. With the
+effective stiffness `K_e = K + VEL D` (VEL = d(velocity)/d(displacement) of the step) the linearised law
+`K_e C dx - dlam = -(law - lambda)` becomes, multiplied by the flexibility F = K_e^-1, rows of the same form as those of
+single springs and constraints,
+
+    C dx - F dlam = -F (law - lambda),
+
+so a full matrix costs a block of F instead of one entry on the diagonal, and modes and contact see nothing new. Rows
+that have no stiffness are dampers; at rest (VEL = 0, static steps) they carry no force: F = 1 and the defect -lambda.
+The host has chosen the rows so that K_e has full rank (`warpffrf.model.forces.laws.split_directions`).
+
+Ledger of a group: `1/2 c^T K_s c` is stored (K_s the symmetric part), `cdot^T D cdot` is taken by the dampers, and the
+skew part K_a works, `-1/2 (K_a (c_0 + c_1)) . (c_1 - c_0)` a step.
+"""
+
+import warp as wp
+
+from warpffrf_kernels import control as k
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.rows import evaluate_signal
+from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+MOST_COUPLED = 6  # rows of a group; also the size of the buffers in `flexibility_of`
+
+
+# F = K_e^-1 of one group by Gauss-Jordan elimination with row pivoting, into flexibility[w, g]; damper rows from `size`
+# on are unit rows. Returns 1 if a pivot vanishes.
+@wp.func_native("""
+    double a[36], b[36]; double* out = flexibility.data + ((size_t)w * groups + g) * 36;
+    const double* K = stiffness.data + (size_t)g * 36; const double* D = damping.data + (size_t)g * 36;
+    for (int i = 0; i < 6; ++i) for (int j = 0; j < 6; ++j) {
+        const int inside = i < size && j < size;
+        a[6 * i + j] = inside ? K[6 * i + j] + slope * D[6 * i + j] : (i == j ? 1.0 : 0.0);
+        b[6 * i + j] = i == j ? 1.0 : 0.0;
+    }
+    int bad = 0;
+    for (int p = 0; p < 6; ++p) {
+        int best = p;
+        for (int i = p + 1; i < 6; ++i) if (::fabs(a[6 * i + p]) > ::fabs(a[6 * best + p])) best = i;
+        if (best != p) for (int j = 0; j < 6; ++j) {
+            double t = a[6 * p + j]; a[6 * p + j] = a[6 * best + j]; a[6 * best + j] = t;
+            t = b[6 * p + j]; b[6 * p + j] = b[6 * best + j]; b[6 * best + j] = t;
+        }
+        double pivot = a[6 * p + p];
+        if (!(::fabs(pivot) > 0.0)) { bad = 1; pivot = 1.0; }
+        const double r = 1.0 / pivot;
+        for (int j = 0; j < 6; ++j) { a[6 * p + j] *= r; b[6 * p + j] *= r; }
+        for (int i = 0; i < 6; ++i) {
+            const double m = a[6 * i + p];
+            if (i == p || m == 0.0) continue;
+            for (int j = 0; j < 6; ++j) { a[6 * i + j] -= m * a[6 * p + j]; b[6 * i + j] -= m * b[6 * p + j]; }
+        }
+    }
+    for (int e = 0; e < 36; ++e) out[e] = b[e];
+    return bad;
+""")
+def flexibility_of(
+    w: int,
+    g: int,
+    groups: int,
+    size: int,
+    slope: real,
+    stiffness: wp.array3d(dtype=real),
+    damping: wp.array3d(dtype=real),
+    flexibility: wp.array(dtype=real),
+) -> int: ...
+
+
+@wp.kernel
+def couple_springs(
+    models: wp.array(dtype=Model),
+    clk: wp.array2d(dtype=real),
+    lam: wp.array2d(dtype=real),
+    coordinate: wp.array2d(dtype=real),
+    drive_rate: wp.array3d(dtype=real),
+    ctl: wp.array2d(dtype=int),
+    flexibility: wp.array(dtype=real),
+    defect: wp.array2d(dtype=real),
+    softness: wp.array2d(dtype=real),
+):
+    """Lanes over groups: their flexibility, and the defects of their rows; `softness` gets its diagonal."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+        return
+    g = lane
+    while g < model.group_count:
+        first = model.group_start[g]
+        n = model.group_size[g]
+        size = n
+        slope = clk[w, k.VEL]
+        if slope == real(0.0):
+            size = model.group_sprung[g]
+        at = (w * model.group_count + g) * 36
+        stiffness = model.group_stiffness
+        damping = model.group_damping
+        bad = flexibility_of(w, g, model.group_count, size, slope, stiffness, damping, flexibility)
+        if bad != 0:
+            ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.SINGULAR
+        i = int(0)
+        while i < n:
+            row = first + i
+            value = -lam[w, row]
+            if i < size:
+                value = real(0.0)
+                j = int(0)
+                while j < size:
+                    value += flexibility[at + 6 * i + j] * (
+                        law(model, w, g, j, coordinate, drive_rate) - lam[w, first + j]
+                    )
+                    j += 1
+            defect[w, row] = value
+            softness[w, row] = wp.abs(flexibility[at + 6 * i + i])
+            i += 1
+        g += wp.block_dim()
+
+
+@wp.func
+def law(
+    model: Model, w: int, g: int, i: int, coordinate: wp.array2d(dtype=real), drive_rate: wp.array3d(dtype=real)
+) -> real:
+    """lambda of row i of group g by its law."""
+    first = model.group_start[g]
+    total = model.row_preload[first + i]
+    j = int(0)
+    while j < model.group_size[g]:
+        row = first + j
+        total += model.group_stiffness[g, i, j] * (coordinate[w, row] - model.row_reference[row])
+        total += model.group_damping[g, i, j] * drive_rate[w, 1, row]
+        j += 1
+    return total
+
+
+@wp.func
+def group_energy(
+    model: Model,
+    w: int,
+    h: real,
+    coordinate: wp.array2d(dtype=real),
+    stretch: wp.array2d(dtype=real),
+    drive_rate: wp.array3d(dtype=real),
+) -> vec3:
+    """Stored energy of all groups, what their dampers took in the step, and the work of the skew parts."""
+    half = real(0.5)
+    stored = real(0.0)
+    taken = real(0.0)
+    worked = real(0.0)
+    g = int(0)
+    while g < model.group_count:
+        first = model.group_start[g]
+        n = model.group_size[g]
+        i = int(0)
+        while i < n:
+            c = coordinate[w, first + i] - model.row_reference[first + i]
+            step = coordinate[w, first + i] - stretch[w, first + i]
+            j = int(0)
+            while j < n:
+                K = model.group_stiffness[g, i, j]
+                D = model.group_damping[g, i, j]
+                other = coordinate[w, first + j] - model.row_reference[first + j]
+                before = stretch[w, first + j] - model.row_reference[first + j]
+                stored += half * K * c * other
+                for side in range(2):
+                    taken += half * h * D * drive_rate[w, side, first + i] * drive_rate[w, side, first + j]
+                skew = half * (K - model.group_stiffness[g, j, i])
+                worked -= half * skew * (before + other) * step
+                j += 1
+            i += 1
+        g += 1
+    return vec3(stored, taken, worked)
+
+
+@wp.kernel
+def apply_loads(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    clk: wp.array2d(dtype=real),
+    axes: wp.array2d(dtype=mat33),
+    residual: wp.array2d(dtype=real),
+    modal_residual: wp.array2d(dtype=real),
+    load: wp.array3d(dtype=real),
+    load_on_modes: wp.array3d(dtype=real),
+):
+    """Per world: point torques and body loads as generalised forces (force in world axes, torque in body axes, modal),
+    subtracted from the residuals and kept for the ledger.
+    """
+    w = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+        return
+    i = int(0)
+    while i < 6 * model.body_count:
+        load[w, 1, i] = real(0.0)
+        i += 1
+    i = int(0)
+    while i < model.modal_count:
+        load_on_modes[w, 1, i] = real(0.0)
+        i += 1
+    t = clk[w, k.NEXT_TIME]
+    i = int(0)
+    while i < model.torque_count:
+        b = model.torque_body[i]
+        torque = vec3(
+            evaluate_signal(model, model.torque_signal[i, 0], t, 0),
+            evaluate_signal(model, model.torque_signal[i, 1], t, 0),
+            evaluate_signal(model, model.torque_signal[i, 2], t, 0),
+        )
+        if model.torque_in_body[i] == 0:
+            torque = wp.transpose(axes[w, b]) * torque
+        for c in range(3):
+            load[w, 1, 6 * b + 3 + c] = load[w, 1, 6 * b + 3 + c] + torque[c]
+        interface = model.torque_interface[i]
+        if interface >= 0:
+            m = model.modal_start[b]
+            o = m
+            while m < model.modal_start[b + 1]:
+                value = real(0.0)
+                for c in range(3):
+                    value += model.interface_modes[interface, m - o, 3 + c] * torque[c]
+                load_on_modes[w, 1, m] = load_on_modes[w, 1, m] + value
+                m += 1
+        i += 1
+    i = int(0)
+    while i < model.load_count:
+        b = model.load_body[i]
+        s = evaluate_signal(model, model.load_signal[i], t, 0)
+        force = axes[w, b] * (s * model.load_force[i])
+        for c in range(3):
+            load[w, 1, 6 * b + c] = load[w, 1, 6 * b + c] + force[c]
+            load[w, 1, 6 * b + 3 + c] = load[w, 1, 6 * b + 3 + c] + s * model.load_torque[i][c]
+        m = model.modal_start[b]
+        o = m
+        while m < model.modal_start[b + 1]:
+            load_on_modes[w, 1, m] = load_on_modes[w, 1, m] + s * model.load_modal[i, m - o]
+            m += 1
+        i += 1
+    i = int(0)
+    while i < 6 * model.body_count:
+        residual[w, i] = residual[w, i] - load[w, 1, i]
+        i += 1
+    i = int(0)
+    while i < model.modal_count:
+        modal_residual[w, i] = modal_residual[w, i] - load_on_modes[w, 1, i]
+        i += 1

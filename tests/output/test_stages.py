@@ -1,0 +1,166 @@
+"""Runs in parts: stages, and continuing from a checkpoint, are bit for bit the run in one go."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import warpffrf as wf
+from warpffrf.online import GeneralizedAlpha
+from warpffrf.online.stages import Stage
+from warpffrf.output.simulate import StagedResult, simulate
+from warpffrf.study.rollers import guided_pair, roller_body
+
+STEP = 1e-4
+GRAVITY = (0.0, 0.0, -9.81)
+
+
+@pytest.fixture(scope="module")
+def rolling() -> wf.Scene:
+    """Two flexible rollers that are pressed together and roll: contact, joints, drives, a force, a spring."""
+    body = roller_body(120, layers=4, axial=3, grading=1.6, order=1, max_frequency=15e3, cache=False)
+    return guided_pair(body, body, load=200e3, speed=20.0)
+
+
+def falling(push: float = 0.0, name: str = "push") -> wf.Scene:
+    """A rigid stone in free flight, with a constant force."""
+    scene = wf.Scene(gravity=GRAVITY)
+    stone = scene.add_rigid_body(2.0, (1, 2, 3), name="stone")
+    scene.add(wf.forces.PointForce(stone.at((0, 0, 0)), (push, 0, 0), name=name))
+    return scene
+
+
+def assert_same(a: wf.Result, b: wf.Result) -> None:
+    """Every array of the state and of the history, bit for bit."""
+    for name, array in a.history.checkpoint.items():
+        assert np.array_equal(array, b.history.checkpoint[name]), name
+    for name in a.history.contacts:
+        assert np.array_equal(a.history.contacts[name].pressure, b.history.contacts[name].pressure)
+    for name, body in a.history.bodies.items():
+        for field, array in vars(body).items():
+            assert np.array_equal(array, getattr(b.history.bodies[name], field)), field
+    assert np.array_equal(a.time, b.time) and all(np.array_equal(a.energy[k], b.energy[k]) for k in a.energy)
+
+
+@pytest.fixture(scope="module")
+def whole(rolling: wf.Scene) -> wf.Result:
+    return simulate(rolling, 20 * STEP, step=STEP, start="equilibrium", save_every=2, progress=False)
+
+
+def test_a_run_continued_from_its_file_is_the_run_in_one_go(
+    rolling: wf.Scene, whole: wf.Result, tmp_path: Path
+) -> None:
+    for steps in (1, 7):  # 7: between two saved rows
+        first = simulate(rolling, steps * STEP, step=STEP, start="equilibrium", save_every=2, progress=False)
+        file = first.save(tmp_path / f"first{steps}.h5")
+        rest = simulate(rolling, (20 - steps) * STEP, step=STEP, start=file, save_every=2, progress=False)
+        for name, array in whole.history.checkpoint.items():
+            assert np.array_equal(rest.history.checkpoint[name], array), name
+        assert np.array_equal(np.concatenate([first.time, rest.time]), whole.time)
+
+
+def test_stages_with_one_step_are_the_run_in_one_go(rolling: wf.Scene, whole: wf.Result, tmp_path: Path) -> None:
+    stages = [Stage("press", 3 * STEP, STEP), Stage("turn", 10 * STEP, STEP), Stage("roll", 7 * STEP, STEP)]
+    file = tmp_path / "run.h5"
+    result = simulate(rolling, stages=stages, start="equilibrium", save_every=2, results=file, progress=False)
+    assert isinstance(result, StagedResult) and list(result.stages) == ["press", "turn", "roll"]
+    assert_same(whole, result)
+    assert result.history.counters["steps"] == whole.history.counters["steps"] == 20
+    again = simulate(rolling, 7 * STEP, step=STEP, start=tmp_path / "run.turn.h5", save_every=2, progress=False)
+    assert_same(result.stages["roll"], again)
+    assert np.array_equal(wf.Result.load(file).time, whole.time)
+
+
+def test_an_equilibrium_is_continued_as_a_start_in_equilibrium(rolling: wf.Scene, whole: wf.Result) -> None:
+    rest = wf.equilibrium(rolling)
+    assert_same(whole, simulate(rolling, 20 * STEP, step=STEP, start=rest, save_every=2, progress=False))
+
+
+def test_a_stage_has_its_own_step_and_options() -> None:
+    stages = [Stage("fine", 0.01, 1e-3), Stage("coarse", 0.02, 2e-3, {"save_every": 5})]
+    result = simulate(falling(), stages=stages, progress=False)
+    assert result.time == pytest.approx([*np.linspace(0.0, 0.01, 11), 0.02, 0.03])
+    z = result.body("stone").position[:, 2]  # generalized-alpha is exact for a constant force
+    assert z == pytest.approx(-0.5 * 9.81 * result.time**2, abs=1e-12)
+
+
+def test_loads_of_a_stage_act_in_it_alone() -> None:
+    """m x'' = F(t): 4 N, then 10 N with gravity off, then 4 N again, from rest."""
+    scene = falling(4.0)
+    stone = scene.body("stone")
+    strong = wf.forces.PointForce(stone.at((0, 0, 0)), (10.0, 0, 0))
+    change = {"gravity": (0, 0, 0), "forces": {"push": strong}, "integrator": GeneralizedAlpha(1.0)}
+    stages = [Stage("one", 0.1, 1e-4), Stage("two", 0.1, 1e-4, change), Stage("three", 0.1, 1e-4)]
+    result = simulate(scene, stages=stages, progress=False)
+    v = result.body("stone").velocity
+    at = [int(np.argmin(np.abs(result.time - t))) for t in (0.1, 0.2, 0.3)]
+    # a load that jumps costs one step of its acceleration at most
+    assert v[at, 0] == pytest.approx(np.cumsum([0.2, 0.5, 0.2]), abs=10.0 / 2.0 * 1e-4)
+    assert v[at, 2] == pytest.approx([-0.981, -0.981, -1.962], abs=2 * 9.81 * 1e-4)
+    assert scene.gravity == pytest.approx(GRAVITY) and scene.forces[0].components[0](0.0) == 4.0
+    # the end belongs to the scene, whatever the stages did
+    assert simulate(scene, 1e-3, step=1e-4, start=result, progress=False).status == "completed"
+
+
+def test_a_stage_that_fails_ends_the_run_and_keeps_what_there_is() -> None:
+    scene = falling()
+    endless = wf.forces.PointForce(scene.body("stone").at((0, 0, 0)), (1e308, 0, 0))
+    stages = [Stage("good", 0.01, 1e-3), Stage("bad", 0.01, 1e-3, {"forces": {"push": endless}}), Stage("no", 1, 1e-3)]
+    result = simulate(scene, stages=stages, progress=False)
+    assert isinstance(result, StagedResult) and list(result.stages) == ["good", "bad"]
+    assert result.status != "completed" and result.message.startswith("stage 'bad': ")
+    assert result.time[:11] == pytest.approx(np.linspace(0.0, 0.01, 11))
+
+
+def test_wrong_stages_are_refused() -> None:
+    scene, one = falling(), Stage("one", 1e-2, 1e-3)
+    stone = scene.body("stone")
+    spring = wf.forces.SpringDamper(stone.at((0, 0, 0)), scene.ground.at((0, 0, 1)), 1.0)
+    elsewhere = wf.forces.PointForce(stone.at((0, 0, 1)), (1, 0, 0))
+    for stages, said in [
+        ([], "at least one"),
+        ("one", "must be a list"),
+        ([one, one], "two stages are called 'one'"),
+        ([Stage("x", 1, 1, {"forces": {"pull": spring}})], "'pull' does not exist; known: 'push'"),
+        ([Stage("x", 1, 1, {"forces": {"push": spring}})], "only be replaced by one of that kind"),
+        ([Stage("x", 1, 1, {"forces": {"push": elsewhere}})], "only be replaced by one of that kind"),
+        ([Stage("x", 1, 1, {"gravity": (0, 0)})], "gravity must have shape"),
+        ([Stage("x", 1, 1, {"local": "guess"})], "local is 'guess'"),
+    ]:
+        with pytest.raises(wf.InputError, match=said):
+            simulate(scene, stages=stages, progress=False)  # pyright: ignore[reportArgumentType]
+    for arguments, said in [
+        (("", 1, 1), "non-empty"),
+        (("x", 0, 1), "duration must be greater"),
+        (("x", 1, -1), "step must be greater"),
+        (("x", 1, 1, {"joints": {}}), "override 'joints' does not exist"),
+    ]:
+        with pytest.raises(wf.InputError, match=said):
+            Stage(*arguments)
+    for options, said in [
+        ({}, "give duration and step, or stages"),
+        ({"duration": 1.0}, "give duration and step, or stages"),
+        ({"stages": [one], "step": 1e-3}, "leave those of the run out"),
+        ({"stages": [one], "start": "there.h5"}, "does not exist"),
+    ]:
+        with pytest.raises(wf.InputError, match=said):
+            simulate(scene, **options)
+
+
+def test_a_checkpoint_of_another_scene_or_damaged_is_refused() -> None:
+    scene = falling()
+    result = simulate(scene, 1e-2, step=1e-3, progress=False)
+    with pytest.raises(wf.InputError, match="result of another scene"):
+        simulate(falling(3.0), 1e-2, step=1e-3, start=result, progress=False)
+    checkpoint = dict(result.history.checkpoint)
+    for damage, said in [
+        ({}, "no checkpoint"),
+        ({k: v for k, v in checkpoint.items() if k != "lam"}, "lacks lam"),
+        ({**checkpoint, "r": checkpoint["r"][:, :0]}, "r of the checkpoint is"),
+        ({**checkpoint, "clk": np.full_like(checkpoint["clk"], np.nan)}, "it is damaged"),
+    ]:
+        result.history.checkpoint = damage
+        with pytest.raises(wf.InputError, match=said):
+            simulate(scene, 1e-2, step=1e-3, start=result, progress=False)

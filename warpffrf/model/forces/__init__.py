@@ -1,0 +1,48 @@
+"""Applied forces and compliant elements, one file each; `FORCES` is the registry by kind.
+
+An element says what it is in the terms of `laws`: springs give a `SpringLaw`, loads a `PointLoad` or a `BodyLoad`. The
+simulation knows no more of it, so a new element is one new file and one line here.
+"""
+
+from __future__ import annotations
+
+from warpffrf.model.forces.bearing import Bearing
+from warpffrf.model.forces.bushing import Bushing
+from warpffrf.model.forces.joint_spring import JointSpringDamper, TorsionalSpringDamper
+from warpffrf.model.forces.laws import BodyLoad, Coordinate, PointLoad, SpringLaw
+from warpffrf.model.forces.nodal_load import NodalLoad
+from warpffrf.model.forces.point import PointForce, PointTorque
+from warpffrf.model.forces.spring import SpringDamper
+from warpffrf.model.forces.surface_load import SurfaceLoad
+
+FORCES = {
+    element.kind: element
+    for element in (
+        PointForce,
+        PointTorque,
+        SpringDamper,
+        JointSpringDamper,
+        TorsionalSpringDamper,
+        Bushing,
+        Bearing,
+        SurfaceLoad,
+        NodalLoad,
+    )
+}
+
+__all__ = [
+    "FORCES",
+    "Bearing",
+    "BodyLoad",
+    "Bushing",
+    "Coordinate",
+    "JointSpringDamper",
+    "NodalLoad",
+    "PointForce",
+    "PointLoad",
+    "PointTorque",
+    "SpringDamper",
+    "SpringLaw",
+    "SurfaceLoad",
+    "TorsionalSpringDamper",
+]

@@ -1,0 +1,133 @@
+"""Bushing: full 6 x 6 stiffness and damping between two ports.
+
+With markers a and b that coincide at the initial pose, x, A their world positions and axes later on,
+
+    e = (d, phi),      d = A_a^T (x_b - x_a),      exp(phi^) = A_a^T A_b,       |phi| < pi,
+
+the law is `lambda = K e + D de/dt + preload` in the axes of a. Its generalised force is the gradient of the energy, not
+K e read as force and torque: with T the tangent of the exponential map, the torque that turns phi is `A_a T(phi)^-1`
+times the last three entries of lambda, acting at x_b, which differs from K e in second order of phi and makes the work
+of a closed path zero for symmetric K at any displacement of the frames. A skew part of K (an oil film) is allowed; its
+work is booked as work of forces. (Rotation vector as bushing coordinate: e.g. EXUDYN's RigidBodySpringDamper uses
+Tait-Bryan angles instead; the rotation vector has no preferred order of axes.)
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model import rotation as rot
+from warpffrf.model.bodies import Port, as_port
+from warpffrf.model.errors import InputError, require_array
+from warpffrf.model.forces.laws import Coordinate, SpringLaw, matrix_6x6, split_directions
+from warpffrf.model.joints import COINCIDENT
+
+ORTHONORMAL = 1e-6  # entries of axes typed with six digits; further off is a mistake
+
+
+class TwoPorts:
+    """Two ports on different bodies that meet in a point, and marker axes there; base of bushing and bearing."""
+
+    scene_list = "forces"
+    kind = ""
+
+    def __init__(self, a: Any, b: Any, point: Any, name: str | None) -> None:
+        self.name = name
+        self.label = f"{self.kind} {name!r}" if name else self.kind
+        self.a = as_port(a, f"{self.label}: first port")
+        self.b = as_port(b, f"{self.label}: second port")
+        if self.a.body is self.b.body:
+            raise InputError(f"{self.label}: both ports are on {self.a.body.name!r}; it joins two bodies")
+        self.point = None if point is None else require_array(point, f"{self.label}: point", (3,))
+
+    @property
+    def ports(self) -> tuple[Port, Port]:
+        return self.a, self.b
+
+    def world_point(self) -> np.ndarray:
+        """Place (3,) [m] in the world at the initial pose: `point` if given, else where the ports meet.
+
+        Raises `InputError` where they do not.
+        """
+        if self.point is not None:
+            return self.point
+        given = [port.world_point() for port in self.ports if port.point is not None]
+        if not given:
+            raise InputError(f"{self.kind} {self.name!r}: neither port has a point; give point=(x, y, z)")
+        distance = float(np.linalg.norm(given[0] - given[-1]))
+        if distance > COINCIDENT:
+            raise InputError(
+                f"{self.kind} {self.name!r}: its ports {self.a.label} and {self.b.label} are {distance:.3g} m apart; "
+                "move a body with scene.place(port, onto=port), or give point=(x, y, z)"
+            )
+        return given[-1]
+
+    def markers(self, world_axes: np.ndarray) -> dict[str, Any]:
+        """Ports, points and axes of the markers as `SpringLaw` takes them."""
+        x = self.world_point()
+        points = tuple(port.body.to_user(x) for port in self.ports)
+        axes = tuple(rot.matrix(port.body.rotation).T @ world_axes for port in self.ports)
+        return {"ports": self.ports, "points": points, "axes": axes}
+
+    def describe(self) -> dict[str, Any]:
+        """Plain data for hashing."""
+        point = None if self.point is None else self.point.tolist()
+        return {
+            "kind": self.kind, "name": self.name, "a": self.a.describe(), "b": self.b.describe(), "point": point,
+        }  # fmt: skip
+
+
+class Bushing(TwoPorts):
+    """Resists relative displacement and rotation of two ports by 6 x 6 matrices; unloaded at the initial pose.
+
+    stiffness, damping: (6, 6), or (6,) for a diagonal, on (d_x, d_y, d_z [m], phi_x, phi_y, phi_z [rad]): N/m, N/rad,
+    N m/rad and the same times s. axes: (3, 3), columns are the axes of the law in the world at the initial pose, from
+    where they move with the first port. point: (3,) [m], world, at the initial pose; None takes the place of the ports,
+    which must then coincide. preload (6,) [N, N m]: what the law gives at the initial pose; the force on the second
+    body is minus the law. The relative rotation must stay below half a turn. Raises `InputError` for a matrix whose
+    symmetric part is negative in some direction.
+    """
+
+    kind = "bushing"
+
+    def __init__(
+        self,
+        a: Any,
+        b: Any,
+        stiffness: Any,
+        damping: Any = None,
+        *,
+        axes: Any = None,
+        point: Any = None,
+        preload: Any = None,
+        name: str | None = None,
+    ) -> None:
+        super().__init__(a, b, point, name)
+        label = self.label
+        self.stiffness = matrix_6x6(stiffness, f"{label}: stiffness")
+        self.damping = matrix_6x6(np.zeros(6) if damping is None else damping, f"{label}: damping")
+        if not np.any(self.stiffness) and not np.any(self.damping):
+            raise InputError(f"{label}: stiffness and damping are both zero; remove it")
+        A = np.eye(3) if axes is None else require_array(axes, f"{label}: axes", (3, 3))
+        if np.abs(A.T @ A - np.eye(3)).max() > ORTHONORMAL or np.linalg.det(A) < 0.0:
+            raise InputError(f"{label}: axes must be three perpendicular unit vectors in columns, right-handed")
+        u, _, vt = np.linalg.svd(A)
+        self.axes = u @ vt
+        self.preload = np.zeros(6) if preload is None else require_array(preload, f"{label}: preload", (6,))
+
+    def law(self) -> SpringLaw:
+        """Coordinates and law, from the initial pose as it is now."""
+        Q, W, sprung = split_directions(self.stiffness, self.damping)
+        if np.abs(Q @ (W.T @ self.preload) - self.preload).max() > ORTHONORMAL * np.abs(self.preload).max():
+            raise InputError(f"{self.label}: preload acts in a direction that has neither stiffness nor damping")
+        return SpringLaw(
+            tuple(Coordinate("bushing", vector=v) for v in Q.T),
+            W.T @ self.stiffness @ W, W.T @ self.damping @ W, np.zeros(Q.shape[1]), W.T @ self.preload, sprung,
+            **self.markers(self.axes), expand=W,
+        )  # fmt: skip
+
+    def describe(self) -> dict[str, Any]:
+        fields = ("stiffness", "damping", "axes", "preload")
+        return {**super().describe(), **{f: getattr(self, f).tolist() for f in fields}}

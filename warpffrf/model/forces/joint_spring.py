@@ -1,0 +1,96 @@
+"""Springs and dampers on the coordinate of a joint."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from warpffrf.model.bodies import Port
+from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.forces.laws import Coordinate, SpringLaw, scalar_law
+from warpffrf.model.joints import Joint
+
+ROTATION = "rotation"
+
+
+class JointSpringDamper:
+    """A spring and damper on a coordinate s of a joint: a displacement or an angle that it leaves free.
+
+    The force [N] along (torque [N m] about) the axis on the second body is preload - stiffness (s - reference) -
+    damping ds/dt, its opposite acts on the first. stiffness [N/m or N m/rad], damping [N s/m or N m s/rad], reference
+    [m or rad], preload [N or N m]. coordinate: the name of the joint's coordinate ("translation", "rotation", ...), or
+    None where it has one only. Turns of an angle are counted, so a spiral spring winds up over any number of them.
+    """
+
+    scene_list = "forces"
+    kind = "joint_spring_damper"
+
+    def __init__(
+        self,
+        joint: Joint,
+        stiffness: float,
+        damping: float = 0.0,
+        *,
+        coordinate: str | None = None,
+        reference: float = 0.0,
+        preload: float = 0.0,
+        name: str | None = None,
+    ) -> None:
+        label = f"joint spring {name!r}" if name else "joint spring"
+        if not isinstance(joint, Joint):
+            raise InputError(f"{label}: acts on a joint, got {joint!r}")
+        free = [c for c, row in joint.coordinates.items() if row not in joint.rows]
+        if not free:
+            raise InputError(
+                f"{label}: acts on a coordinate that its joint leaves free, {joint.kind} joint {joint.name!r} has none"
+            )
+        self.coordinate = joint.coordinate(coordinate)
+        if self.coordinate not in free:
+            raise InputError(f"{label}: {joint.label} holds its {self.coordinate}; it leaves free {', '.join(free)}")
+        self.name = name
+        self.joint = joint
+        self.stiffness = require_number(stiffness, f"{label}: stiffness", non_negative=True)
+        self.damping = require_number(damping, f"{label}: damping", non_negative=True)
+        self.reference = require_number(reference, f"{label}: reference")
+        self.preload = require_number(preload, f"{label}: preload")
+
+    @property
+    def ports(self) -> tuple[Port, Port]:
+        return self.joint.ports
+
+    def law(self) -> SpringLaw:
+        """Coordinate and law."""
+        if self.stiffness == 0.0 and self.damping == 0.0:
+            raise InputError(
+                f"joint spring {self.name!r}: stiffness and damping are both zero; use a PointForce or PointTorque"
+            )
+        row = self.joint.coordinates[self.coordinate]
+        return scalar_law(
+            Coordinate(row.kind, row.i, row.j), self.stiffness, self.damping, self.reference, -self.preload,
+            ports=self.ports, joint=self.joint,
+        )  # fmt: skip
+
+    def describe(self) -> dict[str, Any]:
+        """Plain data for hashing."""
+        fields = ("kind", "name", "coordinate", "stiffness", "damping", "reference", "preload")
+        return {**{f: getattr(self, f) for f in fields}, "joint": self.joint.name}
+
+
+class TorsionalSpringDamper(JointSpringDamper):
+    """A spring and damper on the angle of a revolute or cylindrical joint: `JointSpringDamper` with
+    coordinate="rotation". stiffness [N m/rad], damping [N m s/rad], reference [rad], preload [N m]."""
+
+    kind = "torsional_spring_damper"
+
+    def __init__(
+        self,
+        joint: Joint,
+        stiffness: float,
+        damping: float = 0.0,
+        *,
+        reference: float = 0.0,
+        preload: float = 0.0,
+        name: str | None = None,
+    ) -> None:
+        super().__init__(
+            joint, stiffness, damping, coordinate=ROTATION, reference=reference, preload=preload, name=name
+        )

@@ -1,0 +1,167 @@
+"""The terms in which force elements describe themselves.
+
+A *spring law* acts on coordinates e (n,) of two markers a and b (frames fixed to bodies or interfaces, with axes u_x,
+u_y, u_z of a and w_x, w_y, w_z of b in the world, at x_a and x_b):
+
+    lambda = K (e - reference) + D de/dt + preload,      generalised force -C^T lambda,   C the gradient of e.
+
+Kinds of coordinates:
+
+    "translation"  u_i . (x_b - x_a)                                     [m]
+    "distance"     |x_b - x_a|                                           [m]
+    "direction"    u_i . w_j                                             [-]
+    "angle", "second_angle"   see `warpffrf.model.joints.rows`, but with turns counted   [rad]
+    "bushing"      v[:3] . d + v[3:] . phi                               d = A_a^T (x_b - x_a), exp(phi^) = A_a^T A_b
+
+Forces follow the exact gradients of these, so with K symmetric the
+work of the law on any path is the change of `1/2 (e - reference)^T K (e - reference) + preload . (e - reference)` plus
+what the dampers take, `de/dt^T D de/dt`. The skew part of K stores nothing: its work depends on the path, and the
+energy ledger books it as work of forces.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError, require_array
+
+COORDINATES = ("translation", "distance", "direction", "angle", "second_angle", "bushing")
+ZERO_STIFFNESS = 1e-10  # of an equilibrated matrix with unit diagonal: rounding of typed numbers, not a stiffness
+
+
+@dataclass(frozen=True, eq=False)
+class Coordinate:
+    """One coordinate of a spring law: its kind, the axes it takes of a (`i`) and b (`j`), or its `vector` (6,)."""
+
+    kind: str
+    i: int = 0
+    j: int = 0
+    vector: np.ndarray = field(default_factory=lambda: np.zeros(6))
+
+
+@dataclass(frozen=True, eq=False)
+class SpringLaw:
+    """Coordinates of two markers and the law on them, see the module.
+
+    `ports` carry the markers at `points` (2, 3) [m, user frames] with `axes` (2, 3, 3, columns, user frames); with a
+    `joint` its own markers serve. stiffness, damping (n, n); reference, preload (n,). The first `sprung` coordinates
+    have stiffness, the rest are dampers only. `expand` (k, n) gives the deformation that a result shows from the
+    coordinates; None: the coordinates themselves.
+    """
+
+    coordinates: tuple[Coordinate, ...]
+    stiffness: np.ndarray
+    damping: np.ndarray
+    reference: np.ndarray
+    preload: np.ndarray
+    sprung: int
+    ports: tuple[Any, Any]
+    points: tuple[np.ndarray, np.ndarray] | None = None
+    axes: tuple[np.ndarray, np.ndarray] | None = None
+    joint: Any = None
+    expand: np.ndarray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class PointLoad:
+    """A force [N] (`what` "force") or torque [N m] ("torque") at a port, three signals, axes `frame`."""
+
+    what: str
+    port: Any
+    frame: str
+    components: tuple[Any, Any, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class BodyLoad:
+    """`signal` times constants in body axes: force (3,), torque (3,) about the user origin, modal forces (m,)."""
+
+    body: Any
+    force: np.ndarray
+    torque: np.ndarray
+    modal: np.ndarray
+    signal: Any
+
+
+def scalar_law(
+    coordinate: Coordinate, stiffness: float, damping: float, reference: float, preload: float, **where: Any
+) -> SpringLaw:
+    """A law on one coordinate."""
+    return SpringLaw(
+        (coordinate,), np.array([[stiffness]]), np.array([[damping]]), np.array([reference]), np.array([preload]),
+        int(stiffness > 0.0), **where,
+    )  # fmt: skip
+
+
+def matrix_6x6(value: Any, name: str) -> np.ndarray:
+    """`value` as a (6, 6) matrix, or the diagonal (6,) of one, whose symmetric part is positive semidefinite.
+
+    Raises `InputError` for other shapes, for a negative stiffness in any direction, and for a coordinate without any
+    stiffness of its own that is coupled to others.
+    """
+    A = np.diag(require_array(value, name, (6,))) if np.ndim(value) == 1 else require_array(value, name, (6, 6))
+    S, scale = _equilibrated(A)
+    bare = np.diag(A) == 0.0
+    if np.any(A[bare]) or np.any(A[:, bare]):
+        row = int(np.flatnonzero(bare & (np.any(A, axis=1) | np.any(A, axis=0)))[0])
+        raise InputError(f"{name}: entry ({row}, {row}) is zero but row or column {row} is not; give it an entry")
+    smallest = float(np.linalg.eigvalsh(0.5 * (S + S.T))[0])
+    if np.any(np.diag(A) < 0.0) or smallest < -ZERO_STIFFNESS:
+        raise InputError(
+            f"{name} must not be negative in any direction, the smallest eigenvalue of its symmetric part with unit "
+            f"diagonal is {smallest:.3g}"
+        )
+    return A
+
+
+def split_directions(K: np.ndarray, D: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
+    """Directions in which a law acts: `Q` (6, n) gives coordinates `Q^T e`, `W` (6, n) their dual, and how many are
+    sprung.
+
+    A law with K or D of lower rank acts on fewer than six coordinates: those that K resists first, then those that only
+    D does. Where rank is lost by coordinates without entries, the coordinates stay the six themselves; else they are
+    combinations, orthonormal after scaling by the roots of the diagonal. With the symmetric part of K semidefinite its
+    null space is that of K^T too: x^T K x = 0 gives K_s x = 0, so K x = 0 gives K^T x = 0. In c = Q^T e the matrices
+    are `W^T K W` and `W^T D W`.
+    """
+    scale = np.ones(6)
+    for A in (D, K):
+        has = np.diag(A) > 0.0
+        scale[has] = 1.0 / np.sqrt(np.diag(A)[has])
+    first = _range(K, scale, np.eye(6))
+    rest = _complement(first)
+    second = _range(D, scale, rest)
+    V = np.hstack([first, second])
+    if np.all(np.sum(V != 0.0, axis=0) == 1):
+        return V, V, first.shape[1]
+    return V / scale[:, None], V * scale[:, None], first.shape[1]
+
+
+def _equilibrated(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    d = np.diag(A)
+    scale = 1.0 / np.sqrt(np.where(d > 0.0, d, 1.0))
+    return scale[:, None] * A * scale, scale
+
+
+def _range(A: np.ndarray, scale: np.ndarray, within: np.ndarray) -> np.ndarray:
+    """Orthonormal directions (6, n) inside the span of the orthonormal `within` that the scaled `A` resists."""
+    S = within.T @ (scale[:, None] * A * scale) @ within
+    S = 0.5 * (S + S.T)
+    if not S.size:
+        return within
+    size = max(float(np.abs(S).max()), np.finfo(float).tiny)
+    axes = np.flatnonzero(np.diag(S) > ZERO_STIFFNESS * size)
+    values, vectors = np.linalg.eigh(S / size)
+    if np.sum(values > ZERO_STIFFNESS) == len(axes):
+        return within[:, axes]
+    return within @ vectors[:, values > ZERO_STIFFNESS]
+
+
+def _complement(V: np.ndarray) -> np.ndarray:
+    """Orthonormal complement (6, 6 - n) of orthonormal columns; unit vectors for unit vectors."""
+    if np.all(np.sum(V != 0.0, axis=0) == 1):
+        return np.eye(6)[:, ~np.any(V != 0.0, axis=1)]
+    return np.linalg.svd(V)[0][:, V.shape[1] :]

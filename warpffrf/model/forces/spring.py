@@ -1,0 +1,81 @@
+"""Spring and damper along a line."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.bodies import Port, as_port
+from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.forces.laws import Coordinate, SpringLaw, scalar_law
+from warpffrf.model.joints import COINCIDENT
+
+
+class SpringDamper:
+    """A spring and damper along the line between two ports.
+
+    The force that pulls the ports together is stiffness (l - free_length) + damping dl/dt [N], l their distance [m];
+    stiffness [N/m], damping [N s/m], free_length [m] or None for the distance at the initial pose.
+    """
+
+    scene_list = "forces"
+    kind = "spring_damper"
+
+    def __init__(
+        self,
+        a: Any,
+        b: Any,
+        stiffness: float,
+        damping: float = 0.0,
+        *,
+        free_length: float | None = None,
+        name: str | None = None,
+    ) -> None:
+        label = f"spring {name!r}" if name else "spring damper"
+        self.name = name
+        self.a = as_port(a, f"{label}: first port")
+        self.b = as_port(b, f"{label}: second port")
+        for port in (self.a, self.b):
+            if port.point is None:
+                raise InputError(f"{label}: a spring needs a point on the ground, use scene.ground.at((x, y, z))")
+        if self.a.body is self.b.body:
+            raise InputError(f"{label}: both ends are on {self.a.body.name!r}; a spring joins two bodies")
+        self.stiffness = require_number(stiffness, f"{label}: stiffness", non_negative=True)
+        self.damping = require_number(damping, f"{label}: damping", non_negative=True)
+        if free_length is not None:
+            free_length = require_number(free_length, f"{label}: free_length", non_negative=True)
+        self.given_free_length = free_length
+
+    @property
+    def ports(self) -> tuple[Port, Port]:
+        return self.a, self.b
+
+    @property
+    def free_length(self) -> float:
+        """Free length [m]: the given one, else the distance of the ports at the initial pose as it is now.
+
+        Raises `InputError` where the ports coincide: the line between them then has no direction.
+        """
+        distance = float(np.linalg.norm(self.b.world_point() - self.a.world_point()))
+        if distance <= COINCIDENT:
+            raise InputError(
+                f"spring {self.name!r}: its ports {self.a.label} and {self.b.label} coincide, the line of force has no "
+                "direction; move one, or use JointSpringDamper or Bushing"
+            )
+        return distance if self.given_free_length is None else self.given_free_length
+
+    def law(self) -> SpringLaw:
+        """Coordinate and law, from the initial pose as it is now."""
+        if self.stiffness == 0.0 and self.damping == 0.0:
+            raise InputError(f"spring {self.name!r}: stiffness and damping are both zero; remove it")
+        points = (np.asarray(self.a.point), np.asarray(self.b.point))
+        return scalar_law(
+            Coordinate("distance"), self.stiffness, self.damping, self.free_length, 0.0,
+            ports=self.ports, points=points, axes=(np.eye(3), np.eye(3)),
+        )  # fmt: skip
+
+    def describe(self) -> dict[str, Any]:
+        """Plain data for hashing."""
+        fields = ("kind", "name", "stiffness", "damping", "given_free_length")
+        return {**{f: getattr(self, f) for f in fields}, "a": self.a.describe(), "b": self.b.describe()}

@@ -1,0 +1,54 @@
+"""Joints between two ports, and prescribed motion of their coordinates.
+
+With x_a, A_a and x_b, A_b the world positions and axes of a joint's markers on its two sides, d = A_a^T (x_b - x_a) and
+A = A_a^T A_b, the kinds of joints ask for
+
+    Fixed          d = 0,            A = 1                    no coordinate
+    Revolute       d = 0,            A e_z = e_z              rotation [rad]
+    Cylindrical    d_x = d_y = 0,    A e_z = e_z              translation [m], rotation [rad]
+    Prismatic      d_x = d_y = 0,    A = 1                    translation [m]
+    Spherical      d = 0                                      no coordinate
+    Universal      d = 0,            e_x . A e_y = 0          rotation, second_rotation [rad]
+    PointOnLine    d_x = d_y = 0                              translation [m]
+    Distance       |d| = its initial value                    distance [m]
+
+A new kind is a new file with a class that names its rows and coordinates, and a line in `JOINT_KINDS`; the compiler of
+scenes, the redundancy check, the record and the conformance tests read the tables.
+"""
+
+from __future__ import annotations
+
+from warpffrf.model.joints.base import COINCIDENT, Joint, Marker
+from warpffrf.model.joints.cylindrical import Cylindrical
+from warpffrf.model.joints.distance import Distance
+from warpffrf.model.joints.drive import QUANTITIES, Drive
+from warpffrf.model.joints.fixed import Fixed
+from warpffrf.model.joints.point_on_line import PointOnLine
+from warpffrf.model.joints.prismatic import Prismatic
+from warpffrf.model.joints.revolute import Revolute
+from warpffrf.model.joints.rows import Row
+from warpffrf.model.joints.spherical import Spherical
+from warpffrf.model.joints.universal import Universal
+
+JOINT_KINDS: dict[str, type[Joint]] = {
+    joint.kind: joint
+    for joint in (Fixed, Revolute, Cylindrical, Prismatic, Spherical, Universal, PointOnLine, Distance)
+}
+
+__all__ = [
+    "COINCIDENT",
+    "JOINT_KINDS",
+    "QUANTITIES",
+    "Cylindrical",
+    "Distance",
+    "Drive",
+    "Fixed",
+    "Joint",
+    "Marker",
+    "PointOnLine",
+    "Prismatic",
+    "Revolute",
+    "Row",
+    "Spherical",
+    "Universal",
+]

@@ -1,0 +1,19 @@
+"""Fixed joint: d = 0, A = 1 with d = A_a^T (x_b - x_a), A = A_a^T A_b; no coordinate."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from warpffrf.model.joints.base import NO_SPIN, PARALLEL, POINT, Joint
+
+
+class Fixed(Joint):
+    """Holds b to a: no relative motion. `axis` only names the marker's z axis."""
+
+    kind = "fixed"
+    rows = (*POINT, *PARALLEL, *NO_SPIN)
+
+    def __init__(
+        self, a: Any, b: Any, *, axis: Any = (0.0, 0.0, 1.0), point: Any = None, name: str | None = None
+    ) -> None:
+        super().__init__(a, b, axis=axis, point=point, name=name)

@@ -1,0 +1,17 @@
+"""Spherical joint: d = 0; rotations are free and have no coordinate."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from warpffrf.model.joints.base import POINT, Joint
+
+
+class Spherical(Joint):
+    """Holds a point of b to a point of a; every rotation is free. No coordinate."""
+
+    kind = "spherical"
+    rows = POINT
+
+    def __init__(self, a: Any, b: Any, *, point: Any = None, name: str | None = None) -> None:
+        super().__init__(a, b, axis=(0.0, 0.0, 1.0), point=point, name=name)

@@ -1,0 +1,252 @@
+"""The constraints of a scene on the host: values, Jacobian, and which of them are redundant.
+
+**Jacobian.** A row pulls with the wrench (f, t) at x_b on the second body and its opposite on the first
+(`joints.rows`), so a body with origin r has the entries f (translation), (x_b - r) x f + t (rotation vector) and, where
+its marker X sits on a flexible interface that moves by (u, theta) = Phi^T q about its point X_if,
+Phi (A^T f, A^T ((x_b - x_marker) x f + t) + (X - X_if) x A^T f), which leaves out what is linear in theta. Columns and
+rows are made comparable by a length L of the scene: translations and modal coordinates are counted in L, rows that are
+lengths divided by it.
+
+**Redundancy.** The rows of all joints are taken block by block, undriven joints in the order of adding, then what is
+driven: first driven distances, then drives. From each block the part in the span of the rows kept so far is projected
+out; a column-pivoted QR factorisation of what remains shows its rank, and names the rows that carry it. The others are
+redundant: the motion satisfies them anyway. They are left out of the equations, so their multipliers are zero; another
+choice would share the same total load differently. Which joint of a loop is named depends on the order of adding. A
+*driven* row that turns out redundant is a contradiction, or superfluous: the joints already fix what it prescribes.
+
+**Singular poses.** At a dead centre or in a flat loop, rows depend on each other that do so nowhere else and must
+stay. The rank is therefore also taken at two poses nearby: a step along a random combination of free motions (fixed
+seed), corrected by Gauss-Newton until the joints close. The largest rank decides. Redundancy is a property of the pose
+all the same; a run measures at its saved steps how well the rows left out were kept (`online.joint_motion`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.linalg import qr
+
+from warpffrf.model import rotation as rot
+from warpffrf.model.bodies import GROUND_INDEX
+from warpffrf.model.joints import Drive, Joint, Marker, Row
+from warpffrf.model.joints.rows import gradient, value
+
+if TYPE_CHECKING:
+    from warpffrf.model.scene import Scene
+
+RANK_TOLERANCE = 1e-6  # of the longest row; its square, what elimination is left with, stays above round-off of pivots
+NEARBY = 0.03  # rad, or of L: how far poses are moved to tell a singular pose from a redundancy
+NEARBY_POSES = 2
+CLOSED = 1e-10  # of L and rad: defect of a pose that Gauss-Newton has closed; it converges quadratically
+CLOSING_STEPS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class ConstraintRow:
+    """A row that a joint or drive holds: owner's name, function, markers, and the value at the initial pose."""
+
+    owner: str
+    joint: Joint
+    row: Row
+    markers: tuple[Marker, Marker]
+    initial: float
+    drive: Drive | None
+
+    @property
+    def label(self) -> str:
+        """What is held, for messages."""
+        return f"{self.owner!r}: {self.row.held}"
+
+
+@dataclass(frozen=True)
+class Redundancy:
+    """Rows of a scene in the order of `constraint_rows`, which of them are kept, the rank, and the rank at the initial
+    pose itself (smaller in a singular one)."""
+
+    rows: tuple[ConstraintRow, ...]
+    kept: tuple[bool, ...]
+    rank: int
+    rank_here: int
+
+    @property
+    def dropped(self) -> list[ConstraintRow]:
+        return [row for row, kept in zip(self.rows, self.kept, strict=True) if not kept]
+
+    def counts(self) -> dict[str, int]:
+        """Number of redundant rows of each joint or drive that has some."""
+        found: dict[str, int] = {}
+        for row in self.dropped:
+            found[row.owner] = found.get(row.owner, 0) + 1
+        return found
+
+
+@dataclass
+class Pose:
+    """Positions (b, 3) and axes (b, 3, 3) of the user frames, and the modal coordinates of each body."""
+
+    position: np.ndarray
+    axes: np.ndarray
+    modal: list[np.ndarray]
+
+
+def initial_pose(scene: Scene) -> Pose:
+    """The bodies as they are placed, undeformed."""
+    return Pose(
+        np.array([b.position for b in scene.bodies]).reshape(-1, 3),
+        np.array([rot.matrix(b.rotation) for b in scene.bodies]).reshape(-1, 3, 3),
+        [np.zeros(b.mode_count) for b in scene.bodies],
+    )
+
+
+def constraint_rows(scene: Scene) -> list[ConstraintRow]:
+    """All rows: joints in the order of adding, a drive's own behind the joints; a drive of a function that its joint
+    holds (a distance) takes that row over."""
+    rows: list[ConstraintRow] = []
+    frames = {id(joint): joint.frames() for joint in scene.joints}
+    taken = {(id(d.joint), d.row): d for d in scene.drives if d.row in d.joint.rows}
+    for joint in scene.joints:
+        for row in joint.rows:
+            drive = taken.get((id(joint), row))
+            rows.append(ConstraintRow(str(joint.name), joint, row, frames[id(joint)], joint.initial_value(row), drive))
+    for drive in scene.drives:
+        if drive.row not in drive.joint.rows:
+            initial = drive.joint.initial_value(drive.row)
+            owner = drive.name or f"drive of {drive.joint.name}"
+            rows.append(ConstraintRow(owner, drive.joint, drive.row, frames[id(drive.joint)], initial, drive))
+    return rows
+
+
+def marker_pose(scene: Scene, pose: Pose, port: Any, marker: Marker) -> tuple[np.ndarray, np.ndarray]:
+    """World position (3,) and axes (3, 3) of a marker."""
+    index = port.body.index
+    X, axes = marker.point, rot.matrix(marker.rotation)
+    if index == GROUND_INDEX:
+        return X, axes
+    if port.interface_name is not None and len(pose.modal[index]):
+        interface = port.body.reduced.interfaces[port.interface_name]
+        motion = pose.modal[index] @ interface.modes
+        X = X + motion[:3] + np.cross(motion[3:], X - interface.point)
+        axes = rot.rotation_vector_matrix(motion[3:]) @ axes
+    return pose.position[index] + pose.axes[index] @ X, pose.axes[index] @ axes
+
+
+def scene_length(scene: Scene) -> float:
+    """A length [m] of the scene: the largest distance of a joint from a body it holds, or 1 m where all are zero."""
+    arms = [np.linalg.norm(m.point) for joint in scene.joints for m in joint.frames()]
+    arms += [np.linalg.norm(body.center_of_mass) for body in scene.bodies]
+    longest = float(max(arms, default=0.0))
+    return longest if longest > 0.0 else 1.0
+
+
+def constraint_jacobian(
+    scene: Scene, rows: list[ConstraintRow], pose: Pose | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Jacobian (rows, unknowns), scaled as the module says, the values (rows,) against the initial ones, scaled alike,
+    and the factors (unknowns,) from scaled to plain unknowns.
+
+    Unknowns, body by body: translation of the user origin, rotation vector (world axes), modal coordinates.
+    """
+    pose = pose or initial_pose(scene)
+    L = scene_length(scene)
+    starts = np.cumsum([0] + [6 + body.mode_count for body in scene.bodies])
+    shapes = [i.modes for b in scene.bodies if b.reduced is not None for i in b.reduced.interfaces.values()]
+    largest = max((float(np.abs(m).max()) for m in shapes if m.size), default=0.0)
+    factor = np.ones(starts[-1])
+    for body, start in zip(scene.bodies, starts, strict=False):
+        factor[start : start + 3] = L
+        factor[start + 6 : start + 6 + body.mode_count] = L / largest if largest > 0.0 else 1.0
+    J, values = np.zeros((len(rows), starts[-1])), np.zeros(len(rows))
+    for n, item in enumerate(rows):
+        ports = item.joint.ports
+        (x_a, A_a), (x_b, A_b) = (marker_pose(scene, pose, p, m) for p, m in zip(ports, item.markers, strict=True))
+        scale = 1.0 / L if item.row.is_length else 1.0
+        values[n] = scale * (float(value(item.row, x_a, A_a, x_b, A_b)) - item.initial)
+        f, t = gradient(item.row, x_a, A_a, x_b, A_b)
+        for sign, x, port, marker in zip((-1.0, 1.0), (x_a, x_b), ports, item.markers, strict=True):
+            b = port.body.index
+            if b == GROUND_INDEX:
+                continue
+            A, at = pose.axes[b], starts[b]
+            J[n, at : at + 3] += sign * scale * f
+            J[n, at + 3 : at + 6] += sign * scale * (np.cross(x_b - pose.position[b], f) + t)
+            if port.interface_name is not None and port.body.mode_count:
+                interface = port.body.reduced.interfaces[port.interface_name]
+                torque = A.T @ (np.cross(x_b - x, f) + t) + np.cross(marker.point - interface.point, A.T @ f)
+                J[n, at + 6 : starts[b + 1]] += sign * scale * (interface.modes @ np.concatenate([A.T @ f, torque]))
+    return J * factor, values, factor
+
+
+def find_redundancy(scene: Scene) -> Redundancy:
+    """Which rows of the scene's joints and drives are redundant; see the module."""
+    rows = constraint_rows(scene)
+    if not rows:
+        return Redundancy((), (), 0, 0)
+    J, _, _ = constraint_jacobian(scene, rows)
+    kept = _independent(rows, J)
+    here = best = int(np.sum(kept))
+    if here < len(rows):
+        for pose in _nearby(scene, rows):
+            found = _independent(rows, constraint_jacobian(scene, rows, pose)[0])
+            if np.sum(found) > best:
+                kept, best = found, int(np.sum(found))
+    return Redundancy(tuple(rows), tuple(bool(k) for k in kept), best, here)
+
+
+def _independent(rows: list[ConstraintRow], J: np.ndarray) -> np.ndarray:
+    """Rows (n,) bool that are kept."""
+    blocks: dict[tuple[int, str], list[int]] = {}
+    for n, item in enumerate(rows):
+        rank = 0 if item.drive is None else 1 if item.row in item.joint.rows else 2
+        blocks.setdefault((rank, item.owner), []).append(n)
+    kept = np.zeros(len(rows), dtype=bool)
+    basis = np.zeros((J.shape[1], 0))
+    tolerance = RANK_TOLERANCE * float(np.linalg.norm(J, axis=1).max(initial=0.0))
+    for _, members in sorted(blocks.items(), key=lambda item: item[0][0]):
+        rest = J[members].T
+        for _ in range(2):  # twice: what the first projection leaves of round-off
+            rest = rest - basis @ (basis.T @ rest)
+        factors: Any = qr(rest, mode="economic", pivoting=True)
+        Q, R, order = factors
+        rank = int(np.sum(np.abs(np.diag(R)) > tolerance))
+        kept[[members[i] for i in order[:rank]]] = True
+        basis = np.hstack([basis, Q[:, :rank]])
+    return kept
+
+
+def _nearby(scene: Scene, rows: list[ConstraintRow]) -> list[Pose]:
+    """Poses near the initial one in which all undriven rows hold; fewer than asked for where none is found."""
+    held = [row for row in rows if row.drive is None]
+    if not held:
+        return []
+    J, _, factor = constraint_jacobian(scene, held)
+    _, s, Vt = np.linalg.svd(J)
+    rank = int(np.sum(s > RANK_TOLERANCE * max(s[0], 1e-300)))
+    free = Vt[rank:]
+    if not len(free):
+        return []
+    random = np.random.default_rng(0)
+    poses = []
+    for _ in range(NEARBY_POSES):
+        step = random.standard_normal(len(free)) @ free
+        pose = _moved(initial_pose(scene), NEARBY * step / np.abs(step).max() * factor)
+        for _ in range(CLOSING_STEPS):
+            J, c, _ = constraint_jacobian(scene, held, pose)
+            if np.abs(c).max() < CLOSED:
+                poses.append(pose)
+                break
+            pose = _moved(pose, -np.linalg.lstsq(J, c, rcond=RANK_TOLERANCE)[0] * factor)
+    return poses
+
+
+def _moved(pose: Pose, change: np.ndarray) -> Pose:
+    """A pose moved by plain unknowns (see `constraint_jacobian`)."""
+    position, axes, modal = pose.position.copy(), pose.axes.copy(), []
+    at = 0
+    for b, q in enumerate(pose.modal):
+        position[b] += change[at : at + 3]
+        axes[b] = rot.rotation_vector_matrix(change[at + 3 : at + 6]) @ axes[b]
+        modal.append(q + change[at + 6 : at + 6 + len(q)])
+        at += 6 + len(q)
+    return Pose(position, axes, modal)

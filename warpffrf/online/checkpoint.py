@@ -1,0 +1,65 @@
+"""Putting a run back where another one ended.
+
+A checkpoint is the complete device state (`State.to_numpy`): positions, rates, algorithmic accelerations, multipliers,
+active sets, pressures, the ledger, the clock and the control words. Everything else that a step uses is either constant
+(compiled from the scene) or made anew at the start of every step, so a run continued from a checkpoint with the same
+step and the same options gives the same numbers, bit for bit, as one that was never stopped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from warpffrf_kernels import control as k
+
+from warpffrf.model.errors import InputError
+from warpffrf.online.engine import Engine
+
+SAME_STEP = 1e-9  # relative: steps that differ by less were meant to be the same
+
+
+def is_dynamic(checkpoint: Mapping[str, Any]) -> bool:
+    """Whether the checkpoint is of a run in time; False: of a static state, where velocities are still to be set."""
+    words = checkpoint.get("ctl")
+    return words is None or bool(np.all(np.asarray(words)[:, int(k.MODE)] == int(k.DYNAMIC)))
+
+
+def check_checkpoint(present: Mapping[str, np.ndarray], checkpoint: Mapping[str, Any]) -> None:
+    """Raises `InputError` unless `checkpoint` holds the arrays of `present`, names, shapes and types, finite numbers
+    in the clock and the poses."""
+    if not checkpoint:
+        raise InputError("simulate: start has no checkpoint to continue from; run it again")
+    cure = "continue with the scene and the version of warpffrf that wrote it, or start from 'initial'"
+    missing = sorted(set(present) - set(checkpoint))
+    if missing:
+        raise InputError(f"simulate: the checkpoint lacks {', '.join(missing)}; {cure}")
+    for name, array in present.items():
+        given = np.asarray(checkpoint[name])
+        if given.shape != array.shape or given.dtype != array.dtype:
+            raise InputError(
+                f"simulate: {name} of the checkpoint is {given.dtype}{given.shape}, this scene has "
+                f"{array.dtype}{array.shape}: another scene or device; {cure}"
+            )
+    for name in ("clk", "r", "p"):
+        if not np.all(np.isfinite(checkpoint[name])):
+            raise InputError(f"simulate: {name} of the checkpoint holds NaN or infinite numbers: it is damaged; {cure}")
+
+
+def restore(engine: Engine, checkpoint: Mapping[str, Any], step: float) -> int:
+    """Bring `engine` to the state of `checkpoint`, ready for steps of `step` [s]; returns the user steps done so far.
+
+    Another step than the checkpoint's begins a new count of steps at the checkpoint's time. Raises `InputError` for a
+    checkpoint of another scene.
+    """
+    check_checkpoint(engine.state.to_numpy(), checkpoint)
+    engine.state.assign(dict(checkpoint))
+    engine.drained = engine.word("SAVED")
+    engine.control(STATUS=0)
+    if np.isclose(engine.word("USER_STEP")[0], step, rtol=SAME_STEP):
+        return int(engine.word("STEP")[0])
+    # time is counted in steps from START_TIME: begin a new count here
+    engine.clock(START_TIME=float(engine.word("TIME")[0]), USER_STEP=step)
+    engine.control(STEP=0, SUB=0, LEVEL=0)
+    return 0

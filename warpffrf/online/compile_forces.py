@@ -1,0 +1,133 @@
+"""Forces of a scene -> spring rows, point loads and body loads of the device model.
+
+Elements describe themselves in the terms of `warpffrf.model.forces.laws`. A spring law on one coordinate is a row with
+its own stiffness; a law on several is a *group* of rows that share matrices (`warpffrf_kernels.forces`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import warp as wp
+from warpffrf_kernels import control as k
+from warpffrf_kernels.forces import MOST_COUPLED
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.forces import BodyLoad, PointLoad, SpringLaw
+
+ROW_KINDS = {
+    "translation": k.TRANSLATION,
+    "direction": k.DIRECTION,
+    "angle": k.ANGLE,
+    "second_angle": k.SECOND_ANGLE,
+    "distance": k.DISTANCE,
+    "bushing": k.BUSHING,
+}
+
+
+@dataclass
+class ForceTable:
+    """Where the forces of a scene went: rows and laws of springs by name; loads in the order of the device arrays."""
+
+    rows: dict[str, list[int]] = field(default_factory=dict)
+    laws: dict[str, SpringLaw] = field(default_factory=dict)
+    forces: list[PointLoad] = field(default_factory=list)
+    torques: list[PointLoad] = field(default_factory=list)
+    bodies: list[BodyLoad] = field(default_factory=list)
+    groups: list[SpringLaw] = field(default_factory=list)
+    group_start: list[int] = field(default_factory=list)  # first row of each group
+    of_row: dict[int, int] = field(default_factory=dict)  # row -> group
+    vectors: dict[int, np.ndarray] = field(default_factory=dict)  # row -> (6,) of a bushing coordinate
+
+
+def compile_forces(compiler: Any) -> ForceTable:
+    """Enter springs as rows of `compiler` and collect the loads; joints must have been compiled.
+
+    Raises `InputError` for a law without stiffness and damping.
+    """
+    table = ForceTable()
+    for item in compiler.scene.forces:
+        if hasattr(item, "law"):
+            law = item.law()
+            table.laws[item.name] = law
+            table.rows[item.name] = _spring(compiler, table, law)
+            continue
+        load = item.load()
+        if isinstance(load, BodyLoad):
+            table.bodies.append(load)
+        else:
+            compiler.interface(load.port)
+            (table.forces if load.what == "force" else table.torques).append(load)
+    return table
+
+
+def _spring(compiler: Any, table: ForceTable, law: SpringLaw) -> list[int]:
+    if law.joint is not None:
+        a, b = compiler.joint_table.markers[str(law.joint.name)]
+    else:
+        sides = zip(law.ports, law.points or (), law.axes or (), strict=True)
+        a, b = (compiler.marker(port, point, axes) for port, point, axes in sides)
+    n = len(law.coordinates)
+    if n > MOST_COUPLED:
+        raise InputError(f"a spring law couples {n} coordinates, at most {MOST_COUPLED} can be")
+    rows = []
+    for i, c in enumerate(law.coordinates):
+        alone = n == 1
+        row = compiler.rows.add(
+            ROW_KINDS[c.kind], a, b, c.i, c.j, -1,
+            float(law.stiffness[0, 0]) if alone else 0.0, float(law.damping[0, 0]) if alone else 0.0,
+            float(law.reference[i]), float(law.preload[i]), 0,
+        )  # fmt: skip
+        rows.append(row)
+        if c.kind == "bushing":
+            table.vectors[row] = c.vector
+        if not alone:
+            table.of_row[row] = len(table.groups)
+    if n > 1:
+        table.groups.append(law)
+        table.group_start.append(rows[0])
+    return rows
+
+
+def fill_forces(compiler: Any, table: ForceTable, m: Any) -> None:
+    """Device arrays of groups and loads; the signals of loads are entered, so call it before those are laid out."""
+    rows, bodies = len(compiler.rows), compiler.scene.bodies
+    group = np.full(rows, -1)
+    group[list(table.of_row)] = list(table.of_row.values())
+    vectors = np.zeros((rows, 6))
+    for row, vector in table.vectors.items():
+        vectors[row] = vector
+    m.row_group = compiler.array(group, int)
+    m.row_vector = compiler.array(vectors, shape=(-1, 6))
+    m.group_count = len(table.groups)
+    m.group_start = compiler.array(table.group_start, int)
+    m.group_size = compiler.array([len(law.coordinates) for law in table.groups], int)
+    m.group_sprung = compiler.array([law.sprung for law in table.groups], int)
+    for name in ("stiffness", "damping"):
+        packed = np.zeros((len(table.groups), MOST_COUPLED, MOST_COUPLED))
+        for g, law in enumerate(table.groups):
+            n = len(law.coordinates)
+            packed[g, :n, :n] = getattr(law, name)
+        setattr(m, f"group_{name}", compiler.array(packed, shape=(-1, MOST_COUPLED, MOST_COUPLED)))
+    for what, loads in (("force", table.forces), ("torque", table.torques)):
+        setattr(m, f"{what}_count", len(loads))
+        setattr(m, f"{what}_body", compiler.array([x.port.body.index for x in loads], int))
+        setattr(m, f"{what}_interface", compiler.array([compiler.interface(x.port) for x in loads], int))
+        setattr(m, f"{what}_in_body", compiler.array([int(x.frame == "body") for x in loads], int))
+        signals = [[compiler.signal(s) for s in x.components] for x in loads]
+        setattr(m, f"{what}_signal", compiler.array(signals, int, (-1, 3)))
+    points = [x.port.point - x.port.body.center_of_mass for x in table.forces]
+    m.force_point = compiler.array(points, wp.vec3d, (-1, 3))
+    widest = max([b.mode_count for b in bodies], default=0)
+    modal = np.zeros((len(table.bodies), max(widest, 1)))
+    for i, load in enumerate(table.bodies):
+        modal[i, : len(load.modal)] = load.modal
+    m.load_count = len(table.bodies)
+    m.load_body = compiler.array([x.body.index for x in table.bodies], int)
+    m.load_signal = compiler.array([compiler.signal(x.signal) for x in table.bodies], int)
+    m.load_force = compiler.array([x.force for x in table.bodies], wp.vec3d, (-1, 3))
+    torques = [x.torque - np.cross(x.body.center_of_mass, x.force) for x in table.bodies]
+    m.load_torque = compiler.array(torques, wp.vec3d, (-1, 3))
+    m.load_modal = compiler.array(modal)

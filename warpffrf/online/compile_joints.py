@@ -1,0 +1,87 @@
+"""Joints and drives of a scene -> rows of the device model.
+
+Every row of a joint (`warpffrf.model.joints`) that is not redundant (`warpffrf.model.redundancy`) becomes one rigid
+row; a drive adds one, or gives its signal to the row that its joint holds anyway (a distance). Rows that are left out
+have no multiplier: their part of the joint's reaction is zero, and the sum over the joints that share a load stays that
+of equilibrium.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from warpffrf_kernels import control as k
+
+from warpffrf.model import rotation as rot
+from warpffrf.model.errors import InputError
+from warpffrf.model.redundancy import ConstraintRow, Redundancy, find_redundancy
+
+ROW_KINDS = {
+    "translation": k.TRANSLATION,
+    "direction": k.DIRECTION,
+    "angle": k.ANGLE,
+    "distance": k.DISTANCE,
+    "second_angle": k.SECOND_ANGLE,
+}
+
+
+@dataclass
+class JointTable:
+    """Where the joints of a scene went: rows and markers by joint name, the rows left out, and notes for the user."""
+
+    rows: dict[str, list[int]] = field(default_factory=dict)  # drives included
+    markers: dict[str, tuple[int, int]] = field(default_factory=dict)
+    dropped: list[ConstraintRow] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+
+def compile_joints(compiler: Any) -> JointTable:
+    """Enter the rows of all joints and drives of `compiler.scene`, by its `rows`, `marker` and `signal`.
+
+    Raises `InputError` where a drive prescribes what the joints already fix.
+    """
+    scene, table = compiler.scene, JointTable()
+    found = find_redundancy(scene)
+    _refuse_driven(found)
+    for joint in scene.joints:
+        pair = [
+            compiler.marker(port, marker.point, rot.matrix(marker.rotation))
+            for port, marker in zip(joint.ports, joint.frames(), strict=True)
+        ]
+        table.markers[str(joint.name)] = (pair[0], pair[1])
+        table.rows[str(joint.name)] = []
+    for item, kept in zip(found.rows, found.kept, strict=True):
+        if not kept:
+            continue
+        a, b = table.markers[str(item.joint.name)]
+        signal, reference = -1, item.initial
+        if item.drive is not None:
+            signal = compiler.signal(item.drive.position())
+            if item.drive.quantity == "position":  # counts from zero, not from the initial value
+                reference = 0.0
+        number = compiler.rows.add(
+            ROW_KINDS[item.row.kind], a, b, item.row.i, item.row.j, signal=signal, reference=reference
+        )
+        table.rows[str(item.joint.name)].append(number)
+    table.dropped = found.dropped
+    if table.dropped:
+        table.notes.append(
+            "redundant constraints left out, their reactions count as zero: "
+            + "; ".join(row.label for row in table.dropped)
+        )
+    if found.rank_here < found.rank:
+        table.notes.append(
+            "the initial pose is singular (a dead centre or a flat loop): the joints do not determine the motion "
+            "there, place the bodies off it"
+        )
+    return table
+
+
+def _refuse_driven(found: Redundancy) -> None:
+    for item in found.dropped:
+        if item.drive is not None:
+            raise InputError(
+                f"drive {item.drive.name!r}: the {item.drive.coordinate} of joint {item.joint.name!r} is fixed already "
+                "by the other joints and drives; remove one of them"
+            )

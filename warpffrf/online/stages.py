@@ -1,0 +1,132 @@
+"""A run in stages: parts of one run with a step, options and loads of their own.
+
+    simulate(scene, stages=[Stage("press", 0.02, 1e-3), Stage("roll", 0.1, 1e-4, {"save_every": 10})])
+
+A stage begins where the one before it ended, from its checkpoint; time runs on. What a stage overrides holds for that
+stage alone, the next one is back at the scene and the options of the run:
+
+    save_every, integrator, local, method     options of `simulate`
+    gravity                                   (3,) m/s2
+    forces                                    {name: force}: takes the place of the scene's force of that name
+
+A force may be replaced only by one of the same kind: the equations then keep their size, and the state its meaning.
+Loads that jump between stages make accelerations jump, as a signal that jumps does. Joints, drives and bodies cannot be
+replaced: positions would have to jump.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
+from warpffrf.online.history import History
+
+RUN_OPTIONS = ("save_every", "integrator", "local", "method")
+SCENE_VALUES = ("gravity", "forces")
+SUMMED = ("build_seconds", "seconds_in_graph", "loop_seconds")  # the other counters run on through the stages
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Part of a run: `duration` [s] in steps of `step` [s]; `overrides` as in the module. Names of stages are unique.
+
+    Raises `InputError` for wrong numbers and for what cannot be overridden.
+    """
+
+    name: str
+    duration: float
+    step: float
+    overrides: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name or "/" in self.name:
+            raise InputError(f"stage: the name must be a non-empty text without '/', got {self.name!r}")
+        label = f"stage {self.name!r}"
+        require_number(self.duration, f"{label}: duration", positive=True)
+        require_number(self.step, f"{label}: step", positive=True)
+        if not isinstance(self.overrides, Mapping):
+            raise InputError(f"{label}: overrides must be a table, got {self.overrides!r}")
+        for key in self.overrides:
+            if key not in (*RUN_OPTIONS, *SCENE_VALUES):
+                raise unknown_name(f"{label}: override", key, (*RUN_OPTIONS, *SCENE_VALUES))
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The options of `simulate` that this stage overrides."""
+        return {key: value for key, value in self.overrides.items() if key in RUN_OPTIONS}
+
+    def scene(self, scene: Any) -> Any:
+        """`scene` itself, or a copy with this stage's gravity and forces; bodies, joints and contacts are shared."""
+        if not any(key in self.overrides for key in SCENE_VALUES):
+            return scene
+        label = f"stage {self.name!r}"
+        changed = copy.copy(scene)
+        if "gravity" in self.overrides:
+            changed.gravity = require_array(self.overrides["gravity"], f"{label}: gravity", (3,))
+        changed.forces = list(scene.forces)
+        names = [force.name for force in scene.forces]
+        forces = self.overrides.get("forces", {})
+        if not isinstance(forces, Mapping):
+            raise InputError(f"{label}: forces must be a table {{name: force}}, got {forces!r}")
+        for name, given in forces.items():
+            if name not in names:
+                raise unknown_name(f"{label}: force", name, names)
+            old = scene.forces[names.index(name)]
+            if type(given) is not type(old) or _places(given) != _places(old):
+                raise InputError(
+                    f"{label}: force {name!r} is a {old.kind} at {' and '.join(p.label for p in old.ports)}; it can "
+                    "only be replaced by one of that kind in that place"
+                )
+            new = copy.copy(given)
+            new.name = name
+            changed.forces[names.index(name)] = new
+        return changed
+
+
+def check_stages(scene: Any, stages: Any) -> list[Stage]:
+    """`stages` as a list, checked against each other and the scene; raises `InputError`."""
+    if not isinstance(stages, Sequence) or not stages or not all(isinstance(stage, Stage) for stage in stages):
+        raise InputError(
+            f"simulate: stages must be a list of Stage(name, duration, step), at least one, got {stages!r}"
+        )
+    names = [stage.name for stage in stages]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"simulate: two stages are called {name!r}; choose another name")
+    for stage in stages:
+        stage.scene(scene)
+    return list(stages)
+
+
+def joined(histories: Sequence[History], names: Sequence[str]) -> History:
+    """The histories of consecutive stages as one: rows one after the other, notes marked with the stage's name."""
+    last, whole = histories[-1], {}
+    for entry in fields(History):
+        parts = [getattr(history, entry.name) for history in histories]
+        if entry.name not in ("scene", "checkpoint", "counters", "notes"):
+            whole[entry.name] = _joined(parts)
+    counters = {**last.counters, **{n: sum(h.counters.get(n, 0.0) for h in histories) for n in SUMMED}}
+    notes = [f"stage {n!r}: {note}" for n, history in zip(names, histories, strict=True) for note in history.notes]
+    message = f"stage {names[-1]!r}: {last.message}" if last.message else ""
+    whole.update(status=last.status, message=message, counters=counters, notes=list(dict.fromkeys(notes)))
+    return replace(last, scene=histories[0].scene, **whole)
+
+
+def _joined(parts: list[Any]) -> Any:
+    first = parts[0]
+    if isinstance(first, np.ndarray):
+        return np.concatenate(parts)
+    if isinstance(first, dict):
+        return {key: _joined([part[key] for part in parts]) for key in first}
+    if is_dataclass(first) and not isinstance(first, type):
+        return type(first)(**{f.name: _joined([getattr(part, f.name) for part in parts]) for f in fields(first)})
+    return parts[-1]
+
+
+def _places(force: Any) -> list[Any]:
+    return [(port.describe(), id(port.body)) for port in force.ports]

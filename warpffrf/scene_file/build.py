@@ -1,0 +1,411 @@
+"""From a document to a `Scene`: every table is checked, then every call is made, in the order of a program.
+
+Checking comes first and whole, references too, because reducing a body takes time. What a call itself refuses is told
+with the line of the key that the message speaks of, or of the table.
+"""
+
+from __future__ import annotations
+
+import copy
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path as FilePath
+from typing import Any
+
+from warpffrf.model.errors import InputError
+from warpffrf.scene_file.document import suggestion
+from warpffrf.scene_file.forms import (
+    Form,
+    brief,
+    choose,
+    fixed_forms,
+    item_kinds,
+    shown,
+    signal_kinds,
+    value_kinds,
+)
+from warpffrf.scene_file.source import Path, Place, Source
+
+TITLE = "title"
+FITTED = "fitted"  # a contact surface whose shape is found
+FILE_KEYS = {"file", "column"}
+FIRST_ITEMS = ("joints", "contacts")  # others refer to them
+WHOLE = ("interface", "point", "surface")
+
+
+class Builder:
+    """One document on its way to a scene; `scene` after `build()`."""
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self.fixed, self.items, self.values = fixed_forms(), item_kinds(), value_kinds()
+        self.made: dict[str, dict[str, Any]] = {}  # section -> name -> object
+        self.files: dict[Path, FilePath] = {}  # input files, where they are
+        self.scene: Any = None
+        self._check()
+
+    # --- checking
+
+    def _check(self) -> None:
+        values = self.source.values
+        sections = {**{s: self.fixed[s] for s in ("materials", "meshes", "reduced_bodies")}, "signals": signal_kinds()}
+        self.sections = {**sections, "bodies": self.fixed["bodies"], **self.items}
+        known = (TITLE, "include", "parameters", "scene", *self.sections, "arrange", "equilibrium", "simulate")
+        for key, table in values.items():
+            if key not in known:
+                raise InputError(f"{self.source.place((key,))}: unknown key {key!r}{suggestion(key, known)}")
+            if key == TITLE and not isinstance(table, str):
+                raise InputError(f"{self.source.place((key,))}: title must be a text, got {brief(table)}")
+            if key == "arrange" and not isinstance(table, list):
+                raise InputError(f"{self.source.place((key,))}: arrange must be a list of tables, [[arrange]]")
+            if key not in (TITLE, "arrange") and not isinstance(table, dict):
+                raise InputError(f"{self.source.place((key,))}: {key} must be a table, got {brief(table)}")
+        for section in self.sections:
+            for name, table in values.get(section, {}).items():
+                self._check_table((section, name), table, self._form((section, name), table))
+        for section in ("scene", "equilibrium", "simulate"):
+            if section in values:
+                self._check_table((section,), values[section], self.fixed[section][""])
+        for index, table in enumerate(values.get("arrange", [])):
+            path: Path = ("arrange", index)
+            self._check_table(path, table, choose(self.source, path, table, self.fixed["arrange"]))
+
+    def _form(self, path: Path, table: Any) -> Form:
+        section, default = str(path[0]), None
+        if isinstance(table, dict) and section == "bodies":
+            default = "rigid" if "mass" in table or "inertia_tensor" in table else "flexible"
+        if isinstance(table, dict) and section == "reduced_bodies":
+            default = "load" if "path" in table else "reduce"
+        return choose(self.source, path, table, self.sections[section], default)
+
+    def _check_table(self, path: Path, table: dict[str, Any], form: Form) -> None:
+        chosen = () if form.alone else ("kind",)
+        form.check(self.source, path, {key: value for key, value in table.items() if key not in chosen})
+        for key, role in form.roles.items():
+            if key in table:
+                self._check_role((*path, key), table[key], role)
+
+    def _check_role(self, path: Path, value: Any, role: str) -> None:
+        if role == "port":
+            self._port_parts(path, value)
+        elif role == "materials" and isinstance(value, dict):
+            for part, name in value.items():
+                self._named((*path, part), name, role)
+        elif role == "stages":
+            self._check_stages(path, value)
+        elif role in self.sections:
+            self._named(path, value, role)
+        elif role != "path":
+            self._check_value(path, value, role)
+
+    def _check_stages(self, path: Path, stages: Any) -> None:
+        if not isinstance(stages, list):
+            raise InputError(f"{self.source.place(path)}: stages must be a list of tables, [[simulate.stages]]")
+        for index, table in enumerate(stages):
+            here = (*path, index)
+            form = choose(self.source, here, table, self.fixed["stages"])
+            self._check_table(here, table, form)
+            overrides = table.get("overrides", {})
+            if not isinstance(overrides, dict):
+                raise InputError(f"{self.source.place((*here, 'overrides'))}: overrides must be a table")
+            forces = overrides.get("forces", {})
+            for name, changes in forces.items() if isinstance(forces, dict) else ():
+                where = (*here, "overrides", "forces", name)
+                whole = self._overridden(where, name, changes)
+                self._check_table(where, whole, self._form(("forces", name), whole))
+
+    def _overridden(self, path: Path, name: str, changes: Any) -> dict[str, Any]:
+        """The table of a force with a stage's changes."""
+        self._named(path, name, "forces")
+        if not isinstance(changes, dict):
+            raise InputError(f"{self.source.place(path)}: {shown(path)} must be a table, got {brief(changes)}")
+        return {**self.source.values["forces"][name], **changes}
+
+    def _check_value(self, path: Path, value: Any, role: str) -> None:
+        if isinstance(value, dict) and "kind" in value:
+            form = choose(self.source, path, value, self.values)
+            self._check_table(path, value, form)
+        elif isinstance(value, dict) or isinstance(value, list):
+            for key, entry in value.items() if isinstance(value, dict) else enumerate(value):
+                self._check_value((*path, key), entry, role)
+        elif role == "value" and isinstance(value, str):
+            self._reference_check(path, value)
+        elif role == "shapes" and isinstance(value, str) and value != FITTED and value not in self.values:
+            raise InputError(
+                f"{self.source.place(path)}: there is no surface {value!r}; 'fitted', 'cylinder' are known"
+            )
+
+    def _reference_check(self, path: Path, value: str) -> None:
+        if value not in self.source.values.get("signals", {}):
+            try:
+                self._port_parts(path, value)
+            except InputError:
+                signals = tuple(self.source.values.get("signals", {}))
+                raise InputError(
+                    f"{self.source.place(path)}: {value!r} names no signal and no place on a body"
+                    f"{suggestion(value, signals)}"
+                ) from None
+
+    def _named(self, path: Path, name: Any, section: str) -> str:
+        """`name` if the section has it. Raises `InputError` with near matches."""
+        known = tuple(self.source.values.get(section, {}))
+        if not isinstance(name, str):
+            raise InputError(f"{self.source.place(path)}: {path[-1]} must be a name in [{section}], got {brief(name)}")
+        if name not in known:
+            raise InputError(f"{self.source.place(path)}: there is no {name!r} in [{section}]{suggestion(name, known)}")
+        return name
+
+    def _port_parts(self, path: Path, value: Any) -> tuple[str, str | None, Any]:
+        """Body, interface or surface, and point of "body.name", "ground" or {body, interface | surface | point}."""
+        bodies = ("ground", *self.source.values.get("bodies", {}))
+        place = self.source.place(path)
+        if isinstance(value, dict):
+            keys = ("body", *WHOLE)
+            for key in value:
+                if key not in keys:
+                    raise InputError(f"{self.source.place((*path, key))}: unknown key {key!r}{suggestion(key, keys)}")
+            body, names = value.get("body"), [value[key] for key in ("interface", "surface") if key in value]
+            if not isinstance(body, str) or body not in bodies:
+                raise InputError(f"{place}: there is no body {body!r}{suggestion(str(body), bodies)}")
+            if len([key for key in WHOLE if key in value]) > 1 or not all(isinstance(name, str) for name in names):
+                raise InputError(f"{place}: give one of interface = 'NAME', surface = 'NAME', point = [x, y, z]")
+            return body, names[0] if names else None, value.get("point")
+        if not isinstance(value, str):
+            raise InputError(f"{place}: {path[-1]} must be 'body.interface' or {{body, point}}, got {brief(value)}")
+        if value in bodies:
+            return value, None, None
+        owners = [body for body in bodies if value.startswith(body + ".")]
+        if not owners:
+            body = value.split(".")[0]
+            raise InputError(f"{place}: there is no body {body!r}{suggestion(body, bodies)}")
+        body = max(owners, key=len)
+        return body, value[len(body) + 1 :], None
+
+    # --- building
+
+    def build(self) -> Any:
+        """The scene. Raises `InputError` with the line of what cannot be used."""
+        from warpffrf.model.scene import Scene
+
+        values = self.source.values
+        for section in ("materials", "meshes", "reduced_bodies", "signals"):
+            for name in values.get(section, {}):
+                self._object(section, name)
+        table = values.get("scene", {})
+        with self._blamed(("scene",), table):
+            self.scene = Scene(**self._arguments(("scene",), table, self.fixed["scene"][""]))
+        for name, table in values.get("bodies", {}).items():
+            form = self._form(("bodies", name), table)
+            with self._blamed(("bodies", name), table):
+                arguments = self._arguments(("bodies", name), table, form)
+                self._keep("bodies", name, form.call(self.scene, **arguments, name=name))
+        for section in sorted(self.items, key=lambda section: section not in FIRST_ITEMS):
+            for name, table in values.get(section, {}).items():
+                with self._blamed((section, name), table):
+                    self._keep(section, name, self.scene.add(self._item((section, name), table, name)))
+        for index, table in enumerate(values.get("arrange", [])):
+            path: Path = ("arrange", index)
+            form = choose(self.source, path, table, self.fixed["arrange"])
+            with self._blamed(path, table):
+                form.call(self.scene, **self._arguments(path, table, form))
+        return self.scene
+
+    def _item(self, path: Path, table: dict[str, Any], name: str) -> Any:
+        form = self._form((path[0], name) if path[0] in self.items else ("forces", name), table)
+        return form.call(**self._arguments(path, table, form), name=name)
+
+    def run_arguments(self, section: str) -> dict[str, Any] | None:
+        """Arguments of `simulate` or `equilibrium`, None where the document has no such table; paths as written."""
+        if section not in self.source.values:
+            return None
+        table = self.source.values[section]
+        with self._blamed((section,), table):
+            arguments = self._arguments((section,), table, self.fixed[section][""])
+        start = arguments.get("start")
+        if isinstance(start, str) and FilePath(start).suffix:
+            arguments["start"] = self._file((section, "start"), start)
+        return arguments
+
+    def document(self) -> dict[str, Any]:
+        """The values of the document, input files by their whole paths: the same from any folder."""
+        values = copy.deepcopy(self.source.values)
+        for path, file in self.files.items():
+            parent: Any = values
+            for key in path[:-1]:
+                parent = parent.get(key, {}) if isinstance(parent, dict) else parent[key]
+            if path[-1] in parent:
+                parent[path[-1]] = str(file.absolute())
+        return values
+
+    def _file(self, path: Path, name: str) -> FilePath:
+        """An input file, named relative to the file that names it."""
+        self.files[path] = self.source.place(path).folder / FilePath(name).expanduser()
+        return self.files[path]
+
+    def _keep(self, section: str, name: str, thing: Any) -> Any:
+        self.made.setdefault(section, {})[name] = thing
+        return thing
+
+    def _object(self, section: str, name: str) -> Any:
+        """The material, mesh, reduced body or signal of a name, made when first asked for."""
+        if name in self.made.get(section, {}):
+            return self.made[section][name]
+        path, table = (section, name), self.source.values[section][name]
+        form = self._form(path, table)
+        with self._blamed(path, table):
+            arguments = self._arguments(path, table, form)
+            if section == "materials" or form.title == "matrices":
+                arguments["name"] = name
+            if form.title == "reduction" and "material" not in arguments:
+                arguments["material"] = arguments["mesh"].materials or None
+            return self._keep(section, name, form.call(**arguments))
+
+    def _arguments(self, path: Path, table: dict[str, Any], form: Form) -> dict[str, Any]:
+        return {
+            key: self._argument((*path, key), value, form.roles[key])
+            for key, value in table.items()
+            if key in form.roles
+        }
+
+    def _argument(self, path: Path, value: Any, role: str) -> Any:
+        if role == "port":
+            return self._port(path, value)
+        if role == "path":
+            return self._file(path, value) if isinstance(value, str) else self._value(path, value, role)
+        if role == "materials" and isinstance(value, dict):
+            return {part: self._object(role, name) for part, name in value.items()}
+        if role in ("materials", "meshes", "reduced_bodies"):
+            return self._object(role, value)
+        if role in self.sections:
+            if value not in self.made.get(role, {}):
+                raise InputError(f"{path[-1]}: {value!r} comes later in [{role}]; write it first")
+            return self.made[role][value]
+        if role == "stages":
+            return [self._stage((*path, index), table) for index, table in enumerate(value)]
+        if role == "shapes" and isinstance(value, dict) and "kind" not in value:
+            return {name: self._shape((*path, name), shape) for name, shape in value.items()}
+        return self._value(path, value, role)
+
+    def _stage(self, path: Path, table: dict[str, Any]) -> Any:
+        with self._blamed(path, table):
+            return self.fixed["stages"][""].call(**self._arguments(path, table, self.fixed["stages"][""]))
+
+    def _shape(self, path: Path, value: Any) -> Any:
+        if value == FITTED:
+            return None
+        return self.values[value].call() if isinstance(value, str) else self._value(path, value, "shapes")
+
+    def _value(self, path: Path, value: Any, role: str) -> Any:
+        """A value with the objects, files and references in it put in."""
+        if isinstance(value, dict):
+            if "kind" in value:
+                form = choose(self.source, path, value, self.values)
+                with self._blamed(path, value):
+                    return form.call(**self._arguments(path, value, form))
+            if "file" in value and set(value) <= FILE_KEYS:
+                if not isinstance(value["file"], str):
+                    raise InputError(f"file must be a text, got {brief(value['file'])}")
+                return _numbers(self._file((*path, "file"), value["file"]), value.get("column"))
+            if role == "overrides" and path[-1] == "forces":
+                return {
+                    name: self._item((*path, name), self._overridden((*path, name), name, changes), name)
+                    for name, changes in value.items()
+                }
+            return {key: self._value((*path, key), entry, role) for key, entry in value.items()}
+        if isinstance(value, list):
+            return [self._value((*path, index), entry, role) for index, entry in enumerate(value)]
+        if role == "value" and isinstance(value, str):
+            if value in self.source.values.get("signals", {}):
+                return self._object("signals", value)
+            return self._port(path, value)
+        return value
+
+    def _port(self, path: Path, value: Any) -> Any:
+        name, part, point = self._port_parts(path, value)
+        body = self.scene.ground if name == "ground" else self.made["bodies"][name]
+        try:
+            if part is not None:
+                return body[part]
+            return body if point is None else body.at(point)
+        except InputError as error:
+            raise _Blamed(f"{self.source.place(path)}: {shown(path[:-1])}: {error}") from error
+
+    @contextmanager
+    def running(self, section: str) -> Iterator[None]:
+        """Put the line in front of what `simulate` or `equilibrium` refuses."""
+        try:
+            yield
+        except InputError as error:
+            table = self.source.values[section]
+            raise _Blamed(
+                f"{self._blamed_place((section,), table, str(error))}: {shown((section,))}: {error}"
+            ) from error
+
+    @contextmanager
+    def _blamed(self, path: Path, table: Any) -> Iterator[None]:
+        """Put the line in front of what a call refuses."""
+        try:
+            yield
+        except _Blamed:
+            raise
+        except InputError as error:
+            raise _Blamed(f"{self._blamed_place(path, table, str(error))}: {shown(path)}: {error}") from error
+        except (TypeError, ValueError, OverflowError) as error:
+            raise _Blamed(f"{self.source.place(path)}: {shown(path)} cannot be used: {error}") from error
+
+    def _blamed_place(self, path: Path, table: Any, message: str) -> Place:
+        """The place of what the message speaks of in the table at `path`: the first name in quotes that is a key or a
+        text there, or else the longest key that is a word of it, or else the table."""
+        quoted, named = len(message), ""
+        found = worded = path
+        for below, words in _words(table, path):
+            for word in words:
+                quote = re.search(rf"{re.escape(repr(word))}(?!:)", message)  # 'name': is the subject itself
+                at = quote.start() if quote else quoted
+                if at < quoted:
+                    quoted, found = at, below
+            key = str(below[-1])
+            if len(key) > len(named) and re.search(rf"(?<![\w.'\"]){re.escape(key)}(?![\w'\"])", message):
+                named, worded = key, below
+        return self.source.place(found if quoted < len(message) else worded)
+
+
+def _words(value: Any, path: Path) -> Iterator[tuple[Path, list[str]]]:
+    """Every path below `path` with its key and its text."""
+    entries = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, entry in entries:
+        yield (*path, key), [word for word in (key, entry) if isinstance(word, str)]
+        yield from _words(entry, (*path, key))
+
+
+class _Blamed(InputError):
+    """An error whose message begins with its place already."""
+
+
+def _numbers(file: FilePath, column: Any) -> Any:
+    """An array from {file = "...", column = n}: .npy, or text with commas or blanks; whole numbers stay whole."""
+    import numpy as np
+
+    name = file.name
+    if column is not None and (isinstance(column, bool) or not isinstance(column, int) or column < 0):
+        raise InputError(f"column must be a whole number from 0, got {brief(column)}")
+    if not file.is_file():
+        raise InputError(f"file {name!r} does not exist; it is looked for in {file.parent}")
+    try:
+        if file.suffix.lower() == ".npy":
+            array = np.load(file, allow_pickle=False)
+        else:
+            text = file.read_text(encoding="utf-8").replace(",", " ").splitlines()
+            array = np.loadtxt(text, ndmin=2, comments="#")
+            array = array[:, 0] if array.shape[1] == 1 else array
+    except (OSError, ValueError) as error:
+        raise InputError(f"file {name!r} holds no table of numbers ({error})") from None
+    if column is not None:
+        if array.ndim != 2 or column >= array.shape[1]:
+            raise InputError(f"file {name!r}: column {column} does not exist, its numbers have shape {array.shape}")
+        array = array[:, column]
+    whole = (
+        array.size and np.all(np.isfinite(array)) and np.all(array == np.rint(array)) and np.abs(array).max() < 2**53
+    )
+    return array.astype(np.int64) if whole else array

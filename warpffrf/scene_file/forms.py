@@ -1,0 +1,275 @@
+"""What a table of a scene file may say: read off the signature of the Python call that it stands for.
+
+A `Form` is a call and its arguments. Types come from the annotations and are checked by pydantic: numbers, texts, lists
+and tables strictly, everything else when the call is made. An argument that names another thing of the scene has a
+role, found by its name (`a`, `b`, `port`, `joint`, ...) or its annotation (`Joint`). Joints, forces, sensors, drives
+and contact pairs are found as the classes with a `scene_list`, signals, surfaces, bases and integrators in their
+modules: a new one in its module is a new `kind` here.
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+from types import ModuleType
+from typing import Any, NotRequired
+
+from warpffrf.model.errors import InputError
+from warpffrf.scene_file.document import suggestion
+from warpffrf.scene_file.source import Path, Source
+
+PORTS = ("a", "b", "port", "onto", "first", "second")  # arguments that are places on bodies
+NAMED = {"joint": "joints", "contact": "contacts", "body": "bodies", "sensor": "sensors"}  # role -> section
+PATHS = ("path", "M", "K")
+ITEM_MODULES = ("joints", "forces", "sensors", "contact")  # of warpffrf.model, those that there are
+ABSTRACT = ("joint", "force", "sensor")  # kinds of the classes that others are made from
+WORDS = {
+    "float_type": "must be a number", "int_type": "must be a whole number", "bool_type": "must be true or false",
+    "int_from_float": "must be a whole number", "string_type": "must be a text", "list_type": "must be a list",
+    "dict_type": "must be a table", "literal_error": "has no such value", "finite_number": "must be finite",
+}  # fmt: skip
+_TYPES: dict[str, Any] = {"float": float, "int": int, "bool": bool, "str": str}
+_TEXTS = ("Path", "os.PathLike[str]")
+_TABLES = ("Mapping", "dict")
+_LISTS = ("Sequence", "list", "tuple")
+
+
+@dataclass(frozen=True)
+class Form:
+    """A call as a table: `roles` argument -> what its value refers to, "" for plain values."""
+
+    title: str  # for messages: what the table describes
+    call: Callable[..., Any]
+    roles: dict[str, str]
+    adapter: Any  # pydantic TypeAdapter of the whole table
+    alone: bool = False  # the only form of its section: its table has no key `kind`
+
+    def check(self, source: Source, path: Path, table: dict[str, Any]) -> None:
+        """Raises `InputError`, with the line, for an unknown key, a missing one, or a value of the wrong type."""
+        from pydantic import ValidationError
+
+        try:
+            self.adapter.validate_python(table)
+        except ValidationError as error:
+            wrong = sorted(error.errors(include_url=False), key=lambda one: one["type"] != "extra_forbidden")
+            found = [self._told(source, path, one) for one in wrong]  # a misspelt key explains the missing one
+            raise InputError(found[0] + (f" (and {len(found) - 1} more)" if len(found) > 1 else "")) from None
+
+    def _told(self, source: Source, path: Path, error: Any) -> str:
+        key = str(error["loc"][0]) if error["loc"] else ""
+        here = (*path, *error["loc"])
+        what = f"{source.place(here if error['type'] != 'missing' else path)}: {shown(path)}"
+        if error["type"] == "extra_forbidden":
+            return f"{what}: unknown key {key!r}{suggestion(key, tuple(self.roles))}"
+        if error["type"] == "missing":
+            return f"{what}: the key {key!r} is missing"
+        words = WORDS.get(error["type"], error["msg"][:1].lower() + error["msg"][1:])
+        inner = "".join(f"[{n}]" for n in error["loc"][1:] if isinstance(n, int))
+        return f"{what}: {key}{inner} {words}, got {brief(error['input'])}"
+
+
+def brief(value: Any) -> str:
+    """A value for a message."""
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def shown(path: Path) -> str:
+    """The header of a table, for messages: [joints.hinge]."""
+    return f"[{'.'.join(str(key) for key in path)}]"
+
+
+def form_of(title: str, call: Callable[..., Any], roles: dict[str, str], leave_out: tuple[str, ...] = ()) -> Form:
+    """The form of `call`. `roles` are those that its names and annotations do not tell; `leave_out` arguments are the
+    program's own."""
+    from pydantic import ConfigDict, TypeAdapter
+    from typing_extensions import TypedDict  # pydantic refuses that of typing before Python 3.12
+
+    fields: dict[str, Any] = {}
+    found: dict[str, str] = {}
+    for name, parameter in inspect.signature(call).parameters.items():
+        if name in leave_out or parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
+            continue
+        annotation = parameter.annotation if isinstance(parameter.annotation, str) else ""
+        found[name] = roles.get(name, "")
+        needed = parameter.default is inspect.Parameter.empty
+        kind = _type_of(annotation) if not found[name] else str if found[name] in ("joints", "contacts") else Any
+        fields[name] = kind if needed else NotRequired[kind]
+    table = TypedDict(title.replace(" ", "_"), fields)  # pyright: ignore
+    config = ConfigDict(extra="forbid", strict=True, arbitrary_types_allowed=True)
+    setattr(table, "__pydantic_config__", config)  # noqa: B010 (TypedDict as a call has no other way)
+    return Form(title, call, found, TypeAdapter(table))
+
+
+def _type_of(annotation: str) -> Any:
+    """The pydantic type of an annotation's text; Any for what is not plain. None cannot be written in TOML."""
+    kinds = []
+    for part in (part.strip() for part in _split(annotation)):
+        if part in _TYPES:
+            kinds.append(_TYPES[part])
+        elif part in _TEXTS:
+            kinds.append(str)
+        elif part.startswith(_TABLES):
+            kinds.append(dict)
+        elif part.startswith(_LISTS):
+            kinds.append(list)
+        elif part != "None":
+            return Any
+    if not kinds:
+        return Any
+    whole = kinds[0]
+    for kind in kinds[1:]:
+        whole = whole | kind
+    return whole
+
+
+def _split(annotation: str) -> list[str]:
+    """Parts of a union, brackets kept whole."""
+    return re.findall(r"(?:[^|\[\]]|\[(?:[^\[\]]|\[(?:[^\[\]]|\[[^\[\]]*\])*\])*\])+", annotation)
+
+
+def item_roles(call: Callable[..., Any]) -> dict[str, str]:
+    """Roles of the arguments of a joint, force, sensor, drive or contact pair."""
+    roles = {}
+    for name, parameter in inspect.signature(call).parameters.items():
+        annotation = parameter.annotation if isinstance(parameter.annotation, str) else ""
+        if name in PORTS or re.search(r"\bPort\b", annotation):
+            roles[name] = "port"
+        elif name in NAMED:
+            roles[name] = NAMED[name]
+        elif re.search(r"\bJoint\b", annotation):
+            roles[name] = "joints"
+        elif _type_of(annotation) is Any:
+            roles[name] = "value"  # numbers, signals, and texts that refer to something
+    return roles
+
+
+def _classes(module: ModuleType) -> Iterator[tuple[str, type]]:
+    for name, value in vars(module).items():
+        if inspect.isclass(value) and not name.startswith("_"):
+            yield name, value
+
+
+def _module(name: str) -> ModuleType | None:
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        if error.name == name:
+            return None
+        raise
+
+
+@cache
+def item_kinds() -> dict[str, dict[str, Form]]:
+    """Section -> kind -> form, of everything that `Scene.add` takes."""
+    found: dict[str, dict[str, Form]] = {}
+    for name in ITEM_MODULES:
+        module = _module(f"warpffrf.model.{name}")
+        for _, cls in _classes(module) if module else ():
+            section, kind = getattr(cls, "scene_list", None), cls.__dict__.get("kind")
+            if not section or not kind or kind in ABSTRACT:
+                continue
+            found.setdefault(section, {})[kind] = form_of(kind, cls, item_roles(cls), leave_out=("name",))
+    return found
+
+
+def snake_case(name: str) -> str:
+    """SmoothStep -> smooth_step."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
+
+
+@cache
+def signal_kinds() -> dict[str, Form]:
+    """Kind -> form of every signal."""
+    from warpffrf.model import signals
+
+    classes = [cls for _, cls in _classes(signals) if issubclass(cls, signals.Signal) and cls is not signals.Signal]
+    return {snake_case(cls.__name__): form_of(snake_case(cls.__name__), cls, {}) for cls in classes}
+
+
+@cache
+def value_kinds() -> dict[str, Form]:
+    """Kind -> form of everything that may stand as a value: signals, surfaces, bases, integrators, stress points."""
+    from warpffrf.model.bases import BASES
+    from warpffrf.model.stress_field import StressPoints
+    from warpffrf.model.surfaces import SHAPES
+
+    online = importlib.import_module("warpffrf.online")
+    integrators = [cls for name, cls in _classes(online) if "alpha" in name.lower() or hasattr(cls, "rho_inf")]
+    registry = getattr(online, "INTEGRATORS", None)
+    if registry is not None:
+        integrators = list(registry.values() if isinstance(registry, dict) else registry)
+    others = [StressPoints, *integrators]
+    found = dict(signal_kinds())
+    found.update({kind: form_of(kind, cls, {}) for kind, cls in {**SHAPES, **BASES}.items()})
+    found.update({snake_case(cls.__name__): form_of(snake_case(cls.__name__), cls, {}) for cls in others})
+    laws = _module("warpffrf.model.laws")
+    for name, cls in _classes(laws) if laws else ():
+        found[getattr(cls, "kind", None) or snake_case(name)] = form_of(snake_case(name), cls, {})
+    return found
+
+
+@cache
+def fixed_forms() -> dict[str, dict[str, Form]]:
+    """Section -> kind -> form of the tables that are not items: kind "" where there is only one."""
+    import warpffrf as wf
+    from warpffrf.model.scene import Scene
+    from warpffrf.online.stages import Stage
+    from warpffrf.output.simulate import equilibrium, simulate
+
+    paths: dict[str, str] = dict.fromkeys(PATHS, "path")
+    found = {
+        "materials": {"": form_of("material", wf.Material, {}, ("name",))},
+        "meshes": {
+            "roller": form_of("roller", wf.mesh.roller, {}),
+            "read": form_of("mesh file", wf.mesh.read, paths),
+            "from_matrices": form_of("matrices", wf.mesh.from_matrices, paths, ("name",)),
+        },
+        "reduced_bodies": {
+            "reduce": form_of(
+                "reduction",
+                wf.reduce,
+                {"mesh": "meshes", "material": "materials", "contact": "shapes", "stress": "value of reduce"},
+                ("progress",),
+            ),
+            "load": form_of("reduced body file", wf.ReducedBody.load, paths),
+        },
+        "scene": {"": form_of("scene", Scene, {})},
+        "bodies": {
+            "flexible": form_of("flexible body", Scene.add_body, {"body": "reduced_bodies"}, ("self", "name")),
+            "rigid": form_of("rigid body", Scene.add_rigid_body, {}, ("self", "name")),
+        },
+        "arrange": {
+            "place": form_of("place", Scene.place, {"port": "port", "onto": "port"}, ("self",)),
+            "close_gap": form_of("close_gap", Scene.close_gap, {"contact": "contacts"}, ("self",)),
+        },
+        "equilibrium": {"": form_of("equilibrium", equilibrium, {}, ("scene",))},
+        "simulate": {"": form_of("simulate", simulate, {"stages": "stages"}, ("scene", "progress"))},
+        "stages": {"": form_of("stage", Stage, {"overrides": "overrides"})},
+    }
+    return {
+        section: {kind: form if kind else replace(form, alone=True) for kind, form in kinds.items()}
+        for section, kinds in found.items()
+    }
+
+
+def choose(source: Source, path: Path, table: Any, kinds: dict[str, Form], default: str | None = None) -> Form:
+    """The form that a table's key `kind` names, or the only or `default` one. Raises `InputError` with the line."""
+    if not isinstance(table, dict):
+        raise InputError(f"{source.place(path)}: {shown(path)} must be a table, got {brief(table)}")
+    kind: Any = table.get("kind", default)
+    if "" in kinds:
+        return kinds[""]
+    if kind is None and len(kinds) == 1:
+        (kind,) = kinds
+    known = ", ".join(repr(k) for k in kinds)
+    if kind is None:
+        raise InputError(f"{source.place(path)}: {shown(path)}: the key 'kind' is missing; known kinds: {known}")
+    if not isinstance(kind, str) or kind not in kinds:
+        hint = suggestion(kind, tuple(kinds)) if isinstance(kind, str) else f"; known: {known}"
+        raise InputError(f"{source.place((*path, 'kind'))}: {shown(path)}: there is no kind {kind!r}{hint}")
+    return kinds[kind]

@@ -1,0 +1,105 @@
+"""A scene file as an object, and running it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from warpffrf.model.errors import InputError
+from warpffrf.scene_file.build import TITLE, Builder
+from warpffrf.scene_file.document import document_of, read_document, to_toml
+from warpffrf.scene_file.source import Source
+
+
+@dataclass(frozen=True)
+class LoadedScene:
+    """What a scene file describes.
+
+    scene: the `Scene`. equilibrium, simulate: the arguments of these calls as the file gives them, None without such a
+    table. title: of the file, or its name. made: section -> name -> object ("reduced_bodies", "bodies", "joints", ...).
+    document: all values of the file, parameters, settings and includes put in.
+    """
+
+    scene: Any
+    equilibrium: dict[str, Any] | None
+    simulate: dict[str, Any] | None
+    title: str
+    made: Mapping[str, Mapping[str, Any]]
+    document: Mapping[str, Any]
+    running: Callable[[str], AbstractContextManager[None]]  # puts the line in front of what a call refuses
+
+    def to_toml(self) -> str:
+        """The document as one TOML text without includes and parameters."""
+        return to_toml(dict(self.document))
+
+
+def load_scene(path: str | os.PathLike[str], *, settings: Sequence[str] = ()) -> LoadedScene:
+    """The scene in a TOML file, ready to run. settings: "name=value" as of `--set`. Raises `InputError`, with file and
+    line, for everything that is wrong."""
+    file = Path(path).expanduser()
+    if not file.is_file():
+        raise InputError(f"scene file {str(path)!r} does not exist; check the path")
+    return _loaded(read_document(file, settings), file.stem)
+
+
+def scene_of(text: str, folder: str | os.PathLike[str] = ".", *, settings: Sequence[str] = ()) -> LoadedScene:
+    """`load_scene` of a text; its relative paths start from `folder`."""
+    return _loaded(document_of(text, Path(folder), settings), "scene")
+
+
+def _loaded(source: Source, name: str) -> LoadedScene:
+    builder = Builder(source)
+    scene = builder.build()
+    runs = {section: builder.run_arguments(section) for section in ("equilibrium", "simulate")}
+    return LoadedScene(
+        scene,
+        **runs,
+        title=source.values.get(TITLE, name),
+        made=builder.made,
+        document=builder.document(),
+        running=builder.running,
+    )
+
+
+def run_scene(
+    path: str | os.PathLike[str],
+    *,
+    settings: Sequence[str] = (),
+    out: str | os.PathLike[str] | None = None,
+    progress: bool = True,
+) -> dict[str, Any]:
+    """Do what the scene file says: its `equilibrium`, its `simulate`, or both; returns {call: Result}.
+
+    Files go into the folder `out`, by default out/NAME of the file NAME.toml: what `results` and `record` name, the
+    results of a call without `results` as NAME.h5 (NAME_equilibrium.h5), and the document as it was run, NAME.toml.
+    """
+    from warpffrf.output.paths import checked_output_path
+    from warpffrf.output.simulate import equilibrium, simulate
+
+    name = Path(path).stem
+    loaded = load_scene(path, settings=settings)
+    if loaded.equilibrium is None and loaded.simulate is None:
+        raise InputError(f"{Path(path).name}: says nothing to run; add the table [simulate] or [equilibrium]")
+    folder = Path("out") / name if out is None else Path(out).expanduser()
+    text = checked_output_path(folder / f"{name}.toml", "--out")
+    if text.resolve() != Path(path).expanduser().resolve():
+        text.write_text(loaded.to_toml(), encoding="utf-8")
+    found: dict[str, Any] = {}
+    calls: Any = (("equilibrium", equilibrium, {}), ("simulate", simulate, {"progress": progress}))
+    for section, call, options in calls:
+        arguments = getattr(loaded, section)
+        if arguments is not None:
+            default = f"{name}.h5" if section == "simulate" else f"{name}_{section}.h5"
+            with loaded.running(section):
+                found[section] = call(loaded.scene, **_in_folder(arguments, folder, default), **options)
+    return found
+
+
+def _in_folder(arguments: dict[str, Any], folder: Path, results: str) -> dict[str, Any]:
+    """The arguments with output files in `folder`."""
+    files = {"results": results, **arguments}
+    return {**arguments, **{key: folder / files[key] for key in ("results", "record") if key in files}}
