@@ -23,8 +23,10 @@ if TYPE_CHECKING:
     from warpffrf.offline import reduce
     from warpffrf.offline.contact.grid_rule import contact_spacing
     from warpffrf.online import GeneralizedAlpha
+    from warpffrf.online.stages import Stage
     from warpffrf.output.result import Result
     from warpffrf.output.simulate import equilibrium, simulate
+    from warpffrf.scene_file import load_scene, run_scene
 
 __version__ = "0.1.0"
 
@@ -36,14 +38,17 @@ __all__ = [
     "ReducedBody",
     "Result",
     "Scene",
+    "Stage",
     "StressPoints",
     "bases",
     "contact_spacing",
     "equilibrium",
     "forces",
     "joints",
+    "load_scene",
     "mesh",
     "reduce",
+    "run_scene",
     "sensors",
     "signals",
     "simulate",
@@ -59,15 +64,18 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "ReducedBody": ("warpffrf.model.reduced_body", "ReducedBody"),
     "Result": ("warpffrf.output.result", "Result"),
     "Scene": ("warpffrf.model.scene", "Scene"),
+    "Stage": ("warpffrf.online.stages", "Stage"),
     "StressPoints": ("warpffrf.model.stress_field", "StressPoints"),
     "bases": ("warpffrf.model.bases", None),
     "contact_spacing": ("warpffrf.offline.contact.grid_rule", "contact_spacing"),
     "equilibrium": ("warpffrf.output.simulate", "equilibrium"),
     "forces": ("warpffrf.model.forces", None),
-    "sensors": ("warpffrf.model.sensors", None),
     "joints": ("warpffrf.model.joints", None),
+    "load_scene": ("warpffrf.scene_file", "load_scene"),
     "mesh": ("warpffrf.model.mesh", None),
     "reduce": ("warpffrf.offline", "reduce"),
+    "run_scene": ("warpffrf.scene_file", "run_scene"),
+    "sensors": ("warpffrf.model.sensors", None),
     "signals": ("warpffrf.model.signals", None),
     "simulate": ("warpffrf.output.simulate", "simulate"),
     "surfaces": ("warpffrf.model.surfaces", None),
