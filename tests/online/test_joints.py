@@ -215,3 +215,16 @@ def test_joint_histories_without_a_second_coordinate() -> None:
     zero = np.zeros((3, 3))
     history = JointHistory(np.zeros(3), zero, zero)
     assert np.all(np.isnan(np.asarray(history.second_coordinate)))
+
+
+def test_the_check_names_the_drives_that_a_run_refuses() -> None:
+    scene = Scene()
+    port = scene.add_rigid_body(1.0, (1.0, 1.0, 1.0), name="body").at((0, 0, 0))
+    hinge = scene.add(joints.Revolute(scene.ground, port, axis=(0, 0, 1)))
+    scene.add(joints.Drive(hinge, 1.0, name="motor"))
+    assert scene.check().refused_drives == ()
+    scene.add(joints.Fixed(scene.ground, port))
+    found = scene.check()
+    assert found.refused_drives == ("motor",) and "driven though fixed already: motor" in str(found)
+    with pytest.raises(InputError, match="drive 'motor'.*fixed already"):
+        run(scene, 1e-2, step=1e-3, progress=False)

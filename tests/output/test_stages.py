@@ -164,3 +164,39 @@ def test_a_checkpoint_of_another_scene_or_damaged_is_refused() -> None:
         result.history.checkpoint = damage
         with pytest.raises(wf.InputError, match=said):
             simulate(scene, 1e-2, step=1e-3, start=result, progress=False)
+
+
+def test_gravity_that_changes_between_stages_leaves_the_ledger_closed() -> None:
+    """The jump of the potential is work of forces; the checkpoint left behind is that of the scene's own gravity."""
+    scene = falling(4.0)
+    scene.body("stone").position = (0.0, 0.0, 3.0)
+    stages = [Stage("one", 0.1, 1e-3), Stage("two", 0.1, 1e-3, {"gravity": (0, 0, -1.0)}), Stage("three", 0.1, 1e-3)]
+    result = simulate(scene, stages=stages, progress=False)
+    assert isinstance(result, StagedResult)
+    more = simulate(scene, 0.1, step=1e-3, start=result.stages["two"], progress=False)
+    assert more.energy["potential"][-1] == result.energy["potential"][-1]
+    z = result.body("stone").position[:, 2]
+    size = 2.0 * 9.81 * 3.0
+    assert result.energy["potential"][105] == pytest.approx(2.0 * z[105], abs=1e-12 * size)
+    for run in (result, more):  # the load itself jumps: half a step of its work is the integrator's
+        assert np.abs(run.energy["numerical"]).max() < 1e-3 * size
+
+
+def test_what_is_no_scene_no_integrator_and_no_number_is_refused() -> None:
+    with pytest.raises(wf.InputError, match="a Scene is needed"):
+        simulate(None, 1.0, step=0.1)
+    with pytest.raises(wf.InputError, match="a Scene is needed"):
+        wf.equilibrium(None)
+    with pytest.raises(wf.InputError, match="save_every must be a whole number"):
+        simulate(falling(), 1e-2, step=1e-3, save_every=2.5, progress=False)  # type: ignore[arg-type]
+    wrong = [Stage("a", 1e-2, 1e-3, {"integrator": "alpha"})]
+    with pytest.raises(wf.InputError, match="stage 'a': integrator must be"):
+        simulate(falling(), stages=wrong, progress=False)
+    with pytest.raises(wf.InputError, match="rho_inf must be a number"):
+        GeneralizedAlpha(rho_inf="high")  # type: ignore[arg-type]
+    assert Stage("a", "0.5", 1).duration == 0.5  # type: ignore[arg-type]
+
+
+def test_report_says_over_what_iterations_are_counted() -> None:
+    assert "iterations a step" in simulate(falling(), 1e-2, step=1e-3, progress=False).report()
+    assert "iterations a saved row" in simulate(falling(), 1e-2, step=1e-3, save_every=5, progress=False).report()

@@ -34,6 +34,7 @@ class SceneCheck:
     gaps: dict[str, float]
     unsupported: tuple[str, ...]
     redundant_rows: tuple[str, ...] = ()  # 'joint': what its redundant row would hold, axes of the joint
+    refused_drives: tuple[str, ...] = ()  # drives of coordinates that joints fix already: such a scene cannot be run
     singular_pose: bool = False  # the constraints lose rank at the initial pose only: a dead centre, a flat loop
 
     def __str__(self) -> str:
@@ -50,6 +51,10 @@ class SceneCheck:
             found = ", ".join(f"{name} ({count})" for name, count in self.redundant.items())
             lines.append(f"redundant constraints: {found}; left out, their reactions count as zero")
             lines += [f"  {label}" for label in self.redundant_rows]
+        if self.refused_drives:
+            lines.append(
+                f"driven though fixed already: {', '.join(self.refused_drives)}; remove them, or simulate refuses"
+            )
         if self.singular_pose:
             lines.append("the initial pose is singular (a dead centre or a flat loop): place the bodies off it")
         if self.unsupported:
@@ -77,6 +82,7 @@ def check_scene(scene: Scene) -> SceneCheck:
         gaps={contact.name: smallest_gap(contact)[0] for contact in scene.contacts},
         unsupported=_unsupported(scene),
         redundant_rows=tuple(row.label for row in found.dropped),
+        refused_drives=tuple(str(row.drive.name) for row in found.dropped if row.drive is not None),
         singular_pose=found.rank_here < found.rank,
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from warpffrf.model.errors import InputError
+from warpffrf.model.errors import InputError, require_number
 
 
 @dataclass(frozen=True)
@@ -18,5 +18,6 @@ class GeneralizedAlpha:
     rho_inf: float = 0.8
 
     def __post_init__(self) -> None:
+        require_number(self.rho_inf, "GeneralizedAlpha: rho_inf")
         if not 0.0 <= self.rho_inf <= 1.0:
             raise InputError(f"GeneralizedAlpha: rho_inf must lie between 0 and 1, got {self.rho_inf!r}")

@@ -14,12 +14,14 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import rotation as rot
+from warpffrf.model.forces import SpringLaw
 from warpffrf.model.joints import Joint, Marker, Row
 from warpffrf.model.joints.rows import gradient, value
 from warpffrf.model.redundancy import ConstraintRow, scene_length
 from warpffrf.online.history import BodyHistory
 
 LEFT_OUT = 1e-6  # of the scene's length, or rad: a redundant row is kept to round-off; more means that it was needed
+NEAR_HALF_TURN = 0.75  # of half a turn: a bushing that comes so far is no bushing; leaves room for what is not saved
 
 
 def _matrices(q: np.ndarray) -> np.ndarray:
@@ -97,5 +99,27 @@ def left_out_notes(scene: Any, dropped: list[ConstraintRow], bodies: dict[str, B
             notes.append(
                 f"joint {item.label} was left out as redundant at the initial pose, but the motion broke it by "
                 f"{off:.3g} {'m' if row.is_length else 'rad'}: the results are wrong there; start from another pose"
+            )
+    return notes
+
+
+def half_turn_notes(laws: dict[str, SpringLaw], bodies: dict[str, BodyHistory], count: int) -> list[str]:
+    """A note for every bushing that came near half a turn at the `count` saved steps, where its rotation vector jumps
+    to the other side."""
+    notes = []
+    for name, law in laws.items():
+        if count == 0 or not any(c.kind == "bushing" and np.any(c.vector[3:]) for c in law.coordinates):
+            continue
+        A_a, A_b = (
+            marker_motion(port, Marker(point, rot.quaternion(axes)), bodies, count)[1]
+            for port, point, axes in zip(law.ports, law.points or (), law.axes or (), strict=True)
+        )
+        cosine = 0.5 * (np.einsum("tij,tij->t", A_a, A_b) - 1.0)
+        angle = float(np.arccos(np.clip(cosine, -1.0, 1.0)).max())
+        if angle > NEAR_HALF_TURN * np.pi:
+            notes.append(
+                f"bushing {name!r}: its ports turned by {np.degrees(angle):.3g} degrees against each other; at half a "
+                "turn its law jumps, the results beyond are wrong; use a joint with springs, or a Bearing for a shaft "
+                "that spins"
             )
     return notes

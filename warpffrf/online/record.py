@@ -7,7 +7,7 @@ from warpffrf_kernels import control as k
 
 from warpffrf.online.compile import CompiledScene
 from warpffrf.online.history import ENERGY_LINES, BodyHistory, ContactHistory, History, JointHistory
-from warpffrf.online.joint_motion import coordinates, left_out_notes
+from warpffrf.online.joint_motion import coordinates, half_turn_notes, left_out_notes
 from warpffrf.online.sensors import force_histories, sensor_histories, turned
 from warpffrf.online.state import ring_width
 
@@ -58,7 +58,8 @@ def history_from_rows(compiled: CompiledScene, chunks: list[np.ndarray]) -> Hist
         bodies=bodies, joints=joints, contacts=contacts, forces=forces,
         sensors=sensor_histories(scene, T, bodies, joints, forces),
         energy=energy, iterations=rows[:, 2].astype(int), factorisations=rows[:, 3].astype(int),
-        notes=left_out_notes(scene, compiled.joints.dropped, bodies, T),
+        notes=left_out_notes(scene, compiled.joints.dropped, bodies, T)
+        + half_turn_notes(compiled.forces.laws, bodies, T),
     )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from warpffrf_kernels import control as k
 
-from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.online.checkpoint import is_dynamic, restore
 from warpffrf.online.engine import Engine
 from warpffrf.online.generalized_alpha import GeneralizedAlpha
@@ -77,8 +77,7 @@ def run(
         raise InputError(f"simulate: step {step:g} s is longer than the duration {duration:g} s")
     for drive in scene.drives:
         _check_velocity(drive)
-    if save_every < 1:
-        raise InputError(f"simulate: save_every must be at least 1, got {save_every!r}")
+    save_every = require_count(save_every, "simulate: save_every", 1)
     begin = time.perf_counter()
     integrator = integrator or GeneralizedAlpha()
     engine = Engine(scene, device=device, settings=settings, rho_inf=integrator.rho_inf)

@@ -10,7 +10,8 @@ stage alone, the next one is back at the scene and the options of the run:
     forces                                    {name: force}: takes the place of the scene's force of that name
 
 A force may be replaced only by one of the same kind: the equations then keep their size, and the state its meaning.
-Loads that jump between stages make accelerations jump, as a signal that jumps does. Joints, drives and bodies cannot be
+Loads that jump between stages make accelerations jump, as a signal that jumps does; the
+potential energy that jumps with gravity is booked as work of forces. Joints, drives and bodies cannot be
 replaced: positions would have to jump.
 """
 
@@ -24,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
-from warpffrf.online.history import History
+from warpffrf.online.history import ENERGY_LINES, History
 
 RUN_OPTIONS = ("save_every", "integrator", "local", "method")
 SCENE_VALUES = ("gravity", "forces")
@@ -47,8 +48,9 @@ class Stage:
         if not isinstance(self.name, str) or not self.name or "/" in self.name:
             raise InputError(f"stage: the name must be a non-empty text without '/', got {self.name!r}")
         label = f"stage {self.name!r}"
-        require_number(self.duration, f"{label}: duration", positive=True)
-        require_number(self.step, f"{label}: step", positive=True)
+        for key in ("duration", "step"):
+            value = require_number(getattr(self, key), f"{label}: {key}", positive=True)
+            object.__setattr__(self, key, value)
         if not isinstance(self.overrides, Mapping):
             raise InputError(f"{label}: overrides must be a table, got {self.overrides!r}")
         for key in self.overrides:
@@ -101,6 +103,22 @@ def check_stages(scene: Any, stages: Any) -> list[Stage]:
     for stage in stages:
         stage.scene(scene)
     return list(stages)
+
+
+def with_gravity(checkpoint: Mapping[str, np.ndarray], scene: Any, before: Any, after: Any) -> dict[str, np.ndarray]:
+    """A checkpoint whose gravity changes from `before` to `after` (3,) [m/s2].
+
+    The potential -sum m g.r jumps with g while nothing moves; the jump is booked as work of forces, so that the ledger
+    stays closed and no step is blamed for it.
+    """
+    if np.array_equal(before, after):
+        return dict(checkpoint)
+    masses = np.array([body.mass for body in scene.bodies])
+    jump = -np.einsum("b,wbi,i->w", masses, checkpoint["r"], np.subtract(after, before))
+    energy = np.array(checkpoint["energy"])
+    for line in ("potential", "force_work"):
+        energy[:, 0, ENERGY_LINES.index(line)] += jump
+    return {**checkpoint, "energy": energy}
 
 
 def joined(histories: Sequence[History], names: Sequence[str]) -> History:

@@ -18,9 +18,10 @@ def report_text(result: Any) -> str:
         return "\n".join([*lines, "no step was saved", *_notes(history)])
     lines.append(f"time              {result.time[0]:.6g} to {result.time[-1]:.6g} s, {len(result.time)} rows saved")
     if len(history.iterations) > 1:
+        every_step = history.counters.get("steps", 0) <= len(history.iterations) - 1  # else rows sum over steps
         lines.append(
             f"newton            mean {history.iterations[1:].mean():.2f}, "
-            f"largest {int(history.iterations[1:].max())} iterations a step"
+            f"largest {int(history.iterations[1:].max())} iterations a {'step' if every_step else 'saved row'}"
         )
     lines += [f"{name.replace('_', ' '):<17} {value:.6g}" for name, value in history.counters.items()]
     for name in result.contact_names:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import logging
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from warpffrf.model.errors import InputError
 from warpffrf.online import GeneralizedAlpha, find_equilibrium, run
-from warpffrf.online.stages import Stage, check_stages, joined
+from warpffrf.online.history import History
+from warpffrf.online.stages import Stage, check_stages, joined, with_gravity
 from warpffrf.output.paths import checked_output_path
 from warpffrf.output.result import Result
 
@@ -56,8 +58,10 @@ def simulate(
     "run.NAME.h5" at the end of each stage: a checkpoint to start from. A solver that fails does not raise: see `status`
     and `message` of the Result. Wrong input raises InputError before the run.
     """
+    _known_scene(scene, "simulate")
     _known("method", method, METHODS)
     _known("local", local, LOCAL_TREATMENTS)
+    _known_integrator(integrator, "simulate")
     beginning = _start(scene, start)
     _check_outputs(results, record)
     options = {"integrator": integrator, "save_every": save_every, "device": device, "progress": progress}
@@ -75,14 +79,21 @@ def _staged(scene: Any, stages: list[Stage], beginning: Any, results: Any, optio
     for stage in stages:
         for name, values in (("method", METHODS), ("local", LOCAL_TREATMENTS)):
             _known(name, stage.options.get(name, values[0]), values)
+        _known_integrator(stage.options.get("integrator", DEFAULT_INTEGRATOR), f"stage {stage.name!r}")
         if results is not None:
             checked_output_path(stage_file(results, stage.name), "results")
     parts: dict[str, Result] = {}
     for stage in stages:
         log.info("stage %s: %g s in steps of %g s", stage.name, stage.duration, stage.step)
         own = {name: value for name, value in stage.options.items() if name in options}
-        history = run(stage.scene(scene), stage.duration, step=stage.step, start=beginning, **{**options, **own})
-        history.scene = scene  # loads of one stage do not make another machine: it is continued with the scene
+        staged = stage.scene(scene)
+        if isinstance(beginning, History):
+            loaded = with_gravity(beginning.checkpoint, scene, scene.gravity, staged.gravity)
+            beginning = replace(beginning, checkpoint=loaded)
+        history = run(staged, stage.duration, step=stage.step, start=beginning, **{**options, **own})
+        # loads of one stage do not make another machine: it is continued with the scene
+        history.scene = scene
+        history.checkpoint = with_gravity(history.checkpoint, scene, staged.gravity, scene.gravity)
         parts[stage.name] = Result(history)
         if results is not None:
             log.info("results: %s", parts[stage.name].save(stage_file(results, stage.name)))
@@ -109,6 +120,7 @@ def equilibrium(
 
     Not converging is a status, not an exception; wrong input raises InputError.
     """
+    _known_scene(scene, "equilibrium")
     _check_outputs(results, record)
     return _written(Result(find_equilibrium(scene, device=device)), results, record)
 
@@ -116,6 +128,16 @@ def equilibrium(
 def _known(option: str, value: str, values: tuple[str, ...]) -> None:
     if value not in values:
         raise InputError(f"simulate: {option} is {value!r}; known: {', '.join(repr(v) for v in values)}")
+
+
+def _known_scene(scene: Any, caller: str) -> None:
+    if not hasattr(scene, "content_hash"):
+        raise InputError(f"{caller}: a Scene is needed first, got {scene!r}")
+
+
+def _known_integrator(integrator: Any, where: str) -> None:
+    if not isinstance(integrator, GeneralizedAlpha):
+        raise InputError(f"{where}: integrator must be GeneralizedAlpha(rho_inf=...), got {integrator!r}")
 
 
 def _start(scene: Any, start: str | os.PathLike[str] | Result) -> Any:

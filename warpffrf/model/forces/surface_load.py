@@ -43,7 +43,8 @@ class SurfaceLoad:
         label = f"surface load {name!r}" if name else "surface load"
         if not isinstance(surface, SurfacePort):
             raise InputError(
-                f"{label}: a contact surface of a flexible body is needed, body['name'], got {surface!r}; for the "
+                f"{label}: a contact surface of a flexible body is needed, body['name'], got "
+                f"{getattr(surface, 'label', surface)!r}; for the "
                 "nodes of a free interface use NodalLoad, for a resultant at an interface PointForce and PointTorque"
             )
         self.name = name

@@ -46,7 +46,7 @@ class Drive:
         self.name = name
         self.joint = joint
         self.quantity = quantity
-        self.signal = as_signal(signal, f"drive of joint {joint.name!r}: signal")
+        self.signal = as_signal(signal, f"{label}: signal")
 
     @property
     def ports(self) -> tuple[Port, Port]:
