@@ -37,7 +37,9 @@ def coarse(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize(
-    "command", [[], ["demo"], ["demo", "two-rollers"], ["reduce"], ["info"], ["run"]], ids=lambda c: "-".join(c) or "main"
+    "command",
+    [[], ["demo"], ["demo", "two-rollers"], ["reduce"], ["info"], ["run"]],
+    ids=lambda c: "-".join(c) or "main",
 )
 def test_help_explains_every_option(command: list[str], capsys: pytest.CaptureFixture) -> None:
     assert cli.main([*command, "--help"]) == 0

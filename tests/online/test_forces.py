@@ -60,7 +60,7 @@ def oscillator(element: str, i: int, rate: float) -> tuple[Scene, float]:
         kinds = {"revolute": joints.Revolute, "prismatic": joints.Prismatic, "cylindrical": joints.Cylindrical}
         joint = scene.add(kinds[element](scene.ground, port, axis=axis))
         spring = forces.TorsionalSpringDamper if i > 2 else forces.JointSpringDamper
-        more = {} if i > 2 else {"coordinate": "translation"}
+        more: dict[str, Any] = {} if i > 2 else {"coordinate": "translation"}
         scene.add(spring(joint, K[i], D[i], name="element", **more))
     return scene, inertia
 
@@ -166,7 +166,7 @@ def test_pendulum_comes_to_rest_below_its_hinge() -> None:
     rest = find_equilibrium(scene)
     assert rest.status == "completed", rest.message
     assert rest.bodies["bob"].position[-1] == pytest.approx([0.0, 0.0, -1.0], abs=1e-8)
-    assert rest.joints[hinge.name].force[-1] == pytest.approx([0.0, 0.0, MASS * 9.81], abs=1e-6)
+    assert rest.joints[str(hinge.name)].force[-1] == pytest.approx([0.0, 0.0, MASS * 9.81], abs=1e-6)
 
 
 def test_spring_hung_body_finds_its_place() -> None:
@@ -434,6 +434,7 @@ def test_nodal_load_on_a_free_interface_works_on_all_its_nodes(open_body: Reduce
     scene = Scene()
     body = scene.add_body(open_body, name="body", damping=0.3)
     interface = open_body.interfaces["left"]
+    assert interface.nodes is not None and interface.node_modes is not None
     pull = interface.nodes * np.array([1.0, 0.0, -1.0]) * 1e5
     item = scene.add(forces.NodalLoad(body["left"], pull, name="oval"))
     load = item.load()

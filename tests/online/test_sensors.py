@@ -177,7 +177,7 @@ def refused() -> dict[str, tuple[Any, str]]:
     return {
         "ground": (lambda: sensors.Position(scene.ground.at((0, 0, 0))), "the ground does not move"),
         "frame": (lambda: sensors.Velocity(body.at((0, 0, 0)), frame="user"), "frame must be one of"),
-        "no joint": (lambda: sensors.JointReaction(body), "a joint is needed"),
+        "no joint": (lambda: sensors.JointReaction(body), "a joint is needed"),  # pyright: ignore[reportArgumentType]
         "foreign joint": (lambda: scene.add(sensors.JointReaction(other)), "add its joint 'elsewhere'"),
         "rigid": (lambda: sensors.Stress(body, "root"), "a flexible body is needed"),
         "bare ground": (lambda: sensors.InterfaceForce(scene.ground), "a point is needed"),

@@ -161,7 +161,10 @@ class Table(Signal):
 
     def __init__(self, times: Any, values: Any, *, cubic: bool = False) -> None:
         for label, entries in (("times", times), ("values", values)):
-            array = np.asarray(entries, dtype=np.float64)
+            try:
+                array = np.asarray(entries, dtype=np.float64)
+            except (TypeError, ValueError):
+                raise InputError(f"signal table: {label} must be numbers, got {entries!r}") from None
             bad = np.flatnonzero(~np.isfinite(array))
             if len(bad):
                 raise InputError(f"signal table: {label}[{bad[0]}] is {array.ravel()[bad[0]]}, numbers must be finite")
