@@ -115,7 +115,7 @@ def test_commands_have_the_options_that_the_readme_gives_them() -> None:
     commands = [
         shlex.split(line.split("   run ")[0]) for line in re.findall(r"^    (warpffrf .*)$", text, re.MULTILINE)
     ]
-    assert {words[1] for words in commands} == {"demo", "info", "reduce"}
+    assert {words[1] for words in commands} == {"demo", "run", "info", "reduce"}
     for words in commands:
         names = words[1:3] if words[1] == "demo" else words[1:2]
         known = CliRunner().invoke(app, [*names, "--help"], env={"COLUMNS": "200"}).output
