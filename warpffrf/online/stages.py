@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
-from warpffrf.online.history import ENERGY_LINES, History
+from warpffrf.online.history import ENERGY_LINES, History, JointHistory
 
 RUN_OPTIONS = ("save_every", "integrator", "local", "method")
 SCENE_VALUES = ("gravity", "forces")
@@ -141,9 +141,33 @@ def _joined(parts: list[Any]) -> Any:
         return np.concatenate(parts)
     if isinstance(first, dict):
         return {key: _joined([part[key] for part in parts]) for key in first}
+    if isinstance(first, JointHistory):
+        return _joined_joint(parts)
     if is_dataclass(first) and not isinstance(first, type):
         return type(first)(**{f.name: _joined([getattr(part, f.name) for part in parts]) for f in fields(first)})
     return parts[-1]
+
+
+def _joined_joint(parts: list[JointHistory]) -> JointHistory:
+    """A joint's histories one after the other; angles go on where the stage before left them: each record counts its
+    turns from (-pi, pi]."""
+    names = parts[0].names
+    seconds = [np.asarray(part.second_coordinate) for part in parts]
+    columns = [[part.coordinate for part in parts], seconds]
+    for name, values in zip(names, columns, strict=False):
+        if name.endswith("rotation"):
+            for i in range(1, len(values)):
+                if not len(values[i]) or not len(values[i - 1]):
+                    continue
+                turns = np.round((values[i - 1][-1] - values[i][0]) / (2.0 * np.pi))
+                values[i] = values[i] + 2.0 * np.pi * turns
+    return JointHistory(
+        np.concatenate(columns[0]),
+        np.concatenate([part.force for part in parts]),
+        np.concatenate([part.torque for part in parts]),
+        np.concatenate(columns[1]),
+        names,
+    )
 
 
 def _places(force: Any) -> list[Any]:
