@@ -46,7 +46,7 @@ def describe_file(
 
 def _mesh(path: Path, length_unit: str | None, part: int | str | None, density: float | None) -> str:
     from warpffrf.model import mesh as meshes
-    from warpffrf.model.mesh.reader import LENGTH_UNITS
+    from warpffrf.model.mesh.units import LENGTH_UNITS
 
     if length_unit is None:
         units = ", ".join(LENGTH_UNITS)

@@ -11,7 +11,8 @@ from element_meshes import crooked_block, ring
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind
-from warpffrf.offline.fe.assembly import assemble, rigid_modes
+from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.offline.fe.assembly import assemble
 from warpffrf.offline.fe.materials import assign
 from warpffrf.offline.fe.reference import STIFFNESS_DEGREE, rule
 

@@ -11,13 +11,13 @@ from reference_fe import free_response, matrices
 
 from warpffrf.model import bases
 from warpffrf.model.errors import InputError
+from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.offline.bases import BASES, build_basis
 from warpffrf.offline.bases.craig_bampton import hold_interfaces
 from warpffrf.offline.bases.global_basis import attachment_modes, deflated
 from warpffrf.offline.bases.gramians import hankel_values, modal_receptance, position_gramian, projected_receptance
 from warpffrf.offline.bases.problem import BasisProblem
 from warpffrf.offline.bases.shifted import SMALL_SYSTEM, shifted_solver
-from warpffrf.offline.fe.assembly import rigid_modes
 from warpffrf.offline.interfaces.kinds import AverageInterface
 from warpffrf.offline.interfaces.system import InterfaceSystem
 from warpffrf.offline.products import Limits

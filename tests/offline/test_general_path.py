@@ -19,10 +19,11 @@ import warpffrf.offline.general.unit_loads as unit_loads
 from warpffrf.model.bases import FreeFree
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
+from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.offline.elastic import free_model
-from warpffrf.offline.fe.assembly import fe_matrices, rigid_modes
+from warpffrf.offline.fe.assembly import fe_matrices
 from warpffrf.offline.fe.materials import assign
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.general.observers import Observer, node_observer

@@ -10,7 +10,7 @@ from offline_bodies import STEEL
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import FacetSet, Mesh
 from warpffrf.model.mesh.elements import facet_kind
-from warpffrf.offline.fe.assembly import rigid_modes
+from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.offline.fe.reference import rule
 from warpffrf.offline.interfaces.kinds import (
     INTERFACE_KINDS,

@@ -16,11 +16,11 @@ from warpffrf.model.body_summary import quality_lines
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import FacetSet
+from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.model.reduced_body import DisplaySurface, Interface, ReducedBody
 from warpffrf.model.reduced_body_file import _flatten
 from warpffrf.offline import reduce
 from warpffrf.offline.elastic import ElasticModel, orthonormal_rigid
-from warpffrf.offline.fe.assembly import rigid_modes
 from warpffrf.offline.products import Limits
 from warpffrf.offline.quality import (
     captured,

@@ -11,8 +11,8 @@ import scipy.sparse as sp
 import warpffrf.offline.solvers as solvers
 import warpffrf.offline.solvers.multifrontal as multifrontal
 from warpffrf.model.errors import InputError
+from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.offline.elastic import REFINED_ABOVE, StaticResponse, free_model
-from warpffrf.offline.fe.assembly import rigid_modes
 from warpffrf.offline.solvers import SOLVERS, chosen, factorise, installed
 from warpffrf.offline.solvers.fronts import find_fronts
 from warpffrf.offline.solvers.ordering import LEAF, nested_dissection

@@ -11,9 +11,9 @@ import pytest
 from offline_bodies import reduced
 from reference_fe import free_response, matrices
 
+from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.offline.contact.contact_grid import facet_chart, nodal_plan
 from warpffrf.offline.contact.hat_loads import hat_loads
-from warpffrf.offline.fe.assembly import rigid_modes
 
 EXACT = 1e-8  # what the product promises
 SINGLE = 2e-6  # the display transfer is stored in single precision

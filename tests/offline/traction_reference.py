@@ -9,13 +9,14 @@ from offline_bodies import STEEL
 from reference_fe import free_response
 
 from warpffrf.model.mesh import FacetSet, Mesh, roller
+from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.model.tangential import Tangential
 from warpffrf.offline.contact.traction_fields import NORMAL, TANGENTIAL, ContactFacets, TractionField
 from warpffrf.offline.cyclic.path import axes_of, reduce_cyclic
 from warpffrf.offline.cyclic.sector import assemble_sector
 from warpffrf.offline.cyclic.surface import CyclicSurface, FacetPattern, facet_pattern
-from warpffrf.offline.fe.assembly import assemble, rigid_modes
+from warpffrf.offline.fe.assembly import assemble
 from warpffrf.offline.fe.materials import assign
 from warpffrf.offline.interfaces.kinds import rigid_interfaces
 from warpffrf.offline.paths import choose_path, resolve_shapes

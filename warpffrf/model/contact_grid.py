@@ -79,6 +79,17 @@ class ContactGrid:
             M[j[:-1], j[1:]] = M[j[1:], j[:-1]] = self.pitch / 6.0
         return M
 
+    def along_theta(self, field: np.ndarray) -> np.ndarray:
+        """M_theta times the `field` (columns, ...), without the matrix."""
+        if self.kind == "cells":
+            return self.pitch * field
+        out = 2.0 / 3.0 * self.pitch * field
+        if self.periodic:
+            return out + self.pitch / 6.0 * (np.roll(field, 1, axis=0) + np.roll(field, -1, axis=0))
+        out[1:] += self.pitch / 6.0 * field[:-1]
+        out[:-1] += self.pitch / 6.0 * field[1:]
+        return out
+
     def gram_z(self, shape: Any) -> np.ndarray:
         """M_z (rows, rows) [m^2/rad], see `meridian_gram`."""
         return meridian_gram(self.kind, shape, self.z)

@@ -271,6 +271,9 @@ def _add_reduced(digest: Any, body: ReducedBody) -> None:
     for name, interface in sorted(body.interfaces.items()):
         add(f"interface|{name}|{interface.kind}", interface.point)
         add("modes", interface.modes)
+        if interface.nodes is not None and interface.node_modes is not None:  # what a nodal load works on
+            add("nodes", interface.nodes)
+            add("node_modes", interface.node_modes)
     for name, surface in sorted(body.contact_surfaces.items()):
         digest.update(json.dumps(surface.shape.describe(), sort_keys=True).encode())
         grid = surface.grid

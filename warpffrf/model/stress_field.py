@@ -28,7 +28,6 @@ from warpffrf.model.contact_grid import meridian_gram
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.reduced_body import Recovery
 
-VOIGT = ("xx", "yy", "zz", "xy", "yz", "zx")
 _PLACE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 _FIRST, _SECOND = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])
 SUMMED = 8  # points a place up to which a harmonic sum a point costs less than a fast transform over all sectors

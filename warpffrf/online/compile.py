@@ -329,17 +329,7 @@ def _moments(surface: Any) -> np.ndarray:
     """M Phi (nodes, modes): weak normal displacement of the global modes on the hats of the grid."""
     grid = surface.grid
     phi = surface.mode_normal.reshape(grid.columns, grid.rows, -1)
-    return np.einsum("kl,jlm->jkm", surface.gram_z, _theta_gram(grid, phi))
-
-
-def _theta_gram(grid: Any, field: np.ndarray) -> np.ndarray:
-    """M_theta applied along the columns of `field` (columns, ...)."""
-    out = 2.0 / 3.0 * grid.pitch * field
-    if grid.periodic:
-        return out + grid.pitch / 6.0 * (np.roll(field, 1, axis=0) + np.roll(field, -1, axis=0))
-    out[1:] += grid.pitch / 6.0 * field[:-1]
-    out[:-1] += grid.pitch / 6.0 * field[1:]
-    return out
+    return np.einsum("kl,jlm->jkm", surface.gram_z, grid.along_theta(phi))
 
 
 def weak_compliance(surface: Any) -> np.ndarray:

@@ -28,7 +28,6 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_array
 
-COORDINATES = ("translation", "distance", "direction", "angle", "second_angle", "bushing")
 ZERO_STIFFNESS = 1e-10  # of an equilibrated matrix with unit diagonal: rounding of typed numbers, not a stiffness
 
 

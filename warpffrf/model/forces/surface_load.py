@@ -68,7 +68,7 @@ class SurfaceLoad:
         grid = surface.grid
         force, torque = _resultant(surface, p)
         along = p @ surface.gram_z  # (columns, rows): M_z first, then M_theta
-        weighted = _theta_gram(grid, along)
+        weighted = grid.along_theta(along)
         modal = -weighted.ravel() @ np.asarray(surface.mode_normal, dtype=np.float64)
         return BodyLoad(self.surface.body, force, torque, modal, self.pressure)
 
@@ -78,16 +78,6 @@ class SurfaceLoad:
             "kind": self.kind, "name": self.name, "body": self.surface.body.name, "surface": self.surface.name,
             "pressure": self.pressure.describe(), "distribution": self.distribution.tolist(),
         }  # fmt: skip
-
-
-def _theta_gram(grid: Any, field: np.ndarray) -> np.ndarray:
-    """M_theta of the hats applied along the columns of `field` (columns, rows)."""
-    out = 2.0 / 3.0 * grid.pitch * field
-    if grid.periodic:
-        return out + grid.pitch / 6.0 * (np.roll(field, 1, axis=0) + np.roll(field, -1, axis=0))
-    out[1:] += grid.pitch / 6.0 * field[:-1]
-    out[:-1] += grid.pitch / 6.0 * field[1:]
-    return out
 
 
 def _resultant(surface: Any, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -66,11 +66,6 @@ class Joint:
         return f"joint {self.name!r}" if self.name else f"{self.kind} joint"
 
     @property
-    def constraint_count(self) -> int:
-        """Number of scalar constraints."""
-        return len(self.rows)
-
-    @property
     def ports(self) -> tuple[Port, Port]:
         return self.a, self.b
 

@@ -29,9 +29,9 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh.raw_mesh import RawMesh
+from warpffrf.model.mesh.units import system_of
 
 SUFFIXES = (".bdf", ".nas", ".fem", ".dat")
-SYSTEMS = {"m": (1.0, 1.0, "Pa and kg/m3"), "mm": (1e6, 1e12, "MPa and t/mm3")}  # stress in Pa, density in kg/m3
 MOST_LISTED = 20  # kinds of unused cards in the note; control decks have a handful
 
 # linear kind, quadratic kind, place in the card of each node of the quadratic kind (Nastran puts the vertical edges
@@ -218,13 +218,10 @@ def _materials(deck: _Deck, length_unit: str, notes: list[str]) -> dict[str, Mat
     """{property_p: Material} [SI] of PSOLID and MAT1; what is not taken over is said in `notes`."""
     if not deck.solids or not deck.materials:
         return {}
-    if length_unit not in SYSTEMS:
-        notes.append(
-            f"materials are not taken over: with lengths in {length_unit} the units of stress and density are not "
-            f"known (they are with {' and '.join(SYSTEMS)}); give the materials yourself"
-        )
+    system = system_of(length_unit, notes)
+    if system is None:
         return {}
-    stress, density, units = SYSTEMS[length_unit]
+    stress, density, units = system
     found: dict[str, Material] = {}
     for p, solid in deck.solids.items():
         number = solid.integer(2)

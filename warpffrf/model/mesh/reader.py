@@ -15,10 +15,10 @@ from warpffrf.model.mesh.meshio_files import FORMATS, read_meshio
 from warpffrf.model.mesh.nastran_bulk import SUFFIXES as NASTRAN
 from warpffrf.model.mesh.nastran_bulk import read_bulk
 from warpffrf.model.mesh.raw_mesh import built
+from warpffrf.model.mesh.units import LENGTH_UNITS
 
 logger = logging.getLogger(__name__)
 
-LENGTH_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048}  # in m
 SUFFIXES = (*FORMATS, *NASTRAN, ".inp")
 
 

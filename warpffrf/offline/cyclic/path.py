@@ -25,6 +25,7 @@ import scipy.sparse as sp
 
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import outer_faces, triangles
+from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.model.reduced_body import Interface, Recovery, sector_to_user
 from warpffrf.model.tangential import Tangential
 from warpffrf.offline.bases.global_basis import attachment_modes, global_basis
@@ -35,7 +36,7 @@ from warpffrf.offline.cyclic.sector import Sector, assemble_sector, sector_axes
 from warpffrf.offline.cyclic.surface import CyclicSurface, FacetPattern
 from warpffrf.offline.cyclic.vibrations import vibrations
 from warpffrf.offline.elastic import Array, ElasticModel
-from warpffrf.offline.fe.assembly import Sparse, rigid_modes
+from warpffrf.offline.fe.assembly import Sparse
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.interfaces.kinds import BodyInterface
 from warpffrf.offline.products import Limits, PathProduct, SurfaceProduct, mass_properties

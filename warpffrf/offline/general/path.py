@@ -19,9 +19,10 @@ from warpffrf.model.bases import Basis
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import triangles
+from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.offline.bases import GlobalBasis, build_basis
 from warpffrf.offline.elastic import ElasticModel, free_model
-from warpffrf.offline.fe.assembly import fe_matrices, rigid_modes
+from warpffrf.offline.fe.assembly import fe_matrices
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.general.observers import SKIN, Observer, node_observer, require_observers

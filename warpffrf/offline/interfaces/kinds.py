@@ -33,8 +33,9 @@ import scipy.sparse as sp
 
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.mesh import Mesh
+from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline.fe.assembly import Sparse, rigid_modes
+from warpffrf.offline.fe.assembly import Sparse
 from warpffrf.offline.fe.reference import FACET_DEGREE, rule
 
 # Extent across their longest direction, over their longest, below which nodes count as lying on a line: the rotation

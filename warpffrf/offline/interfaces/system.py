@@ -17,8 +17,9 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
+from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.model.reduced_body import Interface
-from warpffrf.offline.fe.assembly import Sparse, rigid_modes
+from warpffrf.offline.fe.assembly import Sparse
 from warpffrf.offline.interfaces.kinds import AverageInterface, BodyInterface, constraint
 
 Array = np.ndarray

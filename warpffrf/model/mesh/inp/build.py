@@ -13,7 +13,7 @@ from warpffrf.model.mesh.inp.sections import materials_of, sections_of
 from warpffrf.model.mesh.inp.select import choose
 from warpffrf.model.mesh.inp.sets import cell_sets, facet_sets, listed
 from warpffrf.model.mesh.inp.solid import solid_of
-from warpffrf.model.mesh.reader import LENGTH_UNITS
+from warpffrf.model.mesh.units import LENGTH_UNITS
 
 
 def read_inp(path: str | Path, *, length_unit: str, part: int | str | None = None) -> Mesh:

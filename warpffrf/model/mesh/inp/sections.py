@@ -1,11 +1,6 @@
 """*Solid Section and *Material -> {cell set: Material} in SI units.
 
-A deck has no units: its numbers form a consistent system that follows from the unit of length, with newton and second:
-
-    m:  N, kg, s   stress Pa = N/m2,    density kg/m3
-    mm: N, t, s    stress MPa = N/mm2,  density t/mm3 = 1e12 kg/m3
-
-For other units of length there is no usual system, and the materials are not taken over.
+A deck has no units: its numbers form the consistent system that follows from the unit of length (`units`).
 """
 
 from __future__ import annotations
@@ -17,8 +12,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh.inp.body import OWN, Body
 from warpffrf.model.mesh.inp.model import Deck, MaterialText, Section, fold
 from warpffrf.model.mesh.inp.solid import Solid
-
-SYSTEMS = {"m": (1.0, 1.0, "Pa and kg/m3"), "mm": (1e6, 1e12, "MPa and t/mm3")}  # stress in Pa, density in kg/m3
+from warpffrf.model.mesh.units import system_of
 
 
 def sections_of(deck: Deck, body: Body, solid: Solid) -> list[tuple[str, MaterialText]]:
@@ -53,13 +47,10 @@ def materials_of(sections: list[tuple[str, MaterialText]], length_unit: str, not
     """{cell set: Material} [SI] of the sections; what cannot be taken over is said in `notes`."""
     if not sections:
         return {}
-    if length_unit not in SYSTEMS:
-        notes.append(
-            f"materials are not taken over: with lengths in {length_unit} the units of stress and density are not "
-            f"known (they are with {' and '.join(SYSTEMS)}); give the materials yourself"
-        )
+    system = system_of(length_unit, notes)
+    if system is None:
         return {}
-    stress, density, units = SYSTEMS[length_unit]
+    stress, density, units = system
     made: dict[str, Material] = {}
     for elset, text in sections:
         for note in dict.fromkeys(text.notes):

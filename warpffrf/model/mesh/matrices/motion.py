@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.mesh.rigid import rigid_modes
 
 RIGID = 1e-5  # of the sum of magnitudes: coordinates written with six digits; a wrong order gives 1e-3 to 1
 RIGID_NOTE = 1e-9  # above it the body is told to come from rounded files: double precision leaves 1e-12
@@ -33,21 +34,9 @@ NAMES = (
 )
 
 
-def rigid_motions(points: np.ndarray) -> np.ndarray:
-    """R (3 n, 6): unit translations and rotations (about the mean of the `points` (n, 3)), dofs node by node."""
-    n = len(points)
-    x, y, z = (points - points.mean(axis=0)).T
-    R = np.zeros((n, 3, 6))
-    R[:, range(3), range(3)] = 1.0
-    R[:, 1, 3], R[:, 2, 3] = -z, y
-    R[:, 0, 4], R[:, 2, 4] = z, -x
-    R[:, 0, 5], R[:, 1, 5] = -y, x
-    return R.reshape(3 * n, 6)
-
-
 def require_free(K: Any, M: Any, points: np.ndarray) -> float:
     """Largest residual of K R (see above). Raises `InputError` above `RIGID`, naming the motion and the nodes."""
-    R = rigid_motions(points)
+    R = rigid_modes(points, points.mean(axis=0))
     residual = _relative(K, R)
     worst = float(residual.max())
     if not worst > RIGID:
@@ -68,7 +57,7 @@ def require_free(K: Any, M: Any, points: np.ndarray) -> float:
 
 def require_mass(M: Any, points: np.ndarray) -> float:
     """Total mass [kg]. Raises `InputError` where it is not positive or not the same in the three directions."""
-    R = rigid_motions(points)[:, :3]
+    R = rigid_modes(points, points.mean(axis=0))[:, :3]
     m = R.T @ (M @ R)
     mass = float(np.trace(m)) / 3.0
     if not mass > 0.0:
