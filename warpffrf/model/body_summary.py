@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
+    from warpffrf.model.inertia import InertiaTerms
     from warpffrf.model.reduced_body import ReducedBody
 
 LARGEST_SHOWN = 3  # arrays named in the line about memory
@@ -27,6 +28,8 @@ def summary(body: ReducedBody) -> str:
         f"  global modes    {len(f)}" + (f", {f[0]:.6g} to {f[-1]:.6g} Hz" if len(f) else ""),
         f"  local modes     {body.local_modes} (normal){_tangential(body)}",
     ]
+    if (terms := body.inertia_terms) is not None:
+        lines.append(f"  inertia terms   {_inertia_terms(terms, len(f))}")
     for name, i in body.interfaces.items():
         lines.append(f"  interface       {name}: {i.kind}, at {_place(i.point, near)} m")
     for name, s in body.contact_surfaces.items():
@@ -116,6 +119,14 @@ def _materials(contact: dict[str, Any]) -> list[str]:
             text = f"{m['name']}, {text}" if m.get("name") else text
         surfaces.setdefault(text, []).append(name)
     return [f"  material        at {', '.join(names)}: {text}" for text, names in surfaces.items()]
+
+
+def _inertia_terms(terms: InertiaTerms, modes: int) -> str:
+    """Which modes have them, and what stiffens them."""
+    text = f"of {'all' if terms.modes == modes else f'the first {terms.modes} of {modes}'} global modes"
+    if terms.stiffening is None:
+        return text
+    return f"{text}, stiffened by {', '.join(['turning', *(f'loads on {n}' for n in terms.stiffening.interfaces)])}"
 
 
 def _tangential(body: ReducedBody) -> str:

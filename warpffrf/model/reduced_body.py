@@ -26,9 +26,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.inertia import InertiaTerms
 from warpffrf.model.tangential import Tangential
 
 if TYPE_CHECKING:
+    from warpffrf.model.local_modes import LocalMass
     from warpffrf.model.stress_field import StressField
 
 
@@ -86,6 +88,7 @@ class ContactSurface:
     mode_normal: np.ndarray  # (columns rows, m) m per unit modal coordinate
     recovery: Recovery
     tangential: Tangential | None = None
+    local_mass: LocalMass | None = None  # inertia of the local modes, see `warpffrf.model.local_modes`
 
     @property
     def local_modes(self) -> int:
@@ -154,6 +157,7 @@ class ReducedBody:
     stress: dict[str, StressField] = field(default_factory=dict)  # where stresses can be asked for, by name
     report: dict[str, Any] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
+    inertia_terms: InertiaTerms | None = None  # of the first modes; None: of a body reduced before they existed
 
     def __repr__(self) -> str:
         """One line; the arrays by the thousand are for `info` to sum up."""

@@ -18,6 +18,8 @@ import numpy as np
 from warpffrf.model import surfaces
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
+from warpffrf.model.inertia import GeometricStiffness, InertiaTerms
+from warpffrf.model.local_modes import LocalMass
 from warpffrf.model.reduced_body import (
     ContactSurface,
     DisplaySurface,
@@ -28,15 +30,23 @@ from warpffrf.model.reduced_body import (
 from warpffrf.model.stress_field import StressField
 from warpffrf.model.tangential import Tangential
 
-SCHEMA = 2
+SCHEMA = 3
 MARK = "warpffrf reduced body"
 _COMPRESSED_FROM = 1 << 16  # bytes; below it a compressed chunk costs more than it saves
+_INERTIA = ("first", "second", "gyroscopic")
+_CENTRIFUGAL = "inertia_terms/stiffening/centrifugal"
+_PRESTRESSED = "inertia_terms/stiffening/interfaces/"
 _UNITS = {
     "center_of_mass": "m",
     "inertia": "kg m2",
     "frequencies": "Hz",
+    "first": "kg m",
+    "second": "kg",
+    "gyroscopic": "kg",
     "point": "m",
     "lags": "m/N",
+    "lags_mass": "m2 kg/N2",
+    "overlap": "m kg/N",
     "z": "m",
     "points": "m",
     "transfer": "m/N",
@@ -72,17 +82,42 @@ def _flatten(body: ReducedBody) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
             "recovery": _flatten_recovery(arrays, f"{root}/recovery", s.recovery),
             **_grid_facts(s.grid),
         }
+        if (mass := s.local_mass) is not None:
+            arrays[f"{root}/local_mass/lags_mass"] = mass.lags_mass
+            arrays[f"{root}/local_mass/overlap"] = mass.overlap
         if (t := s.tangential) is not None:
             arrays[f"{root}/tangential/lags_tt"] = t.lags_tt
             arrays[f"{root}/tangential/lags_nt"] = t.lags_nt
             arrays[f"{root}/tangential/mode_tangent"] = t.mode_tangent
             recovery = _flatten_recovery(arrays, f"{root}/tangential/recovery", t.recovery)
             facts["contact_surfaces"][name]["tangential"] = {**_grid_facts(t.grid), "recovery": recovery}
+    if body.inertia_terms is not None:
+        arrays.update(_inertia_arrays(body.inertia_terms))
     if body.stress:
         facts["stress"] = {name: field.facts() for name, field in body.stress.items()}
     for name, field in body.stress.items():
         arrays.update({f"stress/{name}/{key}": array for key, array in field.arrays().items()})
     return arrays, facts
+
+
+def _inertia_arrays(terms: InertiaTerms) -> dict[str, np.ndarray]:
+    arrays = {f"inertia_terms/{key}": getattr(terms, key) for key in _INERTIA}
+    if (stiffening := terms.stiffening) is not None:
+        arrays[_CENTRIFUGAL] = stiffening.centrifugal
+        arrays.update({f"{_PRESTRESSED}{name}": K for name, K in stiffening.interfaces.items()})
+    return arrays
+
+
+def _inertia_terms(arrays: dict[str, np.ndarray]) -> InertiaTerms | None:
+    """The inertia terms; None in files of the schemas 1 and 2, which have none."""
+    if f"inertia_terms/{_INERTIA[0]}" not in arrays:
+        return None
+    stiffening = None
+    if _CENTRIFUGAL in arrays:
+        named = {key.removeprefix(_PRESTRESSED): K for key, K in arrays.items() if key.startswith(_PRESTRESSED)}
+        stiffening = GeometricStiffness(arrays[_CENTRIFUGAL], named)
+    first, second, gyroscopic = (arrays[f"inertia_terms/{key}"] for key in _INERTIA)
+    return InertiaTerms(first, second, gyroscopic, stiffening)
 
 
 def _grid_facts(grid: ContactGrid) -> dict[str, Any]:
@@ -121,6 +156,13 @@ def _recovery(arrays: dict[str, np.ndarray], root: str, numbers: list[int]) -> R
     return Recovery(arrays[f"{root}/transfer"], sectors, arrays[f"{root}/axes"], offset, stride)
 
 
+def _local_mass(arrays: dict[str, np.ndarray], root: str) -> LocalMass | None:
+    """The mass of local modes, None where the file has none."""
+    if f"{root}/lags_mass" not in arrays:
+        return None
+    return LocalMass(arrays[f"{root}/lags_mass"], arrays[f"{root}/overlap"])
+
+
 def _restore(arrays: dict[str, np.ndarray], facts: dict[str, Any], report: dict, provenance: dict) -> ReducedBody:
     contact = {}
     for name, f in facts["contact_surfaces"].items():
@@ -144,6 +186,7 @@ def _restore(arrays: dict[str, np.ndarray], facts: dict[str, Any], report: dict,
             arrays[f"{root}/mode_normal"],
             _recovery(arrays, f"{root}/recovery", f["recovery"]),
             tangential,
+            _local_mass(arrays, f"{root}/local_mass"),
         )
     stress = {}
     for name, f in facts.get("stress", {}).items():
@@ -170,6 +213,7 @@ def _restore(arrays: dict[str, np.ndarray], facts: dict[str, Any], report: dict,
         stress=stress,
         report=report,
         provenance=provenance,
+        inertia_terms=_inertia_terms(arrays),
     )
 
 

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.inertia import InertiaTerms
+from warpffrf.model.local_modes import LocalMass
 from warpffrf.model.reduced_body import Interface, Recovery
 from warpffrf.model.tangential import Tangential
 
@@ -45,6 +47,7 @@ class SurfaceProduct:
     residual_window: np.ndarray
     traces: float
     tangential: Tangential | None = None
+    local_mass: LocalMass | None = None
     observed: dict[str, Recovery] = field(default_factory=dict)
     observed_tangential: dict[str, Recovery] = field(default_factory=dict)
     first_column: int = 0
@@ -67,6 +70,7 @@ class PathProduct:
     skin_modes: np.ndarray  # (m, n, 3)
     facts: dict = field(default_factory=dict)
     observed_modes: dict[str, Any] = field(default_factory=dict)
+    inertia_terms: InertiaTerms | None = None
 
 
 def mass_properties(J: np.ndarray, origin: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:

@@ -59,6 +59,9 @@ def reduce(
     traction: str = "hats",
     tangential: bool | str = False,
     stress: Mapping[str, Any] | None = None,
+    local_dynamics: bool = False,
+    inertia_modes: int | None = None,
+    stiffening: bool = False,
     periodic: bool | None = None,
     solver: str | None = None,
     memory_limit: float | None = None,
@@ -88,6 +91,12 @@ def reduce(
         directions: False (none), True ("cells"), "hats" or "cells".
     stress: {name: points} where stresses can be asked for later (`Result.stress`): points (p, 3) [m], the name of a
         facet set, "skin", "all", or `StressPoints` for one side of an interface between materials.
+    local_dynamics: True: the mass of the local modes, too, with which they can be dynamic modes
+        (`warpffrf.model.local_modes`); one more solve for each unit load on the general path.
+    inertia_modes: how many of the global modes, the lowest, get inertia terms (`warpffrf.model.inertia`): None: all up
+        to 60. `report["inertia"]` says how many.
+    stiffening: True: also the stiffness that these modes get from prestress by turning and by loads on the interfaces;
+        on the general path.
     periodic: None: rotational periodicity is used, and looked for in meshes that do not state it; False: never.
     solver: a name of the installed direct solvers for large systems; None: the default, `report["solver"]`.
     memory_limit [byte]: bound for factors, dense operators and blocks of right-hand sides of the general path together;
@@ -119,6 +128,9 @@ def reduce(
         traction=traction,
         tangential=tangential,
         stress=stress,
+        local_dynamics=local_dynamics,
+        inertia_modes=inertia_modes,
+        stiffening=stiffening,
         periodic=periodic,
         solver=solver,
         memory_limit=memory_limit,
@@ -162,6 +174,8 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
 
     report = _report(product, choice, given, settings, stages)
     report["notes"] += _not_used(settings, cyclic)
+    if settings.stiffening and given.cyclic is not None:
+        report["notes"].append("stiffening=True: the periodic body was reduced on the general path")
     report["notes"] += [*found.notes, *(note for plan in plans for note in plan.notes)]
     surfaces: dict[str, ContactSurface] = {}
     for (name, shape), s in zip(choice.shapes.items(), product.surfaces, strict=True):
@@ -172,7 +186,9 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
             kept = promised(expected[name], s.grid, shape)
             report["contact"][name]["expected"] = kept.facts()
             report["warnings"] += [text for text in [expected[name].warning(name)] if text]
-        surfaces[name] = ContactSurface(name, shape, s.grid, s.lags, s.mode_normal, s.recovery, s.tangential)
+        surfaces[name] = ContactSurface(
+            name, shape, s.grid, s.lags, s.mode_normal, s.recovery, s.tangential, s.local_mass
+        )
     if len(surfaces) > 1:
         report["notes"].append(
             "a load on one contact surface moves another through the global modes only: the local modes of different "
@@ -199,6 +215,7 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
             "mesh_name": mesh.name,
             "contact_materials": {name: None if m is None else asdict(m) for name, m in materials.items()},
         },
+        inertia_terms=product.inertia_terms,
     )
     report["quality"] = quality(body, product.surfaces, settings.limits)
     return body
@@ -240,6 +257,8 @@ def _product(
         "traction": settings.traction,
         "tangential": settings.tangential,
         "observers": recovery.observers(),
+        "local_dynamics": settings.local_dynamics,
+        "inertia_modes": settings.inertia_modes,
     }
     spacing = spacings(mesh, choice.shapes, settings, expected)
     limits = settings.limits
@@ -252,7 +271,7 @@ def _product(
             )
         cyclic = [(name, shape, choice.patterns[name]) for name, shape in choice.shapes.items()]
         return reduce_cyclic(mesh, assignment, joints, cyclic, limits, spacing, stages, **how)
-    how |= {"solver": settings.solver, "checkpoint": checkpoint}
+    how |= {"stiffening": settings.stiffening, "solver": settings.solver, "checkpoint": checkpoint}
     named = list(choice.shapes.items())
     memory = settings.memory_limit
     return reduce_general(mesh, assignment, joints, named, settings.basis, limits, spacing, memory, stages, **how)
@@ -350,5 +369,10 @@ def _report(
         "warnings": list(mesh.report(known).warnings),
         "cached": False,
         "blas_threads": BLAS_THREADS,
+        "inertia": {
+            "modes": 0 if product.inertia_terms is None else product.inertia_terms.modes,
+            "of": len(product.omega),
+            "stiffening": settings.stiffening,
+        },
         **facts,
     }

@@ -13,6 +13,7 @@ from warpffrf.model.contact_grid import require_kind
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
+from warpffrf.offline.inertia.stiffening import require_cells
 from warpffrf.offline.interfaces.kinds import INTERFACE_KINDS
 from warpffrf.offline.products import Limits
 from warpffrf.offline.solvers import require_solver
@@ -38,6 +39,9 @@ class Settings:
     traction: str
     tangential: str | None
     stress: dict[str, Any]
+    local_dynamics: bool
+    inertia_modes: int | None
+    stiffening: bool
     periodic: bool | None
     solver: str | None
     memory_limit: int | None
@@ -58,6 +62,9 @@ class Settings:
         traction: str,
         tangential: bool | str,
         stress: Mapping[str, Any] | None,
+        local_dynamics: bool,
+        inertia_modes: int | None,
+        stiffening: bool,
         periodic: bool | None,
         solver: str | None,
         memory_limit: float | None,
@@ -82,6 +89,10 @@ class Settings:
             raise InputError(
                 f"reduce: periodic must be None (used where the mesh has it) or False (never used), got {periodic!r}"
             )
+        if not isinstance(local_dynamics, bool):
+            raise InputError(f"reduce: local_dynamics must be True or False, got {local_dynamics!r}")
+        if not isinstance(stiffening, bool):
+            raise InputError(f"reduce: stiffening must be True or False, got {stiffening!r}")
         stress_settings(stress or {})  # refuses what is no {name: points}
         if tangential is True:
             tangential = TANGENTIAL
@@ -91,13 +102,16 @@ class Settings:
             contact=_by_set(contact, "contact", '{"rim": surfaces.Cylinder()}, None for a fitted shape'),
             basis=options,
             max_frequency=max_frequency,
-            modes=None if modes is None else _count(modes),
+            modes=None if modes is None else _count(modes, "modes"),
             traction_spacing=traction_spacing,
             expected_half_width=expected_half_width,
             contact_error=contact_error,
             traction=require_kind(traction),
             tangential=require_kind(tangential) if tangential else None,
             stress=dict(stress or {}),
+            local_dynamics=local_dynamics,
+            inertia_modes=None if inertia_modes is None else _count(inertia_modes, "inertia_modes"),
+            stiffening=stiffening,
             periodic=periodic,
             solver=None if solver is None else require_solver(solver),
             memory_limit=memory_limit,
@@ -111,6 +125,8 @@ class Settings:
                 raise InputError(
                     f"interface {name!r}: kind {kind!r} does not exist; known: {', '.join(INTERFACE_KINDS)}"
                 )
+        if self.stiffening:
+            require_cells(mesh, self.material)
         for name, shape in self.contact.items():
             mesh.facets(name)
             if self.interfaces.get(name) == "rigid":
@@ -131,6 +147,8 @@ class Settings:
         """Why these settings need the general path whatever the mesh, or None."""
         if self.periodic is False:
             return "periodic=False"
+        if self.stiffening:
+            return "stiffening=True: geometric stiffness is computed on the general path"
         if self.basis.kind not in CYCLIC_BASES or self.basis != type(self.basis)():
             return f"basis {self.basis.kind!r} with these options is made on the general path"
         other = [name for name, kind in self.interfaces.items() if kind != "rigid"]
@@ -154,6 +172,9 @@ class Settings:
             "traction": self.traction,
             "tangential": self.tangential,
             "stress": stress_settings(self.stress),
+            "local_dynamics": self.local_dynamics,
+            "inertia_modes": self.inertia_modes,
+            "stiffening": self.stiffening,
             "periodic": self.periodic,
             "memory_limit": self.memory_limit,
         }
@@ -168,10 +189,10 @@ def _by_set(value: Any, what: str, example: str) -> dict[str, Any]:
     return dict(value)
 
 
-def _count(modes: Any) -> int:
+def _count(modes: Any, name: str) -> int:
     if isinstance(modes, bool):
-        raise InputError(f"reduce: modes is a number of modes, got {modes}; leave it out for none")
-    return require_count(modes, "reduce: modes", 0)
+        raise InputError(f"reduce: {name} is a number of modes, got {modes}; leave it out for none")
+    return require_count(modes, f"reduce: {name}", 0)
 
 
 def _numbers(material: Material | Mapping[str, Material] | None) -> Any:

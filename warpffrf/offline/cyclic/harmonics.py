@@ -120,12 +120,16 @@ class Harmonics:
             return amplitudes
         return amplitudes * np.tile([1.0, ROTATION_UNIT], len(self.interfaces))[:, None]
 
+    def mass(self, k: int) -> Sparse:
+        """M_k (n_k, n_k) in the coordinates v, csr."""
+        T = self.constraint(k)
+        return sp.csr_matrix(T.conj().T @ self.waves.matrix("M", k) @ T)
+
     def model(self, k: int) -> ElasticModel:
         """K_k, M_k with their rigid modes and solver, in the coordinates v."""
         T = self.constraint(k)
-        TH = T.conj().T
-        M = sp.csr_matrix(TH @ self.waves.matrix("M", k) @ T)
-        K = sp.csr_matrix(TH @ self.waves.matrix("K", k) @ T)
+        M = self.mass(k)
+        K = sp.csr_matrix(T.conj().T @ self.waves.matrix("K", k) @ T)
         if k >= 2:
             return ElasticModel(K, M, np.zeros((len(self.free), 0)), self.factor(k).solve)
         pinned = len(self.free) + np.arange(2) if self.interfaces else None

@@ -7,8 +7,7 @@ stays block-circulant and
 
     lags[l] = 1/N sum_k D_k e^{i k l phi}
 
-is an inverse FFT. A complex mode `u` of harmonic 0 < k < N/2 with `u^H M_k u = 1` stands for the two real modes
-`sqrt(2/N) Re, Im (u e^{i k s phi})`; one of k = 0 or N/2 for `u e^{i k s phi}/sqrt(N)`.
+is an inverse FFT.
 
 The matrices are real in the coordinates of `waves` on most meshes, and a complex load is two real ones there. All loads
 of all fields act on few dofs (those of the surface's nodes): where the loads are more, unit loads on these dofs are
@@ -18,7 +17,6 @@ solved instead, `G F = (G E) (E^T F)`, so that tangential fields cost few solves
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
@@ -26,18 +24,22 @@ import scipy.sparse as sp
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import outer_faces, triangles
 from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.model.reduced_body import Interface, Recovery, sector_to_user
+from warpffrf.model.reduced_body import Interface, Recovery
 from warpffrf.model.tangential import Tangential
 from warpffrf.offline.bases.global_basis import attachment_modes, global_basis
 from warpffrf.offline.contact.independence import window_columns
-from warpffrf.offline.cyclic.harmonics import DIRECTIONS, AxialInterface, Harmonics
+from warpffrf.offline.contact.local_mass import HarmonicMass
+from warpffrf.offline.cyclic.harmonics import AxialInterface, Harmonics
+from warpffrf.offline.cyclic.inertia import cyclic_inertia_terms
 from warpffrf.offline.cyclic.observers import CyclicObserver, ObservedModes, selected_dofs
+from warpffrf.offline.cyclic.real_modes import HarmonicModes, RealModes
 from warpffrf.offline.cyclic.sector import Sector, assemble_sector, sector_axes
 from warpffrf.offline.cyclic.surface import CyclicSurface, FacetPattern
 from warpffrf.offline.cyclic.vibrations import vibrations
 from warpffrf.offline.elastic import Array, ElasticModel
 from warpffrf.offline.fe.assembly import Sparse
 from warpffrf.offline.fe.materials import Assignment
+from warpffrf.offline.inertia.invariants import covered_modes
 from warpffrf.offline.interfaces.kinds import BodyInterface
 from warpffrf.offline.products import Limits, PathProduct, SurfaceProduct, mass_properties
 from warpffrf.offline.progress import Progress
@@ -45,20 +47,6 @@ from warpffrf.offline.quality import sampled_residual
 
 SKIN = "skin"  # name of the observer of the display surface
 REAL_LOADS = 1e-12  # imaginary part of loads, relative to the largest, that is round-off of the wave's phases
-
-
-@dataclass
-class HarmonicModes:
-    """Global modes of one harmonic: omega (p,), sector displacement (3 nn, p), interface amplitudes (2 i, p), on each
-    contact surface the coefficients of the displacement in each field (count, p), and the observers' values
-    (rows, p)."""
-
-    k: int
-    omega: Array
-    shape: Array
-    interface: Array
-    fields: list[list[Array]]
-    observed: list[Array]
 
 
 def axes_of(mesh: Mesh) -> Array:
@@ -84,13 +72,16 @@ def reduce_cyclic(
     traction: str = "hats",
     tangential: str | None = None,
     observers: Sequence[CyclicObserver] = (),
+    local_dynamics: bool = False,
+    inertia_modes: int | None = None,
 ) -> PathProduct:
     """Reduce a periodic mesh: rigid `interfaces` on its axis, `surfaces` with resolved shape and facet pattern.
     See the module docstring.
 
     `spacing` of the contact grid by surface [m] (None: the mesh's own); `traction`, `tangential`: kind of the functions
     of normal and of tangential tractions ("hats", "cells"; None: no tangential ones). `observers` are looked at besides
-    the display skin.
+    the display skin. `local_dynamics`: the mass of the normal local modes is computed too. `inertia_modes`: how many
+    modes get inertia terms (None: `invariants.MODES`).
     """
     with progress.stage("sector"):
         sector = assemble_sector(mesh, assignment, axes_of(mesh))
@@ -108,7 +99,7 @@ def reduce_cyclic(
     looking = [selected_dofs(SKIN, skin_dofs, 3 * nn), *observers]
 
     found, facts = vibrations(harmonics, limits, progress)
-    results = [_SurfaceResults(s, [o.rows for o in looking]) for s in contacts]
+    results = [_SurfaceResults(s, [o.rows for o in looking], local_dynamics) for s in contacts]
     modes_of: list[HarmonicModes] = []
     dropped = 0
     worst: list[float] = []
@@ -138,10 +129,11 @@ def reduce_cyclic(
             ]
             observed = [view @ Phi for view in views]
             modes_of.append(HarmonicModes(k, omega, shape, harmonics.interface_motion(k, Phi), coefficients, observed))
+        M = harmonics.mass(k) if local_dynamics and results else None
         for result, loads in zip(results, F, strict=True):
-            result.add(k, loads, views, flexibility, omega, Phi)
+            result.add(k, loads, views, flexibility, omega, Phi, M)
 
-    modes = _RealModes(N, modes_of)
+    modes = RealModes(N, modes_of)
     facts.update(
         modes.facts(),
         dependent_directions_dropped=dropped,
@@ -152,6 +144,9 @@ def reduce_cyclic(
         widest_block=harmonics.pattern.widest,
     )
     mass, center, inertia = mass_properties(_rigid_mass(sector), sector.origin)
+    with progress.stage("inertia terms"):
+        kept = covered_modes(modes.omega, inertia_modes)
+        terms = cyclic_inertia_terms(sector, modes_of, kept, center)
     return PathProduct(
         mass=mass,
         center=center,
@@ -172,13 +167,14 @@ def reduce_cyclic(
             o.name: ObservedModes([(h.k, h.observed[i]) for h in modes_of], o.rows, modes.combine)
             for i, o in enumerate(looking[1:], start=1)
         },
+        inertia_terms=terms,
     )
 
 
 class _SurfaceResults:
     """Operators of one contact surface as they come, harmonic by harmonic."""
 
-    def __init__(self, surface: CyclicSurface, rows: list[int]) -> None:
+    def __init__(self, surface: CyclicSurface, rows: list[int], local_dynamics: bool) -> None:
         self.surface = surface
         harmonics = surface.N // 2 + 1
         counts = [field.count for field in surface.fields]
@@ -190,9 +186,20 @@ class _SurfaceResults:
         }
         self.whole = np.zeros_like(self.C[0, 0])
         self.transfer = [[np.zeros((harmonics, r, n), dtype=np.complex64) for n in counts] for r in rows]
+        self.mass = HarmonicMass(surface.normal) if local_dynamics else None
 
-    def add(self, k: int, loads: list[Sparse], views: list[Sparse], flexibility, omega: Array, Phi: Array) -> None:
-        """Harmonic k: sparse `loads` (n, count) of each field, operators `views` (rows, n) of the observers."""
+    def add(
+        self,
+        k: int,
+        loads: list[Sparse],
+        views: list[Sparse],
+        flexibility,
+        omega: Array,
+        Phi: Array,
+        M: Sparse | None = None,
+    ) -> None:
+        """Harmonic k: sparse `loads` (n, count) of each field, operators `views` (rows, n) of the observers, the mass
+        matrix M where the mass of local modes is wanted."""
         touched = np.flatnonzero(sum(np.diff(load.indptr) for load in loads))
         phases = [field.phases(k) for field in self.surface.fields]
         units = np.concatenate([(f @ sp.diags(p)).toarray() for f, p in zip(loads, phases, strict=True)], axis=1)
@@ -218,6 +225,11 @@ class _SurfaceResults:
                 C[k] -= on_modes[a] @ on_modes[b].conj().T
             if a == b:
                 C[k] = 0.5 * (C[k] + C[k].conj().T)
+        if self.mass is not None and M is not None:
+            u = response @ parts[0]
+            if len(omega):
+                u = u - (Phi / omega) @ on_modes[0].conj().T
+            self.mass.add(k, M, u, Phi if len(omega) else np.zeros((len(u), 0)))
         for number, y in enumerate(seen):
             for a, field in enumerate(self.surface.fields):
                 values = y @ parts[a]
@@ -226,7 +238,7 @@ class _SurfaceResults:
                 self.transfer[number][a][k] = field.without_gram(k, values.conj().T).conj().T
 
     def product(
-        self, N: int, axes: Array, names: list[str], modes: _RealModes, coefficients: list[list[Array]]
+        self, N: int, axes: Array, names: list[str], modes: RealModes, coefficients: list[list[Array]]
     ) -> SurfaceProduct:
         """The finished operators; `coefficients` of each harmonic's modes in each field."""
         s = self.surface
@@ -256,6 +268,7 @@ class _SurfaceResults:
             residual,
             s.traces,
             tangential=tangential,
+            local_mass=None if self.mass is None else self.mass.product(modes.combine),
             observed={name: r[0] for name, r in zip(names, recoveries[1:], strict=True)},
             observed_tangential={name: r[1] for name, r in zip(names, recoveries[1:], strict=True) if len(r) > 1},
             first_column=s.first,
@@ -286,67 +299,6 @@ def _of_complex(model: ElasticModel):
         return model.flexibility(F)
 
     return flexibility
-
-
-class _RealModes:
-    """The complex modes of all harmonics as real modes, ascending in frequency, the two of a pair beside each other."""
-
-    def __init__(self, N: int, found: list[HarmonicModes]) -> None:
-        self.N, self.found = N, found
-        omega, self._kinds = [], []
-        for h in found:
-            pair = 0 < h.k and 2 * h.k != N
-            for w in h.omega:
-                omega += [w] * (2 if pair else 1)
-            self._kinds.append(pair)
-        self._order = np.argsort(np.array(omega), kind="stable")
-        self.omega = np.array(omega)[self._order]
-
-    def combine(self, waves: list[Array]) -> Array:
-        """Real fields (rows, m) from the complex waves (rows, p) of each harmonic."""
-        columns = []
-        for wave, pair in zip(waves, self._kinds, strict=True):
-            if pair:
-                scale = np.sqrt(2.0 / self.N)
-                columns.append(np.stack([np.real(wave), np.imag(wave)], axis=2).reshape(len(wave), -1) * scale)
-            else:
-                columns.append(np.real(wave) / np.sqrt(self.N))
-        if not columns:
-            return np.zeros((0, 0))
-        return np.concatenate(columns, axis=1)[:, self._order]
-
-    def interface_motion(self, j: int, axes: Array) -> Array:
-        """Translation and rotation (m, 6) of interface j, user axes."""
-        waves = []
-        for h in self.found:
-            motion = np.zeros((6, len(h.omega)), dtype=complex)
-            if h.k in DIRECTIONS:
-                d = axes @ DIRECTIONS[h.k]
-                motion[:3] = d[:, None] * h.interface[2 * j]
-                motion[3:] = d[:, None] * h.interface[2 * j + 1]
-            waves.append(motion)
-        return self.combine(waves).T if waves else np.zeros((0, 6))
-
-    def skin(self, dofs: Array, axes: Array) -> Array:
-        """Displacement of the display points (m, n, 3) float32, user axes."""
-        N, points = self.N, len(dofs) // 3
-        fields = np.zeros((len(self.omega), N * points, 3), dtype=np.float32)
-        place = np.argsort(self._order)
-        row = 0
-        for h, pair in zip(self.found, self._kinds, strict=True):
-            wave = np.exp(2j * np.pi * h.k * np.arange(N) / N)[:, None, None]
-            for p in range(len(h.omega)):
-                u = wave * h.shape[dofs, p].reshape(1, points, 3)
-                parts = (u.real, u.imag) if pair else (u.real,)
-                scale = np.sqrt(len(parts) / N)
-                for part in parts:
-                    fields[place[row]] = scale * sector_to_user(part, axes)
-                    row += 1
-        return fields
-
-    def facts(self) -> dict:
-        """Harmonics that carry global modes, for the report."""
-        return {"harmonics_with_modes": [int(h.k) for h in self.found]}
 
 
 def _window(lags: Array, s: CyclicSurface) -> Array:

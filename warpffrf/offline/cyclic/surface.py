@@ -250,9 +250,10 @@ class CyclicField:
         around = np.linalg.solve(M, parts.reshape(directions, c, -1)).reshape(directions * c, rows, -1)
         return np.linalg.solve(self._gram_z, around).reshape(values.shape)
 
-    def sampled(self, k: int, amplitude: Array) -> Array:
-        """Waves `amplitude` (count, m) e^{i k s phi} at the columns of the grid: (directions columns rows, m)."""
-        fine = self.surface.offset + self.stride * np.arange(self.columns)
+    def sampled(self, k: int, amplitude: Array, columns: int | None = None) -> Array:
+        """Waves `amplitude` (count, m) e^{i k s phi} at the columns of the grid, or at the `columns` from its first one
+        on: (directions columns rows, m)."""
+        fine = self.surface.offset + self.stride * np.arange(self.columns if columns is None else columns)
         wave = np.array([phase(k * int(s), self.N) for s in fine // self.c])
         parts = amplitude.reshape(len(self.directions), self.c, self.rows, -1)[:, fine % self.c]
         return (parts * wave[:, None, None]).reshape(len(self.directions) * len(fine) * self.rows, -1)

@@ -47,24 +47,29 @@ def assemble(points: np.ndarray, cells: Mapping[str, np.ndarray], assignment: As
                 part = here[start : start + chunk]
                 x = points[part]
                 dofs = (3 * part[:, :, None] + np.arange(3)).reshape(len(part), -1)
-                K = K + _scatter(_stiffness(x, kind, material), dofs, 3 * n)
-                m = m + _scatter(_mass(x, kind, material.density), part, n)
+                K = K + scatter(_stiffness(x, kind, material), dofs, 3 * n)
+                m = m + scatter(_mass(x, kind, material.density), part, n)
     return sp.csr_matrix(K), sp.csr_matrix(sp.kron(m, sp.identity(3), format="csr"))
 
 
-def _scatter(local: np.ndarray, dofs: np.ndarray, size: int) -> Sparse:
+def scatter(local: np.ndarray, dofs: np.ndarray, size: int) -> Sparse:
+    """(size, size) csr: the sum of the cells' matrices `local` (e, k, k) at their `dofs` (e, k)."""
     k = dofs.shape[1]
     rows = np.repeat(dofs, k, axis=1).ravel().astype(np.int32)
     columns = np.tile(dofs, (1, k)).ravel().astype(np.int32)
     return sp.coo_matrix((local.ravel(), (rows, columns)), shape=(size, size)).tocsr()
 
 
-def _stiffness(x: np.ndarray, kind: str, material: Material) -> np.ndarray:
-    lam, mu = material.lame
+def physical_gradients(x: np.ndarray, kind: str) -> tuple[np.ndarray, np.ndarray]:
+    """dN_a/dx_i (e, q, k, 3) and volumes (e, q) at the stiffness points of cells with node coordinates x (e, k, 3)."""
     r = rule(kind, STIFFNESS_DEGREE[kind])
     J = np.einsum("eai,qaj->eqij", x, r.gradients)
-    weight = determinants(J) * r.weights
-    slopes = np.einsum("qaj,eqji->eqai", r.gradients, np.linalg.inv(J))  # dN_a/dx_i
+    return np.einsum("qaj,eqji->eqai", r.gradients, np.linalg.inv(J)), determinants(J) * r.weights
+
+
+def _stiffness(x: np.ndarray, kind: str, material: Material) -> np.ndarray:
+    lam, mu = material.lame
+    slopes, weight = physical_gradients(x, kind)
     e, q, k, _ = slopes.shape
     flat = slopes.reshape(e, q, 3 * k)
     g = np.matmul((flat * weight[..., None]).transpose(0, 2, 1), flat).reshape(e, k, 3, k, 3)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,8 @@ from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.general.observers import SKIN, Observer, node_observer, require_observers
 from warpffrf.offline.general.surface import GeneralSurface
 from warpffrf.offline.general.unit_loads import ResponseSolver, UnitLoads, results_bytes
+from warpffrf.offline.inertia.invariants import covered_modes, inertia_terms
+from warpffrf.offline.inertia.stiffening import geometric_stiffness
 from warpffrf.offline.interfaces.kinds import BodyInterface
 from warpffrf.offline.interfaces.system import InterfaceSystem
 from warpffrf.offline.products import Limits, PathProduct, mass_properties
@@ -51,6 +54,9 @@ def reduce_general(
     traction: str = "hats",
     tangential: str | None = None,
     observers: Sequence[Observer] = (),
+    local_dynamics: bool = False,
+    inertia_modes: int | None = None,
+    stiffening: bool = False,
     solver: str | None = None,
     checkpoint: Checkpoint | None = None,
 ) -> PathProduct:
@@ -58,7 +64,9 @@ def reduce_general(
 
     `spacing` of the contact grid by surface [m] (None: the mesh's own); `options`: the basis of the global modes;
     `traction`, `tangential`: kind of the functions of normal and of tangential tractions ("hats", "cells"; None: no
-    tangential ones); `observers`: what is kept of modes and responses beside the skin; `solver`: a name in
+    tangential ones); `observers`: what is kept of modes and responses beside the skin;
+    `local_dynamics`: the mass of the normal local modes is computed too; `inertia_modes`: how many modes get inertia
+    terms (None: `invariants.MODES`); `stiffening`: their geometric stiffness too; `solver`: a name in
     `solvers.SOLVERS`, None: the default; `checkpoint`: work file of finished parts, whose caller enters its context.
     Raises `InputError` for a memory limit that is too small, a model that can move without deforming, a solver that is
     not installed.
@@ -71,7 +79,8 @@ def reduce_general(
     skin = faces.node_set
     seen = [node_observer(SKIN, skin, len(mesh.points)), *observers]
     require_observers(seen, len(mesh.points))
-    _check_results([s.count for s in contacts], seen, limit)
+    massed = [s.fields[0].count if local_dynamics else 0 for s in contacts]
+    _check_results([s.count for s in contacts], seen, massed, limit)
 
     with progress.stage("assembly"):
         K, M = fe_matrices(mesh, assignment)
@@ -81,6 +90,7 @@ def reduce_general(
     system = InterfaceSystem(mesh.points, interfaces)
     T = system.T
     with progress.stage("factorisation"):
+        nodal_mass = M
         K, M = sp.csr_matrix(T.T @ K @ T), sp.csr_matrix(T.T @ M @ T)
         places = system.coordinates
         model = free_model(K, M, system.rigid(middle), system.pinned, places, solver=solver, memory_limit=limit)
@@ -88,15 +98,24 @@ def reduce_general(
     facts: dict[str, Any] = {"backward_error": model.backward_error}
     if factor is not None:
         facts |= {"solver": factor.name, "factor_entries": factor.fill, "factor_bytes": factor.bytes}
-        checkpoint.begin({"solver": factor.name, "observers": [(o.name, o.rows, o.dtype.str) for o in seen]})
+        watched = [(o.name, o.rows, o.dtype.str) for o in seen]
+        checkpoint.begin({"solver": factor.name, "observers": watched, "massed": massed})
 
     with progress.stage("global modes"):
         basis = _global_modes(options, model, system, limits, checkpoint)
         omega, Phi = basis.omega, basis.Phi
+    with progress.stage("inertia terms"):
+        U = T @ Phi[:, : covered_modes(omega, inertia_modes)]
+        terms = inertia_terms(nodal_mass, U, mesh.points, center)
+    if stiffening:
+        with progress.stage("geometric stiffness"):
+            stiffness = geometric_stiffness(mesh, assignment, model, system, nodal_mass, U, center)
+            terms = replace(terms, stiffening=stiffness)
+    del nodal_mass, U
 
     with progress.stage("unit loads"):
         B = [s.loads() for s in contacts]
-        loads = [UnitLoads(s.name, sp.csc_matrix(T.T @ b)) for s, b in zip(contacts, B, strict=True)]
+        loads = [UnitLoads(s.name, sp.csc_matrix(T.T @ b), n) for s, b, n in zip(contacts, B, massed, strict=True)]
     with progress.stage("residuals"):
         tested = [*(u.loads for u in loads), system.loads]
         facts["worst_load_residual"] = max((sampled_residual(model, F) for F in tested), default=0.0)
@@ -108,7 +127,9 @@ def reduce_general(
             found = responses.responses(i, progress, checkpoint)
             transfers = {o.name: t for o, t in zip(seen, found.transfers, strict=True)}
             with progress.stage(f"operators of {s.name}"):
-                products.append(s.product(found.compliance, transfers, B[i].T @ shape, omega))
+                product = s.product(found.compliance, transfers, B[i].T @ shape, omega)
+                product.local_mass = s.local_mass(found.mass, found.overlap) if local_dynamics else None
+                products.append(product)
 
     if responses is not None:
         facts |= {"block": responses.width, "threads": responses.workers}
@@ -125,6 +146,7 @@ def reduce_general(
         skin_modes=modes[SKIN].T.reshape(len(omega), len(skin), 3).astype(np.float32),
         facts={**basis.facts, **facts},
         observed_modes=modes,
+        inertia_terms=terms,
     )
 
 
@@ -142,9 +164,9 @@ def _global_modes(
     return basis
 
 
-def _check_results(counts: list[int], observers: list[Observer], limit: int) -> None:
+def _check_results(counts: list[int], observers: list[Observer], massed: list[int], limit: int) -> None:
     """Refuse results that do not fit before any work is done."""
-    needed = results_bytes(counts, observers)
+    needed = results_bytes(counts, observers, massed)
     if needed > limit:
         raise InputError(
             f"the dense compliance of {sum(counts)} hats needs {needed / 2**30:.3g} GiB, memory_limit is "

@@ -19,10 +19,12 @@ import scipy.sparse as sp
 
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
+from warpffrf.model.local_modes import LocalMass
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.reduced_body import Recovery
 from warpffrf.model.tangential import Tangential
 from warpffrf.offline.contact.independence import check_traces, window_columns
+from warpffrf.offline.contact.local_mass import dense_mass
 from warpffrf.offline.contact.traction_fields import NORMAL, TANGENTIAL, ContactFacets, TractionField
 from warpffrf.offline.general.observers import SKIN
 from warpffrf.offline.products import SurfaceProduct
@@ -131,6 +133,10 @@ class GeneralSurface:
             first_column=self.first,
             whole_columns=self.plan.columns,
         )
+
+    def local_mass(self, N: Array, W: Array) -> LocalMass:
+        """The inertia that the reduced body keeps, of N (normal functions) and W^T (normal functions, m)."""
+        return dense_mass(self.fields[0], self._kept(self.fields[0]), N, W)
 
 
 def _symmetric(D: Array) -> Array:

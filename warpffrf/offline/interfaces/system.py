@@ -88,6 +88,19 @@ class InterfaceSystem:
                 first += 6
         return np.concatenate(parts, axis=1)
 
+    def wrenches(self) -> dict[str, Array]:
+        """Loads (n^, 6) of each interface by name: of unit forces [N] and moments [N m] at its point, in the way that
+        its kind spreads them; a free one like an averaging one."""
+        found = {}
+        first = 3 * len(self.free)
+        for interface in self.interfaces:
+            if isinstance(interface, AverageInterface):
+                found[interface.name] = self._at_nodes(interface) @ interface.S.T
+            else:
+                found[interface.name] = np.eye(self.size, 6, -first)
+                first += 6
+        return found
+
     def _at_nodes(self, interface: BodyInterface) -> Sparse:
         """(n^, 3 k): loads in the model's coordinates from loads on the interface's nodes."""
         return sp.csr_matrix(self.T[interface.dofs].T)

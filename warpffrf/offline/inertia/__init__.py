@@ -1,0 +1,1 @@
+"""Inertia invariants of the modes, and the stiffness that prestress gives them."""
