@@ -4,13 +4,14 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
 BIN := .venv/bin
 STAMP := .venv/.installed
+VERIFY := .venv/.installed_verify
 CHECKED := warpffrf kernels tests demos bench
 
 # Test workers share the cores, the unit of time is defined on one thread, and on many small matrices the threads of a
 # BLAS wait for each other: one BLAS thread each.
-demo test verify bench wheel-test: export OPENBLAS_NUM_THREADS ?= 1
+demo demos test verify bench wheel-test: export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: .venv demo test verify bench lint format types wheel-test clean
+.PHONY: .venv demo demos test verify bench lint format types wheel-test clean
 
 .venv: $(STAMP)
 
@@ -23,10 +24,18 @@ $(STAMP): pyproject.toml constraints.txt
 demo: $(STAMP)
 	$(BIN)/python demos/two_rollers.py
 
+demos: $(STAMP)
+	set -e; for script in demos/*.py; do echo "== $$script"; $(BIN)/python $$script; done
+
 test: lint types
 	$(BIN)/python -m pytest
 
-verify: $(STAMP)
+# EXUDYN, which some of the slow tests compare with, is installed for them.
+$(VERIFY): $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[verify]"
+	touch $@
+
+verify: $(VERIFY)
 	$(BIN)/python -m pytest -m "slow or not slow"
 
 bench: $(STAMP)

@@ -17,6 +17,26 @@ STEEL = ["--youngs-modulus", "210e9", "--poisson-ratio", "0.3", "--density", "78
 FACET_LOSS = (
     5e-3  # the quadratic tetrahedra follow the circle in parabolas: measured mass 2e-5 off, left room for others
 )
+OSCILLATOR = """\
+[bodies.block]
+mass = 2.0
+inertia_tensor = [1, 1, 1]
+
+[joints.guide]
+kind = "prismatic"
+a = "ground"
+b = { body = "block", point = [0, 0, 0] }
+axis = [0, 0, 1]
+
+[forces.spring]
+kind = "joint_spring_damper"
+joint = "guide"
+stiffness = 800.0
+
+[simulate]
+duration = 2e-3
+step = 1e-3
+"""
 
 
 @pytest.fixture
@@ -38,7 +58,7 @@ def coarse(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize(
     "command",
-    [[], ["demo"], ["demo", "two-rollers"], ["reduce"], ["info"], ["run"]],
+    [[], ["demo"], ["demo", "two-rollers"], ["reduce"], ["info"], ["run"], ["modes"]],
     ids=lambda c: "-".join(c) or "main",
 )
 def test_help_explains_every_option(command: list[str], capsys: pytest.CaptureFixture) -> None:
@@ -105,6 +125,42 @@ def test_reduce_then_info(coarse: Path, tmp_path: Path, capsys: pytest.CaptureFi
     assert cli.main(["info", str(target)]) == 0
     said = capsys.readouterr().out
     assert f"{body.mass:.6g} kg" in said and "bore: rigid" in said and "inertia about the centre" in said
+
+
+def test_options_of_a_reduction_reach_it(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    target = tmp_path / "body.h5"
+    mesh, mm = str(DATA / "tet_roller.msh"), ["--length-unit", "mm"]
+    sets = ["--interface", "bore", "--modes", "6", "--inertia-modes", "4", "--stiffening", "--no-cache"]
+    assert cli.main(["-q", "reduce", mesh, *mm, *STEEL, *sets, "-o", str(target)]) == 0
+    terms = wf.ReducedBody.load(target).inertia_terms
+    assert terms is not None and terms.modes == 4
+    assert terms.stiffening is not None and list(terms.stiffening.interfaces) == ["bore"]
+
+
+def test_modes_of_a_scene_file(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    file = tmp_path / "oscillator.toml"
+    file.write_text(OSCILLATOR, encoding="utf-8")
+    frequency = f"{np.sqrt(800.0 / 2.0) / (2.0 * np.pi):.5g}"
+    assert cli.main(["-q", "run", str(file), "--out", str(tmp_path)]) == 0
+    capsys.readouterr()
+    for about, said in (
+        ([], "about the equilibrium"),
+        (["--about", "initial"], "about the initial state"),
+        (["--about", str(tmp_path / "oscillator.h5")], "about the last state of a run, t = 0.002 s"),
+    ):
+        assert cli.main(["modes", str(file), *about]) == 0
+        text = capsys.readouterr().out
+        assert said in text and frequency in text and "block 100 %" in text, text
+    assert cli.main(["modes", str(file), "--set", "forces.spring.stiffness=3200.0"]) == 0
+    assert f"{np.sqrt(3200.0 / 2.0) / (2.0 * np.pi):.5g}" in capsys.readouterr().out
+    for arguments, said in (
+        (["--about", "equilibirum"], "known: equilibrium, initial, or a results file"),
+        (["--about", "none.h5"], "does not exist"),
+        (["--count", "0"], "eigenmodes: count"),
+    ):
+        assert cli.main(["modes", str(file), *arguments]) == 1
+        error = capsys.readouterr().err
+        assert error.startswith("error: ") and said in error and len(error.strip().splitlines()) == 1, error
 
 
 def test_info_of_a_mesh_gives_its_size_mass_and_inertia(capsys: pytest.CaptureFixture) -> None:

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 from typer.testing import CliRunner
 
 import warpffrf as wf
@@ -90,7 +91,8 @@ def run_example(number: int, folder: Path) -> str:
 
 def test_examples_are_short() -> None:
     examples = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
-    assert [len([line for line in code.splitlines() if line]) <= LONGEST for code in examples] == [True, True]
+    assert len(examples) == 4
+    assert all(len([line for line in code.splitlines() if line]) <= LONGEST for code in examples)
 
 
 def test_the_two_rollers_run(tmp_path: Path) -> None:
@@ -110,12 +112,42 @@ def test_the_deck_of_ones_own_runs(tmp_path: Path) -> None:
     assert {"shoe.png", "mode_7.rrd"} <= {p.name for p in tmp_path.iterdir()}
 
 
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")
+QUOTED = 0.03  # of a number: the report rounds to two digits
+
+
+def said_in(quoted: str, said: str) -> bool:
+    """Whether a line of `said` is the quoted one, numbers alike."""
+    words, numbers = NUMBER.sub("#", quoted).split(), [float(x) for x in NUMBER.findall(quoted)]
+    for line in said.splitlines():
+        found = [float(x) for x in NUMBER.findall(line)]
+        if NUMBER.sub("#", line).split() == words and np.allclose(found, numbers, rtol=QUOTED, atol=0.0):
+            return True
+    return False
+
+
+def quoted_after(number: int) -> list[str]:
+    """The lines of output that the README shows after an example, up to the next heading."""
+    text = README.split("```python\n")[number + 1].split("```")[1].split("\n## ")[0]
+    return [line.strip() for line in text.splitlines() if line.startswith("    ") and line.strip()]
+
+
+@pytest.mark.parametrize(("number", "lines"), [(2, 3), (3, 10)])
+def test_what_the_readme_quotes_is_what_the_example_prints(number: int, lines: int, tmp_path: Path) -> None:
+    quoted = quoted_after(number)
+    assert len(quoted) == lines
+    said = run_example(number, tmp_path)
+    assert [line for line in quoted if not said_in(line, said)] == [], said
+    assert number != 3 or (tmp_path / "modes.png").stat().st_size > 0
+
+
 def test_commands_have_the_options_that_the_readme_gives_them() -> None:
     text = README.replace("\\\n", " ")
     commands = [
-        shlex.split(line.split("   run ")[0]) for line in re.findall(r"^    (warpffrf .*)$", text, re.MULTILINE)
+        shlex.split(re.split(r"  +(?=[a-z]{3})", line)[0])
+        for line in re.findall(r"^    (warpffrf .*)$", text, re.MULTILINE)
     ]
-    assert {words[1] for words in commands} == {"demo", "run", "info", "reduce"}
+    assert {words[1] for words in commands} == {"demo", "run", "modes", "info", "reduce"}
     for words in commands:
         names = words[1:3] if words[1] == "demo" else words[1:2]
         known = CliRunner().invoke(app, [*names, "--help"], env={"COLUMNS": "200"}).output

@@ -13,7 +13,7 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from warpffrf.model import bases, forces, joints, mesh, sensors, signals, surfaces
+    from warpffrf.model import bases, damping, forces, joints, mesh, sensors, signals, surfaces
     from warpffrf.model.contact import Contact
     from warpffrf.model.errors import InputError
     from warpffrf.model.material import Material
@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from warpffrf.model.stress_field import StressPoints
     from warpffrf.offline import reduce
     from warpffrf.offline.contact.grid_rule import contact_spacing
-    from warpffrf.online import GeneralizedAlpha
+    from warpffrf.online import GeneralizedAlpha, LocalDynamics, integrators
     from warpffrf.online.stages import Stage
+    from warpffrf.output.modes_result import eigenmodes
     from warpffrf.output.result import Result
     from warpffrf.output.simulate import equilibrium, simulate
     from warpffrf.scene_file import load_scene, run_scene
@@ -34,6 +35,7 @@ __all__ = [
     "Contact",
     "GeneralizedAlpha",
     "InputError",
+    "LocalDynamics",
     "Material",
     "ReducedBody",
     "Result",
@@ -42,8 +44,11 @@ __all__ = [
     "StressPoints",
     "bases",
     "contact_spacing",
+    "damping",
+    "eigenmodes",
     "equilibrium",
     "forces",
+    "integrators",
     "joints",
     "load_scene",
     "mesh",
@@ -60,6 +65,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "Contact": ("warpffrf.model.contact", "Contact"),
     "GeneralizedAlpha": ("warpffrf.online", "GeneralizedAlpha"),
     "InputError": ("warpffrf.model.errors", "InputError"),
+    "LocalDynamics": ("warpffrf.online", "LocalDynamics"),
     "Material": ("warpffrf.model.material", "Material"),
     "ReducedBody": ("warpffrf.model.reduced_body", "ReducedBody"),
     "Result": ("warpffrf.output.result", "Result"),
@@ -68,8 +74,11 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "StressPoints": ("warpffrf.model.stress_field", "StressPoints"),
     "bases": ("warpffrf.model.bases", None),
     "contact_spacing": ("warpffrf.offline.contact.grid_rule", "contact_spacing"),
+    "damping": ("warpffrf.model.damping", None),
+    "eigenmodes": ("warpffrf.output.modes_result", "eigenmodes"),
     "equilibrium": ("warpffrf.output.simulate", "equilibrium"),
     "forces": ("warpffrf.model.forces", None),
+    "integrators": ("warpffrf.online.integrators", None),
     "joints": ("warpffrf.model.joints", None),
     "load_scene": ("warpffrf.scene_file", "load_scene"),
     "mesh": ("warpffrf.model.mesh", None),

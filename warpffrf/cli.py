@@ -1,4 +1,4 @@
-"""The command line: `warpffrf demo | run | reduce | info`.
+"""The command line: `warpffrf demo | run | modes | reduce | info`.
 
 Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2; no traceback for either. What a
 command finds goes to stdout, progress and warnings go to stderr.
@@ -6,6 +6,7 @@ command finds goes to stdout, progress and warnings go to stderr.
 
 from __future__ import annotations
 
+import importlib
 import logging
 import os
 import sys
@@ -17,10 +18,13 @@ from typing import Annotated, Any
 import typer
 
 import warpffrf
+from warpffrf.demos import DEMOS
 
 # Set before anything loads NumPy: on the many small matrices of a reduction the threads of a BLAS wait for each other
 # (on two busy cores 16 times longer than one thread alone).
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+EQUILIBRIUM = "equilibrium"  # the state that modes are about if nothing else is said
 
 log = logging.getLogger("warpffrf")
 
@@ -33,7 +37,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 demo = typer.Typer(
-    help="Run a complete example and write its results to a folder.", no_args_is_help=True, rich_markup_mode=None
+    help="Run a complete example, print its figures beside what they must be, and write its results to a folder.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
 )
 app.add_typer(demo, name="demo")
 
@@ -83,23 +89,26 @@ def _one_line_errors() -> Iterator[None]:
         raise typer.Exit(1) from None
 
 
-@demo.command("two-rollers")
-def demo_two_rollers(
-    out: Annotated[Path, typer.Option("--out", help="Folder for the results; made if missing.")] = Path(
-        "out/two_rollers"
-    ),
-    quick: Annotated[bool, typer.Option("--quick", help="Fewer cells along the axis, fewer frames.")] = False,
-) -> None:
-    """Two steel rollers, pressed together, rolling, under a load step.
+def _add_demo(module: str, about: str) -> None:
+    """A command `demo NAME` that runs `warpffrf.demos.MODULE.main`."""
 
-    Writes two_rollers.h5 (results), two_rollers.rrd (open it with: rerun FILE), two_rollers.png (summary figure) and
-    summary.json, and prints the contact force, half-width and peak pressure beside Hertz.
-    """
-    with _one_line_errors():
-        from warpffrf.demos import two_rollers
+    def command(
+        out: Annotated[Path, typer.Option("--out", help="Folder for the results; made if missing.")] = Path(
+            f"out/{module}"
+        ),
+        quick: Annotated[bool, typer.Option("--quick", help="A coarser, shorter version.")] = False,
+    ) -> None:
+        with _one_line_errors():
+            run: Any = importlib.import_module(f"warpffrf.demos.{module}")
+            code = run.main(out, quick=quick, progress=not _State.quiet)
+        raise typer.Exit(code)
 
-        code = two_rollers.main(out, quick=quick, progress=not _State.quiet)
-    raise typer.Exit(code)
+    files = f"{module}.h5 (results), {module}.rrd (open it with: rerun FILE), {module}.png and summary.json"
+    demo.command(module.replace("_", "-"), help=f"{about}\n\nWrites {files}.", short_help=about)(command)
+
+
+for _module, _about in DEMOS.items():
+    _add_demo(_module, _about)
 
 
 @app.command("run")
@@ -136,6 +145,44 @@ def run_scene_file(
             print(f"{call}\n{result.report()}")
         if any(result.status != "completed" for result in results.values()):
             raise typer.Exit(1)
+
+
+@app.command("modes")
+def modes_of_scene_file(
+    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file, .toml; see docs/scene_file.md.")],
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", metavar="NAME=VALUE", help="Another value for a parameter or a key, as in run. Repeat for more."
+        ),
+    ] = None,
+    count: Annotated[int, typer.Option(help="How many modes, from the lowest on.")] = 20,
+    about: Annotated[
+        str,
+        typer.Option(
+            metavar="STATE",
+            help="equilibrium, initial, or a results file (.h5) of this scene, whose last state is meant.",
+        ),
+    ] = EQUILIBRIUM,
+) -> None:
+    """List frequencies, damping and moving bodies of the lowest modes of a machine, joints and contacts included.
+
+    Example: warpffrf modes press.toml --count 6 --about out/press/press.h5
+    """
+    with _one_line_errors():
+        from warpffrf.scene_file import load_scene
+
+        scene = load_scene(scene_file, settings=settings or ()).scene
+        print(warpffrf.eigenmodes(scene, count, about=_state(about)).report())
+
+
+def _state(about: str) -> Any:
+    """What `--about` means to `eigenmodes`."""
+    if about in (EQUILIBRIUM, "initial"):
+        return None if about == EQUILIBRIUM else about
+    if Path(about).suffix.lower() not in (".h5", ".hdf5"):
+        raise warpffrf.InputError(f"--about is {about!r}; known: {EQUILIBRIUM}, initial, or a results file (.h5)")
+    return warpffrf.Result.load(about)
 
 
 @app.command("reduce")
@@ -189,6 +236,20 @@ def reduce_mesh(
         list[str] | None,
         typer.Option(metavar="SET", help="Set of facets, skin or all, where stresses are wanted. Repeat for more."),
     ] = None,
+    inertia_modes: Annotated[
+        int | None,
+        typer.Option(help="How many of the global modes, the lowest, get inertia terms; left out: all up to 60."),
+    ] = None,
+    stiffening: Annotated[
+        bool,
+        typer.Option(
+            "--stiffening", help="Also what turning and loads on interfaces add to the stiffness of the modes."
+        ),
+    ] = False,
+    local_dynamics: Annotated[
+        bool,
+        typer.Option("--local-dynamics", help="Also the mass of the local modes, for runs that give them inertia."),
+    ] = False,
     cache: Annotated[
         bool, typer.Option(help="Take an unchanged body from the cache instead of reducing again.")
     ] = True,
@@ -216,6 +277,9 @@ def reduce_mesh(
             traction_spacing=traction_spacing,
             expected_half_width=half_width,
             stress={name: name for name in stress or []},
+            inertia_modes=inertia_modes,
+            stiffening=stiffening,
+            local_dynamics=local_dynamics,
             cache=cache,
             progress=not _State.quiet,
         )

@@ -221,9 +221,12 @@ def modal_rows(
     const int count_b = model.modal_start.data[model.surface_body.data[B] + 1] - first_b;
     const double* s = receptance.data + (size_t)w * model.modal_count;
     const int own = origin + m / rows;
-    double scaled[512], weight[256]; int node[256], count = 0;
-    for (int n = 0; n < count_a; ++n) scaled[n] = Ji[n] * s[first_a + n];
-    for (int n = 0; n < count_b; ++n) scaled[count_a + n] = Ji[count_a + n] * s[first_b + n];
+    double weight[256]; int node[256], count = 0;
+    double* scaled = scratch.data + (size_t)w * width;
+    WP_TILE_SYNC();
+    for (int n = WP_TILE_THREAD_IDX; n < count_a + count_b; n += WP_TILE_BLOCK_DIM)
+        scaled[n] = Ji[n] * s[n < count_a ? first_a + n : first_b + n - count_a];
+    WP_TILE_SYNC();
     for (int c = 0; c < SC; ++c) for (int r = 0; r < SR; ++r)
         if (l[c * SR + r] != 0.0) { weight[count] = l[c * SR + r]; node[count++] = (at[0] + c) * rows_b + at[1] + r; }
     for (int j = WP_TILE_THREAD_IDX; j <= slot; j += WP_TILE_BLOCK_DIM) {
@@ -252,6 +255,7 @@ def couple(
     T: wp.array(dtype=real),
     J: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
+    scratch: wp.array(dtype=real),
     G: wp.array3d(dtype=real),
 ): ...
 
@@ -267,6 +271,7 @@ def assemble(
     T: wp.array(dtype=real),
     J: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
+    scratch: wp.array(dtype=real),
     G: wp.array3d(dtype=real),
 ):
     """Per world: rows of G of the fresh slots."""
@@ -279,7 +284,7 @@ def assemble(
         pair = slot_mode[w, slot, 0]
         couple(
             model, w, slot, center[w, pair, 0] - model.half_window, slot_mode, stencil, stencil_at,
-            T, J, receptance, G,
+            T, J, receptance, scratch, G,
         )  # fmt: skip
         slot += 1
 
@@ -334,11 +339,18 @@ def outer_rows(
         count = model.coupled_count[pair]
         c = 12 + lane
         while c < count:
-            row = model.coupled[pair, c] - 6 * model.body_count
-            at = (w * model.row_count + row) * model.modal_count
-            value = -dot(count_a, J, start, C_receptance, at + first_a)
-            value -= dot(count_b, J, start + count_a, C_receptance, at + first_b)
-            L[w, slot, c] = value
+            column = model.coupled[pair, c]
+            if column < model.row_offset:  # a mode that carries inertia
+                mode = model.dense_mode[column - 6 * model.body_count]
+                at = mode - first_a
+                if at < 0 or at >= count_a:
+                    at = count_a + mode - first_b
+                L[w, slot, c] = J[start + at]
+            else:
+                at = (w * model.row_count + column - model.row_offset) * model.modal_count
+                value = -dot(count_a, J, start, C_receptance, at + first_a)
+                value -= dot(count_b, J, start + count_a, C_receptance, at + first_b)
+                L[w, slot, c] = value
             c += wp.block_dim()
         begin = (w * model.slot_capacity + slot) * N
         c = lane

@@ -249,9 +249,11 @@ def modal_increments(
         total = modal_step[first + n]
         row = int(0)
         while row < model.row_count:
-            total -= C_modal[w, row, n] * z[w * model.outer_count + 6 * model.body_count + row]
+            total -= C_modal[w, row, n] * z[w * model.outer_count + model.row_offset + row]
             row += 1
         modal_step[first + n] = receptance[w, n] * total
+        if model.dense_of[n] >= 0:
+            modal_step[first + n] = z[w * model.outer_count + 6 * model.body_count + model.dense_of[n]]
         n += wp.block_dim()
 
 
@@ -325,7 +327,8 @@ def accept_set(
     """Per world: take over the corrected set, count the changes, widen a window that its patch has reached, check the
     guards.
 
-    The pressures of modes that leave are zeroed.
+    The pressures of modes that leave are zeroed. After `max_inner` solves of one linearisation only the first mode that
+    is on the wrong side changes it (Murty's least index, which cannot cycle where G is positive definite).
     """
     w = wp.tid()
     model = models[0]
@@ -342,7 +345,7 @@ def accept_set(
         high = -H - 1
         m = (window[w, pair, 0] + H) * rows
         while m < (window[w, pair, 1] + H + 1) * rows:
-            if proposed[w, pair, m] != active[w, pair, m]:
+            if proposed[w, pair, m] != active[w, pair, m] and (changes == 0 or ctl[w, k.INNER] < model.max_inner):
                 changes += 1
                 active[w, pair, m] = proposed[w, pair, m]
                 if proposed[w, pair, m] == 0:

@@ -39,7 +39,8 @@ RECORD = wp.constant(30)  # 1 when the accepted state is to be saved
 EVERY = wp.constant(31)  # save every so many user steps
 REFRESH = wp.constant(32)  # 1 when the outer matrix is to be inverted anew
 RECENTER = wp.constant(33)  # 1 when the windows are to be laid anew
-CTL = 34
+COARSE = wp.constant(34)  # steps less accurate than asked for, taken as they could not be halved again
+CTL = 35
 
 # --- reals
 START_TIME = wp.constant(0)
@@ -55,7 +56,9 @@ ACC = wp.constant(9)  # d(acceleration)/d(displacement)
 VEL = wp.constant(10)  # d(velocity)/d(displacement)
 MOVE = wp.constant(11)  # largest displacement of a static step [m]
 DONE_STEP = wp.constant(12)  # size of the last accepted step
-CLK = 13
+ERROR = wp.constant(13)  # local error of the attempt over the accuracy asked for
+LOCAL = wp.constant(14)  # ALPHA_M to VEL of the local modes that step by themselves
+CLK = 20
 
 # --- values
 DYNAMIC = wp.constant(0)
@@ -72,6 +75,7 @@ SINGULAR = wp.constant(32)
 ENERGY = wp.constant(64)
 INDEFINITE = wp.constant(128)
 STENCIL = wp.constant(256)
+ACCURACY = wp.constant(512)
 
 # --- constraint row kinds
 TRANSLATION = wp.constant(0)
@@ -94,5 +98,5 @@ NUMERICAL = wp.constant(8)
 LINES = 9
 
 # --- sizes of local buffers in native snippets; the compiler of scenes refuses what does not fit
-MOST_PAIR_MODES = 512  # global modes of the two bodies of a pair, also outer columns a gap depends on
+MOST_COUPLED_COLUMNS = 512  # outer columns a gap depends on
 MOST_STENCIL = 256  # nodes of the second grid under a hat of the first

@@ -180,6 +180,7 @@ def apply_loads(
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
     axes: wp.array2d(dtype=mat33),
+    slope: wp.array4d(dtype=real),
     residual: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
     load: wp.array3d(dtype=real),
@@ -220,7 +221,7 @@ def apply_loads(
             while m < model.modal_start[b + 1]:
                 value = real(0.0)
                 for c in range(3):
-                    value += model.interface_modes[interface, m - o, 3 + c] * torque[c]
+                    value += slope[w, interface, m - o, 3 + c] * torque[c]
                 load_on_modes[w, 1, m] = load_on_modes[w, 1, m] + value
                 m += 1
         i += 1

@@ -13,7 +13,8 @@ class Model:
     body_count: int
     modal_count: int
     row_count: int  # joint constraints, drives and springs
-    outer_count: int  # 6 * body_count + row_count
+    row_offset: int  # 6 * body_count + dense_count
+    outer_count: int  # row_offset + row_count
     pair_count: int
     slot_capacity: int  # rows of G
     gravity: vec3
@@ -23,9 +24,26 @@ class Model:
     modal_start: wp.array(dtype=int)  # (bodies + 1,)
     stiffness: wp.array(dtype=real)  # (modes,) omega^2
     damping: wp.array(dtype=real)  # (modes,) 2 zeta omega
+    mode_kind: wp.array(dtype=int)  # (modes,) 0 the outer integrator's, 1 HHT, 2 exact for a linear load
+    mode_reach: wp.array(dtype=real)  # (modes,) largest displacement per unit coordinate, m
+    # modes that carry inertia, see `inertia`: the first ones of a body
+    dense_count: int
+    dense_body: wp.array(dtype=int)  # (dense,)
+    dense_mode: wp.array(dtype=int)  # (dense,) which of all modes
+    dense_of: wp.array(dtype=int)  # (modes,) the reverse, -1 for a diagonal one
+    dense_start: wp.array(dtype=int)  # (bodies,) its first dense mode
+    inertia_count: wp.array(dtype=int)  # (bodies,)
+    inertia_start: wp.array(dtype=int)  # (bodies,) into inertia_table
+    inertia_first: wp.array2d(dtype=real)  # (dense, 6) J1: xx yy zz xy yz zx
+    inertia_table: wp.array(dtype=real)  # (9, count, count) a body: J2 as above, then G_ij with line j, column i
     # flexible interfaces
+    interface_count: int
+    interface_body: wp.array(dtype=int)
+    interface_stiffening_start: wp.array(dtype=int)  # (interfaces,) into interface_stiffening, -1 without
+    interface_stiffening: wp.array(dtype=real)  # (6, count, count) an interface: K per unit force, torque
     interface_point: wp.array(dtype=vec3)  # (interfaces,) m, body frame
     interface_modes: wp.array3d(dtype=real)  # (interfaces, modes of the body, 6): translation, rotation
+    interface_reach: wp.array2d(dtype=real)  # (interfaces, 6) largest of interface_modes over the modes
     # markers: joint frames
     marker_body: wp.array(dtype=int)
     marker_interface: wp.array(dtype=int)
@@ -127,5 +145,6 @@ class Model:
     residual_tolerance: real  # of the contact force
     max_iterations: int
     max_inner: int
+    max_guarded: int
     max_level: int
     energy_tolerance: real

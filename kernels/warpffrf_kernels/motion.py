@@ -15,6 +15,9 @@ so that `a_1`, `v_1`, `vdot_1` are affine in `d` with slopes `1/(beta h^2)`, `VE
   joints and drives, in the mass metric.
 * START (beta = 1/2, gamma = 1, alphas 0): one tiny step of constant acceleration gives consistent `vdot` and `lambda`.
 
+Modes of kind 1 (HHT) have coefficients of their own in a dynamic step, those of kind 2 the exact step for a linear load
+(`exact_step`), in which the load at the end plays the part of the residual and D that of the receptance.
+
 Balance of a body in the floating frame with origin in its centre of mass and constant inertia (linear momentum in world
 axes, angular in body axes): `m rddot = F`, `J wdot + w x J w = M`; a mode of unit mass: `qddot + 2 zeta omega qdot +
 omega^2 q = f`.
@@ -29,14 +32,17 @@ from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
+UNRESOLVED = wp.constant(wp.float64(9.869604401089358))  # pi^2, of (omega h)^2
+
 
 @wp.kernel
 def begin_step(
-    rho_inf: wp.array(dtype=real),
+    coefficients: wp.array2d(dtype=real),
+    local_coefficients: wp.array2d(dtype=real),
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
 ):
-    """Per world: step size, end time and coefficients of this attempt."""
+    """Per world: step size, end time and coefficients (alpha_m, alpha_f, beta, gamma) of this attempt."""
     w = wp.tid()
     ctl[w, k.RUN] = 0
     ctl[w, k.ATTEMPT] = 0
@@ -66,11 +72,10 @@ def begin_step(
     gamma = real(0.0)
     clk[w, k.NEXT_TIME] = clk[w, k.TIME]
     if ctl[w, k.MODE] == k.DYNAMIC:
-        rho = rho_inf[w]
-        am = (real(2.0) * rho - real(1.0)) / (rho + real(1.0))
-        af = rho / (rho + real(1.0))
-        gamma = real(0.5) - am + af
-        beta = real(0.25) * (gamma + real(0.5)) * (gamma + real(0.5))
+        am = coefficients[w, 0]
+        af = coefficients[w, 1]
+        beta = coefficients[w, 2]
+        gamma = coefficients[w, 3]
         clk[w, k.NEXT_TIME] = clk[w, k.START_TIME] + h_user * (
             real(ctl[w, k.STEP]) + real(ctl[w, k.SUB] + 1) * fraction
         )
@@ -80,38 +85,91 @@ def begin_step(
         if ctl[w, k.MODE] == k.START:
             beta = real(0.5)
     clk[w, k.H] = h
-    clk[w, k.ALPHA_M] = am
-    clk[w, k.ALPHA_F] = af
-    clk[w, k.BETA] = beta
-    clk[w, k.GAMMA] = gamma
-    clk[w, k.ACC] = (real(1.0) - am) / (beta * h * h * (real(1.0) - af))
-    clk[w, k.VEL] = gamma / (beta * h)
+    fill(clk, w, k.ALPHA_M, am, af, beta, gamma)
+    if ctl[w, k.MODE] == k.DYNAMIC:
+        am = local_coefficients[w, 0]
+        af = local_coefficients[w, 1]
+        beta = local_coefficients[w, 2]
+        gamma = local_coefficients[w, 3]
+    fill(clk, w, k.LOCAL, am, af, beta, gamma)
 
 
 @wp.func
-def predicted(c: wp.array2d(dtype=real), w: int, v0: vec3, rate0: vec3, a0: vec3) -> vec3:
-    """Increment that keeps the rate of the old state."""
+def fill(c: wp.array2d(dtype=real), w: int, at: int, am: real, af: real, beta: real, gamma: real):
+    """alpha_m, alpha_f, beta, gamma, ACC and VEL, from column `at` on."""
     h = c[w, k.H]
-    a1 = (rate0 - c[w, k.ALPHA_M] * a0) / (real(1.0) - c[w, k.ALPHA_M])
-    return h * v0 + h * h * ((real(0.5) - c[w, k.BETA]) * a0 + c[w, k.BETA] * a1)
+    c[w, at] = am
+    c[w, at + 1] = af
+    c[w, at + 2] = beta
+    c[w, at + 3] = gamma
+    c[w, at + 4] = (real(1.0) - am) / (beta * h * h * (real(1.0) - af))
+    c[w, at + 5] = gamma / (beta * h)
 
 
 @wp.func
-def algorithmic(c: wp.array2d(dtype=real), w: int, d: vec3, v0: vec3, a0: vec3) -> vec3:
+def predicted(c: wp.array2d(dtype=real), w: int, at: int, v0: vec3, rate0: vec3, a0: vec3) -> vec3:
+    """Increment that keeps the rate of the old state, with the coefficients from column `at` on."""
     h = c[w, k.H]
-    return (d - h * v0 - h * h * (real(0.5) - c[w, k.BETA]) * a0) / (c[w, k.BETA] * h * h)
+    a1 = (rate0 - c[w, at] * a0) / (real(1.0) - c[w, at])
+    return h * v0 + h * h * ((real(0.5) - c[w, at + 2]) * a0 + c[w, at + 2] * a1)
 
 
 @wp.func
-def velocity_of(c: wp.array2d(dtype=real), w: int, v0: vec3, a0: vec3, a1: vec3) -> vec3:
-    return v0 + c[w, k.H] * ((real(1.0) - c[w, k.GAMMA]) * a0 + c[w, k.GAMMA] * a1)
+def algorithmic(c: wp.array2d(dtype=real), w: int, at: int, d: vec3, v0: vec3, a0: vec3) -> vec3:
+    h = c[w, k.H]
+    return (d - h * v0 - h * h * (real(0.5) - c[w, at + 2]) * a0) / (c[w, at + 2] * h * h)
 
 
 @wp.func
-def rate_of(c: wp.array2d(dtype=real), w: int, rate0: vec3, a0: vec3, a1: vec3) -> vec3:
-    am = c[w, k.ALPHA_M]
-    af = c[w, k.ALPHA_F]
+def velocity_of(c: wp.array2d(dtype=real), w: int, at: int, v0: vec3, a0: vec3, a1: vec3) -> vec3:
+    return v0 + c[w, k.H] * ((real(1.0) - c[w, at + 3]) * a0 + c[w, at + 3] * a1)
+
+
+@wp.func
+def rate_of(c: wp.array2d(dtype=real), w: int, at: int, rate0: vec3, a0: vec3, a1: vec3) -> vec3:
+    am = c[w, at]
+    af = c[w, at + 1]
     return ((real(1.0) - am) * a1 + am * a0 - af * rate0) / (real(1.0) - af)
+
+
+@wp.func
+def rule_of(model: Model, ctl: wp.array2d(dtype=int), clk: wp.array2d(dtype=real), w: int, m: int) -> int:
+    """How mode m steps: 0 like the bodies, 1 by HHT, 2 exactly for a linear load.
+
+    The exact step is for modes that the step does not resolve, omega h >= pi. Contact asks for the load f1 that brings
+    the surface to a given place; with the load of before that makes a recursion f1 = -(C/D) f0, and |C/D| is 2 for
+    small omega h and at most 1 from pi on.
+    """
+    if ctl[w, k.MODE] != k.DYNAMIC or model.mode_kind[m] == 0:
+        return 0
+    h = clk[w, k.H]
+    if model.mode_kind[m] == 2 and model.stiffness[m] * h * h >= UNRESOLVED:
+        return 2
+    return 1
+
+
+@wp.func
+def exact_step(stiffness: real, damping: real, h: real, q0: real, v0: real, f0: real):
+    """q1 = held + D f1 and q1' = slid + S f1 of q'' + c q' + omega^2 q = f0 + (f1 - f0) t/h: held, D, slid, S."""
+    one = real(1.0)
+    omega = wp.sqrt(stiffness)
+    zeta = real(0.5) * damping / omega
+    root = wp.sqrt(one - zeta * zeta)
+    turned = omega * root
+    x = turned * h
+    e = wp.exp(-zeta * omega * h)
+    s = e * wp.sin(x)
+    c = e * wp.cos(x)
+    z = zeta / root
+    y = omega * h
+    A = z * s + c
+    B = s / turned
+    g = real(2.0) * zeta / y
+    C = (g + ((one - real(2.0) * zeta * zeta) / x - z) * s - (one + g) * c) / stiffness
+    D = (one - g + (real(2.0) * zeta * zeta - one) / x * s + g * c) / stiffness
+    C1 = (-one / h + (omega / root + z / h) * s + c / h) / stiffness
+    S = (one - z * s - c) / (stiffness * h)
+    return A * q0 + B * v0 + C * f0, D, -omega / root * s * q0 + (c - z * s) * v0 + C1 * f0, S
 
 
 @wp.kernel
@@ -132,27 +190,38 @@ def predict_bodies(
         return
     b = lane
     while b < v.shape[1]:
-        dx[w, b] = predicted(clk, w, v[w, b], v_rate[w, b], v_alg[w, b])
-        psi[w, b] = predicted(clk, w, omega[w, b], omega_rate[w, b], omega_alg[w, b])
+        dx[w, b] = predicted(clk, w, k.ALPHA_M, v[w, b], v_rate[w, b], v_alg[w, b])
+        psi[w, b] = predicted(clk, w, k.ALPHA_M, omega[w, b], omega_rate[w, b], omega_alg[w, b])
         b += wp.block_dim()
 
 
 @wp.kernel
 def predict_modes(
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
+    q: wp.array2d(dtype=real),
     qd: wp.array2d(dtype=real),
     qd_rate: wp.array2d(dtype=real),
     qd_alg: wp.array2d(dtype=real),
+    modal_load: wp.array3d(dtype=real),
     dq: wp.array2d(dtype=real),
 ):
     w, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.RUN] == 0:
         return
     m = lane
     while m < qd.shape[1]:
-        p = predicted(clk, w, vec3(qd[w, m]), vec3(qd_rate[w, m]), vec3(qd_alg[w, m]))
+        at = int(k.ALPHA_M)
+        if rule_of(model, ctl, clk, w, m) == 1:
+            at = int(k.LOCAL)
+        p = predicted(clk, w, at, vec3(qd[w, m]), vec3(qd_rate[w, m]), vec3(qd_alg[w, m]))
         dq[w, m] = p[0]
+        if rule_of(model, ctl, clk, w, m) == 2:  # the load of before, kept
+            f0 = modal_load[w, 0, m]
+            held, D, slid, S = exact_step(model.stiffness[m], model.damping[m], clk[w, k.H], q[w, m], qd[w, m], f0)
+            dq[w, m] = held + D * f0 - q[w, m]
         m += wp.block_dim()
 
 
@@ -189,12 +258,12 @@ def move_bodies(
         return
     b = lane
     while b < model.body_count:
-        a_t = algorithmic(clk, w, dx[w, b], v[w, b], v_alg[w, b])
-        a_r = algorithmic(clk, w, psi[w, b], omega[w, b], omega_alg[w, b])
-        vel = velocity_of(clk, w, v[w, b], v_alg[w, b], a_t)
-        spin = velocity_of(clk, w, omega[w, b], omega_alg[w, b], a_r)
-        acc = rate_of(clk, w, v_rate[w, b], v_alg[w, b], a_t)
-        spin_rate = rate_of(clk, w, omega_rate[w, b], omega_alg[w, b], a_r)
+        a_t = algorithmic(clk, w, k.ALPHA_M, dx[w, b], v[w, b], v_alg[w, b])
+        a_r = algorithmic(clk, w, k.ALPHA_M, psi[w, b], omega[w, b], omega_alg[w, b])
+        vel = velocity_of(clk, w, k.ALPHA_M, v[w, b], v_alg[w, b], a_t)
+        spin = velocity_of(clk, w, k.ALPHA_M, omega[w, b], omega_alg[w, b], a_r)
+        acc = rate_of(clk, w, k.ALPHA_M, v_rate[w, b], v_alg[w, b], a_t)
+        spin_rate = rate_of(clk, w, k.ALPHA_M, omega_rate[w, b], omega_alg[w, b], a_r)
         q1 = wp.normalize(p[w, b] * exponential(psi[w, b]))
         r1[w, b] = r[w, b] + dx[w, b]
         p1[w, b] = q1
@@ -232,6 +301,7 @@ def move_modes(
     qd: wp.array2d(dtype=real),
     qd_rate: wp.array2d(dtype=real),
     qd_alg: wp.array2d(dtype=real),
+    modal_load: wp.array3d(dtype=real),
     dq: wp.array2d(dtype=real),
     q1: wp.array2d(dtype=real),
     qd1: wp.array2d(dtype=real),
@@ -246,14 +316,25 @@ def move_modes(
         return
     m = lane
     while m < model.modal_count:
-        a = algorithmic(clk, w, vec3(dq[w, m]), vec3(qd[w, m]), vec3(qd_alg[w, m]))
-        vel = velocity_of(clk, w, vec3(qd[w, m]), vec3(qd_alg[w, m]), a)
-        rate = rate_of(clk, w, vec3(qd_rate[w, m]), vec3(qd_alg[w, m]), a)
-        q1[w, m] = q[w, m] + dq[w, m]
-        qd1[w, m] = vel[0]
-        qd1_rate[w, m] = rate[0]
         c = model.damping[m]
         stiffness = model.stiffness[m]
-        modal_residual[w, m] = rate[0] + c * vel[0] + stiffness * q1[w, m]
-        receptance[w, m] = real(1.0) / (clk[w, k.ACC] + c * clk[w, k.VEL] + stiffness)
+        q1[w, m] = q[w, m] + dq[w, m]
+        if rule_of(model, ctl, clk, w, m) == 2:
+            held, D, slid, S = exact_step(stiffness, c, clk[w, k.H], q[w, m], qd[w, m], modal_load[w, 0, m])
+            f1 = (q1[w, m] - held) / D
+            qd1[w, m] = slid + S * f1
+            qd1_rate[w, m] = f1 - c * qd1[w, m] - stiffness * q1[w, m]
+            modal_residual[w, m] = f1
+            receptance[w, m] = D
+        else:
+            at = int(k.ALPHA_M)
+            if rule_of(model, ctl, clk, w, m) == 1:
+                at = int(k.LOCAL)
+            a = algorithmic(clk, w, at, vec3(dq[w, m]), vec3(qd[w, m]), vec3(qd_alg[w, m]))
+            vel = velocity_of(clk, w, at, vec3(qd[w, m]), vec3(qd_alg[w, m]), a)
+            rate = rate_of(clk, w, at, vec3(qd_rate[w, m]), vec3(qd_alg[w, m]), a)
+            qd1[w, m] = vel[0]
+            qd1_rate[w, m] = rate[0]
+            modal_residual[w, m] = rate[0] + c * vel[0] + stiffness * q1[w, m]
+            receptance[w, m] = real(1.0) / (clk[w, at + 4] + c * clk[w, at + 5] + stiffness)
         m += wp.block_dim()

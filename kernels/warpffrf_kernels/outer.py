@@ -2,7 +2,8 @@
 
 With `sigma` the diagonal tangent of the modes, J their gradient of the weak gaps, C and C_m the gradients of the rows
 by rigid and modal coordinates, r, r_m the residuals and `opened` the weak gaps of the present state, all with the
-contact forces of its pressures, the linearised step for the changes dx, dq, dlam, ds reads
+contact forces of its pressures, the linearised step for the changes dx, dq, dlam, ds reads (x: rigid coordinates and
+the modes that carry inertia, q: the others)
 
     S dx + C^T dlam - L_r^T ds = -r,            sigma dq + C_m^T dlam - J^T ds = -r_m,
     C dx + C_m dq - E dlam = -c,                opened + L_r dx + J dq + G_local ds = 0 on the active set.
@@ -30,6 +31,7 @@ REFRESH_ABOVE = wp.constant(wp.float64(1.0e-7))
 # of the coordinates: a joint defect is not measured against less, or round-off would exceed the tolerance
 SHORT = wp.constant(wp.float64(1.0e-6))
 ROUND_OFF = wp.constant(wp.float64(1.0e-6))  # times the residual tolerance: a few digits above machine precision
+CANCELLED = wp.constant(wp.float64(1.0e-5))  # of a joint's force on the modes: round-off of its sums over the tolerance
 NO_FORCE = wp.constant(wp.float64(1.0e-30))  # N: a scale that is never zero
 PIVOT_TOLERANCE = wp.constant(
     wp.float64(1.0e-13)
@@ -94,9 +96,11 @@ def condense(
         return
     i = lane
     while i < model.outer_count:
-        rigid = 6 * model.body_count
-        if i < rigid:
+        rigid = model.row_offset
+        if i < 6 * model.body_count:
             rhs[w, i] = -residual[w, i]
+        elif i < rigid:
+            rhs[w, i] = -modal_residual[w, model.dense_mode[i - 6 * model.body_count]]
         else:
             value = -defect[w, i - rigid]
             n = int(0)
@@ -114,15 +118,20 @@ def condense(
             j = int(0)
             while j < rigid:
                 if i >= rigid:
-                    tangent[w, i, j] = C[w, i - rigid, j]
-                elif j / 6 != i / 6:
+                    if j < 6 * model.body_count:
+                        tangent[w, i, j] = C[w, i - rigid, j]
+                    else:
+                        tangent[w, i, j] = C_modal[w, i - rigid, model.dense_mode[j - 6 * model.body_count]]
+                elif j < 6 * model.body_count and i < 6 * model.body_count and j / 6 != i / 6:
                     tangent[w, i, j] = real(0.0)
                 j += 1
             other = int(0)
             while other < model.row_count:
                 total = real(0.0)
-                if i < rigid:
+                if i < 6 * model.body_count:
                     total = C[w, other, i]
+                elif i < rigid:
+                    total = C_modal[w, other, model.dense_mode[i - 6 * model.body_count]]
                 else:
                     n = int(0)
                     while n < model.modal_count:
@@ -143,7 +152,7 @@ def condense(
 # Inverse of the equilibrated matrix by Gauss-Jordan elimination in place, with row pivoting; rows stay contiguous.
 # Native for contiguous inner loops like `axpy`; not measured separately. Returns 1 if a pivot is below `tolerance`.
 @wp.func_native("""
-    const int n = model.outer_count, rigid = 6 * model.body_count, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
+    const int n = model.outer_count, rigid = model.row_offset, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
     double* a = work.data + (size_t)w * n * n;
     double* scale = scaling.data + (size_t)w * n;
     int* swapped = pivots.data + (size_t)w * n;
@@ -246,6 +255,12 @@ def factor_outer(
         j += 1
 
 
+@wp.func
+def gyration_of(J: mat33, mass: real) -> real:
+    """Mean radius of gyration: a torque is measured by the force that it is there, also of a slender body."""
+    return wp.sqrt(wp.trace(J) / (real(3.0) * mass))
+
+
 @wp.kernel
 def balance(
     models: wp.array(dtype=Model),
@@ -260,6 +275,7 @@ def balance(
     defect: wp.array2d(dtype=real),
     softness: wp.array2d(dtype=real),
     row_wrench: wp.array3d(dtype=real),
+    row_pull: wp.array3d(dtype=real),
     load: wp.array3d(dtype=real),
     load_on_modes: wp.array3d(dtype=real),
     pair_wrench: wp.array3d(dtype=real),
@@ -289,7 +305,7 @@ def balance(
     while b < model.body_count:
         m = model.mass[b]
         J = model.inertia[b]
-        gyration = wp.sqrt(J[0, 0] / m)
+        gyration = gyration_of(J, m)
         scale = wp.max(scale, m * (wp.length(model.gravity) + wp.length(v1_rate[w, b])))
         turning = wp.length(J * omega1_rate[w, b]) + wp.length(wp.cross(omega1[w, b], J * omega1[w, b]))
         scale = wp.max(scale, turning / gyration)
@@ -323,7 +339,7 @@ def balance(
                 if side == 1:
                     b = model.marker_body[model.row_b[row]]
                 if b >= 0:
-                    gyration = wp.sqrt(model.inertia[b][0, 0] / model.mass[b])
+                    gyration = gyration_of(model.inertia[b], model.mass[b])
                     scale = wp.max(scale, wp.abs(lam[w, row]) * wp.length(t) / gyration)
         if softness[w, row] == real(0.0):
             worst = wp.max(worst, wp.abs(defect[w, row]) / wp.min(length, real(1.0)))
@@ -344,7 +360,7 @@ def balance(
         f = vec3(residual[w, 6 * b], residual[w, 6 * b + 1], residual[w, 6 * b + 2])
         t = vec3(residual[w, 6 * b + 3], residual[w, 6 * b + 4], residual[w, 6 * b + 5])
         # a torque is measured by the force that it is at the radius of gyration
-        gyration = wp.sqrt(model.inertia[b][0, 0] / model.mass[b])
+        gyration = gyration_of(model.inertia[b], model.mass[b])
         worst = wp.max(worst, wp.max(wp.length(f), wp.length(t) / gyration) / scale)
         sum += wp.length(f) + wp.length(t)
         b += 1
@@ -361,6 +377,19 @@ def balance(
         open_load = wp.max(open_load, wp.abs(modal_residual[w, n]))
         sum += modal_residual[w, n]
         n += 1
+    row = int(0)
+    while row < model.row_count:  # forces of joints that cancel each other on the modes leave round-off
+        for side in range(2):
+            marker = model.row_a[row]
+            if side == 1:
+                marker = model.row_b[row]
+            interface = model.marker_interface[marker]
+            if interface >= 0:
+                pull = real(0.0)
+                for c in range(6):
+                    pull += wp.abs(row_pull[w, 2 * row + side, c]) * model.interface_reach[interface, c]
+                modal_scale = wp.max(modal_scale, CANCELLED * wp.abs(lam[w, row]) * pull)
+        row += 1
     worst = wp.max(worst, open_load / modal_scale)
     history[w, wp.min(ctl[w, k.ITERATION], 31)] = worst
     if not wp.isfinite(worst + sum):
@@ -416,7 +445,7 @@ def advance_rest(
     i = lane
     while i < model.row_count + model.modal_count:
         if i < model.row_count:
-            lam[w, i] = lam[w, i] + z[w * model.outer_count + 6 * model.body_count + i]
+            lam[w, i] = lam[w, i] + z[w * model.outer_count + model.row_offset + i]
         else:
             n = i - model.row_count
             dq[w, n] = dq[w, n] + modal_step[w * model.modal_count + n]
@@ -444,7 +473,7 @@ def count_iteration(
                 ctl[w, k.INNER] = 0
             elif ctl[w, k.REASSEMBLE] != 0:
                 ctl[w, k.MOVED] = 1  # a window was widened: evaluate again, with the pressures found so far
-            elif ctl[w, k.INNER] >= model.max_inner:
+            elif ctl[w, k.INNER] >= model.max_inner + model.max_guarded:
                 ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.CYCLING
                 ctl[w, k.RUN] = 0
             if ctl[w, k.FAILURE] != 0:

@@ -24,7 +24,7 @@ compliance 1/k_e on its diagonal, so that springs on flexible interfaces need no
 diagonal).
 
 A marker on a flexible rigid interface moves with the interface: x = r + A (X + u + theta x (X - X_if)),
-axes A exp(theta^) L, with (u, theta) = Phi_if q.
+axes A exp(theta^) L, with (u, theta) = Phi_if q, and -q.K q/2 in addition where loads stiffen the body (`inertia`).
 """
 
 import warp as wp
@@ -64,8 +64,18 @@ def evaluate_signal(model: Model, s: int, t: real, order: int) -> real:
 
 
 @wp.func
-def interface_motion(model: Model, interface: int, b: int, q1: wp.array2d(dtype=real), w: int, first: int) -> vec3:
-    """Translation (first = 0) or rotation (first = 3) of an interface, body axes."""
+def interface_motion(
+    model: Model,
+    interface: int,
+    b: int,
+    q1: wp.array2d(dtype=real),
+    slope: wp.array4d(dtype=real),
+    w: int,
+    first: int,
+) -> vec3:
+    """Translation (first = 0) or rotation (first = 3) of an interface, body axes: (Phi + slope) q/2, slope its
+    derivative by the modes, Phi itself but where loads stiffen the body (`inertia`)."""
+    half = real(0.5)
     m0 = model.modal_start[b]
     m1 = model.modal_start[b + 1]
     x = real(0.0)
@@ -73,32 +83,33 @@ def interface_motion(model: Model, interface: int, b: int, q1: wp.array2d(dtype=
     z = real(0.0)
     m = m0
     while m < m1:
-        x += model.interface_modes[interface, m - m0, first] * q1[w, m]
-        y += model.interface_modes[interface, m - m0, first + 1] * q1[w, m]
-        z += model.interface_modes[interface, m - m0, first + 2] * q1[w, m]
+        n = m - m0
+        x += half * (model.interface_modes[interface, n, first] + slope[w, interface, n, first]) * q1[w, m]
+        y += half * (model.interface_modes[interface, n, first + 1] + slope[w, interface, n, first + 1]) * q1[w, m]
+        z += half * (model.interface_modes[interface, n, first + 2] + slope[w, interface, n, first + 2]) * q1[w, m]
         m += 1
     return vec3(x, y, z)
 
 
 @wp.func
-def arm_on_interface(model: Model, i: int, q1: wp.array2d(dtype=real), w: int) -> vec3:
+def arm_on_interface(model: Model, i: int, q1: wp.array2d(dtype=real), slope: wp.array4d(dtype=real), w: int) -> vec3:
     """Position of marker i in its body frame, deformed."""
     X = model.marker_point[i]
     f = model.marker_interface[i]
     if f < 0:
         return X
     b = model.marker_body[i]
-    u = interface_motion(model, f, b, q1, w, 0)
-    theta = interface_motion(model, f, b, q1, w, 3)
+    u = interface_motion(model, f, b, q1, slope, w, 0)
+    theta = interface_motion(model, f, b, q1, slope, w, 3)
     return X + u + wp.cross(theta, X - model.interface_point[f])
 
 
 @wp.func
-def axes_on_interface(model: Model, i: int, q1: wp.array2d(dtype=real), w: int) -> mat33:
+def axes_on_interface(model: Model, i: int, q1: wp.array2d(dtype=real), slope: wp.array4d(dtype=real), w: int) -> mat33:
     f = model.marker_interface[i]
     if f < 0:
         return model.marker_axes[i]
-    theta = interface_motion(model, f, model.marker_body[i], q1, w, 3)
+    theta = interface_motion(model, f, model.marker_body[i], q1, slope, w, 3)
     return matrix(exponential(theta)) * model.marker_axes[i]
 
 
@@ -112,12 +123,16 @@ def write_side(
     torque: vec3,
     x: vec3,
     x_marker: vec3,
+    side: int,
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
+    slope: wp.array4d(dtype=real),
     C: wp.array3d(dtype=real),
     C_modal: wp.array3d(dtype=real),
+    row_pull: wp.array3d(dtype=real),
 ):
-    """Enter the wrench (force at x, torque), world axes, into the row's entries of the body that carries the marker."""
+    """Enter the wrench (force at x, torque), world axes, into the row's entries of the body that carries the marker;
+    `row_pull` keeps what acts on its interface, body axes."""
     b = model.marker_body[marker]
     if b < 0:
         return
@@ -133,12 +148,15 @@ def write_side(
     fb = At * force
     tb = At * (wp.cross(x - x_marker, force) + torque)
     tb += wp.cross(model.marker_point[marker] - model.interface_point[f], fb)
+    for i in range(3):
+        row_pull[w, 2 * row + side, i] = fb[i]
+        row_pull[w, 2 * row + side, 3 + i] = tb[i]
     m = model.modal_start[b]
     o = m
     while m < model.modal_start[b + 1]:
         value = real(0.0)
         for i in range(3):
-            value += model.interface_modes[f, m - o, i] * fb[i] + model.interface_modes[f, m - o, 3 + i] * tb[i]
+            value += slope[w, f, m - o, i] * fb[i] + slope[w, f, m - o, 3 + i] * tb[i]
         C_modal[w, row, m] = C_modal[w, row, m] + value
         m += 1
 
@@ -170,6 +188,7 @@ def evaluate_rows(
     qd1: wp.array2d(dtype=real),
     lam: wp.array2d(dtype=real),
     stretch: wp.array2d(dtype=real),
+    slope: wp.array4d(dtype=real),
     C: wp.array3d(dtype=real),
     C_modal: wp.array3d(dtype=real),
     coordinate: wp.array2d(dtype=real),
@@ -177,6 +196,7 @@ def evaluate_rows(
     softness: wp.array2d(dtype=real),
     drive_rate: wp.array3d(dtype=real),
     row_wrench: wp.array3d(dtype=real),
+    row_pull: wp.array3d(dtype=real),
 ):
     """Per row: value, gradient, defect (c, or the spring law divided by its stiffness) and compliance."""
     w, lane = wp.tid()
@@ -189,10 +209,10 @@ def evaluate_rows(
         b = model.row_b[row]
         body_a = model.marker_body[a]
         body_b = model.marker_body[b]
-        x_a = arm_on_interface(model, a, q1, w)
-        x_b = arm_on_interface(model, b, q1, w)
-        R_a = axes_on_interface(model, a, q1, w)
-        R_b = axes_on_interface(model, b, q1, w)
+        x_a = arm_on_interface(model, a, q1, slope, w)
+        x_b = arm_on_interface(model, b, q1, slope, w)
+        R_a = axes_on_interface(model, a, q1, slope, w)
+        R_b = axes_on_interface(model, b, q1, slope, w)
         if body_a >= 0:
             x_a = r1[w, body_a] + axes[w, body_a] * x_a
             R_a = axes[w, body_a] * R_a
@@ -252,8 +272,8 @@ def evaluate_rows(
             value = wp.dot(force, x_b - x_a) + wp.dot(about, phi)
         clear_side(model, w, row, a, C, C_modal)
         clear_side(model, w, row, b, C, C_modal)
-        write_side(model, w, row, b, force, torque, x_b, x_b, r1, axes, C, C_modal)
-        write_side(model, w, row, a, -force, -torque, x_b, x_a, r1, axes, C, C_modal)
+        write_side(model, w, row, b, force, torque, x_b, x_b, 1, r1, axes, slope, C, C_modal, row_pull)
+        write_side(model, w, row, a, -force, -torque, x_b, x_a, 0, r1, axes, slope, C, C_modal, row_pull)
         coordinate[w, row] = value + s
         value -= model.row_reference[row]
         drive_rate[w, 1, row] = s_rate
@@ -312,6 +332,7 @@ def apply_forces(
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     q1: wp.array2d(dtype=real),
+    slope: wp.array4d(dtype=real),
     residual: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
     applied: wp.array3d(dtype=vec3),
@@ -340,8 +361,8 @@ def apply_forces(
         arm = X
         interface = model.force_interface[i]
         if interface >= 0:
-            theta = interface_motion(model, interface, b, q1, w, 3)
-            arm = X + interface_motion(model, interface, b, q1, w, 0)
+            theta = interface_motion(model, interface, b, q1, slope, w, 3)
+            arm = X + interface_motion(model, interface, b, q1, slope, w, 0)
             arm += wp.cross(theta, X - model.interface_point[interface])
         fb = wp.transpose(A) * f
         moment = wp.cross(arm, fb)
@@ -355,8 +376,8 @@ def apply_forces(
             while m < model.modal_start[b + 1]:
                 value = real(0.0)
                 for c in range(3):
-                    value += model.interface_modes[interface, m - o, c] * fb[c]
-                    value += model.interface_modes[interface, m - o, 3 + c] * tb[c]
+                    value += slope[w, interface, m - o, c] * fb[c]
+                    value += slope[w, interface, m - o, 3 + c] * tb[c]
                 modal_residual[w, m] = modal_residual[w, m] - value
                 m += 1
         applied[w, 1, i] = f

@@ -45,6 +45,7 @@ def stiffen(
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     q1: wp.array2d(dtype=real),
+    slope: wp.array4d(dtype=real),
     lam: wp.array2d(dtype=real),
     row_wrench: wp.array3d(dtype=real),
     tangent: wp.array3d(dtype=real),
@@ -73,8 +74,8 @@ def stiffen(
             if body_b >= 0:
                 A_b = axes[w, body_b]
                 r_b = r1[w, body_b]
-            d_a = A_a * arm_on_interface(model, a, q1, w)
-            d_b = A_b * arm_on_interface(model, b, q1, w)
+            d_a = A_a * arm_on_interface(model, a, q1, slope, w)
+            d_b = A_b * arm_on_interface(model, b, q1, slope, w)
             f = vec3(row_wrench[w, row, 0], row_wrench[w, row, 1], row_wrench[w, row, 2])
             P = pull * f
             Q = pull * vec3(row_wrench[w, row, 3], row_wrench[w, row, 4], row_wrench[w, row, 5])
@@ -93,8 +94,8 @@ def stiffen(
                 length = wp.max(wp.length(c_a - d_a), real(1.0e-300))
                 P_x = (pull / length) * (one - wp.outer(f, f))
             if kind == k.DIRECTION:
-                R_a = A_a * axes_on_interface(model, a, q1, w)
-                R_b = A_b * axes_on_interface(model, b, q1, w)
+                R_a = A_a * axes_on_interface(model, a, q1, slope, w)
+                R_b = A_b * axes_on_interface(model, b, q1, slope, w)
                 i = model.row_i[row]
                 j = model.row_j[row]
                 U = hat(vec3(R_a[0, i], R_a[1, i], R_a[2, i]))
@@ -102,12 +103,12 @@ def stiffen(
                 Q_a = -pull * (W * U)
                 Q_b = pull * (U * W)
             if kind == k.ANGLE or kind == k.SECOND_ANGLE:
-                held = A_a * axes_on_interface(model, a, q1, w)
-                turned = A_b * axes_on_interface(model, b, q1, w)
+                held = A_a * axes_on_interface(model, a, q1, slope, w)
+                turned = A_b * axes_on_interface(model, b, q1, slope, w)
                 sign = real(1.0)
                 if kind == k.SECOND_ANGLE:
-                    held = A_b * axes_on_interface(model, b, q1, w)
-                    turned = A_a * axes_on_interface(model, a, q1, w)
+                    held = A_b * axes_on_interface(model, b, q1, slope, w)
+                    turned = A_a * axes_on_interface(model, a, q1, slope, w)
                     sign = real(-1.0)
                 i = model.row_i[row]
                 j = model.row_j[row]
@@ -119,10 +120,10 @@ def stiffen(
                 N = along_p * along_p + along_q * along_q
                 n = along_q * p - along_p * q
                 t = wp.cross(e, n) / N
-                slope = hat(e) * (wp.outer(p, wp.cross(e, q)) - wp.outer(q, wp.cross(e, p)))
-                slope = slope - wp.outer(t, real(2.0) * (along_p * wp.cross(e, p) + along_q * wp.cross(e, q)))
-                by_turned = (sign * pull / N) * (hat(n) * hat(e) + slope)
-                by_held = (sign * pull / N) * (-(hat(e) * hat(n)) - slope)
+                steep = hat(e) * (wp.outer(p, wp.cross(e, q)) - wp.outer(q, wp.cross(e, p)))
+                steep = steep - wp.outer(t, real(2.0) * (along_p * wp.cross(e, p) + along_q * wp.cross(e, q)))
+                by_turned = (sign * pull / N) * (hat(n) * hat(e) + steep)
+                by_held = (sign * pull / N) * (-(hat(e) * hat(n)) - steep)
                 Q_a = by_held
                 Q_b = by_turned
                 if kind == k.SECOND_ANGLE:

@@ -111,8 +111,8 @@ def evaluate_on_device(scene: Scene, pose: Pose) -> tuple[np.ndarray, np.ndarray
     engine.control(RUN=1, MOVED=1)
     wp.launch_tiled(
         row_kernels.evaluate_rows, dim=(1,),
-        inputs=[m.models, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.q1, x.qd1, s.lam, s.stretch,
-                x.C, x.C_modal, x.coordinate, x.defect, x.softness, s.drive_rate, x.row_wrench],
+        inputs=[m.models, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.q1, x.qd1, s.lam, s.stretch, x.slope,
+                x.C, x.C_modal, x.coordinate, x.defect, x.softness, s.drive_rate, x.row_wrench, x.row_pull],
         block_dim=BLOCK,
     )  # fmt: skip
     n = m.row_count

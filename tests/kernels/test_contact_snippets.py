@@ -183,4 +183,4 @@ def test_first_rigid_columns_of_the_gradient(engine: Engine) -> None:
     _, count = slots(engine)
     L = x.L.numpy()[0, :count]
     assert close(L[:, 6:9], -L[:, 0:3])
-    assert m.outer_count == 6 * m.body_count + m.row_count
+    assert m.outer_count == 6 * m.body_count + m.dense_count + m.row_count

@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from warpffrf.model import forces, joints, signals
-from warpffrf.model.bodies import default_damping
 from warpffrf.model.contact import Contact
+from warpffrf.model.damping import default_damping
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 

@@ -401,7 +401,7 @@ def test_cosine_pressure_is_carried_with_its_resultant(plain_body: ReducedBody) 
 
 def test_pulsating_pressure_works_on_the_modes(plain_body: ReducedBody) -> None:
     """A free roller under a pressure that comes and goes: no resultant, energy from the ledger's work of forces."""
-    p = signals.Table([0.0, 2e-4, 4e-4], [0.0, 5e6, 1e6], cubic=True)
+    p = signals.Table([0.0, 2e-4, 4e-4, 6e-4], [0.0, 5e6, 1e6, 1e6], cubic=True)
     drifts = []
     for step in (4e-6, 2e-6):
         scene = Scene()

@@ -70,10 +70,22 @@ def test_balance_holds_to_the_promised_tolerance(plain_body: ReducedBody) -> Non
     assert history.joints["axle"].force[0, 2] == pytest.approx(-F[2] + weight, rel=1e-8)
 
 
+def test_one_change_at_a_time_finds_the_same_contact(plain_body: ReducedBody) -> None:
+    """The safeguard from the first solve on: the same hats and pressures, in more solves."""
+    scene = guided_pair(plain_body, plain_body, load=200e3, speed=20.0)
+    engines = [Engine(scene, settings=Settings(max_inner=n)) for n in (40, 0)]
+    assert all(engine.settle() for engine in engines)
+    free, guarded = (engine.state.pressure.numpy()[0] * engine.state.active.numpy()[0] for engine in engines)
+    assert np.array_equal(free > 0.0, guarded > 0.0)
+    assert np.abs(free - guarded).max() < 1e-8 * free.max()
+    assert engines[1].word("PENDING_SOLVES")[0] > engines[0].word("PENDING_SOLVES")[0]
+
+
 def test_cycling_and_too_few_iterations_are_reported(plain_body: ReducedBody) -> None:
     """With one correction of the set allowed, a landing of many hats cannot settle: the status says so."""
     path = Path.of([300e-6], 0.03, 0.02)
-    engine = Engine(prescribed_pair(plain_body, plain_body, path), settings=Settings(max_inner=1, window_strain=0.2))
+    few = Settings(max_inner=1, max_guarded=0, window_strain=0.2)
+    engine = Engine(prescribed_pair(plain_body, plain_body, path), settings=few)
     static(engine)
     assert int(engine.word("STATUS")[0]) & int(k.CYCLING)
     engine = Engine(

@@ -53,7 +53,7 @@ def test_a_failing_world_does_not_stop_the_others(plain_body: ReducedBody, array
 
 @pytest.mark.parametrize("peak", [1e8, 1e100, 1e290])
 def test_a_load_beyond_all_bounds_is_reported_and_results_are_kept(plain_body: ReducedBody, peak: float) -> None:
-    load = signals.Table([0.0, 1e-3, 2e-3], [LOAD, LOAD, peak])
+    load = signals.Table([0.0, 1e-3, 2e-3, 3e-3], [LOAD, LOAD, peak, peak])
     scene = guided_pair(plain_body, plain_body, load=load, speed=20.0)
     history = run(scene, 3e-3, step=1e-4, start="equilibrium", progress=False)
     assert history.status in ("capacity", "not_finite", "not_converged") and history.message
@@ -184,7 +184,8 @@ def test_forces_at_interfaces_balance(plain_body: ReducedBody) -> None:
 
 def test_every_failure_bit_has_a_message() -> None:
     """Bits are powers of two; UNDERFLOW only goes with another one."""
-    names = ("NOT_CONVERGED", "CYCLING", "CAPACITY", "NOT_FINITE", "SINGULAR", "ENERGY", "INDEFINITE", "STENCIL")
+    names = ("NOT_CONVERGED", "CYCLING", "CAPACITY", "NOT_FINITE", "SINGULAR", "ENERGY", "INDEFINITE", "STENCIL",
+             "ACCURACY")  # fmt: skip
     bits = {int(getattr(k, name)) for name in names}
     assert bits == {int(bit) for bit in MESSAGES}
     assert bits | {int(k.UNDERFLOW)} == {1 << i for i in range(len(names) + 1)}

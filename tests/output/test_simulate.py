@@ -79,11 +79,14 @@ def test_a_run_that_ended_early_is_written_as_well(
 def test_paths_are_checked_before_the_run(calls: list, scene: SceneOfHistory, tmp_path: Path) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("")
-    for name in ("results", "record"):
+    for name, file in (("results", "x.h5"), ("record", "x.rrd")):
         with pytest.raises(InputError, match=f"{name}: .* cannot be written"):
-            simulate(scene, 0.1, step=1e-4, **{name: blocked / "x"})  # pyright: ignore[reportArgumentType]
+            simulate(scene, 0.1, step=1e-4, **{name: blocked / file})  # pyright: ignore[reportArgumentType]
         with pytest.raises(InputError, match=f"{name}: .* cannot be written"):
-            equilibrium(scene, **{name: blocked / "x"})  # pyright: ignore[reportArgumentType]
+            equilibrium(scene, **{name: blocked / file})  # pyright: ignore[reportArgumentType]
+        for wrong in ("run.csv", "run"):
+            with pytest.raises(InputError, match=rf"{name}: .*{wrong}' must end in \.(h5 or \.hdf5|rrd)$"):
+                simulate(scene, 0.1, step=1e-4, **{name: tmp_path / wrong})  # pyright: ignore[reportArgumentType]
     assert not calls
 
 
@@ -110,7 +113,7 @@ def test_another_scenes_result_is_refused(calls: list, result: Result) -> None:
 
 @pytest.mark.parametrize("option", ["start", "method", "local"])
 def test_unknown_options_list_the_known(calls: list, scene: SceneOfHistory, option: str) -> None:
-    with pytest.raises(InputError, match=f"{option} is 'nonsense'; known: '"):
+    with pytest.raises(InputError, match=f"{option} (is )?'nonsense'.*; known: '"):
         simulate(scene, 0.1, step=1e-4, **{option: "nonsense"})  # pyright: ignore[reportArgumentType]
     assert not calls
 

@@ -127,7 +127,7 @@ def test_wrong_stages_are_refused() -> None:
         ([Stage("x", 1, 1, {"forces": {"push": spring}})], "only be replaced by one of that kind"),
         ([Stage("x", 1, 1, {"forces": {"push": elsewhere}})], "only be replaced by one of that kind"),
         ([Stage("x", 1, 1, {"gravity": (0, 0)})], "gravity must have shape"),
-        ([Stage("x", 1, 1, {"local": "guess"})], "local is 'guess'"),
+        ([Stage("x", 1, 1, {"local": "guess"})], "local 'guess' does not exist"),
     ]:
         with pytest.raises(wf.InputError, match=said):
             simulate(scene, stages=stages, progress=False)  # pyright: ignore[reportArgumentType]

@@ -108,7 +108,7 @@ def test_force_returns_after_a_load_cycle(small_body: ReducedBody) -> None:
     """Load, roll by a tenth of a turn and unload: elastic, frictionless contact has no memory."""
     from warpffrf.model import signals
 
-    load = signals.Table([0.0, 0.01, 0.02, 0.03], [5e3, 20e3, 20e3, 5e3], cubic=True)
+    load = signals.Table([0.0, 0.01, 0.02, 0.03], [5e3, 20e3, 20e3, 5e3], cubic=True, hold=True)
     scene = guided_pair(small_body, small_body, load=load, speed=30.0, ramp=0.005)
     history = run(scene, 0.06, step=1e-4, start="equilibrium", progress=False)
     assert history.status == "completed", history.message

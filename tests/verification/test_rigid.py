@@ -89,7 +89,7 @@ def test_sprung_slider_follows_the_damped_oscillation(rho_inf: float) -> None:
 SIGNALS = {
     "ramp": signals.Ramp(0.0, 5.0, duration=0.05, delay=0.01),
     "smooth step": signals.SmoothStep(0.0, 30.0, duration=0.05),
-    "table": signals.Table([0.0, 0.02, 0.05, 0.1], [0.0, 5.0, -3.0, 2.0], cubic=True),
+    "table": signals.Table([0.0, 0.02, 0.05, 0.1, 0.12], [0.0, 5.0, -3.0, 2.0, 2.0], cubic=True),
 }
 
 

@@ -1,1 +1,17 @@
-"""Demos that come with the package; `warpffrf demo NAME` runs them, `demos/NAME.py` does from a checkout."""
+"""Demos that come with the package; `warpffrf demo NAME` runs them, `demos/NAME.py` does from a checkout.
+
+Every demo is a module with `build()`, which returns its scene, and `main(out, quick=, progress=)`, which runs it, holds
+its figures against values known from elsewhere and returns 0 when they agree. A new one is a new module and a line in
+`DEMOS`.
+"""
+
+from __future__ import annotations
+
+# module -> what the command line says about it
+DEMOS = {
+    "two_rollers": "Two steel rollers, pressed together, rolling, under a load step: contact beside Hertz.",
+    "slider_crank": "A slider-crank with a flexible rod: its bending beside the beam equation.",
+    "spinning_beam": "A beam spun up about one end, with and without geometric stiffening.",
+    "frame_on_bushings": "A flexible frame on four bushings, pushed at a seat: statics, frequencies, momentum.",
+    "heavy_top": "A fast heavy top on a ball joint: position after one second beside the published one.",
+}

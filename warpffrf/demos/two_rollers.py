@@ -25,6 +25,7 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
+from warpffrf.demos.checks import writable_folder
 
 log = logging.getLogger("warpffrf")
 
@@ -197,7 +198,7 @@ def main(out: str | Path = "out/two_rollers", *, quick: bool = False, progress: 
     from warpffrf.output.recorder import record
     from warpffrf.study.unit_time import unit_seconds
 
-    folder = _writable_folder(out)
+    folder = writable_folder(out)
     size = QUICK if quick else FULL
     seconds: dict[str, float] = {}
 
@@ -230,12 +231,3 @@ def main(out: str | Path = "out/two_rollers", *, quick: bool = False, progress: 
     print(f"written to {folder}: two_rollers.h5, .png, summary.json and .rrd ({info.frames} frames); see it with")
     print(f"  rerun {stem.with_suffix('.rrd')}")
     return 0 if result.status == "completed" else 1
-
-
-def _writable_folder(out: str | Path) -> Path:
-    folder = Path(out).expanduser()
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise wf.InputError(f"demo: cannot write to {folder}: {error}; choose another folder with --out") from None
-    return folder

@@ -6,7 +6,6 @@ pose maps them to the world, x = position + A(rotation) x_user.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -18,10 +17,8 @@ from warpffrf.model.errors import InputError, require_array, unknown_name
 if TYPE_CHECKING:
     from warpffrf.model.reduced_body import ContactSurface, ReducedBody
 
-# ratio on the highest modes: they ring against the massless contact compliance after a load step
-CHATTER_DAMPING = 0.10
-CHATTER_FRACTION = 0.5  # of the highest retained frequency, above which the default damping acts
 GROUND_INDEX = -1
+INERTIA_LEVELS = ("constant", "deformed", "gyroscopic", "full", "auto")
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +130,8 @@ class Body(_Posed):
 
     mass [kg], center_of_mass (3,) [m, user frame], inertia (3, 3) [kg m2, about the centre of mass, user axes],
     `reduced` (None for a rigid body), damping (m,) [-] ratio of each global mode, initial `position`, `rotation` (may
-    be changed), `velocity` of the user origin [m/s] and `angular_velocity` [rad/s], world axes.
+    be changed), `velocity` of the user origin [m/s] and `angular_velocity` [rad/s], world axes; `level` of the inertia
+    terms (one of INERTIA_LEVELS) and whether loads stiffen it.
     """
 
     def __init__(
@@ -150,6 +148,8 @@ class Body(_Posed):
         rotation: Any,
         velocity: Any,
         angular_velocity: Any,
+        level: str = "constant",
+        stiffening: bool = False,
     ) -> None:
         super().__init__(name, position, rotation)
         self.index = index
@@ -158,6 +158,8 @@ class Body(_Posed):
         self.inertia = inertia
         self.reduced = reduced
         self.damping = damping
+        self.level = level
+        self.stiffening = stiffening
         self.velocity = require_array(velocity, f"body {name!r}: velocity", (3,))
         self.angular_velocity = require_array(angular_velocity, f"body {name!r}: angular_velocity", (3,))
 
@@ -190,7 +192,8 @@ class Body(_Posed):
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing; the reduced body is hashed by its arrays elsewhere."""
         fields = ("center_of_mass", "inertia", "damping", "position", "rotation", "velocity", "angular_velocity")
-        return {"name": self.name, "mass": self.mass, **{f: getattr(self, f).tolist() for f in fields}}
+        options = {"inertia_level": self.level, "stiffening": self.stiffening}
+        return {"name": self.name, "mass": self.mass, **options, **{f: getattr(self, f).tolist() for f in fields}}
 
 
 def as_port(value: Any, name: str) -> Port:
@@ -204,28 +207,3 @@ def as_port(value: Any, name: str) -> Port:
     if isinstance(value, Body):
         raise InputError(f"{name}: say where on body {value.name!r}: body['interface'], or .at((x, y, z)) if rigid")
     raise InputError(f"{name}: a port is needed (body['interface'], body.at(point) or scene.ground), got {value!r}")
-
-
-def default_damping(frequencies: np.ndarray) -> np.ndarray:
-    """Damping ratios (m,): 10 % above half the highest retained frequency, none below.
-
-    The highest retained modes ring against the massless contact compliance after a step load; the lower ones carry the
-    physics and stay undamped.
-    """
-    frequencies = np.asarray(frequencies, float)
-    if not len(frequencies):
-        return np.zeros(0)
-    return np.where(frequencies > CHATTER_FRACTION * frequencies.max(), CHATTER_DAMPING, 0.0)
-
-
-def damping_ratios(damping: Callable | Any, frequencies: np.ndarray, name: str) -> np.ndarray:
-    """Ratios (m,) from None (default), a number, an array (m,) or a function of the frequencies [Hz]."""
-    if damping is None:
-        return default_damping(frequencies)
-    values: Any = damping(np.asarray(frequencies)) if callable(damping) else damping
-    if np.ndim(values) == 0:
-        values = np.full(len(frequencies), values)
-    ratios = require_array(values, f"body {name!r}: damping", (len(frequencies),))
-    if np.any(ratios < 0.0):
-        raise InputError(f"body {name!r}: damping ratios must not be negative, the smallest is {ratios.min():g}")
-    return ratios

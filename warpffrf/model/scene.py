@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from warpffrf.model.bodies import Body, Ground, Port, SurfacePort, damping_ratios
+from warpffrf.model.bodies import INERTIA_LEVELS, Body, Ground, Port, SurfacePort
 from warpffrf.model.contact import Contact, closing_distance
+from warpffrf.model.damping import damping_ratios
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number, unknown_name
 from warpffrf.model.forces import JointSpringDamper
 from warpffrf.model.joints import Drive, Joint
@@ -54,13 +55,21 @@ class Scene:
         velocity: Any = (0.0, 0.0, 0.0),
         angular_velocity: Any = (0.0, 0.0, 0.0),
         damping: Callable | Any = None,
+        inertia: str = "auto",
+        stiffening: bool = False,
     ) -> Body:
         """Add a flexible body (one `ReducedBody` may be added many times); returns its handle.
 
         position [m], rotation: pose of the user frame (the frame of the mesh file); velocity [m/s] of its origin and
         angular_velocity [rad/s]. damping: ratios of the global modes, a number, an array (m,), a function of the
-        frequencies [Hz], or None for 10 % above half the highest retained frequency and none below: the highest modes
-        ring against the massless contact compliance after a load step. The energy it takes is counted.
+        frequencies [Hz] such as DampingBands or Rayleigh (`warpffrf.model.damping`), "1/10/100" for 1 % below 100 Hz,
+        10 % below 1 kHz and 100 % above, or None for 10 % above half the highest retained frequency and none below: the
+        highest modes ring against the massless contact compliance after a load step. The energy it takes is counted.
+
+        inertia: what turning and deforming do to each other, "constant" (nothing), "deformed" (inertia of the deformed
+        body, centrifugal forces), "gyroscopic" (centrifugal load, Coriolis and Euler forces), "full", or "auto", the
+        least of them by an estimate that the result's report states. stiffening: first-order geometric stiffening by
+        centrifugal load and by the forces at interfaces, of a body that was reduced with `stiffening=True`.
         """
         self._check_new_name(name, [b.name for b in self.bodies], "body")
         if not hasattr(body, "contact_surfaces") or not hasattr(body, "frequencies"):
@@ -73,6 +82,8 @@ class Scene:
             np.array(body.inertia, dtype=np.float64),
             reduced=body,
             damping=damping_ratios(damping, body.frequencies, name),
+            level=_level(inertia, name),
+            stiffening=bool(stiffening),
             position=position,
             rotation=rotation,
             velocity=velocity,
@@ -235,6 +246,12 @@ def _named(members: list, name: str, kind: str) -> Any:
         if member.name == name:
             return member
     raise unknown_name(kind, name, [member.name for member in members])
+
+
+def _level(inertia: Any, name: str) -> str:
+    if inertia not in INERTIA_LEVELS:
+        raise unknown_name(f"body {name!r}: inertia", inertia, INERTIA_LEVELS)
+    return inertia
 
 
 def _inertia(value: Any, name: str) -> np.ndarray:

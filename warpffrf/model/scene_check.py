@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from warpffrf.model.bodies import GROUND_INDEX, Body
+from warpffrf.model.consistency import velocity_defects
 from warpffrf.model.contact import smallest_gap
 from warpffrf.model.errors import InputError
 from warpffrf.model.redundancy import find_redundancy
@@ -35,6 +36,7 @@ class SceneCheck:
     unsupported: tuple[str, ...]
     redundant_rows: tuple[str, ...] = ()  # 'joint': what its redundant row would hold, axes of the joint
     refused_drives: tuple[str, ...] = ()  # drives of coordinates that joints fix already: such a scene cannot be run
+    velocity_defects: tuple[str, ...] = ()  # joints and drives that the initial velocities contradict, and by how much
     singular_pose: bool = False  # the constraints lose rank at the initial pose only: a dead centre, a flat loop
 
     def __str__(self) -> str:
@@ -57,6 +59,8 @@ class SceneCheck:
             )
         if self.singular_pose:
             lines.append("the initial pose is singular (a dead centre or a flat loop): place the bodies off it")
+        if self.velocity_defects:
+            lines.append(f"initial velocities pull apart: {', '.join(self.velocity_defects)}")
         if self.unsupported:
             lines.append(f"no joint, spring or contact leads to the ground from: {', '.join(self.unsupported)}")
         return "\n".join(lines)
@@ -83,6 +87,7 @@ def check_scene(scene: Scene) -> SceneCheck:
         unsupported=_unsupported(scene),
         redundant_rows=tuple(row.label for row in found.dropped),
         refused_drives=tuple(str(row.drive.name) for row in found.dropped if row.drive is not None),
+        velocity_defects=tuple(str(defect) for defect in velocity_defects(scene)),
         singular_pose=found.rank_here < found.rank,
     )
 

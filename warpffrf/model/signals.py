@@ -55,7 +55,7 @@ class Signal:
             C[i, 0] = np.polynomial.polynomial.polyval(breaks[i] - breaks[i - 1], C[i - 1])
         return Polynomial(breaks, C)
 
-    def scaled(self, factor: float) -> Polynomial:
+    def scaled(self, factor: float) -> Signal:
         """The signal times a constant."""
         breaks, c = self._pieces
         return Polynomial(breaks, c * require_number(factor, "signal: factor"))
@@ -155,11 +155,12 @@ class SmoothStep(_Transition):
 class Table(Signal):
     """Values at increasing times [s], joined linearly or by a cubic spline; the end values hold outside.
 
+    A run that goes beyond the times is refused unless `hold` says that the end values are meant to hold there.
     The spline has zero slope at both ends, so that it meets the held values without a kink. Raises `InputError` for NaN
     or infinite entries, naming the first.
     """
 
-    def __init__(self, times: Any, values: Any, *, cubic: bool = False) -> None:
+    def __init__(self, times: Any, values: Any, *, cubic: bool = False, hold: bool = False) -> None:
         for label, entries in (("times", times), ("values", values)):
             try:
                 array = np.asarray(entries, dtype=np.float64)
@@ -175,7 +176,7 @@ class Table(Signal):
         if np.any(np.diff(self.times) <= 0.0):
             at = int(np.flatnonzero(np.diff(self.times) <= 0.0)[0])
             raise InputError(f"signal table: times must increase, times[{at + 1}] does not")
-        self.cubic = bool(cubic)
+        self.cubic, self.hold = bool(cubic), bool(hold)
 
     def polynomial(self) -> tuple[np.ndarray, np.ndarray]:
         t, v = self.times, self.values
@@ -188,6 +189,10 @@ class Table(Signal):
         else:
             c[:-1, 1] = np.diff(v) / np.diff(t)
         return np.append(t, 2.0 * t[-1] - t[-2]), c
+
+    def scaled(self, factor: float) -> Table:
+        """The table with its values times `factor`; still a table, so that a time it does not cover is noticed."""
+        return Table(self.times, factor * self.values, cubic=self.cubic, hold=self.hold)
 
 
 def as_signal(value: Any, name: str) -> Signal:

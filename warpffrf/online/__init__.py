@@ -1,9 +1,23 @@
 """Scene -> device arrays -> step graph -> History."""
 
 from warpffrf.online.engine import Engine
-from warpffrf.online.generalized_alpha import GeneralizedAlpha
 from warpffrf.online.history import History
+from warpffrf.online.integrators import HHT, INTEGRATORS, EnergyMomentum, GeneralizedAlpha, Newmark, RungeKutta4
+from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.run import find_equilibrium, run
 from warpffrf.online.settings import Settings
 
-__all__ = ["Engine", "GeneralizedAlpha", "History", "Settings", "find_equilibrium", "run"]
+__all__ = [
+    "HHT",
+    "INTEGRATORS",
+    "Engine",
+    "EnergyMomentum",
+    "GeneralizedAlpha",
+    "History",
+    "LocalDynamics",
+    "Newmark",
+    "RungeKutta4",
+    "Settings",
+    "find_equilibrium",
+    "run",
+]

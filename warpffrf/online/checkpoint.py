@@ -26,6 +26,12 @@ def is_dynamic(checkpoint: Mapping[str, Any]) -> bool:
     return words is None or bool(np.all(np.asarray(words)[:, int(k.MODE)] == int(k.DYNAMIC)))
 
 
+def time_of(checkpoint: Mapping[str, Any]) -> float:
+    """The time [s] at which a checkpoint was taken; 0 of one that does not say (it is refused elsewhere)."""
+    clock = np.asarray(checkpoint.get("clk", np.zeros((0, 0))))
+    return float(clock[0, int(k.TIME)]) if clock.ndim == 2 and clock.size > int(k.TIME) else 0.0
+
+
 def check_checkpoint(present: Mapping[str, np.ndarray], checkpoint: Mapping[str, Any]) -> None:
     """Raises `InputError` unless `checkpoint` holds the arrays of `present`, names, shapes and types, finite numbers
     in the clock and the poses."""

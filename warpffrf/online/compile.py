@@ -17,7 +17,9 @@ from warpffrf_kernels.model import Model
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.compile_forces import ForceTable, compile_forces, fill_forces
+from warpffrf.online.compile_inertia import InertiaPlan, dense_columns, fill_inertia, fill_stiffening, mode_reach
 from warpffrf.online.compile_joints import JointTable, compile_joints
+from warpffrf.online.local_dynamics import FOLLOWS, LocalDynamics, LocalPlan
 from warpffrf.online.settings import Settings
 
 LARGEST_TABLE = 2**31 - 1  # kernels count in 32-bit integers
@@ -68,11 +70,15 @@ class CompiledScene:
     row_count: int
     modal_start: np.ndarray
     pair_surfaces: list[tuple[int, int]]
+    interface_modes: np.ndarray  # (interfaces, modes, 6)
+    stiffened: bool  # loads at interfaces stiffen a body
+    local: LocalPlan
+    inertia: InertiaPlan
     notes: list[str]
 
 
 class _Compiler:
-    def __init__(self, scene: Any, settings: Settings, device: str) -> None:
+    def __init__(self, scene: Any, settings: Settings, device: str, local: LocalDynamics) -> None:
         self.scene, self.settings, self.device = scene, settings, device
         self.rows = Rows()
         self.markers: list[tuple[int, int, np.ndarray, np.ndarray]] = []
@@ -82,6 +88,9 @@ class _Compiler:
         self.joint_table = JointTable()
         self.force_table = ForceTable()
         self.surfaces: list[tuple[Any, Any]] = []  # (body, ContactSurface)
+        self.inertia = InertiaPlan.of(scene)
+        self.local = LocalPlan.of(scene, local)
+        self.mode_counts = [b.mode_count + self.local.count(b.index) for b in scene.bodies]
 
     # --- pieces
 
@@ -126,22 +135,20 @@ class _Compiler:
         bodies = scene.bodies
         for contact in scene.contacts:
             for port in contact.ports:
-                self.surfaces.append((port.body, port.surface))
-        modal_start = np.cumsum([0] + [b.mode_count for b in bodies])
+                self.surfaces.append((port.body, self.local.surface(port)))
+        modal_start = np.cumsum([0, *self.mode_counts])
         m.body_count, m.modal_count, m.row_count = len(bodies), int(modal_start[-1]), len(self.rows)
-        m.outer_count = 6 * m.body_count + m.row_count
+        fill_inertia(self, m)
+        m.row_offset = 6 * m.body_count + m.dense_count
+        m.outer_count = m.row_offset + m.row_count
         m.pair_count = len(scene.contacts)
         m.gravity = wp.vec3d(*scene.gravity)
         m.mass = self.array([b.mass for b in bodies])
         m.inertia = self.array([b.inertia for b in bodies], wp.mat33d, (-1, 3, 3))
         m.modal_start = self.array(modal_start, int)
-        omega = np.concatenate(
-            [np.zeros(0)] + [2.0 * np.pi * b.reduced.frequencies for b in bodies if b.reduced is not None]
-        )
-        zeta = np.concatenate([np.zeros(0)] + [b.damping for b in bodies if b.reduced is not None])
-        m.stiffness = self.array(omega**2)
-        m.damping = self.array(2.0 * zeta * omega)
-        self._interfaces(m)
+        self._modes(m)
+        modes = self._interfaces(m)
+        stiffened = fill_stiffening(self, m)
         fill_forces(self, self.force_table, m)
         self._markers_rows_signals(m)
         self._pairs(m)
@@ -149,25 +156,38 @@ class _Compiler:
         m.residual_tolerance = settings.residual_tolerance
         m.max_iterations = settings.max_iterations
         m.max_inner = settings.max_inner
+        m.max_guarded = settings.max_guarded
         m.max_level = settings.max_level
         m.energy_tolerance = settings.energy_tolerance
-        flexible = [b.name for b in bodies if b.mode_count]
-        if flexible:
-            self.notes.append(
-                "neglected on flexible bodies "
-                + ", ".join(flexible)
-                + ": change of inertia by deformation, Coriolis and centrifugal forces on the modes, "
-                "inertia of the local modes"
-            )
         pairs = [(2 * i, 2 * i + 1) for i in range(m.pair_count)]
         return CompiledScene(
             scene, m, wp.array([m], dtype=Model, device=self.device), self.device, self.joint_table, self.force_table,
-            len(self.rows), modal_start, pairs, self.notes,
+            len(self.rows), modal_start, pairs, modes, stiffened, self.local, self.inertia,
+            self.notes,
         )  # fmt: skip
 
-    def _interfaces(self, m: Any) -> None:
+    def _modes(self, m: Any) -> None:
+        """Stiffness and damping of all modes: of each body the global ones, then its dynamic local ones."""
+        local, empty = self.local, [np.zeros(0)]
+        omega, ratios, kinds, reach = list(empty), list(empty), list(empty), list(empty)
+        for body in self.scene.bodies:
+            n = local.count(body.index)
+            if body.reduced is not None:
+                omega.append(2.0 * np.pi * body.reduced.frequencies)
+                reach.append(mode_reach(body.reduced))
+            omega.append(local.omega(body.index))
+            ratios += [body.damping, np.full(n, local.options.ratio)]
+            kinds += [np.full(body.mode_count, FOLLOWS), np.full(n, local.options.kind)]
+            reach.append(np.zeros(n))  # the accuracy asked for is that of the motion, not of the stiff modes
+        w = np.concatenate(omega)
+        m.stiffness, m.damping = self.array(w**2), self.array(2.0 * np.concatenate(ratios) * w)
+        m.mode_kind = self.array(np.concatenate(kinds), int)
+        m.mode_reach = self.array(np.concatenate(reach))
+        self.notes.extend(local.notes)
+
+    def _interfaces(self, m: Any) -> np.ndarray:
         bodies = self.scene.bodies
-        widest = max([b.mode_count for b in bodies], default=0)
+        widest = max(self.mode_counts, default=0)
         points = np.zeros((max(len(self.interfaces), 1), 3))
         modes = np.zeros((max(len(self.interfaces), 1), max(widest, 1), 6))
         for (body, name), i in self.interfaces.items():
@@ -176,6 +196,8 @@ class _Compiler:
             modes[i, : bodies[body].mode_count] = interface.modes
         m.interface_point = self.array(points, wp.vec3d)
         m.interface_modes = self.array(modes)
+        m.interface_reach = self.array(np.abs(modes).max(axis=1))
+        return modes
 
     def _markers_rows_signals(self, m: Any) -> None:
         m.marker_body = self.array([x[0] for x in self.markers], int)
@@ -256,16 +278,19 @@ class _Compiler:
             ratio = a.grid.pitch * a.shape.radius / (b.grid.pitch * b.shape.radius)
             columns = int(np.ceil(2.0 * ratio * REACH_SPARE - 1e-9)) + STENCIL_SPARE
             stencil = (max(stencil[0], columns), max(stencil[1], _row_reach(a.grid.z, b.grid.z)))
-            pair_modes = max(pair_modes, body_a.mode_count + body_b.mode_count)
+            pair_modes = max(pair_modes, self.mode_counts[body_a.index] + self.mode_counts[body_b.index])
             hats = (2 * wanted + 1) * a.grid.rows
             slots += hats if contact.capacity is None else min(contact.capacity, hats)
             touching = [
-                6 * m.body_count + r
+                m.row_offset + r
                 for r in range(len(self.rows))
                 if any(self._is_flexible(x, (body_a.index, body_b.index)) for x in (self.rows.a[r], self.rows.b[r]))
             ]  # fmt: skip
             coupled.append(
-                [6 * body_a.index + c for c in range(6)] + [6 * body_b.index + c for c in range(6)] + touching
+                [6 * body_a.index + c for c in range(6)]
+                + [6 * body_b.index + c for c in range(6)]
+                + dense_columns(m, self, (body_a, body_b))
+                + touching
             )
         for i in range(m.pair_count):  # all pairs share the widest window, so each needs what lies opposite that
             second_half = max(second_half, _reach_on_second(self.surfaces[2 * i][1], self.surfaces[2 * i + 1][1], half))
@@ -278,10 +303,10 @@ class _Compiler:
         m.pair_modes = pair_modes
         m.slot_capacity = slots
         m.coupled_capacity = max([len(c) for c in coupled], default=1)
-        if max(pair_modes, m.coupled_capacity) > k.MOST_PAIR_MODES:
+        if m.coupled_capacity > k.MOST_COUPLED_COLUMNS:
             raise InputError(
-                f"scene: a contact pair has {pair_modes} global modes and {m.coupled_capacity} outer columns, at most "
-                f"{k.MOST_PAIR_MODES} each: reduce with a lower max_frequency"
+                f"scene: the gap of a contact pair depends on {m.coupled_capacity} outer columns, at most "
+                f"{k.MOST_COUPLED_COLUMNS}: fewer modes with inertia terms, see the inertia levels of its bodies"
             )
         if stencil[0] * stencil[1] > k.MOST_STENCIL:
             raise InputError(
@@ -372,8 +397,8 @@ def response_table(surface: Any, lags: np.ndarray, reach: int) -> np.ndarray:
     return table
 
 
-def compile_scene(scene: Any, settings: Settings, device: str) -> CompiledScene:
+def compile_scene(scene: Any, settings: Settings, device: str, local: LocalDynamics | None = None) -> CompiledScene:
     """Constant device data of `scene`; raises `InputError` for a scene that cannot be run."""
     if not scene.bodies:
         raise InputError("scene: there are no bodies; add one with scene.add_body or scene.add_rigid_body")
-    return _Compiler(scene, settings, device).compile()
+    return _Compiler(scene, settings, device, local or LocalDynamics()).compile()

@@ -14,7 +14,10 @@ from warpffrf_kernels import control as k
 from warpffrf.model.errors import InputError
 from warpffrf.online.compile import compile_scene
 from warpffrf.online.graph import StepGraph
+from warpffrf.online.integrators import GeneralizedAlpha
+from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.settings import Settings
+from warpffrf.online.start import start
 from warpffrf.online.state import State, Work, initial_state
 
 STATIC_STEPS = 60  # proximal steps of an equilibrium at most
@@ -24,10 +27,9 @@ STATIC_LAST = (
     1.0  # s: 1 kg then weighs 1 N/m, far below any spring that carries a load; larger ill-conditions the joints
 )
 STATIC_TOLERANCE = 1e-12  # m, movement of the last proximal step: round-off of positions of order 1 m times 1e4
-VELOCITY_CHANGE = 1e-5  # m/s, rad/s: far above what a step of 1e-7 s changes under any bearable load
 REALS = {
     "START_TIME", "USER_STEP", "TIME", "H", "NEXT_TIME", "ALPHA_M", "ALPHA_F", "BETA", "GAMMA", "ACC", "VEL",
-    "MOVE", "DONE_STEP",
+    "MOVE", "DONE_STEP", "ERROR",
 }  # fmt: skip
 
 
@@ -60,7 +62,9 @@ class Engine:
         worlds: int = 1,
         device: str = "cpu",
         settings: Settings | None = None,
-        rho_inf: float = 0.8,
+        integrator: Any = None,
+        accuracy: float | None = None,
+        local: LocalDynamics | None = None,
     ) -> None:
         _start_warp()
         try:
@@ -69,11 +73,18 @@ class Engine:
             raise InputError(f"device {device!r} is not available here; use 'cpu'") from error
         self.settings = settings or Settings()
         self.scene, self.worlds = scene, worlds
-        self.compiled = compile_scene(scene, self.settings, device)
+        self.compiled = compile_scene(scene, self.settings, device, local)
         self.state: State = initial_state(self.compiled, worlds)
         self.work = Work(self.compiled, worlds, self.settings.ring_rows)
-        self.work.rho_inf.fill_(rho_inf)
-        self.graph = StepGraph(self.compiled, self.state, self.work, worlds)
+        integrator = integrator or GeneralizedAlpha()
+        self.work.coefficients.assign(np.tile(integrator.coefficients, (worlds, 1)))
+        self.work.local_coefficients.assign(np.tile(self.compiled.local.options.coefficients, (worlds, 1)))
+        self.work.project.fill_(int(integrator.project_velocities))
+        self.work.accuracy.fill_(accuracy or 0.0)
+        self.graph = StepGraph(
+            self.compiled, self.state, self.work, worlds,
+            projected=integrator.project_velocities, adaptive=accuracy is not None,
+        )  # fmt: skip
         self.rows: list[list[np.ndarray]] = [[] for _ in range(worlds)]
         self.drained = np.zeros(worlds, dtype=int)
         self.seconds_in_graph = 0.0
@@ -149,20 +160,9 @@ class Engine:
         return False
 
     def start(self) -> None:
-        """Velocities consistent with joints and drives, then consistent accelerations and multipliers; opens the
-        ledger. Velocities that had to change are noted in `start_notes`."""
-        given = {name: getattr(self.state, name).numpy().copy() for name in ("v", "omega")}
-        for mode in (k.PROJECT, k.START):
-            self.enter(mode, self.settings.start_step)
-            self.replay(1)
-        for name, unit in (("v", "m/s"), ("omega", "rad/s")):
-            change = np.linalg.norm(getattr(self.state, name).numpy() - given[name], axis=-1)
-            for i, body in enumerate(self.scene.bodies):
-                if change[:, i].max() > VELOCITY_CHANGE * (1.0 + np.abs(given[name]).max()):
-                    self.start_notes.append(
-                        f"body {body.name!r}: its initial velocity did not agree with joints and drives and was "
-                        f"changed by {change[:, i].max():.3g} {unit}"
-                    )
+        """Velocities, accelerations and multipliers that agree with joints and drives; opens the ledger
+        (`warpffrf.online.start`). Velocities that had to change are noted in `start_notes`."""
+        self.start_notes.extend(start(self))
 
     def save_now(self) -> None:
         """Append the present state to the rows."""

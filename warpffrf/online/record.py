@@ -1,4 +1,4 @@
-"""From ring rows (layout of `warpffrf_kernels.commit.record`) to a History in user frames."""
+"""From ring rows (layout of `warpffrf_kernels.record.record`) to a History in user frames."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def history_from_rows(compiled: CompiledScene, chunks: list[np.ndarray]) -> Hist
         omega = turned(p, x[:, 10:13])
         alpha = turned(p, x[:, 16:19])
         q, qd, qdd = (
-            rows[:, at_modes + compiled.modal_start[i] : at_modes + compiled.modal_start[i + 1]].copy()
+            rows[:, at_modes + compiled.modal_start[i] :][:, : body.mode_count].copy()  # the global ones
             for at_modes in modal + m.modal_count * np.arange(3)
         )
         swing = np.cross(omega, arm)

@@ -9,12 +9,18 @@ from typing import Any
 import numpy as np
 from warpffrf_kernels import control as k
 
+from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError, require_count, require_number
-from warpffrf.online.checkpoint import is_dynamic, restore
+from warpffrf.model.progress import Progress
+from warpffrf.model.signal_cover import refuse_short_tables
+from warpffrf.online.blame import blame
+from warpffrf.online.check_run import run_check
+from warpffrf.online.checkpoint import is_dynamic, restore, time_of
 from warpffrf.online.engine import Engine
-from warpffrf.online.generalized_alpha import GeneralizedAlpha
 from warpffrf.online.history import History
-from warpffrf.online.progress import Progress
+from warpffrf.online.indicator import indicator_lines, term_sizes
+from warpffrf.online.integrators import CHECK_INTEGRATORS, GeneralizedAlpha, roots_at_infinity
+from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
 from warpffrf.online.record import history_from_rows
 from warpffrf.online.settings import Settings
 
@@ -22,6 +28,7 @@ log = logging.getLogger("warpffrf")
 
 SAME_TIME = 1e-9  # relative: times that differ by less were meant to be the same
 MOST_STEPS = 2**31 - 1  # they are counted in 32-bit integers
+MOST_UNDAMPED = 0.95  # spectral radius at infinity up to which an alternation of reactions grows less than tenfold
 VELOCITY_JUMP = 1e-6  # of the largest velocity: rounding of a signal's coefficients
 MESSAGES = {
     k.NOT_CONVERGED: ("not_converged", "the Newton iteration did not converge; reduce step"),
@@ -46,6 +53,7 @@ MESSAGES = {
         "surfaces",
     ),
     k.ENERGY: ("energy", "the energy ledger does not close at an impact; reduce step"),
+    k.ACCURACY: ("accuracy", "the local error of a step exceeds the accuracy asked for; reduce step, or ask for less"),
 }
 
 
@@ -55,17 +63,32 @@ def run(
     *,
     step: float,
     start: Any = "initial",
-    integrator: GeneralizedAlpha | None = None,
+    integrator: Any = None,
+    local: str | LocalDynamics = "quasi_static",
+    accuracy: float | None = None,
     save_every: int = 1,
     device: str = "cpu",
     progress: bool = True,
     settings: Settings | None = None,
+    project_start: bool = False,
 ) -> History:
     """Simulate `scene` for `duration` [s] in steps of `step` [s]; a solver that fails says so in `History.status`.
 
     start: "initial", "equilibrium", or the History of an earlier run of the same scene, or of its equilibrium, which
-    is continued bit for bit. Raises InputError for wrong input.
+    is continued bit for bit. accuracy: halve steps whose local error exceeds it, see `warpffrf_kernels.accuracy`.
+    project_start: initial velocities that do not agree with the joints are changed as little as possible (in the
+    kinetic energy of the change) instead of refused. Raises InputError for wrong input.
     """
+    if isinstance(integrator, CHECK_INTEGRATORS):
+        if accuracy is not None or as_local_dynamics(local).treatment != "quasi_static":
+            raise InputError(
+                f"simulate: {type(integrator).__name__} takes fixed steps of free bodies; leave accuracy and local out"
+            )
+        return run_check(
+            scene, duration, step=step, integrator=integrator, save_every=save_every, progress=progress, start=start
+        )
+    if accuracy is not None:
+        accuracy = require_number(accuracy, "simulate: accuracy", positive=True)
     duration = require_number(duration, "simulate: duration", positive=True)
     step = require_number(step, "simulate: step", positive=True)
     if duration / step > MOST_STEPS:
@@ -75,26 +98,41 @@ def run(
     steps = int(round(duration / step))
     if steps < 1:
         raise InputError(f"simulate: step {step:g} s is longer than the duration {duration:g} s")
+    refuse_singular_mass(scene)
     for drive in scene.drives:
         _check_velocity(drive)
+    began = time_of(start.checkpoint) if isinstance(start, History) else 0.0
+    refuse_short_tables(scene, began, began + steps * step)
     save_every = require_count(save_every, "simulate: save_every", 1)
+    at_rest = isinstance(start, History) and not is_dynamic(start.checkpoint)  # what `find_equilibrium` leaves
+    if not isinstance(start, History) or at_rest:
+        if start == "initial":
+            refuse_positions(scene)
+        if not project_start:
+            refuse_velocities(scene)
     begin = time.perf_counter()
     integrator = integrator or GeneralizedAlpha()
-    engine = Engine(scene, device=device, settings=settings, rho_inf=integrator.rho_inf)
+    engine = Engine(
+        scene,
+        device=device,
+        settings=settings,
+        integrator=integrator,
+        accuracy=accuracy,
+        local=as_local_dynamics(local),
+    )
     built = time.perf_counter()
     continued = isinstance(start, History)
     first_step = 0
-    notes = list(engine.compiled.notes)
+    notes = [*engine.compiled.notes, *_reaction_notes(integrator, engine)]
     if abs(steps * step - duration) > SAME_TIME * duration:
         notes.append(
             f"the duration {duration:g} s is no multiple of the step: {steps} steps, {steps * step:g} s, are simulated"
         )
-    at_rest = continued and not is_dynamic(start.checkpoint)  # what `find_equilibrium` leaves
-    if at_rest and start.status != "completed":
+    if isinstance(start, History) and at_rest and start.status != "completed":
         raise InputError(
             f"simulate: start ended before its first step ({start.status}: {start.message}); repair that first"
         )
-    if continued:
+    if isinstance(start, History):
         first_step = restore(engine, start.checkpoint, step)
     if at_rest:
         engine.control(SAVED=0)
@@ -144,6 +182,7 @@ def run(
 
 def find_equilibrium(scene: Any, *, device: str = "cpu", settings: Settings | None = None) -> History:
     """Static state of `scene` under its loads and prescribed motions at time 0, as a History of one row."""
+    refuse_singular_mass(scene)
     begin = time.perf_counter()
     engine = Engine(scene, device=device, settings=settings)
     built = time.perf_counter()
@@ -156,6 +195,8 @@ def find_equilibrium(scene: Any, *, device: str = "cpu", settings: Settings | No
 def _finish(engine: Engine, begin: float, built: float, notes: list[str], prefix: str) -> History:
     bits = int(engine.word("STATUS")[0])
     status, message = describe(bits, int(engine.word("SPARE")[0]))
+    owner = blame(engine, bits) if bits else ""
+    message += f" ({owner})" if owner else ""
     if prefix.startswith("equilibrium") and status == "completed" and not engine.rows[0]:
         status, message = "no_equilibrium", _no_load_path(engine)
     history = history_from_rows(engine.compiled, engine.rows[0])
@@ -168,8 +209,11 @@ def _finish(engine: Engine, begin: float, built: float, notes: list[str], prefix
         "mean_iterations": float(engine.word("ITERATIONS")[0]) / max(steps, 1),
         "build_seconds": built - begin,
         "seconds_in_graph": engine.seconds_in_graph,
+        "coarse_steps": int(engine.word("COARSE")[0]),
         "outer_columns": engine.compiled.model.outer_count + engine.compiled.model.modal_count,
     }
+    if engine.graph.pattern is not None:
+        history.counters["dense_fallbacks"] = int(engine.work.fallback.numpy()[0, 1])
     if engine.word("EDGE")[0]:
         notes.append(
             "a contact patch reached the end of a contact surface that covers an arc only: the pressure is cut there"
@@ -177,9 +221,29 @@ def _finish(engine: Engine, begin: float, built: float, notes: list[str], prefix
     if engine.word("REJECTED")[0]:
         reasons = [text for bit, (text, _) in MESSAGES.items() if int(engine.word("REASON")[0]) & int(bit)]
         notes.append(f"{int(engine.word('REJECTED')[0])} steps were halved ({', '.join(reasons)})")
-    history.notes = [*notes, *history.notes]
+    levels = {
+        body.name: plan.level for body, plan in zip(engine.scene.bodies, engine.compiled.inertia.bodies, strict=True)
+    }
+    inertia = indicator_lines(term_sizes(engine.scene, history, levels), levels)
+    history.notes = [*notes, *inertia, *history.notes]
     history.checkpoint = engine.state.to_numpy()
     return history
+
+
+def _reaction_notes(integrator: Any, engine: Engine) -> list[str]:
+    """A note where the integrator hardly damps the alternation of joint reactions from step to step.
+
+    In the equations with positions as constraints (index 3) the multipliers obey a recursion with the double root
+    -rho_inf (Cardona and Geradin 1989): a disturbance grows like n rho^n, 1/(e (1 - rho)) times at most, and at 1
+    without end, until large rotations make the whole iteration diverge.
+    """
+    rho = float(np.abs(roots_at_infinity(integrator.coefficients)).max())
+    if rho <= MOST_UNDAMPED or not any(engine.compiled.joints.rows.values()):
+        return []
+    return [
+        f"{type(integrator).__name__} has the root {rho:g} at infinity and hardly damps the alternation of joint "
+        "reactions from step to step, which may grow until steps fail; with joints choose rho_inf 0.9 or less"
+    ]
 
 
 def _check_velocity(drive: Any) -> None:

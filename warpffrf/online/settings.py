@@ -11,7 +11,8 @@ class Settings:
 
     residual_tolerance: float = 1e-9  # of the contact force (gaps: of the penetration); promised is 1e-8
     max_iterations: int = 12  # Newton is quadratic: more means a step that is too long
-    max_inner: int = 40  # active-set corrections of one linearisation: more means that it cycles
+    max_inner: int = 40  # active-set corrections of one linearisation before the safeguard: more means that it cycles
+    max_guarded: int = 400  # corrections one hat at a time after that: a window of hats, each changed a few times
     max_level: int = 14  # a step may be halved this often (1/16384)
     energy_tolerance: float = (
         2.5e-4  # of the energy at hand, gained or lost when a contact opens or closes: 1 % after 40 events

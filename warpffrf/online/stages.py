@@ -10,9 +10,9 @@ stage alone, the next one is back at the scene and the options of the run:
     forces                                    {name: force}: takes the place of the scene's force of that name
 
 A force may be replaced only by one of the same kind: the equations then keep their size, and the state its meaning.
-Loads that jump between stages make accelerations jump, as a signal that jumps does; the
-potential energy that jumps with gravity is booked as work of forces. Joints, drives and bodies cannot be
-replaced: positions would have to jump.
+Loads that jump between stages make accelerations jump, as a signal that jumps does; the potential energy that jumps
+with gravity, or with the stiffness or free length of a spring, is booked as work of forces. Joints, drives and bodies
+cannot be replaced: positions would have to jump.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
+from warpffrf.online.checkpoint import is_dynamic
 from warpffrf.online.history import ENERGY_LINES, History, JointHistory
 
 RUN_OPTIONS = ("save_every", "integrator", "local", "method")
@@ -105,20 +106,37 @@ def check_stages(scene: Any, stages: Any) -> list[Stage]:
     return list(stages)
 
 
-def with_gravity(checkpoint: Mapping[str, np.ndarray], scene: Any, before: Any, after: Any) -> dict[str, np.ndarray]:
-    """A checkpoint whose gravity changes from `before` to `after` (3,) [m/s2].
+def with_potential(checkpoint: Mapping[str, np.ndarray], before: Any, after: Any) -> dict[str, np.ndarray]:
+    """A checkpoint that goes from the loads of the scene `before` to those of `after`; the forces are the same ones in
+    the same order.
 
-    The potential -sum m g.r jumps with g while nothing moves; the jump is booked as work of forces, so that the ledger
-    stays closed and no step is blamed for it.
+    The potential of gravity and springs jumps while nothing moves; the jump is booked as work of forces, so that the
+    ledger stays closed and no step is blamed for it. A static state is left alone: its start opens the books.
     """
-    if np.array_equal(before, after):
+    jump = _potential(checkpoint, after) - _potential(checkpoint, before)
+    if not is_dynamic(checkpoint) or not np.any(jump):
         return dict(checkpoint)
-    masses = np.array([body.mass for body in scene.bodies])
-    jump = -np.einsum("b,wbi,i->w", masses, checkpoint["r"], np.subtract(after, before))
     energy = np.array(checkpoint["energy"])
     for line in ("potential", "force_work"):
         energy[:, 0, ENERGY_LINES.index(line)] += jump
     return {**checkpoint, "energy": energy}
+
+
+def _potential(checkpoint: Mapping[str, np.ndarray], scene: Any) -> np.ndarray:
+    """Potential (W,) [J] of gravity, -sum m g.r, and of springs, 1/2 e.K e + preload.e of their deformations e.
+
+    The values of spring rows stand behind those of joints, in the order of the forces (`compile_forces`).
+    """
+    masses = np.array([body.mass for body in scene.bodies])
+    total = -np.einsum("b,wbi,i->w", masses, checkpoint["r"], scene.gravity)
+    laws = [force.law() for force in scene.forces if hasattr(force, "law")]
+    values = np.asarray(checkpoint["stretch"])
+    at = values.shape[1] - sum(len(law.coordinates) for law in laws)
+    for law in laws:
+        e = values[:, at : at + len(law.coordinates)] - law.reference
+        total += 0.5 * np.einsum("wi,ij,wj->w", e, law.stiffness, e) + e @ law.preload
+        at += len(law.coordinates)
+    return total
 
 
 def joined(histories: Sequence[History], names: Sequence[str]) -> History:

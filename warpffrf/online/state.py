@@ -12,6 +12,7 @@ from warpffrf_kernels import control as k
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
 from warpffrf.online.compile import CompiledScene
+from warpffrf.online.outer_pattern import scratch_sizes
 
 REAL, VEC3, MAT33, QUAT, INT = wp.float64, wp.vec3d, wp.mat33d, wp.quatd, wp.int32
 RESIDUALS_KEPT = 32
@@ -73,11 +74,13 @@ class Work:
         table = {
             "dx": (VEC3, B), "psi": (VEC3, B), "dq": (REAL, Q),
             "r1": (VEC3, B), "p1": (QUAT, B), "axes": (MAT33, B), "psi_inverse": (MAT33, B),
+            "inertia_sums": (REAL, m.dense_count, 21), "extra_energy": (REAL, B), "row_pull": (REAL, 2 * rows, 6),
+            "slope": (REAL, *compiled.interface_modes.shape),
             "v1": (VEC3, B), "v1_rate": (VEC3, B), "omega1": (VEC3, B), "omega1_rate": (VEC3, B),
             "q1": (REAL, Q), "qd1": (REAL, Q), "qd1_rate": (REAL, Q),
             "residual": (REAL, 6 * B), "modal_residual": (REAL, Q), "receptance": (REAL, Q),
             "C": (REAL, rows, 6 * B), "C_modal": (REAL, rows, Q), "coordinate": (REAL, rows), "defect": (REAL, rows),
-            "softness": (REAL, rows), "row_wrench": (REAL, rows, 6),
+            "softness": (REAL, rows), "missed": (REAL, rows), "row_wrench": (REAL, rows, 6),
             "tangent": (REAL, N, N), "rhs": (REAL, N), "scaling": (REAL, N), "pivots": (INT, N),
             "elimination": (REAL, N, N),
             "residual_history": (REAL, RESIDUALS_KEPT), "gap_defect": (REAL, 2), "contact_energy": (REAL, 1),
@@ -88,6 +91,8 @@ class Work:
             "weak_gap": (REAL, P, m.mode_capacity), "shifted_gap": (REAL, P, m.mode_capacity),
             "area": (REAL, P, m.mode_capacity),
             "gap": (REAL, P, m.mode_capacity), "opened": (REAL, P, m.mode_capacity), "base": (REAL, P, m.mode_capacity),
+            "active_before": (INT, P, m.mode_capacity), "pressure_before": (REAL, P, m.mode_capacity),
+            "offset_before": (REAL, P),
             "wrench": (REAL, P, m.mode_capacity, 6), "proposed": (INT, P, m.mode_capacity),
             "stencil": (REAL, P, m.mode_capacity, m.stencil_columns * m.stencil_rows),
             "stencil_at": (INT, P, m.mode_capacity, 2),
@@ -102,7 +107,8 @@ class Work:
         for name, (dtype, *shape) in table.items():
             setattr(self, name, zeros(dtype, (W, *shape), compiled.device))
         flat = {  # read and written along contiguous runs, by index: one axis
-            "z_free": N, "z": N, "modal_step": Q, "inverse_transposed": N * N, "V": S * N, "J": S * m.pair_modes,
+            "z_free": N, "z": N, "change": N, "modal_step": Q, "inverse_transposed": N * N, "V": S * N,
+            "J": S * m.pair_modes, "scaled_modes": m.pair_modes,
             "T": S * m.node_capacity, "second_field": P * m.node_capacity, "second_step": P * m.node_capacity,
             "C_receptance": rows * Q, "first_local": P * m.mode_capacity, "second_local": P * m.node_capacity,
             "flexibility": 36 * m.group_count,
@@ -112,14 +118,24 @@ class Work:
         self.running = zeros(INT, (1,), compiled.device)
         self.budget = zeros(INT, (1,), compiled.device)
         self.more = zeros(INT, (1,), compiled.device)
-        self.rho_inf = zeros(REAL, (W,), compiled.device)
+        self.coefficients = zeros(REAL, (W, 4), compiled.device)
+        self.local_coefficients = zeros(REAL, (W, 4), compiled.device)
+        self.accuracy = zeros(REAL, (W,), compiled.device)
+        self.project = zeros(INT, (W,), compiled.device)
+        self.slope.assign(np.broadcast_to(compiled.interface_modes, self.slope.shape).copy())
+
+    def make_room(self, pattern: Any, worlds: int, device: str) -> None:
+        """Arrays of the sparse outer solve (`warpffrf_kernels.sparse_outer`)."""
+        for name, size in scratch_sizes(pattern).items():
+            setattr(self, name, zeros(REAL, (worlds * max(size, 1),), device))
+        self.fallback = zeros(INT, (worlds, 2), device)
 
     def __getattr__(self, name: str) -> Any:  # declared by the table
         raise AttributeError(name)
 
 
 def ring_width(m: Any) -> int:
-    """Numbers in one record, see `warpffrf_kernels.commit.record`."""
+    """Numbers in one record, see `warpffrf_kernels.record.record`."""
     pair = 16 + m.mode_capacity + 1 + m.node_capacity
     return 4 + k.LINES + 19 * m.body_count + 3 * m.modal_count + 7 * m.row_count + pair * m.pair_count
 

@@ -61,6 +61,9 @@ def to_xarray(result: Any) -> Any:
                 second = "_second" if field.name.endswith("_second") else ""
                 dims = tuple(f"{d}{second}_{name}" for d in field.dims)
                 data[f"{field.name}_{name}"] = (("time", *dims), getattr(owner, field.attribute), _attributes(field))
+    for place, prefix in enumerate(("joint_coordinate", "joint_second_coordinate")):
+        names = [joint.names[place] if place < len(joint.names) else "" for joint in history.joints.values()]
+        coords[f"{prefix}_name"] = (("joint",), np.array(names, dtype=object if names else str))
     for name, contact in contacts.items():
         z = np.asarray(contact.view.first.grid.z)
         coords[f"row_{name}"] = ((f"row_{name}",), z, {"units": "m", "frame": "along the axis of the first surface"})

@@ -34,6 +34,15 @@ def checked_output_path(path: str | os.PathLike[str], what: str) -> Path:
     return target
 
 
+def check_ending(path: str | os.PathLike[str], what: str, endings: tuple[str, ...]) -> None:
+    """Raises `InputError` naming `what` unless `path` ends like one of `endings`: a file whose name promises another
+    format misleads whoever opens it. Folders are left to `checked_output_path`."""
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"{what} must be the name of a file, got {path!r}")
+    if Path(path).suffix.lower() not in endings and not Path(path).is_dir():
+        raise InputError(f"{what}: '{path}' must end in {' or '.join(endings)}")
+
+
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
     """A neighbouring name to write to; it replaces `path` only when the block ends without error, so no file is

@@ -1,9 +1,10 @@
 """A rerun recording of a run: one of the two modules that import rerun (`show` is the other).
 
 Entities: `/world/<body>` carries the rigid motion as a transform, its child `surface` the deforming skin in the user
-frame with the displacement times the deformation factor, coloured by displacement;
+frame with the displacement times the deformation factor, coloured by displacement, or its children `box` and `bars`
+where it is rigid; `/world/joint_arrows`, `/world/force_arrows` what joints and forces do, see `glyphs`;
 `/world/contacts/<pair>` is a frame that stays with the patch (x along the arc, y along the axis, z outwards) and
-carries the pressure relief; `/world/forces/<pair>` arrows; `/plots`, `/solver` scalars over all saved rows;
+carries the pressure relief; `/world/forces/<pair>` its arrows; `/plots`, `/solver` scalars over all saved rows;
 `/patch_map/<pair>` the unwrapped pressure.
 
 Every array is handed over as a fresh copy: rerun sends later than it is called, and a buffer changed in between is
@@ -22,6 +23,8 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.output import frames as fr
 from warpffrf.output.colors import DISPLACEMENT_STOPS, PRESSURE_STOPS, ColorScale, legend_picture, map_axes_picture
+from warpffrf.output.glyphs import Glyphs, force_text, rigid_size
+from warpffrf.output.machine_series import machine_series
 from warpffrf.output.paths import checked_output_path, written_whole
 from warpffrf.output.thinning import vertex_normals
 
@@ -31,6 +34,7 @@ PLAYBACK_SECONDS = 12.0  # how long the viewer takes to play a run, however shor
 MAP_SHAPE = (220, 480)  # pixels (height, width) of the patch map
 ARROW_LENGTH = 0.6  # of the largest body, for the largest force of the run
 AXES_LENGTH = 0.58  # of the largest body: out of a roller's rim
+RIGID_AXES_LENGTH = 0.2  # where nothing hides them
 AXES_COLORS = [(230, 80, 80), (90, 200, 90), (90, 130, 255)]  # x, y, z
 FIRST_COLOR, SECOND_COLOR = (120, 190, 255), (255, 170, 90)
 
@@ -91,6 +95,7 @@ def _row_is_finite(result: Any, bodies: dict[str, fr.BodyFrames], f: int, i: int
     history = result.history
     arrays = [b.displacement[f] for b in bodies.values()]
     arrays += [a[i] for m in history.bodies.values() for a in (m.position, m.rotation)]
+    arrays += [a.force[i] for a in (*history.joints.values(), *history.forces.values())]
     arrays += [a[i] for c in history.contacts.values() for a in (c.force, c.pressure, c.center_column)]
     return all(bool(np.all(np.isfinite(a))) for a in arrays)
 
@@ -115,14 +120,21 @@ class _Recorder:
         self.contacts = [result.contact(name) for name in result.contact_names]
         shown = [np.linalg.norm(b.displacement[good], axis=-1) for b in bodies.values()]
         top = fr.largest(shown)
-        self.size = max((b.size for b in bodies.values()), default=0.1)
+        view = result.view
+        # where bodies touch the view is that of the flexible ones: invented inertias of carriages would rule it
+        seen = [b for b in view.bodies.values() if b.reduced is None and not (self.contacts and bodies)]
+        rigid = [rigid_size(b, view.anchors) for b in seen]
+        self.size = max([b.size for b in bodies.values()] + rigid, default=0.0) or 0.1
         smallest = min((b.size for b in bodies.values()), default=0.1)
         automatic = fr.round_factor(fr.SHOWN_DISPLACEMENT * smallest / top) if top > 0.0 else 1.0
         self.factor = float(factor) if factor is not None else automatic
-        self.moved = ColorScale("elastic displacement of the bodies [µm]", top, 1e6, DISPLACEMENT_STOPS)
+        unit, per_metre = ("mm", 1e3) if top > 1e-3 else ("µm", 1e6)
+        self.moved = ColorScale(f"elastic displacement of the bodies [{unit}]", top, per_metre, DISPLACEMENT_STOPS)
         peak = fr.largest([c.peak_pressure[rows[good]] for c in self.contacts])
         self.pressed = ColorScale("contact pressure [MPa]", peak, 1e-6, PRESSURE_STOPS)
         self.top_force = fr.largest([c.force_magnitude[rows[good]] for c in self.contacts])
+        self.glyphs = Glyphs(self, self.size)
+        self.scales = [self.moved] * bool(bodies) + [self.pressed] * bool(self.contacts)
         self.notes = self._notes()
 
     def path(self, *parts: str) -> str:
@@ -142,6 +154,7 @@ class _Recorder:
             if self.good[f]:
                 self.stream.set_time("time", duration=float(self.result.time[i]))
                 self._bodies(f, int(i))
+                self.glyphs.frame(int(i))
                 for contact in self.contacts:
                     self._contact(contact, int(i))
         self.stream.flush()
@@ -151,11 +164,15 @@ class _Recorder:
 
     def _notes(self) -> list[str]:
         notes = [
-            f"elastic displacement is magnified {self.factor:g} times, rigid motion is not, so touching surfaces are "
-            "drawn apart",
             f"{int(self.good.sum())} of {len(self.result.time)} saved rows are drawn, stride {self.stride}; "
-            f"plots use up to {MAX_SERIES}",
+            f"plots use up to {MAX_SERIES}"
         ]
+        if self.bodies:
+            notes.insert(
+                0,
+                f"elastic displacement is magnified {self.factor:g} times, rigid motion is not, so touching surfaces "
+                "are drawn apart",
+            )
         shown = {name: (len(b.points), b) for name, b in self.bodies.items()}
         for name, (count, _) in shown.items():
             full = len(self.result.view.bodies[name].reduced.surface.points)
@@ -164,10 +181,11 @@ class _Recorder:
         return [*notes, *self.result.history.notes]
 
     def _static(self) -> None:
-        rr, log = self.rr, self._log_static
+        rr, log = self.rr, self.log_static
         log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
-        for name in self.result.history.bodies:  # the user frame shows how a round body turns, and a rigid one at all
-            lines = [[[0.0, 0.0, 0.0], axis] for axis in (AXES_LENGTH * self.size * np.eye(3)).tolist()]
+        for name in self.result.history.bodies:  # the user frame shows how a round body turns
+            length = (AXES_LENGTH if self.contacts else RIGID_AXES_LENGTH) * self.size
+            lines = [[[0.0, 0.0, 0.0], axis] for axis in (length * np.eye(3)).tolist()]
             strips = rr.LineStrips3D(lines, colors=AXES_COLORS, radii=0.004 * self.size)
             log(self.path("world", name, "frame"), strips)
         for name, body in self.bodies.items():
@@ -185,10 +203,13 @@ class _Recorder:
                 rr.Mesh3D.from_fields(triangle_indices=triangles),
             )
             self._map_axes(contact)
-        log("legend", rr.Image(legend_picture([self.moved, self.pressed])))
+        self.glyphs.static()
+        if self.scales:
+            log("legend", rr.Image(legend_picture(self.scales)))
         log("about", rr.TextDocument(self._about(), media_type=rr.MediaType.MARKDOWN))
 
-    def _log_static(self, path: str, *archetypes: Any) -> None:
+    def log_static(self, path: str, *archetypes: Any) -> None:
+        """Log something that holds for the whole recording."""
         self.stream.log(path, *archetypes, static=True)
 
     def _about(self) -> str:
@@ -198,15 +219,19 @@ class _Recorder:
         ]
         parts = (
             "# What this shows",
-            "Bodies are coloured by elastic displacement, the patch by pressure; both ranges hold for the whole run. "
-            "The close-up travels with the patch on the first body: the height of the relief is the pressure. "
-            "The red, green and blue lines are x, y, z of each body's user frame and turn with it.",
+            "Flexible bodies are coloured by elastic displacement, contact patches by pressure; the ranges hold for "
+            "the whole run. The red, green and blue lines are x, y, z of each body's user frame and turn with it. "
+            "A rigid body is the box with its mass and moments of inertia, with bars to the places that hold it.",
+            "Green arrows are reactions of joints on their second body, orange ones forces on the body that they load; "
+            f"one length for all, the largest is {force_text(self.glyphs.top_force)}.",
+            *(["The close-up travels with the patch on the first body: the height of the relief is the pressure."]
+              if self.contacts else []),
             "\n".join(contacts),
             "## Notes",
             "\n".join(f"- {note}" for note in self.notes),
             "## Report",
             f"```\n{self.result.report()}\n```",
-        )
+        )  # fmt: skip
         return "\n\n".join(parts) + "\n"
 
     def patch_reach(self, contact: Any) -> float:
@@ -219,14 +244,14 @@ class _Recorder:
         rr = self.rr
         z = np.asarray(contact.view.first.grid.z)
         picture, (left, top) = map_axes_picture(self.patch_reach(contact), float(z[0]), float(z[-1]), MAP_SHAPE)
-        self._log_static(self.path("patch_map", contact.name, "axes"), rr.Image(picture, draw_order=0.0))
-        self._log_static(self.path("patch_map", contact.name, "pressure"), rr.Transform3D(translation=[left, top, 0.0]))
+        self.log_static(self.path("patch_map", contact.name, "axes"), rr.Image(picture, draw_order=0.0))
+        self.log_static(self.path("patch_map", contact.name, "pressure"), rr.Transform3D(translation=[left, top, 0.0]))
 
     def _series(self) -> None:
         rr, result, history = self.rr, self.result, self.result.history
         step = -(-len(result.time) // MAX_SERIES)
         rows = np.unique(np.append(np.arange(0, len(result.time), step), len(result.time) - 1))
-        series: list[tuple[tuple[str, ...], str, np.ndarray]] = []
+        series = machine_series(result)
         for c in self.contacts:
             series.append((("plots", "force", c.name), f"{c.name} [kN]", c.force_magnitude * 1e-3))
             series.append((("plots", "peak_pressure", c.name), f"{c.name} [MPa]", c.peak_pressure * 1e-6))
@@ -240,7 +265,7 @@ class _Recorder:
         series.append((("solver", "step_size"), "step size [s]", history.step_size))
         for parts, label, values in series:
             path = self.path(*parts)
-            self._log_static(path, rr.SeriesLines(names=[label]))
+            self.log_static(path, rr.SeriesLines(names=[label]))
             use = rows[np.isfinite(np.asarray(values, dtype=float)[rows])]
             times = rr.TimeColumn("time", duration=np.asarray(result.time)[use].copy())
             self.stream.send_columns(path, [times], rr.Scalars.columns(scalars=np.array(values, dtype=float)[use]))

@@ -7,27 +7,29 @@ from typing import Any
 import numpy as np
 
 from warpffrf.output.frames import largest
+from warpffrf.output.machine_series import plot_kinds
+from warpffrf.output.skin import rotate
 
 HEADROOM = 1.1  # of the largest value of a plot
 CLOSE_UP_DISTANCE = 0.9  # eye to patch, in widths of the body
+MOST_PLOTS = 4  # beside the machine; all are in a tab of their own
 
 
 def blueprint(recorder: Any) -> Any:
-    """Machine and close-up on the left; legend, patch map and plots on the right; tabs for the solver and the
-    explanations."""
+    """Machine and close-up on the left; legend, patch map and plots on the right; tabs for the plots of the machine,
+    the solver and the explanations."""
     import rerun.blueprint as rrb
 
     result = recorder.result
     duration = float(result.time[-1] - result.time[0])
+    bodies = [f"+ {recorder.path('world', name)}/**" for name in result.view.bodies]
     forces = [f"+ {recorder.path('world', 'forces', c.name)}/**" for c in recorder.contacts]
-    surfaces = [f"+ {recorder.path('world', name)}/**" for name in result.view.bodies]
-    machine = rrb.Spatial3DView(
-        origin="/world",
-        contents=["+ /world", *surfaces, *forces],
-        name=f"Machine: elastic deformation magnified {recorder.factor:g} times",
-        eye_controls=_machine_eye(recorder),
-        line_grid=False,
-    )
+    arrows = ["+ /world/joint_arrows/**", "+ /world/force_arrows/**"]
+    rigid = [recorder.path("world", name) for name, body in result.view.bodies.items() if body.reduced is None]
+    hidden = [f"- {path}/{shape}" for path in rigid for shape in ("box", "bars")]
+    # what touches comes first; rigid bodies and arrows of joints then have a view of their own
+    contents = [*bodies, *forces, *hidden] if recorder.contacts else [*bodies, *arrows]
+    machine = _machine_view(recorder, contents)
     close_ups = [_close_up(recorder, contact) for contact in recorder.contacts]
     maps = [
         rrb.Spatial2DView(
@@ -38,14 +40,21 @@ def blueprint(recorder: Any) -> Any:
         for c in recorder.contacts
     ]
     contacts = recorder.contacts
-    plots = [
-        _from_zero("/plots/force", "Contact force [kN]", [c.force_magnitude * 1e-3 for c in contacts]),
-        _from_zero("/plots/peak_pressure", "Largest pressure [MPa]", [c.peak_pressure * 1e-6 for c in contacts]),
-        _from_zero("/plots/half_width", "Half-width of the patch [µm]", [c.half_width * 1e6 for c in contacts]),
-    ]
+    machine_plots = [rrb.TimeSeriesView(origin=f"/plots/{k}", name=title) for k, title in plot_kinds(result).items()]
+    plots = (
+        machine_plots[:MOST_PLOTS]
+        if not contacts
+        else [
+            _from_zero("/plots/force", "Contact force [kN]", [c.force_magnitude * 1e-3 for c in contacts]),
+            _from_zero("/plots/peak_pressure", "Largest pressure [MPa]", [c.peak_pressure * 1e-6 for c in contacts]),
+            _from_zero("/plots/half_width", "Half-width of the patch [µm]", [c.half_width * 1e6 for c in contacts]),
+        ]
+    )
     legend = rrb.Spatial2DView(origin="/legend", name="Colours, fixed over the run", background=[255, 255, 255, 255])
+    legends = [legend] if recorder.scales else []
     left = rrb.Vertical(machine, *_tabs(close_ups), row_shares=[5, 4] if close_ups else [1])
-    right = rrb.Vertical(legend, *_tabs(maps), *plots, row_shares=[3, *([4] if maps else []), 2.5, 2.5, 2.5])
+    shares = [1.0 + len(recorder.scales)] * len(legends) + [4.0] * bool(maps) + [2.5] * len(plots)
+    right = rrb.Vertical(*legends, *_tabs(maps), *plots, row_shares=shares)
     solver = rrb.Grid(
         rrb.TimeSeriesView(
             origin="/solver/iterations", contents=["/solver/iterations", "/solver/factorisations"], name="Newton"
@@ -57,7 +66,8 @@ def blueprint(recorder: Any) -> Any:
     )
     return rrb.Blueprint(
         rrb.Tabs(
-            rrb.Horizontal(left, right, column_shares=[3, 2], name="Contact"),
+            rrb.Horizontal(left, right, column_shares=[3, 2], name="Contact" if contacts else "Machine"),
+            *_machine_tab(recorder, machine_plots, [*bodies, *arrows]),
             solver,
             rrb.TextDocumentView(origin="/about", name="What this shows"),
             active_tab=0,
@@ -68,6 +78,28 @@ def blueprint(recorder: Any) -> Any:
         auto_views=False,
         auto_layout=False,
     )
+
+
+def _machine_view(recorder: Any, contents: list[str]) -> Any:
+    import rerun.blueprint as rrb
+
+    return rrb.Spatial3DView(
+        origin="/world",
+        contents=["+ /world", *contents],
+        name=f"Machine: elastic deformation magnified {recorder.factor:g} times" if recorder.bodies else "Machine",
+        eye_controls=_machine_eye(recorder),
+        line_grid=False,
+    )
+
+
+def _machine_tab(recorder: Any, plots: list[Any], contents: list[str]) -> list[Any]:
+    """All plots of joints, forces and energies; beside them, where the first tab is about contact, the machine."""
+    import rerun.blueprint as rrb
+
+    if not plots:
+        return []
+    name, grid = "Joints, forces, energies", rrb.Grid(*plots, name="Joints, forces, energies")
+    return [rrb.Horizontal(_machine_view(recorder, contents), grid, name=name) if recorder.contacts else grid]
 
 
 def _from_zero(origin: str, name: str, values: list[np.ndarray]) -> Any:
@@ -92,13 +124,20 @@ def _speed(duration: float) -> float:
 
 
 def _machine_eye(recorder: Any) -> Any:
-    """From the front right, a little above, far enough to see every body in the first row."""
+    """From the front right, a little above, far enough to see every body all the time."""
     import rerun.blueprint as rrb
 
-    positions = np.stack([m.position[0] for m in recorder.result.history.bodies.values()])
-    positions = positions[np.all(np.isfinite(positions), axis=1)]
-    center = positions.mean(axis=0) if len(positions) else np.zeros(3)
-    reach = recorder.size + (float(np.linalg.norm(positions - center, axis=1).max()) if len(positions) else 0.0)
+    result = recorder.result
+    centers = np.concatenate(
+        [
+            motion.position + np.stack([rotate(p, body.center_of_mass[None])[0] for p in motion.rotation])
+            for motion, body in zip(result.history.bodies.values(), result.view.bodies.values(), strict=True)
+        ]
+    )
+    centers = centers[np.all(np.isfinite(centers), axis=1)]
+    low, high = (centers.min(axis=0), centers.max(axis=0)) if len(centers) else (np.zeros(3), np.zeros(3))
+    center = 0.5 * (low + high)
+    reach = recorder.size + 0.5 * float(np.linalg.norm(high - low))
     return rrb.EyeControls3D(
         position=center + reach * np.array([0.55, -1.3, 0.45]), look_target=center, eye_up=(0.0, 0.0, 1.0)
     )

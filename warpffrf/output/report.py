@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.output.report_items import item_lines
 
 
 def report_text(result: Any) -> str:
-    """Status, counters, contacts at the last saved step beside Hertz, energy balance, notes: plain text, one fact
-    a line."""
+    """Status, counters, contacts at the last saved step beside Hertz, joints, forces, sensors, energy balance, notes:
+    plain text, one fact a line."""
     history = result.history
     lines = [f"status            {result.status}" + (f": {result.message}" if result.message else "")]
     if len(result.time) == 0:
@@ -26,13 +27,18 @@ def report_text(result: Any) -> str:
     lines += [f"{name.replace('_', ' '):<17} {value:.6g}" for name, value in history.counters.items()]
     for name in result.contact_names:
         lines += _contact_lines(result.contact(name))
+    lines += item_lines(result)
     lines.append(f"energy scale      {result.energy_scale:.6g} J, the largest energy at hand")
     residual = result.energy_residual
-    lines.append(
-        f"energy residual   {residual[-1]:+.3e} at the end, {np.ptp(residual):.3e} peak to peak, over the energy scale"
-    )
+    if np.all(np.isnan(residual)):
+        lines.append("energy residual   not booked by this method")
+    else:
+        lines.append(
+            f"energy residual   {residual[-1]:+.3e} at the end, {np.ptp(residual):.3e} peak to peak, over the energy "
+            "scale"
+        )
     defect = history.energy.get("contact_grid")
-    if defect is not None and result.energy_scale > 0.0:
+    if defect is not None and result.energy_scale > 0.0 and np.isfinite(defect[-1]):
         lines.append(
             f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale moved by the grid defect"
         )

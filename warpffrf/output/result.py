@@ -119,8 +119,9 @@ class Result:
 
     @cached_property
     def energy_scale(self) -> float:
-        """The largest energy at hand in the run [J]: stored, or moved by forces, drives, gravity and dampers."""
-        energy = self.energy
+        """The largest energy at hand in the run [J]: stored, or moved by forces, drives, gravity and dampers. Lines
+        that were not booked (NaN) do not count."""
+        energy = {line: np.nan_to_num(values, nan=0.0) for line, values in self.energy.items()}
         zero = np.zeros(len(self.time))
         stored = sum((np.abs(energy.get(k, zero)) for k in ("kinetic", "strain", "contact")), zero)
         potential = energy.get("potential", zero)
@@ -131,7 +132,7 @@ class Result:
     @property
     def energy_residual(self) -> np.ndarray:
         """(T,) what closes the energy balance (ledger line "numerical") over the largest energy at hand;
-        positive means gained."""
+        positive means gained; NaN where it was not booked."""
         numerical = np.asarray(self.energy.get("numerical", np.zeros(len(self.time))))
         return numerical / self.energy_scale if self.energy_scale > 0.0 else np.zeros_like(numerical)
 

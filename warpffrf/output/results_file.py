@@ -36,6 +36,7 @@ from warpffrf.online.history import (
     JointHistory,
     SensorHistory,
 )
+from warpffrf.output.anchors import Anchor
 from warpffrf.output.dataset import stacked
 from warpffrf.output.fields import (
     BODY_FIELDS,
@@ -48,11 +49,12 @@ from warpffrf.output.fields import (
     RUN_FIELDS,
     Field,
 )
-from warpffrf.output.paths import checked_output_path, written_whole
+from warpffrf.output.paths import check_ending, checked_output_path, written_whole
 from warpffrf.output.scene_view import BodyView, PairView, SceneView
 
 FORMAT = "warpffrf-results"
 SCHEMA_VERSION = 1
+SUFFIXES = (".h5", ".hdf5")
 COMPRESSION = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
 _GROUPS = (
     ("bodies", "body", BODY_FIELDS, BodyHistory),
@@ -63,7 +65,9 @@ _GROUPS = (
 
 
 def write_results(result: Any, path: str | os.PathLike[str]) -> Path:
-    """Write `result` to `path`, whole or not at all. Raises InputError when the path cannot be written."""
+    """Write `result` to `path`, whole or not at all. Raises InputError for a path that cannot be written, or that does
+    not end like a results file."""
+    check_ending(path, "results", SUFFIXES)
     target = checked_output_path(path, "results")
     history: History = result.history
     steps = len(history.time)
@@ -176,6 +180,7 @@ def _get(file: Any, field: Field, name: str, n: int) -> np.ndarray:
 
 def _put_sensors(file: Any, result: Any) -> None:
     group = file.create_group("sensor")
+    file.attrs["sensor_names"] = json.dumps(result.sensor_names)  # HDF5 lists members by name, not in their order
     for name in result.sensor_names:
         sensor = result.sensor(name)
         values = np.asarray(sensor.values)
@@ -185,13 +190,15 @@ def _put_sensors(file: Any, result: Any) -> None:
 
 
 def _get_sensors(file: Any) -> dict[str, SensorHistory]:
-    return {
+    found = {
         unquote(key): SensorHistory(
             str(d.attrs["kind"]), str(d.attrs["units"]), str(d.attrs["frame"]),
             tuple(json.loads(d.attrs["components"])), d[()],
         )
         for key, d in file.get("sensor", {}).items()
     }  # fmt: skip
+    order = json.loads(file.attrs.get("sensor_names", "[]"))  # older files do not say
+    return {name: found[name] for name in order or found}
 
 
 # --- the scene, as far as results need it ---
@@ -213,13 +220,17 @@ def _put_scene(file: Any, view: SceneView) -> None:
                     {"units": "bytes", "frame": "a reduced-body file", "dims": "byte"}
                 )
         center = [float(v) for v in body.center_of_mass]
-        bodies.append({"name": body.name, "mass": body.mass, "center_of_mass": center, "reduced": digest})
+        inertia = None if body.inertia is None else np.asarray(body.inertia).tolist()
+        bodies.append(
+            {"name": body.name, "mass": body.mass, "center_of_mass": center, "inertia": inertia, "reduced": digest}
+        )
     group.attrs["bodies"] = json.dumps(bodies)
     pairs = [
         [p.name, p.first_body.name, p.first_surface_name, p.second_body.name, p.second_surface_name]
         for p in view.pairs.values()
     ]
     group.attrs["pairs"] = json.dumps(pairs)
+    group.attrs["anchors"] = json.dumps([anchor.describe() for anchor in view.anchors])
 
 
 def _get_scene(file: Any) -> SceneView:
@@ -228,14 +239,18 @@ def _get_scene(file: Any) -> SceneView:
     for digest in file.get("reduced", {}):
         reduced[digest] = _from_bytes(file[f"reduced/{digest}"][()])
     bodies = {
-        b["name"]: BodyView(b["name"], reduced[b["reduced"]], b["mass"], np.array(b["center_of_mass"]))
+        b["name"]: BodyView(
+            b["name"], reduced[b["reduced"]], b["mass"], np.array(b["center_of_mass"]),
+            np.array(b["inertia"]) if b.get("inertia") is not None else None,  # older files do not say
+        )
         for b in json.loads(group.attrs["bodies"])
-    }
+    }  # fmt: skip
     pairs = {
         name: PairView(name, bodies[first], first_surface, bodies[second], second_surface)
         for name, first, first_surface, second, second_surface in json.loads(group.attrs["pairs"])
     }
-    return SceneView(str(group.attrs["content_hash"]), bodies, pairs, tuple(json.loads(group.attrs["joints"])))
+    anchors = tuple(Anchor.of(data) for data in json.loads(group.attrs.get("anchors", "[]")))
+    return SceneView(str(group.attrs["content_hash"]), bodies, pairs, tuple(json.loads(group.attrs["joints"])), anchors)
 
 
 def _as_bytes(reduced: Any) -> np.ndarray:

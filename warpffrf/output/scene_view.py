@@ -11,15 +11,19 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.output.anchors import Anchor, scene_anchors
+
 
 @dataclass(frozen=True)
 class BodyView:
-    """One body: its name, its reduced body (None when rigid), mass [kg] and centre of mass [m, user frame]."""
+    """One body: its name, its reduced body (None when rigid), mass [kg], centre of mass [m, user frame] and inertia
+    about it [kg m2, user axes]; None in an older results file."""
 
     name: str
     reduced: Any
     mass: float
     center_of_mass: np.ndarray
+    inertia: np.ndarray | None = None
 
     def surface(self, name: str) -> Any:
         """The body's contact surface called `name`."""
@@ -55,6 +59,7 @@ class SceneView:
     bodies: dict[str, BodyView] = field(default_factory=dict)
     pairs: dict[str, PairView] = field(default_factory=dict)
     joints: tuple[str, ...] = ()
+    anchors: tuple[Anchor, ...] = ()
 
 
 def scene_view(scene: Any) -> SceneView:
@@ -62,11 +67,15 @@ def scene_view(scene: Any) -> SceneView:
     if isinstance(scene, SceneView):
         return scene
     bodies = {
-        body.name: BodyView(body.name, body.reduced, float(body.mass), np.asarray(body.center_of_mass, dtype=float))
+        body.name: BodyView(
+            body.name, body.reduced, float(body.mass), np.asarray(body.center_of_mass, dtype=float),
+            np.asarray(body.inertia, dtype=float),
+        )
         for body in scene.bodies
-    }
+    }  # fmt: skip
     pairs = {}
     for contact in scene.contacts:
         a, b = contact.a, contact.b
         pairs[contact.name] = PairView(contact.name, bodies[a.body.name], a.name, bodies[b.body.name], b.name)
-    return SceneView(scene.content_hash(), bodies, pairs, tuple(joint.name for joint in scene.joints))
+    joints = tuple(joint.name for joint in scene.joints)
+    return SceneView(scene.content_hash(), bodies, pairs, joints, scene_anchors(scene))

@@ -10,16 +10,23 @@ from pathlib import Path
 from typing import Any
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.signal_cover import refuse_short_tables
+from warpffrf.monolithic import Monolithic
+from warpffrf.monolithic import checkpoint as monolithic_checkpoint
 from warpffrf.online import GeneralizedAlpha, find_equilibrium, run
+from warpffrf.online.checkpoint import time_of
 from warpffrf.online.history import History
-from warpffrf.online.stages import Stage, check_stages, joined, with_gravity
-from warpffrf.output.paths import checked_output_path
+from warpffrf.online.integrators import INTEGRATORS
+from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
+from warpffrf.online.stages import Stage, check_stages, joined, with_potential
+from warpffrf.output.monolithic_run import refuse_other_method, run_monolithic, same_windows
+from warpffrf.output.paths import check_ending, checked_output_path
 from warpffrf.output.result import Result
+from warpffrf.output.results_file import SUFFIXES
 
-METHODS = ("separated",)
-LOCAL_TREATMENTS = ("quasi_static",)
+METHODS = ("separated", "monolithic")
 STARTS = ("initial", "equilibrium")
-RESULTS_SUFFIXES = (".h5", ".hdf5")
+RECORD_SUFFIXES = (".rrd",)
 DEFAULT_INTEGRATOR = GeneralizedAlpha(rho_inf=0.8)
 
 log = logging.getLogger("warpffrf")
@@ -40,67 +47,107 @@ def simulate(
     step: float | None = None,
     stages: Sequence[Stage] | None = None,
     start: str | os.PathLike[str] | Result = "initial",
-    method: str = "separated",
-    local: str = "quasi_static",
-    integrator: GeneralizedAlpha = DEFAULT_INTEGRATOR,
+    method: str | Monolithic = "separated",
+    local: str | LocalDynamics = "quasi_static",
+    integrator: Any = None,
+    accuracy: float | None = None,
     save_every: int = 1,
     results: str | os.PathLike[str] | None = None,
     record: str | os.PathLike[str] | None = None,
     device: str = "cpu",
     progress: bool = True,
+    project_start: bool = False,
 ) -> Result:
     """Simulate `scene` for `duration` [s] with steps of `step` [s], or in `stages` instead of the two.
 
     start: "initial" (positions and velocities of the scene), "equilibrium" (static state under load first), or the
-    Result, or results file, of an earlier run or equilibrium of the same scene, which is continued bit for bit. stages:
-    see `warpffrf.online.stages`; returns a StagedResult. results, record: files to write (.h5, .rrd); both are also
+    Result, or results file, of an earlier run or equilibrium of the same scene, which is continued bit for bit.
+    project_start: change initial velocities that do not agree with the joints as little as possible, with a note,
+    instead of refusing them; a drive changes them in any case, it says what the velocity is. stages:
+    see `warpffrf.online.stages`; returns a StagedResult. method: "separated", or "monolithic" or a Monolithic for the
+    reference with all coordinates in one Newton system (`warpffrf.output.monolithic_run`): fixed steps, thousands of
+    times slower with thousands of local modes. integrator: GeneralizedAlpha, HHT or Newmark; RungeKutta4 and
+    EnergyMomentum for checks on free bodies; None: GeneralizedAlpha(rho_inf=0.8), of the monolithic method
+    HHT(alpha=-0.3). accuracy: halve steps whose local error exceeds it (positions by the
+    radius of gyration, rotations in rad; stiff local modes do not count); `step` is then the longest. local: treatment
+    of the local modes, "quasi_static", or "hht", "exponential", "auto" or a LocalDynamics, for bodies reduced with
+    local_dynamics=True. results, record: files to write (.h5, .rrd); both are also
     written when the run is interrupted (Ctrl-C) or fails, with what there is. With stages, results "run.h5" also means
     "run.NAME.h5" at the end of each stage: a checkpoint to start from. A solver that fails does not raise: see `status`
     and `message` of the Result. Wrong input raises InputError before the run.
     """
     _known_scene(scene, "simulate")
-    _known("method", method, METHODS)
-    _known("local", local, LOCAL_TREATMENTS)
+    _known_method(method)
+    as_local_dynamics(local)
     _known_integrator(integrator, "simulate")
     beginning = _start(scene, start)
     _check_outputs(results, record)
     options = {"integrator": integrator, "save_every": save_every, "device": device, "progress": progress}
+    options |= {"project_start": project_start, "local": local, "accuracy": accuracy, "method": method}
     if stages is None:
         if duration is None or step is None:
             raise InputError("simulate: give duration and step, or stages=[Stage(name, duration, step), ...]")
-        return _written(Result(run(scene, duration, step=step, start=beginning, **options)), results, record)
+        if isinstance(beginning, History):
+            refuse_other_method(beginning.checkpoint, _method_name(method), "simulate: start")
+        return _written(Result(_run(scene, duration, step=step, start=beginning, **options)), results, record)
     if duration is not None or step is not None:
         raise InputError("simulate: stages have their own duration and step; leave those of the run out")
     return _written(_staged(scene, check_stages(scene, stages), beginning, results, options), results, record)
 
 
+def _run(scene: Any, duration: float, *, method: str | Monolithic, integrator: Any, **options: Any) -> History:
+    """The run by its method."""
+    if _method_name(method) == "monolithic":
+        chosen = method if isinstance(method, Monolithic) else None
+        return run_monolithic(scene, duration, integrator=integrator, options=chosen, **options)
+    return run(scene, duration, integrator=DEFAULT_INTEGRATOR if integrator is None else integrator, **options)
+
+
 def _staged(scene: Any, stages: list[Stage], beginning: Any, results: Any, options: dict[str, Any]) -> StagedResult:
     """The stages one after the other, each from the checkpoint of the one before."""
+    methods = []
     for stage in stages:
-        for name, values in (("method", METHODS), ("local", LOCAL_TREATMENTS)):
-            _known(name, stage.options.get(name, values[0]), values)
-        _known_integrator(stage.options.get("integrator", DEFAULT_INTEGRATOR), f"stage {stage.name!r}")
+        method = stage.options.get("method", options["method"])
+        _known_method(method)
+        methods.append(_method_name(method))
+        as_local_dynamics(stage.options.get("local", options["local"]))
+        _known_integrator(stage.options.get("integrator"), f"stage {stage.name!r}")
         if results is not None:
             checked_output_path(stage_file(results, stage.name), "results")
+    if len(set(methods)) > 1:
+        raise InputError(
+            "simulate: all stages must have the same method, because a run of one cannot go on with the state of "
+            f"another, got {', '.join(map(repr, methods))}"
+        )
+    reference = methods[0] == "monolithic"
+    end = 0.0
+    if isinstance(beginning, History):
+        refuse_other_method(beginning.checkpoint, methods[0], f"stage {stages[0].name!r}")
+        end = (monolithic_checkpoint.time_of if reference else time_of)(beginning.checkpoint)
+    for stage in stages:
+        begin, end = end, end + stage.duration
+        refuse_short_tables(stage.scene(scene), begin, end)
     parts: dict[str, Result] = {}
     for stage in stages:
         log.info("stage %s: %g s in steps of %g s", stage.name, stage.duration, stage.step)
         own = {name: value for name, value in stage.options.items() if name in options}
         staged = stage.scene(scene)
-        if isinstance(beginning, History):
-            loaded = with_gravity(beginning.checkpoint, scene, scene.gravity, staged.gravity)
+        if isinstance(beginning, History) and not reference:
+            loaded = with_potential(beginning.checkpoint, scene, staged)
             beginning = replace(beginning, checkpoint=loaded)
-        history = run(staged, stage.duration, step=stage.step, start=beginning, **{**options, **own})
+        history = _run(staged, stage.duration, step=stage.step, start=beginning, **{**options, **own})
         # loads of one stage do not make another machine: it is continued with the scene
         history.scene = scene
-        history.checkpoint = with_gravity(history.checkpoint, scene, staged.gravity, scene.gravity)
+        if not reference:
+            history.checkpoint = with_potential(history.checkpoint, staged, scene)
         parts[stage.name] = Result(history)
         if results is not None:
             log.info("results: %s", parts[stage.name].save(stage_file(results, stage.name)))
         beginning = history
         if history.status != "completed":
             break
-    return StagedResult(joined([part.history for part in parts.values()], list(parts)), parts)
+    histories = [part.history for part in parts.values()]
+    return StagedResult(joined(same_windows(histories) if reference else histories, list(parts)), parts)
 
 
 def stage_file(results: str | os.PathLike[str], name: str) -> Path:
@@ -135,16 +182,26 @@ def _known_scene(scene: Any, caller: str) -> None:
         raise InputError(f"{caller}: a Scene is needed first, got {scene!r}")
 
 
+def _known_method(method: Any) -> None:
+    if not isinstance(method, Monolithic):
+        _known("method", method, METHODS)
+
+
+def _method_name(method: str | Monolithic) -> str:
+    return "monolithic" if isinstance(method, Monolithic) else method
+
+
 def _known_integrator(integrator: Any, where: str) -> None:
-    if not isinstance(integrator, GeneralizedAlpha):
-        raise InputError(f"{where}: integrator must be GeneralizedAlpha(rho_inf=...), got {integrator!r}")
+    if integrator is not None and not isinstance(integrator, tuple(INTEGRATORS.values())):
+        names = ", ".join(f"{kind.__name__}()" for kind in INTEGRATORS.values())
+        raise InputError(f"{where}: integrator must be one of {names}, got {integrator!r}")
 
 
 def _start(scene: Any, start: str | os.PathLike[str] | Result) -> Any:
     if not isinstance(start, Result):
         if start in STARTS:
             return start
-        if not isinstance(start, str | os.PathLike) or Path(start).suffix.lower() not in RESULTS_SUFFIXES:
+        if not isinstance(start, str | os.PathLike) or Path(start).suffix.lower() not in SUFFIXES:
             known = ", ".join(repr(v) for v in STARTS)
             raise InputError(f"simulate: start is {start!r}; known: {known}, a Result, or a results file (.h5)")
         start = Result.load(start)
@@ -159,10 +216,10 @@ def _start(scene: Any, start: str | os.PathLike[str] | Result) -> Any:
 
 
 def _check_outputs(results: Any, record: Any) -> None:
-    if results is not None:
-        checked_output_path(results, "results")
-    if record is not None:
-        checked_output_path(record, "record")
+    for path, what, suffixes in ((results, "results", SUFFIXES), (record, "record", RECORD_SUFFIXES)):
+        if path is not None:
+            check_ending(path, what, suffixes)
+            checked_output_path(path, what)
 
 
 def _written(result: Result, results: Any, record_path: Any) -> Result:

@@ -7,13 +7,13 @@ with the line of the key that the message speaks of, or of the table.
 from __future__ import annotations
 
 import copy
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Any
 
 from warpffrf.model.errors import InputError
+from warpffrf.scene_file.blame import Blamed, blamed_place
 from warpffrf.scene_file.document import suggestion
 from warpffrf.scene_file.forms import (
     Form,
@@ -25,7 +25,8 @@ from warpffrf.scene_file.forms import (
     signal_kinds,
     value_kinds,
 )
-from warpffrf.scene_file.source import Path, Place, Source
+from warpffrf.scene_file.numbers import read_numbers
+from warpffrf.scene_file.source import Path, Source
 
 TITLE = "title"
 FITTED = "fitted"  # a contact surface whose shape is found
@@ -306,7 +307,7 @@ class Builder:
             if "file" in value and set(value) <= FILE_KEYS:
                 if not isinstance(value["file"], str):
                     raise InputError(f"file must be a text, got {brief(value['file'])}")
-                return _numbers(self._file((*path, "file"), value["file"]), value.get("column"))
+                return read_numbers(self._file((*path, "file"), value["file"]), value.get("column"))
             if role == "overrides" and path[-1] == "forces":
                 return {
                     name: self._item((*path, name), self._overridden((*path, name), name, changes), name)
@@ -329,7 +330,7 @@ class Builder:
                 return body[part]
             return body if point is None else body.at(point)
         except InputError as error:
-            raise _Blamed(f"{self.source.place(path)}: {shown(path[:-1])}: {error}") from error
+            raise Blamed(f"{self.source.place(path)}: {shown(path[:-1])}: {error}") from error
 
     @contextmanager
     def running(self, section: str) -> Iterator[None]:
@@ -338,8 +339,8 @@ class Builder:
             yield
         except InputError as error:
             table = self.source.values[section]
-            raise _Blamed(
-                f"{self._blamed_place((section,), table, str(error))}: {shown((section,))}: {error}"
+            raise Blamed(
+                f"{blamed_place(self.source, (section,), table, str(error))}: {shown((section,))}: {error}"
             ) from error
 
     @contextmanager
@@ -347,65 +348,9 @@ class Builder:
         """Put the line in front of what a call refuses."""
         try:
             yield
-        except _Blamed:
+        except Blamed:
             raise
         except InputError as error:
-            raise _Blamed(f"{self._blamed_place(path, table, str(error))}: {shown(path)}: {error}") from error
+            raise Blamed(f"{blamed_place(self.source, path, table, str(error))}: {shown(path)}: {error}") from error
         except (TypeError, ValueError, OverflowError) as error:
-            raise _Blamed(f"{self.source.place(path)}: {shown(path)} cannot be used: {error}") from error
-
-    def _blamed_place(self, path: Path, table: Any, message: str) -> Place:
-        """The place of what the message speaks of in the table at `path`: the first name in quotes that is a key or a
-        text there, or else the longest key that is a word of it, or else the table."""
-        quoted, named = len(message), ""
-        found = worded = path
-        for below, words in _words(table, path):
-            for word in words:
-                quote = re.search(rf"{re.escape(repr(word))}(?!:)", message)  # 'name': is the subject itself
-                at = quote.start() if quote else quoted
-                if at < quoted:
-                    quoted, found = at, below
-            key = str(below[-1])
-            if len(key) > len(named) and re.search(rf"(?<![\w.'\"]){re.escape(key)}(?![\w'\"])", message):
-                named, worded = key, below
-        return self.source.place(found if quoted < len(message) else worded)
-
-
-def _words(value: Any, path: Path) -> Iterator[tuple[Path, list[str]]]:
-    """Every path below `path` with its key and its text."""
-    entries = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    for key, entry in entries:
-        yield (*path, key), [word for word in (key, entry) if isinstance(word, str)]
-        yield from _words(entry, (*path, key))
-
-
-class _Blamed(InputError):
-    """An error whose message begins with its place already."""
-
-
-def _numbers(file: FilePath, column: Any) -> Any:
-    """An array from {file = "...", column = n}: .npy, or text with commas or blanks; whole numbers stay whole."""
-    import numpy as np
-
-    name = file.name
-    if column is not None and (isinstance(column, bool) or not isinstance(column, int) or column < 0):
-        raise InputError(f"column must be a whole number from 0, got {brief(column)}")
-    if not file.is_file():
-        raise InputError(f"file {name!r} does not exist; it is looked for in {file.parent}")
-    try:
-        if file.suffix.lower() == ".npy":
-            array = np.load(file, allow_pickle=False)
-        else:
-            text = file.read_text(encoding="utf-8").replace(",", " ").splitlines()
-            array = np.loadtxt(text, ndmin=2, comments="#")
-            array = array[:, 0] if array.shape[1] == 1 else array
-    except (OSError, ValueError) as error:
-        raise InputError(f"file {name!r} holds no table of numbers ({error})") from None
-    if column is not None:
-        if array.ndim != 2 or column >= array.shape[1]:
-            raise InputError(f"file {name!r}: column {column} does not exist, its numbers have shape {array.shape}")
-        array = array[:, column]
-    whole = (
-        array.size and np.all(np.isfinite(array)) and np.all(array == np.rint(array)) and np.abs(array).max() < 2**53
-    )
-    return array.astype(np.int64) if whole else array
+            raise Blamed(f"{self.source.place(path)}: {shown(path)} cannot be used: {error}") from error

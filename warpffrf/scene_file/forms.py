@@ -3,8 +3,8 @@
 A `Form` is a call and its arguments. Types come from the annotations and are checked by pydantic: numbers, texts, lists
 and tables strictly, everything else when the call is made. An argument that names another thing of the scene has a
 role, found by its name (`a`, `b`, `port`, `joint`, ...) or its annotation (`Joint`). Joints, forces, sensors, drives
-and contact pairs are found as the classes with a `scene_list`, signals, surfaces, bases and integrators in their
-modules: a new one in its module is a new `kind` here.
+and contact pairs are found as the classes with a `scene_list`, signals, surfaces, bases, damping and integrators in
+their modules: a new one in its module is a new `kind` here.
 """
 
 from __future__ import annotations
@@ -193,19 +193,17 @@ def signal_kinds() -> dict[str, Form]:
 
 @cache
 def value_kinds() -> dict[str, Form]:
-    """Kind -> form of everything that may stand as a value: signals, surfaces, bases, integrators, stress points."""
+    """Kind -> form of everything that may stand as a value: signals, surfaces, bases, damping, integrators, treatments
+    of local modes, stress points."""
     from warpffrf.model.bases import BASES
+    from warpffrf.model.damping import DAMPINGS
     from warpffrf.model.stress_field import StressPoints
     from warpffrf.model.surfaces import SHAPES
 
     online = importlib.import_module("warpffrf.online")
-    integrators = [cls for name, cls in _classes(online) if "alpha" in name.lower() or hasattr(cls, "rho_inf")]
-    registry = getattr(online, "INTEGRATORS", None)
-    if registry is not None:
-        integrators = list(registry.values() if isinstance(registry, dict) else registry)
-    others = [StressPoints, *integrators]
+    others = [StressPoints, online.LocalDynamics, *online.INTEGRATORS.values()]
     found = dict(signal_kinds())
-    found.update({kind: form_of(kind, cls, {}) for kind, cls in {**SHAPES, **BASES}.items()})
+    found.update({kind: form_of(kind, cls, {}) for kind, cls in {**SHAPES, **BASES, **DAMPINGS}.items()})
     found.update({snake_case(cls.__name__): form_of(snake_case(cls.__name__), cls, {}) for cls in others})
     laws = _module("warpffrf.model.laws")
     for name, cls in _classes(laws) if laws else ():
@@ -226,6 +224,8 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
         "materials": {"": form_of("material", wf.Material, {}, ("name",))},
         "meshes": {
             "roller": form_of("roller", wf.mesh.roller, {}),
+            "box": form_of("box", wf.mesh.box, {}),
+            "grid": form_of("grid", wf.mesh.grid, {}),
             "read": form_of("mesh file", wf.mesh.read, paths),
             "from_matrices": form_of("matrices", wf.mesh.from_matrices, paths, ("name",)),
         },

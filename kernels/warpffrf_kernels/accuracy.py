@@ -1,0 +1,150 @@
+"""Local error of a step, and velocities that agree with the joints.
+
+Error. The update of positions truncates the Taylor series of a motion with acceleration vdot at (beta - 1/6) h^3 vddot,
+so that, with vddot = (vdot_1 - vdot_0)/h, the increments of a step are wrong by about
+
+    e = |beta - 1/6| h^2 |vdot_1 - vdot_0|
+
+(Zienkiewicz and Xie 1991). Positions are measured by the body's radius of gyration, turns in rad, modal coordinates by
+the displacement at the point of the body that moves most, over the radius of gyration. Stiff local modes follow the
+load without inertia and are not in it. A step whose largest e exceeds the accuracy asked for is halved; it may be
+doubled when e is below 1/16 of it, since e grows with h^3. A load that begins and ends within one step is not seen.
+
+Projection. Index-3 steps keep the joints at position level; velocities then miss C v = s'(t) by the error of the step.
+With the inverse H of the outer matrix [S, C^T; C, ...] the correction
+
+    (dv, mu) = H (0, s' - C v - C_m qdot),      dqdot = -sigma^-1 C_m^T mu
+
+removes what they miss with the least change in the metric of S, which is ACC times the mass to first order in h.
+"""
+
+import warp as wp
+
+from warpffrf_kernels import control as k
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.outer import gyration_of
+from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, real, sync, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.kernel
+def estimate_error(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    accuracy: wp.array(dtype=real),
+    v_rate: wp.array2d(dtype=vec3),
+    v1_rate: wp.array2d(dtype=vec3),
+    omega_rate: wp.array2d(dtype=vec3),
+    omega1_rate: wp.array2d(dtype=vec3),
+    qd_rate: wp.array2d(dtype=real),
+    qd1_rate: wp.array2d(dtype=real),
+    clk: wp.array2d(dtype=real),
+):
+    """Per world: clk[ERROR], the local error as a fraction of the accuracy asked for; 0 where none is."""
+    w = wp.tid()
+    model = models[0]
+    if ctl[w, k.ATTEMPT] == 0:
+        return
+    clk[w, k.ERROR] = real(0.0)
+    if accuracy[w] <= real(0.0) or ctl[w, k.MODE] != k.DYNAMIC:
+        return
+    worst = real(0.0)
+    b = int(0)
+    while b < model.body_count:
+        gyration = gyration_of(model.inertia[b], model.mass[b])
+        worst = wp.max(worst, wp.length(v1_rate[w, b] - v_rate[w, b]) / gyration)
+        worst = wp.max(worst, wp.length(omega1_rate[w, b] - omega_rate[w, b]))
+        n = model.modal_start[b]
+        while n < model.modal_start[b + 1]:
+            worst = wp.max(worst, wp.abs(qd1_rate[w, n] - qd_rate[w, n]) * model.mode_reach[n] / gyration)
+            n += 1
+        b += 1
+    h = clk[w, k.H]
+    clk[w, k.ERROR] = wp.abs(clk[w, k.BETA] - real(1.0) / real(6.0)) * h * h * worst / accuracy[w]
+
+
+@wp.kernel
+def missed_rates(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    wanted: wp.array(dtype=int),
+    C: wp.array3d(dtype=real),
+    C_modal: wp.array3d(dtype=real),
+    v1: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    qd1: wp.array2d(dtype=real),
+    drive_rate: wp.array3d(dtype=real),
+    missed: wp.array2d(dtype=real),
+):
+    """Lanes over rows: s' - C v of constraint rows, 0 of springs."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.ATTEMPT] == 0 or ctl[w, k.MODE] != k.DYNAMIC or wanted[w] == 0:
+        return
+    row = lane
+    while row < model.row_count:
+        value = real(0.0)
+        if model.row_rigid[row] != 0:
+            value = drive_rate[w, 1, row]
+            b = int(0)
+            while b < model.body_count:
+                for i in range(3):
+                    value -= C[w, row, 6 * b + i] * v1[w, b][i] + C[w, row, 6 * b + 3 + i] * omega1[w, b][i]
+                b += 1
+            n = int(0)
+            while n < model.modal_count:
+                value -= C_modal[w, row, n] * qd1[w, n]
+                n += 1
+        missed[w, row] = value
+        row += wp.block_dim()
+
+
+@wp.kernel
+def project_velocities(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    wanted: wp.array(dtype=int),
+    missed: wp.array2d(dtype=real),
+    inverse_transposed: wp.array(dtype=real),
+    C_modal: wp.array3d(dtype=real),
+    receptance: wp.array2d(dtype=real),
+    change: wp.array(dtype=real),
+    v1: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    qd1: wp.array2d(dtype=real),
+):
+    """One block per world: the correction of the module, added to the velocities at the end of the step."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.ATTEMPT] == 0 or ctl[w, k.MODE] != k.DYNAMIC or wanted[w] == 0:
+        return
+    N = model.outer_count
+    i = lane
+    while i < N:
+        change[w * N + i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    row = int(0)
+    while row < model.row_count:
+        axpy(N, missed[w, row], inverse_transposed, (w * N + model.row_offset + row) * N, change, w * N)
+        row += 1
+    sync()
+    b = lane
+    while b < model.body_count:
+        o = w * N + 6 * b
+        v1[w, b] = v1[w, b] + vec3(change[o], change[o + 1], change[o + 2])
+        omega1[w, b] = omega1[w, b] + vec3(change[o + 3], change[o + 4], change[o + 5])
+        b += wp.block_dim()
+    n = lane
+    while n < model.modal_count:
+        value = real(0.0)
+        if model.dense_of[n] >= 0:
+            value = change[w * N + 6 * model.body_count + model.dense_of[n]]
+        else:
+            row = int(0)
+            while row < model.row_count:
+                value -= receptance[w, n] * C_modal[w, row, n] * change[w * N + model.row_offset + row]
+                row += 1
+        qd1[w, n] = qd1[w, n] + value
+        n += wp.block_dim()

@@ -1,0 +1,150 @@
+"""What is saved of an accepted step: one row of the ring, whose layout `warpffrf.online.record` reads."""
+
+import warp as wp
+
+from warpffrf_kernels import control as k
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.scalars import MODULE_OPTIONS, quat, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.kernel
+def sum_second(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    station: wp.array4d(dtype=real),
+    station_wrench: wp.array4d(dtype=real),
+    second_load: wp.array3d(dtype=real),
+    second_wrench: wp.array3d(dtype=real),
+):
+    """Per (world, pair): the wrench that the hat forces on the second surface sum to there (about A's centre of mass).
+
+    The wrench of a unit force is interpolated linearly between the first and the last station, at the axial position of
+    the node. Hats reproduce linear functions, so force and moment agree with those of the first side to round-off where
+    that wrench is linear in z: for parallel axes. On tilted ones the line of centres turns along the width, and what is
+    left is of the order of the tilt squared.
+    """
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w, k.RECORD] == 0:
+        return
+    B = model.pair_second[pair]
+    rows_b = model.surface_rows[B]
+    for c in range(6):
+        second_wrench[w, pair, c] = real(0.0)
+    last = (model.surface_rows[model.pair_first[pair]] - 1) * model.z_points - 1
+    z0 = station[w, pair, 0, 3]
+    z1 = station[w, pair, last, 3]
+    i = int(0)
+    while i < model.second_columns * rows_b:
+        f = second_load[w, pair, i]
+        if f != real(0.0):
+            z = model.surface_z[model.surface_z_start[B] + i % rows_b]
+            e = real(0.0)
+            if last > 0:
+                e = (z - z0) / (z1 - z0)
+            for c in range(6):
+                value = (real(1.0) - e) * station_wrench[w, pair, 0, c] + e * station_wrench[w, pair, last, c]
+                second_wrench[w, pair, c] = second_wrench[w, pair, c] - f * value
+        i += 1
+
+
+@wp.kernel
+def record(
+    models: wp.array(dtype=Model),
+    clk: wp.array2d(dtype=real),
+    r: wp.array2d(dtype=vec3),
+    p: wp.array2d(dtype=quat),
+    v: wp.array2d(dtype=vec3),
+    omega: wp.array2d(dtype=vec3),
+    v_rate: wp.array2d(dtype=vec3),
+    omega_rate: wp.array2d(dtype=vec3),
+    q: wp.array2d(dtype=real),
+    qd: wp.array2d(dtype=real),
+    qd_rate: wp.array2d(dtype=real),
+    lam: wp.array2d(dtype=real),
+    coordinate: wp.array2d(dtype=real),
+    row_wrench: wp.array3d(dtype=real),
+    center: wp.array3d(dtype=int),
+    station: wp.array4d(dtype=real),
+    active: wp.array3d(dtype=int),
+    pair_wrench: wp.array3d(dtype=real),
+    second_wrench: wp.array3d(dtype=real),
+    pressure: wp.array3d(dtype=real),
+    second_load: wp.array3d(dtype=real),
+    energy: wp.array3d(dtype=real),
+    ctl: wp.array2d(dtype=int),
+    ring: wp.array3d(dtype=real),
+):
+    """Per world: one row of the ring. Layout: `warpffrf.online.record`."""
+    w = wp.tid()
+    model = models[0]
+    if ctl[w, k.RECORD] == 0:
+        return
+    at = ctl[w, k.SAVED] % ring.shape[1]
+    ctl[w, k.SAVED] = ctl[w, k.SAVED] + 1
+    ring[w, at, 0] = clk[w, k.TIME]
+    ring[w, at, 1] = clk[w, k.DONE_STEP]
+    ring[w, at, 2] = real(ctl[w, k.PENDING])
+    ring[w, at, 3] = real(ctl[w, k.PENDING_SOLVES])
+    ctl[w, k.PENDING] = 0
+    ctl[w, k.PENDING_SOLVES] = 0
+    for line in range(k.LINES):
+        ring[w, at, 4 + line] = energy[w, 0, line]
+    o = int(4 + k.LINES)
+    b = int(0)
+    while b < model.body_count:
+        for i in range(3):
+            ring[w, at, o + i] = r[w, b][i]
+            ring[w, at, o + 7 + i] = v[w, b][i]
+            ring[w, at, o + 10 + i] = omega[w, b][i]
+            ring[w, at, o + 13 + i] = v_rate[w, b][i]
+            ring[w, at, o + 16 + i] = omega_rate[w, b][i]
+        for i in range(4):
+            ring[w, at, o + 3 + i] = p[w, b][i]
+        o += 19
+        b += 1
+    n = int(0)
+    while n < model.modal_count:
+        ring[w, at, o + n] = q[w, n]
+        ring[w, at, o + model.modal_count + n] = qd[w, n]
+        ring[w, at, o + 2 * model.modal_count + n] = qd_rate[w, n]
+        n += 1
+    o += 3 * model.modal_count
+    row = int(0)
+    while row < model.row_count:
+        ring[w, at, o] = coordinate[w, row]
+        for i in range(6):
+            ring[w, at, o + 1 + i] = -lam[w, row] * row_wrench[w, row, i]
+        o += 7
+        row += 1
+    pair = int(0)
+    while pair < model.pair_count:
+        last = (model.surface_rows[model.pair_first[pair]] - 1) * model.z_points - 1
+        ring[w, at, o] = real(center[w, pair, 0])
+        ring[w, at, o + 1] = real(center[w, pair, 1])
+        ring[w, at, o + 2] = real(0.5) * (station[w, pair, 0, 1] + station[w, pair, last, 1])
+        ring[w, at, o + 3] = real(0.5) * (station[w, pair, 0, 0] + station[w, pair, last, 0])
+        for i in range(6):
+            ring[w, at, o + 4 + i] = pair_wrench[w, pair, i]
+            ring[w, at, o + 10 + i] = second_wrench[w, pair, i]
+        o += 16
+        number = int(0)
+        m = int(0)
+        while m < model.mode_capacity:
+            value = real(0.0)
+            if active[w, pair, m] != 0:
+                value = pressure[w, pair, m]
+                number += 1
+            ring[w, at, o + m] = value
+            m += 1
+        o += model.mode_capacity
+        ring[w, at, o] = real(number)
+        o += 1
+        m = int(0)
+        while m < model.node_capacity:
+            ring[w, at, o + m] = second_load[w, pair, m]
+            m += 1
+        o += model.node_capacity
+        pair += 1

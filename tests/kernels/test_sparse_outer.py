@@ -1,0 +1,142 @@
+"""The sparse outer solve against a dense one: random systems on many graphs, and what it does when it fails."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import warp as wp
+from warpffrf_kernels import control as k
+from warpffrf_kernels import sparse_outer
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.scalars import BLOCK
+
+from warpffrf.online.outer_pattern import GROUND, OuterPattern, find_pattern, on_device, scratch_sizes
+
+DEVIATION = 1e-13  # of the solution, times the condition number: some hundred times round-off
+
+
+def graphs() -> dict[str, list[tuple[int, int, int]]]:
+    """Named joints (body, body, rows)."""
+    ladder = [(GROUND, 0, 5), (GROUND, 1, 3)]
+    for i in range(0, 8, 2):
+        ladder += [(i, i + 2, 3), (i + 1, i + 3, 3), (i, i + 1, 1)]
+    return {
+        "free": [],
+        "one": [(GROUND, 0, 6)],
+        "chain": [(i - 1, i, 5 if i % 2 else 3) for i in range(12)],
+        "star": [(GROUND, 0, 5), *[(i, 0, 5) for i in range(1, 12)]],
+        "four bars": [(GROUND, 0, 5), (0, 1, 3), (1, 2, 4), (2, GROUND, 3)],
+        "loop in the air": [(i, (i + 1) % 6, 3) for i in range(6)],
+        "ladder": ladder,
+        "two parts": [(0, 1, 5), (GROUND, 2, 3), (2, 3, 5)],
+    }
+
+
+def system(
+    joints: list[tuple[int, int, int]], seed: int, modes: int = 0, flexible: bool = False
+) -> tuple[OuterPattern, np.ndarray]:
+    """Pattern and a random matrix [[S, C^T], [C, -E]] on it, S unsymmetric with a positive definite symmetric part."""
+    rng = np.random.default_rng(seed)
+    bodies = 1 + max([b for joint in joints for b in joint[:2]], default=0)
+    rows = np.array([(a, b) for a, b, count in joints for _ in range(count)]).reshape(-1, 2)
+    dense = np.zeros(bodies, int)
+    dense[::2] = modes
+    ends = (rows != GROUND) & flexible
+    pattern = find_pattern(bodies, dense, rows, ends)
+    size, offset = pattern.outer_count, pattern.outer_count - len(rows)
+    owner = np.concatenate([np.repeat(np.arange(bodies), 6), np.repeat(np.arange(bodies), dense)])
+    A = np.zeros((size, size))
+    for b in range(bodies):
+        at = np.flatnonzero(owner == b)
+        x = rng.standard_normal((len(at), len(at)))
+        A[np.ix_(at, at)] = x @ x.T + len(at) * np.eye(len(at)) + 0.1 * x
+    for r, pair in enumerate(rows):
+        for b in pair[pair != GROUND]:
+            at = np.flatnonzero(owner == b)
+            A[offset + r, at] = A[at, offset + r] = rng.standard_normal(len(at))
+    for a, b, _ in joints:  # geometric stiffness
+        if GROUND not in (a, b):
+            A[6 * a : 6 * a + 6, 6 * b : 6 * b + 6] += 0.05 * rng.standard_normal((6, 6))
+    if flexible:
+        for b in range(bodies):
+            at = offset + np.flatnonzero((rows == b).any(axis=1))
+            x = rng.standard_normal((len(at), 8))
+            A[np.ix_(at, at)] -= 0.1 * x @ x.T
+    return pattern, A
+
+
+def solve(pattern: OuterPattern, A: np.ndarray, b: np.ndarray, refresh: int = 1) -> tuple[np.ndarray, np.ndarray, int]:
+    """z, fallback words and failure bits of `solve_outer`."""
+    size = pattern.outer_count
+    m = Model()
+    m.outer_count, m.row_offset = size, int(np.flatnonzero(np.diag(A) <= 0.0)[0]) if np.any(np.diag(A) <= 0) else size
+    kept, patterns = on_device(pattern, "cpu")
+    ctl = np.zeros((1, k.CTL), np.int32)
+    ctl[0, [int(k.RUN), int(k.MOVED), int(k.REFRESH)]] = 1, 1, refresh
+    ctl_w = wp.array(ctl, dtype=int)
+    scratch = [wp.zeros(max(n, 1), dtype=wp.float64) for n in scratch_sizes(pattern).values()]
+    fallback, z = wp.zeros((1, 2), dtype=int), wp.zeros(size, dtype=wp.float64)
+    wp.launch_tiled(
+        sparse_outer.solve_outer, dim=(1,), block_dim=BLOCK, device="cpu",
+        inputs=[wp.array([m], dtype=Model), patterns, wp.array(A[None], dtype=wp.float64),
+                wp.array(b, dtype=wp.float64)],
+        outputs=[ctl_w, wp.zeros((1, size), dtype=wp.float64), wp.zeros((1, size), dtype=int), *scratch, fallback,
+                 wp.zeros((1, size, size), dtype=wp.float64), wp.zeros(size * size, dtype=wp.float64), z],
+    )  # fmt: skip
+    del kept
+    return z.numpy(), fallback.numpy()[0], int(ctl_w.numpy()[0, int(k.FAILURE)])
+
+
+@pytest.mark.parametrize("modes, flexible", [(0, False), (0, True), (3, True)])
+@pytest.mark.parametrize("name", graphs())
+def test_agrees_with_a_dense_solve(name: str, modes: int, flexible: bool) -> None:
+    for seed in range(3):
+        pattern, A = system(graphs()[name], seed, modes, flexible)
+        b = np.random.default_rng(seed + 100).standard_normal(len(A))
+        z, fallback, failure = solve(pattern, A, b)
+        exact = np.linalg.solve(A, b)
+        assert failure == 0 and not fallback.any()
+        assert np.abs(z - exact).max() < DEVIATION * np.linalg.cond(A) * np.abs(exact).max()
+
+
+def test_pattern_holds_every_entry_once() -> None:
+    for joints in graphs().values():
+        pattern, A = system(joints, 0, modes=2, flexible=True)
+        seen = np.zeros(A.shape, int)
+        known = pattern.gather_line >= 0
+        np.add.at(seen, (pattern.gather_line[known], pattern.gather_column[known]), 1)
+        assert seen.max() == 1 and np.all(seen[A != 0.0] == 1)
+        lines = np.repeat(np.arange(len(A)), np.diff(pattern.entry_start))
+        assert np.array_equal(np.argwhere(seen), np.stack([lines, pattern.entry_column], axis=1))
+        assert np.array_equal(np.sort(pattern.order), np.arange(len(A)))
+
+
+def test_work_of_a_tree_grows_with_its_size() -> None:
+    """Chain, star and comb of n bodies: the same work a body whatever n."""
+    shapes = {
+        "chain": lambda n: [(i - 1, i, 5) for i in range(n)],
+        "star": lambda n: [(GROUND, 0, 5), *[(0, i, 5) for i in range(1, n)]],
+        "comb": lambda n: [(i - 1 if i % 2 == 0 else i - 1, i, 5) for i in range(n)],
+    }
+    for shape in shapes.values():
+        small, large = (system(shape(n), 0)[0].operations() for n in (20, 80))
+        assert large < 4.2 * small
+
+
+def test_a_small_pivot_falls_back_on_the_dense_inverse_and_is_counted() -> None:
+    """S of the first body is singular, the whole matrix is not: its joint holds what its inertia does not."""
+    pattern, A = system(graphs()["chain"], 0)
+    leaf = 6 * 11
+    A[leaf, leaf : leaf + 6] = A[leaf : leaf + 6, leaf] = 0.0
+    b = np.ones(len(A))
+    z, fallback, failure = solve(pattern, A, b)
+    assert failure == 0 and fallback.tolist() == [1, 1]
+    assert np.allclose(z, np.linalg.solve(A, b), rtol=1e-9, atol=1e-9)
+
+
+def test_a_singular_system_is_reported() -> None:
+    pattern, A = system(graphs()["four bars"], 0)
+    A[-1], A[:, -1] = A[-2], A[:, -2]
+    A[-1, -1] = A[-2, -2]
+    _, fallback, failure = solve(pattern, A, np.ones(len(A)))
+    assert failure == int(k.SINGULAR) and fallback[1] == 1

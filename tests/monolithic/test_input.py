@@ -1,0 +1,118 @@
+"""What the monolithic solver refuses, and how it fails."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+import numpy as np
+import pytest
+from mass_point_body import mass_point_body
+
+from warpffrf import monolithic
+from warpffrf.model import forces, joints, signals
+from warpffrf.model.errors import InputError
+from warpffrf.model.scene import Scene
+from warpffrf.monolithic import local_coordinates
+from warpffrf.study.rollers import PAIR, guided_pair
+
+
+def falling() -> Scene:
+    scene = Scene(gravity=(0, 0, -9.81))
+    scene.add_rigid_body(1.0, (0.1, 0.1, 0.1), name="stone")
+    return scene
+
+
+@pytest.mark.parametrize(
+    ("more", "word"),
+    [
+        ({"variant": "fast"}, "variant"),
+        ({"law": "points"}, "law"),
+        ({"local": "exponential"}, "local"),
+        ({"tolerance": 0.0}, "tolerance"),
+        ({"layer_stiffness": -1.0}, "layer_stiffness"),
+        ({"layer_stiffness": 1e12}, "law='nodes'"),
+        ({"step": 2.0}, "longer"),
+        ({"save_every": 0}, "save_every"),
+        ({"start": "rest"}, "start"),
+        ({"integrator": 7}, "integrator"),
+        ({"local_damping": -0.1}, "local_damping"),
+    ],
+)
+def test_wrong_arguments(more: dict[str, Any], word: str) -> None:
+    with pytest.raises(InputError, match=word):
+        monolithic.run(falling(), 1.0, **{"step": 0.1, "progress": False, **more})
+
+
+def test_wrong_scenes(roller, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(InputError, match="no bodies"):
+        monolithic.run(Scene(), 1.0, step=0.1)
+    scene = falling()
+    hinge = scene.add(joints.Fixed(scene.ground, scene.bodies[0].at((0, 0, 0)), name="hold"))
+    slide = scene.add(joints.Prismatic(scene.ground, scene.bodies[0].at((0, 0, 0)), axis=(0, 0, 1), name="slide"))
+    scene.add(joints.Drive(slide, signals.Ramp(0.0, 1.0, duration=1.0)))
+    with pytest.raises(InputError, match="fixed already"):
+        monolithic.run(scene, 1.0, step=0.1)
+    assert hinge.name == "hold"
+    scene = guided_pair(roller, roller)
+    with pytest.raises(InputError, match="local_dynamics"):
+        monolithic.run(scene, 1e-3, step=1e-4, local="hht")
+    wrong = type("Modes", (), {"omega": np.ones(3), "trace": np.ones((5, 3)), "residual_lags": None})()
+    with pytest.raises(InputError, match="trace"):
+        monolithic.run(scene, 1e-3, step=1e-4, local="hht", local_modes={("lower", "rim"): wrong})
+    monkeypatch.setattr(local_coordinates, "MOST_COORDINATES", 100)
+    with pytest.raises(InputError, match="lower.*local coordinates"):
+        monolithic.run(scene, 1e-3, step=1e-4)
+
+
+def test_inertia_that_the_body_lacks() -> None:
+    scene, body = Scene(), mass_point_body(3)
+    scene.add_body(body, name="a", inertia="full", stiffening=True)
+    with pytest.raises(InputError, match="stiffening=True"):
+        monolithic.run(scene, 1.0, step=0.1)
+    object.__setattr__(body, "inertia_terms", None)
+    scene = Scene()
+    scene.add_body(body, name="a", inertia="full")
+    with pytest.raises(InputError, match="needs inertia terms"):
+        monolithic.run(scene, 1.0, step=0.1)
+
+
+def test_a_history_of_another_scene_is_refused() -> None:
+    history = monolithic.run(falling(), 0.2, step=0.1, progress=False)
+    other = falling()
+    other.add_rigid_body(1.0, (0.1, 0.1, 0.1), name="second")
+    with pytest.raises(InputError, match="another scene"):
+        monolithic.run(other, 0.2, step=0.1, start=history, progress=False)
+
+
+def test_a_mechanism_without_a_load_path_has_no_equilibrium() -> None:
+    history = monolithic.run(falling(), 0.2, step=0.1, start="equilibrium", progress=False)
+    assert history.status == "no_equilibrium" and "rest" in history.message
+
+
+def test_an_interrupted_run_keeps_what_was_found(roller, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C in the fourth step leaves the start and three steps."""
+    scene = guided_pair(roller, roller, load=1e3)
+    run_module = importlib.import_module("warpffrf.monolithic.run")
+    real = run_module.solve_step
+
+    def broken(*args: Any) -> Any:
+        if args[3] > 3.5e-4:
+            raise KeyboardInterrupt
+        return real(*args)
+
+    monkeypatch.setattr(run_module, "solve_step", broken)
+    history = monolithic.run(scene, 1e-3, step=1e-4, progress=False, variant="low_rank")
+    assert history.status == "interrupted" and len(history.time) == 4
+    assert len(history.contacts[PAIR].force) == len(history.energy["kinetic"]) == 4
+
+
+def test_a_step_that_fails_says_why_and_keeps_the_rest() -> None:
+    """A torque that no step of this size can follow."""
+    scene = falling()
+    torque = signals.Table([0.0, 0.15, 0.2], [0.0, 0.0, 1e12])
+    scene.add(forces.PointTorque(scene.bodies[0].at((0, 0, 0)), (torque, (1.0, 2.0, 3.0))))
+    history = monolithic.run(scene, 1.0, step=0.05, progress=False)
+    # what a diverging iteration meets first is a matter of its numbers
+    assert history.status in ("not_converged", "not_finite", "singular") and "at 0." in history.message
+    assert len(history.time) >= 4

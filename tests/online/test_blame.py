@@ -1,0 +1,85 @@
+"""A run that fails names the body, joint or pair at fault, and keeps its results."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from warpffrf_kernels import control as k
+
+from warpffrf.model import forces, joints, signals
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.scene import Scene
+from warpffrf.online import Engine, Settings, find_equilibrium, run
+from warpffrf.online.blame import blame, row_owners
+from warpffrf.study.rollers import PAIR, guided_pair
+
+
+def chain() -> Scene:
+    """Two rods hanging out sideways, hinge and elbow, and a spring on the second."""
+    scene = Scene(gravity=(0.0, 0.0, -9.81))
+    first = scene.add_rigid_body(1.0, (0.1, 0.1, 0.1), name="first", position=(1, 0, 0))
+    second = scene.add_rigid_body(1.0, (0.1, 0.1, 0.1), name="second", position=(3, 0, 0))
+    scene.add(joints.Revolute(scene.ground, first.at((-1, 0, 0)), axis=(0, 1, 0), name="hinge"))
+    scene.add(joints.Spherical(first.at((1, 0, 0)), second.at((-1, 0, 0)), name="elbow"))
+    scene.add(forces.SpringDamper(scene.ground.at((3, 1, 0)), second.at((0, 0, 0)), 10.0, name="spring"))
+    return scene
+
+
+def test_a_step_far_too_long_names_body_and_joint() -> None:
+    scene = chain()
+    blow = (signals.Ramp(0.0, 1e9, duration=1.0), (0.3, 0.2, 1.0))
+    scene.add(forces.PointForce(scene.body("second").at((0, 0, 0)), blow, name="blow"))
+    history = run(scene, 4.0, step=1.0, progress=False, settings=Settings(max_level=1))
+    assert history.status == "not_converged" and len(history.time) == 1
+    assert "largest residual: an unbalanced" in history.message and " on body '" in history.message
+    assert "joint 'elbow' misses by" in history.message or "joint 'hinge' misses by" in history.message
+
+
+def test_a_rope_pulled_beyond_reach_ends_the_run_with_its_results() -> None:
+    """The point turns about (0, 0, 0) at radius 2, the rope from (0, 0, 1) is pulled to 4 > 3: it snaps at 3."""
+    scene = Scene()
+    bob = scene.add_rigid_body(1.0, (0.1, 0.1, 0.1), name="bob", position=(1, 0, 0))
+    scene.add(joints.Spherical(scene.ground, bob.at((-1, 0, 0)), name="ball"))
+    rope = scene.add(joints.Distance(scene.ground.at((0, 0, 1)), bob.at((1, 0, 0)), name="rope"))
+    signal = signals.SmoothStep(np.sqrt(5.0), 4.0, duration=1.0)
+    scene.add(joints.Drive(rope, signal, quantity="position", name="pull"))
+    history = run(scene, 1.0, step=1e-2, progress=False)
+    assert history.status != "completed" and "body 'bob'" in history.message
+    assert 2.9 < history.joints["rope"].coordinate[-1] <= 3.0 + 1e-6
+    assert len(history.time) > 10 and history.counters["rejected_steps"] > 0
+
+
+def test_what_is_not_finite_is_named() -> None:
+    engine = Engine(chain())
+    engine.start()
+    values = engine.state.v.numpy().copy()
+    values[0, 1] = np.nan
+    engine.state.v.assign(values)
+    engine.enter(int(k.DYNAMIC), 1e-3)
+    engine.replay(40)
+    bits = int(engine.word("STATUS")[0])
+    assert bits & int(k.NOT_FINITE)
+    said = blame(engine, bits)
+    assert "the motion of body 'second' is not finite" in said and "'spring'" not in said
+
+
+def test_rows_have_owners() -> None:
+    assert row_owners(Engine(chain())) == [*["joint 'hinge'"] * 5, *["joint 'elbow'"] * 3, "force 'spring'"]
+
+
+@pytest.mark.parametrize(("unknown", "said"), [(7, "motion of body 'second'"), (13, "reaction of joint 'hinge'")])
+def test_an_unknown_that_a_singular_system_leaves_open_is_named(unknown: int, said: str) -> None:
+    """The row and column of one unknown of the outer system wiped out."""
+    engine = Engine(chain())
+    engine.start()
+    A = np.diag(np.arange(1.0, 22.0))[None]
+    A[0, unknown, unknown] = 0.0
+    engine.work.tangent.assign(A)
+    assert said in blame(engine, int(k.SINGULAR))
+
+
+def test_a_window_too_small_names_its_pair(plain_body: ReducedBody) -> None:
+    scene = guided_pair(plain_body, plain_body, load=2e6, speed=20.0)
+    scene.contacts[0].capacity = 8
+    failed = find_equilibrium(scene)
+    assert failed.status == "capacity" and failed.message.endswith(f"(at contact {PAIR!r})")

@@ -1,0 +1,131 @@
+"""Recordings of machines without contact: rigid bodies, arrows, curves; the same from a live scene and from a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import warpffrf as wf
+from warpffrf.output.anchors import Anchor
+from warpffrf.output.glyphs import inertia_box, rigid_size
+from warpffrf.output.machine_series import machine_series, plot_kinds
+from warpffrf.output.recorder import record
+from warpffrf.output.scene_view import BodyView
+
+STEPS = 20
+SINGLE = 1e-6  # relative: recordings are single precision
+
+
+def columns(path: Path, entity: str, component: str) -> list[Any]:
+    """All values logged for one component of one entity, in order."""
+    from rerun.chunk import RrdReader
+
+    values = []
+    for chunk in RrdReader(str(path)).stream().filter(content=entity):
+        batch = chunk.to_record_batch()
+        for name in batch.schema.names:
+            if name.endswith(component):
+                values += batch.column(name).to_pylist()
+    return [v for v in values if v is not None]
+
+
+@pytest.fixture(scope="module")
+def result() -> wf.Result:
+    """A bar that swings about one end, with a spring to the ground, a force and a position sensor."""
+    scene = wf.Scene(gravity=(0, 0, -9.81))
+    bar = scene.add_rigid_body(2.0, (0.01, 0.2, 0.2), name="bar", position=(0.5, 0, 0))
+    scene.add(wf.joints.Revolute(scene.ground, bar.at((-0.5, 0, 0)), axis=(0, 1, 0), name="hinge"))
+    scene.add(wf.forces.SpringDamper(scene.ground.at((0.5, 0, 1.0)), bar.at((0.5, 0, 0)), 50.0, name="spring"))
+    scene.add(wf.forces.PointForce(bar.at((0.2, 0, 0)), (0, 0, -3.0), name="weight"))
+    scene.add(wf.sensors.Position(bar.at((0.5, 0, 0)), name="end"))
+    return wf.simulate(scene, STEPS * 1e-3, step=1e-3, progress=False)
+
+
+def test_the_box_has_the_inertia_of_the_body() -> None:
+    """A tilted cuboid of known sides: mass m, I_x = m (b^2 + c^2)/3 about its own axes."""
+    m, half = 3.0, np.array([0.4, 0.2, 0.1])
+    J = np.diag(m / 3.0 * (np.sum(half**2) - half**2))
+    A = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))[0]
+    box = inertia_box(BodyView("b", None, m, np.array([1.0, 2.0, 3.0]), A @ J @ A.T))
+    assert box is not None and np.sort(box.half) == pytest.approx(np.sort(half), rel=1e-12)
+    x, y, z, w = box.rotation
+    Q = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    local = np.diag(m / 3.0 * (np.sum(box.half**2) - box.half**2))
+    assert Q @ local @ Q.T == pytest.approx(A @ J @ A.T, abs=1e-12)
+
+
+def test_a_disc_is_drawn_with_some_thickness_and_an_unknown_inertia_not_at_all() -> None:
+    box = inertia_box(BodyView("disc", None, 1.0, np.zeros(3), np.diag([0.25, 0.25, 0.5])))
+    assert box is not None and 0.0 < box.half.min() < 0.1 * box.half.max()
+    unknown = BodyView("old", None, 1.0, np.zeros(3))
+    assert inertia_box(unknown) is None and rigid_size(unknown, ()) == 0.0
+
+
+def test_an_anchor_follows_the_motion_of_its_interface(body: Any) -> None:
+    reduced = body
+    interface = reduced.interfaces["bore"]
+    interface.modes[0] = [1.0, 0.0, 0.0, 0.0, 0.0, 2.0]
+    anchor = Anchor("joint", "axle", "lower", "bore", interface.point + [0.0, 0.5, 0.0], True)
+    # translation q along x and rotation 2 q about z, which moves the point at y = 0.5 by -2 q 0.5 along x
+    assert anchor.local(reduced, np.array([0.1, 0.0]), 3.0) - anchor.point == pytest.approx([0.3 - 0.3, 0.0, 0.0])
+    interface.modes[0] = 0.0
+    assert anchor.local(None, np.zeros(0), 3.0) is anchor.point
+    again = Anchor.of(anchor.describe())
+    assert again.describe() == anchor.describe()
+
+
+def test_arrows_stand_where_the_forces_act(result: wf.Result, tmp_path: Path) -> None:
+    info = record(result, tmp_path / "run.rrd")
+    place = np.array(columns(info.path, "/world/force_arrows/spring/place", "Points3D:positions"))[:, 0]
+    assert place == pytest.approx(result.sensor("end").values, rel=SINGLE, abs=SINGLE)
+    hinge = np.array(columns(info.path, "/world/joint_arrows/hinge/place", "Points3D:positions"))[:, 0]
+    assert hinge == pytest.approx(0.0, abs=1e-9)
+    vectors = np.array(columns(info.path, "/world/joint_arrows/hinge/force", "Arrows3D:vectors"))[:, 0]
+    force = result.joint("hinge").force
+    scale = np.linalg.norm(vectors, axis=1) / np.linalg.norm(force, axis=1)
+    assert scale == pytest.approx(scale[0], rel=1e-5)
+    assert vectors == pytest.approx(scale[0] * force, rel=1e-5, abs=1e-5 * scale[0] * np.abs(force).max())
+    # both ends of the bar are held: a bar from the middle to each, and the box of a body that is longest along x
+    strips = columns(info.path, "/world/bar/bars", "LineStrips3D:strips")
+    assert len(strips[0]) == 3
+    half = np.array(columns(info.path, "/world/bar/box", "Boxes3D:half_sizes")).reshape(3)
+    assert np.sort(half)[-1] == pytest.approx(np.sqrt(1.5 * 0.39 / 2.0), rel=SINGLE)
+
+
+def test_a_results_file_gives_the_same_recording(result: wf.Result, tmp_path: Path) -> None:
+    loaded = wf.Result.load(result.save(tmp_path / "run.h5"))
+    assert [a.describe() for a in loaded.view.anchors] == [a.describe() for a in result.view.anchors]
+    assert loaded.view.bodies["bar"].inertia == pytest.approx(np.diag([0.01, 0.2, 0.2]))
+    paths = [record(r, tmp_path / f"{n}.rrd").path for n, r in enumerate((result, loaded))]
+    vectors = [columns(p, "/world/force_arrows/**", "Arrows3D:vectors") for p in paths]
+    assert vectors[0] == vectors[1] and len(vectors[0]) == 2 * (STEPS + 1)
+
+
+def test_curves_are_those_of_the_result(result: wf.Result, tmp_path: Path) -> None:
+    info = record(result, tmp_path / "run.rrd")
+    got = np.array(columns(info.path, "/plots/joint_force/hinge", "Scalars:scalars")).ravel()
+    assert got == pytest.approx(np.linalg.norm(result.joint("hinge").force, axis=1))
+    series = {path: values for path, _, values in machine_series(result)}
+    assert series["plots", "position", "end", "z"] == pytest.approx(result.sensor("end").values[:, 2])  # from z = 0
+    assert series["plots", "energy", "potential"][0] == 0.0
+    assert set(plot_kinds(result)) == {"joint_force", "applied_force", "coordinate", "position", "energy"}
+
+
+def test_rows_with_a_reaction_that_is_not_finite_are_left_out(result: wf.Result, tmp_path: Path) -> None:
+    force = result.joint("hinge").force
+    kept = force[3].copy()
+    force[3] = np.nan
+    try:
+        info = record(result, tmp_path / "run.rrd")
+    finally:
+        force[3] = kept
+    assert info.skipped_rows == [3]

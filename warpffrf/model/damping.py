@@ -1,0 +1,116 @@
+r"""Damping of the global modes: a ratio each, from a number, a list, a function of the frequencies, or one of these
+rules.
+
+A global mode of unit mass obeys `qddot + 2 zeta omega qdot + omega^2 q = f`; what damping a body has is its ratios
+zeta. Since the modes are M- and K-orthogonal, C = alpha M + beta K (Rayleigh) is diagonal in them too, `2 zeta omega =
+alpha + beta omega^2`. A rule is a class with `__call__(frequencies [Hz]) -> ratios` and a line in DAMPINGS.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
+
+# ratio on the highest modes: they ring against the massless contact compliance after a load step
+CHATTER_DAMPING = 0.10
+CHATTER_FRACTION = 0.5  # of the highest retained frequency, above which the default damping acts
+
+
+@dataclass(frozen=True)
+class DampingBands:
+    """Ratios by frequency band: `bands` are pairs (upper limit [Hz], ratio) by rising limits, the last limit infinite.
+
+    A mode has the ratio of the first band whose limit is above its frequency. Raises InputError for limits that do not
+    rise, a last one that is finite, or a negative ratio.
+    """
+
+    bands: Sequence[Sequence[float]]
+
+    def __post_init__(self) -> None:
+        try:
+            table: Any = np.array(self.bands, dtype=np.float64)
+        except (TypeError, ValueError):
+            table = np.zeros(0)
+        if table.ndim != 2 or table.shape[1] != 2 or not len(table):
+            raise InputError(
+                "DampingBands: pairs (upper limit in Hz, ratio) are needed, [(100, 0.01), (inf, 0.1)], got "
+                f"{self.bands!r}"
+            )
+        limits, ratios = table[:, 0], table[:, 1]
+        if not np.all(np.diff(limits, prepend=0.0) > 0.0):  # also where one is not a number
+            raise InputError(f"DampingBands: the limits must rise from above 0 Hz, got {limits.tolist()}")
+        if limits[-1] != np.inf:
+            raise InputError(
+                f"DampingBands: the last limit must be inf, got {limits[-1]:g} Hz: modes above have no ratio"
+            )
+        require_array(ratios, "DampingBands: ratios", (len(ratios),))
+        if np.any(ratios < 0.0):
+            raise InputError(f"DampingBands: ratios must not be negative, the smallest is {ratios.min():g}")
+
+    def __call__(self, frequencies: Any) -> np.ndarray:
+        """Ratios (m,) of modes with `frequencies` (m,) [Hz]."""
+        table = np.array(self.bands, dtype=np.float64)
+        limits, ratios = table[:, 0], table[:, 1]
+        return ratios[np.searchsorted(limits, np.asarray(frequencies, float), side="right").clip(max=len(ratios) - 1)]
+
+
+@dataclass(frozen=True)
+class Rayleigh:
+    """Damping matrix alpha M + beta K: zeta = alpha/(2 omega) + beta omega/2.
+
+    alpha [1/s] damps motions against the body's own rigid motion, low frequencies most; beta [s] high ones. Neither may
+    be negative (InputError).
+    """
+
+    alpha: float = 0.0
+    beta: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("alpha", "beta"):
+            object.__setattr__(self, name, require_number(getattr(self, name), f"Rayleigh: {name}", non_negative=True))
+
+    def __call__(self, frequencies: Any) -> np.ndarray:
+        """Ratios (m,) of modes with `frequencies` (m,) [Hz]."""
+        omega = 2.0 * np.pi * np.asarray(frequencies, float)
+        return self.alpha / (2.0 * omega) + 0.5 * self.beta * omega
+
+
+# what vehicle and engine dynamics commonly assume of assembled steel structures where nothing was measured
+ONE_TEN_HUNDRED = DampingBands(((100.0, 0.01), (1000.0, 0.1), (np.inf, 1.0)))
+NAMED: dict[str, Callable[[np.ndarray], np.ndarray]] = {"1/10/100": ONE_TEN_HUNDRED}
+DAMPINGS: dict[str, type] = {"damping_bands": DampingBands, "rayleigh": Rayleigh}
+
+
+def default_damping(frequencies: np.ndarray) -> np.ndarray:
+    """Damping ratios (m,): 10 % above half the highest retained frequency, none below.
+
+    The highest retained modes ring against the massless contact compliance after a step load; the lower ones carry the
+    physics and stay undamped.
+    """
+    frequencies = np.asarray(frequencies, float)
+    if not len(frequencies):
+        return np.zeros(0)
+    return np.where(frequencies > CHATTER_FRACTION * frequencies.max(), CHATTER_DAMPING, 0.0)
+
+
+def damping_ratios(damping: Callable | Any, frequencies: np.ndarray, name: str) -> np.ndarray:
+    """Ratios (m,) of body `name` from None (default), a number, an array (m,), a function of the frequencies [Hz], or a
+    name of NAMED. Raises InputError for an unknown name, a wrong length, or a negative ratio."""
+    if damping is None:
+        return default_damping(frequencies)
+    if isinstance(damping, str):
+        if damping not in NAMED:
+            raise unknown_name(f"body {name!r}: damping", damping, NAMED)
+        damping = NAMED[damping]
+    values: Any = damping(np.asarray(frequencies, float)) if callable(damping) else damping
+    if np.ndim(values) == 0:
+        values = np.full(len(frequencies), require_number(values, f"body {name!r}: damping"))
+    ratios = require_array(values, f"body {name!r}: damping", (len(frequencies),))
+    if np.any(ratios < 0.0):
+        raise InputError(f"body {name!r}: damping ratios must not be negative, the smallest is {ratios.min():g}")
+    return ratios

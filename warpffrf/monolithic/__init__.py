@@ -1,0 +1,29 @@
+"""The monolithic reference: all coordinates of all bodies, rigid, global, local and multipliers, in one Newton system.
+
+The yardstick that the separated solver is measured by, written in NumPy and SciPy from the model alone.
+
+    description     scene -> bodies, markers, rows, springs, loads
+    integrator      HHT, generalized-alpha, Newmark: coefficients and formulas
+    equations       residual and exact Jacobian of everything but contact (rows, inertia_forces)
+    contact         gaps and forces of a pair and their derivatives (contact_frame, sampling, local_coordinates)
+    linear          K of the variants: dense LU, kept LU, diagonal plus low rank
+    newton, run     a step; the time loop
+    settings        what `simulate(method=Monolithic(...))` chooses; contact_record, checkpoint: what is saved
+"""
+
+from warpffrf.monolithic.history import MonolithicHistory
+from warpffrf.monolithic.integrator import HHT_ALPHA, Coefficients, coefficients_of, generalized_alpha, hht, newmark
+from warpffrf.monolithic.run import run
+from warpffrf.monolithic.settings import Monolithic
+
+__all__ = [
+    "HHT_ALPHA",
+    "Coefficients",
+    "Monolithic",
+    "MonolithicHistory",
+    "coefficients_of",
+    "generalized_alpha",
+    "hht",
+    "newmark",
+    "run",
+]

@@ -1,0 +1,39 @@
+"""What can be chosen about the monolithic reference: `simulate(method=Monolithic(law="hats"))`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from warpffrf.model.errors import InputError, require_number
+from warpffrf.monolithic.contact import LAWS
+from warpffrf.monolithic.linear import VARIANTS
+
+TOLERANCE = 1e-9  # of the residuals, as fractions
+
+
+@dataclass(frozen=True)
+class Monolithic:
+    """The method "monolithic" of `simulate` with other choices than its own, which are the conventional ones.
+
+    variant: how the linear systems are solved, "full" (dense LU in each iteration), "modified" (kept LU) or "low_rank"
+    (local coordinates condensed), see `warpffrf.monolithic.linear`. law: "nodes", a stiff layer at every FE node of the
+    first surface, or "hats", the weak unilateral law of the separated solver. layer_stiffness [Pa/m] of law "nodes";
+    None: 300 times that of the surface under it. tolerance: of the residuals, as fractions. Raises `InputError`.
+    """
+
+    variant: str = "full"
+    law: str = "nodes"
+    layer_stiffness: float | None = None
+    tolerance: float = TOLERANCE
+
+    def __post_init__(self) -> None:
+        for name, known in (("variant", VARIANTS), ("law", LAWS)):
+            value = getattr(self, name)
+            if value not in known:
+                choice = ", ".join(map(repr, known))
+                raise InputError(f"method 'monolithic': {name} must be one of {choice}, got {value!r}")
+        require_number(self.tolerance, "method 'monolithic': tolerance", positive=True)
+        if self.layer_stiffness is not None:
+            require_number(self.layer_stiffness, "method 'monolithic': layer_stiffness", positive=True)
+            if self.law == "hats":
+                raise InputError("method 'monolithic': layer_stiffness belongs to law='nodes'; law 'hats' has no layer")

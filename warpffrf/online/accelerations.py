@@ -1,0 +1,269 @@
+"""Accelerations and multipliers of a state: equations of motion, and the joints' equations twice differentiated.
+
+With generalised velocities V (translation in world axes, rotation in body axes, modes), the rows c of joints and
+drives, their gradient C and their signals s(t), a state obeys
+
+    R(a, lam) = M a + C^T lam - F(x, V, t) = 0,        C V = s',        C a + gamma = s'',
+
+    gamma = d/de C(x(e)) V  at e = 0,    x(e): every body on with its velocity, r + e v, A exp(e omega^), q + e qd.
+
+R is evaluated on the device, with all that a step knows; springs and dampers enter by their laws. gamma is a central
+difference of the device's own gradients, `(8 (g(d) - g(-d)) - (g(2d) - g(-2d)))/(12 d)` with `g(e) = C(x(e)) V`: with
+d turning nothing by more than `TURN` its error is (TURN^4)/30 of gamma, and round-off is divided by TURN only once. A
+step of size h in positions divides by its square instead, which for h = 1e-7 s makes 1e-16 m to 1e-2 m/s2.
+
+The equations are linear in a and lam. They are solved with the mass matrix of the undeformed bodies, and corrected by
+R until nothing changes; inertia terms of the deformed body are small against it, so this contracts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from warpffrf_kernels import control as k
+
+from warpffrf.model.redundancy import scene_length
+
+TURN = 2e-3  # rad, or of the shortest length: see the module; truncation and round-off are then both near 1e-13
+CORRECTIONS = 12  # an inertia that deformation changes by a tenth is corrected to 1e-12
+SETTLED = 1e-13  # of the largest acceleration and multiplier
+INDEPENDENT = 1e-11  # smallest over largest eigenvalue of the scaled C M^-1 C^T: below, the pose is singular
+TOLERABLE = 1e-9  # of the same: what round-off of large spring forces may leave
+SLOWEST = 1e-6  # 1/s: what moves slower has no curvature
+NEVER = 1e100  # s: a step so long that the increments of positions make no acceleration
+STENCIL = ((1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0))  # of the central difference, over 12 d
+
+
+def refine(engine: Any, given: Mapping[str, np.ndarray]) -> bool:
+    """Give every world of `engine`, which has just made its START step, velocities that keep the rows, and the
+    accelerations and multipliers that go with them, to round-off.
+
+    `given`: the velocities v, omega, qd (worlds, ...) before the start; the new ones differ from them least, in kinetic
+    energy. Contact keeps the pressures that START has found. False where the pose is singular or the corrections do not
+    settle: the values of START then stay.
+    """
+    refined = [_World(engine, w).refine(given) for w in range(engine.worlds)]
+    engine.control(RUN=0, MOVED=0)
+    return all(refined)
+
+
+class _World:
+    """One world of an engine as arrays over its outer coordinates (6 a body), then modes."""
+
+    def __init__(self, engine: Any, w: int) -> None:
+        self.engine, self.w = engine, w
+        m = engine.compiled.model
+        self.bodies, self.modes, self.rows = m.body_count, m.modal_count, m.row_count
+        self.rigid = m.row_rigid.numpy()[: self.rows].astype(bool)
+        self.mass = m.mass.numpy()[: self.bodies]
+        self.inertia = m.inertia.numpy()[: self.bodies]
+
+    # --- what the state says
+
+    def _stacked(self, translation: np.ndarray, rotation: np.ndarray, modal: np.ndarray) -> np.ndarray:
+        """Arrays of all worlds as one over the coordinates of this one."""
+        pair = [array[self.w, : self.bodies] for array in (translation, rotation)]
+        return np.concatenate([np.hstack(pair).ravel(), modal[self.w, : self.modes]])
+
+    def _of_state(self, *names: str) -> np.ndarray:
+        return self._stacked(*(getattr(self.engine.state, name).numpy() for name in names))
+
+    def _store(self, names: tuple[str, str, str], values: np.ndarray) -> None:
+        rigid = values[: 6 * self.bodies].reshape(-1, 6)
+        for name, part in zip(names, (rigid[:, :3], rigid[:, 3:], values[6 * self.bodies :]), strict=True):
+            self._put(self.engine.state, name, part)
+
+    def _put(self, owner: Any, name: str, part: np.ndarray) -> None:
+        """Overwrite the leading entries of this world in a device array."""
+        if part.size == 0:
+            return
+        array = getattr(owner, name).numpy().copy()
+        array[self.w, : len(part)] = part
+        getattr(owner, name).assign(array)
+
+    # --- what the device answers
+
+    def _evaluate(self, shift: np.ndarray) -> None:
+        """Residuals and rows at the present state moved by `shift`, with accelerations `-v_rate` and so on: with
+        alpha_f = 1/2 and a step without end, the formulas of `warpffrf_kernels.motion` give `v_1 = v_0` and
+        `vdot_1 = -vdot_0`."""
+        engine = self.engine
+        words, reals = engine.state.ctl.numpy().copy(), engine.state.clk.numpy().copy()
+        words[:, int(k.RUN)] = 0  # of the other worlds
+        for word, value in ((k.RUN, 1), (k.MOVED, 1), (k.ITERATION, 0)):
+            words[self.w, int(word)] = value
+        for word, value in (
+            (k.H, NEVER), (k.ALPHA_M, 0.0), (k.ALPHA_F, 0.5), (k.BETA, 0.5), (k.GAMMA, 0.0), (k.ACC, 0.0), (k.VEL, 1.0),
+            (k.NEXT_TIME, self.time),
+        ):  # fmt: skip
+            reals[self.w, int(word)] = value
+        engine.state.ctl.assign(words)
+        engine.state.clk.assign(reals)
+        rigid = shift[: 6 * self.bodies].reshape(-1, 6)
+        for name, part in (("dx", rigid[:, :3]), ("psi", rigid[:, 3:]), ("dq", shift[6 * self.bodies :])):
+            self._put(engine.work, name, part)
+        engine.graph.evaluate(contact=False)
+
+    def _gradient(self) -> np.ndarray:
+        """C (rows, coordinates) of the last evaluation."""
+        work = self.engine.work
+        C = work.C.numpy()[self.w, : self.rows, : 6 * self.bodies]
+        return np.hstack([C, work.C_modal.numpy()[self.w, : self.rows, : self.modes]])
+
+    def _residual(self) -> np.ndarray:
+        """R (coordinates,) of the last evaluation, contact by its last forces."""
+        work, state, w = self.engine.work, self.engine.state, self.w
+        rigid = work.residual.numpy()[w, : 6 * self.bodies].astype(np.float64)
+        modal = work.modal_residual.numpy()[w, : self.modes].astype(np.float64)
+        m = self.engine.compiled.model
+        if m.pair_count:
+            wrench, body = state.pair_force.numpy()[w, :, 0], m.surface_body.numpy()
+            for pair in range(m.pair_count):
+                for side, surface in enumerate((m.pair_first.numpy()[pair], m.pair_second.numpy()[pair])):
+                    at = 6 * body[surface]
+                    rigid[at : at + 6] -= wrench[pair, 6 * side : 6 * side + 6]
+            modal -= state.modal_load.numpy()[w, 0, : self.modes]
+        return np.concatenate([rigid, modal])
+
+    def _spring_forces(self) -> np.ndarray:
+        """Multipliers (rows,) that the laws of springs and dampers ask for at the last evaluation; 0 of joints."""
+        work, forces = self.engine.work, self.engine.compiled.forces
+        value = work.coordinate.numpy()[self.w]
+        rate = self.engine.state.drive_rate.numpy()[self.w, 1]
+        lam = np.zeros(self.rows)
+        for name, rows in forces.rows.items():
+            law = forces.laws[name]
+            lam[rows] = law.stiffness @ (value[rows] - law.reference) + law.damping @ rate[rows] + law.preload
+        return lam
+
+    def _signals(self) -> tuple[np.ndarray, np.ndarray]:
+        """First and second derivative of the signals of all rows at the present time."""
+        m = self.engine.compiled.model
+        first, second = np.zeros(self.rows), np.zeros(self.rows)
+        start, breaks, c = (getattr(m, f"signal_{name}").numpy() for name in ("start", "break", "coefficient"))
+        for row, s in enumerate(m.row_signal.numpy()[: self.rows]):
+            if s < 0 or self.time < breaks[start[s]]:
+                continue
+            piece = start[s] + np.searchsorted(breaks[start[s] : start[s + 1]], self.time, side="right") - 1
+            polynomial = np.polynomial.Polynomial(c[piece])
+            x = self.time - breaks[piece]
+            first[row], second[row] = polynomial.deriv(1)(x), polynomial.deriv(2)(x)
+        return first, second
+
+    # --- the equations
+
+    def refine(self, given: Mapping[str, np.ndarray]) -> bool:
+        """See `refine`."""
+        self.time = float(self.engine.word("TIME")[self.w])
+        names = ("v_rate", "omega_rate", "qd_rate")
+        V, found = self._of_state("v", "omega", "qd"), self._of_state(*names)
+        lam = self.engine.state.lam.numpy()[self.w, : self.rows].copy()
+        self._store(("v_alg", "omega_alg", "qd_alg"), np.zeros_like(V))
+        self._store(names, -found)
+        still = np.zeros_like(V)
+        self._evaluate(still)
+        solution = self._solved(self._stacked(given["v"], given["omega"], given["qd"]), found, lam)
+        V, a, lam, good = solution if solution is not None else (V, found, lam, False)
+        self._store(("v", "omega", "qd"), V)
+        self._store(names, -a)
+        self._put(self.engine.state, "lam", lam)
+        self._evaluate(still)  # what is recorded and booked belongs to this very state
+        self._store(names, a)
+        self._store(("v_alg", "omega_alg", "qd_alg"), a)
+        self._put(self.engine.state, "lam0", lam)
+        self._accept()
+        return good
+
+    def _solved(
+        self, V: np.ndarray, a: np.ndarray, lam: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool] | None:
+        """Velocities, accelerations, multipliers; None where the rows depend on each other or nothing settles."""
+        held = self.rigid
+        C = self._gradient()[held]
+        system = _Constrained(self.mass, self.inertia, self.modes, C)
+        if not system.independent:
+            return None
+        rate, rate2 = (s[held] for s in self._signals())
+        V = V - system.solve(np.zeros_like(V), C @ V - rate)[0]
+        self._store(("v", "omega", "qd"), V)
+        gamma, change, first = self._curvature(V)[held], np.inf, a
+        for _ in range(CORRECTIONS):
+            self._store(("v_rate", "omega_rate", "qd_rate"), -a)
+            self._put(self.engine.state, "lam", lam)
+            self._evaluate(np.zeros_like(V))
+            springs = self._spring_forces()
+            gap = np.where(held, 0.0, springs - lam)
+            step, pull = system.solve(self._residual() + self._gradient().T @ gap, C @ a + gamma - rate2)
+            a, lam = a - step, lam + gap
+            lam[held] -= pull
+            pulled = system.over_mass(C.T @ lam[held])  # in balance with what acts, also where nothing moves
+            change = max(_share(step, a, pulled, first), _share(pull, lam))
+            if change <= SETTLED:
+                return V, a, lam, True
+        return (V, a, lam, True) if change <= TOLERABLE else None
+
+    def _curvature(self, V: np.ndarray) -> np.ndarray:
+        """gamma (rows,), see the module."""
+        d = TURN / max(self._pace(V), SLOWEST)
+        gamma = np.zeros(self.rows)
+        for factor, weight in STENCIL:
+            self._evaluate(factor * d * V)
+            gamma += weight * (self._gradient() @ V)
+        return gamma / (12.0 * d)
+
+    def _pace(self, V: np.ndarray) -> float:
+        """A bound [1/s] of how fast axes turn and distances change by their length."""
+        rigid, m = V[: 6 * self.bodies].reshape(-1, 6), self.engine.compiled.model
+        kinds, lengths = m.row_kind.numpy()[: self.rows], self.engine.work.coordinate.numpy()[self.w, : self.rows]
+        distances = np.abs(lengths[kinds == int(k.DISTANCE)])
+        length = float(min(distances[distances > 0.0], default=scene_length(self.engine.scene)))
+        turning = np.linalg.norm(rigid[:, 3:], axis=1).max(initial=0.0)
+        moving = np.linalg.norm(rigid[:, :3], axis=1).max(initial=0.0)
+        swinging = np.abs(V[6 * self.bodies :]).sum() * np.abs(m.interface_modes.numpy()).max(initial=0.0)
+        return float(turning + swinging + (moving + swinging) / length)
+
+    def _accept(self) -> None:
+        """What the ledger takes from the accepted state, from the last evaluation."""
+        state, w = self.engine.state, self.w
+        for name in ("drive_rate", "applied", "applied_at", "load", "load_on_modes"):
+            array = getattr(state, name).numpy().copy()
+            array[w, 0] = array[w, 1]
+            getattr(state, name).assign(array)
+        self._put(state, "stretch", self.engine.work.coordinate.numpy()[w, : self.rows])
+
+
+class _Constrained:
+    """`M x + C^T y = r, C x = g` for block-diagonal M: mass, inertia tensor (body axes), unit modal masses.
+
+    y follows from `(C M^-1 C^T) y = C M^-1 r - g`, scaled to a unit diagonal; `independent` is False where that matrix
+    is singular."""
+
+    def __init__(self, mass: np.ndarray, inertia: np.ndarray, modes: int, C: np.ndarray) -> None:
+        self.mass, self.flexibility, self.modes, self.C = mass, np.linalg.inv(inertia), modes, C
+        self.CW = np.array([self.over_mass(row) for row in C]).reshape(C.shape)
+        A = self.CW @ C.T
+        self.scale = 1.0 / np.sqrt(np.where(np.diag(A) > 0.0, np.diag(A), 1.0))
+        values, self.vectors = np.linalg.eigh(self.scale[:, None] * A * self.scale)
+        self.independent = not len(values) or bool(values[0] > INDEPENDENT * values[-1])
+        self.inverse_values = 1.0 / values if self.independent else np.zeros_like(values)
+
+    def over_mass(self, r: np.ndarray) -> np.ndarray:
+        """M^-1 r."""
+        rigid = r[: 6 * len(self.mass)].reshape(-1, 6)
+        moved = rigid[:, :3] / self.mass[:, None]
+        turned = np.einsum("bij,bj->bi", self.flexibility, rigid[:, 3:])
+        return np.concatenate([np.hstack([moved, turned]).ravel(), r[6 * len(self.mass) :]])
+
+    def solve(self, r: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """x (coordinates,) and y (rows,)."""
+        right = self.scale * (self.CW @ r - g)
+        y = self.scale * (self.vectors @ (self.inverse_values * (self.vectors.T @ right)))
+        return self.over_mass(r - self.C.T @ y), y
+
+
+def _share(step: np.ndarray, *values: np.ndarray) -> float:
+    """The largest of `step` over the largest of `values`."""
+    largest = max(np.abs(array).max(initial=0.0) for array in values)
+    return float(np.abs(step).max(initial=0.0) / largest) if largest > 0.0 else 0.0

@@ -1,0 +1,171 @@
+"""Where a step failed: the joint, body or pair with the largest residual, from what its last attempt left behind.
+
+Residuals are compared as fractions, each of what it is measured by in `warpffrf_kernels.outer.balance`: forces of the
+largest force in play, modal forces of the largest modal force, joints of 1 m or 1 rad, spring forces of their laws,
+gaps of the penetration. A singular system has no residual to speak of: there the direction that it does not determine
+is told, the singular vector of the equilibrated matrix.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from warpffrf_kernels import control as k
+
+TOLD = 1e-8  # a share below it is converged
+MOST_LOST = 4  # names of what is not finite: it spreads through joints within an iteration
+NO_FORCE = 1e-30  # N: keeps fractions finite where nothing acts
+CONTACT_BITS = int(k.CYCLING) | int(k.CAPACITY) | int(k.INDEFINITE) | int(k.STENCIL)
+LARGEST_SYSTEM = 1500  # unknowns: a singular value decomposition of them takes some seconds
+
+
+@dataclass(frozen=True)
+class Residual:
+    """One residual: its `share` of what it is measured by, and the text that names its owner."""
+
+    share: float
+    text: str
+
+
+def blame(engine: Any, bits: int, world: int = 0) -> str:
+    """A clause that names the body, the joint or force, and the pair with the largest residual of `world` after the
+    failure `bits`, the worst of them first; "" if none is left."""
+    with np.errstate(all="ignore"):  # what diverged may overflow
+        kinds = [_bodies(engine, world), _rows(engine, world), _pairs(engine, world)]
+    lost = [residual.text for kind in kinds for residual in kind if not np.isfinite(residual.share)]
+    if lost:
+        return ", ".join(lost[:MOST_LOST])
+    if bits & int(k.SINGULAR):
+        return _undetermined(engine, world)
+    if bits & CONTACT_BITS:
+        return _at_pair(engine, bits, world)
+    worst = [max(kind, key=lambda residual: residual.share) for kind in kinds if kind]
+    told = sorted((r for r in worst if r.share > TOLD), key=lambda residual: -residual.share)
+    return f"the largest residual: {', '.join(residual.text for residual in told)}" if told else ""
+
+
+def row_owners(engine: Any) -> list[str]:
+    """What each row of the equations belongs to: "joint 'hinge'", "force 'spring'"."""
+    compiled = engine.compiled
+    owners = [""] * compiled.row_count
+    for kind, table in (("joint", compiled.joints.rows), ("force", compiled.forces.rows)):
+        for name, rows in table.items():
+            for row in rows:
+                owners[row] = f"{kind} {name!r}"
+    return owners
+
+
+def _array(owner: Any, name: str, world: int) -> np.ndarray:
+    return np.asarray(getattr(owner, name).numpy()[world], dtype=np.float64)
+
+
+def _largest_force(engine: Any, world: int) -> float:
+    """The largest of weight, inertia force, multiplier of a length, and contact force [N]."""
+    m, work, state = engine.compiled.model, engine.work, engine.state
+    B, R, P = m.body_count, m.row_count, m.pair_count
+    rate = np.linalg.norm(_array(work, "v1_rate", world)[:B], axis=1)
+    forces = m.mass.numpy()[:B] * (np.linalg.norm(engine.scene.gravity) + rate)
+    lengths = np.isin(m.row_kind.numpy()[:R], (int(k.TRANSLATION), int(k.DISTANCE)))
+    pulls = np.abs(_array(state, "lam", world)[:R][lengths])
+    contact = np.linalg.norm(_array(work, "pair_wrench", world)[:P, :3], axis=1)
+    values = np.concatenate([forces, pulls, contact])
+    return float(max(values[np.isfinite(values)], default=0.0)) + NO_FORCE
+
+
+def _bodies(engine: Any, world: int) -> list[Residual]:
+    m, work, found = engine.compiled.model, engine.work, []
+    residual = _array(work, "residual", world)[: 6 * m.body_count].reshape(-1, 6)
+    mass, inertia = m.mass.numpy(), m.inertia.numpy()
+    scale = _largest_force(engine, world)
+    modal = np.abs(_array(work, "modal_residual", world)[: m.modal_count])
+    elastic = np.abs(m.stiffness.numpy()[: m.modal_count] * _array(work, "q1", world)[: m.modal_count])
+    loads = np.concatenate([elastic, np.abs(_array(work, "qd1_rate", world)[: m.modal_count])])
+    modal_scale = float(max(loads[np.isfinite(loads)], default=0.0)) + NO_FORCE
+    starts = engine.compiled.modal_start
+    for i, body in enumerate(engine.scene.bodies):
+        force, torque = float(np.linalg.norm(residual[i, :3])), float(np.linalg.norm(residual[i, 3:]))
+        gyration = float(np.sqrt(inertia[i][0, 0] / mass[i]))
+        own = modal[starts[i] : starts[i + 1]]
+        if not np.isfinite(force + torque + own.sum()):
+            found.append(Residual(np.inf, f"the motion of body {body.name!r} is not finite"))
+            continue
+        if torque / gyration > force:
+            text = f"an unbalanced torque of {torque:.3g} N m on body {body.name!r}"
+        else:
+            text = f"an unbalanced force of {force:.3g} N on body {body.name!r}"
+        found.append(Residual(max(force, torque / gyration) / scale, text))
+        if len(own):
+            text = f"an unbalanced force on the modes of body {body.name!r}"
+            found.append(Residual(float(own.max()) / modal_scale, text))
+    return found
+
+
+def _rows(engine: Any, world: int) -> list[Residual]:
+    m, work, found = engine.compiled.model, engine.work, []
+    defect, softness = (_array(work, name, world)[: m.row_count] for name in ("defect", "softness"))
+    kinds, rigid = m.row_kind.numpy(), m.row_rigid.numpy()
+    scale = _largest_force(engine, world)
+    for row, owner in enumerate(row_owners(engine)):
+        if not np.isfinite(defect[row]):
+            found.append(Residual(np.inf, f"{owner} is not finite"))
+        elif rigid[row]:
+            unit = "m" if kinds[row] in (int(k.TRANSLATION), int(k.DISTANCE)) else "rad"
+            found.append(Residual(abs(defect[row]), f"{owner} misses by {abs(defect[row]):.3g} {unit}"))
+        else:
+            off = abs(defect[row]) / max(softness[row], NO_FORCE)
+            found.append(Residual(off / scale, f"{owner} is {off:.3g} (N or N m) off its law"))
+    return found
+
+
+def _pairs(engine: Any, world: int) -> list[Residual]:
+    m, work, found = engine.compiled.model, engine.work, []
+    if not m.pair_count:
+        return found
+    opened, area = _array(work, "opened", world), _array(work, "area", world)
+    active = _array(engine.state, "active", world) != 0
+    penetration = float(_array(work, "gap_defect", world)[1])
+    for i, contact in enumerate(engine.scene.contacts):
+        use = active[i] & (area[i] > 0.0)
+        off = float(np.max(np.abs(opened[i][use] / area[i][use]), initial=0.0))
+        if not np.isfinite(off):
+            found.append(Residual(np.inf, f"contact {contact.name!r} is not finite"))
+        elif penetration > 0.0:
+            text = f"contact {contact.name!r} leaves a gap of {off:.3g} m under pressure"
+            found.append(Residual(off / penetration, text))
+    return found
+
+
+def _at_pair(engine: Any, bits: int, world: int) -> str:
+    """The pair that failed by itself: the one whose window is at its widest, or else with the largest residual."""
+    contacts = engine.scene.contacts
+    if len(contacts) == 1:
+        return f"at contact {contacts[0].name!r}"
+    if bits & int(k.CAPACITY):
+        H = engine.compiled.model.half_window
+        window = _array(engine.work, "window", world)[: len(contacts)]
+        widest = [c.name for c, (low, high) in zip(contacts, window, strict=True) if low <= -H or high >= H]
+        if widest:
+            return f"at contact {', '.join(repr(name) for name in widest)}"
+    worst = max(_pairs(engine, world), key=lambda residual: residual.share, default=Residual(0.0, ""))
+    return f"the largest residual: {worst.text}" if worst.share > 0.0 else ""
+
+
+def _undetermined(engine: Any, world: int) -> str:
+    """Names what the singular system leaves open: the row or body that its singular vector is largest in."""
+    m = engine.compiled.model
+    if not 0 < m.outer_count <= LARGEST_SYSTEM:
+        return ""
+    A = _array(engine.work, "tangent", world)[: m.outer_count, : m.outer_count]
+    if not np.all(np.isfinite(A)):
+        return ""
+    scale = 1.0 / np.sqrt(np.where(np.diag(A) > 0.0, np.diag(A), 1.0))
+    scale[6 * m.body_count :] = 1.0
+    rows = np.linalg.norm(A * scale, axis=1)
+    scale[6 * m.body_count :] = 1.0 / np.where(rows > 0.0, rows, 1.0)[6 * m.body_count :]
+    vector = np.abs(np.linalg.svd(scale[:, None] * A * scale)[2][-1])
+    at = int(np.argmax(vector))
+    if at < 6 * m.body_count:
+        return f"nothing determines the motion of body {engine.scene.bodies[at // 6].name!r}"
+    return f"nothing determines the reaction of {row_owners(engine)[at - 6 * m.body_count]}"

@@ -1,0 +1,260 @@
+"""Runs of free bodies on the host, with `RungeKutta4` or `EnergyMomentum`: independent checks of the step graph.
+
+The integrators differ in one function, `advance(body, state, t, h)`; bodies are independent of each other. What comes
+out is the same `History` that `run` makes, with the same ledger; the line `numerical` closes it, so that it shows what
+the method lost or gained. The checkpoint holds positions, velocities and the ledger; another run of either kind, host
+or device, leaves these too, so a check can start from an equilibrium or from a stage that the kernels computed.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+from warpffrf_kernels import control as k
+
+from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.progress import Progress
+from warpffrf.model.signal_cover import refuse_short_tables
+from warpffrf.online import energy_momentum, runge_kutta
+from warpffrf.online.checkpoint import is_dynamic, time_of
+from warpffrf.online.compile_forces import ForceTable
+from warpffrf.online.compile_inertia import InertiaPlan
+from warpffrf.online.free_bodies import FreeBody, Motion, check_free, free_body, initial_motion
+from warpffrf.online.history import ENERGY_LINES, BodyHistory, History
+from warpffrf.online.integrators import EnergyMomentum, RungeKutta4
+from warpffrf.online.sensors import force_histories, sensor_histories, turned
+
+ADVANCE = {EnergyMomentum: energy_momentum.advance, RungeKutta4: runge_kutta.advance}
+WITH_LOADS = {EnergyMomentum: False, RungeKutta4: True}
+SAME_TIME = 1e-9  # relative: times that differ by less were meant to be the same
+
+
+class _Collected:
+    """Stands for a compiled scene where only its forces are asked for: all of them are loads."""
+
+    def __init__(self, scene: Any) -> None:
+        self.scene, self.forces = scene, ForceTable()
+
+
+class _Ledger:
+    """The lines of the energy ledger of all bodies; `numerical` is what closes the balance."""
+
+    def __init__(self, bodies: list[FreeBody], states: list[Motion], before: np.ndarray | None) -> None:
+        self.lines = dict.fromkeys(ENERGY_LINES, 0.0)
+        if before is not None:
+            self.lines.update(zip(ENERGY_LINES, np.asarray(before, dtype=float), strict=True))
+        self._present(bodies, states)
+        self.stored = self._stored()
+
+    def _present(self, bodies: list[FreeBody], states: list[Motion]) -> None:
+        pairs = list(zip(bodies, states, strict=True))
+        self.lines["kinetic"] = sum(b.kinetic_energy(s) for b, s in pairs)
+        self.lines["strain"] = sum(b.strain_energy(s) for b, s in pairs)
+        self.lines["potential"] = sum(b.potential(s) for b, s in pairs)
+
+    def _stored(self) -> float:
+        return self.lines["kinetic"] + self.lines["strain"] + self.lines["potential"]
+
+    def book(self, bodies: list[FreeBody], states: list[Motion], work: float, damping: float) -> list[float]:
+        """Close the books at `states`: work of loads and loss by damping [J] since the last time; all lines."""
+        self._present(bodies, states)
+        stored = self._stored()
+        self.lines["force_work"] += work
+        self.lines["damping"] += damping
+        self.lines["numerical"] += stored - self.stored - work + damping
+        self.stored = stored
+        return list(self.lines.values())
+
+
+class _Rows:
+    """Saved steps being collected."""
+
+    def __init__(self, bodies: list[FreeBody]) -> None:
+        self.bodies = bodies
+        self.times: list[float] = []
+        self.energy: list[list[float]] = []
+        self.iterations: list[int] = []
+        self.motions: list[list[np.ndarray]] = [[] for _ in bodies]
+
+    def add(self, t: float, states: list[Motion], energy: list[float], iterations: int) -> None:
+        self.times.append(t)
+        self.energy.append(energy)
+        self.iterations.append(iterations)
+        for body, state, rows in zip(self.bodies, states, self.motions, strict=True):
+            rates = body.rates(state, t)
+            rows.append(np.concatenate([*state, rates.v, rates.w, rates.qd]))
+
+
+def step_count(duration: float, step: float) -> tuple[int, list[str]]:
+    """Number of steps of `step` [s] in `duration` [s], and a note where that is no whole number. Raises
+    `InputError`."""
+    duration = require_number(duration, "simulate: duration", positive=True)
+    step = require_number(step, "simulate: step", positive=True)
+    steps = int(round(duration / step))
+    if steps < 1:
+        raise InputError(f"simulate: step {step:g} s is longer than the duration {duration:g} s")
+    if abs(steps * step - duration) <= SAME_TIME * duration:
+        return steps, []
+    return steps, [
+        f"the duration {duration:g} s is no multiple of the step: {steps} steps, {steps * step:g} s, are simulated"
+    ]
+
+
+def run_check(
+    scene: Any,
+    duration: float,
+    *,
+    step: float,
+    integrator: EnergyMomentum | RungeKutta4,
+    save_every: int = 1,
+    progress: bool = True,
+    start: Any = "initial",
+) -> History:
+    """Simulate the free bodies of `scene` for `duration` [s] in steps of `step` [s] on the host.
+
+    start: "initial", or the History of an earlier run or equilibrium of the same scene, which is continued. A step that
+    fails is a status of the History ("not_converged", "not_finite"), as is an interruption; what was computed is kept.
+    Raises `InputError` for wrong numbers, for scenes with more than free bodies (`check_free`), and for a step beyond
+    the stability limit of an explicit method."""
+    kind = type(integrator)
+    if kind not in ADVANCE:
+        raise InputError(f"simulate: a check runs with RungeKutta4() or EnergyMomentum(), got {integrator!r}")
+    steps, notes = step_count(duration, step)
+    save_every = require_count(save_every, "simulate: save_every", 1)
+    check_free(scene, kind.__name__, loads=WITH_LOADS[kind])
+    continued = isinstance(start, History)
+    if start != "initial" and not (continued and is_dynamic(start.checkpoint)):
+        raise InputError("simulate: free bodies have no equilibrium; start from 'initial' or from an earlier run")
+    t0 = time_of(start.checkpoint) if continued else 0.0
+    refuse_short_tables(scene, t0, t0 + steps * step)
+    began = time.perf_counter()
+    plan = InertiaPlan.of(scene)
+    bodies = [free_body(scene, body, own) for body, own in zip(scene.bodies, plan.bodies, strict=True)]
+    if kind is RungeKutta4:
+        for body in bodies:
+            runge_kutta.check_step(body, step)
+    states, before = _restored(scene, start) if continued else ([initial_motion(b) for b in scene.bodies], None)
+    ledger, rows = _Ledger(bodies, states, before), _Rows(bodies)
+    accepted = list(ledger.lines.values())
+    if not continued:
+        rows.add(t0, states, accepted, 0)
+    loop = time.perf_counter()
+    status, message = "completed", ""
+    done = total = worst = pending = 0
+    bar = Progress("simulate", steps, enabled=progress)
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            for n in range(1, steps + 1):
+                moved = [ADVANCE[kind](b, s, t0 + (n - 1) * step, step) for b, s in zip(bodies, states, strict=True)]
+                energy = ledger.book(bodies, [m[0] for m in moved], sum(m[1] for m in moved), sum(m[2] for m in moved))
+                if not np.all(np.isfinite(energy)):
+                    status, message = "not_finite", "a NaN or infinite number arose; reduce step"
+                    break
+                states, accepted, done = [m[0] for m in moved], energy, n
+                most = max(m[3] for m in moved)
+                total, worst, pending = total + most, max(worst, most), pending + most
+                if n % save_every == 0:
+                    rows.add(t0 + n * step, states, energy, pending)
+                    pending = 0
+                bar.update(n)
+    except energy_momentum.NotConverged as error:
+        status, message = "not_converged", str(error)
+    except np.linalg.LinAlgError:
+        status, message = "singular", "the inertia of a deformed body is singular; reduce step, or its inertia level"
+    except KeyboardInterrupt:
+        status, message = "interrupted", "interrupted by the user; results up to there are kept"
+    bar.close()
+    history = _history(scene, rows, step, 0 if continued else 1)
+    history.status, history.message = status, message
+    history.notes = [*plan.notes, *notes, f"integrated on the host by {kind.__name__}"]
+    history.counters = {
+        "steps": done, "rejected_steps": 0, "max_iterations": worst, "mean_iterations": total / max(done, 1),
+        "build_seconds": loop - began, "seconds_in_graph": 0.0, "loop_seconds": time.perf_counter() - loop,
+    }  # fmt: skip
+    history.checkpoint = _checkpoint(states, accepted, t0 + done * step)
+    return history
+
+
+def _history(scene: Any, rows: _Rows, step: float, first: int) -> History:
+    """The saved rows as a History; `first` row without a step before it."""
+    T = len(rows.times)
+    times = np.array(rows.times)
+    bodies = {}
+    for body, found in zip(scene.bodies, rows.motions, strict=True):
+        m = body.mode_count
+        x = np.array(found).reshape(T, 19 + 3 * m)
+        ends = np.cumsum([3, 4, 3, 3, m, m, 3, 3])
+        r, p, v, w, q, qd, vdot, wdot, qdd = np.split(x, ends, axis=1)
+        bodies[body.name] = user_frame(body.center_of_mass, r, p, v, w, vdot, wdot, q, qd, qdd)
+    forces = force_histories(_Collected(scene), times, np.zeros((T, 0, 7)), bodies)
+    energy = np.array(rows.energy).reshape(T, len(ENERGY_LINES))
+    sizes = np.full(T, step)
+    sizes[: min(first, T)] = 0.0
+    return History(
+        scene=scene, time=times, step_size=sizes, bodies=bodies, joints={}, contacts={}, forces=forces,
+        sensors=sensor_histories(scene, T, bodies, {}, forces),
+        energy={name: energy[:, i].copy() for i, name in enumerate(ENERGY_LINES)},
+        iterations=np.array(rows.iterations, dtype=int), factorisations=np.zeros(T, dtype=int),
+    )  # fmt: skip
+
+
+def user_frame(
+    center: np.ndarray,
+    r: np.ndarray,
+    p: np.ndarray,
+    v: np.ndarray,
+    w: np.ndarray,
+    vdot: np.ndarray,
+    wdot: np.ndarray,
+    q: np.ndarray,
+    qd: np.ndarray,
+    qdd: np.ndarray,
+) -> BodyHistory:
+    """Motion (T, ...) of the centre of mass, angular velocity and acceleration in body axes, as that of the user frame,
+    in whose coordinates the centre of mass is at `center` (3,) [m]."""
+    arm, omega, alpha = turned(p, center), turned(p, w), turned(p, wdot)
+    swing = np.cross(omega, arm)
+    return BodyHistory(
+        r - arm, p.copy(), v - swing, omega, q.copy(),
+        vdot - np.cross(alpha, arm) - np.cross(omega, swing), alpha, qd.copy(), qdd.copy(),
+    )  # fmt: skip
+
+
+def _checkpoint(states: list[Motion], energy: list[float], t: float) -> dict[str, np.ndarray]:
+    """Positions, velocities, ledger and time in the shapes of the device state, one world."""
+    found = {name: np.array([[getattr(s, field) for s in states]]) for name, field in _FIELDS.items()}
+    for name in ("q", "qd"):
+        found[name] = np.concatenate([np.zeros(0), *(getattr(s, name) for s in states)])[None]
+    clock = np.zeros((1, int(k.CLK)))
+    clock[0, int(k.TIME)] = t
+    return {**found, "energy": np.array([[energy, energy]]), "clk": clock, "stretch": np.zeros((1, 0))}
+
+
+_FIELDS = {"r": "r", "p": "p", "v": "v", "omega": "w"}
+
+
+def _restored(scene: Any, start: History) -> tuple[list[Motion], np.ndarray]:
+    """States of all bodies and the ledger from the checkpoint of an earlier run, of this or of the other kind."""
+    checkpoint, B, Q = start.checkpoint, len(scene.bodies), sum(body.mode_count for body in scene.bodies)
+    shapes = {"r": (B, 3), "p": (B, 4), "v": (B, 3), "omega": (B, 3), "q": (Q,), "qd": (Q,)}
+    for name, shape in shapes.items():
+        given = np.asarray(checkpoint[name])[0] if name in checkpoint else None
+        if given is not None and not Q and name in ("q", "qd"):
+            given = given[:0]  # the device keeps one unused entry
+        if given is None or given.shape != shape or not np.all(np.isfinite(given)):
+            raise InputError(
+                f"simulate: the checkpoint does not hold {name} {shape} of this scene; continue with the scene and the "
+                "version of warpffrf that wrote it, or start from 'initial'"
+            )
+    at = np.cumsum([0] + [body.mode_count for body in scene.bodies])
+    x = {name: np.asarray(checkpoint[name], dtype=float)[0] for name in shapes}
+    states = [
+        Motion(
+            x["r"][i].copy(), x["p"][i].copy(), x["v"][i].copy(), x["omega"][i].copy(),
+            x["q"][at[i] : at[i + 1]].copy(), x["qd"][at[i] : at[i + 1]].copy(),
+        )
+        for i in range(B)
+    ]  # fmt: skip
+    return states, np.asarray(checkpoint["energy"])[0, 0]

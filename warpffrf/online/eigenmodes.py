@@ -1,0 +1,275 @@
+r"""Complex modes of a scene: the first-order form of M y'' + D y' + K y + C^T dlambda = 0, C y = 0.
+
+Rigid rows are constraints, not stiff springs: with coordinates scaled by S = diag(M)^(-1/2) and N an orthonormal basis
+of the null space of C S (singular values below RANK of the largest are no constraint), y = S N z leaves
+
+    m z'' + d z' + k z = 0.
+
+m is well conditioned, but k holds the pendulum beside the highest mode, and an eigenvalue of k is only as good as
+round-off of the largest. So z is first written in the eigenvectors V of the symmetric pair (m, k + sigma m): the
+inverse k^-1 is what they come from, the low ones are accurate. There k is nearly diagonal and graded, and the
+eigenvalues of
+
+    [ 0               1            ]
+    [ -m^-1 k     -m^-1 d          ]           (z, z') = phi exp(lambda t)
+
+after balancing are as good as round-off of the largest *frequency*. Frequency |lambda|/2 pi, damping ratio -Re(lambda)/
+|lambda|; of a pair of conjugates the one with Im > 0 is kept, an overdamped motion has two real eigenvalues and both
+are. Motions without stiffness have lambda = 0, one for each direction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+
+from warpffrf.model import rotation as rot
+from warpffrf.model.errors import InputError, require_count
+from warpffrf.online.checkpoint import is_dynamic, restore
+from warpffrf.online.engine import Engine
+from warpffrf.online.history import History
+from warpffrf.online.linearise import Linearisation, linearise
+from warpffrf.online.run import describe
+from warpffrf.online.settings import Settings
+
+Array = np.ndarray
+RANK = 1e-10  # of the largest singular value: rows that hold nothing; the compiler has taken dependent rows out
+ZERO = 2.0 * np.pi * 1e-4  # rad/s: a period of three hours; differences of kernels see no stiffness below it
+SHIFT = 1.0  # 1/s2: makes k + sigma m definite where nothing holds a body
+MORE_SHIFT = 10.0  # factor, where an unstable state needs a larger one
+MOST_SHIFTS = 30
+SAME_SHAPE = 1e-6  # singular value, below which the shapes of two zero eigenvalues are one motion
+REAL = 1e-7  # of |lambda|: a smaller imaginary part is round-off of a double real eigenvalue
+STEADY = 1e-3  # of weight and centripetal acceleration: more makes the state one that passes
+
+
+@dataclass(frozen=True, eq=False)
+class BodyShape:
+    """A mode on one body: `translation` (3,) of its user origin [m] and `rotation` (3,) [rad], world axes, and `modal`
+    (m,), all complex: the motion is the real part of shape * exp(lambda t)."""
+
+    translation: Array
+    rotation: Array
+    modal: Array
+
+
+@dataclass(frozen=True, eq=False)
+class SceneModes:
+    """Modes by rising frequency: `eigenvalues` (n,) complex [1/s], `shapes` body -> (n,) list of BodyShape.
+
+    Shapes are scaled to y^H M y = 1 kg m2 with the largest coordinate real, `scene` and `time` [s] say where, `method`
+    how the state was found, `notes` what was left out.
+    """
+
+    scene: Any
+    about: str
+    time: float
+    eigenvalues: Array
+    shapes: dict[str, list[BodyShape]]
+    position: dict[str, Array]  # of the user origins in that state, world [m]
+    rotation: dict[str, Array]  # quaternions (x, y, z, w)
+    modal: dict[str, Array]
+    shares: dict[str, Array]  # body -> (n,) part of the kinetic energy
+    notes: list[str] = field(default_factory=list)
+
+
+def find_modes(
+    scene: Any,
+    count: int = 20,
+    *,
+    about: History | str | None = None,
+    device: str = "cpu",
+    settings: Settings | None = None,
+) -> SceneModes:
+    """The `count` modes of lowest frequency of `scene` about a state.
+
+    about: None for its equilibrium, "initial" for its initial positions and velocities, or the History of a run of this
+    scene, whose last state is meant, velocities included. Raises InputError for wrong input and for a state that cannot
+    be found.
+    """
+    count = require_count(count, "eigenmodes: count", 1)
+    engine = Engine(scene, device=device, settings=settings)
+    notes: list[str] = []
+    name = _prepare(engine, about, notes)
+    linear = linearise(engine)
+    notes.extend(_notes(engine, linear, name))
+    values, vectors = complex_modes(linear.M, linear.D, linear.K, linear.C, max(ZERO, linear.resolution))
+    values, vectors = values[:count], vectors[:, :count]
+    return _wrapped(engine, name, values, vectors, linear, notes)
+
+
+def complex_modes(M: Array, D: Array, K: Array, C: Array, zero: float = ZERO) -> tuple[Array, Array]:
+    """Eigenvalues (n,) [1/s] by rising modulus and shapes (coordinates, n) of M y'' + D y' + K y = 0 with C y = 0.
+
+    Those below `zero` [1/s] are motions without stiffness, one for each direction. Raises InputError where a free
+    coordinate has no mass.
+    """
+    S = 1.0 / np.sqrt(np.abs(np.diag(M)))
+    N = S[:, None] * null_space(C * S)
+    if not N.shape[1]:
+        return np.zeros(0, complex), np.zeros((len(M), 0), complex)
+    m, d, k = (N.T @ X @ N for X in (M, D, K))
+    V = _graded_basis(m, k)
+    m, d, k = (V.T @ X @ V for X in (m, d, k))
+    n = len(m)
+    A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(m, k), -np.linalg.solve(m, d)]])
+    balanced, (scale, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
+    lam, phi = np.linalg.eig(balanced)
+    Y = N @ V @ (scale[:, None] * phi)[:n]
+    still = np.abs(lam) < zero
+    Y_still = (
+        _independent(np.concatenate([np.real(Y[:, still]), np.imag(Y[:, still])], axis=1) / S[:, None]) * S[:, None]
+    )
+    kept = ~still & (np.imag(lam) >= -REAL * np.abs(lam))
+    real = kept & (np.abs(np.imag(lam)) <= REAL * np.abs(lam))
+    lam[real] = np.real(lam[real])
+    lam = np.concatenate([np.zeros(Y_still.shape[1]), lam[kept]])
+    Y = np.concatenate([Y_still, Y[:, kept]], axis=1)
+    order = np.lexsort((np.real(lam), np.abs(lam)))
+    return lam[order], _scaled(Y[:, order], M)
+
+
+def null_space(C: Array) -> Array:
+    """Orthonormal basis (n, free) of the directions that rows C (rows, n) leave free."""
+    if not len(C):
+        return np.eye(C.shape[1])
+    length = np.linalg.norm(C, axis=1, keepdims=True)
+    _, s, Vt = np.linalg.svd(C / np.where(length > 0.0, length, 1.0))
+    rank = int(np.sum(s > RANK * max(s[0], np.finfo(float).tiny)))
+    return Vt[rank:].T
+
+
+def _graded_basis(m: Array, k: Array) -> Array:
+    """Eigenvectors of the symmetric parts of (m, k + sigma m), m-orthonormal, stiffest first."""
+    m, k = 0.5 * (m + m.T), 0.5 * (k + k.T)
+    sigma = SHIFT
+    for _ in range(MOST_SHIFTS):
+        try:
+            mu, V = scipy.linalg.eigh(m, k + sigma * m)
+        except np.linalg.LinAlgError:
+            sigma *= MORE_SHIFT
+            continue
+        if mu[0] > 0.0:
+            return V / np.sqrt(np.einsum("in,ij,jn->n", V, m, V))
+        break
+    raise InputError("eigenmodes: a body or mode that can move has no mass; check masses and inertia tensors")
+
+
+def _independent(vectors: Array) -> Array:
+    """Orthonormal basis of the span of columns of equal importance."""
+    length = np.linalg.norm(vectors, axis=0)
+    vectors = vectors[:, length > 0.0] / length[length > 0.0]
+    if not vectors.shape[1]:
+        return vectors
+    U, s, _ = np.linalg.svd(vectors, full_matrices=False)
+    return U[:, s > SAME_SHAPE * s[0]]
+
+
+def _scaled(Y: Array, M: Array) -> Array:
+    """Columns with y^H M y = 1 whose largest coordinate, weighed by its mass, is real and positive."""
+    if not Y.shape[1]:
+        return Y.astype(complex)
+    mass = np.real(np.einsum("in,ij,jn->n", Y.conj(), M, Y))
+    at = np.argmax(np.abs(Y) * np.sqrt(np.abs(np.diag(M)))[:, None], axis=0)
+    largest = Y[at, np.arange(Y.shape[1])]
+    return Y * (np.abs(largest) / (largest * np.sqrt(mass)))
+
+
+def _prepare(engine: Engine, about: Any, notes: list[str]) -> str:
+    """Bring the engine to the state that `about` means; says in words which it is."""
+    if about is None:
+        if not engine.settle():
+            bits = int(engine.word("STATUS")[0])
+            why = describe(bits, int(engine.word("SPARE")[0]))[1] if bits else "a body does not come to rest"
+            raise InputError(
+                f"eigenmodes: no equilibrium was found ({why}); add a spring, joint or contact that carries the load, "
+                "or use about='initial', or the Result of a run"
+            )
+        return "equilibrium"
+    if isinstance(about, str) and about == "initial":
+        engine.initial_rates()
+        engine.start()
+        notes.extend(engine.start_notes)
+        if np.any(engine.word("STATUS")):
+            why = describe(int(engine.word("STATUS")[0]), int(engine.word("SPARE")[0]))[1]
+            raise InputError(f"eigenmodes: the initial state is not consistent ({why})")
+        return "initial state"
+    if isinstance(about, History):
+        if about.checkpoint and not np.all(np.isfinite(about.checkpoint["q"])):
+            raise InputError("eigenmodes: the state of the result is not finite; use one that completed")
+        words = about.checkpoint.get("clk") if about.checkpoint else None
+        restore(engine, about.checkpoint, 1.0 if words is None else float(words[0, 1]))
+        return "last state of a run" if is_dynamic(about.checkpoint) else "equilibrium of a result"
+    raise InputError(
+        f"eigenmodes: about must be None (equilibrium), 'initial', or a Result of this scene, got {about!r}"
+    )
+
+
+def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
+    """What a reader of the modes should know."""
+    notes = list(engine.compiled.notes)
+    if linear.closed:
+        notes.append(
+            f"closed contacts stay closed ({linear.closed} pressure hats): the modes are those of vibrations too small "
+            "to open them, with the patch held in place; what rolls it along is at 0 Hz"
+        )
+    if linear.turning:
+        names = ", ".join(repr(n) for n in linear.turning)
+        if linear.co_rotating:
+            notes.append(
+                f"bodies that turn: {names}; frequencies are those in axes that turn with each body, exact where all "
+                "of them turn as one and what holds them is alike from all sides; else those of this instant"
+            )
+        else:
+            notes.append(f"bodies that turn: {names}; frequencies are those in world axes")
+    if name != "equilibrium" and _passing(engine):
+        notes.append("the state is not steady (bodies accelerate): the modes are those of this instant")
+    return notes
+
+
+def _passing(engine: Engine) -> bool:
+    """Whether velocities change otherwise than by turning with the body."""
+    state = engine.state
+    gravity = float(np.linalg.norm(engine.scene.gravity))
+    for b in engine.scene.bodies:
+        v, w = state.v.numpy()[0, b.index], state.omega.numpy()[0, b.index]
+        a, wdot = state.v_rate.numpy()[0, b.index], state.omega_rate.numpy()[0, b.index]
+        turned = rot.matrix(state.p.numpy()[0, b.index]) @ w
+        circling = np.cross(turned, v)
+        change = min(np.linalg.norm(a), np.linalg.norm(a - circling))
+        if change > STEADY * max(gravity, float(np.linalg.norm(circling)), 1.0):
+            return True
+        if np.linalg.norm(wdot) > STEADY * max(float(w @ w), 1.0):
+            return True
+    return False
+
+
+def _wrapped(
+    engine: Engine, name: str, values: Array, vectors: Array, linear: Linearisation, notes: list[str]
+) -> SceneModes:
+    """Shapes by body, at the user origins, world axes; kinetic energy is that of the velocities y' seen in y's axes."""
+    energy = np.real(vectors.conj() * (linear.M @ vectors))
+    vectors = linear.T @ vectors
+    shapes: dict[str, list[BodyShape]] = {}
+    position, rotation, modal, shares = {}, {}, {}, {}
+    start, B = engine.compiled.modal_start, engine.compiled.model.body_count
+    state = engine.state.to_numpy()
+    for b in engine.scene.bodies:
+        A = rot.matrix(state["p"][0, b.index])
+        arm = A @ b.center_of_mass
+        position[b.name], rotation[b.name] = state["r"][0, b.index] - arm, state["p"][0, b.index]
+        own = slice(int(start[b.index]), int(start[b.index + 1]))
+        modal[b.name] = state["q"][0, own]
+        both = energy[6 * b.index : 6 * b.index + 6].sum(axis=0)
+        shares[b.name] = both + energy[6 * B + own.start : 6 * B + own.stop].sum(axis=0)
+        rows = vectors[6 * b.index : 6 * b.index + 6]
+        shapes[b.name] = []
+        for i in range(len(values)):
+            turn = A @ rows[3:, i]
+            q = vectors[6 * B + own.start : 6 * B + own.stop, i]
+            shapes[b.name].append(BodyShape(rows[:3, i] - np.cross(turn, arm), turn, q))
+    time = float(engine.word("TIME")[0])
+    return SceneModes(engine.scene, name, time, values, shapes, position, rotation, modal, shares, notes)

@@ -1,0 +1,323 @@
+r"""Small motions about a state: M, D, K of a scene, taken from the kernels of the step themselves.
+
+The kernels evaluate, for given positions x, velocities v and accelerations a of all bodies and modes and given
+multipliers lambda and pressures s, the unbalanced forces R(x, v, a; lambda, s), the value of every row and the law of
+every spring. With the coefficients of the step set so that displacement, velocity and acceleration are independent
+(alpha_m = 1, alpha_f = gamma = 0, h -> 0: `r_1 = r_0 + dx`, `v_1 = v_0`, `vdot_1 = a_0` in `motion`) the three can be
+varied one at a time. R is linear in a and a quadratic polynomial in v (gyroscopic and centrifugal terms), so that
+central differences in them are exact; for x two central differences are combined, the error is of fourth order in a
+step of 10 um. Whatever a kernel does is thereby in the matrices: the geometric stiffness of joints, springs and loads,
+on rigid coordinates and modes, inertia terms, stiffening.
+
+    R_a da + R_v dv + R_x dx + C^T dlambda - L^T ds = 0
+    C_r dx = 0                            rigid rows: joints and drives
+    dlambda_s = law_x dx + law_v dv       spring rows, so that they add C_s^T law_x to R_x, C_s^T law_v to R_v
+    L dx + G ds = 0                       closed contacts, so that they add L^T G^-1 L to R_x
+
+C, and on the active set L and the local compliance G (hats without the modes), are those of the kernels. The phases of
+the contact grids are held, as in the kernels' own gradient: how the patch wanders over the material is no part of small
+motions. The pressures' line of action turns with the bodies; that is in R_x.
+
+**Turning bodies.** x varies by dr (world axes) and by psi (body axes, A = A_0 exp(psi^)), so that
+`dw = psi' + w x psi`, `dwdot = psi'' + w x psi' + wdot x psi`. In coordinates y that turn with the body, `dr = A y_r`,
+`psi = y_t`,
+
+    dv = A (y_r' + w x y_r),     dvdot = A (y_r'' + 2 w x y_r' + w x (w x y_r) + wdot x y_r),
+
+and with forces in body axes too the coefficients are constant where the machine turns as a whole. Where all that turns
+is rigid and symmetric about its axis of turning, coordinates in world axes do better (`dr = y_r`, `psi = A^T y_t`, `dw
+= A^T y_t'`, `dwdot = A^T y_t'' - w x A^T y_t'`): supports may then be any. In both, with `x = T y, v = T y' + U y, a =
+T y'' + V y' + W y`, the equations multiplied by T^T are
+
+    M y'' + D y' + K y + (C T)^T dlambda = 0,      C T y = 0,
+    M = T^T R_a T,      D = T^T (R_a V + R_v T),      K = T^T (R_a W + R_v U + R_x T).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from warpffrf_kernels import control as k
+
+from warpffrf.model import rotation as rot
+from warpffrf.online.engine import Engine
+
+Array = np.ndarray
+LENGTH_STEP = 1e-5  # m, rad: fourth-order error 1e-12 at lengths of 10 mm, round-off 1e-11 of the forces in play per m
+RATE_STEP = 1.0  # m/s, rad/s and their rates: exact for quadratic terms, whatever its size
+NO_TIME = 1e-20  # s: the step with which velocities and accelerations stay as they are given
+FAR_ITERATION = 10**6  # beyond the most iterations: the kernels evaluate, and leave the loop
+RIGID_TANGENT = 1e30  # 1/s2: an inertia so large that modes do not give way, which leaves the local compliance alone
+ROUND_OFF = 1e-13  # of a sum of forces: machine precision times the few hundred operations of a force
+TURNING = 1e-3  # rad/s: one turn in two hours; a start leaves less on bodies at rest
+SYMMETRIC = 1e-6  # relative difference of the two moments of a body of revolution
+PATCHED = ("active", "pressure", "patch_offset", "ctl", "clk", "modal_load", "lam")  # what an evaluation may change
+
+
+@dataclass
+class Linearisation:
+    """M, D, K (n, n) and rigid rows C (rows, n) over y: per body translation (3) and rotation (3), then all modes.
+
+    `T` (n, n): y -> world displacement of the centres of mass, turns in body axes, modes. `co_rotating` says whether y
+    turns with the bodies. SI units.
+    """
+
+    M: Array
+    D: Array
+    K: Array
+    C: Array
+    T: Array
+    co_rotating: bool
+    turning: list[str]  # names of the bodies that turn
+    closed: int  # active hats of closed contacts
+    resolution: float  # 1/s, frequency of the stiffness that is round-off of the differences
+
+
+class _Probe:
+    """Evaluates the kernels at positions, velocities and accelerations near a state."""
+
+    def __init__(self, engine: Engine) -> None:
+        self.engine, self.state, self.work = engine, engine.state, engine.work
+        self.model = engine.compiled.model
+        self.bodies, self.modes, self.rows = self.model.body_count, self.model.modal_count, self.model.row_count
+        self.count = 6 * self.bodies + self.modes
+        self.base = engine.state.to_numpy()
+        clk, ctl = self.base["clk"], self.base["ctl"]
+        clk[:, int(k.NEXT_TIME)] = clk[:, int(k.TIME)]
+        for word, value in (("H", NO_TIME), ("ALPHA_M", 1.0), ("ALPHA_F", 0.0), ("BETA", 1.0), ("GAMMA", 0.0)):
+            clk[:, int(getattr(k, word))] = value
+        clk[:, int(k.ACC)], clk[:, int(k.VEL)] = RIGID_TANGENT, 1.0  # dampers show their law where VEL > 0
+        for word, value in (("RUN", 1), ("MOVED", 1), ("REASSEMBLE", 1), ("REFRESH", 1), ("RECENTER", 0),
+                            ("ITERATION", 0), ("FAILURE", 0), ("SLOTS", 0), ("FRESH", 0), ("CHANGES", 0)):  # fmt: skip
+            ctl[:, int(getattr(k, word))] = value
+        self.rates = (
+            self._joined("v_rate", "omega_rate", "qd_rate"),
+            self._joined("v", "omega", "qd"),
+        )
+        self.spring = self._springs()
+
+    def settle_windows(self) -> None:
+        """Lay the windows of the contact pairs as a step does when it begins; keep the active set that they show."""
+        if not self.model.pair_count:
+            return
+        zero = np.zeros(self.count)
+        self.place(zero, zero, zero, first=True)
+        for name in PATCHED:
+            getattr(self.state, name).assign(self.base[name])
+        self.engine.graph._locate_contact()
+        for name in ("active", "pressure", "patch_offset"):
+            self.base[name] = getattr(self.state, name).numpy().copy()
+
+    def _joined(self, linear: str, angular: str, modal: str) -> Array:
+        """Velocities or accelerations of world 0 in the order of the coordinates."""
+        rigid = np.concatenate([self.base[linear][0, : self.bodies], self.base[angular][0, : self.bodies]], axis=1)
+        return np.concatenate([rigid.ravel(), self.base[modal][0, : self.modes]])
+
+    def _springs(self) -> list[int]:
+        """Rows that are springs."""
+        rigid = self.model.row_rigid.numpy()
+        return [i for i in range(self.rows) if not rigid[i]]
+
+    def _put(self, array: Any, value: Array, like: Array) -> None:
+        full = np.zeros_like(like)
+        full[0].reshape(-1)[: value.size] = value.ravel()
+        array.assign(full)
+
+    def place(self, dx: Array, dv: Array, da: Array, first: bool = False) -> None:
+        """Run the kernels at the state plus displacements, velocities and accelerations (n,)."""
+        s, x, base, B = self.state, self.work, self.base, self.bodies
+        for name in PATCHED:
+            getattr(s, name).assign(base[name])
+        if not first:
+            words = base["ctl"].copy()
+            words[:, int(k.ITERATION)], words[:, int(k.REFRESH)] = FAR_ITERATION, 0
+            s.ctl.assign(words)
+        for values, (linear, angular, modal) in (
+            (dx, (x.dx, x.psi, x.dq)),
+            (self.rates[1] + dv, (s.v, s.omega, s.qd)),
+            (self.rates[0] + da, (s.v_alg, s.omega_alg, s.qd_alg)),
+        ):
+            rigid = values[: 6 * B].reshape(B, 6)
+            self._put(linear, rigid[:, :3], base["v"])
+            self._put(angular, rigid[:, 3:], base["v"])
+            if self.modes:
+                self._put(modal, values[6 * B :], base["qd"])
+        self.engine.graph._iteration()
+
+    def forces(self, dx: Array, dv: Array, da: Array) -> Array:
+        """Unbalanced forces (n,) and spring laws (springs,) at fixed multipliers and pressures, one array."""
+        self.place(dx, dv, da)
+        rigid = self.work.residual.numpy()[0, : 6 * self.bodies]
+        modal = self.work.modal_residual.numpy()[0, : self.modes]
+        if self.model.pair_count:  # pressures move with the patch over the modes' shapes: held
+            modal = modal + self.state.modal_load.numpy()[0, 1, : self.modes]
+        return np.concatenate([rigid, modal, self.laws()])
+
+    def laws(self) -> Array:
+        """Spring forces by their laws (springs,): lambda + (effective stiffness) (defect)."""
+        if not self.spring:
+            return np.zeros(0)
+        x, m = self.work, self.model
+        lam = self.base["lam"][0, : self.rows]
+        defect, softness = x.defect.numpy()[0, : self.rows], x.softness.numpy()[0, : self.rows]
+        group = m.row_group.numpy()[: self.rows]
+        stiffness = np.zeros(self.rows)
+        single = [i for i in self.spring if group[i] < 0]
+        stiffness[single] = defect[single] / softness[single]
+        for g in range(m.group_count):
+            start, size = int(m.group_start.numpy()[g]), int(m.group_size.numpy()[g])
+            F = x.flexibility.numpy()[36 * g : 36 * (g + 1)].reshape(6, 6)[:size, :size]
+            stiffness[start : start + size] = np.linalg.solve(F, defect[start : start + size])
+        return (lam + stiffness)[self.spring]
+
+    def steps(self) -> Array:
+        """Displacement of each coordinate (n,) for the differences: modes by their largest displacement."""
+        reach = [np.full(6 * self.bodies, 1.0)]
+        for body in self.engine.scene.bodies:
+            if body.mode_count:
+                reach.append(largest_displacement(body.reduced))
+        return LENGTH_STEP / np.concatenate(reach)
+
+
+def largest_displacement(reduced: Any) -> Array:
+    """Largest displacement per unit coordinate (m,) of the modes of a reduced body, on its skin and interfaces."""
+    largest = np.full(len(reduced.frequencies), np.finfo(float).tiny)
+    fields = [reduced.surface.modes, *(i.modes[:, None, :3] for i in reduced.interfaces.values())]
+    for modes in fields:
+        if np.size(modes):
+            largest = np.maximum(largest, np.linalg.norm(modes, axis=-1).max(axis=1, initial=0.0))
+    return np.where(largest > np.finfo(float).tiny, largest, 1.0)
+
+
+def linearise(engine: Engine) -> Linearisation:
+    """M, D, K and rigid rows of world 0 of `engine` about its present state; the state is left as it was.
+
+    The state must be balanced (multipliers, pressures and accelerations those of its positions and velocities).
+    """
+    kept = engine.state.to_numpy()
+    try:
+        return _linearise(_Probe(engine))
+    finally:
+        engine.state.assign(kept)
+
+
+def _linearise(probe: _Probe) -> Linearisation:
+    n, zero = probe.count, np.zeros(probe.count)
+    probe.settle_windows()
+    probe.place(zero, zero, zero, first=True)
+    x, B, Q, rows = probe.work, probe.bodies, probe.modes, probe.rows
+    C = np.concatenate([x.C.numpy()[0, :rows, : 6 * B], x.C_modal.numpy()[0, :rows, :Q]], axis=1)
+    contact, closed = _closed_contacts(probe)
+
+    steps = probe.steps()
+    R_x, R_v, R_a = (np.zeros((n + len(probe.spring), n)) for _ in range(3))
+    for j in range(n):
+        e = np.zeros(n)
+        e[j] = steps[j]
+        near = probe.forces(e, zero, zero) - probe.forces(-e, zero, zero)
+        far = probe.forces(2.0 * e, zero, zero) - probe.forces(-2.0 * e, zero, zero)
+        R_x[:, j] = (8.0 * near - far) / (12.0 * steps[j])
+        e[j] = RATE_STEP
+        R_v[:, j] = (probe.forces(zero, e, zero) - probe.forces(zero, -e, zero)) / (2.0 * RATE_STEP)
+        R_a[:, j] = (probe.forces(zero, zero, e) - probe.forces(zero, zero, -e)) / (2.0 * RATE_STEP)
+    C_spring = C[probe.spring]
+    R_x = R_x[:n] + C_spring.T @ R_x[n:] + contact
+    R_v = R_v[:n] + C_spring.T @ R_v[n:]
+    R_a = R_a[:n]
+    T, U, V, W, turning, co_rotating = _coordinates(probe)
+    return Linearisation(
+        M=T.T @ R_a @ T,
+        D=T.T @ (R_a @ V + R_v @ T),
+        K=T.T @ (R_a @ W + R_v @ U + R_x @ T),
+        C=np.delete(C, probe.spring, axis=0) @ T,
+        T=T,
+        co_rotating=co_rotating,
+        turning=turning,
+        closed=closed,
+        resolution=_resolution(probe, C),
+    )
+
+
+def _resolution(probe: _Probe, C: Array) -> float:
+    """Frequency below which stiffness is not seen: round-off of the forces in play over the step of differences; and,
+    with the patch of closed contacts held, what their force does on the deflections of the bodies that roll."""
+    bodies, base, B = probe.engine.scene.bodies, probe.base, probe.bodies
+    lam = base["lam"][0, : probe.rows, None]
+    pulls = float(np.abs(C[:, : 6 * B] * lam).max(initial=0.0))
+    weights = [
+        b.mass * float(np.linalg.norm(probe.engine.scene.gravity) + np.linalg.norm(base["v_rate"][0, b.index]))
+        for b in bodies
+    ]
+    contact = float(np.abs(probe.work.pair_wrench.numpy()[0, : probe.model.pair_count]).max(initial=0.0))
+    noise = ROUND_OFF * max(pulls, contact, *weights) / LENGTH_STEP  # N/m, and on arms as long as positions N m/rad
+    extent = float(np.linalg.norm(base["r"][0, :B], axis=-1).max())
+    lightest = min(float(np.linalg.eigvalsh(b.inertia)[0]) for b in bodies)
+    squares = [noise / min(b.mass for b in bodies), noise * extent / lightest]
+    if contact > 0.0:
+        q = base["q"][0, : probe.modes]
+        deflection = float(np.sum(np.abs(q) * LENGTH_STEP / probe.steps()[6 * B :]))
+        squares.append(contact * deflection / lightest)
+    return float(np.sqrt(max(squares)))
+
+
+def _closed_contacts(probe: _Probe) -> tuple[Array, int]:
+    """L^T G^-1 L of the active hats (n, n), and their number; after an evaluation with rigid modes."""
+    n, m, x = probe.count, probe.model, probe.work
+    total = np.zeros((n, n))
+    count = int(probe.state.ctl.numpy()[0, int(k.SLOTS)]) if m.pair_count else 0
+    if not count:
+        return total, 0
+    slot_pair = x.slot_mode.numpy()[0, :count, 0]
+    L = np.zeros((count, n))
+    local = x.L.numpy()[0, :count, :12]
+    J = x.J.numpy()[: m.slot_capacity * m.pair_modes].reshape(m.slot_capacity, m.pair_modes)[:count]
+    start = probe.engine.compiled.modal_start
+    surface_body = m.surface_body.numpy()
+    for slot in range(count):
+        first, second = (int(surface_body[2 * slot_pair[slot] + side]) for side in (0, 1))
+        L[slot, 6 * first : 6 * first + 6] += local[slot, :6]
+        L[slot, 6 * second : 6 * second + 6] += local[slot, 6:]
+        at = 0
+        for body in (first, second):
+            size = start[body + 1] - start[body]
+            L[slot, 6 * probe.bodies + start[body] : 6 * probe.bodies + start[body + 1]] += J[slot, at : at + size]
+            at += size
+    G = x.G.numpy()[0, :count, :count]
+    return L.T @ np.linalg.solve(0.5 * (G + G.T), L), count
+
+
+def _coordinates(probe: _Probe) -> tuple[Array, Array, Array, Array, list[str], bool]:
+    """T, U, V, W of the module docstring, the names of turning bodies, and whether y turns with them."""
+    n = probe.count
+    bodies = probe.engine.scene.bodies
+    omega = probe.base["omega"][0]
+    turning = [b for b in bodies if np.linalg.norm(omega[b.index]) > TURNING]
+    co_rotating = not all(not b.mode_count and _is_symmetric(b.inertia, omega[b.index]) for b in turning)
+    T, U, V, W = np.eye(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
+    for b in bodies:
+        A = rot.matrix(probe.base["p"][0, b.index])
+        w, wdot = (cross(probe.base[name][0, b.index]) for name in ("omega", "omega_rate"))
+        r = slice(6 * b.index, 6 * b.index + 3)
+        t = slice(6 * b.index + 3, 6 * b.index + 6)
+        if co_rotating:
+            T[r, r], U[r, r], V[r, r], W[r, r] = A, A @ w, 2.0 * A @ w, A @ (w @ w + wdot)
+            U[t, t], V[t, t], W[t, t] = w, w, wdot
+        else:
+            T[t, t], V[t, t] = A.T, -w @ A.T
+    return T, U, V, W, [b.name for b in turning], co_rotating and bool(turning)
+
+
+def cross(w: Array) -> Array:
+    """Matrix (3, 3) of w x."""
+    return np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
+
+
+def _is_symmetric(J: Array, w: Array) -> bool:
+    """Whether inertia J looks the same from everywhere about w."""
+    e = w / np.linalg.norm(w)
+    P = np.eye(3) - np.outer(e, e)
+    across = P @ J @ P
+    moment = 0.5 * np.trace(across)
+    return bool(np.abs(J - moment * P - (e @ J @ e) * np.outer(e, e)).max() <= SYMMETRIC * np.abs(J).max())

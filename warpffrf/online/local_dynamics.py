@@ -1,0 +1,155 @@
+"""How the local modes of contact surfaces follow their load: statically, or with inertia.
+
+    quasi_static   the compliance D carries all of them at once; nothing per mode is stored or stepped
+    hht            the modes of `warpffrf.model.local_modes` as diagonal coordinates, one HHT-alpha step each
+    exponential    the same coordinates, exact for a load that is linear over the step
+    auto           hht up to AUTO_RATIO times the highest load frequency, quasi_static above
+
+What is cut or held stays in the compliance (D_rest), so that the static response is exact at any cut. Contact sees
+`G = Psi^T (D_rest + T sigma^-1 T^T) Psi` and stays inside the local solve in all of them; the price of the dynamic ones
+grows with the number of modes (kernels `motion`, `contact_compliance`), and G changes with the step size.
+
+The steps (`warpffrf_kernels.motion.move_modes`). HHT: the four coefficients of alpha, of its own, in place of those of
+the outer integrator. Exponential, for q'' + 2 zeta omega q' + omega^2 q = f0 + (f1 - f0) t/h (Nigam and Jennings 1969):
+q1 = A q0 + B q0' + C f0 + D f1; D is the receptance. It serves modes that the step does not resolve, omega h >= pi;
+below, together with contact, it would be unstable (`warpffrf_kernels.motion.rule_of`), and those modes step by HHT. At
+exactly undamped modes it is marginal, hence their default damping.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
+from warpffrf.model.local_modes import DynamicModes, dynamic_modes
+from warpffrf.online.integrators import HHT
+
+TREATMENTS = ("quasi_static", "hht", "exponential", "auto")
+AUTO_RATIO = 5.0  # of the load frequency: above, the response without inertia is wrong by (1/5)^2 = 4 % at most
+EXACT_DAMPING = 0.02  # 2 %: the least of 0, 2, 10 % that was stable from 2 to 20 us a step on two rollers
+FOLLOWS, STEPS_HHT, STEPS_EXACTLY = 0, 1, 2  # kinds of modes in the kernels: the outer integrator's, hht, exponential
+
+
+@dataclass(frozen=True)
+class LocalDynamics:
+    """Treatment of the local modes, see the module; `simulate(local="hht")` is `LocalDynamics("hht")`.
+
+    max_frequency [Hz], count: the modes of each contact surface that get inertia, all that can be resolved if both are
+    None. damping: their ratio, 0 to below 1; None for none with HHT, which damps by itself, and EXACT_DAMPING with
+    "exponential". alpha: of HHT, -1/3 to 0. load_frequency [Hz]: of "auto", the highest
+    frequency of the load; the highest global mode of the body if None. Raises `InputError`.
+    """
+
+    treatment: str = "quasi_static"
+    max_frequency: float | None = None
+    count: int | None = None
+    damping: float | None = None
+    alpha: float = -0.3
+    load_frequency: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.treatment not in TREATMENTS:
+            raise unknown_name("local", self.treatment, TREATMENTS)
+        for name in ("max_frequency", "load_frequency"):
+            if getattr(self, name) is not None:
+                require_number(getattr(self, name), f"local: {name}", positive=True)
+        if self.count is not None:
+            require_count(self.count, "local: count", 0)
+        if not 0.0 <= require_number(self.ratio, "local: damping") < 1.0:
+            raise InputError(f"local: damping is a ratio from 0 to below 1, got {self.damping!r}")
+        HHT(self.alpha)
+        if self.treatment == "quasi_static" and (self.max_frequency is not None or self.count is not None):
+            raise InputError("local: 'quasi_static' gives no mode inertia; max_frequency and count go with 'hht'")
+        if self.load_frequency is not None and self.treatment != "auto":
+            raise InputError("local: load_frequency goes with 'auto'; give max_frequency instead")
+
+    @property
+    def coefficients(self) -> tuple[float, float, float, float]:
+        """(alpha_m, alpha_f, beta, gamma) of HHT."""
+        return HHT(self.alpha).coefficients
+
+    @property
+    def ratio(self) -> float:
+        """Damping ratio in use."""
+        if self.damping is None:
+            return EXACT_DAMPING if self.treatment == "exponential" else 0.0
+        return self.damping
+
+    @property
+    def kind(self) -> int:
+        """Kind of its modes in the kernels."""
+        return STEPS_EXACTLY if self.treatment == "exponential" else STEPS_HHT
+
+
+def as_local_dynamics(value: Any) -> LocalDynamics:
+    """`value` itself, or the treatment of that name; raises `InputError`."""
+    return value if isinstance(value, LocalDynamics) else LocalDynamics(value)
+
+
+@dataclass
+class LocalPlan:
+    """The dynamic local modes of a scene: per body index its surfaces' modes by name, in the order of the coordinates
+    that follow its global ones; and what is to be said about them."""
+
+    options: LocalDynamics
+    modes: dict[int, dict[str, DynamicModes]] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, scene: Any, options: LocalDynamics) -> LocalPlan:
+        """The plan of all surfaces in contact; raises `InputError` for one that was reduced without their inertia."""
+        plan = cls(options)
+        for contact in scene.contacts:
+            for port in contact.ports:
+                if options.treatment != "quasi_static":
+                    plan._add(port)
+        return plan
+
+    def _add(self, port: Any) -> None:
+        own = self.modes.setdefault(port.body.index, {})
+        if port.name in own:
+            return
+        surface = port.surface
+        if surface.local_mass is None:
+            raise InputError(
+                f"contact surface {port.label}: local {self.options.treatment!r} needs the inertia of its local modes; "
+                "reduce with local_dynamics=True"
+            )
+        highest = self.options.max_frequency
+        if self.options.treatment == "auto":
+            frequencies = port.body.reduced.frequencies
+            load = self.options.load_frequency or float(np.max(frequencies, initial=0.0))
+            highest = AUTO_RATIO * load if highest is None else min(highest, AUTO_RATIO * load)
+        found = dynamic_modes(surface, count=self.options.count, max_frequency=highest)
+        own[port.name] = found
+        n = len(found.omega)
+        reach = f" up to {found.omega[-1] / (2.0 * np.pi):.4g} Hz" if n else ""
+        self.notes.append(
+            f"contact surface {port.label}: {n} of {surface.local_modes} local modes are dynamic "
+            f"({self.options.treatment}){reach}; the others follow the load without inertia"
+        )
+
+    def count(self, body: int) -> int:
+        """Number of dynamic local modes of a body."""
+        return sum(len(modes.omega) for modes in self.modes.get(body, {}).values())
+
+    def omega(self, body: int) -> np.ndarray:
+        """Their frequencies (n,) [rad/s]."""
+        return np.concatenate([np.zeros(0), *(modes.omega for modes in self.modes.get(body, {}).values())])
+
+    def surface(self, port: Any) -> Any:
+        """The contact surface with the traces of all modes of its body, and the compliance of the rest."""
+        own = self.modes.get(port.body.index, {})
+        if not own:
+            return port.surface
+        nodes = len(port.surface.mode_normal)
+        traces = {name: np.zeros((nodes, len(modes.omega))) for name, modes in own.items()}
+        traces[port.name] = own[port.name].trace
+        return replace(
+            port.surface,
+            lags=own[port.name].residual_lags,
+            mode_normal=np.concatenate([port.surface.mode_normal, *traces.values()], axis=1),
+        )

@@ -1,0 +1,60 @@
+"""Curves of a whole machine for a recording: reactions, applied forces, joint coordinates, sensors, energies."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.sensors import SENSORS, Position, Stress
+
+Series = tuple[tuple[str, ...], str, np.ndarray]  # entity path below the root, label with the unit, values (T,)
+STORES = ("kinetic", "strain", "potential", "contact")  # lines of the ledger that are energies at hand
+FLOWS = ("force_work", "drive_work", "damping")
+MOST_SENSORS = 6  # further ones are in the results; a plot of more curves is not read
+EQUIVALENT = Stress.components[-1]  # of a stress only this one is drawn
+FROM_START = ", change from the start"
+MACHINE_PLOTS = {
+    "joint_force": "Reactions of the joints [N]",
+    "applied_force": "Applied and spring forces [N]",
+    "coordinate": "Coordinates of the joints [m or rad]",
+    **{kind: f"Sensors: {kind.replace('_', ' ')}" for kind in SENSORS},
+    "energy": "Energies [J]",
+}
+
+
+def machine_series(result: Any) -> list[Series]:
+    """What there is to plot of joints, forces, sensors and energies; entities `plots/<kind>/<name>`."""
+    history = result.history
+    found: list[Series] = []
+    for kind, owners in (("joint_force", history.joints), ("applied_force", history.forces)):
+        for name, owner in owners.items():
+            size = np.linalg.norm(owner.force, axis=1)
+            if np.any(size > 0.0):
+                found.append((("plots", kind, name), f"{name} [N]", size))
+    for name, joint in history.joints.items():
+        for coordinate in joint.names:
+            unit = "m" if coordinate in ("translation", "distance") else "rad"
+            label = f"{name} {coordinate} [{unit}]"
+            found.append((("plots", "coordinate", name, coordinate), label, joint.named(coordinate)))
+    for name in result.sensor_names[:MOST_SENSORS]:
+        sensor = result.sensor(name)
+        moved = sensor.kind == Position.kind  # a path of millimetres is not seen beside a place of metres
+        shown = sensor.values - sensor.values[:1] if moved else sensor.values
+        for component, values in zip(sensor.components, shown.T, strict=True):
+            if sensor.kind != Stress.kind or component == EQUIVALENT:
+                label = f"{name} {component}{FROM_START * moved} [{sensor.unit}]"
+                found.append((("plots", sensor.kind, name, component), label, values))
+    for line in (*STORES, *FLOWS):
+        values = np.asarray(history.energy.get(line, np.zeros(0)))
+        moved = line == "potential"  # its zero is anywhere
+        values = values - values[:1] if moved else values
+        if np.any(values != 0.0):
+            found.append((("plots", "energy", line), f"{line.replace('_', ' ')}{FROM_START * moved} [J]", values))
+    return found
+
+
+def plot_kinds(result: Any) -> dict[str, str]:
+    """Kinds of plots that have curves, {kind: title}."""
+    there = {path[1] for path, _, _ in machine_series(result)}
+    return {kind: title for kind, title in MACHINE_PLOTS.items() if kind in there}

@@ -1,0 +1,145 @@
+"""Modes of a scene as users see them: frequencies, damping, shapes, a table and a plot."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model import rotation as rot
+from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.online.eigenmodes import BodyShape, SceneModes, find_modes
+from warpffrf.output.result import Result
+
+NAMED_SHARE = 0.01  # of the kinetic energy: bodies with less are not named in the table
+SIZE = (7.0, 4.2)  # inches
+
+
+class Modes:
+    """Modes of a scene about a state, by rising frequency; made by `eigenmodes`.
+
+    A motion is the real part of `shape * exp(eigenvalue * t)`. SI units, world axes. `about` says which state, `notes`
+    what was neglected. `modes[i]`-style numbers count from 0.
+    """
+
+    def __init__(self, found: SceneModes) -> None:
+        self.found = found
+        self.scene: Any = found.scene
+        self.about, self.notes = found.about, found.notes
+
+    def __len__(self) -> int:
+        return len(self.eigenvalues)
+
+    def __repr__(self) -> str:
+        lowest = f"{self.frequencies[0]:.6g} to {self.frequencies[-1]:.6g} Hz" if len(self) else "none"
+        return f"Modes({len(self)} about the {self.about}: {lowest})"
+
+    @property
+    def eigenvalues(self) -> np.ndarray:
+        """(n,) complex [1/s]; of conjugates the one with positive imaginary part, of an overdamped motion both."""
+        return self.found.eigenvalues
+
+    @property
+    def frequencies(self) -> np.ndarray:
+        """(n,) Hz, |eigenvalue|/2 pi; 0 for a motion without stiffness."""
+        return np.abs(self.eigenvalues) / (2.0 * np.pi)
+
+    @property
+    def damping_ratios(self) -> np.ndarray:
+        """(n,) -Re(eigenvalue)/|eigenvalue|: 0 undamped, 1 no oscillation, negative unstable; 0 at 0 Hz."""
+        size = np.abs(self.eigenvalues)
+        return np.divide(-np.real(self.eigenvalues), size, out=np.zeros(len(size)), where=size > 0.0)
+
+    def shape(self, i: int, body: str) -> BodyShape:
+        """Mode i on a body: `translation` (3,) [m] of its user origin, `rotation` (3,) [rad], `modal` (m,), complex.
+
+        Scaled so that the kinetic energy of the velocity `shape` 1/s is 1/2 J. Raises InputError for an unknown mode or
+        body.
+        """
+        if body not in self.found.shapes:
+            raise unknown_name("body", body, self.found.shapes)
+        return self.found.shapes[body][self._index(i)]
+
+    def displacement(self, i: int, body: str) -> np.ndarray:
+        """Mode i at the skin points (n, 3) of a flexible body, complex, world axes; of a rigid body at its user origin
+        (1, 3)."""
+        shape = self.shape(i, body)
+        reduced = self.scene.body(body).reduced
+        if reduced is None:
+            return shape.translation[None].copy()
+        A = rot.matrix(self.found.rotation[body])
+        static = np.tensordot(self.found.modal[body], reduced.surface.modes, 1)
+        moved = (reduced.surface.points + static) @ A.T
+        elastic = np.tensordot(shape.modal, reduced.surface.modes, 1) @ A.T
+        return shape.translation + np.cross(shape.rotation, moved) + elastic
+
+    def energy_shares(self, i: int) -> dict[str, float]:
+        """Share of each body in the kinetic energy of mode i."""
+        i = self._index(i)
+        return {name: float(share[i]) for name, share in self.found.shares.items()}
+
+    def report(self) -> str:
+        """Table of the modes, frequencies, damping, the bodies that move most, and notes: plain text."""
+        lines = [f"modes about the {self.about}, t = {self.found.time:.6g} s", ""]
+        lines.append(f"{'mode':>4}  {'frequency Hz':>14}  {'damping %':>10}  moves")
+        for i, (f, zeta) in enumerate(zip(self.frequencies, self.damping_ratios, strict=True)):
+            shares = sorted(self.energy_shares(i).items(), key=lambda item: -item[1])
+            named = ", ".join(f"{name} {100.0 * share:.0f} %" for name, share in shares if share >= NAMED_SHARE)
+            lines.append(f"{i:>4}  {f:>14.6g}  {100.0 * zeta:>10.4g}  {named}")
+        if np.any(self.damping_ratios < 0.0):
+            lines += ["", "Damping below zero: the motion grows, the state is unstable."]
+        if len(self.notes):
+            lines += ["", *(f"note: {note}" for note in self.notes)]
+        return "\n".join(lines)
+
+    __str__ = report
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the share of each body in each mode, modes labelled with frequency and damping, on the matplotlib axes
+        `ax` (new ones when None); returns them."""
+        if ax is None:
+            from matplotlib.backends.backend_agg import FigureCanvasAgg
+            from matplotlib.figure import Figure
+
+            figure = Figure(figsize=SIZE, layout="constrained")
+            FigureCanvasAgg(figure)
+            ax = figure.add_subplot()
+        left = np.zeros(len(self))
+        for name, share in self.found.shares.items():
+            ax.barh(np.arange(len(self)), 100.0 * share, left=left, label=name, height=0.75)
+            left += 100.0 * share
+        labels = [f"{f:.5g} Hz, {100.0 * z:.3g} %" for f, z in zip(self.frequencies, self.damping_ratios, strict=True)]
+        ax.set_yticks(np.arange(len(self)), labels)
+        ax.invert_yaxis()
+        ax.set(xlabel="share of the kinetic energy, %", title=f"Modes about the {self.about}")
+        ax.set_xlim(0.0, 100.0)
+        ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=4, frameon=False)
+        return ax
+
+    def _index(self, i: int) -> int:
+        if not isinstance(i, int | np.integer) or not 0 <= i < len(self):
+            raise InputError(f"mode {i!r} does not exist; there are {len(self)}, numbered from 0")
+        return int(i)
+
+
+def eigenmodes(scene: Any, count: int = 20, *, about: Result | str | None = None) -> Modes:
+    """The `count` lowest modes of `scene`: complex modes of its small motions, damping and joints included.
+
+    about: None for its equilibrium, "initial" for its initial positions and velocities, or the Result of a run, or of
+    `equilibrium`, of this scene, whose last state is meant with its velocities: of a turning machine the modes then
+    have their gyroscopic and centrifugal parts, in axes that turn with the bodies. Raises InputError for wrong input
+    and where there is no equilibrium. How it is done: `warpffrf.online.linearise`.
+    """
+    if not hasattr(scene, "bodies") or not hasattr(scene, "content_hash"):
+        raise InputError(f"eigenmodes: a Scene is needed, got {scene!r}")
+    state: Any = about
+    if isinstance(about, Result):
+        if about.view.content_hash != scene.content_hash():
+            raise InputError(
+                "eigenmodes: about is the result of another scene (their content differs); use the scene that it came "
+                "from"
+            )
+        if not about.history.checkpoint:
+            raise InputError("eigenmodes: about has no checkpoint, the state at its end; run it again")
+        state = about.history
+    return Modes(find_modes(scene, count, about=state))

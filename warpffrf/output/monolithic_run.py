@@ -1,0 +1,176 @@
+"""`simulate(method="monolithic")`: what the reference supports, and its history in the form of every other run.
+
+A result of it reads, plots, saves and records like any other. It lacks, and its notes say so, the works of the energy
+ledger (NaN: energies at hand are there), and error control of the step. Pressures of law "nodes" are node forces
+spread over hats (`warpffrf.monolithic.contact_record`).
+
+Assumption A1, local modes without inertia, is measured by `local="hht"`: local modes with their own mass. Their
+coupling with the inertia of the moving frame (`J1`, `J2`, `G` of local modes) is in neither treatment: a reduced body
+does not hold these invariants.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from warpffrf import monolithic
+from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
+from warpffrf.model.errors import InputError
+from warpffrf.model.signal_cover import refuse_short_tables
+from warpffrf.monolithic.checkpoint import from_arrays, is_monolithic, time_of, to_arrays
+from warpffrf.online.compile_forces import ForceTable
+from warpffrf.online.history import ENERGY_LINES, BodyHistory, ContactHistory, History, JointHistory
+from warpffrf.online.integrators import HHT
+from warpffrf.online.joint_motion import coordinates, half_turn_notes, left_out_notes
+from warpffrf.online.local_dynamics import LocalPlan, as_local_dynamics
+from warpffrf.online.sensors import force_histories, sensor_histories
+
+DEFAULT_INTEGRATOR = HHT(alpha=monolithic.HHT_ALPHA)
+CONTACT_FIELDS = (
+    "force", "torque", "force_second", "torque_second", "first_column", "center_column", "pressure",
+    "first_column_second", "load_second", "approach",
+)  # fmt: skip
+NO_LEDGER = (
+    "method 'monolithic': works of forces, drives and dampers are not booked; the energy balance is NaN, energies at "
+    "hand are there"
+)
+
+
+def run_monolithic(
+    scene: Any,
+    duration: float,
+    *,
+    step: float,
+    start: Any = "initial",
+    integrator: Any = None,
+    local: Any = "quasi_static",
+    accuracy: float | None = None,
+    save_every: int = 1,
+    device: str = "cpu",
+    progress: bool = True,
+    project_start: bool = False,
+    options: monolithic.Monolithic | None = None,
+) -> History:
+    """Simulate `scene` by the monolithic reference; arguments as of `warpffrf.online.run`, `integrator` None is HHT
+    with alpha -0.3. Raises InputError for what the reference does not do: adaptive steps, other devices, exponential
+    local modes, and going on from a run of the separated solver."""
+    options = options or monolithic.Monolithic()
+    treatment = as_local_dynamics(local)
+    if accuracy is not None:
+        raise InputError("method 'monolithic' takes fixed steps; leave accuracy out")
+    if device != "cpu":
+        raise InputError(f"method 'monolithic' runs on the CPU, got device {device!r}")
+    if treatment.treatment not in ("quasi_static", "hht", "auto"):
+        raise InputError(
+            f"method 'monolithic': local modes are 'quasi_static', 'hht' or 'auto' there, got {treatment.treatment!r}"
+        )
+    integrator = DEFAULT_INTEGRATOR if integrator is None else integrator
+    refuse_singular_mass(scene)
+    continued = isinstance(start, History)
+    began = time_of(start.checkpoint) if isinstance(start, History) else 0.0
+    refuse_short_tables(scene, began, began + duration)
+    if not continued:
+        if start == "initial":
+            refuse_positions(scene)
+        if not project_start:
+            refuse_velocities(scene)
+    plan = LocalPlan.of(scene, treatment)
+    dynamic = treatment.treatment != "quasi_static"
+    modes = {(scene.bodies[i].name, name): m for i, own in plan.modes.items() for name, m in own.items()}
+    found = monolithic.run(
+        scene, duration, step=step, start=_continued(start) if isinstance(start, History) else start,
+        integrator=integrator, variant=options.variant, law=options.law, local="hht" if dynamic else "quasi_static",
+        local_modes=modes, local_damping=treatment.ratio, layer_stiffness=options.layer_stiffness,
+        save_every=save_every, tolerance=options.tolerance, progress=progress,
+    )  # fmt: skip
+    notes = [*plan.notes, NO_LEDGER]
+    if modes and monolithic.coefficients_of(integrator) != monolithic.hht(treatment.alpha):
+        notes.append(
+            f"method 'monolithic': local modes follow {type(integrator).__name__} of the run, not HHT of their own "
+            f"(alpha {treatment.alpha:g})"
+        )
+    if options.law == "nodes" and scene.contacts:
+        notes.append("method 'monolithic': pressures shown are node forces spread over the hats of the contact grid")
+    return to_history(found, notes)
+
+
+def _continued(start: History) -> monolithic.MonolithicHistory:
+    """`start` as the solver takes it: only its final state counts. Raises `InputError` for another solver's."""
+    final = from_arrays(start.checkpoint)
+    none = np.zeros(0)
+    return monolithic.MonolithicHistory(start.scene, none, none, {}, {}, {}, {}, none, none, final=final)
+
+
+def refuse_other_method(checkpoint: Any, method: str, where: str) -> None:
+    """Raises `InputError` unless `checkpoint` was left by `method`: the solvers keep different states."""
+    left_by = "monolithic" if is_monolithic(checkpoint) else "separated"
+    if checkpoint and left_by != method:
+        raise InputError(
+            f"{where}: it begins where a run of method {left_by!r} ended, and method {method!r} cannot go on from "
+            "there; use one method for all, or start from 'initial' or 'equilibrium'"
+        )
+
+
+class _Laws:
+    """Stands for a compiled scene where only its forces are asked for."""
+
+    def __init__(self, scene: Any) -> None:
+        self.scene, self.forces = scene, ForceTable()
+        at = 0
+        for item in scene.forces:
+            if hasattr(item, "law"):
+                law = item.law()
+                self.forces.laws[item.name] = law
+                self.forces.rows[item.name] = list(range(at, at + len(law.coordinates)))
+                at += len(law.coordinates)
+
+
+def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History:
+    """A monolithic run as a `History`, with `notes` before its own."""
+    scene: Any = found.scene
+    T, time = len(found.time), found.time
+    bodies = {name: BodyHistory(**vars(motion)) for name, motion in found.bodies.items()}
+    joints = {}
+    for joint in scene.joints:
+        drives = {d.coordinate: d for d in scene.drives if d.joint is joint}
+        named = coordinates(joint, drives, time, bodies)
+        first, second = [*named.values(), np.full(T, np.nan), np.full(T, np.nan)][:2]
+        force, torque = found.reactions[str(joint.name)]
+        joints[joint.name] = JointHistory(first, force, torque, second, tuple(named))
+    laws = _Laws(scene)
+    forces = force_histories(laws, time, found.spring_rows, bodies)
+    contacts = {
+        name: ContactHistory(**{field: getattr(c, field) for field in CONTACT_FIELDS}, active_modes=c.active)
+        for name, c in found.contacts.items()
+    }
+    missing = np.full(T, np.nan)
+    counters = dict(found.counters)
+    counters["rejected_steps"] = 0
+    return History(
+        scene=scene, time=time, step_size=found.step_size, bodies=bodies, joints=joints, contacts=contacts,
+        energy={line: found.energy.get(line, missing).copy() for line in ENERGY_LINES},
+        iterations=found.iterations, factorisations=found.factorisations, status=found.status, message=found.message,
+        counters=counters, forces=forces, sensors=sensor_histories(scene, T, bodies, joints, forces),
+        notes=[*notes, *found.notes, *left_out_notes(scene, found.dropped, bodies, T),
+               *half_turn_notes(laws.forces.laws, bodies, T)],
+        checkpoint={} if found.final is None else to_arrays(found.final),
+    )  # fmt: skip
+
+
+def same_windows(histories: list[History]) -> list[History]:
+    """Consecutive runs with contact windows of one width, as one History has them; wider ones end in zeros."""
+    found = []
+    for history in histories:
+        contacts = {}
+        for name, contact in history.contacts.items():
+            wide = {}
+            for field in ("pressure", "load_second"):
+                columns = max(getattr(h.contacts[name], field).shape[1] for h in histories)
+                values = getattr(contact, field)
+                wide[field] = np.pad(values, ((0, 0), (0, columns - values.shape[1]), (0, 0)))
+            contacts[name] = replace(contact, **wide)
+        found.append(replace(history, contacts=contacts))
+    return found

@@ -1,0 +1,75 @@
+"""A picture of several plots side by side, each of curves over one pair of axes; matplotlib is imported when drawn."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.output.paths import checked_output_path
+
+PANEL_SIZE = (5.2, 3.9)  # inches
+COLUMNS = 3  # side by side at most
+DPI = 110
+COLORS = ("#1b6ca8", "#d1495b", "#2a9d6f", "#b57f00", "#6d5aa8", "#4f5d6b")
+REFERENCE_DASH = (0, (5, 3))
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One plot: `curves` {name: (x (n,), y (n,))} as lines, `reference` likewise, dashed and on top of them.
+
+    `limits`: the range (low, high) of y to show, for curves of which one runs away.
+    """
+
+    title: str
+    x_label: str
+    y_label: str
+    curves: Mapping[str, tuple[np.ndarray, np.ndarray]]
+    reference: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
+    limits: tuple[float, float] | None = None
+
+    def draw(self, ax: object) -> None:
+        """Draw on matplotlib axes."""
+        axes: Any = ax
+        for n, (name, (x, y)) in enumerate(self.curves.items()):
+            axes.plot(x, y, lw=1.4, color=COLORS[n % len(COLORS)], label=name)
+        for n, (name, (x, y)) in enumerate((self.reference or {}).items()):
+            color = "black" if n == 0 else COLORS[-1 - n]
+            axes.plot(x, y, lw=1.0, color=color, ls=REFERENCE_DASH, marker="o" if len(x) == 1 else None, label=name)
+        if self.limits is not None:
+            axes.set_ylim(*self.limits)
+        axes.set(xlabel=self.x_label, ylabel=self.y_label)
+        axes.set_title(self.title, fontsize=10)
+        axes.grid(alpha=0.25, lw=0.5)
+        if len(self.curves) + len(self.reference or {}) > 1:
+            axes.legend(frameon=False, fontsize=8)
+
+
+def save_panels(panels: Sequence[Panel], path: str | os.PathLike[str]) -> Path:
+    """Draw the panels into one picture; the ending of `path` chooses the format (.png, .pdf, .svg); returns its path.
+
+    Raises `InputError` for no panels, a path that cannot be written and an unknown ending.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    if not panels:
+        raise InputError("panels: there is nothing to draw")
+    target = checked_output_path(path, "panels")
+    rows = -(-len(panels) // COLUMNS)
+    columns = -(-len(panels) // rows)
+    figure = Figure(figsize=(PANEL_SIZE[0] * columns, PANEL_SIZE[1] * rows), dpi=DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    for n, panel in enumerate(panels):
+        panel.draw(figure.add_subplot(rows, columns, n + 1))
+    try:
+        figure.savefig(target)
+    except ValueError as error:
+        raise InputError(f"panels: '{target.name}': {error}") from error
+    return target

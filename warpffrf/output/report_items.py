@@ -1,0 +1,48 @@
+"""Lines of the report on joints, force elements and sensors: where each ended, and the largest on the way."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+MOST_LINES = 20  # of one kind: a report is read on one screen
+
+
+def item_lines(result: Any) -> list[str]:
+    """One line a joint, force element and sensor of a run with saved rows, at most `MOST_LINES` of a kind. Stresses are
+    left out: they are evaluated when they are asked for."""
+    history = result.history
+    return [
+        *_capped("joints", [_joint(name, joint) for name, joint in history.joints.items()]),
+        *_capped("forces", [_force(name, force) for name, force in history.forces.items()]),
+        *_capped("sensors", [_sensor(name, sensor) for name, sensor in history.sensors.items()]),
+    ]
+
+
+def _capped(kind: str, lines: list[str]) -> list[str]:
+    more = len(lines) - MOST_LINES
+    return lines if more <= 0 else [*lines[:MOST_LINES], f"... and {more} more {kind}"]
+
+
+def _size(vectors: Any, unit: str) -> str:
+    """The length of a vector (T, 3) at the end, and its largest."""
+    lengths = np.linalg.norm(vectors, axis=1)
+    return f"{lengths[-1]:.5g} {unit} (largest {np.max(lengths):.5g})"
+
+
+def _joint(name: str, joint: Any) -> str:
+    line = f"joint '{name}': reaction {_size(joint.force, 'N')}, {_size(joint.torque, 'N m')}"
+    for coordinate in joint.names:
+        unit = "rad" if coordinate.endswith("rotation") else "m"
+        line += f"; {coordinate.replace('_', ' ')} {joint.named(coordinate)[-1]:.6g} {unit}"
+    return line
+
+
+def _force(name: str, force: Any) -> str:
+    return f"force '{name}': {_size(force.force, 'N')}, {_size(force.torque, 'N m')}"
+
+
+def _sensor(name: str, sensor: Any) -> str:
+    last = ", ".join(f"{c} {v:.5g}" for c, v in zip(sensor.components, np.asarray(sensor.values)[-1], strict=True))
+    return f"sensor '{name}' [{sensor.unit}]: {last}"
