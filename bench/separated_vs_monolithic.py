@@ -1,12 +1,15 @@
 """A step of the separated solver beside one of every monolithic variant: `python bench/separated_vs_monolithic.py`.
 
-Two rollers with about 500 local modes each (`tread_body`) roll to and fro on each other at a constant approach; the
-same scene, step and coefficients for all. Reported are the time of a step, how many times that of the separated solver
-it is, the largest difference of the contact force, and the share of a step spent in BLAS and LAPACK (`dgetrf`, `dgetrs`
-and the `dgemm` of the contact stiffness, timed inside the run; other matrix products are not counted).
+Two scenes, each with about 500 local modes a roller, and the same step and coefficients for all: *tread*, two rollers
+with fine grids on part of the rim (`tread_body`) that roll to and fro on each other at a constant approach; *demo*, the
+two-roller demo on a coarse mesh. Reported are the time of a step, how many times that of the separated solver it is,
+the largest difference of the contact force, and the share of a step spent in BLAS and LAPACK (`dgetrf`, `dgetrs` and
+the `dgemm` of the contact stiffness, timed inside the run; other matrix products are not counted).
 
 Variants: full (dense LU in each iteration), modified (kept LU), low_rank (local coordinates condensed, contact of low
 rank), each with the weak law of the separated solver ("hats") and with a stiff layer at every FE node ("nodes").
+
+`--series` instead: the force of the two laws on treads of finer and finer grids, and what the layer does to it.
 """
 
 from __future__ import annotations
@@ -21,18 +24,23 @@ import numpy as np
 from scipy.linalg import blas, lapack
 
 from warpffrf import monolithic
+from warpffrf.demos import two_rollers
 from warpffrf.monolithic import linear
-from warpffrf.monolithic.contact import LAWS
+from warpffrf.monolithic.contact import LAWS, STIFFER, default_layer
 from warpffrf.monolithic.linear import VARIANTS
 from warpffrf.online import GeneralizedAlpha, run
 from warpffrf.study.rollers import PAIR
 from warpffrf.study.step_time import machine, swinging_pair, tread_body
 
-COLUMNS = 56  # of 960, with 9 hats each: 504 local modes a roller
+SECTORS, LAYERS, AXIAL = 1920, 18, 4  # near-square cells, about five elements a half-width, as in the demo
+COLUMNS = 100  # with 5 hats each: 495 local modes a roller
 APPROACH = 60e-6  # m: about 45 active modes
 RATE = 20.0  # rad/s
 SWING = 0.08  # rad: the patch stays on the tread
 STEP = 1e-4  # s
+DEMO = two_rollers.Size(sectors=100, layers=7, axial=4)  # 500 hats
+SERIES = ((960, 14, 8, 56), (1920, 18, 4, 100), (2880, 20, 4, 150), (3840, 22, 4, 200))  # sectors ... columns
+STIFF = 100.0  # times the default layer
 RHO = 0.8
 ROUNDS = 3
 
@@ -59,12 +67,27 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
     parser.add_argument("--steps", type=int, default=30)
+    parser.add_argument("--series", action="store_true", help="forces of the two laws instead of times")
     given = parser.parse_args()
     about = machine()
-    unit = about["unit_seconds"]
-    body = tread_body(COLUMNS, modes=0)
-    duration = given.steps * STEP
-    scene = swinging_pair(body, APPROACH, SWING, RATE, duration)
+    if given.series:
+        found: dict[str, Any] = {"series": series()}
+    else:
+        duration = given.steps * STEP
+        body = tread_body(COLUMNS, sectors=SECTORS, layers=LAYERS, axial=AXIAL, modes=0)
+        scenes = {
+            "tread": swinging_pair(body, APPROACH, SWING, RATE, duration),
+            "demo": two_rollers.build(DEMO, progress=False),
+        }
+        print(f"U = {about['unit_seconds'] * 1e6:.1f} us")
+        found = {name: compare(name, scene, given.steps, about["unit_seconds"]) for name, scene in scenes.items()}
+    if given.json:
+        given.json.write_text(json.dumps({**about, **found}, indent=1) + "\n")
+
+
+def compare(name: str, scene: Any, steps: int, unit: float) -> dict[str, Any]:
+    """Time all variants on `scene`, print and return their rows."""
+    duration = steps * STEP
     for item in scene.bodies:
         item.level = "constant"
     histories, best = [], {}
@@ -79,10 +102,10 @@ def main() -> None:
                 if known is None or row["seconds_per_step"] < known["seconds_per_step"]:
                     best[(law, variant)] = row
     separated = min(histories, key=lambda h: h.counters["seconds_in_graph"])
-    base = separated.counters["seconds_in_graph"] / given.steps
+    base = separated.counters["seconds_in_graph"] / steps
     force = separated.contacts[PAIR].force
     size = float(np.linalg.norm(force, axis=1).max())
-    print(f"U = {unit * 1e6:.1f} us, {body.local_modes} local modes a roller, {separated.status}, force {size:.0f} N")
+    print(f"{name}: {scene.bodies[0].reduced.local_modes} local modes a roller, {separated.status}, force {size:.0f} N")
     print(f"separated        {base * 1e6:10.1f} us/step {base / unit:8.2f} U   "
           f"{separated.iterations[1:].mean():.2f} iterations, "
           f"{separated.contacts[PAIR].active_modes.mean():.1f} active")  # fmt: skip
@@ -97,13 +120,46 @@ def main() -> None:
             f"{row['times']:8.0f} {row['iterations']:11.2f} {row['factorisations']:8.2f} {row['blas_share']:7.1%} "
             f"{row['equations_share']:10.1%} {row['contact_share']:8.1%} {row['force_off']:10.2e} {row['status']}"
         )
-    same = [r for r in rows if r["law"] == "hats"]
-    fastest = min(rows, key=lambda r: r["seconds_per_step"])
-    print(f"fastest: {fastest['variant']}, {fastest['law']}: {fastest['times']:.0f} times the separated step; "
-          f"of the same law: {min(r['times'] for r in same):.0f} times")  # fmt: skip
-    if given.json:
-        found = {**about, "separated_seconds_per_step": base, "rows": rows}
-        given.json.write_text(json.dumps(found, indent=1) + "\n")
+    return {"separated_seconds_per_step": base, "rows": rows}
+
+
+def series() -> list[dict[str, Any]]:
+    """Forces of both laws while the rollers roll over several elements, on finer and finer grids."""
+    print("sectors  elements a half-width  force of hats  ripple  of nodes  ripple  mean off  worst off  layer")
+    found = []
+    for sectors, layers, axial, columns in SERIES:
+        body = tread_body(columns, sectors=sectors, layers=layers, axial=axial, modes=0)
+        stiff = STIFF * default_layer(body.contact_surfaces["tread"])
+        forces, active = {}, 0.0
+        for law, layer in (("hats", None), ("nodes", None), ("stiff", stiff)):
+            scene = swinging_pair(body, APPROACH, SWING, RATE, 30 * STEP)
+            for item in scene.bodies:
+                item.level = "constant"
+            history = monolithic.run(
+                scene, 30 * STEP, step=STEP, start="equilibrium", variant="low_rank", progress=False,
+                law="hats" if law == "hats" else "nodes", layer_stiffness=layer,
+                integrator=GeneralizedAlpha(RHO),
+            )  # fmt: skip
+            if history.status != "completed":
+                raise RuntimeError(f"{law}: {history.status}: {history.message}")
+            forces[law] = np.linalg.norm(history.contacts[PAIR].force, axis=1)[1:]
+            if law == "hats":
+                active = float(history.contacts[PAIR].active.mean()) / (axial + 1)
+        hats, nodes = forces["hats"], forces["nodes"]
+        row = {
+            "sectors": sectors, "elements": 0.5 * active,
+            "hats": hats.mean(), "hats_ripple": np.ptp(hats) / hats.mean(),
+            "nodes": nodes.mean(), "nodes_ripple": np.ptp(nodes) / nodes.mean(),
+            "mean_off": nodes.mean() / hats.mean() - 1.0, "worst_off": np.abs(nodes / hats - 1.0).max(),
+            "layer": nodes.mean() / forces["stiff"].mean() - 1.0, "layer_factor": STIFFER,
+        }  # fmt: skip
+        found.append({name: float(value) for name, value in row.items()})
+        print(
+            f"{sectors:7d} {row['elements']:22.1f} {row['hats']:14.1f} {row['hats_ripple']:7.2%} {row['nodes']:9.1f} "
+            f"{row['nodes_ripple']:7.2%} {row['mean_off']:9.2%} {row['worst_off']:10.2%} {row['layer']:6.2%}",
+            flush=True,
+        )
+    return found
 
 
 def measure(scene: Any, duration: float, variant: str, law: str) -> dict[str, Any]:
@@ -114,12 +170,12 @@ def measure(scene: Any, duration: float, variant: str, law: str) -> dict[str, An
         # the settling of the start is not counted: it is run first, then the steps are timed
         warm = monolithic.run(
             scene, STEP, step=STEP, start="equilibrium", variant=variant, law=law, progress=False,
-            integrator=monolithic.generalized_alpha(RHO),
+            integrator=GeneralizedAlpha(RHO),
         )  # fmt: skip
         timed.seconds = 0.0
         history = monolithic.run(
             scene, duration - STEP, step=STEP, start=warm, variant=variant, law=law, progress=False,
-            integrator=monolithic.generalized_alpha(RHO),
+            integrator=GeneralizedAlpha(RHO),
         )  # fmt: skip
     finally:
         linear.lapack, linear.blas = lapack, blas

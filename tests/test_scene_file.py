@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 import warpffrf as wf
 from warpffrf import cli
 from warpffrf.demos import two_rollers as demo
-from warpffrf.online import INTEGRATORS
 from warpffrf.scene_file import load_scene, run_scene
 from warpffrf.scene_file.document import document_of, to_toml
 from warpffrf.scene_file.forms import item_kinds
@@ -118,89 +117,6 @@ def test_every_joint_can_be_written() -> None:
             ]
         )
         assert scene_of(text).scene.joint("one").kind == kind
-
-
-def test_every_integrator_and_treatment_of_local_modes_can_be_written() -> None:
-    for kind, cls in INTEGRATORS.items():
-        loaded = scene_of(OSCILLATOR + f'integrator = {{ kind = "{kind}" }}\n')
-        assert loaded.simulate is not None and loaded.simulate["integrator"] == cls()
-    hht = 'integrator = { kind = "hht", alpha = -0.2, project_velocities = true }\naccuracy = 1e-6\n'
-    options = scene_of(OSCILLATOR + hht + 'project_start = true\nlocal = "auto"\n').simulate
-    assert options is not None and options["integrator"] == wf.integrators.HHT(-0.2, project_velocities=True)
-    assert options["accuracy"] == 1e-6 and options["project_start"] is True and options["local"] == "auto"
-    treatment = '{ kind = "local_dynamics", treatment = "hht", max_frequency = 60e3 }'
-    expected = wf.LocalDynamics("hht", max_frequency=60e3)
-    options = scene_of(OSCILLATOR + f"local = {treatment}\n").simulate
-    assert options is not None and options["local"] == expected
-    staged = STAGES.replace("save_every = 2", f"save_every = 2, local = {treatment}")
-    options = scene_of(OSCILLATOR[: OSCILLATOR.index("[simulate]")] + staged).simulate
-    assert options is not None and options["stages"][1].options["local"] == expected
-    for wrong, said in (
-        ('{ kind = "local_dynamics", treatment = "htt" }', "known: 'quasi_static', 'hht'"),
-        ('{ kind = "local_dynamics", frequency = 6e4 }', "unknown key 'frequency'"),
-        ('{ kind = "local_dynamic" }', "did you mean 'local_dynamics'"),
-    ):
-        with pytest.raises(wf.InputError, match=re.escape(said)) as caught:
-            scene_of(OSCILLATOR + f"local = {wrong}\n")
-        line = OSCILLATOR.count("\n") + 1
-        assert str(caught.value).startswith(f"scene.toml:{line}: "), caught.value
-
-
-BEAM = """\
-[materials.alloy]
-youngs_modulus = 70e9
-poisson_ratio = 0.3
-density = 2700
-
-[meshes.beam]
-kind = "box"
-size = [0.5, 0.02, 0.02]
-counts = [6, 1, 1]
-
-[reduced_bodies.beam]
-mesh = "beam"
-material = "alloy"
-interfaces = { x_min = "rigid" }
-modes = 6
-stiffening = true
-inertia_modes = 5
-cache = false
-
-[bodies.beam]
-body = "beam"
-inertia = "gyroscopic"
-stiffening = true
-damping = "1/10/100"
-angular_velocity = [0, 0, 30]
-velocity = [0, 7.5, 0]
-
-[joints.hub]
-kind = "revolute"
-a = "ground"
-b = "beam.x_min"
-axis = [0, 0, 1]
-"""
-
-
-def test_a_turning_flexible_body_with_its_options() -> None:
-    """Damping, inertia level and stiffening from TOML are those of the same calls in Python."""
-    mesh = wf.mesh.box((0.5, 0.02, 0.02), (6, 1, 1), name="box")
-    beam = wf.reduce(
-        mesh, wf.Material(70e9, 0.3, 2700.0), interfaces={"x_min": "rigid"}, modes=6, stiffening=True, inertia_modes=5,
-        cache=False, progress=False,
-    )  # fmt: skip
-    scene = wf.Scene()
-    body = scene.add_body(
-        beam, name="beam", inertia="gyroscopic", stiffening=True, damping="1/10/100", angular_velocity=(0, 0, 30),
-        velocity=(0, 7.5, 0),
-    )  # fmt: skip
-    scene.add(wf.joints.Revolute(scene.ground, body["x_min"], axis=(0, 0, 1), name="hub"))
-    assert scene_of(BEAM).scene.content_hash() == scene.content_hash()
-    for bands in ('{ kind = "damping_bands", bands = [[100, 0.01], [1e3, 0.1], [inf, 1.0]] }', '"1/10/100"'):
-        damping = scene_of(BEAM.replace('"1/10/100"', bands)).scene.body("beam").damping
-        assert damping == pytest.approx(body.damping)
-    with pytest.raises(wf.InputError, match=r"scene.toml:21: \[bodies.beam\].*'auto'"):
-        scene_of(BEAM.replace('"gyroscopic"', '"gyroscopc"'))
 
 
 # --- names, settings, includes

@@ -13,7 +13,7 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from warpffrf.model import bases, damping, forces, joints, mesh, sensors, signals, surfaces
+    from warpffrf.model import bases, damping, forces, integrators, joints, laws, mesh, sensors, signals, surfaces
     from warpffrf.model.contact import Contact
     from warpffrf.model.errors import InputError
     from warpffrf.model.material import Material
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from warpffrf.model.stress_field import StressPoints
     from warpffrf.offline import reduce
     from warpffrf.offline.contact.grid_rule import contact_spacing
-    from warpffrf.online import GeneralizedAlpha, LocalDynamics, integrators
+    from warpffrf.online import GeneralizedAlpha, LocalDynamics
     from warpffrf.online.stages import Stage
     from warpffrf.output.modes_result import eigenmodes
     from warpffrf.output.result import Result
@@ -50,6 +50,7 @@ __all__ = [
     "forces",
     "integrators",
     "joints",
+    "laws",
     "load_scene",
     "mesh",
     "reduce",
@@ -78,8 +79,9 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "eigenmodes": ("warpffrf.output.modes_result", "eigenmodes"),
     "equilibrium": ("warpffrf.output.simulate", "equilibrium"),
     "forces": ("warpffrf.model.forces", None),
-    "integrators": ("warpffrf.online.integrators", None),
+    "integrators": ("warpffrf.model.integrators", None),
     "joints": ("warpffrf.model.joints", None),
+    "laws": ("warpffrf.model.laws", None),
     "load_scene": ("warpffrf.scene_file", "load_scene"),
     "mesh": ("warpffrf.model.mesh", None),
     "reduce": ("warpffrf.offline", "reduce"),

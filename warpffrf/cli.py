@@ -246,6 +246,12 @@ def reduce_mesh(
             "--stiffening", help="Also what turning and loads on interfaces add to the stiffness of the modes."
         ),
     ] = False,
+    centrifugal: Annotated[
+        bool,
+        typer.Option(
+            "--centrifugal", help="Also modes for the static response to turning: for rotors, discs, rings and blades."
+        ),
+    ] = False,
     local_dynamics: Annotated[
         bool,
         typer.Option("--local-dynamics", help="Also the mass of the local modes, for runs that give them inertia."),
@@ -279,6 +285,7 @@ def reduce_mesh(
             stress={name: name for name in stress or []},
             inertia_modes=inertia_modes,
             stiffening=stiffening,
+            centrifugal=centrifugal,
             local_dynamics=local_dynamics,
             cache=cache,
             progress=not _State.quiet,

@@ -16,14 +16,21 @@ With the inverse H of the outer matrix [S, C^T; C, ...] the correction
     (dv, mu) = H (0, s' - C v - C_m qdot),      dqdot = -sigma^-1 C_m^T mu
 
 removes what they miss with the least change in the metric of S, which is ACC times the mass to first order in h.
+The other quantities of the step follow, else accelerations and reactions would lag by a fraction of the step, an error
+of first order: what the velocities define through `v_1 = v_0 + h ((1 - gamma) a_0 + gamma a_1)` is
+
+    da_1 = dv/(gamma h),      dvdot_1 = ACC/VEL dv,      dlambda = mu/VEL,
+
+and M dvdot + C^T dlambda = 0, so that the balance of forces stays.
 """
 
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.balance import gyration_of
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.outer import gyration_of
-from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, real, sync, vec3
+from warpffrf_kernels.outer import apply_inverse
+from warpffrf_kernels.scalars import MODULE_OPTIONS, real, sync, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -105,36 +112,45 @@ def project_velocities(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     wanted: wp.array(dtype=int),
-    missed: wp.array2d(dtype=real),
+    missed: wp.array(dtype=real),
     inverse_transposed: wp.array(dtype=real),
     C_modal: wp.array3d(dtype=real),
     receptance: wp.array2d(dtype=real),
+    clk: wp.array2d(dtype=real),
     change: wp.array(dtype=real),
+    modal_change: wp.array(dtype=real),
     v1: wp.array2d(dtype=vec3),
     omega1: wp.array2d(dtype=vec3),
     qd1: wp.array2d(dtype=real),
+    v1_rate: wp.array2d(dtype=vec3),
+    omega1_rate: wp.array2d(dtype=vec3),
+    qd1_rate: wp.array2d(dtype=real),
+    lam: wp.array2d(dtype=real),
 ):
-    """One block per world: the correction of the module, added to the velocities at the end of the step."""
+    """One block per world: the correction of the module, added to velocities, accelerations and multipliers at the end
+    of the step."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w, k.ATTEMPT] == 0 or ctl[w, k.MODE] != k.DYNAMIC or wanted[w] == 0:
         return
     N = model.outer_count
-    i = lane
-    while i < N:
-        change[w * N + i] = real(0.0)
-        i += wp.block_dim()
+    apply_inverse(model, w, lane, model.row_offset, missed, w * model.row_count, inverse_transposed, change)
     sync()
-    row = int(0)
+    rise = clk[w, k.ACC] / clk[w, k.VEL]
+    row = lane
     while row < model.row_count:
-        axpy(N, missed[w, row], inverse_transposed, (w * N + model.row_offset + row) * N, change, w * N)
-        row += 1
-    sync()
+        if model.row_rigid[row] != 0:
+            lam[w, row] = lam[w, row] + change[w * N + model.row_offset + row] / clk[w, k.VEL]
+        row += wp.block_dim()
     b = lane
     while b < model.body_count:
         o = w * N + 6 * b
-        v1[w, b] = v1[w, b] + vec3(change[o], change[o + 1], change[o + 2])
-        omega1[w, b] = omega1[w, b] + vec3(change[o + 3], change[o + 4], change[o + 5])
+        dv = vec3(change[o], change[o + 1], change[o + 2])
+        domega = vec3(change[o + 3], change[o + 4], change[o + 5])
+        v1[w, b] = v1[w, b] + dv
+        omega1[w, b] = omega1[w, b] + domega
+        v1_rate[w, b] = v1_rate[w, b] + rise * dv
+        omega1_rate[w, b] = omega1_rate[w, b] + rise * domega
         b += wp.block_dim()
     n = lane
     while n < model.modal_count:
@@ -146,5 +162,38 @@ def project_velocities(
             while row < model.row_count:
                 value -= receptance[w, n] * C_modal[w, row, n] * change[w * N + model.row_offset + row]
                 row += 1
+        modal_change[w * model.modal_count + n] = value
         qd1[w, n] = qd1[w, n] + value
+        qd1_rate[w, n] = qd1_rate[w, n] + rise * value
+        n += wp.block_dim()
+
+
+@wp.kernel
+def correct_algorithmic(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    wanted: wp.array(dtype=int),
+    clk: wp.array2d(dtype=real),
+    change: wp.array(dtype=real),
+    modal_change: wp.array(dtype=real),
+    v_alg: wp.array2d(dtype=vec3),
+    omega_alg: wp.array2d(dtype=vec3),
+    qd_alg: wp.array2d(dtype=real),
+):
+    """One block per world: the algorithmic accelerations of an accepted step, as its projected velocities have them.
+    Where an event has restarted them from the true ones they are right already."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.ACCEPT] == 0 or ctl[w, k.MODE] != k.DYNAMIC or wanted[w] == 0 or ctl[w, k.EVENT] != 0:
+        return
+    share = real(1.0) / (clk[w, k.GAMMA] * clk[w, k.H])
+    b = lane
+    while b < model.body_count:
+        o = w * model.outer_count + 6 * b
+        v_alg[w, b] = v_alg[w, b] + share * vec3(change[o], change[o + 1], change[o + 2])
+        omega_alg[w, b] = omega_alg[w, b] + share * vec3(change[o + 3], change[o + 4], change[o + 5])
+        b += wp.block_dim()
+    n = lane
+    while n < model.modal_count:
+        qd_alg[w, n] = qd_alg[w, n] + share * modal_change[w * model.modal_count + n]
         n += wp.block_dim()

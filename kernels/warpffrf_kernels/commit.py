@@ -11,14 +11,13 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.motion import rule_of
+from warpffrf_kernels.motion import algorithmic, rule_of
 from warpffrf_kernels.scalars import MODULE_OPTIONS, quat, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
-QUIET = wp.constant(
-    wp.float64(0.125)
-)  # of the energy tolerance: a step of second order with a defect below 1/2^3 of it may be doubled
+# of the energy tolerance: a step of second order with a defect below 1/2^3 of it may be doubled
+QUIET = wp.constant(wp.float64(0.125))
 
 
 @wp.kernel
@@ -150,10 +149,8 @@ def keep_bodies(
             r[w, b] = r1[w, b]
             p[w, b] = p1[w, b]
         h = clk[w, k.H]
-        a_t = (dx[w, b] - h * v[w, b] - h * h * (real(0.5) - clk[w, k.BETA]) * v_alg[w, b]) / (clk[w, k.BETA] * h * h)
-        a_r = (psi[w, b] - h * omega[w, b] - h * h * (real(0.5) - clk[w, k.BETA]) * omega_alg[w, b]) / (
-            clk[w, k.BETA] * h * h
-        )
+        a_t = algorithmic(clk, w, k.ALPHA_M, dx[w, b], v[w, b], v_alg[w, b])
+        a_r = algorithmic(clk, w, k.ALPHA_M, psi[w, b], omega[w, b], omega_alg[w, b])
         if mode == k.START or ctl[w, k.EVENT] != 0:
             a_t = v1_rate[w, b]
             a_r = omega1_rate[w, b]
@@ -197,11 +194,11 @@ def keep_modes(
         if mode == k.DYNAMIC or mode == k.STATIC:
             q[w, n] = q1[w, n]
         h = clk[w, k.H]
-        beta = clk[w, k.BETA]
         rule = rule_of(model, ctl, clk, w, n)
+        at = int(k.ALPHA_M)
         if rule == 1:
-            beta = clk[w, k.LOCAL + 2]
-        a = (dq[w, n] - h * qd[w, n] - h * h * (real(0.5) - beta) * qd_alg[w, n]) / (beta * h * h)
+            at = int(k.LOCAL)
+        a = algorithmic(clk, w, at, vec3(dq[w, n]), vec3(qd[w, n]), vec3(qd_alg[w, n]))[0]
         if mode == k.START or ctl[w, k.EVENT] != 0 or rule == 2:
             a = qd1_rate[w, n]
         if mode == k.DYNAMIC or mode == k.START:

@@ -239,7 +239,13 @@ def modal_rows(
             const double* t = T.data + ((size_t)w * cap + j) * model.node_capacity;
             for (int e = 0; e < count; ++e) g += weight[e] * t[node[e]];
             const double* Jj = J.data + ((size_t)w * cap + j) * width;
-            for (int n = 0; n < count_a + count_b; ++n) f += scaled[n] * Jj[n];
+            int n = 0; const int all = count_a + count_b;
+            if (all >= 16) {  // as in `dot`
+                double sum[16] = {0.0};
+                for (; n + 15 < all; n += 16) for (int c = 0; c < 16; ++c) sum[c] += scaled[n + c] * Jj[n + c];
+                for (int c = 0; c < 16; ++c) f += sum[c];
+            }
+            for (; n < all; ++n) f += scaled[n] * Jj[n];
         }
         G.data[((size_t)w * cap + slot) * cap + j] = g + f; G.data[((size_t)w * cap + j) * cap + slot] = g + f;
     }
@@ -334,7 +340,6 @@ def outer_rows(
         first_a = model.modal_start[A]
         count_a = model.modal_start[A + 1] - first_a
         first_b = model.modal_start[B]
-        count_b = model.modal_start[B + 1] - first_b
         start = (w * model.slot_capacity + slot) * model.pair_modes
         count = model.coupled_count[pair]
         c = 12 + lane
@@ -348,8 +353,8 @@ def outer_rows(
                 L[w, slot, c] = J[start + at]
             else:
                 at = (w * model.row_count + column - model.row_offset) * model.modal_count
-                value = -dot(count_a, J, start, C_receptance, at + first_a)
-                value -= dot(count_b, J, start + count_a, C_receptance, at + first_b)
+                value = -dot(model.global_count[A], J, start, C_receptance, at + first_a)
+                value -= dot(model.global_count[B], J, start + count_a, C_receptance, at + first_b)
                 L[w, slot, c] = value
             c += wp.block_dim()
         begin = (w * model.slot_capacity + slot) * N

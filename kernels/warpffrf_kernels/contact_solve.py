@@ -20,8 +20,9 @@ import warp as wp
 from warpffrf_kernels import control as k
 from warpffrf_kernels.contact_fields import local_gap, on_stencil
 from warpffrf_kernels.contact_geometry import GUARD
+from warpffrf_kernels.interfaces import modal_line, side_of
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
+from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3, weighted
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -112,8 +113,8 @@ def solve_pressures(
     J: wp.array(dtype=real),
     L: wp.array3d(dtype=real),
     V: wp.array(dtype=real),
-    receptance: wp.array2d(dtype=real),
-    modal_residual: wp.array2d(dtype=real),
+    receptance: wp.array(dtype=real),
+    modal_residual: wp.array(dtype=real),
     z_free: wp.array(dtype=real),
     ctl: wp.array2d(dtype=int),
     right: wp.array2d(dtype=real),
@@ -160,17 +161,16 @@ def solve_pressures(
         while c < model.coupled_count[pair]:
             total -= L[w, a, c] * z_free[w * model.outer_count + model.coupled[pair, c]]
             c += 1
-        n = int(0)
+        line = (w * model.slot_capacity + a) * model.pair_modes
         for side in range(2):
             surface = model.pair_first[pair]
             if side == 1:
                 surface = model.pair_second[pair]
-            mode = model.modal_start[model.surface_body[surface]]
-            while mode < model.modal_start[model.surface_body[surface] + 1]:
-                entry = J[(w * model.slot_capacity + a) * model.pair_modes + n]
-                total += entry * receptance[w, mode] * modal_residual[w, mode]
-                n += 1
-                mode += 1
+            body = model.surface_body[surface]
+            modes = w * model.modal_count + model.modal_start[body]
+            n = model.modal_start[body + 1] - model.modal_start[body]
+            total += weighted(n, J, line, receptance, modes, modal_residual, modes)
+            line += n
         right[w, a] = total
         i += wp.block_dim()
     sync()
@@ -213,7 +213,7 @@ def modal_increments(
     J: wp.array(dtype=real),
     pressure: wp.array3d(dtype=real),
     base: wp.array3d(dtype=real),
-    C_modal: wp.array3d(dtype=real),
+    C_modal: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
     z: wp.array(dtype=real),
@@ -243,15 +243,19 @@ def modal_increments(
             axpy(modes_a, change, J, start, modal_step, first + model.modal_start[A])
             axpy(modes_b, change, J, start + modes_a, modal_step, first + model.modal_start[B])
         slot += 1
+    row = int(0)
+    while row < model.row_count:
+        for side in range(2):
+            b = side_of(model, row, side)
+            if b >= 0:
+                pull = -z[w * model.outer_count + model.row_offset + row]
+                at = first + model.modal_start[b]
+                axpy(model.global_count[b], pull, C_modal, modal_line(model, w, row, b), modal_step, at)
+        row += 1
     sync()
     n = lane
     while n < model.modal_count:
-        total = modal_step[first + n]
-        row = int(0)
-        while row < model.row_count:
-            total -= C_modal[w, row, n] * z[w * model.outer_count + model.row_offset + row]
-            row += 1
-        modal_step[first + n] = receptance[w, n] * total
+        modal_step[first + n] = receptance[w, n] * modal_step[first + n]
         if model.dense_of[n] >= 0:
             modal_step[first + n] = z[w * model.outer_count + 6 * model.body_count + model.dense_of[n]]
         n += wp.block_dim()

@@ -18,6 +18,7 @@ skew part K_a works, `-1/2 (K_a (c_0 + c_1)) . (c_1 - c_0)` a step.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.interfaces import add_load, line_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.rows import evaluate_signal
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
@@ -180,11 +181,11 @@ def apply_loads(
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
     axes: wp.array2d(dtype=mat33),
-    slope: wp.array4d(dtype=real),
+    slope: wp.array(dtype=real),
     residual: wp.array2d(dtype=real),
-    modal_residual: wp.array2d(dtype=real),
+    modal_residual: wp.array(dtype=real),
     load: wp.array3d(dtype=real),
-    load_on_modes: wp.array3d(dtype=real),
+    load_on_modes: wp.array(dtype=real),
 ):
     """Per world: point torques and body loads as generalised forces (force in world axes, torque in body axes, modal),
     subtracted from the residuals and kept for the ledger.
@@ -197,9 +198,10 @@ def apply_loads(
     while i < 6 * model.body_count:
         load[w, 1, i] = real(0.0)
         i += 1
+    kept = (2 * w + 1) * model.modal_count  # of the trial state
     i = int(0)
     while i < model.modal_count:
-        load_on_modes[w, 1, i] = real(0.0)
+        load_on_modes[kept + i] = real(0.0)
         i += 1
     t = clk[w, k.NEXT_TIME]
     i = int(0)
@@ -216,14 +218,11 @@ def apply_loads(
             load[w, 1, 6 * b + 3 + c] = load[w, 1, 6 * b + 3 + c] + torque[c]
         interface = model.torque_interface[i]
         if interface >= 0:
-            m = model.modal_start[b]
-            o = m
-            while m < model.modal_start[b + 1]:
-                value = real(0.0)
-                for c in range(3):
-                    value += slope[w, interface, m - o, 3 + c] * torque[c]
-                load_on_modes[w, 1, m] = load_on_modes[w, 1, m] + value
-                m += 1
+            modes = kept + model.modal_start[b]
+            line = line_of(model, w, interface)
+            n = model.global_count[b]
+            none = vec3(real(0.0))
+            add_load(n, real(1.0), none, torque, model.interface_width, slope, line, load_on_modes, modes)
         i += 1
     i = int(0)
     while i < model.load_count:
@@ -236,7 +235,7 @@ def apply_loads(
         m = model.modal_start[b]
         o = m
         while m < model.modal_start[b + 1]:
-            load_on_modes[w, 1, m] = load_on_modes[w, 1, m] + s * model.load_modal[i, m - o]
+            load_on_modes[kept + m] = load_on_modes[kept + m] + s * model.load_modal[i, m - o]
             m += 1
         i += 1
     i = int(0)
@@ -245,5 +244,5 @@ def apply_loads(
         i += 1
     i = int(0)
     while i < model.modal_count:
-        modal_residual[w, i] = modal_residual[w, i] - load_on_modes[w, 1, i]
+        modal_residual[w * model.modal_count + i] = modal_residual[w * model.modal_count + i] - load_on_modes[kept + i]
         i += 1

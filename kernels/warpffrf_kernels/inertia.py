@@ -27,6 +27,7 @@ motion -q.K_k q/2 of the interface: its derivative is `slope`, the force of a ro
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.interfaces import line_of, marker_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.rotation import hat
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, vec3
@@ -215,9 +216,7 @@ def couple_modes(
         row = int(0)
         while row < model.row_count:
             for side in range(2):
-                marker = model.row_a[row]
-                if side == 1:
-                    marker = model.row_b[row]
+                marker = marker_of(model, row, side)
                 f = model.marker_interface[marker]
                 if f >= 0 and model.marker_body[marker] == b and model.interface_stiffening_start[f] >= 0:
                     begin = model.interface_stiffening_start[f] + (d - model.dense_start[b]) * count
@@ -233,7 +232,7 @@ def shorten_interfaces(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     q1: wp.array(dtype=real),
-    slope: wp.array4d(dtype=real),
+    slope: wp.array(dtype=real),
 ):
     """Lanes over interfaces: derivative of their motion by the modes, Phi - K_k q where loads stiffen the body."""
     w, lane = wp.tid()
@@ -250,8 +249,8 @@ def shorten_interfaces(
             i = int(0)
             while i < count:
                 for c in range(6):
-                    at = start + (c * count + i) * count
-                    less = dot(count, model.interface_stiffening, at, q1, modes)
-                    slope[w, f, i, c] = model.interface_modes[f, i, c] - less
+                    less = dot(count, model.interface_stiffening, start + (c * count + i) * count, q1, modes)
+                    straight = model.interface_modes[(6 * f + c) * model.interface_width + i]
+                    slope[line_of(model, w, f) + c * model.interface_width + i] = straight - less
                 i += 1
         f += wp.block_dim()

@@ -42,7 +42,9 @@ class Model:
     interface_stiffening_start: wp.array(dtype=int)  # (interfaces,) into interface_stiffening, -1 without
     interface_stiffening: wp.array(dtype=real)  # (6, count, count) an interface: K per unit force, torque
     interface_point: wp.array(dtype=vec3)  # (interfaces,) m, body frame
-    interface_modes: wp.array3d(dtype=real)  # (interfaces, modes of the body, 6): translation, rotation
+    global_count: wp.array(dtype=int)  # (bodies,) modes that move interfaces, the first ones of the body
+    interface_width: int  # largest global_count
+    interface_modes: wp.array(dtype=real)  # (interfaces, 6, interface_width) flat: translation, rotation by the modes
     interface_reach: wp.array2d(dtype=real)  # (interfaces, 6) largest of interface_modes over the modes
     # markers: joint frames
     marker_body: wp.array(dtype=int)

@@ -13,14 +13,15 @@ so that `a_1`, `v_1`, `vdot_1` are affine in `d` with slopes `1/(beta h^2)`, `VE
 * STATIC (beta = 1, gamma = 0, alphas 0, all rates zero): `vdot_1 = d/h^2`, a proximal step towards the static state.
 * PROJECT (beta = gamma = 1, alphas 0): one tiny implicit Euler step; its velocity is the given one made consistent with
   joints and drives, in the mass metric.
-* START (beta = 1/2, gamma = 1, alphas 0): one tiny step of constant acceleration gives consistent `vdot` and `lambda`.
+* START (beta = 1/2, gamma = 1, alphas 0): one tiny step of constant acceleration gives `vdot`, `lambda` and pressures
+  (`warpffrf.online.accelerations` then takes out the round-off of its size).
 
 Modes of kind 1 (HHT) have coefficients of their own in a dynamic step, those of kind 2 the exact step for a linear load
 (`exact_step`), in which the load at the end plays the part of the residual and D that of the receptance.
 
 Balance of a body in the floating frame with origin in its centre of mass and constant inertia (linear momentum in world
 axes, angular in body axes): `m rddot = F`, `J wdot + w x J w = M`; a mode of unit mass: `qddot + 2 zeta omega qdot +
-omega^2 q = f`.
+omega^2 q = f`. What a deforming body adds to these: `inertia`.
 """
 
 import warp as wp
@@ -149,8 +150,9 @@ def rule_of(model: Model, ctl: wp.array2d(dtype=int), clk: wp.array2d(dtype=real
 
 
 @wp.func
-def exact_step(stiffness: real, damping: real, h: real, q0: real, v0: real, f0: real):
-    """q1 = held + D f1 and q1' = slid + S f1 of q'' + c q' + omega^2 q = f0 + (f1 - f0) t/h: held, D, slid, S."""
+def write_exact(stiffness: real, damping: real, h: real, table: wp.array3d(dtype=real), w: int, m: int):
+    """Coefficients of `exact_step` for mode m: h, then A, B, C, D of the displacement and those of the velocity. They
+    are kept until the step changes."""
     one = real(1.0)
     omega = wp.sqrt(stiffness)
     zeta = real(0.5) * damping / omega
@@ -161,15 +163,24 @@ def exact_step(stiffness: real, damping: real, h: real, q0: real, v0: real, f0: 
     s = e * wp.sin(x)
     c = e * wp.cos(x)
     z = zeta / root
-    y = omega * h
-    A = z * s + c
-    B = s / turned
-    g = real(2.0) * zeta / y
-    C = (g + ((one - real(2.0) * zeta * zeta) / x - z) * s - (one + g) * c) / stiffness
-    D = (one - g + (real(2.0) * zeta * zeta - one) / x * s + g * c) / stiffness
-    C1 = (-one / h + (omega / root + z / h) * s + c / h) / stiffness
-    S = (one - z * s - c) / (stiffness * h)
-    return A * q0 + B * v0 + C * f0, D, -omega / root * s * q0 + (c - z * s) * v0 + C1 * f0, S
+    g = real(2.0) * zeta / (omega * h)
+    table[w, m, 0] = h
+    table[w, m, 1] = z * s + c
+    table[w, m, 2] = s / turned
+    table[w, m, 3] = (g + ((one - real(2.0) * zeta * zeta) / x - z) * s - (one + g) * c) / stiffness
+    table[w, m, 4] = (one - g + (real(2.0) * zeta * zeta - one) / x * s + g * c) / stiffness
+    table[w, m, 5] = -omega / root * s
+    table[w, m, 6] = c - z * s
+    table[w, m, 7] = (-one / h + (omega / root + z / h) * s + c / h) / stiffness
+    table[w, m, 8] = (one - z * s - c) / (stiffness * h)
+
+
+@wp.func
+def exact_step(table: wp.array3d(dtype=real), w: int, m: int, q0: real, v0: real, f0: real):
+    """q1 = held + D f1 and q1' = slid + S f1 of q'' + c q' + omega^2 q = f0 + (f1 - f0) t/h: held, D, slid, S."""
+    held = table[w, m, 1] * q0 + table[w, m, 2] * v0 + table[w, m, 3] * f0
+    slid = table[w, m, 5] * q0 + table[w, m, 6] * v0 + table[w, m, 7] * f0
+    return held, table[w, m, 4], slid, table[w, m, 8]
 
 
 @wp.kernel
@@ -206,6 +217,7 @@ def predict_modes(
     qd_alg: wp.array2d(dtype=real),
     modal_load: wp.array3d(dtype=real),
     dq: wp.array2d(dtype=real),
+    exact: wp.array3d(dtype=real),
 ):
     w, lane = wp.tid()
     model = models[0]
@@ -220,7 +232,9 @@ def predict_modes(
         dq[w, m] = p[0]
         if rule_of(model, ctl, clk, w, m) == 2:  # the load of before, kept
             f0 = modal_load[w, 0, m]
-            held, D, slid, S = exact_step(model.stiffness[m], model.damping[m], clk[w, k.H], q[w, m], qd[w, m], f0)
+            if exact[w, m, 0] != clk[w, k.H]:
+                write_exact(model.stiffness[m], model.damping[m], clk[w, k.H], exact, w, m)
+            held, D, slid, S = exact_step(exact, w, m, q[w, m], qd[w, m], f0)
             dq[w, m] = held + D * f0 - q[w, m]
         m += wp.block_dim()
 
@@ -302,6 +316,7 @@ def move_modes(
     qd_rate: wp.array2d(dtype=real),
     qd_alg: wp.array2d(dtype=real),
     modal_load: wp.array3d(dtype=real),
+    exact: wp.array3d(dtype=real),
     dq: wp.array2d(dtype=real),
     q1: wp.array2d(dtype=real),
     qd1: wp.array2d(dtype=real),
@@ -320,7 +335,7 @@ def move_modes(
         stiffness = model.stiffness[m]
         q1[w, m] = q[w, m] + dq[w, m]
         if rule_of(model, ctl, clk, w, m) == 2:
-            held, D, slid, S = exact_step(stiffness, c, clk[w, k.H], q[w, m], qd[w, m], modal_load[w, 0, m])
+            held, D, slid, S = exact_step(exact, w, m, q[w, m], qd[w, m], modal_load[w, 0, m])
             f1 = (q1[w, m] - held) / D
             qd1[w, m] = slid + S * f1
             qd1_rate[w, m] = f1 - c * qd1[w, m] - stiffness * q1[w, m]

@@ -13,29 +13,21 @@ Eliminating dq leaves, for z = (dx, dlam),
     [ S   C^T                       ]         [ -r                      ]
     [ C   -C_m sigma^-1 C_m^T - E   ] z  =    [ -c + C_m sigma^-1 r_m   ]  + L^T ds,      L = [L_r, -J sigma^-1 C_m^T].
 
-Its inverse H is formed in the first Newton iteration, and again while the residual is above REFRESH_ABOVE (tens of
-unknowns); contact then sees the compliance `G + L H L^T`, in which whatever can move is condensed (Josephy-Newton): the
-first iteration already knows what will touch.
+Its inverse H is formed in the first Newton iteration, and again while the residual is above `balance.REFRESH_ABOVE`
+(tens of unknowns; without contact `sparse_outer` solves instead). Contact then sees the compliance `G + L H L^T`, in
+which whatever can move is condensed (Josephy-Newton): the first iteration already knows what will touch.
 """
 
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.interfaces import compliance, modal_line, pulled, side_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
-# residual below which the inverse of the last iteration serves once more
-REFRESH_ABOVE = wp.constant(wp.float64(1.0e-7))
-# of the coordinates: a joint defect is not measured against less, or round-off would exceed the tolerance
-SHORT = wp.constant(wp.float64(1.0e-6))
-ROUND_OFF = wp.constant(wp.float64(1.0e-6))  # times the residual tolerance: a few digits above machine precision
-CANCELLED = wp.constant(wp.float64(1.0e-5))  # of a joint's force on the modes: round-off of its sums over the tolerance
-NO_FORCE = wp.constant(wp.float64(1.0e-30))  # N: a scale that is never zero
-PIVOT_TOLERANCE = wp.constant(
-    wp.float64(1.0e-13)
-)  # of the equilibrated matrix: below it a row is dependent on the others
+PIVOT_TOLERANCE = wp.constant(wp.float64(1.0e-13))  # of the equilibrated matrix: below, a row depends on the others
 
 
 @wp.kernel
@@ -44,31 +36,55 @@ def add_multipliers(
     ctl: wp.array2d(dtype=int),
     lam: wp.array2d(dtype=real),
     C: wp.array3d(dtype=real),
-    C_modal: wp.array3d(dtype=real),
+    C_modal: wp.array(dtype=real),
     residual: wp.array2d(dtype=real),
-    modal_residual: wp.array2d(dtype=real),
+    modal_residual: wp.array(dtype=real),
 ):
-    """Lanes over rigid and modal coordinates: r += C^T lambda."""
+    """Lanes over rigid coordinates, then over modes: r += C^T lambda."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
     i = lane
-    while i < 6 * model.body_count + model.modal_count:
-        rigid = 6 * model.body_count
+    while i < 6 * model.body_count:
         total = real(0.0)
         row = int(0)
         while row < model.row_count:
-            if i < rigid:
-                total += C[w, row, i] * lam[w, row]
-            else:
-                total += C_modal[w, row, i - rigid] * lam[w, row]
+            total += C[w, row, i] * lam[w, row]
             row += 1
-        if i < rigid:
-            residual[w, i] = residual[w, i] + total
-        else:
-            modal_residual[w, i - rigid] = modal_residual[w, i - rigid] + total
+        residual[w, i] = residual[w, i] + total
         i += wp.block_dim()
+    row = int(0)
+    while row < model.row_count:
+        for side in range(2):
+            b = side_of(model, row, side)
+            if b >= 0:
+                at = w * model.modal_count + model.modal_start[b]
+                axpy(model.global_count[b], lam[w, row], C_modal, modal_line(model, w, row, b), modal_residual, at)
+        row += 1
+
+
+@wp.func
+def entry_of_rows(
+    model: Model,
+    w: int,
+    row: int,
+    other: int,
+    C_modal: wp.array(dtype=real),
+    receptance: wp.array(dtype=real),
+    softness: wp.array2d(dtype=real),
+    flexibility: wp.array(dtype=real),
+) -> real:
+    """-C_m sigma^-1 C_m^T - E of two rows; E couples the rows of a group of springs, else it is diagonal."""
+    total = -compliance(model, w, row, other, C_modal, receptance)
+    group = model.row_group[row]
+    if group >= 0 and group == model.row_group[other]:
+        first = model.group_start[group]
+        entry = 6 * (row - first) + other - first
+        total -= flexibility[(w * model.group_count + group) * 36 + entry]
+    elif other == row:
+        total -= softness[w, row]
+    return total
 
 
 @wp.kernel
@@ -76,13 +92,13 @@ def condense(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     C: wp.array3d(dtype=real),
-    C_modal: wp.array3d(dtype=real),
-    receptance: wp.array2d(dtype=real),
+    C_modal: wp.array(dtype=real),
+    receptance: wp.array(dtype=real),
     softness: wp.array2d(dtype=real),
     flexibility: wp.array(dtype=real),
     defect: wp.array2d(dtype=real),
     residual: wp.array2d(dtype=real),
-    modal_residual: wp.array2d(dtype=real),
+    modal_residual: wp.array(dtype=real),
     tangent: wp.array3d(dtype=real),
     rhs: wp.array2d(dtype=real),
     C_receptance: wp.array(dtype=real),
@@ -100,28 +116,28 @@ def condense(
         if i < 6 * model.body_count:
             rhs[w, i] = -residual[w, i]
         elif i < rigid:
-            rhs[w, i] = -modal_residual[w, model.dense_mode[i - 6 * model.body_count]]
+            rhs[w, i] = -modal_residual[w * model.modal_count + model.dense_mode[i - 6 * model.body_count]]
         else:
-            value = -defect[w, i - rigid]
-            n = int(0)
-            while n < model.modal_count:
-                value += C_modal[w, i - rigid, n] * receptance[w, n] * modal_residual[w, n]
-                n += 1
-            rhs[w, i] = value
+            rhs[w, i] = -defect[w, i - rigid] + pulled(model, w, i - rigid, C_modal, receptance, modal_residual)
         if ctl[w, k.REFRESH] != 0:
             if i >= rigid:
-                n = int(0)
-                while n < model.modal_count:
-                    at = (w * model.row_count + i - rigid) * model.modal_count + n
-                    C_receptance[at] = C_modal[w, i - rigid, n] * receptance[w, n]
-                    n += 1
+                for side in range(2):
+                    b = side_of(model, i - rigid, side)
+                    if b >= 0:
+                        line = modal_line(model, w, i - rigid, b)
+                        first = w * model.modal_count + model.modal_start[b]
+                        n = int(0)
+                        while n < model.global_count[b]:
+                            C_receptance[line + n] = C_modal[line + n] * receptance[first + n]
+                            n += 1
             j = int(0)
             while j < rigid:
                 if i >= rigid:
                     if j < 6 * model.body_count:
                         tangent[w, i, j] = C[w, i - rigid, j]
                     else:
-                        tangent[w, i, j] = C_modal[w, i - rigid, model.dense_mode[j - 6 * model.body_count]]
+                        line = (w * model.row_count + i - rigid) * model.modal_count
+                        tangent[w, i, j] = C_modal[line + model.dense_mode[j - 6 * model.body_count]]
                 elif j < 6 * model.body_count and i < 6 * model.body_count and j / 6 != i / 6:
                     tangent[w, i, j] = real(0.0)
                 j += 1
@@ -131,19 +147,10 @@ def condense(
                 if i < 6 * model.body_count:
                     total = C[w, other, i]
                 elif i < rigid:
-                    total = C_modal[w, other, model.dense_mode[i - 6 * model.body_count]]
+                    line = (w * model.row_count + other) * model.modal_count
+                    total = C_modal[line + model.dense_mode[i - 6 * model.body_count]]
                 else:
-                    n = int(0)
-                    while n < model.modal_count:
-                        total -= C_modal[w, i - rigid, n] * receptance[w, n] * C_modal[w, other, n]
-                        n += 1
-                    group = model.row_group[i - rigid]
-                    if group >= 0 and group == model.row_group[other]:
-                        first = model.group_start[group]
-                        entry = 6 * (i - rigid - first) + other - first
-                        total -= flexibility[(w * model.group_count + group) * 36 + entry]
-                    elif other == i - rigid:
-                        total -= softness[w, other]
+                    total = entry_of_rows(model, w, i - rigid, other, C_modal, receptance, softness, flexibility)
                 tangent[w, i, rigid + other] = total
                 other += 1
         i += wp.block_dim()
@@ -222,11 +229,35 @@ def invert(
 ) -> int: ...
 
 
+@wp.func
+def apply_inverse(
+    model: Model,
+    w: int,
+    lane: int,
+    first: int,
+    rhs: wp.array(dtype=real),
+    at: int,
+    inverse_transposed: wp.array(dtype=real),
+    z: wp.array(dtype=real),
+):
+    """z[w] = H (0, rhs[at:]), `first` zeros in front; one block per world."""
+    N = model.outer_count
+    i = lane
+    while i < N:
+        z[w * N + i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    j = first
+    while j < N:
+        axpy(N, rhs[at + j - first], inverse_transposed, (w * N + j) * N, z, w * N)
+        j += 1
+
+
 @wp.kernel
 def factor_outer(
     models: wp.array(dtype=Model),
     tangent: wp.array3d(dtype=real),
-    rhs: wp.array2d(dtype=real),
+    rhs: wp.array(dtype=real),
     ctl: wp.array2d(dtype=int),
     scaling: wp.array2d(dtype=real),
     pivots: wp.array2d(dtype=int),
@@ -239,171 +270,11 @@ def factor_outer(
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
-    N = model.outer_count
     if ctl[w, k.REFRESH] != 0:
         bad = invert(model, w, PIVOT_TOLERANCE, tangent, scaling, pivots, work, inverse_transposed)
         if bad != 0 and lane == 0:
             ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.SINGULAR
-    i = lane
-    while i < N:
-        z_free[w * N + i] = real(0.0)
-        i += wp.block_dim()
-    sync()
-    j = int(0)
-    while j < N:
-        axpy(N, rhs[w, j], inverse_transposed, (w * N + j) * N, z_free, w * N)
-        j += 1
-
-
-@wp.func
-def gyration_of(J: mat33, mass: real) -> real:
-    """Mean radius of gyration: a torque is measured by the force that it is there, also of a slender body."""
-    return wp.sqrt(wp.trace(J) / (real(3.0) * mass))
-
-
-@wp.kernel
-def balance(
-    models: wp.array(dtype=Model),
-    clk: wp.array2d(dtype=real),
-    r1: wp.array2d(dtype=vec3),
-    v1_rate: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-    omega1_rate: wp.array2d(dtype=vec3),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-    lam: wp.array2d(dtype=real),
-    defect: wp.array2d(dtype=real),
-    softness: wp.array2d(dtype=real),
-    row_wrench: wp.array3d(dtype=real),
-    row_pull: wp.array3d(dtype=real),
-    load: wp.array3d(dtype=real),
-    load_on_modes: wp.array3d(dtype=real),
-    pair_wrench: wp.array3d(dtype=real),
-    gap_defect: wp.array2d(dtype=real),
-    modal_residual: wp.array2d(dtype=real),
-    modal_load: wp.array3d(dtype=real),
-    q1: wp.array2d(dtype=real),
-    qd1_rate: wp.array2d(dtype=real),
-    dq: wp.array2d(dtype=real),
-    residual: wp.array2d(dtype=real),
-    ctl: wp.array2d(dtype=int),
-    history: wp.array2d(dtype=real),
-):
-    """Per world: is the state balanced? Residual forces with contact, row defects, spring laws and gaps left open, all
-    as fractions.
-
-    The scale of forces is the largest of weight, inertia and gyroscopic force, multiplier and contact force, that of
-    modal ones the largest contact load, elastic and inertia force; that of lengths the penetration where there is
-    contact, else 1 m (`gap_defect`: gaps left open as a fraction, penetration).
-    """
-    w = wp.tid()
-    model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.ITERATION] == 0:
-        return
-    scale = NO_FORCE
-    b = int(0)
-    while b < model.body_count:
-        m = model.mass[b]
-        J = model.inertia[b]
-        gyration = gyration_of(J, m)
-        scale = wp.max(scale, m * (wp.length(model.gravity) + wp.length(v1_rate[w, b])))
-        turning = wp.length(J * omega1_rate[w, b]) + wp.length(wp.cross(omega1[w, b], J * omega1[w, b]))
-        scale = wp.max(scale, turning / gyration)
-        # accelerations are differences of increments: below this they are round-off
-        travel = wp.length(dx[w, b]) + gyration * wp.length(psi[w, b])
-        scale = wp.max(scale, ROUND_OFF * clk[w, k.ACC] * m * travel)
-        for c in range(3):
-            scale = wp.max(scale, wp.abs(load[w, 1, 6 * b + c]))
-            scale = wp.max(scale, wp.abs(load[w, 1, 6 * b + 3 + c]) / gyration)
-        b += 1
-    length = real(1.0)
-    if gap_defect[w, 1] > real(0.0):
-        extent = real(1.0)
-        b = int(0)
-        while b < model.body_count:
-            extent = wp.max(extent, wp.length(r1[w, b]))
-            b += 1
-        length = wp.max(gap_defect[w, 1], SHORT * extent)
-    worst = real(0.0)
-    sum = gap_defect[w, 0]  # a largest value drops what is not a number, a sum keeps it
-    row = int(0)
-    while row < model.row_count:
-        if model.row_kind[row] == k.TRANSLATION or model.row_kind[row] == k.DISTANCE:
-            scale = wp.max(scale, wp.abs(lam[w, row]))
-        elif model.row_rigid[row] == 0:  # a torsional spring, a bushing: force, and torque at the radius of gyration
-            f = vec3(row_wrench[w, row, 0], row_wrench[w, row, 1], row_wrench[w, row, 2])
-            t = vec3(row_wrench[w, row, 3], row_wrench[w, row, 4], row_wrench[w, row, 5])
-            scale = wp.max(scale, wp.abs(lam[w, row]) * wp.length(f))
-            for side in range(2):
-                b = model.marker_body[model.row_a[row]]
-                if side == 1:
-                    b = model.marker_body[model.row_b[row]]
-                if b >= 0:
-                    gyration = gyration_of(model.inertia[b], model.mass[b])
-                    scale = wp.max(scale, wp.abs(lam[w, row]) * wp.length(t) / gyration)
-        if softness[w, row] == real(0.0):
-            worst = wp.max(worst, wp.abs(defect[w, row]) / wp.min(length, real(1.0)))
-        row += 1
-    pair = int(0)
-    while pair < model.pair_count:
-        f = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
-        scale = wp.max(scale, wp.length(f))
-        pair += 1
-    row = int(0)
-    while row < model.row_count:  # a spring's force against its law; a stretch of round-off size passes
-        if softness[w, row] > real(0.0):
-            worst = wp.max(worst, wp.abs(defect[w, row]) / wp.max(scale * softness[w, row], ROUND_OFF))
-        sum += defect[w, row]
-        row += 1
-    b = int(0)
-    while b < model.body_count:
-        f = vec3(residual[w, 6 * b], residual[w, 6 * b + 1], residual[w, 6 * b + 2])
-        t = vec3(residual[w, 6 * b + 3], residual[w, 6 * b + 4], residual[w, 6 * b + 5])
-        # a torque is measured by the force that it is at the radius of gyration
-        gyration = gyration_of(model.inertia[b], model.mass[b])
-        worst = wp.max(worst, wp.max(wp.length(f), wp.length(t) / gyration) / scale)
-        sum += wp.length(f) + wp.length(t)
-        b += 1
-    worst = wp.max(worst, gap_defect[w, 0])
-    modal_scale = NO_FORCE
-    open_load = real(0.0)
-    n = int(0)
-    while n < model.modal_count:
-        modal_scale = wp.max(modal_scale, wp.abs(load_on_modes[w, 1, n]))
-        contact = modal_load[w, 1, n]
-        modal_scale = wp.max(modal_scale, wp.max(wp.abs(contact), wp.abs(model.stiffness[n] * q1[w, n])))
-        travel = wp.abs(dq[w, n])
-        modal_scale = wp.max(modal_scale, wp.max(wp.abs(qd1_rate[w, n]), ROUND_OFF * clk[w, k.ACC] * travel))
-        open_load = wp.max(open_load, wp.abs(modal_residual[w, n]))
-        sum += modal_residual[w, n]
-        n += 1
-    row = int(0)
-    while row < model.row_count:  # forces of joints that cancel each other on the modes leave round-off
-        for side in range(2):
-            marker = model.row_a[row]
-            if side == 1:
-                marker = model.row_b[row]
-            interface = model.marker_interface[marker]
-            if interface >= 0:
-                pull = real(0.0)
-                for c in range(6):
-                    pull += wp.abs(row_pull[w, 2 * row + side, c]) * model.interface_reach[interface, c]
-                modal_scale = wp.max(modal_scale, CANCELLED * wp.abs(lam[w, row]) * pull)
-        row += 1
-    worst = wp.max(worst, open_load / modal_scale)
-    history[w, wp.min(ctl[w, k.ITERATION], 31)] = worst
-    if not wp.isfinite(worst + sum):
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_FINITE
-        ctl[w, k.RUN] = 0
-        return
-    ctl[w, k.REFRESH] = 0
-    if worst > REFRESH_ABOVE:
-        ctl[w, k.REFRESH] = 1
-    if worst <= model.residual_tolerance and (ctl[w, k.REASSEMBLE] == 0 or model.pair_count == 0):
-        ctl[w, k.RUN] = 0
-    elif ctl[w, k.ITERATION] >= model.max_iterations:
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_CONVERGED
-        ctl[w, k.RUN] = 0
+    apply_inverse(model, w, lane, 0, rhs, w * model.outer_count, inverse_transposed, z_free)
 
 
 @wp.kernel

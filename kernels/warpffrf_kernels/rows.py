@@ -24,15 +24,24 @@ compliance 1/k_e on its diagonal, so that springs on flexible interfaces need no
 diagonal).
 
 A marker on a flexible rigid interface moves with the interface: x = r + A (X + u + theta x (X - X_if)),
-axes A exp(theta^) L, with (u, theta) = Phi_if q, and -q.K q/2 in addition where loads stiffen the body (`inertia`).
+axes A exp(theta^) L, with (u, theta) = Phi_if q, and -q.K q/2 in addition where loads stiffen the body (`interfaces`).
 """
 
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.interfaces import (
+    add_load,
+    arm_on_interface,
+    axes_on_interface,
+    line_of,
+    modal_line,
+    rotation_of,
+    translation_of,
+)
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.rotation import exponential, matrix, rotation_vector, tangent_inverse
-from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.rotation import rotation_vector, tangent_inverse
+from warpffrf_kernels.scalars import MODULE_OPTIONS, dot, mat33, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -64,56 +73,6 @@ def evaluate_signal(model: Model, s: int, t: real, order: int) -> real:
 
 
 @wp.func
-def interface_motion(
-    model: Model,
-    interface: int,
-    b: int,
-    q1: wp.array2d(dtype=real),
-    slope: wp.array4d(dtype=real),
-    w: int,
-    first: int,
-) -> vec3:
-    """Translation (first = 0) or rotation (first = 3) of an interface, body axes: (Phi + slope) q/2, slope its
-    derivative by the modes, Phi itself but where loads stiffen the body (`inertia`)."""
-    half = real(0.5)
-    m0 = model.modal_start[b]
-    m1 = model.modal_start[b + 1]
-    x = real(0.0)
-    y = real(0.0)
-    z = real(0.0)
-    m = m0
-    while m < m1:
-        n = m - m0
-        x += half * (model.interface_modes[interface, n, first] + slope[w, interface, n, first]) * q1[w, m]
-        y += half * (model.interface_modes[interface, n, first + 1] + slope[w, interface, n, first + 1]) * q1[w, m]
-        z += half * (model.interface_modes[interface, n, first + 2] + slope[w, interface, n, first + 2]) * q1[w, m]
-        m += 1
-    return vec3(x, y, z)
-
-
-@wp.func
-def arm_on_interface(model: Model, i: int, q1: wp.array2d(dtype=real), slope: wp.array4d(dtype=real), w: int) -> vec3:
-    """Position of marker i in its body frame, deformed."""
-    X = model.marker_point[i]
-    f = model.marker_interface[i]
-    if f < 0:
-        return X
-    b = model.marker_body[i]
-    u = interface_motion(model, f, b, q1, slope, w, 0)
-    theta = interface_motion(model, f, b, q1, slope, w, 3)
-    return X + u + wp.cross(theta, X - model.interface_point[f])
-
-
-@wp.func
-def axes_on_interface(model: Model, i: int, q1: wp.array2d(dtype=real), slope: wp.array4d(dtype=real), w: int) -> mat33:
-    f = model.marker_interface[i]
-    if f < 0:
-        return model.marker_axes[i]
-    theta = interface_motion(model, f, model.marker_body[i], q1, slope, w, 3)
-    return matrix(exponential(theta)) * model.marker_axes[i]
-
-
-@wp.func
 def write_side(
     model: Model,
     w: int,
@@ -126,9 +85,9 @@ def write_side(
     side: int,
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
-    slope: wp.array4d(dtype=real),
+    slope: wp.array(dtype=real),
     C: wp.array3d(dtype=real),
-    C_modal: wp.array3d(dtype=real),
+    C_modal: wp.array(dtype=real),
     row_pull: wp.array3d(dtype=real),
 ):
     """Enter the wrench (force at x, torque), world axes, into the row's entries of the body that carries the marker;
@@ -151,28 +110,24 @@ def write_side(
     for i in range(3):
         row_pull[w, 2 * row + side, i] = fb[i]
         row_pull[w, 2 * row + side, 3 + i] = tb[i]
-    m = model.modal_start[b]
-    o = m
-    while m < model.modal_start[b + 1]:
-        value = real(0.0)
-        for i in range(3):
-            value += slope[w, f, m - o, i] * fb[i] + slope[w, f, m - o, 3 + i] * tb[i]
-        C_modal[w, row, m] = C_modal[w, row, m] + value
-        m += 1
+    line = modal_line(model, w, row, b)
+    width = model.interface_width
+    add_load(model.global_count[b], real(1.0), fb, tb, width, slope, line_of(model, w, f), C_modal, line)
 
 
 @wp.func
-def clear_side(model: Model, w: int, row: int, marker: int, C: wp.array3d(dtype=real), C_modal: wp.array3d(dtype=real)):
+def clear_side(model: Model, w: int, row: int, marker: int, C: wp.array3d(dtype=real), C_modal: wp.array(dtype=real)):
     b = model.marker_body[marker]
     if b < 0:
         return
     for i in range(6):
         C[w, row, 6 * b + i] = real(0.0)
     if model.marker_interface[marker] >= 0:
-        m = model.modal_start[b]
-        while m < model.modal_start[b + 1]:
-            C_modal[w, row, m] = real(0.0)
-            m += 1
+        line = modal_line(model, w, row, b)
+        n = int(0)
+        while n < model.global_count[b]:
+            C_modal[line + n] = real(0.0)
+            n += 1
 
 
 @wp.kernel
@@ -184,13 +139,13 @@ def evaluate_rows(
     axes: wp.array2d(dtype=mat33),
     v1: wp.array2d(dtype=vec3),
     omega1: wp.array2d(dtype=vec3),
-    q1: wp.array2d(dtype=real),
-    qd1: wp.array2d(dtype=real),
+    qd1: wp.array(dtype=real),
     lam: wp.array2d(dtype=real),
     stretch: wp.array2d(dtype=real),
-    slope: wp.array4d(dtype=real),
+    slope: wp.array(dtype=real),
+    motion: wp.array3d(dtype=real),
     C: wp.array3d(dtype=real),
-    C_modal: wp.array3d(dtype=real),
+    C_modal: wp.array(dtype=real),
     coordinate: wp.array2d(dtype=real),
     defect: wp.array2d(dtype=real),
     softness: wp.array2d(dtype=real),
@@ -209,10 +164,10 @@ def evaluate_rows(
         b = model.row_b[row]
         body_a = model.marker_body[a]
         body_b = model.marker_body[b]
-        x_a = arm_on_interface(model, a, q1, slope, w)
-        x_b = arm_on_interface(model, b, q1, slope, w)
-        R_a = axes_on_interface(model, a, q1, slope, w)
-        R_b = axes_on_interface(model, b, q1, slope, w)
+        x_a = arm_on_interface(model, a, motion, w)
+        x_b = arm_on_interface(model, b, motion, w)
+        R_a = axes_on_interface(model, a, motion, w)
+        R_b = axes_on_interface(model, b, motion, w)
         if body_a >= 0:
             x_a = r1[w, body_a] + axes[w, body_a] * x_a
             R_a = axes[w, body_a] * R_a
@@ -307,20 +262,18 @@ def row_rate(
     row: int,
     marker: int,
     C: wp.array3d(dtype=real),
-    C_modal: wp.array3d(dtype=real),
+    C_modal: wp.array(dtype=real),
     v1: wp.array2d(dtype=vec3),
     omega1: wp.array2d(dtype=vec3),
-    qd1: wp.array2d(dtype=real),
+    qd1: wp.array(dtype=real),
 ) -> real:
     b = model.marker_body[marker]
     rate = real(0.0)
     for i in range(3):
         rate += C[w, row, 6 * b + i] * v1[w, b][i] + C[w, row, 6 * b + 3 + i] * omega1[w, b][i]
     if model.marker_interface[marker] >= 0:
-        m = model.modal_start[b]
-        while m < model.modal_start[b + 1]:
-            rate += C_modal[w, row, m] * qd1[w, m]
-            m += 1
+        modes = w * model.modal_count + model.modal_start[b]
+        rate += dot(model.global_count[b], C_modal, modal_line(model, w, row, b), qd1, modes)
     return rate
 
 
@@ -331,10 +284,10 @@ def apply_forces(
     clk: wp.array2d(dtype=real),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
-    q1: wp.array2d(dtype=real),
-    slope: wp.array4d(dtype=real),
+    slope: wp.array(dtype=real),
+    motion: wp.array3d(dtype=real),
     residual: wp.array2d(dtype=real),
-    modal_residual: wp.array2d(dtype=real),
+    modal_residual: wp.array(dtype=real),
     applied: wp.array3d(dtype=vec3),
     applied_at: wp.array3d(dtype=vec3),
 ):
@@ -361,9 +314,8 @@ def apply_forces(
         arm = X
         interface = model.force_interface[i]
         if interface >= 0:
-            theta = interface_motion(model, interface, b, q1, slope, w, 3)
-            arm = X + interface_motion(model, interface, b, q1, slope, w, 0)
-            arm += wp.cross(theta, X - model.interface_point[interface])
+            arm = X + translation_of(motion, w, interface)
+            arm += wp.cross(rotation_of(motion, w, interface), X - model.interface_point[interface])
         fb = wp.transpose(A) * f
         moment = wp.cross(arm, fb)
         for c in range(3):
@@ -371,15 +323,10 @@ def apply_forces(
             residual[w, 6 * b + 3 + c] = residual[w, 6 * b + 3 + c] - moment[c]
         if interface >= 0:
             tb = wp.cross(X - model.interface_point[interface], fb)
-            m = model.modal_start[b]
-            o = m
-            while m < model.modal_start[b + 1]:
-                value = real(0.0)
-                for c in range(3):
-                    value += slope[w, interface, m - o, c] * fb[c]
-                    value += slope[w, interface, m - o, 3 + c] * tb[c]
-                modal_residual[w, m] = modal_residual[w, m] - value
-                m += 1
+            modes = w * model.modal_count + model.modal_start[b]
+            line = line_of(model, w, interface)
+            n = model.global_count[b]
+            add_load(n, real(-1.0), fb, tb, model.interface_width, slope, line, modal_residual, modes)
         applied[w, 1, i] = f
         applied_at[w, 1, i] = r1[w, b] + A * arm
         i += 1

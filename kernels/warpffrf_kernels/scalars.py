@@ -26,11 +26,41 @@ def sync(): ...
 def axpy(n: int, a: real, x: wp.array(dtype=real), start: int, y: wp.array(dtype=real), at: int): ...
 
 
-# x[at_x : at_x + n] . y[at_y : at_y + n], by one lane; measured together with `axpy`.
+# x[at_x : at_x + n] . y[at_y : at_y + n], by one lane. A compiler may not reorder one sum: sixteen partial sums keep
+# four vector units busy, two serve short sums. Against two only: 231 and 50 ns at n = 1000, 8.9 and 6.5 ns at n = 50.
 @wp.func_native("""
-    const double* a = x.data + at_x; const double* b = y.data + at_y; double s = 0.0, t = 0.0; int i = 0;
-    for (; i + 1 < n; i += 2) { s += a[i] * b[i]; t += a[i + 1] * b[i + 1]; }
-    if (i < n) s += a[i] * b[i];
-    return s + t;
+    const double* a = x.data + at_x; const double* b = y.data + at_y; double even = 0.0, odd = 0.0; int i = 0;
+    if (n >= 16) {
+        double s[16] = {0.0};
+        for (; i + 15 < n; i += 16) for (int c = 0; c < 16; ++c) s[c] += a[i + c] * b[i + c];
+        for (int c = 0; c < 16; ++c) even += s[c];
+    }
+    for (; i + 1 < n; i += 2) { even += a[i] * b[i]; odd += a[i + 1] * b[i + 1]; }
+    if (i < n) even += a[i] * b[i];
+    return even + odd;
 """)
 def dot(n: int, x: wp.array(dtype=real), at_x: int, y: wp.array(dtype=real), at_y: int) -> real: ...
+
+
+# sum_i x_i weight_i y_i of n entries, by one lane, like `dot`.
+@wp.func_native("""
+    const double* a = x.data + at_x; const double* b = y.data + at_y; const double* p = weight.data + at_weight;
+    double even = 0.0, odd = 0.0; int i = 0;
+    if (n >= 16) {
+        double s[16] = {0.0};
+        for (; i + 15 < n; i += 16) for (int c = 0; c < 16; ++c) s[c] += a[i + c] * p[i + c] * b[i + c];
+        for (int c = 0; c < 16; ++c) even += s[c];
+    }
+    for (; i + 1 < n; i += 2) { even += a[i] * p[i] * b[i]; odd += a[i + 1] * p[i + 1] * b[i + 1]; }
+    if (i < n) even += a[i] * p[i] * b[i];
+    return even + odd;
+""")
+def weighted(
+    n: int,
+    x: wp.array(dtype=real),
+    at_x: int,
+    weight: wp.array(dtype=real),
+    at_weight: int,
+    y: wp.array(dtype=real),
+    at_y: int,
+) -> real: ...

@@ -13,8 +13,9 @@ inverse is taken until the matrix is renewed, and counted. Step times of both: b
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.interfaces import pulled
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.outer import PIVOT_TOLERANCE, invert
+from warpffrf_kernels.outer import PIVOT_TOLERANCE, apply_inverse, entry_of_rows, invert
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, real, sync
 from warpffrf_kernels.sparse_factor import Pattern, factorise, residual_of, solve_factored
 
@@ -56,7 +57,7 @@ def pull(
     while b < model.body_count:  # lanes over the modes of each body, which are contiguous
         at = p.row_start[b]
         first = model.modal_start[b]
-        count = model.modal_start[b + 1] - first
+        count = model.global_count[b]
         while at < p.row_start[b + 1]:
             if p.row_flexible[at] != 0:
                 row = p.row[at]
@@ -64,53 +65,6 @@ def pull(
                 axpy(count, lam[w, row], C_modal, line, modal_residual, w * model.modal_count + first)
             at += 1
         b += 1
-
-
-# sum_n x_n r_n y_n of one lane, contiguous.
-@wp.func_native("""
-    const double* a = x.data + at_x; const double* b = x.data + at_y; const double* s = weight.data + at_weight;
-    double even = 0.0, odd = 0.0; int i = 0;
-    for (; i + 1 < n; i += 2) { even += a[i] * s[i] * b[i]; odd += a[i + 1] * s[i + 1] * b[i + 1]; }
-    if (i < n) even += a[i] * s[i] * b[i];
-    return even + odd;
-""")
-def weighted(
-    n: int, x: wp.array(dtype=real), at_x: int, at_y: int, weight: wp.array(dtype=real), at_weight: int
-) -> real: ...
-
-
-@wp.func
-def compliance(
-    model: Model,
-    p: Pattern,
-    w: int,
-    row: int,
-    other: int,
-    C_modal: wp.array(dtype=real),
-    receptance: wp.array(dtype=real),
-) -> real:
-    """C_m sigma^-1 C_m^T of two rows, over the modes of the bodies that both end on."""
-    total = real(0.0)
-    for side in range(2):
-        marker = model.row_a[row]
-        if side == 1:
-            marker = model.row_b[row]
-        b = model.marker_body[marker]
-        if b >= 0 and model.marker_interface[marker] >= 0:
-            a_other = model.row_a[other]
-            b_other = model.row_b[other]
-            shared = int(0)
-            if model.marker_body[a_other] == b and model.marker_interface[a_other] >= 0:
-                shared = 1
-            if model.marker_body[b_other] == b and model.marker_interface[b_other] >= 0:
-                shared = 1
-            if shared != 0:
-                first = model.modal_start[b]
-                count = model.modal_start[b + 1] - first
-                line = (w * model.row_count + row) * model.modal_count + first
-                line_other = (w * model.row_count + other) * model.modal_count + first
-                total += weighted(count, C_modal, line, line_other, receptance, w * model.modal_count + first)
-    return total
 
 
 @wp.kernel
@@ -144,22 +98,7 @@ def condense_sparse(
         elif row < 0:
             rhs[w, i] = -modal_residual[w * model.modal_count + model.dense_mode[i - rigid]]
         else:
-            value = -defect[w, row]
-            for side in range(2):
-                marker = model.row_a[row]
-                if side == 1:
-                    marker = model.row_b[row]
-                b = model.marker_body[marker]
-                if b >= 0 and model.marker_interface[marker] >= 0:
-                    first = model.modal_start[b]
-                    count = model.modal_start[b + 1] - first
-                    line = (w * model.row_count + row) * model.modal_count + first
-                    n = int(0)
-                    while n < count:
-                        m = w * model.modal_count + first + n
-                        value += C_modal[line + n] * receptance[m] * modal_residual[m]
-                        n += 1
-            rhs[w, i] = value
+            rhs[w, i] = -defect[w, row] + pulled(model, w, row, C_modal, receptance, modal_residual)
         if ctl[w, k.REFRESH] != 0:
             at = p.entry_start[i]
             while at < p.entry_start[i + 1]:
@@ -177,15 +116,8 @@ def condense_sparse(
                         mode = model.dense_mode[column - rigid]
                         tangent[w, i, j] = C_modal[(w * model.row_count + line) * model.modal_count + mode]
                 else:
-                    total = -compliance(model, p, w, row, other, C_modal, receptance)
-                    group = model.row_group[row]
-                    if group >= 0 and group == model.row_group[other]:
-                        begin = model.group_start[group]
-                        entry = 6 * (row - begin) + other - begin
-                        total -= flexibility[(w * model.group_count + group) * 36 + entry]
-                    elif other == row:
-                        total -= softness[w, row]
-                    tangent[w, i, j] = total
+                    entry = entry_of_rows(model, w, row, other, C_modal, receptance, softness, flexibility)
+                    tangent[w, i, j] = entry
                 at += 1
         i += wp.block_dim()
 
@@ -242,12 +174,4 @@ def solve_outer(
             fallback[w, DENSE] = dense
             fallback[w, COUNT] = fallback[w, COUNT] + dense
     if dense != 0:
-        i = lane
-        while i < N:
-            z[w * N + i] = real(0.0)
-            i += wp.block_dim()
-        sync()
-        j = int(0)
-        while j < N:
-            axpy(N, rhs[w * N + j], inverse_transposed, (w * N + j) * N, z, w * N)
-            j += 1
+        apply_inverse(model, w, lane, 0, rhs, w * N, inverse_transposed, z)

@@ -23,9 +23,9 @@ moves was found with a contraction of (geometric over elastic stiffness), 0.3 fo
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.interfaces import arm_on_interface, axes_on_interface
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.rotation import hat
-from warpffrf_kernels.rows import arm_on_interface, axes_on_interface
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -44,8 +44,7 @@ def stiffen(
     ctl: wp.array2d(dtype=int),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
-    q1: wp.array2d(dtype=real),
-    slope: wp.array4d(dtype=real),
+    motion: wp.array3d(dtype=real),
     lam: wp.array2d(dtype=real),
     row_wrench: wp.array3d(dtype=real),
     tangent: wp.array3d(dtype=real),
@@ -74,8 +73,8 @@ def stiffen(
             if body_b >= 0:
                 A_b = axes[w, body_b]
                 r_b = r1[w, body_b]
-            d_a = A_a * arm_on_interface(model, a, q1, slope, w)
-            d_b = A_b * arm_on_interface(model, b, q1, slope, w)
+            d_a = A_a * arm_on_interface(model, a, motion, w)
+            d_b = A_b * arm_on_interface(model, b, motion, w)
             f = vec3(row_wrench[w, row, 0], row_wrench[w, row, 1], row_wrench[w, row, 2])
             P = pull * f
             Q = pull * vec3(row_wrench[w, row, 3], row_wrench[w, row, 4], row_wrench[w, row, 5])
@@ -94,8 +93,8 @@ def stiffen(
                 length = wp.max(wp.length(c_a - d_a), real(1.0e-300))
                 P_x = (pull / length) * (one - wp.outer(f, f))
             if kind == k.DIRECTION:
-                R_a = A_a * axes_on_interface(model, a, q1, slope, w)
-                R_b = A_b * axes_on_interface(model, b, q1, slope, w)
+                R_a = A_a * axes_on_interface(model, a, motion, w)
+                R_b = A_b * axes_on_interface(model, b, motion, w)
                 i = model.row_i[row]
                 j = model.row_j[row]
                 U = hat(vec3(R_a[0, i], R_a[1, i], R_a[2, i]))
@@ -103,12 +102,12 @@ def stiffen(
                 Q_a = -pull * (W * U)
                 Q_b = pull * (U * W)
             if kind == k.ANGLE or kind == k.SECOND_ANGLE:
-                held = A_a * axes_on_interface(model, a, q1, slope, w)
-                turned = A_b * axes_on_interface(model, b, q1, slope, w)
+                held = A_a * axes_on_interface(model, a, motion, w)
+                turned = A_b * axes_on_interface(model, b, motion, w)
                 sign = real(1.0)
                 if kind == k.SECOND_ANGLE:
-                    held = A_b * axes_on_interface(model, b, q1, slope, w)
-                    turned = A_a * axes_on_interface(model, a, q1, slope, w)
+                    held = A_b * axes_on_interface(model, b, motion, w)
+                    turned = A_a * axes_on_interface(model, a, motion, w)
                     sign = real(-1.0)
                 i = model.row_i[row]
                 j = model.row_j[row]

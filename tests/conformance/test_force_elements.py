@@ -104,8 +104,10 @@ class Rows:
         x.axes.assign(A[None])
         wp.launch_tiled(
             rows.evaluate_rows, dim=(1,), block_dim=64, device="cpu",
-            inputs=[m.models, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.q1, x.qd1, s.lam, s.stretch, x.slope],
-            outputs=[x.C, x.C_modal, x.coordinate, x.defect, x.softness, s.drive_rate, x.row_wrench, x.row_pull],
+            inputs=[m.models, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.qd1.flatten(), s.lam, s.stretch, x.slope,
+                    x.interface_motion],
+            outputs=[x.C, x.C_modal.flatten(), x.coordinate, x.defect, x.softness, s.drive_rate, x.row_wrench,
+                     x.row_pull],
         )  # fmt: skip
         return tuple(y.numpy()[0].copy() for y in (x.coordinate, x.C, x.row_wrench))
 
@@ -174,7 +176,7 @@ def test_geometric_stiffness_agrees_with_differences(name: str) -> None:
             expected[:, 6 * body + c] = (sides[0] - sides[1]) / (2.0 * STEP)
     evaluate(r, A)
     x.tangent.zero_()
-    inputs = [m.models, s.ctl, x.r1, x.axes, x.q1, x.slope, s.lam, x.row_wrench]
+    inputs = [m.models, s.ctl, x.r1, x.axes, x.interface_motion, s.lam, x.row_wrench]
     wp.launch(stiffen.stiffen, dim=1, inputs=inputs, outputs=[x.tangent], device="cpu")
     found = x.tangent.numpy()[0][:12, :12]
     tolerance = 1e-3 if "bushing" in name else 1e-8

@@ -7,6 +7,7 @@ import pytest
 import warp as wp
 from joint_scenes import FREE, KINDS, PLACE, SPAN, make_joint, moved, pair
 from warpffrf_kernels import control as k
+from warpffrf_kernels import interfaces
 from warpffrf_kernels import rows as row_kernels
 from warpffrf_kernels.scalars import BLOCK
 
@@ -110,9 +111,14 @@ def evaluate_on_device(scene: Scene, pose: Pose) -> tuple[np.ndarray, np.ndarray
         x.q1.assign(q[None])
     engine.control(RUN=1, MOVED=1)
     wp.launch_tiled(
+        interfaces.move_interfaces, dim=(1,), inputs=[m.models, s.ctl, x.q1.flatten(), x.slope, x.interface_motion],
+        block_dim=BLOCK,
+    )  # fmt: skip
+    wp.launch_tiled(
         row_kernels.evaluate_rows, dim=(1,),
-        inputs=[m.models, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.q1, x.qd1, s.lam, s.stretch, x.slope,
-                x.C, x.C_modal, x.coordinate, x.defect, x.softness, s.drive_rate, x.row_wrench, x.row_pull],
+        inputs=[m.models, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.qd1.flatten(), s.lam, s.stretch, x.slope,
+                x.interface_motion, x.C, x.C_modal.flatten(), x.coordinate, x.defect, x.softness, s.drive_rate,
+                x.row_wrench, x.row_pull],
         block_dim=BLOCK,
     )  # fmt: skip
     n = m.row_count

@@ -49,3 +49,11 @@ def test_the_slower_mechanism_bends_less_by_the_square_of_its_speed() -> None:
     static = -2.0 / np.pi * (m.pin_across + m.piston_across) / omega_1**2
     last = slow.time > 0.01
     assert w[last] == pytest.approx(static[last], abs=0.05 * np.abs(static).max())
+
+
+def test_the_machine_at_rest_has_the_modes_of_a_pinned_rod() -> None:
+    """No load acts, so that the forces of the static state are round-off, and it is found all the same. The pins hold
+    the rod in the plane as they do in the beam equation: pi/l is its wave number."""
+    modes = wf.eigenmodes(demo.build(SHORT, progress=False), count=1)
+    slender = np.sqrt(demo.STEEL.youngs_modulus / demo.STEEL.density) * demo.SECTION / np.sqrt(12.0)
+    assert modes.frequencies[0] == pytest.approx(0.5 * np.pi * slender / demo.ROD**2, rel=0.01)

@@ -26,7 +26,7 @@ def engine() -> Engine:
     engine.replay(1)
     assert engine.word("STATUS")[0] == 0
     engine.control(RUN=1, MOVED=1, REASSEMBLE=1, REFRESH=1, RECENTER=0, ITERATION=0, FAILURE=0)
-    engine.graph._iteration()
+    engine.graph.iterate()
     assert engine.word("FAILURE")[0] == 0 and engine.word("ACTIVE")[0] > 10
     assert np.count_nonzero(engine.compiled.model.coupled_count.numpy()) == 1
     return engine

@@ -117,7 +117,7 @@ def inverted(matrix: np.ndarray, bodies: int, rhs: np.ndarray) -> tuple[np.ndarr
     wp.launch_tiled(
         outer.factor_outer, dim=(1,),
         inputs=[models(outer_count=n, body_count=bodies, row_offset=6 * bodies), device(matrix[None]),
-                device(rhs[None])],
+                device(rhs)],
         outputs=[ctl, device(np.zeros((1, n))), device(np.zeros((1, n)), int), device(np.zeros((1, n, n))), transposed,
                  z],
         block_dim=64, device=DEVICE,

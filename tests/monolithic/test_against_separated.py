@@ -30,7 +30,7 @@ def both(scene: Scene, duration: float, step: float, **more: Any) -> tuple[Histo
         settings=Settings(residual_tolerance=TIGHT), **more,
     )  # fmt: skip
     b = monolithic.run(
-        scene, duration, step=step, integrator=monolithic.generalized_alpha(RHO), progress=False, tolerance=TIGHT,
+        scene, duration, step=step, integrator=GeneralizedAlpha(RHO), progress=False, tolerance=TIGHT,
         **more,
     )  # fmt: skip
     assert a.status == "completed", a.message
@@ -127,7 +127,7 @@ def test_free_rigid_body_follows_its_closed_form() -> None:
     for step in (1e-2, 5e-3):
         scene = Scene()
         scene.add_rigid_body(1.0, (1, 2, 3), name="b", angular_velocity=(1e-3, 5, 1e-3))
-        integrator = monolithic.generalized_alpha(1.0)
+        integrator = GeneralizedAlpha(1.0)
         history = monolithic.run(scene, 10.0, step=step, integrator=integrator, save_every=100, progress=False)
         motion = history.bodies["b"]
         w = rot.matrix(motion.rotation[-1]).T @ motion.angular_velocity[-1]
@@ -145,7 +145,7 @@ def test_free_flight_keeps_momentum_and_energy_at_order_two() -> None:
             mass_point_body(4, lowest=20.0), name="a", inertia="full", damping=0.0, velocity=(1.0, 2.0, 3.0),
             angular_velocity=(3.0, 8.0, -2.0),
         )  # fmt: skip
-        integrator = monolithic.generalized_alpha(1.0)
+        integrator = GeneralizedAlpha(1.0)
         h = monolithic.run(scene, 0.4, step=step, integrator=integrator, progress=False, tolerance=1e-11)
         v = h.bodies["a"].velocity  # the user origin is the centre of mass
         assert np.abs(v - v[0]).max() < 1e-10 * np.linalg.norm(v[0])

@@ -17,7 +17,7 @@ from warpffrf.monolithic.linear import VARIANTS
 from warpffrf.online import GeneralizedAlpha, Settings, run
 from warpffrf.study.rollers import PAIR, Path, guided_pair, prescribed_pair, roller_body
 
-INTEGRATOR = monolithic.generalized_alpha(0.8)
+INTEGRATOR = GeneralizedAlpha(0.8)
 # the separated solver leaves the grids where they are while an iteration turns them by less than 2e-7 columns, and a
 # column changes the force of a patch of two hats by a tenth
 AGREE = 2e-8

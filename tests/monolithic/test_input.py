@@ -10,7 +10,7 @@ import pytest
 from mass_point_body import mass_point_body
 
 from warpffrf import monolithic
-from warpffrf.model import forces, joints, signals
+from warpffrf.model import forces, joints, laws, signals
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 from warpffrf.monolithic import local_coordinates
@@ -83,6 +83,13 @@ def test_a_history_of_another_scene_is_refused() -> None:
     other.add_rigid_body(1.0, (0.1, 0.1, 0.1), name="second")
     with pytest.raises(InputError, match="another scene"):
         monolithic.run(other, 0.2, step=0.1, start=history, progress=False)
+
+
+def test_a_layer_is_not_covered(roller) -> None:
+    scene = guided_pair(roller, roller, load=1e3)
+    scene.contacts[0].law = laws.LinearLayer(1e12)
+    with pytest.raises(InputError, match="has no linear_layer"):
+        monolithic.run(scene, 1e-3, step=1e-4, progress=False)
 
 
 def test_a_mechanism_without_a_load_path_has_no_equilibrium() -> None:

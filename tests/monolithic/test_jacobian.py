@@ -11,10 +11,11 @@ from mass_point_body import mass_point_body
 
 from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
+from warpffrf.model.integrators import HHT
 from warpffrf.model.scene import Scene
 from warpffrf.monolithic.contact import LAWS
 from warpffrf.monolithic.equations import predicted
-from warpffrf.monolithic.integrator import Formula, hht
+from warpffrf.monolithic.integrator import Formula
 from warpffrf.monolithic.newton import evaluate
 from warpffrf.monolithic.run import build
 from warpffrf.study.rollers import guided_pair
@@ -36,7 +37,7 @@ def shaken(scene: Scene, **options: Any) -> tuple[Any, ...]:
     for name, size in (("q", 0.05), ("qd", 0.4), ("qdd", 5.0), ("q_alg", 5.0)):
         getattr(state, name)[:n] = size * rng.normal(size=n)
     state.lam[:] = 20.0 * rng.normal(size=len(state.lam))
-    formula = Formula(hht(-0.1), STEP)
+    formula = Formula(HHT(-0.1).coefficients, STEP)
     x = predicted(state, formula)
     x.dx += 0.01 * rng.normal(size=x.dx.shape)
     x.psi += 0.2 * rng.normal(size=x.psi.shape)
@@ -136,7 +137,7 @@ def test_contact_of_tilted_and_crowned_rollers(law: str, swapped: bool, roller, 
     scene.forces.clear()
     system, state = build(scene, law=law, layer_stiffness=1e13 if law == "nodes" else None)
     few = 6 * len(scene.bodies) + 30  # columns of the rigid coordinates, the modes and some local coordinates
-    formula, rng = Formula(hht(), 1e-4), np.random.default_rng(3)
+    formula, rng = Formula(HHT(-0.3).coefficients, 1e-4), np.random.default_rng(3)
     state.q[: system.layout.modes] = 1e-6 * rng.normal(size=system.layout.modes)
     state.q[system.layout.modes :] = 1e-5 * rng.normal(size=system.layout.flexible - system.layout.modes)
     x = predicted(state, formula)

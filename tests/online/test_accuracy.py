@@ -8,9 +8,9 @@ import pytest
 from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
+from warpffrf.model.integrators import HHT, GeneralizedAlpha, Newmark
 from warpffrf.model.scene import Scene
 from warpffrf.online.history import History
-from warpffrf.online.integrators import HHT, GeneralizedAlpha, Newmark
 from warpffrf.online.run import run
 
 GRAVITY, LENGTH = 9.81, 1.0
@@ -62,6 +62,27 @@ def test_projected_velocities_follow_a_drive() -> None:
     assert history.bodies["rod"].angular_velocity[-1, 1] == pytest.approx(float(expected), rel=1e-7)
 
 
+@pytest.mark.parametrize("make", [GeneralizedAlpha, HHT])
+def test_projection_leaves_reactions_their_order(make: type) -> None:
+    """The torque of a drive is J s'' to second order, and its work the kinetic energy: nothing lags behind the
+    projected velocities."""
+
+    def defects(step: float) -> np.ndarray:
+        scene = Scene()
+        rotor = scene.add_rigid_body(1.0, (1e-3, 1e-3, 1e-3), name="rotor")
+        hinge = scene.add(joints.Revolute(scene.ground, rotor.at((0.0, 0.0, 0.0)), axis=(0.0, 1.0, 0.0), name="hinge"))
+        speed = signals.SmoothStep(0.0, 100.0, duration=0.02)
+        scene.add(joints.Drive(hinge, speed, quantity="velocity"))
+        history = run(scene, 0.02, step=step, integrator=make(project_velocities=True), progress=False)
+        wanted = 1e-3 * (speed(history.time + 1e-6) - speed(history.time - 1e-6)) / 2e-6
+        middle = (history.time > 0.004) & (history.time < 0.016)  # s''' jumps at both ends of the signal
+        torque = np.abs(history.joints["hinge"].torque[:, 1] - wanted)[middle]
+        return np.array([torque.max() / np.abs(wanted).max(), abs(history.energy["numerical"][-1]) / 5.0])
+
+    coarse, fine = defects(5e-4), defects(2.5e-4)
+    assert np.all(fine < 0.3 * coarse) and np.all(fine < 2e-3)
+
+
 def test_error_follows_the_accuracy_asked_for() -> None:
     """Eight times the accuracy takes twice the steps (local error of third order), and the energy is kept better."""
     runs = [run(pendulum(), 1.0, step=0.05, accuracy=a, progress=False) for a in (1e-4, 1e-4 / 8.0, 1e-4 / 64.0)]
@@ -86,6 +107,14 @@ def test_only_the_pulse_is_resolved() -> None:
     assert fine.counters["steps"] < 400  # the whole in steps of the pulse would be some thousands
     assert fine.counters["coarse_steps"] == 0
     assert any("halved (accuracy)" in note for note in fine.notes)
+
+
+def test_halved_steps_are_told_of_the_run_that_halved_them() -> None:
+    """A run that goes on with the user's steps does not repeat the note of the one before."""
+    first = run(pendulum(), 0.1, step=0.05, accuracy=1e-5, progress=False)
+    assert first.counters["rejected_steps"] and any("halved" in note for note in first.notes)
+    second = run(pendulum(), 0.05, step=1e-3, start=first, progress=False)
+    assert not any("halved" in note for note in second.notes)
 
 
 def test_wrong_accuracy_is_refused() -> None:

@@ -78,6 +78,21 @@ def test_an_unknown_that_a_singular_system_leaves_open_is_named(unknown: int, sa
     assert said in blame(engine, int(k.SINGULAR))
 
 
+def test_modes_with_inertia_terms_have_names_too(plain_body: ReducedBody) -> None:
+    scene = Scene()
+    ring = scene.add_body(plain_body, name="ring", inertia="full")
+    scene.add(joints.Fixed(scene.ground, ring["bore"], name="clamp"))
+    engine = Engine(scene)
+    engine.start()
+    m = engine.compiled.model
+    assert m.dense_count > 0
+    for unknown, said in ((6, "deformation of body 'ring'"), (m.row_offset, "reaction of joint 'clamp'")):
+        A = np.diag(np.arange(1.0, m.outer_count + 1.0))[None]
+        A[0, unknown, unknown] = 0.0
+        engine.work.tangent.assign(A)
+        assert said in blame(engine, int(k.SINGULAR))
+
+
 def test_a_window_too_small_names_its_pair(plain_body: ReducedBody) -> None:
     scene = guided_pair(plain_body, plain_body, load=2e6, speed=20.0)
     scene.contacts[0].capacity = 8

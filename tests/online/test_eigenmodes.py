@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import scipy.linalg
@@ -10,7 +12,8 @@ import scipy.sparse.linalg as spla
 from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh import Mesh
+from warpffrf.model.integrators import EnergyMomentum
+from warpffrf.model.mesh import Mesh, box
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.offline.fe.assembly import assemble
@@ -20,6 +23,7 @@ from warpffrf.online.eigenmodes import complex_modes, find_modes, null_space
 from warpffrf.online.linearise import linearise
 from warpffrf.output.modes_result import eigenmodes
 from warpffrf.output.result import Result
+from warpffrf.output.simulate import simulate
 from warpffrf.study.rollers import STEEL, guided_pair
 
 GRAVITY = 9.81
@@ -155,7 +159,7 @@ def test_differences_agree_with_the_tangent_of_the_step() -> None:
     engine.clock(ACC=acc, VEL=vel, H=1e-20, BETA=1.0, GAMMA=0.0, ALPHA_M=1.0, ALPHA_F=0.0)
     for name in ("dx", "psi"):
         getattr(engine.work, name).zero_()
-    engine.graph._iteration()
+    engine.graph.iterate()
     full = engine.work.tangent.numpy()[0]
     rigid = engine.compiled.model.row_rigid.numpy()[: engine.compiled.row_count]
     soft = 18 + np.flatnonzero(rigid == 0)
@@ -202,21 +206,13 @@ def test_free_body_spins_stably_about_its_outer_axes(axis: int, stable: bool) ->
     assert (np.real(values).max() < 1e-4) == stable
 
 
-def beam_mesh(counts: tuple[int, int, int], size: tuple[float, float, float]) -> Mesh:
-    """hex8 beam along z from the origin; facet set `low` is its end there."""
-    grid = np.stack(np.meshgrid(*(np.linspace(0, s, n + 1) for n, s in zip(counts, size, strict=True)), indexing="ij"))
-    points = grid.reshape(3, -1).T
-    number = np.arange(len(points)).reshape([n + 1 for n in counts])
-    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
-    nx, ny, nz = counts
-    cells = np.stack([number[i : i + nx, j : j + ny, k : k + nz].ravel() for i, j, k in corners], axis=1)
-    bare = Mesh(points, {"hex8": cells})
-    outer = bare.outer_facets()
-    return Mesh(points, bare.cells, {"low": outer.kept(outer.centers(points)[:, 2] < 1e-9)})
+def beam_mesh(cells: int, length: float) -> Mesh:
+    """hex8 beam along z from the origin, its end there `z_min`."""
+    return box((0.02, 0.03, length), (1, 1, cells), center=(0.0, 0.0, 0.5 * length), order=1)
 
 
 def beam_modes(mesh: Mesh, count: int) -> np.ndarray:
-    """Frequencies [Hz] of the finite-element model with the facet set `low` clamped."""
+    """Frequencies [Hz] of the finite-element model with its end at z = 0 clamped."""
     K, M = assemble(mesh.points, mesh.cells, assign(mesh, STEEL))
     free = np.setdiff1d(np.arange(len(mesh.points)), np.flatnonzero(mesh.points[:, 2] < 1e-9))
     dofs = (3 * free[:, None] + np.arange(3)).ravel()
@@ -227,14 +223,14 @@ def beam_modes(mesh: Mesh, count: int) -> np.ndarray:
 
 def test_clamped_beam_converges_to_the_clamped_finite_element_model_from_above() -> None:
     """A free body on a Fixed joint: its attachment modes carry the clamp, more vibration modes the rest."""
-    mesh = beam_mesh((1, 1, 10), (0.02, 0.03, 0.5))
+    mesh = beam_mesh(10, 0.5)
     exact = beam_modes(mesh, 4)
     errors = []
     for count in (4, 12, 40):
-        body = reduce(mesh, STEEL, interfaces={"low": "rigid"}, modes=count, cache=False, progress=False)
+        body = reduce(mesh, STEEL, interfaces={"z_min": "rigid"}, modes=count, cache=False, progress=False)
         scene = Scene()
         beam = scene.add_body(body, name="beam", damping=0.0, inertia="constant")
-        scene.add(joints.Fixed(scene.ground, beam["low"]))
+        scene.add(joints.Fixed(scene.ground, beam["z_min"]))
         modes = eigenmodes(scene, 4)
         errors.append(modes.frequencies / exact - 1.0)
         assert np.abs(modes.damping_ratios).max() < 1e-9
@@ -249,7 +245,7 @@ def test_clamped_beam_converges_to_the_clamped_finite_element_model_from_above()
 
 def test_modal_damping_shows_in_a_free_body() -> None:
     """A free body's elastic modes keep their ratios and frequencies, after six motions at 0 Hz."""
-    body = reduce(beam_mesh((1, 1, 6), (0.02, 0.03, 0.3)), STEEL, modes=5, cache=False, progress=False)
+    body = reduce(beam_mesh(6, 0.3), STEEL, modes=5, cache=False, progress=False)
     ratios = np.array([0.0, 0.02, 0.3, 0.05, 0.01])
     scene = Scene()
     scene.add_body(body, name="beam", damping=ratios, inertia="constant")
@@ -302,6 +298,12 @@ def test_state_of_a_result() -> None:
     np.testing.assert_allclose(eigenmodes(scene, about=swung).eigenvalues, eigenmodes(scene).eigenvalues, rtol=1e-6)
     with pytest.raises(InputError, match="another scene"):
         eigenmodes(Scene(), about=rest)
+    others: list[dict[str, Any]] = [{"method": "monolithic"}, {"integrator": EnergyMomentum()}]
+    for options in others:
+        other = Scene()
+        other.add_rigid_body(1.0, (1, 1, 1), name="stone")
+        with pytest.raises(InputError, match="cannot be linearised; it must come from a run with method='separated'"):
+            eigenmodes(other, about=simulate(other, 0.01, step=1e-3, progress=False, **options))
 
 
 def test_bad_input() -> None:

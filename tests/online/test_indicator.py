@@ -228,3 +228,26 @@ def test_a_saved_run_is_judged_alike(plain_body: ReducedBody, tmp_path: Path) ->
     loaded = Result.load(tmp_path / "run.h5")
     assert term_sizes(scene, loaded.history, levels) == found
     assert set(indicator_lines(found, levels)) <= set(loaded.history.notes)
+
+
+def test_turning_that_the_modes_do_not_hold(plain_body: ReducedBody) -> None:
+    """A line where speed squared times what the reduction left out is both noticeable and 1 % of the deformation."""
+    known = {"centrifugal": False, "centrifugal_left_out": 4e-11}
+    body = replace(plain_body, report={**plain_body.report, "inertia": known})
+    J = 0.5 * np.trace(body.inertia)
+    for w, share, said in ((600.0, 0.0, True), (400.0, 0.0, False), (600.0, 90.0, True), (600.0, 110.0, False)):
+        q = modes(body)
+        q[0] = share * w**2 * known["centrifugal_left_out"] * np.sqrt(J)
+        scene, history = moving(body, terms_of(2), (0.0, 0.0, w), q, modes(body))
+        lines = indicator.unheld_lines(scene, history)
+        assert len(lines) == said
+        if said:
+            assert (
+                "'a': turning at 600 rad/s deforms it by up to 1.4e-05" in lines[0] and "centrifugal=True" in lines[0]
+            )
+    known["centrifugal"] = True
+    scene, history = moving(body, terms_of(2), (0.0, 0.0, 600.0), modes(body), modes(body))
+    assert indicator.unheld_lines(scene, history)[0].endswith("reduce it with a larger inertia_modes")
+    old = replace(plain_body, report={})  # a file of an earlier version
+    scene, history = moving(old, terms_of(2), (0.0, 0.0, 600.0), modes(body), modes(body))
+    assert indicator.unheld_lines(scene, history) == []

@@ -163,9 +163,9 @@ def test_forces_at_an_interface_stiffen(body: ReducedBody) -> None:
 
 def test_levels_need_terms(plain_body: ReducedBody) -> None:
     bare = replace(plain_body, inertia_terms=None)
-    for options, words in (({"inertia": "full"}, "reduce it again"), ({"stiffening": True}, "stiffening=True")):
+    for level, stiffening, words in (("full", False, "reduce it again"), ("auto", True, "stiffening=True")):
         scene = Scene()
-        scene.add_body(bare, name="a", **options)
+        scene.add_body(bare, name="a", inertia=level, stiffening=stiffening)
         with pytest.raises(InputError, match=words):
             Engine(scene)
     with pytest.raises(InputError, match="known: 'constant', 'deformed'"):

@@ -13,13 +13,7 @@ from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
 from warpffrf.model.inertia import LEVELS, GeometricStiffness, body_torque, modal_forces
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.scene import Scene
-from warpffrf.online import History, check_run, run
-from warpffrf.online.check_run import run_check
-from warpffrf.online.compile_inertia import InertiaPlan
-from warpffrf.online.free_bodies import Motion, free_body
-from warpffrf.online.integrators import (
+from warpffrf.model.integrators import (
     HHT,
     INTEGRATORS,
     EnergyMomentum,
@@ -28,6 +22,12 @@ from warpffrf.online.integrators import (
     RungeKutta4,
     roots_at_infinity,
 )
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.scene import Scene
+from warpffrf.online import History, check_run, run
+from warpffrf.online.check_run import run_check
+from warpffrf.online.compile_inertia import InertiaPlan
+from warpffrf.online.free_bodies import Motion, free_body
 from warpffrf.scene_file.forms import snake_case
 from warpffrf.study.free_flight import deviations
 from warpffrf.study.oscillator import errors, roots

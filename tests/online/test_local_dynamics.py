@@ -1,5 +1,7 @@
 """Local modes with inertia in the step: against the exact oscillator, and beside the quasi-static treatment."""
 
+# Warp kernels use annotations that type checkers do not know
+# pyright: reportInvalidTypeForm=false, reportArgumentType=false, reportOperatorIssue=false
 from __future__ import annotations
 
 import numpy as np
@@ -13,6 +15,7 @@ from warpffrf.model.joints import Fixed, Prismatic
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.model.signals import SmoothStep
+from warpffrf.online.eigenmodes import find_modes
 from warpffrf.online.engine import Engine
 from warpffrf.online.history import History
 from warpffrf.online.local_dynamics import LocalDynamics
@@ -96,23 +99,33 @@ def exact(omega: float, zeta: float, t: np.ndarray, rise: float, h: float) -> np
 def test_exponential_is_exact_for_a_linear_load(zeta: float, product: float) -> None:
     """The kernel's formula, from omega h = 0.05 to 50, damped and not."""
     import warp as wp
-    from warpffrf_kernels.motion import exact_step
+    from warpffrf_kernels.motion import exact_step, write_exact
 
     @wp.kernel
-    def steps(w2: wp.float64, c: wp.float64, h: wp.float64, slope: wp.float64, q: wp.array(dtype=wp.float64)):
+    def steps(
+        w2: wp.float64,
+        c: wp.float64,
+        h: wp.float64,
+        slope: wp.float64,
+        table: wp.array3d(dtype=wp.float64),
+        q: wp.array(dtype=wp.float64),
+    ):
+        write_exact(w2, c, h, table, 0, 0)
         x = wp.float64(0.0)
         v = wp.float64(0.0)
         for i in range(q.shape[0]):
             q[i] = x
             f0 = slope * h * wp.float64(i)
-            held, D, slid, S = exact_step(w2, c, h, x, v, f0)
+            held, D, slid, S = exact_step(table, 0, 0, x, v, f0)
             x = held + D * (f0 + slope * h)
             v = slid + S * (f0 + slope * h)
 
     omega, n = 2.0e5, 40
     h = product / omega
     q = wp.zeros(n, dtype=wp.float64, device="cpu")
-    wp.launch(steps, dim=1, inputs=[omega**2, 2.0 * zeta * omega, h, 1.0 / (n * h)], outputs=[q], device="cpu")
+    table = wp.zeros((1, 1, 9), dtype=wp.float64, device="cpu")
+    inputs = [omega**2, 2.0 * zeta * omega, h, 1.0 / (n * h)]
+    wp.launch(steps, dim=1, inputs=inputs, outputs=[table, q], device="cpu")
     expected = exact(omega, zeta, np.arange(n) * h, n * h, h)
     assert np.abs(q.numpy() - expected).max() < 1e-9 * np.abs(expected).max()
 
@@ -139,6 +152,21 @@ def test_auto_splits_at_five_times_the_load(body: ReducedBody) -> None:
     assert any("local modes are dynamic (auto)" in note for note in plan.notes)
 
 
+def test_another_treatment_cannot_go_on_and_cannot_be_linearised(body: ReducedBody) -> None:
+    """The number of coordinates differs: the message says why; the notes of a run say what its own local modes do."""
+    scene = pressed(body, -500.0)
+    static, dynamic = (
+        run(scene, 2e-6, step=1e-6, start="equilibrium", local=local, progress=False)
+        for local in ("quasi_static", LocalDynamics("hht", max_frequency=150e3))
+    )
+    with pytest.raises(InputError, match="local modes were treated in another way; use the same local="):
+        run(scene, 1e-6, step=1e-6, start=static, local="hht", progress=False)
+    with pytest.raises(InputError, match="eigenmodes: .*must come from a run with .*local='quasi_static'"):
+        find_modes(scene, about=dynamic)
+    assert any("the inertia of its local modes is neglected" in note for note in static.notes)
+    assert not any("neglected" in note and "local" in note for note in dynamic.notes)
+
+
 def test_wrong_options_are_refused(plain_body: ReducedBody) -> None:
     with pytest.raises(InputError, match="known: 'quasi_static', 'hht'"):
         LocalDynamics("htt")
@@ -147,8 +175,21 @@ def test_wrong_options_are_refused(plain_body: ReducedBody) -> None:
         ({"load_frequency": 1e3}, "auto"),
     ):  # fmt: skip
         with pytest.raises(InputError, match=words):
-            LocalDynamics("hht", **options)
+            LocalDynamics("hht", **options)  # pyright: ignore[reportArgumentType]
     with pytest.raises(InputError, match="gives no mode inertia"):
         LocalDynamics(max_frequency=1e4)
     with pytest.raises(InputError, match="local_dynamics=True"):
         Engine(pressed(plain_body, -1.0), local=LocalDynamics("hht"))
+
+
+def test_stages_step_the_same_modes(body: ReducedBody) -> None:
+    """Refused before anything is computed; two treatments of the same modes are fine."""
+    scene = pressed(body, -500.0)
+    some, fewer = (LocalDynamics("hht", max_frequency=f) for f in (60e3, 30e3))
+    for other in (fewer, "quasi_static"):
+        stages = [wf.Stage("a", 1e-5, 1e-6), wf.Stage("b", 1e-5, 1e-6, {"local": other})]
+        with pytest.raises(InputError, match="stage 'b': local .* the modes of a run cannot change"):
+            wf.simulate(scene, stages=stages, local=some, start="equilibrium", progress=False)
+    same = LocalDynamics("exponential", max_frequency=60e3)
+    stages = [wf.Stage("a", 1e-5, 1e-6), wf.Stage("b", 1e-5, 1e-6, {"local": same})]
+    assert wf.simulate(scene, stages=stages, local=some, start="equilibrium", progress=False).status == "completed"

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from recordings import columns
 
 import warpffrf as wf
 from warpffrf.output.anchors import Anchor
@@ -17,19 +18,6 @@ from warpffrf.output.scene_view import BodyView
 
 STEPS = 20
 SINGLE = 1e-6  # relative: recordings are single precision
-
-
-def columns(path: Path, entity: str, component: str) -> list[Any]:
-    """All values logged for one component of one entity, in order."""
-    from rerun.chunk import RrdReader
-
-    values = []
-    for chunk in RrdReader(str(path)).stream().filter(content=entity):
-        batch = chunk.to_record_batch()
-        for name in batch.schema.names:
-            if name.endswith(component):
-                values += batch.column(name).to_pylist()
-    return [v for v in values if v is not None]
 
 
 @pytest.fixture(scope="module")

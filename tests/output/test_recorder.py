@@ -7,28 +7,15 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from recordings import columns
 from synthetic_run import STEPS
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.recorder import record
 from warpffrf.output.result import Result
-
-
-def columns(path: Path, entity: str, component: str) -> list[Any]:
-    """All values logged for one component of one entity, in order, flattened over chunks."""
-    from rerun.chunk import RrdReader
-
-    values = []
-    for chunk in RrdReader(str(path)).stream().filter(content=entity):
-        batch = chunk.to_record_batch()
-        for name in batch.schema.names:
-            if name.endswith(component):
-                values += batch.column(name).to_pylist()
-    return [v for v in values if v is not None]
 
 
 def test_recording_reads_back(result: Result, tmp_path: Path) -> None:

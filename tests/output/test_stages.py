@@ -159,6 +159,7 @@ def test_a_checkpoint_of_another_scene_or_damaged_is_refused() -> None:
         ({}, "no checkpoint"),
         ({k: v for k, v in checkpoint.items() if k != "lam"}, "lacks lam"),
         ({**checkpoint, "r": checkpoint["r"][:, :0]}, "r of the checkpoint is"),
+        ({k: v for k, v in checkpoint.items() if "_rate" not in k}, "RungeKutta4 or EnergyMomentum"),
         ({**checkpoint, "clk": np.full_like(checkpoint["clk"], np.nan)}, "it is damaged"),
     ]:
         result.history.checkpoint = damage

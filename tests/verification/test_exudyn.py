@@ -33,7 +33,7 @@ def paths(modes: int, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     for level in ("full", "constant"):
         history = study.our_run(study.our_scene(body, level), steps, step, every)
         assert history.status == "completed", history.message
-        found.append(study.our_tip(history, mesh, phi, body))
+        found.append(study.our_tip(history, mesh, phi))
     theirs, _ = study.rival(mesh, body, phi).solve(steps, step, save=every)
     assert found[0].shape == theirs.shape == (round(DURATION / SAVED) + 1, 3)
     return found[0], theirs, found[1]

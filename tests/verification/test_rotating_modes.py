@@ -8,8 +8,7 @@ import pytest
 
 from warpffrf.model import joints
 from warpffrf.model.material import Material
-from warpffrf.model.mesh import Mesh, roller
-from warpffrf.model.mesh.elements import cell_kind
+from warpffrf.model.mesh import box, roller
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
@@ -72,27 +71,10 @@ def test_ring_frequencies_and_the_lag_of_their_patterns(ring: ReducedBody) -> No
     assert "axes that turn" in with_terms.report()
 
 
-def beam_mesh(cells: int) -> Mesh:
-    """hex27 beam along y from the origin, `cells` long, one cell across; facet set `root` at y = 0."""
-    counts, size = (1, cells, 1), (WIDTH, LENGTH, HEIGHT)
-    axes = [np.linspace(-0.5 * s, 0.5 * s, 2 * c + 1) for s, c in zip(size, counts, strict=True)]
-    grid = np.stack(np.meshgrid(axes[0], axes[1] + 0.5 * LENGTH, axes[2], indexing="ij"))
-    points = grid.reshape(3, -1).T
-    number = np.arange(len(points)).reshape(3, 2 * cells + 1, 3)
-    reference = np.asarray(cell_kind("hex27").nodes, float)
-    low, high = reference.min(), reference.max()
-    offsets = np.round(2.0 * (reference - low) / (high - low)).astype(int)
-    table = np.stack([number[i, 2 * np.arange(cells) + j, k] for i, j, k in offsets], axis=1)
-    bare = Mesh(points, {"hex27": table})
-    outer = bare.outer_facets()
-    return Mesh(points, bare.cells, {"root": outer.kept(outer.centers(points)[:, 1] < 1e-9)})
-
-
 @pytest.fixture(scope="module")
 def beam() -> ReducedBody:
-    return reduce(
-        beam_mesh(32), BEAM, interfaces={"root": "rigid"}, modes=24, stiffening=True, cache=False, progress=False
-    )
+    mesh = box((WIDTH, LENGTH, HEIGHT), (1, 32, 1), center=(0.0, 0.5 * LENGTH, 0.0))
+    return reduce(mesh, BEAM, interfaces={"y_min": "rigid"}, modes=24, stiffening=True, cache=False, progress=False)
 
 
 def first_flap(beam: ReducedBody, gamma: float, *, level: str, stiffening: bool) -> float:
@@ -107,7 +89,7 @@ def first_flap(beam: ReducedBody, gamma: float, *, level: str, stiffening: bool)
         beam, name="arm", damping=np.where(flaps, 0.0, 1.0), inertia=level, stiffening=stiffening,
         angular_velocity=(0.0, 0.0, speed),
     )  # fmt: skip
-    hub = scene.add(joints.Revolute(scene.ground, arm["root"], axis=(0, 0, 1), name="hub"))
+    hub = scene.add(joints.Revolute(scene.ground, arm["y_min"], axis=(0, 0, 1), name="hub"))
     scene.add(joints.Drive(hub, speed, quantity="velocity"))
     if gamma == 0.0:
         found = eigenmodes(scene, 12, about="initial")

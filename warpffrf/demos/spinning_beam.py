@@ -46,9 +46,6 @@ MATERIAL = wf.Material(
 SPEED, SPIN_UP = 6.0, 15.0  # rad/s, s
 STEP = 5e-3  # s: 50 steps to a period of the second bending mode
 RHO_INF = 0.9
-BROKEN = (
-    0.3  # of the length: a tip so far off the hub's line is no small deflection; ends the figure without stiffening
-)
 POLYNOMIALS, MODES_OF_REFERENCE = 8, 3  # x^2 to x^9, and the natural modes of the clamped beam made of them
 # The beam equation is linear in w/L, of which the square is 3e-3; the axial modes kept miss 3e-4 of the elongation.
 LAG, ELONGATION = 0.01, 1e-3

@@ -23,7 +23,9 @@ import numpy as np
 
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_count, require_direction, require_number
+from warpffrf.model.laws import Unilateral, as_law
 
+UNILATERAL = Unilateral()
 ZOOM_POINTS = (73, 33)  # grid around and along: 5 degrees first, enough to bracket the one minimum of convex surfaces
 ZOOM_FACTOR = 8.0  # each refinement shrinks the looked-at rectangle by this
 ZOOM_ROUNDS = 9  # 8^8 below the first spacing: the place to 1e-8 rad, the value to round-off
@@ -32,9 +34,10 @@ CLOSE_STEPS = 500  # 1 - cos(phi) <= 0.94 a step: reaches the tolerance for phi 
 
 
 class Contact:
-    """Frictionless unilateral contact between two contact surfaces, `body['rim']` each.
+    """Frictionless contact between two contact surfaces, `body['rim']` each.
 
-    Forces are reported on the first body. friction must be 0. capacity: largest number of active stress modes, None to
+    Forces are reported on the first body. law: what lies between the surfaces, see `warpffrf.model.laws`, nothing by
+    default. friction must be 0. capacity: largest number of active stress modes, None to
     have it chosen. name: default "<first body>-<second body>".
     """
 
@@ -42,7 +45,14 @@ class Contact:
     kind = "contact"
 
     def __init__(
-        self, a: Any, b: Any, *, friction: float = 0.0, capacity: int | None = None, name: str | None = None
+        self,
+        a: Any,
+        b: Any,
+        *,
+        law: Any = UNILATERAL,
+        friction: float = 0.0,
+        capacity: int | None = None,
+        name: str | None = None,
     ) -> None:
         for port, place in ((a, "first"), (b, "second")):
             if not isinstance(port, SurfacePort):
@@ -62,6 +72,7 @@ class Contact:
             raise InputError(
                 f"contact {self.name!r}: body {a.body.name!r} in contact with itself is not supported; name two bodies"
             )
+        self.law = as_law(law, f"contact {self.name!r}")
         self.friction = require_number(friction, f"contact {self.name!r}: friction", non_negative=True)
         if self.friction != 0.0:
             raise InputError(f"contact {self.name!r}: friction is not available yet, only friction=0.0 (frictionless)")
@@ -74,7 +85,8 @@ class Contact:
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
         surfaces = {"a": [self.a.body.name, self.a.name], "b": [self.b.body.name, self.b.name]}
-        return {"name": self.name, **surfaces, "friction": self.friction, "capacity": self.capacity}
+        numbers = {"friction": self.friction, "capacity": self.capacity}
+        return {"name": self.name, **surfaces, "law": self.law.describe(), **numbers}
 
 
 def undeformed_gap(contact: Contact, theta: Any, z: Any, offset: Any = (0.0, 0.0, 0.0)) -> np.ndarray:

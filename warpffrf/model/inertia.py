@@ -112,12 +112,21 @@ class InertiaTerms:
         """Number k of modes covered."""
         return len(self.first)
 
-    def kept(self, level: str) -> tuple[Array, Array, Array]:
-        """J1, J2, G with those that `level` leaves out set to zero; raises `InputError` for an unknown level."""
+    def kept(self, level: str, *, stiffened: bool = False) -> tuple[Array, Array, Array]:
+        """J1, J2, G with those that `level` leaves out set to zero; raises `InputError` for an unknown level.
+
+        `stiffened`: J2 - Kc, the energy q.K_c q/2 of stiffening by rotation with its sign in w.J w/2; a mixed product
+        of w stands in two places of J2, half in each.
+        """
         if level not in LEVELS:
             raise unknown_name("inertia level", level, LEVELS)
         one, two, three = LEVELS[level]
-        return self.first * one, self.second * two, self.gyroscopic * three
+        second = self.second * two
+        if stiffened and self.stiffening is not None:
+            for (a, b), K in zip(PRODUCTS, self.stiffening.centrifugal, strict=True):
+                second[..., a, b] -= 0.5 * K
+                second[..., b, a] -= 0.5 * K
+        return self.first * one, second, self.gyroscopic * three
 
 
 def inertia(terms: InertiaTerms, J0: Array, q: Array, level: str = "full") -> Array:

@@ -46,12 +46,15 @@ class SceneCheck:
         lines += ["", f"{'joint or drive':<20}{'constraints':>14}{'redundant':>14}"]
         for name, count in self.constraints.items():
             lines.append(f"{name:<20}{count:>14d}{self.redundant.get(name, 0):>14d}")
-        lines += ["", f"{'contact':<20}{'initial gap [m]':>18}"]
+        if self.gaps:
+            lines += ["", f"{'contact':<20}{'initial gap [m]':>18}"]
         lines += [f"{name:<20}{gap:>18.6g}" for name, gap in self.gaps.items()]
         lines += ["", f"degrees of freedom  {self.degrees_of_freedom} (count without redundancy {self.grubler})"]
         if self.redundant:
             found = ", ".join(f"{name} ({count})" for name, count in self.redundant.items())
-            lines.append(f"redundant constraints: {found}; left out, their reactions count as zero")
+            lines.append(
+                f"redundant constraints: {found}; left out, their reactions count as zero (z: axis of the joint)"
+            )
             lines += [f"  {label}" for label in self.redundant_rows]
         if self.refused_drives:
             lines.append(

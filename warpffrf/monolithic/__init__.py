@@ -3,7 +3,7 @@
 The yardstick that the separated solver is measured by, written in NumPy and SciPy from the model alone.
 
     description     scene -> bodies, markers, rows, springs, loads
-    integrator      HHT, generalized-alpha, Newmark: coefficients and formulas
+    integrator      the formulas of a step
     equations       residual and exact Jacobian of everything but contact (rows, inertia_forces)
     contact         gaps and forces of a pair and their derivatives (contact_frame, sampling, local_coordinates)
     linear          K of the variants: dense LU, kept LU, diagonal plus low rank
@@ -12,18 +12,14 @@ The yardstick that the separated solver is measured by, written in NumPy and Sci
 """
 
 from warpffrf.monolithic.history import MonolithicHistory
-from warpffrf.monolithic.integrator import HHT_ALPHA, Coefficients, coefficients_of, generalized_alpha, hht, newmark
+from warpffrf.monolithic.integrator import DEFAULT_INTEGRATOR, coefficients_of
 from warpffrf.monolithic.run import run
 from warpffrf.monolithic.settings import Monolithic
 
 __all__ = [
-    "HHT_ALPHA",
-    "Coefficients",
+    "DEFAULT_INTEGRATOR",
     "Monolithic",
     "MonolithicHistory",
     "coefficients_of",
-    "generalized_alpha",
-    "hht",
-    "newmark",
     "run",
 ]

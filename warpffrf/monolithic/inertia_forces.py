@@ -10,7 +10,7 @@ With w the angular velocity in body axes, J0 the inertia and the arrays J1 (k, 3
     mode j    2 w.g'_j + wdot.g_j - w.P_j w/2.
 
 Geometric stiffening by rotation, K_c = sum_ab w_a w_b Kc_ab, is the energy q.K_c q/2 that a bent body takes from its
-turning because it is shorter, so it stands in J2 as -Kc (half of each mixed product in either place).
+turning because it is shorter, so it stands in J2 as -Kc.
 
 Tangent. By a step's formulas dqdot = VEL dq, dqddot = ACC dq, and with the body turned by dtheta about its own axes
 dw = VEL T^-1 dtheta, dwdot = ACC T^-1 dtheta. As G_ij = -G_ji and P'_j = 2 sum_i J2_ij qdot_i is the slope of dJ' by
@@ -28,7 +28,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpffrf.model.inertia import PRODUCTS, InertiaTerms
+from warpffrf.model.inertia import InertiaTerms
 from warpffrf.monolithic.rotation import hat
 
 
@@ -51,11 +51,7 @@ def deformation_terms(terms: InertiaTerms | None, level: str, stiffened: bool) -
     if terms is None or (level == "constant" and not stiffened):
         return None
     k = terms.modes
-    first, second, gyroscopic = (np.array(part, dtype=np.float64) for part in terms.kept(level))
-    if stiffened and terms.stiffening is not None:
-        for (a, b), K in zip(PRODUCTS, terms.stiffening.centrifugal, strict=True):
-            second[:, :, a, b] -= 0.5 * K
-            second[:, :, b, a] -= 0.5 * K
+    first, second, gyroscopic = terms.kept(level, stiffened=stiffened)
     return DeformationTerms(first.reshape(k, 9), second.reshape(k, k, 9), gyroscopic)
 
 

@@ -33,6 +33,8 @@ SLOW = 0.1  # contraction of the residual above which a kept factor is renewed
 ROUND_OFF = 1e-15  # of increments: accelerations carry it times ACC
 EPSILON = 2.2e-16  # relative round-off of a coordinate
 GAP_TOLERANCE = 1e-15  # m: a mean gap of round-off size does not close
+NO_FORCE = 1e-30  # N: a scale that is never zero
+SYMMETRIC = 1e-14  # of the diagonal: what is symmetric up to round-off takes the Cholesky factor
 SHORT = 1e-6  # of the coordinates: defects are not measured against a smaller penetration
 
 
@@ -153,8 +155,8 @@ def _coordinates(layout: Layout, trial: Trial, body: int, surface: int) -> np.nd
 def imbalance(system: System, formula: Formula, x: Increment, e: Evaluation) -> float:
     """The largest residual as a fraction, see the module."""
     layout, r, trial = system.layout, e.residual, e.trial
-    force, depth, worst = max(e.balance.force, 1e-30), 0.0, 0.0
-    modal, closure = 1e-30, 0.0
+    force, depth, worst = max(e.balance.force, NO_FORCE), 0.0, 0.0
+    modal, closure = NO_FORCE, 0.0
     for pair, s in zip(e.pairs, e.pressures, strict=True):
         active = np.flatnonzero(s > 0.0)
         if not len(active):
@@ -374,6 +376,6 @@ def _solve_small(S: np.ndarray, right: np.ndarray) -> np.ndarray:
     """S^-1 right of an equilibrated Schur complement, symmetric up to how the grids turn with the bodies."""
     d = 1.0 / np.sqrt(np.abs(np.diag(S)))
     scaled = S * d[:, None] * d[None, :]
-    if np.abs(scaled - scaled.T).max() < 1e-14:
+    if np.abs(scaled - scaled.T).max() < SYMMETRIC:
         return d * cho_solve(cho_factor(scaled), d * right)
     return d * lu_solve(lu_factor(scaled), d * right)

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 HUGE = 1e60  # rad: squares and fourth powers stay finite
+NO_TURN = 1e-8  # sine of half the angle: 2 asin(s)/s is 2 to round-off below
 SMALL = 1e-2  # rad: the next terms of the series of k and k'/a are a^6 times 1e-6 to 1e-5, below round-off
 
 
@@ -48,7 +49,7 @@ def rotation_vector(A: np.ndarray) -> np.ndarray:
 
     q = quaternion(A)
     s = float(np.linalg.norm(q[:3]))
-    return (2.0 / q[3] if s < 1e-8 else 2.0 * np.arctan2(s, q[3]) / s) * q[:3]
+    return (2.0 / q[3] if s < NO_TURN else 2.0 * np.arctan2(s, q[3]) / s) * q[:3]
 
 
 def _k(a: float) -> tuple[float, float]:

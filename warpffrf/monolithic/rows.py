@@ -39,6 +39,7 @@ from warpffrf.monolithic.rotation import (
 )
 
 NO_COLUMNS = np.zeros((3, 0))
+NO_LENGTH = 1e-300  # m: a distance of zero has no direction, and makes no NaN
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,10 +141,10 @@ def row_states(functions: list[Function], a: MarkerState, b: MarkerState) -> Row
         elif kind == "distance":
             length = float(np.sqrt(d @ d))
             value[m] = length
-            f[m] = d / max(length, 1e-300)
+            f[m] = d / max(length, NO_LENGTH)
             relative = X_b - X_a
             slope[m] = f[m] @ relative
-            df[m] = (relative - np.outer(f[m], slope[m])) / max(length, 1e-300)
+            df[m] = (relative - np.outer(f[m], slope[m])) / max(length, NO_LENGTH)
         elif kind == "direction":
             u, w = a.R[:, i], b.R[:, j]
             du, dw = -hat(u) @ T_a, -hat(w) @ T_b

@@ -11,6 +11,7 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.progress import Progress
+from warpffrf.model.step_count import step_count
 from warpffrf.monolithic.contact import pair_data
 from warpffrf.monolithic.contact_record import ContactRow, contact_arrays, contact_row
 from warpffrf.monolithic.description import describe_scene
@@ -55,6 +56,11 @@ def build(
     data = describe_scene(scene)
     coordinates, surfaces = [], []
     for contact in scene.contacts:
+        if contact.law.yielding:
+            raise InputError(
+                f"contact {contact.name!r}: method 'monolithic' has no {contact.law.kind}; use laws.Unilateral(), with "
+                "law='nodes' and layer_stiffness for the conventional penalty"
+            )
         for port in (contact.a, contact.b):
             given = (local_modes or {}).get((port.body.name, port.name))
             coordinates.append(local_coordinates(port.surface, local, given, zeta, port.label))
@@ -99,11 +105,7 @@ def run(
     A step that fails ends the run with its reason in `status`; what was found before is kept, also on Ctrl-C. Raises
     `InputError` for wrong input.
     """
-    duration = require_number(duration, "simulate: duration", positive=True)
-    step = require_number(step, "simulate: step", positive=True)
-    steps = int(round(duration / step))
-    if steps < 1:
-        raise InputError(f"simulate: step {step:g} s is longer than the duration {duration:g} s")
+    steps, uneven = step_count(duration, step)
     save_every = require_count(save_every, "simulate: save_every", 1)
     coefficients = coefficients_of(integrator)
     entered = clock.perf_counter()
@@ -129,7 +131,7 @@ def run(
         "loop_seconds": spent.seconds.pop("loop", 0.0),
         **{f"{part}_seconds": value for part, value in spent.seconds.items()},
     }
-    history.notes = list(system.data.notes)
+    history.notes = [*system.data.notes, *uneven]
     return history
 
 

@@ -27,6 +27,7 @@ from warpffrf.offline.cyclic.path import axes_of, reduce_cyclic
 from warpffrf.offline.fe.materials import Assignment, assign, facet_material, other_material
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.general.path import reduce_general
+from warpffrf.offline.inertia.invariants import MODES
 from warpffrf.offline.interfaces.kinds import body_interfaces
 from warpffrf.offline.paths import PathChoice, choose_path, resolve_shapes
 from warpffrf.offline.products import PathProduct, SurfaceProduct
@@ -62,6 +63,7 @@ def reduce(
     local_dynamics: bool = False,
     inertia_modes: int | None = None,
     stiffening: bool = False,
+    centrifugal: bool = False,
     periodic: bool | None = None,
     solver: str | None = None,
     memory_limit: float | None = None,
@@ -97,6 +99,10 @@ def reduce(
         to 60. `report["inertia"]` says how many.
     stiffening: True: also the stiffness that these modes get from prestress by turning and by loads on the interfaces;
         on the general path.
+    centrifugal: True: also the attachment modes of turning, the static responses to the products of the components of
+        the angular velocity, so that growing and bending under the body's own rotation is exact at any number of modes.
+        For rotors, discs, rings and blades that turn fast: the vibration modes of a round body hardly hold that shape.
+        Six modes more; where `inertia_modes` is left out, as many modes have inertia terms as this takes.
     periodic: None: rotational periodicity is used, and looked for in meshes that do not state it; False: never.
     solver: a name of the installed direct solvers for large systems; None: the default, `report["solver"]`.
     memory_limit [byte]: bound for factors, dense operators and blocks of right-hand sides of the general path together;
@@ -131,6 +137,7 @@ def reduce(
         local_dynamics=local_dynamics,
         inertia_modes=inertia_modes,
         stiffening=stiffening,
+        centrifugal=centrifugal,
         periodic=periodic,
         solver=solver,
         memory_limit=memory_limit,
@@ -259,6 +266,7 @@ def _product(
         "observers": recovery.observers(),
         "local_dynamics": settings.local_dynamics,
         "inertia_modes": settings.inertia_modes,
+        "centrifugal": settings.centrifugal,
     }
     spacing = spacings(mesh, choice.shapes, settings, expected)
     limits = settings.limits
@@ -357,6 +365,12 @@ def _report(
     dropped = facts.get("dependent_directions_dropped", 0)
     if dropped:
         notes.append(f"{dropped} dependent direction(s) of attachment and vibration modes were dropped")
+    covered = 0 if product.inertia_terms is None else product.inertia_terms.modes
+    if settings.centrifugal and settings.inertia_modes is None and covered > MODES:
+        notes.append(
+            f"centrifugal=True: {covered} modes have inertia terms, that they hold the response to turning; "
+            f"inertia_modes={MODES} would be faster, and leave some of it out"
+        )
     known = settings.material if isinstance(settings.material, Material | Mapping) else None
     return {
         "path": "general" if choice.patterns is None else "cyclic",
@@ -370,9 +384,11 @@ def _report(
         "cached": False,
         "blas_threads": BLAS_THREADS,
         "inertia": {
-            "modes": 0 if product.inertia_terms is None else product.inertia_terms.modes,
+            "modes": covered,
             "of": len(product.omega),
             "stiffening": settings.stiffening,
+            "centrifugal": settings.centrifugal,
+            "centrifugal_left_out": facts.pop("centrifugal_left_out"),
         },
         **facts,
     }

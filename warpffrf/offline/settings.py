@@ -42,6 +42,7 @@ class Settings:
     local_dynamics: bool
     inertia_modes: int | None
     stiffening: bool
+    centrifugal: bool
     periodic: bool | None
     solver: str | None
     memory_limit: int | None
@@ -65,6 +66,7 @@ class Settings:
         local_dynamics: bool,
         inertia_modes: int | None,
         stiffening: bool,
+        centrifugal: bool,
         periodic: bool | None,
         solver: str | None,
         memory_limit: float | None,
@@ -93,6 +95,8 @@ class Settings:
             raise InputError(f"reduce: local_dynamics must be True or False, got {local_dynamics!r}")
         if not isinstance(stiffening, bool):
             raise InputError(f"reduce: stiffening must be True or False, got {stiffening!r}")
+        if not isinstance(centrifugal, bool):
+            raise InputError(f"reduce: centrifugal must be True or False, got {centrifugal!r}")
         stress_settings(stress or {})  # refuses what is no {name: points}
         if tangential is True:
             tangential = TANGENTIAL
@@ -112,6 +116,7 @@ class Settings:
             local_dynamics=local_dynamics,
             inertia_modes=None if inertia_modes is None else _count(inertia_modes, "inertia_modes"),
             stiffening=stiffening,
+            centrifugal=centrifugal,
             periodic=periodic,
             solver=None if solver is None else require_solver(solver),
             memory_limit=memory_limit,
@@ -175,6 +180,7 @@ class Settings:
             "local_dynamics": self.local_dynamics,
             "inertia_modes": self.inertia_modes,
             "stiffening": self.stiffening,
+            "centrifugal": self.centrifugal,
             "periodic": self.periodic,
             "memory_limit": self.memory_limit,
         }

@@ -1,8 +1,8 @@
 """Scene -> device arrays -> step graph -> History."""
 
+from warpffrf.model.integrators import HHT, INTEGRATORS, EnergyMomentum, GeneralizedAlpha, Newmark, RungeKutta4
 from warpffrf.online.engine import Engine
 from warpffrf.online.history import History
-from warpffrf.online.integrators import HHT, INTEGRATORS, EnergyMomentum, GeneralizedAlpha, Newmark, RungeKutta4
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.run import find_equilibrium, run
 from warpffrf.online.settings import Settings

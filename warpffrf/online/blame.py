@@ -1,6 +1,6 @@
 """Where a step failed: the joint, body or pair with the largest residual, from what its last attempt left behind.
 
-Residuals are compared as fractions, each of what it is measured by in `warpffrf_kernels.outer.balance`: forces of the
+Residuals are compared as fractions, each of what it is measured by in `warpffrf_kernels.balance.balance`: forces of the
 largest force in play, modal forces of the largest modal force, joints of 1 m or 1 rad, spring forces of their laws,
 gaps of the penetration. A singular system has no residual to speak of: there the direction that it does not determine
 is told, the singular vector of the equilibrated matrix.
@@ -86,7 +86,7 @@ def _bodies(engine: Any, world: int) -> list[Residual]:
     starts = engine.compiled.modal_start
     for i, body in enumerate(engine.scene.bodies):
         force, torque = float(np.linalg.norm(residual[i, :3])), float(np.linalg.norm(residual[i, 3:]))
-        gyration = float(np.sqrt(inertia[i][0, 0] / mass[i]))
+        gyration = float(np.sqrt(np.trace(inertia[i]) / (3.0 * mass[i])))
         own = modal[starts[i] : starts[i + 1]]
         if not np.isfinite(force + torque + own.sum()):
             found.append(Residual(np.inf, f"the motion of body {body.name!r} is not finite"))
@@ -161,11 +161,14 @@ def _undetermined(engine: Any, world: int) -> str:
     if not np.all(np.isfinite(A)):
         return ""
     scale = 1.0 / np.sqrt(np.where(np.diag(A) > 0.0, np.diag(A), 1.0))
-    scale[6 * m.body_count :] = 1.0
+    scale[m.row_offset :] = 1.0
     rows = np.linalg.norm(A * scale, axis=1)
-    scale[6 * m.body_count :] = 1.0 / np.where(rows > 0.0, rows, 1.0)[6 * m.body_count :]
+    scale[m.row_offset :] = 1.0 / np.where(rows > 0.0, rows, 1.0)[m.row_offset :]
     vector = np.abs(np.linalg.svd(scale[:, None] * A * scale)[2][-1])
     at = int(np.argmax(vector))
     if at < 6 * m.body_count:
         return f"nothing determines the motion of body {engine.scene.bodies[at // 6].name!r}"
-    return f"nothing determines the reaction of {row_owners(engine)[at - 6 * m.body_count]}"
+    if at < m.row_offset:
+        body = int(m.dense_body.numpy()[at - 6 * m.body_count])
+        return f"nothing determines the deformation of body {engine.scene.bodies[body].name!r}"
+    return f"nothing determines the reaction of {row_owners(engine)[at - m.row_offset]}"

@@ -14,21 +14,22 @@ from typing import Any
 import numpy as np
 from warpffrf_kernels import control as k
 
-from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.errors import InputError, require_count
+from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
 from warpffrf.model.progress import Progress
 from warpffrf.model.signal_cover import refuse_short_tables
+from warpffrf.model.step_count import step_count
 from warpffrf.online import energy_momentum, runge_kutta
 from warpffrf.online.checkpoint import is_dynamic, time_of
 from warpffrf.online.compile_forces import ForceTable
 from warpffrf.online.compile_inertia import InertiaPlan
 from warpffrf.online.free_bodies import FreeBody, Motion, check_free, free_body, initial_motion
-from warpffrf.online.history import ENERGY_LINES, BodyHistory, History
-from warpffrf.online.integrators import EnergyMomentum, RungeKutta4
-from warpffrf.online.sensors import force_histories, sensor_histories, turned
+from warpffrf.online.history import ENERGY_LINES, History
+from warpffrf.online.sensors import force_histories, sensor_histories
+from warpffrf.online.user_frame import user_frame
 
 ADVANCE = {EnergyMomentum: energy_momentum.advance, RungeKutta4: runge_kutta.advance}
 WITH_LOADS = {EnergyMomentum: False, RungeKutta4: True}
-SAME_TIME = 1e-9  # relative: times that differ by less were meant to be the same
 
 
 class _Collected:
@@ -85,21 +86,6 @@ class _Rows:
         for body, state, rows in zip(self.bodies, states, self.motions, strict=True):
             rates = body.rates(state, t)
             rows.append(np.concatenate([*state, rates.v, rates.w, rates.qd]))
-
-
-def step_count(duration: float, step: float) -> tuple[int, list[str]]:
-    """Number of steps of `step` [s] in `duration` [s], and a note where that is no whole number. Raises
-    `InputError`."""
-    duration = require_number(duration, "simulate: duration", positive=True)
-    step = require_number(step, "simulate: step", positive=True)
-    steps = int(round(duration / step))
-    if steps < 1:
-        raise InputError(f"simulate: step {step:g} s is longer than the duration {duration:g} s")
-    if abs(steps * step - duration) <= SAME_TIME * duration:
-        return steps, []
-    return steps, [
-        f"the duration {duration:g} s is no multiple of the step: {steps} steps, {steps * step:g} s, are simulated"
-    ]
 
 
 def run_check(
@@ -197,28 +183,6 @@ def _history(scene: Any, rows: _Rows, step: float, first: int) -> History:
         sensors=sensor_histories(scene, T, bodies, {}, forces),
         energy={name: energy[:, i].copy() for i, name in enumerate(ENERGY_LINES)},
         iterations=np.array(rows.iterations, dtype=int), factorisations=np.zeros(T, dtype=int),
-    )  # fmt: skip
-
-
-def user_frame(
-    center: np.ndarray,
-    r: np.ndarray,
-    p: np.ndarray,
-    v: np.ndarray,
-    w: np.ndarray,
-    vdot: np.ndarray,
-    wdot: np.ndarray,
-    q: np.ndarray,
-    qd: np.ndarray,
-    qdd: np.ndarray,
-) -> BodyHistory:
-    """Motion (T, ...) of the centre of mass, angular velocity and acceleration in body axes, as that of the user frame,
-    in whose coordinates the centre of mass is at `center` (3,) [m]."""
-    arm, omega, alpha = turned(p, center), turned(p, w), turned(p, wdot)
-    swing = np.cross(omega, arm)
-    return BodyHistory(
-        r - arm, p.copy(), v - swing, omega, q.copy(),
-        vdot - np.cross(alpha, arm) - np.cross(omega, swing), alpha, qd.copy(), qdd.copy(),
     )  # fmt: skip
 
 

@@ -32,37 +32,48 @@ def time_of(checkpoint: Mapping[str, Any]) -> float:
     return float(clock[0, int(k.TIME)]) if clock.ndim == 2 and clock.size > int(k.TIME) else 0.0
 
 
-def check_checkpoint(present: Mapping[str, np.ndarray], checkpoint: Mapping[str, Any]) -> None:
-    """Raises `InputError` unless `checkpoint` holds the arrays of `present`, names, shapes and types, finite numbers
-    in the clock and the poses."""
+def check_checkpoint(present: Mapping[str, np.ndarray], checkpoint: Mapping[str, Any], label: str) -> None:
+    """Raises `InputError`, which begins with `label`, unless `checkpoint` holds the arrays of `present`, names, shapes
+    and types, finite numbers in the clock, the poses and the modes."""
     if not checkpoint:
-        raise InputError("simulate: start has no checkpoint to continue from; run it again")
+        raise InputError(f"{label}: there is no checkpoint to continue from; run it again")
     cure = "continue with the scene and the version of warpffrf that wrote it, or start from 'initial'"
     missing = sorted(set(present) - set(checkpoint))
+    if "v_rate" in missing and "omega" in checkpoint:
+        raise InputError(
+            f"{label}: the checkpoint is that of RungeKutta4 or EnergyMomentum, which leave no accelerations; go on "
+            "with one of these, or start from 'initial'"
+        )
     if missing:
-        raise InputError(f"simulate: the checkpoint lacks {', '.join(missing)}; {cure}")
+        raise InputError(f"{label}: the checkpoint lacks {', '.join(missing)}; {cure}")
+    modes = [np.shape(arrays["q"])[-1] for arrays in (checkpoint, present)]
+    if modes[0] != modes[1] and np.shape(checkpoint["r"]) == present["r"].shape:
+        raise InputError(
+            f"{label}: the checkpoint has {modes[0]} modal coordinates, here are {modes[1]}: the local modes were "
+            "treated in another way; use the same local= for both, or start from 'initial' or 'equilibrium'"
+        )
     for name, array in present.items():
         given = np.asarray(checkpoint[name])
         if given.shape != array.shape or given.dtype != array.dtype:
             raise InputError(
-                f"simulate: {name} of the checkpoint is {given.dtype}{given.shape}, this scene has "
+                f"{label}: {name} of the checkpoint is {given.dtype}{given.shape}, this scene has "
                 f"{array.dtype}{array.shape}: another scene or device; {cure}"
             )
-    for name in ("clk", "r", "p"):
+    for name in ("clk", "r", "p", "q"):
         if not np.all(np.isfinite(checkpoint[name])):
-            raise InputError(f"simulate: {name} of the checkpoint holds NaN or infinite numbers: it is damaged; {cure}")
+            raise InputError(f"{label}: {name} of the checkpoint holds NaN or infinite numbers: it is damaged; {cure}")
 
 
-def restore(engine: Engine, checkpoint: Mapping[str, Any], step: float) -> int:
+def restore(engine: Engine, checkpoint: Mapping[str, Any], step: float, label: str = "simulate: start") -> int:
     """Bring `engine` to the state of `checkpoint`, ready for steps of `step` [s]; returns the user steps done so far.
 
     Another step than the checkpoint's begins a new count of steps at the checkpoint's time. Raises `InputError` for a
-    checkpoint of another scene.
+    checkpoint of another scene, with `label` in front.
     """
-    check_checkpoint(engine.state.to_numpy(), checkpoint)
+    check_checkpoint(engine.state.to_numpy(), checkpoint, label)
     engine.state.assign(dict(checkpoint))
     engine.drained = engine.word("SAVED")
-    engine.control(STATUS=0)
+    engine.control(STATUS=0, REASON=0)
     if np.isclose(engine.word("USER_STEP")[0], step, rtol=SAME_STEP):
         return int(engine.word("STEP")[0])
     # time is counted in steps from START_TIME: begin a new count here

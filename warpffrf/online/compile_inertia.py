@@ -73,7 +73,6 @@ class InertiaPlan:
                 notes.append(
                     f"body {body.name!r}: the first {plan.count} of {body.mode_count} modes carry the inertia terms"
                 )
-            notes.append(f"body {body.name!r}: inertia of the local modes is neglected")
         return cls(plans, notes)
 
 
@@ -149,13 +148,9 @@ def fill_inertia(compiler: Any, m: Any) -> None:
         dense_mode += list(range(modal[b], modal[b] + n))
         dense_of[modal[b] : modal[b] + n] = np.arange(starts[b], starts[b] + n)
         if n:
-            J1, J2, G = plan.terms.kept(plan.level)
+            J1, J2, G = plan.terms.kept(plan.level, stiffened=plan.stiffening)
             first.append(np.stack([J1[:, i, j] for i, j in PRODUCTS], axis=1))
             channels = [J2[:, :, i, j] for i, j in PRODUCTS]
-            if plan.stiffening:
-                share = (1.0, 1.0, 1.0, 0.5, 0.5, 0.5)  # w_x w_y stands twice in w.J2 w
-                K = plan.terms.stiffening.centrifugal
-                channels = [J - s * k for J, s, k in zip(channels, share, K, strict=True)]
             channels += [G[:, :, c].T for c in range(3)]  # line j, column i
             tables.append(np.stack(channels).ravel())
     m.dense_count = int(starts[-1])
@@ -169,9 +164,10 @@ def fill_inertia(compiler: Any, m: Any) -> None:
 
 
 def mode_reach(reduced: Any) -> np.ndarray:
-    """Largest displacement of each mode (m,) [m per unit coordinate], on the display surface."""
-    modes = np.asarray(reduced.surface.modes)
-    return np.linalg.norm(modes, axis=-1).max(axis=1, initial=0.0)
+    """Largest displacement of each mode (m,) [m per unit coordinate], on the display surface and at interfaces."""
+    fields = [reduced.surface.modes, *(interface.modes[:, None, :3] for interface in reduced.interfaces.values())]
+    largest = [np.linalg.norm(np.asarray(modes), axis=-1).max(axis=1, initial=0.0) for modes in fields]
+    return np.max(largest, axis=0)
 
 
 def fill_stiffening(compiler: Any, m: Any) -> bool:

@@ -67,7 +67,7 @@ def compile_joints(compiler: Any) -> JointTable:
     table.dropped = found.dropped
     if table.dropped:
         table.notes.append(
-            "redundant constraints left out, their reactions count as zero: "
+            "redundant constraints left out, their reactions count as zero (z: axis of the joint): "
             + "; ".join(row.label for row in table.dropped)
         )
     if found.rank_here < found.rank:

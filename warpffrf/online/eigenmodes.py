@@ -198,10 +198,15 @@ def _prepare(engine: Engine, about: Any, notes: list[str]) -> str:
             raise InputError(f"eigenmodes: the initial state is not consistent ({why})")
         return "initial state"
     if isinstance(about, History):
-        if about.checkpoint and not np.all(np.isfinite(about.checkpoint["q"])):
-            raise InputError("eigenmodes: the state of the result is not finite; use one that completed")
-        words = about.checkpoint.get("clk") if about.checkpoint else None
-        restore(engine, about.checkpoint, 1.0 if words is None else float(words[0, 1]))
+        state = about.checkpoint
+        if state and ("v_rate" not in state or np.shape(state["q"]) != tuple(engine.state.q.shape)):
+            raise InputError(
+                "eigenmodes: the state of the result cannot be linearised; it must come from a run with "
+                "method='separated', local='quasi_static' and one of the integrators with coefficients "
+                "(GeneralizedAlpha, HHT, Newmark), or from an equilibrium"
+            )
+        words = state.get("clk") if state else None
+        restore(engine, state, 1.0 if words is None else float(words[0, 1]), "eigenmodes: about")
         return "last state of a run" if is_dynamic(about.checkpoint) else "equilibrium of a result"
     raise InputError(
         f"eigenmodes: about must be None (equilibrium), 'initial', or a Result of this scene, got {about!r}"

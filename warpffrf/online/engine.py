@@ -12,9 +12,9 @@ import warp as wp
 from warpffrf_kernels import control as k
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.online.compile import compile_scene
 from warpffrf.online.graph import StepGraph
-from warpffrf.online.integrators import GeneralizedAlpha
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.settings import Settings
 from warpffrf.online.start import start

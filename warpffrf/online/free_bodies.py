@@ -30,7 +30,6 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import PointLoad
-from warpffrf.model.inertia import PRODUCTS
 
 Array = np.ndarray
 CURE = "integrate with GeneralizedAlpha, HHT or Newmark"
@@ -169,13 +168,8 @@ def free_body(scene: Any, body: Any, plan: Any) -> FreeBody:
     k, m = plan.count, body.mode_count
     first, second, gyroscopic = np.zeros((k, 3, 3)), np.zeros((k, k, 3, 3)), np.zeros((k, k, 3))
     if k:
-        first, second, gyroscopic = plan.terms.kept(plan.level)
+        first, second, gyroscopic = plan.terms.kept(plan.level, stiffened=plan.stiffening)
     stiffening = plan.terms.stiffening if k and plan.stiffening else None
-    if stiffening is not None:
-        second = np.array(second)
-        for (i, j), K in zip(PRODUCTS, stiffening.centrifugal, strict=True):
-            second[..., i, j] -= 0.5 * K  # w.J2 w takes an off-diagonal product from two places
-            second[..., j, i] -= 0.5 * K
     omega = 2.0 * np.pi * body.reduced.frequencies if m else np.zeros(0)
     loads = [
         _applied_load(body, force.load(), stiffening)

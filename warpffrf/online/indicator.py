@@ -18,7 +18,9 @@ deform the body by less than NOTICEABLE of its size (|f_i/omega_i^2| over root(t
 counts as none. The other two are proportional to the deformation, and their sizes do not depend on it.
 
 These are estimates of first order: what a neglected term would have done is judged on a motion without it, and only in
-the modes that the body has. Over one mode and a constant turning about an axis they are
+the modes that the body has. What of the static response to turning these do not hold is known from the reduction, a
+displacement of at most |w|^2 left_out of the size (`offline.inertia.centrifugal`); a line says so where that is
+NOTICEABLE and more than FLAG of the deformation found. Over one mode and a constant turning about an axis they are
 
     w^2 |J1|/(2 omega^2 |q|),   w^2 J2/omega^2,   2 w G/omega (in the modes that G couples): of order 2, 2, and 1 in w.
 """
@@ -143,6 +145,26 @@ def indicator_lines(sizes: Sequence[TermSize], levels: Mapping[str, str]) -> lis
         elif better != level:
             line += f"; {better!r} would do"
         lines.append(line)
+    return lines
+
+
+def unheld_lines(scene: Any, history: Any) -> list[str]:
+    """What the report says of bodies whose modes do not hold what turning does to them, and the cure."""
+    lines = []
+    for body in scene.bodies:
+        known = {} if body.reduced is None else body.reduced.report.get("inertia", {})
+        motion = history.bodies[body.name]
+        if not known.get("centrifugal_left_out") or not len(motion.angular_velocity):
+            continue
+        speed = _largest(motion.angular_velocity)
+        missing = speed**2 * known["centrifugal_left_out"]
+        found = _largest(motion.modal) / np.sqrt(0.5 * np.trace(body.inertia))
+        if missing > max(NOTICEABLE, FLAG * found):
+            cure = "a larger inertia_modes" if known.get("centrifugal") else "centrifugal=True"
+            lines.append(
+                f"body {body.name!r}: turning at {speed:.3g} rad/s deforms it by up to {missing:.1e} of its size in "
+                f"shapes that its modes with inertia terms do not hold; reduce it with {cure}"
+            )
     return lines
 
 

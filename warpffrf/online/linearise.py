@@ -42,6 +42,7 @@ import numpy as np
 from warpffrf_kernels import control as k
 
 from warpffrf.model import rotation as rot
+from warpffrf.online.compile_inertia import mode_reach
 from warpffrf.online.engine import Engine
 
 Array = np.ndarray
@@ -106,7 +107,7 @@ class _Probe:
         self.place(zero, zero, zero, first=True)
         for name in PATCHED:
             getattr(self.state, name).assign(self.base[name])
-        self.engine.graph._locate_contact()
+        self.engine.graph.contact.locate()
         for name in ("active", "pressure", "patch_offset"):
             self.base[name] = getattr(self.state, name).numpy().copy()
 
@@ -144,7 +145,7 @@ class _Probe:
             self._put(angular, rigid[:, 3:], base["v"])
             if self.modes:
                 self._put(modal, values[6 * B :], base["qd"])
-        self.engine.graph._iteration()
+        self.engine.graph.iterate()
 
     def forces(self, dx: Array, dv: Array, da: Array) -> Array:
         """Unbalanced forces (n,) and spring laws (springs,) at fixed multipliers and pressures, one array."""
@@ -177,18 +178,9 @@ class _Probe:
         reach = [np.full(6 * self.bodies, 1.0)]
         for body in self.engine.scene.bodies:
             if body.mode_count:
-                reach.append(largest_displacement(body.reduced))
+                found = mode_reach(body.reduced)
+                reach.append(np.where(found > 0.0, found, 1.0))
         return LENGTH_STEP / np.concatenate(reach)
-
-
-def largest_displacement(reduced: Any) -> Array:
-    """Largest displacement per unit coordinate (m,) of the modes of a reduced body, on its skin and interfaces."""
-    largest = np.full(len(reduced.frequencies), np.finfo(float).tiny)
-    fields = [reduced.surface.modes, *(i.modes[:, None, :3] for i in reduced.interfaces.values())]
-    for modes in fields:
-        if np.size(modes):
-            largest = np.maximum(largest, np.linalg.norm(modes, axis=-1).max(axis=1, initial=0.0))
-    return np.where(largest > np.finfo(float).tiny, largest, 1.0)
 
 
 def linearise(engine: Engine) -> Linearisation:

@@ -18,14 +18,15 @@ exactly undamped modes it is marginal, hence their default damping.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
+from warpffrf.model.integrators import HHT, Coefficients
 from warpffrf.model.local_modes import DynamicModes, dynamic_modes
-from warpffrf.online.integrators import HHT
 
 TREATMENTS = ("quasi_static", "hht", "exponential", "auto")
 AUTO_RATIO = 5.0  # of the load frequency: above, the response without inertia is wrong by (1/5)^2 = 4 % at most
@@ -67,8 +68,8 @@ class LocalDynamics:
             raise InputError("local: load_frequency goes with 'auto'; give max_frequency instead")
 
     @property
-    def coefficients(self) -> tuple[float, float, float, float]:
-        """(alpha_m, alpha_f, beta, gamma) of HHT."""
+    def coefficients(self) -> Coefficients:
+        """Those of HHT."""
         return HHT(self.alpha).coefficients
 
     @property
@@ -106,6 +107,8 @@ class LocalPlan:
             for port in contact.ports:
                 if options.treatment != "quasi_static":
                     plan._add(port)
+                else:
+                    plan.notes.append(f"contact surface {port.label}: the inertia of its local modes is neglected")
         return plan
 
     def _add(self, port: Any) -> None:
@@ -132,6 +135,11 @@ class LocalPlan:
             f"({self.options.treatment}){reach}; the others follow the load without inertia"
         )
 
+    @property
+    def exact(self) -> bool:
+        """Whether any mode steps exactly for a linear load."""
+        return self.options.kind == STEPS_EXACTLY and any(self.count(b) for b in self.modes)
+
     def count(self, body: int) -> int:
         """Number of dynamic local modes of a body."""
         return sum(len(modes.omega) for modes in self.modes.get(body, {}).values())
@@ -153,3 +161,23 @@ class LocalPlan:
             lags=own[port.name].residual_lags,
             mode_normal=np.concatenate([port.surface.mode_normal, *traces.values()], axis=1),
         )
+
+
+def refuse_other_modes(scene: Any, stages: Sequence[Any], local: Any) -> None:
+    """Raises `InputError` for a stage whose local treatment steps other modes than the stages before it: the state of a
+    run has one coordinate for each."""
+    treatments = [as_local_dynamics(stage.options.get("local", local)) for stage in stages]
+    if len(set(treatments)) == 1:
+        return
+    first: list[int] = []
+    for stage, treatment in zip(stages, treatments, strict=True):
+        plan = LocalPlan.of(scene, treatment)
+        counts = [len(modes.omega) for own in plan.modes.values() for modes in own.values()]
+        counts = counts if any(counts) else []
+        if stage is stages[0]:
+            first = counts
+        elif counts != first:
+            raise InputError(
+                f"stage {stage.name!r}: local {treatment.treatment!r} gives {sum(counts)} local modes inertia, stage "
+                f"{stages[0].name!r} {sum(first)}; the modes of a run cannot change: give both the same max_frequency"
+            )

@@ -36,9 +36,9 @@ from warpffrf_kernels.scalars import BLOCK
 from warpffrf_kernels.sparse_factor import Pattern
 
 from warpffrf.model.errors import InputError
+from warpffrf.online.settings import LARGEST_INDEX
 
 GROUND = -1
-LARGEST_TABLE = 2**31 - 1  # kernels count in 32-bit integers
 
 
 @dataclass(frozen=True)
@@ -279,7 +279,7 @@ def _places(
         panels.append(np.concatenate([np.zeros(0, int)] + [np.arange(int(first[x]), int(first[x + 1])) for x in after]))
     width = np.array([len(p) for p in panels], dtype=int)
     start = np.concatenate([[0], np.cumsum(size**2 + 2 * size * width)]).astype(int)
-    if max(start[-1], (width.astype(np.int64) ** 2).sum()) > LARGEST_TABLE:
+    if max(start[-1], (width.astype(np.int64) ** 2).sum()) > LARGEST_INDEX:
         raise InputError("scene: its joints couple too many coordinates for one factorisation; use fewer modes")
     node_of = np.repeat(np.arange(len(sequence)), size)
     known = _known(nodes, near, sequence, rank)

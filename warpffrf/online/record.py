@@ -10,6 +10,7 @@ from warpffrf.online.history import ENERGY_LINES, BodyHistory, ContactHistory, H
 from warpffrf.online.joint_motion import coordinates, half_turn_notes, left_out_notes
 from warpffrf.online.sensors import force_histories, sensor_histories, turned
 from warpffrf.online.state import ring_width
+from warpffrf.online.user_frame import user_frame
 
 
 def history_from_rows(compiled: CompiledScene, chunks: list[np.ndarray]) -> History:
@@ -25,19 +26,12 @@ def history_from_rows(compiled: CompiledScene, chunks: list[np.ndarray]) -> Hist
     for i, body in enumerate(scene.bodies):
         x = rows[:, at : at + 19]
         at += 19
-        p = x[:, 3:7].copy()
-        arm = turned(p, body.center_of_mass)
-        omega = turned(p, x[:, 10:13])
-        alpha = turned(p, x[:, 16:19])
         q, qd, qdd = (
-            rows[:, at_modes + compiled.modal_start[i] :][:, : body.mode_count].copy()  # the global ones
+            rows[:, at_modes + compiled.modal_start[i] :][:, : body.mode_count]  # the global ones
             for at_modes in modal + m.modal_count * np.arange(3)
         )
-        swing = np.cross(omega, arm)
-        bodies[body.name] = BodyHistory(
-            x[:, :3] - arm, p, x[:, 7:10] - swing, omega, q,
-            x[:, 13:16] - np.cross(alpha, arm) - np.cross(omega, swing), alpha, qd, qdd,
-        )  # fmt: skip
+        r, p, v, w, vdot, wdot = np.split(x, np.cumsum([3, 4, 3, 3, 3]), axis=1)
+        bodies[body.name] = user_frame(body.center_of_mass, r, p, v, w, vdot, wdot, q, qd, qdd)
     at += 3 * m.modal_count
     row_data = rows[:, at : at + 7 * m.row_count].reshape(T, m.row_count, 7)
     at += 7 * m.row_count

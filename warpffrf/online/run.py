@@ -11,23 +11,22 @@ from warpffrf_kernels import control as k
 
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.integrators import CHECK_INTEGRATORS, GeneralizedAlpha, roots_at_infinity
 from warpffrf.model.progress import Progress
 from warpffrf.model.signal_cover import refuse_short_tables
+from warpffrf.model.step_count import step_count
 from warpffrf.online.blame import blame
 from warpffrf.online.check_run import run_check
 from warpffrf.online.checkpoint import is_dynamic, restore, time_of
 from warpffrf.online.engine import Engine
 from warpffrf.online.history import History
-from warpffrf.online.indicator import indicator_lines, term_sizes
-from warpffrf.online.integrators import CHECK_INTEGRATORS, GeneralizedAlpha, roots_at_infinity
+from warpffrf.online.indicator import indicator_lines, term_sizes, unheld_lines
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
 from warpffrf.online.record import history_from_rows
 from warpffrf.online.settings import Settings
 
 log = logging.getLogger("warpffrf")
 
-SAME_TIME = 1e-9  # relative: times that differ by less were meant to be the same
-MOST_STEPS = 2**31 - 1  # they are counted in 32-bit integers
 MOST_UNDAMPED = 0.95  # spectral radius at infinity up to which an alternation of reactions grows less than tenfold
 VELOCITY_JUMP = 1e-6  # of the largest velocity: rounding of a signal's coefficients
 MESSAGES = {
@@ -89,19 +88,11 @@ def run(
         )
     if accuracy is not None:
         accuracy = require_number(accuracy, "simulate: accuracy", positive=True)
-    duration = require_number(duration, "simulate: duration", positive=True)
-    step = require_number(step, "simulate: step", positive=True)
-    if duration / step > MOST_STEPS:
-        raise InputError(
-            f"simulate: {duration:g} s are {duration / step:.3g} steps of {step:g} s, more than can be counted"
-        )
-    steps = int(round(duration / step))
-    if steps < 1:
-        raise InputError(f"simulate: step {step:g} s is longer than the duration {duration:g} s")
+    steps, uneven = step_count(duration, step)
     refuse_singular_mass(scene)
-    for drive in scene.drives:
-        _check_velocity(drive)
     began = time_of(start.checkpoint) if isinstance(start, History) else 0.0
+    for drive in scene.drives:
+        _check_velocity(drive, began, began + steps * step)
     refuse_short_tables(scene, began, began + steps * step)
     save_every = require_count(save_every, "simulate: save_every", 1)
     at_rest = isinstance(start, History) and not is_dynamic(start.checkpoint)  # what `find_equilibrium` leaves
@@ -122,19 +113,17 @@ def run(
     )
     built = time.perf_counter()
     continued = isinstance(start, History)
-    first_step = 0
-    notes = [*engine.compiled.notes, *_reaction_notes(integrator, engine)]
-    if abs(steps * step - duration) > SAME_TIME * duration:
-        notes.append(
-            f"the duration {duration:g} s is no multiple of the step: {steps} steps, {steps * step:g} s, are simulated"
-        )
+    first_step, rejected = 0, 0
+    notes = [*engine.compiled.notes, *_reaction_notes(integrator, engine), *uneven]
     if isinstance(start, History) and at_rest and start.status != "completed":
         raise InputError(
             f"simulate: start ended before its first step ({start.status}: {start.message}); repair that first"
         )
     if isinstance(start, History):
         first_step = restore(engine, start.checkpoint, step)
+        rejected = int(engine.word("REJECTED")[0])
     if at_rest:
+        rejected = 0
         engine.control(SAVED=0)
         engine.drained[:] = 0
     if not continued or at_rest:
@@ -173,7 +162,7 @@ def run(
         interrupted = True
         engine.drain()
     bar.close()
-    history = _finish(engine, begin, built, notes, "")
+    history = _finish(engine, begin, built, notes, "", rejected)
     history.counters["loop_seconds"] = time.perf_counter() - loop
     if interrupted and history.status == "completed":
         history.status, history.message = "interrupted", "interrupted by the user; results up to there are kept"
@@ -192,7 +181,10 @@ def find_equilibrium(scene: Any, *, device: str = "cpu", settings: Settings | No
     return _finish(engine, begin, built, list(engine.compiled.notes), "equilibrium: ")
 
 
-def _finish(engine: Engine, begin: float, built: float, notes: list[str], prefix: str) -> History:
+def _finish(
+    engine: Engine, begin: float, built: float, notes: list[str], prefix: str, rejected_before: int = 0
+) -> History:
+    """The History of what was saved; `rejected_before`: attempts that an earlier run, which is continued, rejected."""
     bits = int(engine.word("STATUS")[0])
     status, message = describe(bits, int(engine.word("SPARE")[0]))
     owner = blame(engine, bits) if bits else ""
@@ -218,13 +210,15 @@ def _finish(engine: Engine, begin: float, built: float, notes: list[str], prefix
         notes.append(
             "a contact patch reached the end of a contact surface that covers an arc only: the pressure is cut there"
         )
-    if engine.word("REJECTED")[0]:
+    halved = int(engine.word("REJECTED")[0]) - rejected_before
+    if halved:
         reasons = [text for bit, (text, _) in MESSAGES.items() if int(engine.word("REASON")[0]) & int(bit)]
-        notes.append(f"{int(engine.word('REJECTED')[0])} steps were halved ({', '.join(reasons)})")
+        notes.append(f"{halved} steps were halved ({', '.join(reasons)})")
     levels = {
         body.name: plan.level for body, plan in zip(engine.scene.bodies, engine.compiled.inertia.bodies, strict=True)
     }
     inertia = indicator_lines(term_sizes(engine.scene, history, levels), levels)
+    inertia += unheld_lines(engine.scene, history)
     history.notes = [*notes, *inertia, *history.notes]
     history.checkpoint = engine.state.to_numpy()
     return history
@@ -246,15 +240,15 @@ def _reaction_notes(integrator: Any, engine: Engine) -> list[str]:
     ]
 
 
-def _check_velocity(drive: Any) -> None:
-    """A prescribed position whose velocity jumps would need an infinite force."""
+def _check_velocity(drive: Any, began: float, end: float) -> None:
+    """A prescribed position whose velocity jumps between `began` and `end` [s] would need an infinite force."""
     breaks, c = drive.position().polynomial()
     powers = np.arange(1, c.shape[1])
     ends = [float(np.sum(powers * c[i, 1:] * (breaks[i + 1] - breaks[i]) ** (powers - 1))) for i in range(len(c) - 1)]
     begins = c[1:, 1]
     if breaks[0] > 0.0:  # held at the first value until then
         ends, begins, breaks = [0.0, *ends], c[:, 1], np.concatenate([[0.0], breaks])
-    jumps = np.abs(begins - np.array(ends))
+    jumps = np.where((breaks[1:-1] >= began) & (breaks[1:-1] < end), np.abs(begins - np.array(ends)), 0.0)
     lengths = np.diff(drive.position().polynomial()[0])
     largest = np.abs(powers * c[:, 1:] * lengths[:, None] ** (powers - 1)).max()
     if jumps.size and jumps.max() > VELOCITY_JUMP * largest:

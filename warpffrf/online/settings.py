@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+LARGEST_INDEX = 2**31 - 1  # kernels count in 32-bit integers
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -14,12 +16,11 @@ class Settings:
     max_inner: int = 40  # active-set corrections of one linearisation before the safeguard: more means that it cycles
     max_guarded: int = 400  # corrections one hat at a time after that: a window of hats, each changed a few times
     max_level: int = 14  # a step may be halved this often (1/16384)
-    energy_tolerance: float = (
-        2.5e-4  # of the energy at hand, gained or lost when a contact opens or closes: 1 % after 40 events
-    )
+    # of the energy at hand, gained or lost when a contact opens or closes: 1 % after 40 events
+    energy_tolerance: float = 2.5e-4
     theta_points: int = 3  # Gauss points across a grid cell: the second grid's hats have kinks inside the cell
     z_points: int = 2  # Gauss points along a grid cell: exact for products of two linear hats
     window_strain: float = 0.07  # half of the default window over the pair's effective radius (Hertz: p0 = 0.035 E*)
     ring_rows: int = 512  # saved steps a chunk can hold
-    start_step: float = 1e-7  # s, size of the step that finds consistent accelerations; error of first order in it
+    start_step: float = 1e-7  # s, size of the step that finds first accelerations and multipliers; `start` refines them
     chunk_seconds: float = 0.05  # wall time of a replay, so that Ctrl-C and the progress bar stay quick

@@ -5,7 +5,8 @@
 A stage begins where the one before it ended, from its checkpoint; time runs on. What a stage overrides holds for that
 stage alone, the next one is back at the scene and the options of the run:
 
-    save_every, integrator, local, method     options of `simulate`
+    save_every, integrator, local, method,
+    accuracy                                  options of `simulate`
     gravity                                   (3,) m/s2
     forces                                    {name: force}: takes the place of the scene's force of that name
 
@@ -28,7 +29,7 @@ from warpffrf.model.errors import InputError, require_array, require_number, unk
 from warpffrf.online.checkpoint import is_dynamic
 from warpffrf.online.history import ENERGY_LINES, History, JointHistory
 
-RUN_OPTIONS = ("save_every", "integrator", "local", "method")
+RUN_OPTIONS = ("save_every", "integrator", "local", "method", "accuracy")
 SCENE_VALUES = ("gravity", "forces")
 SUMMED = ("build_seconds", "seconds_in_graph", "loop_seconds")  # the other counters run on through the stages
 

@@ -13,10 +13,10 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
 from warpffrf.online.compile import CompiledScene
 from warpffrf.online.outer_pattern import scratch_sizes
+from warpffrf.online.settings import LARGEST_INDEX
 
 REAL, VEC3, MAT33, QUAT, INT = wp.float64, wp.vec3d, wp.mat33d, wp.quatd, wp.int32
 RESIDUALS_KEPT = 32
-LARGEST_INDEX = 2**31 - 1  # kernels count in 32-bit integers
 
 
 @dataclass
@@ -75,10 +75,11 @@ class Work:
             "dx": (VEC3, B), "psi": (VEC3, B), "dq": (REAL, Q),
             "r1": (VEC3, B), "p1": (QUAT, B), "axes": (MAT33, B), "psi_inverse": (MAT33, B),
             "inertia_sums": (REAL, m.dense_count, 21), "extra_energy": (REAL, B), "row_pull": (REAL, 2 * rows, 6),
-            "slope": (REAL, *compiled.interface_modes.shape),
+            "interface_motion": (REAL, *compiled.interface_modes.shape[:2]),
             "v1": (VEC3, B), "v1_rate": (VEC3, B), "omega1": (VEC3, B), "omega1_rate": (VEC3, B),
             "q1": (REAL, Q), "qd1": (REAL, Q), "qd1_rate": (REAL, Q),
             "residual": (REAL, 6 * B), "modal_residual": (REAL, Q), "receptance": (REAL, Q),
+            "exact": (REAL, Q if compiled.local.exact else 0, 9),
             "C": (REAL, rows, 6 * B), "C_modal": (REAL, rows, Q), "coordinate": (REAL, rows), "defect": (REAL, rows),
             "softness": (REAL, rows), "missed": (REAL, rows), "row_wrench": (REAL, rows, 6),
             "tangent": (REAL, N, N), "rhs": (REAL, N), "scaling": (REAL, N), "pivots": (INT, N),
@@ -111,7 +112,7 @@ class Work:
             "J": S * m.pair_modes, "scaled_modes": m.pair_modes,
             "T": S * m.node_capacity, "second_field": P * m.node_capacity, "second_step": P * m.node_capacity,
             "C_receptance": rows * Q, "first_local": P * m.mode_capacity, "second_local": P * m.node_capacity,
-            "flexibility": 36 * m.group_count,
+            "flexibility": 36 * m.group_count, "slope": compiled.interface_modes.size,
         }  # fmt: skip
         for name, size in flat.items():
             setattr(self, name, zeros(REAL, (W * max(size, 1),), compiled.device))
@@ -122,7 +123,7 @@ class Work:
         self.local_coefficients = zeros(REAL, (W, 4), compiled.device)
         self.accuracy = zeros(REAL, (W,), compiled.device)
         self.project = zeros(INT, (W,), compiled.device)
-        self.slope.assign(np.broadcast_to(compiled.interface_modes, self.slope.shape).copy())
+        self.slope.assign(np.tile(compiled.interface_modes.ravel(), W))
 
     def make_room(self, pattern: Any, worlds: int, device: str) -> None:
         """Arrays of the sparse outer solve (`warpffrf_kernels.sparse_outer`)."""

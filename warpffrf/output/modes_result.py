@@ -11,6 +11,7 @@ from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.online.eigenmodes import BodyShape, SceneModes, find_modes
 from warpffrf.output.result import Result
 
+UNDAMPED = 1e-6  # ratio: what the linearisation of an undamped machine about the end of a run leaves, some 1e-7
 NAMED_SHARE = 0.01  # of the kinetic energy: bodies with less are not named in the table
 SIZE = (7.0, 4.2)  # inches
 
@@ -85,8 +86,8 @@ class Modes:
         for i, (f, zeta) in enumerate(zip(self.frequencies, self.damping_ratios, strict=True)):
             shares = sorted(self.energy_shares(i).items(), key=lambda item: -item[1])
             named = ", ".join(f"{name} {100.0 * share:.0f} %" for name, share in shares if share >= NAMED_SHARE)
-            lines.append(f"{i:>4}  {f:>14.6g}  {100.0 * zeta:>10.4g}  {named}")
-        if np.any(self.damping_ratios < 0.0):
+            lines.append(f"{i:>4}  {f:>14.6g}  {100.0 * zeta + 0.0:>10.4g}  {named}")
+        if np.any(self.damping_ratios < -UNDAMPED):
             lines += ["", "Damping below zero: the motion grows, the state is unstable."]
         if len(self.notes):
             lines += ["", *(f"note: {note}" for note in self.notes)]

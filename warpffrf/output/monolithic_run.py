@@ -20,22 +20,21 @@ from warpffrf import monolithic
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError
 from warpffrf.model.signal_cover import refuse_short_tables
+from warpffrf.model.step_count import step_count
 from warpffrf.monolithic.checkpoint import from_arrays, is_monolithic, time_of, to_arrays
 from warpffrf.online.compile_forces import ForceTable
 from warpffrf.online.history import ENERGY_LINES, BodyHistory, ContactHistory, History, JointHistory
-from warpffrf.online.integrators import HHT
 from warpffrf.online.joint_motion import coordinates, half_turn_notes, left_out_notes
 from warpffrf.online.local_dynamics import LocalPlan, as_local_dynamics
 from warpffrf.online.sensors import force_histories, sensor_histories
 
-DEFAULT_INTEGRATOR = HHT(alpha=monolithic.HHT_ALPHA)
 CONTACT_FIELDS = (
     "force", "torque", "force_second", "torque_second", "first_column", "center_column", "pressure",
     "first_column_second", "load_second", "approach",
 )  # fmt: skip
 NO_LEDGER = (
-    "method 'monolithic': works of forces, drives and dampers are not booked; the energy balance is NaN, energies at "
-    "hand are there"
+    "method 'monolithic': works of forces, drives and dampers are not booked, so that there is no energy balance; the "
+    "energies at hand are there"
 )
 
 
@@ -67,11 +66,11 @@ def run_monolithic(
         raise InputError(
             f"method 'monolithic': local modes are 'quasi_static', 'hht' or 'auto' there, got {treatment.treatment!r}"
         )
-    integrator = DEFAULT_INTEGRATOR if integrator is None else integrator
+    integrator = monolithic.DEFAULT_INTEGRATOR if integrator is None else integrator
     refuse_singular_mass(scene)
     continued = isinstance(start, History)
     began = time_of(start.checkpoint) if isinstance(start, History) else 0.0
-    refuse_short_tables(scene, began, began + duration)
+    refuse_short_tables(scene, began, began + step_count(duration, step)[0] * step)
     if not continued:
         if start == "initial":
             refuse_positions(scene)
@@ -87,7 +86,7 @@ def run_monolithic(
         save_every=save_every, tolerance=options.tolerance, progress=progress,
     )  # fmt: skip
     notes = [*plan.notes, NO_LEDGER]
-    if modes and monolithic.coefficients_of(integrator) != monolithic.hht(treatment.alpha):
+    if modes and monolithic.coefficients_of(integrator) != treatment.coefficients:
         notes.append(
             f"method 'monolithic': local modes follow {type(integrator).__name__} of the run, not HHT of their own "
             f"(alpha {treatment.alpha:g})"

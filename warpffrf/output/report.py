@@ -38,7 +38,7 @@ def report_text(result: Any) -> str:
             "scale"
         )
     defect = history.energy.get("contact_grid")
-    if defect is not None and result.energy_scale > 0.0 and np.isfinite(defect[-1]):
+    if result.contact_names and defect is not None and result.energy_scale > 0.0 and np.isfinite(defect[-1]):
         lines.append(
             f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale moved by the grid defect"
         )

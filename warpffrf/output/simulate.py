@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.integrators import INTEGRATORS
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.monolithic import Monolithic
 from warpffrf.monolithic import checkpoint as monolithic_checkpoint
 from warpffrf.online import GeneralizedAlpha, find_equilibrium, run
 from warpffrf.online.checkpoint import time_of
 from warpffrf.online.history import History
-from warpffrf.online.integrators import INTEGRATORS
-from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
+from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics, refuse_other_modes
 from warpffrf.online.stages import Stage, check_stages, joined, with_potential
 from warpffrf.output.monolithic_run import refuse_other_method, run_monolithic, same_windows
 from warpffrf.output.paths import check_ending, checked_output_path
@@ -61,7 +61,8 @@ def simulate(
     """Simulate `scene` for `duration` [s] with steps of `step` [s], or in `stages` instead of the two.
 
     start: "initial" (positions and velocities of the scene), "equilibrium" (static state under load first), or the
-    Result, or results file, of an earlier run or equilibrium of the same scene, which is continued bit for bit.
+    Result, or results file, of an earlier run or equilibrium of the same scene, which is continued bit for bit
+    (to round-off with method="monolithic").
     project_start: change initial velocities that do not agree with the joints as little as possible, with a note,
     instead of refusing them; a drive changes them in any case, it says what the velocity is. stages:
     see `warpffrf.online.stages`; returns a StagedResult. method: "separated", or "monolithic" or a Monolithic for the
@@ -120,6 +121,8 @@ def _staged(scene: Any, stages: list[Stage], beginning: Any, results: Any, optio
             f"another, got {', '.join(map(repr, methods))}"
         )
     reference = methods[0] == "monolithic"
+    if not reference:
+        refuse_other_modes(scene, stages, options["local"])
     end = 0.0
     if isinstance(beginning, History):
         refuse_other_method(beginning.checkpoint, methods[0], f"stage {stages[0].name!r}")

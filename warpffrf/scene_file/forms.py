@@ -194,19 +194,21 @@ def signal_kinds() -> dict[str, Form]:
 @cache
 def value_kinds() -> dict[str, Form]:
     """Kind -> form of everything that may stand as a value: signals, surfaces, bases, damping, integrators, treatments
-    of local modes, stress points."""
+    of local modes, the monolithic method, stress points."""
     from warpffrf.model.bases import BASES
     from warpffrf.model.damping import DAMPINGS
     from warpffrf.model.stress_field import StressPoints
     from warpffrf.model.surfaces import SHAPES
+    from warpffrf.monolithic import Monolithic
 
     online = importlib.import_module("warpffrf.online")
-    others = [StressPoints, online.LocalDynamics, *online.INTEGRATORS.values()]
+    others = [StressPoints, Monolithic, online.LocalDynamics, *online.INTEGRATORS.values()]
     found = dict(signal_kinds())
     found.update({kind: form_of(kind, cls, {}) for kind, cls in {**SHAPES, **BASES, **DAMPINGS}.items()})
     found.update({snake_case(cls.__name__): form_of(snake_case(cls.__name__), cls, {}) for cls in others})
     laws = _module("warpffrf.model.laws")
-    for name, cls in _classes(laws) if laws else ():
+    own = [(name, cls) for name, cls in _classes(laws) if cls.__module__ == laws.__name__] if laws else []
+    for name, cls in own:
         found[getattr(cls, "kind", None) or snake_case(name)] = form_of(snake_case(name), cls, {})
     return found
 

@@ -90,7 +90,7 @@ def our_scene(body: ReducedBody, inertia: str = "full", spin: tuple[float, float
     return scene
 
 
-def our_tip(history: History, mesh: Mesh, modes: np.ndarray, body: ReducedBody) -> np.ndarray:
+def our_tip(history: History, mesh: Mesh, modes: np.ndarray) -> np.ndarray:
     """Mean position of the tip's nodes (T, 3) [m], world axes."""
     nodes = tip_nodes(mesh)
     phi = modes.reshape(-1, 3, modes.shape[1])[nodes].mean(axis=0)

@@ -24,14 +24,7 @@ import numpy as np
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.inertia import momentum
-from warpffrf.model.material import Material
-from warpffrf.model.mesh import roller
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
-from warpffrf.online import History, run
-from warpffrf.online.check_run import run_check
-from warpffrf.online.integrators import (
+from warpffrf.model.integrators import (
     CHECK_INTEGRATORS,
     HHT,
     EnergyMomentum,
@@ -40,6 +33,13 @@ from warpffrf.online.integrators import (
     RungeKutta4,
     roots_at_infinity,
 )
+from warpffrf.model.material import Material
+from warpffrf.model.mesh import roller
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.scene import Scene
+from warpffrf.offline import reduce
+from warpffrf.online import History, run
+from warpffrf.online.check_run import run_check
 from warpffrf.study.oscillator import errors
 
 Array = np.ndarray

@@ -1,6 +1,6 @@
 r"""An integrator on the oscillator qddot + 2 zeta omega qdot + omega^2 q = 0: amplification matrix, roots, order.
 
-With the state x = (q, h qdot, h^2 a) of the update of `warpffrf.online.integrators`, W = omega h, and
+With the state x = (q, h qdot, h^2 a) of the update of `warpffrf.model.integrators`, W = omega h, and
 h^2 qddot = -2 zeta W (h qdot) - W^2 q at both ends of a step,
 
     q_1 - beta h^2 a_1                                = q_0 + h qdot_0 + (1/2 - beta) h^2 a_0
@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from warpffrf.online.integrators import Coefficients
+from warpffrf.model.integrators import Coefficients
 
 Array = np.ndarray
 

@@ -25,7 +25,7 @@ from warpffrf.model.reduced_body import ReducedBody, library_versions
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
-from warpffrf.online import History, Settings, run
+from warpffrf.online import History, LocalDynamics, Settings, run
 from warpffrf.study.rollers import PAIR, STEEL
 from warpffrf.study.unit_time import unit_seconds
 
@@ -54,10 +54,16 @@ class StepTime:
 
 
 def tread_body(
-    columns: int | None, *, sectors: int = 960, layers: int = 14, axial: int = 8, modes: int = 0
+    columns: int | None,
+    *,
+    sectors: int = 960,
+    layers: int = 14,
+    axial: int = 8,
+    modes: int = 0,
+    local_dynamics: bool = False,
 ) -> ReducedBody:
-    """A roller of linear hexahedra whose hats cover `columns` grid columns about the angle zero; None: the whole
-    rim."""
+    """A roller of linear hexahedra whose hats cover `columns` grid columns about the angle zero; None: the whole rim.
+    `local_dynamics` keeps the inertia of its local modes."""
     mesh = roller(RADIUS, BORE, WIDTH, sectors=sectors, layers=layers, axial=axial, grading=1.3, order=1)
     name = "rim"
     if columns is not None:
@@ -65,7 +71,8 @@ def tread_body(
         mesh = mesh.select("tread", "rim", lambda x: np.abs(np.arctan2(-x[:, 2], x[:, 0])) < half)
         name = "tread"
     return reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={name: Cylinder()}, modes=modes, progress=False
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={name: Cylinder()}, modes=modes,
+        local_dynamics=local_dynamics, progress=False,
     )  # fmt: skip
 
 
@@ -133,9 +140,10 @@ def time_swing(
     step: float = 1e-4,
     columns_per_step: float = 0.25,
     settings: Settings | None = None,
+    local: LocalDynamics | str = "quasi_static",
 ) -> StepTime:
-    """Time of a step while two such rollers swing over all of their tread (a whole rim: a sixth of the turn each
-    way)."""
+    """Time of a step while two such rollers swing over all of their tread (a whole rim: a sixth of the turn each way),
+    with the treatment `local` of the local modes."""
     (surface,) = body.contact_surfaces.values()
     grid = surface.grid
     half_patch = np.sqrt(approach * RADIUS) / (RADIUS * grid.pitch)  # columns, more than the patch has
@@ -143,7 +151,7 @@ def time_swing(
     swing = np.pi / 3.0 if grid.periodic else max(reach, 1.0) * grid.pitch
     rate = columns_per_step * grid.pitch / step
     scene = swinging_pair(body, approach, swing, rate, steps * step)
-    history = run(scene, steps * step, step=step, start="equilibrium", progress=False, settings=settings)
+    history = run(scene, steps * step, step=step, start="equilibrium", progress=False, settings=settings, local=local)
     return measured(history, body.local_modes)
 
 

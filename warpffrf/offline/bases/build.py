@@ -7,6 +7,7 @@ M-orthonormal, revealing rank. With A in the span of Phi, for every basis,
     Phi Omega^-2 Phi^T F = G F,        F^T (G - Phi Omega^-2 Phi^T) = 0:
 
 the static response to interface loads is exact and the residual local modes leave the interface coordinates at rest.
+So it is to the loads of turning, where these are wanted.
 Where a basis lacks A of its own, `static_completion` says by how much: the largest energy norm of a unit-energy
 attachment mode outside its span.
 """
@@ -16,6 +17,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from warpffrf.model.bases import Basis
 from warpffrf.offline.bases.balanced import balanced
@@ -49,14 +52,19 @@ class GlobalBasis:
     facts: dict[str, Any]
 
 
-def build_basis(options: Basis, model: ElasticModel, system: InterfaceSystem, limits: Limits) -> GlobalBasis:
-    """Global modes of the free constrained body `model` from the basis `options`.
+def build_basis(
+    options: Basis, model: ElasticModel, system: InterfaceSystem, limits: Limits, turning: Array | None = None
+) -> GlobalBasis:
+    """Global modes of the free constrained body `model` from the basis `options`; `turning` (n^, 6): loads of turning
+    whose attachment modes are wanted too (`inertia.centrifugal`).
 
     Raises `InputError` for a basis larger than the model, for one that needs interfaces where there are none, and for
     limits that it does not take.
     """
     A = attachment_modes(model, system.loads)
     raw = BASES[options.kind](BasisProblem(model, system, limits, A), options)
+    if turning is not None:
+        A = np.concatenate([A, attachment_modes(model, turning)], axis=1)
     V = model.without_rigid(raw.columns)
     omega, Phi, dropped = global_basis(model, V, A, dependent=options.dependent_tolerance)
     facts = {

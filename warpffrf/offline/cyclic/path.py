@@ -29,6 +29,7 @@ from warpffrf.model.tangential import Tangential
 from warpffrf.offline.bases.global_basis import attachment_modes, global_basis
 from warpffrf.offline.contact.independence import window_columns
 from warpffrf.offline.contact.local_mass import HarmonicMass
+from warpffrf.offline.cyclic.centrifugal import TurningWaves, left_out_products, turning_waves
 from warpffrf.offline.cyclic.harmonics import AxialInterface, Harmonics
 from warpffrf.offline.cyclic.inertia import cyclic_inertia_terms
 from warpffrf.offline.cyclic.observers import CyclicObserver, ObservedModes, selected_dofs
@@ -39,6 +40,7 @@ from warpffrf.offline.cyclic.vibrations import vibrations
 from warpffrf.offline.elastic import Array, ElasticModel
 from warpffrf.offline.fe.assembly import Sparse
 from warpffrf.offline.fe.materials import Assignment
+from warpffrf.offline.inertia.centrifugal import TurningResponse, covering_turning, left_out
 from warpffrf.offline.inertia.invariants import covered_modes
 from warpffrf.offline.interfaces.kinds import BodyInterface
 from warpffrf.offline.products import Limits, PathProduct, SurfaceProduct, mass_properties
@@ -74,6 +76,7 @@ def reduce_cyclic(
     observers: Sequence[CyclicObserver] = (),
     local_dynamics: bool = False,
     inertia_modes: int | None = None,
+    centrifugal: bool = False,
 ) -> PathProduct:
     """Reduce a periodic mesh: rigid `interfaces` on its axis, `surfaces` with resolved shape and facet pattern.
     See the module docstring.
@@ -81,7 +84,7 @@ def reduce_cyclic(
     `spacing` of the contact grid by surface [m] (None: the mesh's own); `traction`, `tangential`: kind of the functions
     of normal and of tangential tractions ("hats", "cells"; None: no tangential ones). `observers` are looked at besides
     the display skin. `local_dynamics`: the mass of the normal local modes is computed too. `inertia_modes`: how many
-    modes get inertia terms (None: `invariants.MODES`).
+    modes get inertia terms (None: `invariants.MODES`); `centrifugal`: attachment modes of turning too.
     """
     with progress.stage("sector"):
         sector = assemble_sector(mesh, assignment, axes_of(mesh))
@@ -98,23 +101,32 @@ def reduce_cyclic(
         skin_dofs = (3 * skin[:, None] + np.arange(3)).ravel()
     looking = [selected_dofs(SKIN, skin_dofs, 3 * nn), *observers]
 
+    mass, center, inertia = mass_properties(_rigid_mass(sector), sector.origin)
+    height = float((center - sector.origin) @ sector.axes[:, 2])
     found, facts = vibrations(harmonics, limits, progress)
     results = [_SurfaceResults(s, [o.rows for o in looking], local_dynamics) for s in contacts]
     modes_of: list[HarmonicModes] = []
+    turned: dict[int, tuple[TurningWaves, TurningResponse]] = {}
     dropped = 0
     worst: list[float] = []
     for k in progress.track(range(N // 2 + 1), "static responses"):
         omega, Phi = np.zeros(0), np.zeros((0, 0))
         Q = harmonics.waves.basis(k)
         T = sp.csr_matrix(Q @ harmonics.constraint(k))  # sector displacement from the coordinates of this harmonic
-        if k < 2 or k in found:
+        turning = turning_waves(harmonics, k, height)
+        if k < 2 or k in found or (centrifugal and turning.loads.shape[1]):
             model, V = found.pop(k, None) or (harmonics.model(k), None)
             flexibility = _of_complex(model)
             V = np.zeros((model.size, 0)) if V is None else V
-            omega, Phi, cut = global_basis(model, V, attachment_modes(model, harmonics.interface_loads(k)))
+            applied = [harmonics.interface_loads(k), *([turning.loads] if centrifugal else [])]
+            omega, Phi, cut = global_basis(model, V, attachment_modes(model, np.concatenate(applied, axis=1)))
             dropped += cut
         else:
             flexibility = harmonics.factor(k).solve
+        if turning.loads.shape[1]:
+            u = flexibility(turning.loads)
+            shapes = Phi if len(omega) else np.zeros((len(u), 0))
+            turned[k] = turning, TurningResponse.of(harmonics.mass(k), turning.loads, u, omega, shapes)
         B = [[field.load(k) for field in s.fields] for s in contacts]
         F = [[sp.csr_matrix(T.conj().T @ b) for b in of_surface] for of_surface in B]
         if k < 2 or k == N // 2:
@@ -143,9 +155,15 @@ def reduce_cyclic(
         worst_load_residual=max(worst, default=None),
         widest_block=harmonics.pattern.widest,
     )
-    mass, center, inertia = mass_properties(_rigid_mass(sector), sector.origin)
     with progress.stage("inertia terms"):
         kept = covered_modes(modes.omega, inertia_modes)
+
+        def lacking(limit: float) -> float:
+            return left_out(left_out_products(turned, harmonics, limit), inertia)
+
+        if centrifugal and inertia_modes is None:
+            kept = covering_turning(modes.omega, kept, lacking)
+        facts["centrifugal_left_out"] = lacking(float(modes.omega[kept - 1]) if kept else 0.0)
         terms = cyclic_inertia_terms(sector, modes_of, kept, center)
     return PathProduct(
         mass=mass,

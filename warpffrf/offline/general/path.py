@@ -22,15 +22,16 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import triangles
 from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.offline.bases import GlobalBasis, build_basis
-from warpffrf.offline.elastic import ElasticModel, free_model
+from warpffrf.offline.elastic import Array, ElasticModel, free_model
 from warpffrf.offline.fe.assembly import fe_matrices
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.general.observers import SKIN, Observer, node_observer, require_observers
 from warpffrf.offline.general.surface import GeneralSurface
 from warpffrf.offline.general.unit_loads import ResponseSolver, UnitLoads, results_bytes
+from warpffrf.offline.inertia.centrifugal import covering_turning, left_out, turning_response
 from warpffrf.offline.inertia.invariants import covered_modes, inertia_terms
-from warpffrf.offline.inertia.stiffening import geometric_stiffness
+from warpffrf.offline.inertia.stiffening import centrifugal_acceleration, geometric_stiffness
 from warpffrf.offline.interfaces.kinds import BodyInterface
 from warpffrf.offline.interfaces.system import InterfaceSystem
 from warpffrf.offline.products import Limits, PathProduct, mass_properties
@@ -57,6 +58,7 @@ def reduce_general(
     local_dynamics: bool = False,
     inertia_modes: int | None = None,
     stiffening: bool = False,
+    centrifugal: bool = False,
     solver: str | None = None,
     checkpoint: Checkpoint | None = None,
 ) -> PathProduct:
@@ -66,7 +68,8 @@ def reduce_general(
     `traction`, `tangential`: kind of the functions of normal and of tangential tractions ("hats", "cells"; None: no
     tangential ones); `observers`: what is kept of modes and responses beside the skin;
     `local_dynamics`: the mass of the normal local modes is computed too; `inertia_modes`: how many modes get inertia
-    terms (None: `invariants.MODES`); `stiffening`: their geometric stiffness too; `solver`: a name in
+    terms (None: `invariants.MODES`); `stiffening`: their geometric stiffness too; `centrifugal`:
+    attachment modes of turning too; `solver`: a name in
     `solvers.SOLVERS`, None: the default; `checkpoint`: work file of finished parts, whose caller enters its context.
     Raises `InputError` for a memory limit that is too small, a model that can move without deforming, a solver that is
     not installed.
@@ -102,10 +105,20 @@ def reduce_general(
         checkpoint.begin({"solver": factor.name, "observers": watched, "massed": massed})
 
     with progress.stage("global modes"):
-        basis = _global_modes(options, model, system, limits, checkpoint)
+        turning = np.asarray(T.T @ (nodal_mass @ centrifugal_acceleration(mesh.points, center)))
+        basis = _global_modes(options, model, system, limits, turning if centrifugal else None, checkpoint)
         omega, Phi = basis.omega, basis.Phi
     with progress.stage("inertia terms"):
-        U = T @ Phi[:, : covered_modes(omega, inertia_modes)]
+        turned = turning_response(model, turning, omega, Phi)
+        kept = covered_modes(omega, inertia_modes)
+
+        def lacking(limit: float) -> float:
+            return left_out(turned.beyond(limit), inertia)
+
+        if centrifugal and inertia_modes is None:
+            kept = covering_turning(omega, kept, lacking)
+        facts["centrifugal_left_out"] = lacking(float(omega[kept - 1]) if kept else 0.0)
+        U = T @ Phi[:, :kept]
         terms = inertia_terms(nodal_mass, U, mesh.points, center)
     if stiffening:
         with progress.stage("geometric stiffness"):
@@ -117,7 +130,7 @@ def reduce_general(
         B = [s.loads() for s in contacts]
         loads = [UnitLoads(s.name, sp.csc_matrix(T.T @ b), n) for s, b, n in zip(contacts, B, massed, strict=True)]
     with progress.stage("residuals"):
-        tested = [*(u.loads for u in loads), system.loads]
+        tested = [*(u.loads for u in loads), system.loads, turning]
         facts["worst_load_residual"] = max((sampled_residual(model, F) for F in tested), default=0.0)
     responses = ResponseSolver(model, omega, Phi, T, loads, seen, limit) if loads else None
     products = []
@@ -151,12 +164,17 @@ def reduce_general(
 
 
 def _global_modes(
-    options: Basis, model: ElasticModel, system: InterfaceSystem, limits: Limits, checkpoint: Checkpoint
+    options: Basis,
+    model: ElasticModel,
+    system: InterfaceSystem,
+    limits: Limits,
+    turning: Array | None,
+    checkpoint: Checkpoint,
 ) -> GlobalBasis:
     """The global modes: from the work file, or computed."""
     if (known := checkpoint.get("global modes")) is not None:
         return GlobalBasis(known["omega"], known["Phi"], json.loads(str(known["facts"])))
-    basis = build_basis(options, model, system, limits)
+    basis = build_basis(options, model, system, limits, turning)
     # as it comes back from a work file: the same products, bit for bit
     basis = GlobalBasis(basis.omega, np.ascontiguousarray(basis.Phi), basis.facts)
     arrays = {"omega": basis.omega, "Phi": basis.Phi, "facts": np.array(json.dumps(basis.facts))}

@@ -28,13 +28,22 @@ kernels: what they find is a check of them, and `EnergyMomentum` keeps energy an
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
 
 LEAST_ALPHA = -1.0 / 3.0  # HHT is unconditionally stable down to here
-Coefficients = tuple[float, float, float, float]
+
+
+class Coefficients(NamedTuple):
+    """The four numbers of a method, see the module."""
+
+    alpha_m: float
+    alpha_f: float
+    beta: float
+    gamma: float
 
 
 @dataclass(frozen=True)
@@ -57,11 +66,11 @@ class GeneralizedAlpha:
 
     @property
     def coefficients(self) -> Coefficients:
-        """(alpha_m, alpha_f, beta, gamma) of the module."""
+        """Its four numbers."""
         alpha_m = (2.0 * self.rho_inf - 1.0) / (self.rho_inf + 1.0)
         alpha_f = self.rho_inf / (self.rho_inf + 1.0)
         gamma = 0.5 - alpha_m + alpha_f
-        return alpha_m, alpha_f, 0.25 * (gamma + 0.5) ** 2, gamma
+        return Coefficients(alpha_m, alpha_f, 0.25 * (gamma + 0.5) ** 2, gamma)
 
 
 @dataclass(frozen=True)
@@ -83,8 +92,8 @@ class HHT:
 
     @property
     def coefficients(self) -> Coefficients:
-        """(alpha_m, alpha_f, beta, gamma) of the module."""
-        return 0.0, -self.alpha, 0.25 * (1.0 - self.alpha) ** 2, 0.5 - self.alpha
+        """Its four numbers."""
+        return Coefficients(0.0, -self.alpha, 0.25 * (1.0 - self.alpha) ** 2, 0.5 - self.alpha)
 
 
 @dataclass(frozen=True)
@@ -114,8 +123,8 @@ class Newmark:
 
     @property
     def coefficients(self) -> Coefficients:
-        """(alpha_m, alpha_f, beta, gamma) of the module."""
-        return 0.0, 0.0, float(self.beta), float(self.gamma)
+        """Its four numbers."""
+        return Coefficients(0.0, 0.0, float(self.beta), float(self.gamma))
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,168 @@
+"""Is a state balanced? Residuals as fractions of the forces and lengths at hand, which end the Newton loop.
+
+A torque counts as the force that it is at the body's radius of gyration. What round-off leaves of sums of large terms
+that cancel (accelerations from increments, forces of joints on the modes) is no reason to go on.
+"""
+
+import warp as wp
+
+from warpffrf_kernels import control as k
+from warpffrf_kernels.interfaces import marker_of
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+# residual below which the inverse of the last iteration serves once more
+REFRESH_ABOVE = wp.constant(wp.float64(1.0e-7))
+# of the coordinates: a joint defect is not measured against less, or round-off would exceed the tolerance
+SHORT = wp.constant(wp.float64(1.0e-6))
+ROUND_OFF = wp.constant(wp.float64(1.0e-6))  # times the residual tolerance: a few digits above machine precision
+CANCELLED = wp.constant(wp.float64(1.0e-5))  # of a joint's force on the modes: round-off of its sums over the tolerance
+NO_FORCE = wp.constant(wp.float64(1.0e-20))  # N: what round-off leaves of forces where nothing acts, and below
+
+
+@wp.func
+def gyration_of(J: mat33, mass: real) -> real:
+    """Mean radius of gyration: a torque is measured by the force that it is there, also of a slender body."""
+    return wp.sqrt(wp.trace(J) / (real(3.0) * mass))
+
+
+@wp.kernel
+def balance(
+    models: wp.array(dtype=Model),
+    clk: wp.array2d(dtype=real),
+    r1: wp.array2d(dtype=vec3),
+    v1_rate: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    omega1_rate: wp.array2d(dtype=vec3),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+    lam: wp.array2d(dtype=real),
+    defect: wp.array2d(dtype=real),
+    softness: wp.array2d(dtype=real),
+    row_wrench: wp.array3d(dtype=real),
+    row_pull: wp.array3d(dtype=real),
+    load: wp.array3d(dtype=real),
+    load_on_modes: wp.array3d(dtype=real),
+    pair_wrench: wp.array3d(dtype=real),
+    gap_defect: wp.array2d(dtype=real),
+    modal_residual: wp.array2d(dtype=real),
+    modal_load: wp.array3d(dtype=real),
+    q1: wp.array2d(dtype=real),
+    qd1_rate: wp.array2d(dtype=real),
+    dq: wp.array2d(dtype=real),
+    residual: wp.array2d(dtype=real),
+    ctl: wp.array2d(dtype=int),
+    history: wp.array2d(dtype=real),
+):
+    """Per world: is the state balanced? Residual forces with contact, row defects, spring laws and gaps left open, all
+    as fractions.
+
+    The scale of forces is the largest of weight, inertia and gyroscopic force, multiplier and contact force, that of
+    modal ones the largest contact load, elastic and inertia force; that of lengths the penetration where there is
+    contact, else 1 m (`gap_defect`: gaps left open as a fraction, penetration).
+    """
+    w = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.ITERATION] == 0:
+        return
+    scale = NO_FORCE
+    b = int(0)
+    while b < model.body_count:
+        m = model.mass[b]
+        J = model.inertia[b]
+        gyration = gyration_of(J, m)
+        scale = wp.max(scale, m * (wp.length(model.gravity) + wp.length(v1_rate[w, b])))
+        turning = wp.length(J * omega1_rate[w, b]) + wp.length(wp.cross(omega1[w, b], J * omega1[w, b]))
+        scale = wp.max(scale, turning / gyration)
+        # accelerations are differences of increments: below this they are round-off
+        travel = wp.length(dx[w, b]) + gyration * wp.length(psi[w, b])
+        scale = wp.max(scale, ROUND_OFF * clk[w, k.ACC] * m * travel)
+        for c in range(3):
+            scale = wp.max(scale, wp.abs(load[w, 1, 6 * b + c]))
+            scale = wp.max(scale, wp.abs(load[w, 1, 6 * b + 3 + c]) / gyration)
+        b += 1
+    length = real(1.0)
+    if gap_defect[w, 1] > real(0.0):
+        extent = real(1.0)
+        b = int(0)
+        while b < model.body_count:
+            extent = wp.max(extent, wp.length(r1[w, b]))
+            b += 1
+        length = wp.max(gap_defect[w, 1], SHORT * extent)
+    worst = real(0.0)
+    sum = gap_defect[w, 0]  # a largest value drops what is not a number, a sum keeps it
+    row = int(0)
+    while row < model.row_count:
+        if model.row_kind[row] == k.TRANSLATION or model.row_kind[row] == k.DISTANCE:
+            scale = wp.max(scale, wp.abs(lam[w, row]))
+        elif model.row_rigid[row] == 0:  # a torsional spring, a bushing: force, and torque at the radius of gyration
+            f = vec3(row_wrench[w, row, 0], row_wrench[w, row, 1], row_wrench[w, row, 2])
+            t = vec3(row_wrench[w, row, 3], row_wrench[w, row, 4], row_wrench[w, row, 5])
+            scale = wp.max(scale, wp.abs(lam[w, row]) * wp.length(f))
+            for side in range(2):
+                b = model.marker_body[marker_of(model, row, side)]
+                if b >= 0:
+                    gyration = gyration_of(model.inertia[b], model.mass[b])
+                    scale = wp.max(scale, wp.abs(lam[w, row]) * wp.length(t) / gyration)
+        if softness[w, row] == real(0.0):
+            worst = wp.max(worst, wp.abs(defect[w, row]) / wp.min(length, real(1.0)))
+        row += 1
+    pair = int(0)
+    while pair < model.pair_count:
+        f = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
+        scale = wp.max(scale, wp.length(f))
+        pair += 1
+    row = int(0)
+    while row < model.row_count:  # a spring's force against its law; a stretch of round-off size passes
+        if softness[w, row] > real(0.0):
+            worst = wp.max(worst, wp.abs(defect[w, row]) / wp.max(scale * softness[w, row], ROUND_OFF))
+        sum += defect[w, row]
+        row += 1
+    b = int(0)
+    while b < model.body_count:
+        f = vec3(residual[w, 6 * b], residual[w, 6 * b + 1], residual[w, 6 * b + 2])
+        t = vec3(residual[w, 6 * b + 3], residual[w, 6 * b + 4], residual[w, 6 * b + 5])
+        # a torque is measured by the force that it is at the radius of gyration
+        gyration = gyration_of(model.inertia[b], model.mass[b])
+        worst = wp.max(worst, wp.max(wp.length(f), wp.length(t) / gyration) / scale)
+        sum += wp.length(f) + wp.length(t)
+        b += 1
+    worst = wp.max(worst, gap_defect[w, 0])
+    modal_scale = NO_FORCE
+    open_load = real(0.0)
+    n = int(0)
+    while n < model.modal_count:
+        modal_scale = wp.max(modal_scale, wp.abs(load_on_modes[w, 1, n]))
+        contact = modal_load[w, 1, n]
+        modal_scale = wp.max(modal_scale, wp.max(wp.abs(contact), wp.abs(model.stiffness[n] * q1[w, n])))
+        travel = wp.abs(dq[w, n])
+        modal_scale = wp.max(modal_scale, wp.max(wp.abs(qd1_rate[w, n]), ROUND_OFF * clk[w, k.ACC] * travel))
+        open_load = wp.max(open_load, wp.abs(modal_residual[w, n]))
+        sum += modal_residual[w, n]
+        n += 1
+    row = int(0)
+    while row < model.row_count:  # forces of joints that cancel each other on the modes leave round-off
+        for side in range(2):
+            interface = model.marker_interface[marker_of(model, row, side)]
+            if interface >= 0:
+                pull = real(0.0)
+                for c in range(6):
+                    pull += wp.abs(row_pull[w, 2 * row + side, c]) * model.interface_reach[interface, c]
+                modal_scale = wp.max(modal_scale, CANCELLED * wp.abs(lam[w, row]) * pull)
+        row += 1
+    worst = wp.max(worst, open_load / modal_scale)
+    history[w, wp.min(ctl[w, k.ITERATION], history.shape[1] - 1)] = worst
+    if not wp.isfinite(worst + sum):
+        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_FINITE
+        ctl[w, k.RUN] = 0
+        return
+    ctl[w, k.REFRESH] = 0
+    if worst > REFRESH_ABOVE:
+        ctl[w, k.REFRESH] = 1
+    if worst <= model.residual_tolerance and (ctl[w, k.REASSEMBLE] == 0 or model.pair_count == 0):
+        ctl[w, k.RUN] = 0
+    elif ctl[w, k.ITERATION] >= model.max_iterations:
+        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_CONVERGED
+        ctl[w, k.RUN] = 0

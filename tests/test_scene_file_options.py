@@ -1,0 +1,131 @@
+"""Options of bodies and runs in scene files: damping, inertia, stiffening, integrators, local modes, the method."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+import warpffrf as wf
+from warpffrf.monolithic import Monolithic
+from warpffrf.online import INTEGRATORS
+from warpffrf.scene_file.load import scene_of
+
+BEAM = """\
+[materials.alloy]
+youngs_modulus = 70e9
+poisson_ratio = 0.3
+density = 2700
+
+[meshes.beam]
+kind = "box"
+size = [0.5, 0.02, 0.02]
+counts = [6, 1, 1]
+
+[reduced_bodies.beam]
+mesh = "beam"
+material = "alloy"
+interfaces = { x_min = "rigid" }
+modes = 6
+stiffening = true
+inertia_modes = 5
+cache = false
+
+[bodies.beam]
+body = "beam"
+inertia = "gyroscopic"
+stiffening = true
+damping = "1/10/100"
+angular_velocity = [0, 0, 30]
+velocity = [0, 7.5, 0]
+
+[joints.hub]
+kind = "revolute"
+a = "ground"
+b = "beam.x_min"
+axis = [0, 0, 1]
+"""
+BLOCK = """\
+[bodies.block]
+mass = 2.0
+inertia_tensor = [1, 1, 1]
+
+"""
+RUN = """\
+[simulate]
+duration = 0.02
+step = 1e-3
+"""
+LOCAL = '{ kind = "local_dynamics", treatment = "hht", max_frequency = 60e3 }'
+
+
+def test_a_turning_flexible_body_with_its_options() -> None:
+    """Damping, inertia level and stiffening from TOML are those of the same calls in Python."""
+    mesh = wf.mesh.box((0.5, 0.02, 0.02), (6, 1, 1))
+    beam = wf.reduce(
+        mesh, wf.Material(70e9, 0.3, 2700.0), interfaces={"x_min": "rigid"}, modes=6, stiffening=True, inertia_modes=5,
+        cache=False, progress=False,
+    )  # fmt: skip
+    scene = wf.Scene()
+    body = scene.add_body(
+        beam, name="beam", inertia="gyroscopic", stiffening=True, damping="1/10/100", angular_velocity=(0, 0, 30),
+        velocity=(0, 7.5, 0),
+    )  # fmt: skip
+    scene.add(wf.joints.Revolute(scene.ground, body["x_min"], axis=(0, 0, 1), name="hub"))
+    assert scene_of(BEAM).scene.content_hash() == scene.content_hash()
+    bands = '{ kind = "damping_bands", bands = [[100, 0.01], [1e3, 0.1], [inf, 1.0]] }'
+    damping = scene_of(BEAM.replace('"1/10/100"', bands)).scene.body("beam").damping
+    assert damping == pytest.approx(body.damping)
+    _refused(BEAM.replace('"gyroscopic"', '"gyroscopc"'), "gyroscopc", "known: 'constant', 'deformed', 'gyroscopic'")
+
+
+def test_every_integrator_can_be_written() -> None:
+    for kind, cls in INTEGRATORS.items():
+        assert _options(f'integrator = {{ kind = "{kind}" }}')["integrator"] == cls()
+    found = _options('integrator = { kind = "hht", alpha = -0.2, project_velocities = true }')
+    assert found["integrator"] == wf.integrators.HHT(-0.2, project_velocities=True)
+    _refused(BLOCK + RUN + 'integrator = { kind = "hht", alpha = 0.2 }', "alpha", "alpha must lie between -1/3 and 0")
+
+
+def test_accuracy_and_start() -> None:
+    found = _options("accuracy = 1e-6\nproject_start = true")
+    assert found["accuracy"] == 1e-6 and found["project_start"] is True
+    _refused(BLOCK + RUN + "project_start = 1", "project_start", "must be true or false")
+
+
+def test_treatments_of_local_modes_can_be_written() -> None:
+    expected = wf.LocalDynamics("hht", max_frequency=60e3)
+    assert _options('local = "auto"')["local"] == "auto"
+    assert _options(f"local = {LOCAL}")["local"] == expected
+    stage = f'[[simulate.stages]]\nname = "one"\nduration = 1e-2\nstep = 1e-3\noverrides = {{ local = {LOCAL} }}\n'
+    staged = scene_of(BLOCK + stage).simulate
+    assert staged is not None and staged["stages"][0].options["local"] == expected
+    for wrong, said in (
+        ('{ kind = "local_dynamics", treatment = "htt" }', "known: 'quasi_static', 'hht'"),
+        ('{ kind = "local_dynamics", frequency = 6e4 }', "unknown key 'frequency'"),
+        ('{ kind = "local_dynamic" }', "did you mean 'local_dynamics'"),
+    ):
+        _refused(BLOCK + RUN + f"local = {wrong}", "local =", said)
+
+
+def test_methods_can_be_written() -> None:
+    assert _options('method = "monolithic"')["method"] == "monolithic"
+    assert _options('method = { kind = "monolithic", variant = "modified" }')["method"] == Monolithic(
+        variant="modified"
+    )
+    _refused(BLOCK + RUN + 'method = { kind = "monolithic", varient = "full" }', "method", "did you mean 'variant'")
+
+
+def _options(line: str) -> dict:
+    """Arguments of `simulate` with a further line."""
+    options = scene_of(BLOCK + RUN + line + "\n").simulate
+    assert options is not None
+    return options
+
+
+def _refused(text: str, at: str, said: str) -> None:
+    """`text` is refused with the words `said` and the line where `at` first stands."""
+    with pytest.raises(wf.InputError, match=re.escape(said)) as caught:
+        scene_of(text)
+    line = text[: text.index(at)].count("\n") + 1
+    assert str(caught.value).startswith(f"scene.toml:{line}: "), caught.value

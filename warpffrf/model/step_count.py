@@ -1,0 +1,27 @@
+"""How many steps a run takes."""
+
+from __future__ import annotations
+
+from warpffrf.model.errors import InputError, require_number
+
+SAME_TIME = 1e-9  # relative: times that differ by less were meant to be the same
+MOST_STEPS = 2**31 - 1  # they are counted in 32-bit integers
+
+
+def step_count(duration: float, step: float) -> tuple[int, list[str]]:
+    """Number of steps of `step` [s] in `duration` [s], and a note where that is no whole number. Raises
+    `InputError`."""
+    duration = require_number(duration, "simulate: duration", positive=True)
+    step = require_number(step, "simulate: step", positive=True)
+    if duration / step > MOST_STEPS:
+        raise InputError(
+            f"simulate: {duration:g} s are {duration / step:.3g} steps of {step:g} s, more than can be counted"
+        )
+    steps = int(round(duration / step))
+    if steps < 1:
+        raise InputError(f"simulate: step {step:g} s is longer than the duration {duration:g} s")
+    if abs(steps * step - duration) <= SAME_TIME * duration:
+        return steps, []
+    return steps, [
+        f"the duration {duration:g} s is no multiple of the step: {steps} steps, {steps * step:g} s, are simulated"
+    ]

@@ -1,0 +1,117 @@
+"""The contact part of the step graph: gaps and forces of the trial state, the local solve, and the active set."""
+
+from __future__ import annotations
+
+from warpffrf_kernels import contact_compliance, contact_fields, contact_geometry, contact_solve
+
+from warpffrf.online.launcher import Launcher
+
+MODULES = (contact_geometry, contact_compliance, contact_fields, contact_solve)
+
+
+class ContactGraph(Launcher):
+    """Records the kernels of all contact pairs."""
+
+    def locate(self) -> None:
+        """Windows, gaps and contact forces of the trial state."""
+        M, s, x, W, P = self.compiled.models, self.state, self.work, self.worlds, self.compiled.model.pair_count
+        self.launch(
+            contact_geometry.locate, (W, P), [M, x.r1, x.axes], [s.ctl, x.phase, x.center, x.station, x.station_wrench]
+        )
+        self.launch(
+            contact_geometry.open_window, (W, P), [M, s.ctl, x.phase, x.center],
+            [s.active, s.pressure, s.patch_offset, x.window],
+        )  # fmt: skip
+        self.block(
+            contact_geometry.sample, (W, P), [M, s.ctl, x.center, x.window, x.station], [x.point_gap, x.point_place]
+        )
+        self.block(
+            contact_geometry.weigh, (W, P),
+            [M, x.center, x.window, x.station, x.station_wrench, x.point_gap, x.point_place],
+            [s.ctl, x.weak_gap, x.area, x.wrench, x.stencil, x.stencil_at],
+        )  # fmt: skip
+        self.block(
+            contact_geometry.shift, (W, P),
+            [M, s.ctl, x.center, x.window, x.station, x.station_wrench, x.area, x.weak_gap], [x.wrench, x.shifted_gap],
+        )  # fmt: skip
+        self.launch(
+            contact_fields.set_second_window,
+            (W, P),
+            [M, s.ctl, x.window, x.area, x.stencil_at],
+            [s.active, s.pressure, x.second_window],
+        )
+        self.block(
+            contact_fields.modal_fields, (W, P),
+            [M, s.ctl, x.center, x.window, x.second_window, x.q1.flatten(), 1], [x.first_field, x.second_field],
+        )  # fmt: skip
+        self._local_fields()
+        self.block(
+            contact_fields.close_gaps, (W, P),
+            [M, s.ctl, x.window, x.shifted_gap, x.area, x.stencil, x.stencil_at, x.first_field, x.second_field,
+             x.first_local, x.second_local, s.active, s.pressure], [x.gap, x.opened, x.base],
+        )  # fmt: skip
+        self.block(
+            contact_fields.load_modes, (W,),
+            [M, s.ctl, x.center, x.window, x.second_window, s.active, s.pressure, x.second_load.flatten()],
+            [s.modal_load.flatten()],
+        )  # fmt: skip
+        self.launch(
+            contact_fields.add_contact, W,
+            [M, s.ctl, x.r1, x.axes, x.window, s.active, x.area, x.wrench, x.gap, x.opened, s.pressure, s.modal_load],
+            [x.residual, x.modal_residual, x.pair_wrench, x.gap_defect, x.contact_energy],
+        )  # fmt: skip
+
+    def solve(self) -> None:
+        """Pressures of the active set, and the outer increments z with them."""
+        self._assemble()
+        M, s, x, W = self.compiled.models, self.state, self.work, self.worlds
+        self.block(
+            contact_solve.solve_pressures, (W,),
+            [M, s.active, x.opened, x.base, x.slot_mode, x.condensed, x.J, x.L, x.V,
+             x.receptance.flatten(), x.modal_residual.flatten(), x.z_free],
+            [s.ctl, x.right, x.order, x.factor, x.solution, s.pressure, x.z],
+        )  # fmt: skip
+
+    def correct(self) -> None:
+        """The active set after a solve, and the gaps that decide it."""
+        M, s, x, W, P = self.compiled.models, self.state, self.work, self.worlds, self.compiled.model.pair_count
+        self.block(
+            contact_fields.modal_fields, (W, P),
+            [M, s.ctl, x.center, x.window, x.second_window, x.modal_step, 0], [x.first_step, x.second_step],
+        )  # fmt: skip
+        self._local_fields()
+        self.block(
+            contact_solve.correct_set, (W, P),
+            [M, s.ctl, x.axes, x.r1, x.window, x.area, x.wrench, x.stencil, x.stencil_at, x.gap, x.first_step,
+             x.second_step, x.first_local, x.second_local, x.z, s.pressure, s.active], [x.proposed],
+        )  # fmt: skip
+        self.launch(contact_solve.accept_set, W, [M, x.center, x.proposed], [s.ctl, s.active, s.pressure, x.window])
+
+    def _assemble(self) -> None:
+        """G of the active hats, and what contact sees of it with the outer coordinates condensed."""
+        M, s, x, W = self.compiled.models, self.state, self.work, self.worlds
+        self.launch(contact_compliance.take_slots, W, [M, s.active], [s.ctl, x.phase, x.slot_of, x.slot_mode])
+        self.block(
+            contact_compliance.respond, (W,),
+            [M, s.ctl, x.center, x.second_window, x.slot_mode, x.stencil, x.stencil_at], [x.T],
+        )  # fmt: skip
+        self.block(
+            contact_compliance.modal_rows, (W,), [M, s.ctl, x.center, x.slot_mode, x.stencil, x.stencil_at], [x.J]
+        )
+        self.block(
+            contact_compliance.assemble, (W,),
+            [M, s.ctl, x.center, x.slot_mode, x.stencil, x.stencil_at, x.T, x.J, x.receptance], [x.scaled_modes, x.G],
+        )  # fmt: skip
+        self.block(
+            contact_compliance.outer_rows, (W,),
+            [M, s.ctl, x.axes, x.r1, x.wrench, x.slot_mode, x.J, x.C_receptance, x.inverse_transposed], [x.L, x.V],
+        )  # fmt: skip
+        self.block(contact_compliance.condense_contact, (W,), [M, s.ctl, x.slot_mode, x.G, x.L, x.V], [x.condensed])
+
+    def _local_fields(self) -> None:
+        M, s, x = self.compiled.models, self.state, self.work
+        self.block(
+            contact_fields.local_fields, (self.worlds, self.compiled.model.pair_count),
+            [M, s.ctl, x.center, x.window, x.second_window, s.active, x.stencil, x.stencil_at, s.pressure],
+            [x.second_load.flatten(), x.first_local, x.second_local],
+        )  # fmt: skip
