@@ -130,10 +130,13 @@ def test_reduce_then_info(coarse: Path, tmp_path: Path, capsys: pytest.CaptureFi
 def test_options_of_a_reduction_reach_it(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     target = tmp_path / "body.h5"
     mesh, mm = str(DATA / "tet_roller.msh"), ["--length-unit", "mm"]
-    sets = ["--interface", "bore", "--modes", "6", "--inertia-modes", "4", "--stiffening", "--no-cache"]
+    sets = ["--interface", "bore", "--modes", "6", "--no-cache"]
+    sets += ["--inertia-modes", "4", "--stiffening", "--centrifugal"]
     assert cli.main(["-q", "reduce", mesh, *mm, *STEEL, *sets, "-o", str(target)]) == 0
-    terms = wf.ReducedBody.load(target).inertia_terms
+    body = wf.ReducedBody.load(target)
+    terms = body.inertia_terms
     assert terms is not None and terms.modes == 4
+    assert "with the static response to turning" in body.info()
     assert terms.stiffening is not None and list(terms.stiffening.interfaces) == ["bore"]
 
 

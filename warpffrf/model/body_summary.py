@@ -29,7 +29,7 @@ def summary(body: ReducedBody) -> str:
         f"  local modes     {body.local_modes} (normal){_tangential(body)}",
     ]
     if (terms := body.inertia_terms) is not None:
-        lines.append(f"  inertia terms   {_inertia_terms(terms, len(f))}")
+        lines.append(f"  inertia terms   {_inertia_terms(body, terms, len(f))}")
     for name, i in body.interfaces.items():
         lines.append(f"  interface       {name}: {i.kind}, at {_place(i.point, near)} m")
     for name, s in body.contact_surfaces.items():
@@ -121,9 +121,11 @@ def _materials(contact: dict[str, Any]) -> list[str]:
     return [f"  material        at {', '.join(names)}: {text}" for text, names in surfaces.items()]
 
 
-def _inertia_terms(terms: InertiaTerms, modes: int) -> str:
-    """Which modes have them, and what stiffens them."""
+def _inertia_terms(body: ReducedBody, terms: InertiaTerms, modes: int) -> str:
+    """Which modes have them, whether these hold the response to turning, and what stiffens them."""
     text = f"of {'all' if terms.modes == modes else f'the first {terms.modes} of {modes}'} global modes"
+    if body.report.get("inertia", {}).get("centrifugal"):
+        text += ", with the static response to turning"
     if terms.stiffening is None:
         return text
     return f"{text}, stiffened by {', '.join(['turning', *(f'loads on {n}' for n in terms.stiffening.interfaces)])}"
