@@ -13,7 +13,7 @@ import pytest
 
 import warpffrf as wf
 from warpffrf.demos import two_rollers as demo
-from warpffrf.study.unit_time import timed_here, unit_seconds
+from warpffrf.study.unit_time import ONE_THREAD, unit_seconds
 
 # A higher load widens the patch, so that a coarser mesh still has five elements a half-width.
 SMALL = demo.Size(sectors=1600, layers=18, axial=2, frames=5)
@@ -86,6 +86,16 @@ def test_the_script_of_the_checkout_is_the_command_of_the_package() -> None:
     assert done.returncode == 0 and "--quick" in done.stdout, done.stderr
 
 
-def test_the_unit_of_time_is_that_of_one_thread() -> None:
-    # the tests run with one BLAS thread: another process must find about the same; 3 leaves room for a busy machine
-    assert 1 / 3 < unit_seconds() / timed_here() < 3
+def test_the_unit_of_time_is_that_of_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is timed in a process of its own, whose BLAS is told to take one thread, whatever this one has."""
+    seen = []
+    real = subprocess.run
+
+    def watched(*args, **options):
+        seen.append(options["env"])
+        return real(*args, **options)
+
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "4")
+    monkeypatch.setattr(subprocess, "run", watched)
+    assert unit_seconds() > 0.0
+    assert len(seen) == 1 and all(seen[0][name] == "1" for name in ONE_THREAD)

@@ -3,7 +3,6 @@ than asked."""
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -37,11 +36,10 @@ def test_arguments_of_a_wrong_kind_are_named(small_roller, settings, message):
 
 @pytest.mark.parametrize("general", [False, True])
 @pytest.mark.parametrize("spacing", [1e-9, 1e-300])
-def test_a_spacing_in_a_wrong_unit_is_refused_at_once(small_roller, general, spacing):
-    start = time.perf_counter()
+def test_a_spacing_in_a_wrong_unit_is_refused_before_anything_is_made(small_roller, general, spacing):
+    """A function for each such spacing would be 1e9 of them at least."""
     with pytest.raises(InputError, match="finer than the surface mesh .* functions on .* nodes"):
         reduced(small_roller, general=general, traction_spacing=spacing)
-    assert time.perf_counter() - start < 2.0
 
 
 @pytest.mark.parametrize("general", [False, True])
