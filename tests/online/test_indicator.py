@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from warpffrf.model import joints, signals
 from warpffrf.model.inertia import LEVELS, TERM_NAMES, InertiaTerms, modal_forces, momentum
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import indicator
-from warpffrf.online.compile_inertia import BOUNDS, NOTICEABLE, estimate, least_level
+from warpffrf.online.compile_inertia import BOUNDS, NOTICEABLE, estimate, fastest_turning, least_level
 from warpffrf.online.history import BodyHistory
 from warpffrf.online.indicator import FLAG, MOST_STEPS, TermSize, indicator_lines, recommended, term_sizes
 from warpffrf.online.run import run
@@ -251,3 +252,14 @@ def test_turning_that_the_modes_do_not_hold(plain_body: ReducedBody) -> None:
     old = replace(plain_body, report={})  # a file of an earlier version
     scene, history = moving(old, terms_of(2), (0.0, 0.0, 600.0), modes(body), modes(body))
     assert indicator.unheld_lines(scene, history) == []
+
+
+def test_only_what_turns_counts_as_turning() -> None:
+    """A cylindrical joint pushed at 40 m/s turns nothing; its other coordinate does, at the speed of its drive."""
+    scene = Scene()
+    body = scene.add_rigid_body(1.0, (0.1, 0.1, 0.1), name="a", angular_velocity=(0.0, 3.0, 4.0))
+    joint = scene.add(joints.Cylindrical(scene.ground, body.at((0.0, 0.0, 0.0)), axis=(0.0, 0.0, 1.0)))
+    scene.add(joints.Drive(joint, signals.Constant(40.0), quantity="velocity", coordinate="translation"))
+    assert fastest_turning(scene) == pytest.approx(5.0)
+    scene.add(joints.Drive(joint, signals.Ramp(0.0, 70.0, duration=0.1), quantity="velocity", coordinate="rotation"))
+    assert fastest_turning(scene) == pytest.approx(70.0)

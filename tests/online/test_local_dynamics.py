@@ -150,6 +150,8 @@ def test_auto_splits_at_five_times_the_load(body: ReducedBody) -> None:
     omega = everything.omega(0)
     assert plan.count(0) == np.count_nonzero(omega <= 5.0 * 2.0 * np.pi * 12e3) > 0
     assert any("local modes are dynamic (auto)" in note for note in plan.notes)
+    assert any("pictures and stresses" in note for note in plan.notes)
+    assert not any("pictures" in note for note in Engine(scene).compiled.local.notes)
 
 
 def test_another_treatment_cannot_go_on_and_cannot_be_linearised(body: ReducedBody) -> None:

@@ -106,7 +106,7 @@ def fastest_turning(scene: Any) -> float:
     """The fastest turning that a scene states [rad/s]: of initial angular velocities and of driven rotations."""
     speeds = [float(np.linalg.norm(body.angular_velocity)) for body in scene.bodies]
     for drive in scene.drives:
-        if not (drive.coordinate or "").endswith("rotation") and "rotation" not in drive.joint.coordinates:
+        if not drive.coordinate.endswith("rotation"):
             continue
         breaks, c = drive.position().polynomial()
         for i in range(len(c)):

@@ -109,6 +109,8 @@ class LocalPlan:
                     plan._add(port)
                 else:
                     plan.notes.append(f"contact surface {port.label}: the inertia of its local modes is neglected")
+        if any(plan.count(body) for body in plan.modes):
+            plan.notes.append("pictures and stresses show dynamic local modes as if at rest under the pressure")
         return plan
 
     def _add(self, port: Any) -> None:
