@@ -259,7 +259,7 @@ def test_errors_of_calls_name_the_line(tmp_path: Path) -> None:
         ("reduced_bodies.roller.interfaces={bor='rigid'}", "set 'bor'"),
         ("joints.axle.b='lower.bor'", "'bor' does not exist"),
         ("reduced_bodies.roller.mesh='rollers'", "did you mean 'roller'?"),
-        ("reduced_bodies.roller.contact={rim='cone'}", "no surface 'cone'"),
+        ("reduced_bodies.roller.contact={rim='conus'}", "no surface 'conus'; did you mean 'cone'?"),
         ("materials.steel.poisson_ratio=0.5", "poisson_ratio must lie between"),
         ("simulate.duration=1e-5", "longer than the duration"),
     ]

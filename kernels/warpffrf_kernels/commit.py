@@ -1,10 +1,11 @@
 """End of an attempt: acceptance, step size, and what is kept of it or restored.
 
 A step is accepted when its Newton loop converged, everything is finite, its local error is allowed (`accuracy`), and,
-if it opened or closed a contact, `numerical + contact grid` of the ledger did not rise by more than `energy_tolerance`
-of the energy at hand. Otherwise it is halved (levels are powers of two of the user's step, so time stays exact).
-Contact opens or closes where the force of a pair vanishes on one side of the step only; the algorithmic accelerations
-then restart from the true ones. A rejected attempt leaves multipliers and the contact as it found them.
+if it opened or closed a contact or is part of an impact (contact and motion exchange much of their energy in it),
+`numerical + contact grid` of the ledger changed by no more than `energy_tolerance` of the energy at hand. Otherwise it
+is halved (levels are powers of two of the user's step, so time stays exact). Contact opens or closes where the force of
+a pair vanishes on one side of the step only; the algorithmic accelerations then restart from the true ones. A rejected
+attempt leaves multipliers and the contact as it found them.
 """
 
 import warp as wp
@@ -18,6 +19,8 @@ wp.set_module_options(MODULE_OPTIONS)
 
 # of the energy tolerance: a step of second order with a defect below 1/2^3 of it may be doubled
 QUIET = wp.constant(wp.float64(0.125))
+# of the energy at hand, exchanged between motion and contact: such a step is part of an impact
+SWUNG = wp.constant(wp.float64(0.01))
 
 
 @wp.kernel
@@ -58,7 +61,13 @@ def decide(
     for side in range(2):
         at_hand = energy[w, side, k.KINETIC] + energy[w, side, k.STRAIN] + energy[w, side, k.CONTACT]
         hand = wp.max(hand, at_hand)
-    if dynamic and ctl[w, k.FAILURE] == 0 and event != 0:
+    stored = energy[w, 1, k.CONTACT] - energy[w, 0, k.CONTACT]
+    moving = energy[w, 1, k.KINETIC] - energy[w, 0, k.KINETIC]
+    swung = real(0.0)
+    if stored * moving < real(0.0):  # both grow where a load presses what a drive speeds up
+        swung = wp.min(wp.abs(stored), wp.abs(moving))
+    impact = event != 0 or swung > SWUNG * hand
+    if dynamic and ctl[w, k.FAILURE] == 0 and impact:
         if wp.abs(defect) > model.energy_tolerance * hand:
             ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ENERGY
     if dynamic and clk[w, k.ERROR] > real(1.0):
@@ -101,6 +110,8 @@ def decide(
     ctl[w, k.SUB] = ctl[w, k.SUB] + 1
     if ctl[w, k.LEVEL] > 0:
         quiet = event == 0 and wp.abs(defect) <= QUIET * model.energy_tolerance * hand
+        if energy[w, 1, k.FRICTION] != energy[w, 0, k.FRICTION]:  # which loses a little more than it shows
+            quiet = event == 0 and defect <= QUIET * model.energy_tolerance * hand
         if clk[w, k.ERROR] > real(0.0):  # a step that is halved for its error alone
             quiet = event == 0 and clk[w, k.ERROR] <= real(0.5) * QUIET  # doubled it would be half of what is allowed
         if quiet and ctl[w, k.SUB] % 2 == 0:  # one level at a time

@@ -47,6 +47,8 @@ def take_slots(
                 m += 1
             for i in range(4):
                 phase[w, pair, i] = phase[w, pair, 4 + i]
+            for i in range(2):
+                phase[w, pair, 8 + i] = phase[w, pair, 10 + i]
             pair += 1
         ctl[w, k.REASSEMBLE] = 0
         ctl[w, k.RECENTER] = 0
@@ -171,8 +173,8 @@ def modal_rows(
         m = slot_mode[w, slot, 1]
         A = model.pair_first[pair]
         B = model.pair_second[pair]
-        modes_a = model.modal_start[model.surface_body[A] + 1] - model.modal_start[model.surface_body[A]]
-        modes_b = model.modal_start[model.surface_body[B] + 1] - model.modal_start[model.surface_body[B]]
+        modes_a = model.surface_modal_count[A]
+        modes_b = model.surface_modal_count[B]
         start = (w * model.slot_capacity + slot) * model.pair_modes
         i = lane
         while i < modes_a + modes_b:
@@ -215,10 +217,8 @@ def modal_rows(
     const double* l = stencil.data + mode * SC * SR;
     const int* at = stencil_at.data + mode * 2;
     const double* Ji = J.data + ((size_t)w * cap + slot) * width;
-    const int first_a = model.modal_start.data[model.surface_body.data[A]];
-    const int count_a = model.modal_start.data[model.surface_body.data[A] + 1] - first_a;
-    const int first_b = model.modal_start.data[model.surface_body.data[B]];
-    const int count_b = model.modal_start.data[model.surface_body.data[B] + 1] - first_b;
+    const int first_a = model.surface_modal_start.data[A], count_a = model.surface_modal_count.data[A];
+    const int first_b = model.surface_modal_start.data[B], count_b = model.surface_modal_count.data[B];
     const double* s = receptance.data + (size_t)w * model.modal_count;
     const int own = origin + m / rows;
     double weight[256]; int node[256], count = 0;
@@ -331,15 +331,19 @@ def outer_rows(
             f = vec3(wrench[w, pair, m, 0], wrench[w, pair, m, 1], wrench[w, pair, m, 2])
             t = vec3(wrench[w, pair, m, 3], wrench[w, pair, m, 4], wrench[w, pair, m, 5])
             t_a = wp.transpose(axes[w, A]) * t
-            t_b = wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f))
             for i in range(3):
                 L[w, slot, i] = f[i]
                 L[w, slot, 3 + i] = t_a[i]
-                L[w, slot, 6 + i] = -f[i]
-                L[w, slot, 9 + i] = -t_b[i]
-        first_a = model.modal_start[A]
-        count_a = model.modal_start[A + 1] - first_a
-        first_b = model.modal_start[B]
+                L[w, slot, 6 + i] = real(0.0)  # the ground does not move
+                L[w, slot, 9 + i] = real(0.0)
+            if B >= 0:
+                t_b = wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f))
+                for i in range(3):
+                    L[w, slot, 6 + i] = -f[i]
+                    L[w, slot, 9 + i] = -t_b[i]
+        first_a = model.surface_modal_start[model.pair_first[pair]]
+        count_a = model.surface_modal_count[model.pair_first[pair]]
+        first_b = model.surface_modal_start[model.pair_second[pair]]
         start = (w * model.slot_capacity + slot) * model.pair_modes
         count = model.coupled_count[pair]
         c = 12 + lane
@@ -354,7 +358,8 @@ def outer_rows(
             else:
                 at = (w * model.row_count + column - model.row_offset) * model.modal_count
                 value = -dot(model.global_count[A], J, start, C_receptance, at + first_a)
-                value -= dot(model.global_count[B], J, start + count_a, C_receptance, at + first_b)
+                if B >= 0:
+                    value -= dot(model.global_count[B], J, start + count_a, C_receptance, at + first_b)
                 L[w, slot, c] = value
             c += wp.block_dim()
         begin = (w * model.slot_capacity + slot) * N
@@ -419,14 +424,15 @@ def condense_contact(
     V: wp.array(dtype=real),
     condensed: wp.array3d(dtype=real),
 ):
-    """Per world: G + L H L^T over all slots when H is new, else for the fresh ones."""
+    """Per world: G + L H L^T over all slots when H is new or a layer's flexibility is (`contact_layer`), else for the
+    fresh ones."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0:
         return
     count = ctl[w, k.SLOTS]
     fresh = ctl[w, k.FRESH]
-    if ctl[w, k.REFRESH] != 0 and ctl[w, k.MOVED] != 0:
+    if ctl[w, k.MOVED] != 0 and (ctl[w, k.REFRESH] != 0 or model.layer_count > 0):  # a layer's flexibility is added
         fresh = int(0)
     i = int(0)
     while i < count:

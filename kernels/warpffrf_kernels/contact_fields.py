@@ -72,8 +72,8 @@ def modal_fields(
     A = model.pair_first[pair]
     B = model.pair_second[pair]
     rows = model.surface_rows[A]
-    first = model.modal_start[model.surface_body[A]]
-    modes = model.modal_start[model.surface_body[A] + 1] - first
+    first = model.surface_modal_start[A]
+    modes = model.surface_modal_count[A]
     first += w * model.modal_count
     m = (window[w, pair, 0] + model.half_window) * rows + lane
     while m < (window[w, pair, 1] + model.half_window + 1) * rows:
@@ -85,8 +85,8 @@ def modal_fields(
         first_field[w, pair, m] = value
         m += wp.block_dim()
     rows = model.surface_rows[B]
-    first = model.modal_start[model.surface_body[B]]
-    modes = model.modal_start[model.surface_body[B] + 1] - first
+    first = model.surface_modal_start[B]
+    modes = model.surface_modal_count[B]
     first += w * model.modal_count
     m = second_window[w, pair, 0] * rows + lane
     while m < (second_window[w, pair, 1] + 1) * rows:
@@ -294,8 +294,8 @@ def load_modes(
     while pair < model.pair_count:
         A = model.pair_first[pair]
         rows = model.surface_rows[A]
-        start = model.modal_start[model.surface_body[A]]
-        modes = model.modal_start[model.surface_body[A] + 1] - start
+        start = model.surface_modal_start[A]
+        modes = model.surface_modal_count[A]
         m = (window[w, pair, 0] + model.half_window) * rows
         while m < (window[w, pair, 1] + model.half_window + 1) * rows:
             if active[w, pair, m] != 0:
@@ -307,8 +307,8 @@ def load_modes(
             m += 1
         B = model.pair_second[pair]
         rows = model.surface_rows[B]
-        start = model.modal_start[model.surface_body[B]]
-        modes = model.modal_start[model.surface_body[B] + 1] - start
+        start = model.surface_modal_start[B]
+        modes = model.surface_modal_count[B]
         base = (w * model.pair_count + pair) * model.node_capacity
         i = second_window[w, pair, 0] * rows
         while i < (second_window[w, pair, 1] + 1) * rows:
@@ -372,12 +372,14 @@ def add_contact(
         f = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
         t = vec3(pair_wrench[w, pair, 3], pair_wrench[w, pair, 4], pair_wrench[w, pair, 5])
         t_a = wp.transpose(axes[w, A]) * t
-        t_b = wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f))
         for i in range(3):
             residual[w, 6 * A + i] = residual[w, 6 * A + i] - f[i]
             residual[w, 6 * A + 3 + i] = residual[w, 6 * A + 3 + i] - t_a[i]
-            residual[w, 6 * B + i] = residual[w, 6 * B + i] + f[i]
-            residual[w, 6 * B + 3 + i] = residual[w, 6 * B + 3 + i] + t_b[i]
+        if B >= 0:
+            t_b = wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f))
+            for i in range(3):
+                residual[w, 6 * B + i] = residual[w, 6 * B + i] + f[i]
+                residual[w, 6 * B + 3 + i] = residual[w, 6 * B + 3 + i] + t_b[i]
         pair += 1
     n = int(0)
     while n < model.modal_count:

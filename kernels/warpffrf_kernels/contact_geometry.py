@@ -92,7 +92,7 @@ def locate(
     """
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_family[pair] != 0:
         return
     A = model.pair_first[pair]
     B = model.pair_second[pair]
@@ -208,13 +208,14 @@ def open_window(
     ctl: wp.array2d(dtype=int),
     phase: wp.array3d(dtype=real),
     center: wp.array3d(dtype=int),
+    touched: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
     patch_offset: wp.array2d(dtype=real),
     window: wp.array3d(dtype=int),
 ):
     """Per (world, pair): the active set of the last attempt put where the patch is now, and the columns to look at: the
-    active ones and MARGIN more on each side, relative to the centre column."""
+    active ones, those of `touched` (family 1) and MARGIN more on each side, relative to the centre column."""
     w, pair = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.RECENTER] == 0:
@@ -252,6 +253,14 @@ def open_window(
             high = o
             found = int(1)
         m += 1
+    if model.pair_family[pair] == 1:
+        first = wp.clamp(touched[w, pair, 0] - center[w, pair, 0], -H, H)
+        last = wp.clamp(touched[w, pair, 1] - center[w, pair, 0], -H, H)
+        if found == 0:
+            low = first
+            high = last
+        low = wp.min(low, first)
+        high = wp.max(high, last)
     window[w, pair, 0] = wp.max(low - MARGIN, -H)
     window[w, pair, 1] = wp.min(high + MARGIN, H)
 
@@ -282,7 +291,9 @@ def sample(
     """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or center[w, pair, 2] != 0:
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or center[w, pair, 2] != 0 or model.pair_family[pair] != 0:
+        return
+    if model.pair_point_count[pair] != 0:  # few points: `contact_few`
         return
     A = model.pair_first[pair]
     B = model.pair_second[pair]
@@ -445,7 +456,9 @@ def weigh(
     """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or center[w, pair, 2] != 0:
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or center[w, pair, 2] != 0 or model.pair_family[pair] != 0:
+        return
+    if model.pair_point_count[pair] != 0:
         return
     A = model.pair_first[pair]
     rows = model.surface_rows[A]
@@ -489,6 +502,8 @@ def shift(
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+        return
+    if model.pair_family[pair] == 0 and model.pair_point_count[pair] != 0:
         return
     A = model.pair_first[pair]
     rows = model.surface_rows[A]

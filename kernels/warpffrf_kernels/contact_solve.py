@@ -166,9 +166,8 @@ def solve_pressures(
             surface = model.pair_first[pair]
             if side == 1:
                 surface = model.pair_second[pair]
-            body = model.surface_body[surface]
-            modes = w * model.modal_count + model.modal_start[body]
-            n = model.modal_start[body + 1] - model.modal_start[body]
+            modes = w * model.modal_count + model.surface_modal_start[surface]
+            n = model.surface_modal_count[surface]
             total += weighted(n, J, line, receptance, modes, modal_residual, modes)
             line += n
         right[w, a] = total
@@ -236,12 +235,14 @@ def modal_increments(
         if change != real(0.0):
             pair = slot_mode[w, slot, 0]
             start = (w * model.slot_capacity + slot) * model.pair_modes
-            A = model.surface_body[model.pair_first[pair]]
-            B = model.surface_body[model.pair_second[pair]]
-            modes_a = model.modal_start[A + 1] - model.modal_start[A]
-            modes_b = model.modal_start[B + 1] - model.modal_start[B]
-            axpy(modes_a, change, J, start, modal_step, first + model.modal_start[A])
-            axpy(modes_b, change, J, start + modes_a, modal_step, first + model.modal_start[B])
+            A = model.pair_first[pair]
+            B = model.pair_second[pair]
+            modes_a = model.surface_modal_count[A]
+            axpy(modes_a, change, J, start, modal_step, first + model.surface_modal_start[A])
+            axpy(
+                model.surface_modal_count[B], change, J, start + modes_a,
+                modal_step, first + model.surface_modal_start[B],
+            )  # fmt: skip
         slot += 1
     row = int(0)
     while row < model.row_count:
@@ -295,11 +296,13 @@ def correct_set(
     H = model.half_window
     # motion of A relative to B at A's centre of mass
     a = w * model.outer_count + 6 * body_a
-    b = w * model.outer_count + 6 * body_b
-    turn_b = axes[w, body_b] * vec3(z[b + 3], z[b + 4], z[b + 5])
-    move = vec3(z[a], z[a + 1], z[a + 2]) - vec3(z[b], z[b + 1], z[b + 2])
-    move -= wp.cross(turn_b, r1[w, body_a] - r1[w, body_b])
-    spin = axes[w, body_a] * vec3(z[a + 3], z[a + 4], z[a + 5]) - turn_b
+    move = vec3(z[a], z[a + 1], z[a + 2])
+    spin = axes[w, body_a] * vec3(z[a + 3], z[a + 4], z[a + 5])
+    if body_b >= 0:
+        b = w * model.outer_count + 6 * body_b
+        turn_b = axes[w, body_b] * vec3(z[b + 3], z[b + 4], z[b + 5])
+        move -= vec3(z[b], z[b + 1], z[b + 2]) + wp.cross(turn_b, r1[w, body_a] - r1[w, body_b])
+        spin -= turn_b
     m = (window[w, pair, 0] + H) * rows + lane
     while m < (window[w, pair, 1] + H + 1) * rows:
         new = int(0)

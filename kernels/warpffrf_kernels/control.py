@@ -40,7 +40,12 @@ EVERY = wp.constant(31)  # save every so many user steps
 REFRESH = wp.constant(32)  # 1 when the outer matrix is to be inverted anew
 RECENTER = wp.constant(33)  # 1 when the windows are to be laid anew
 COARSE = wp.constant(34)  # steps less accurate than asked for, taken as they could not be halved again
-CTL = 35
+CELLS = wp.constant(35)  # cell slots of friction in use
+FRESH_CELLS = wp.constant(36)  # first cell slot not yet assembled
+STALE = wp.constant(37)  # 1 when every cell slot is to be assembled anew
+SOLVES = wp.constant(38)  # factorisations of stick and slip so far
+FACTORED = wp.constant(39)  # free coordinates of the factorisation of stick and slip at hand, 0 without
+CTL = 40
 
 # --- reals
 START_TIME = wp.constant(0)
@@ -95,7 +100,8 @@ DRIVE_WORK = wp.constant(5)
 DAMPING = wp.constant(6)
 CONTACT_GRID = wp.constant(7)
 NUMERICAL = wp.constant(8)
-LINES = 9
+FRICTION = wp.constant(9)
+LINES = 10
 
 # --- sizes of local buffers in native snippets; the compiler of scenes refuses what does not fit
 MOST_COUPLED_COLUMNS = 512  # outer columns a gap depends on

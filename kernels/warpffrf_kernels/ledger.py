@@ -5,7 +5,8 @@ books
 
     work of forces    sum (F_0 + F_1)/2 . (x_1 - x_0)           drive   -(lambda_0 + lambda_1)/2 (s_1 - s_0)
     damping           h/2 (d_0 + d_1), d the power of dampers and modal damping
-    contact grid      dE_contact + (work of the contact wrench on bodies and modes, trapezoidal)
+    friction          sum tau_1 . S: the tractions at the end of the step times the slip over it, never positive
+    contact grid      dE_contact + (work of the contact wrench on bodies and modes, trapezoidal) - friction
     numerical         what is left of dE: negative where the integrator dissipates.
 """
 
@@ -39,7 +40,9 @@ def generalise_contact(
     f = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
     t = vec3(pair_wrench[w, pair, 3], pair_wrench[w, pair, 4], pair_wrench[w, pair, 5])
     t_a = wp.transpose(axes[w, A]) * t
-    t_b = -(wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f)))
+    t_b = vec3(real(0.0), real(0.0), real(0.0))  # on the ground it does nothing
+    if B >= 0:
+        t_b = -(wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f)))
     for i in range(3):
         pair_force[w, pair, 1, i] = f[i]
         pair_force[w, pair, 1, 3 + i] = t_a[i]
@@ -74,6 +77,7 @@ def balance_energy(
     modal_load: wp.array3d(dtype=real),
     contact_energy: wp.array2d(dtype=real),
     extra_energy: wp.array2d(dtype=real),
+    friction_work: wp.array3d(dtype=real),
     energy: wp.array3d(dtype=real),
 ):
     """Per world: the ledger of the trial state, energy[w, 1], from that of the accepted one, energy[w, 0]."""
@@ -136,8 +140,9 @@ def balance_energy(
         for c in range(3):
             contact_work += half * (pair_force[w, pair, 0, c] + pair_force[w, pair, 1, c]) * dx[w, A][c]
             contact_work += half * (pair_force[w, pair, 0, 3 + c] + pair_force[w, pair, 1, 3 + c]) * psi[w, A][c]
-            contact_work += half * (pair_force[w, pair, 0, 6 + c] + pair_force[w, pair, 1, 6 + c]) * dx[w, B][c]
-            contact_work += half * (pair_force[w, pair, 0, 9 + c] + pair_force[w, pair, 1, 9 + c]) * psi[w, B][c]
+            if B >= 0:
+                contact_work += half * (pair_force[w, pair, 0, 6 + c] + pair_force[w, pair, 1, 6 + c]) * dx[w, B][c]
+                contact_work += half * (pair_force[w, pair, 0, 9 + c] + pair_force[w, pair, 1, 9 + c]) * psi[w, B][c]
         pair += 1
     energy[w, 1, k.KINETIC] = kinetic
     energy[w, 1, k.STRAIN] = strain
@@ -145,16 +150,23 @@ def balance_energy(
     energy[w, 1, k.POTENTIAL] = potential
     total = kinetic + strain + contact_energy[w, 0] + potential
     before = energy[w, 0, k.KINETIC] + energy[w, 0, k.STRAIN] + energy[w, 0, k.CONTACT] + energy[w, 0, k.POTENTIAL]
-    grid = contact_energy[w, 0] - energy[w, 0, k.CONTACT] + contact_work
-    numerical = total - before - force_work - drive_work + damping - grid
+    friction = real(0.0)
+    pair = int(0)
+    while pair < model.pair_count:
+        friction += friction_work[w, pair, 0]
+        pair += 1
+    grid = contact_energy[w, 0] - energy[w, 0, k.CONTACT] + contact_work - friction
+    numerical = total - before - force_work - drive_work + damping - grid - friction
     if ctl[w, k.MODE] != k.DYNAMIC:  # a start or a static step opens the books
         force_work = real(0.0)
         drive_work = real(0.0)
         damping = real(0.0)
         grid = real(0.0)
+        friction = real(0.0)
         numerical = real(0.0)
     energy[w, 1, k.FORCE_WORK] = energy[w, 0, k.FORCE_WORK] + force_work
     energy[w, 1, k.DRIVE_WORK] = energy[w, 0, k.DRIVE_WORK] + drive_work
     energy[w, 1, k.DAMPING] = energy[w, 0, k.DAMPING] + damping
     energy[w, 1, k.CONTACT_GRID] = energy[w, 0, k.CONTACT_GRID] + grid
     energy[w, 1, k.NUMERICAL] = energy[w, 0, k.NUMERICAL] + numerical
+    energy[w, 1, k.FRICTION] = energy[w, 0, k.FRICTION] + friction

@@ -96,12 +96,22 @@ class Model:
     load_force: wp.array(dtype=vec3)  # N per unit signal, body axes
     load_torque: wp.array(dtype=vec3)  # N m, about the centre of mass
     load_modal: wp.array2d(dtype=real)  # (loads, modes of the body)
-    # contact surfaces (bodies of revolution), body frame
-    surface_body: wp.array(dtype=int)
+    # contact surfaces, body frame; see `surface`
+    surface_body: wp.array(dtype=int)  # -1 for the ground, whose frame is the world
+    surface_modal_start: wp.array(dtype=int)  # first mode of its body, 0 where it has none
+    surface_modal_count: wp.array(dtype=int)  # modes of its body, 0 for a rigid one and the ground
     surface_origin: wp.array(dtype=vec3)  # axis point
     surface_frame: wp.array(dtype=mat33)  # columns e_0, e_1, e_a
-    surface_radius: wp.array(dtype=real)
-    surface_crown: wp.array(dtype=real)  # crown radius, 0 without crown
+    surface_planar: wp.array(dtype=int)  # 1: a plane, theta in metres; 0: a surface of revolution
+    surface_side: wp.array(dtype=real)  # 1 material inside, -1 outside
+    surface_radius: wp.array(dtype=real)  # 1 of a plane
+    surface_tangent: wp.array(dtype=real)  # of a cone's slope dR/dz, 0 without
+    surface_crown: wp.array(dtype=real)  # radius of the crown's arc, negative for a groove around a shaft, 0 without
+    surface_table_start: wp.array(dtype=int)  # into the two below
+    surface_table_count: wp.array(dtype=int)  # pieces of the profile table, 0 without
+    surface_table_break: wp.array(dtype=real)  # count + 1 a table, m
+    surface_table_coefficient: wp.array2d(dtype=real)  # (count + 1 a table, 4) powers of z - break; the last is unused
+    surface_rigid: wp.array(dtype=int)  # 1: no grid of its own, the tables hold two empty columns and rows
     surface_theta: wp.array(dtype=real)  # angle of column 0
     surface_pitch: wp.array(dtype=real)
     surface_columns: wp.array(dtype=int)
@@ -130,6 +140,22 @@ class Model:
     # pairs
     pair_first: wp.array(dtype=int)  # surface
     pair_second: wp.array(dtype=int)
+    pair_family: wp.array(dtype=int)  # 0: gap along the line of centres, 1: at points, see `contact_points`
+    # points of a column of the first grid, of the pairs of family 1 and of those of few points, sorted by row
+    most_points: int  # largest number of a pair, 0 without such pairs
+    pair_point_start: wp.array(dtype=int)
+    pair_point_count: wp.array(dtype=int)
+    pair_row_start: wp.array(dtype=int)  # into point_row_at
+    point_row_at: wp.array(dtype=int)  # first point of each row of cells, counted from the pair's, and their number
+    point_x: wp.array(dtype=real)  # fraction of the column, in [0, 1)
+    point_row: wp.array(dtype=int)  # row of cells
+    point_zeta: wp.array(dtype=real)  # fraction of the row, in [0, 1]
+    point_station: wp.array(dtype=int)  # where it stands on the line of centres, see `contact_few`
+    point_weight: wp.array(dtype=real)  # m2
+    point_cosine: wp.array(dtype=real)  # of the angle from the column; of a plane 1
+    point_sine: wp.array(dtype=real)  # of a plane the distance, m
+    point_z: wp.array(dtype=real)  # m
+    point_radius: wp.array(dtype=real)  # R(z), m
     half_window: int  # grid columns on each side of the line of centres
     window_columns: int  # 2 * half_window + 1
     max_rows: int  # rows of the first surface, largest of all pairs
@@ -143,6 +169,30 @@ class Model:
     coupled_count: wp.array(dtype=int)  # (pairs,) outer columns the gap of a pair depends on
     coupled: wp.array2d(dtype=int)  # (pairs, largest coupled_count)
     coupled_capacity: int
+    # layers whose yield is no constant, see `layer_laws`
+    layer_count: int  # pairs with one; 0: no kernel of `contact_layer` is recorded
+    layer_kind: wp.array(dtype=int)  # (pairs,)
+    layer_number: wp.array2d(dtype=real)  # (pairs, NUMBERS)
+    layer_table_start: wp.array(dtype=int)  # (pairs,) into layer_table
+    layer_table_count: wp.array(dtype=int)
+    layer_table: wp.array2d(dtype=real)  # depth m, pressure Pa, energy J/m2
+    layer_area_start: wp.array(dtype=int)  # (pairs,) into layer_area
+    layer_area: wp.array(dtype=real)  # m2 a z point of a row of cells stands for, times the weight around
+    # friction in cells, see `friction_geometry`
+    pair_friction: wp.array(dtype=real)  # (pairs,) mu, 0 without
+    pair_slip_velocity: wp.array(dtype=real)  # (pairs,) m/s of the regularised law, 0 of a law that sticks
+    cell_capacity: int  # cells that can carry friction at once, all pairs
+    cell_area: wp.array(dtype=real)  # m2, a row of cells of each surface, at surface_z_start
+    surface_shear: wp.array(dtype=int)  # into mode_tangent, -1 for a surface without tangential compliance
+    mode_tangent: wp.array(dtype=real)  # (columns, 2 rows, modes of the body), flat per surface
+    surface_tt: wp.array(dtype=int)  # into tangential: tangential displacement by tangential forces, D_tt
+    surface_nt: wp.array(dtype=int)  # normal one by tangential forces: M D_nt of a first, D_nt of a second surface
+    surface_tn: wp.array(dtype=int)  # its transpose
+    tangential: wp.array(
+        dtype=real
+    )  # tables (column of the block, source line, target column + reach, target line); 2 rows lines a tangential column
+    share_columns: int  # extent of a cell of the first grid on the cells of the second
+    share_rows: int
     # tolerances
     residual_tolerance: real  # of the contact force
     max_iterations: int

@@ -8,6 +8,7 @@ from synthetic_run import DURATION, E_MODULUS, HALF_WIDTH, PEAK, PITCH, POISSON,
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.contact_result import hat_means, line_moments, mid_width
+from warpffrf.output.hertz_patch import HertzLine
 from warpffrf.output.result import Result
 
 FINE_QUADRATURE = 200_001
@@ -83,6 +84,7 @@ def test_contact_of_a_hertz_run(result: Result) -> None:
 def test_hertz_helper_is_johnsons_formula(result: Result) -> None:
     contact = result.contact("lower-upper")
     line = contact.hertz(0)
+    assert isinstance(line, HertzLine)
     modulus = E_MODULUS / (2.0 * (1.0 - POISSON**2))
     assert line.modulus == pytest.approx(modulus)
     assert line.radius == pytest.approx(0.5 * R)

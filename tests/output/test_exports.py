@@ -9,8 +9,8 @@ import pytest
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.figure import PLOTS, write_figure
+from warpffrf.output.grid_places import rotate
 from warpffrf.output.result import Result
-from warpffrf.output.skin import rotate
 
 
 def test_xarray_has_names_units_and_values(result: Result) -> None:

@@ -14,7 +14,8 @@ from synthetic_run import COLUMNS, ROWS, WINDOW, R
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.colors import PRESSURE_STOPS, ColorScale, legend_picture, map_axes_picture
-from warpffrf.output.frames import frame_rows, grid_triangles, patch_frame, patch_map, relief, round_factor
+from warpffrf.output.frames import frame_rows, grid_triangles, patch_frame, relief, round_factor
+from warpffrf.output.patch_map import MapWindow, hat_map
 from warpffrf.output.paths import checked_output_path, written_whole
 from warpffrf.output.result import Result
 from warpffrf.output.thinning import thinned, vertex_normals
@@ -109,9 +110,9 @@ def test_relief_and_map_show_the_hats(result: Result) -> None:
     arc = R * np.arctan2(vertices[:, 1, 0], vertices[:, 1, 2] + R)
     assert arc[loaded] == pytest.approx(patch.arc[loaded])
     assert np.ptp(arc) <= np.ptp(patch.arc[loaded]) + 2.0 * contact.spacing * (1.0 + 1e-9)
-    reach = 1.5 * contact.half_width[4]
-    picture = patch_map(contact, 4, reach, (3, 101))
-    expected = np.interp(np.linspace(-reach, reach, 101), patch.arc, patch.pressure[:, 1])
+    window = MapWindow(1.5 * contact.half_width[4], float(patch.z[0]), float(patch.z[-1]))
+    picture = hat_map(contact, 4, patch.pressure, window, (3, 101))
+    expected = np.interp(window.x(101), patch.arc, patch.pressure[:, 1])
     assert picture[1] == pytest.approx(expected)
 
 

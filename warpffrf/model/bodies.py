@@ -13,6 +13,7 @@ import numpy as np
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_array, unknown_name
+from warpffrf.model.rigid_surface import RigidSurface
 
 if TYPE_CHECKING:
     from warpffrf.model.reduced_body import ContactSurface, ReducedBody
@@ -65,9 +66,15 @@ class SurfacePort:
         return f"{self.body.name}[{self.name!r}]"
 
     @property
-    def surface(self) -> ContactSurface:
-        """The reduced contact surface."""
-        return self.body.reduced.contact_surfaces[self.name]
+    def rigid(self) -> bool:
+        """True where the surface has no compliance."""
+        return self.body.reduced is None
+
+    @property
+    def surface(self) -> ContactSurface | Any:
+        """The reduced contact surface, or the `RigidSurface` of a rigid body or the ground."""
+        surfaces = self.body.surfaces if self.rigid else self.body.reduced.contact_surfaces
+        return surfaces[self.name]
 
 
 class _Posed:
@@ -81,6 +88,22 @@ class _Posed:
         self.name = name
         self.position = position
         self.rotation = rotation
+        self.surfaces: dict[str, RigidSurface] = {}
+
+    def surface(self, shape: Any, *, name: str) -> SurfacePort:
+        """Give this rigid body, or the ground, a contact surface of `shape` (`warpffrf.surfaces`), in its user frame.
+
+        Returns its port, `body[name]` from then on. Raises `InputError` for a flexible body, whose surfaces come from
+        its reduction, and for a shape that leaves something to be fitted.
+        """
+        if self.reduced is not None:
+            raise InputError(f"body {self.name!r} is flexible: name its surfaces in reduce(contact={{...}})")
+        owner = self.name if self.index == GROUND_INDEX else f"body {self.name!r}"
+        surface = RigidSurface.of(name, shape, owner)
+        if name in self.surfaces:
+            raise InputError(f"{owner}: the name {name!r} of a surface is taken, choose another")
+        self.surfaces[name] = surface
+        return SurfacePort(self, name)
 
     @property
     def position(self) -> np.ndarray:
@@ -110,7 +133,8 @@ class _Posed:
 
 
 class Ground(_Posed):
-    """The world as a body: it does not move. Use it bare in a joint, or `ground.at(point)`."""
+    """The world as a body: it does not move. Use it bare in a joint, or `ground.at(point)`; `ground.surface(...)` for
+    contact."""
 
     index = GROUND_INDEX
 
@@ -121,8 +145,14 @@ class Ground(_Posed):
         """A point (3,) [m] of the world."""
         return Port(self, None, require_array(point, "ground: point", (3,)))
 
-    def __getitem__(self, name: str) -> Port:
-        raise InputError(f"the ground has no interface {name!r}; use scene.ground or scene.ground.at((x, y, z))")
+    def __getitem__(self, name: str) -> SurfacePort:
+        """The `SurfacePort` of the surface called `name`."""
+        if name in self.surfaces:
+            return SurfacePort(self, name)
+        raise InputError(
+            f"the ground has no interface or surface {name!r}; use scene.ground, scene.ground.at((x, y, z)), or "
+            "scene.ground.surface(shape, name=...)"
+        )
 
 
 class Body(_Posed):
@@ -171,7 +201,12 @@ class Body(_Posed):
     def __getitem__(self, name: str) -> Any:
         """The `Port` of an interface or the `SurfacePort` of a contact surface called `name`."""
         if self.reduced is None:
-            raise InputError(f"rigid body {self.name!r} has no interface {name!r}; use .at((x, y, z))")
+            if name in self.surfaces:
+                return SurfacePort(self, name)
+            raise InputError(
+                f"rigid body {self.name!r} has no interface or surface {name!r}; use .at((x, y, z)), or give it "
+                "surfaces={...}"
+            )
         if name in self.reduced.interfaces:
             return Port(self, name, np.array(self.reduced.interfaces[name].point, dtype=np.float64))
         if name in self.reduced.contact_surfaces:
@@ -192,7 +227,9 @@ class Body(_Posed):
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing; the reduced body is hashed by its arrays elsewhere."""
         fields = ("center_of_mass", "inertia", "damping", "position", "rotation", "velocity", "angular_velocity")
-        options = {"inertia_level": self.level, "stiffening": self.stiffening}
+        options: dict[str, Any] = {"inertia_level": self.level, "stiffening": self.stiffening}
+        if self.surfaces:
+            options["surfaces"] = {name: surface.describe() for name, surface in self.surfaces.items()}
         return {"name": self.name, "mass": self.mass, **options, **{f: getattr(self, f).tolist() for f in fields}}
 
 

@@ -34,11 +34,19 @@ def summary(body: ReducedBody) -> str:
         lines.append(f"  interface       {name}: {i.kind}, at {_place(i.point, near)} m")
     for name, s in body.contact_surfaces.items():
         g = s.grid
-        extent = "a full turn" if g.periodic else f"an arc of {np.degrees(g.pitch * (g.columns + 1)):.4g} degrees"
+        length = g.pitch * (g.columns + 1)
+        planar = s.shape.profile().planar
+        part = f"a length of {length:.4g} m" if planar else f"an arc of {np.degrees(length):.4g} degrees"
+        extent = "a full turn" if g.periodic else part
         lines.append(
             f"  contact surface {name}: {type(s.shape).__name__}, {g.columns} x {g.rows} {g.kind} on {extent}, "
             f"compliance {'block-circulant' if len(s.lags) > 1 else 'dense'}, {s.lags.nbytes / 2**20:.3g} MiB"
         )
+        if (points := s.sampling) is not None:
+            lines.append(
+                f"  sampling        {name}: {points.count} points between two columns, worst training error "
+                f"{points.training_error:.2g} (wanted {points.wanted_error:g})"
+            )
     lines.append(f"  skin            {len(body.surface.points)} points, {len(body.surface.triangles)} triangles")
     for key, label in (("path", "path"), ("path_reason", "because"), ("dofs", "FE dofs"), ("seconds", "seconds")):
         if key in body.report:

@@ -1,9 +1,12 @@
-r"""The grid of tractions on a surface of revolution: hats on its nodes, or constants on cells around its nodes.
+r"""The grid of tractions on a contact surface: hats on its nodes, or constants on cells around its nodes.
 
 Both are non-negative and add up to one, so that coefficients >= 0 mean a traction >= 0 everywhere. Hats are continuous
 and overlap; a cell reaches half way to the neighbouring nodes, `[theta_j - pitch/2, theta_j + pitch/2] x [(z_k-1 +
 z_k)/2, (z_k + z_k+1)/2]`, cut at the outermost rows, and its Gram matrix is diagonal. Cells *between* the nodes would
 not do: on a mesh as fine as the grid a checkerboard of them loads no node, and the compliance is singular.
+
+On a plane the chart is (theta, z) too, theta a length [m] there and its metric radius 1: what is said of angles and of
+rad below holds of it in metres.
 
 Functions are numbered column by column, so that neighbours on the surface are neighbours in memory: a window of w
 columns of a dense compliance is one contiguous run of w rows of it, a copy of whole runs of entries.
@@ -98,7 +101,7 @@ class ContactGrid:
 def meridian_gram(kind: str, shape: Any, z: np.ndarray) -> np.ndarray:
     """M_z (rows, rows) [m^2/rad]: int psi_k psi_k' R(z) sqrt(1 + R'(z)^2) dz of the functions on the nodes `z` [m].
 
-    `shape` is a resolved surface of revolution (`radius_at`, `slope_at`). The Gram matrix of the surface is
+    `shape` is a resolved surface (`measure_at`). The Gram matrix of the surface is
     `M = M_theta (x) M_z` [m^2], `M f`: coefficients of a traction to forces.
     """
     lines = cell_edges(z) if kind == "cells" else z
@@ -106,7 +109,7 @@ def meridian_gram(kind: str, shape: Any, z: np.ndarray) -> np.ndarray:
     s = 0.5 * (x + 1.0)
     step = np.diff(lines)
     points = lines[:-1, None] + step[:, None] * s
-    measure = 0.5 * step[:, None] * w * shape.radius_at(points) * np.sqrt(1.0 + shape.slope_at(points) ** 2)
+    measure = 0.5 * step[:, None] * w * shape.measure_at(points)
     if kind == "cells":
         return np.diag(measure.sum(axis=1))
     rows = len(z)

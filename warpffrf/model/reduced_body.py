@@ -31,6 +31,7 @@ from warpffrf.model.tangential import Tangential
 
 if TYPE_CHECKING:
     from warpffrf.model.local_modes import LocalMass
+    from warpffrf.model.sampling import Sampling
     from warpffrf.model.stress_field import StressField
 
 
@@ -89,6 +90,7 @@ class ContactSurface:
     recovery: Recovery
     tangential: Tangential | None = None
     local_mass: LocalMass | None = None  # inertia of the local modes, see `warpffrf.model.local_modes`
+    sampling: Sampling | None = None  # few points for all, see `warpffrf.model.sampling`; None: none were chosen
 
     @property
     def local_modes(self) -> int:

@@ -27,10 +27,11 @@ from warpffrf.model.reduced_body import (
     Recovery,
     ReducedBody,
 )
+from warpffrf.model.sampling import Sampling
 from warpffrf.model.stress_field import StressField
 from warpffrf.model.tangential import Tangential
 
-SCHEMA = 3
+SCHEMA = 4  # 4: sampling points; all older ones are read
 MARK = "warpffrf reduced body"
 _COMPRESSED_FROM = 1 << 16  # bytes; below it a compressed chunk costs more than it saves
 _INERTIA = ("first", "second", "gyroscopic")
@@ -47,6 +48,7 @@ _UNITS = {
     "lags": "m/N",
     "lags_mass": "m2 kg/N2",
     "overlap": "m kg/N",
+    "weight": "m2",
     "z": "m",
     "points": "m",
     "transfer": "m/N",
@@ -85,6 +87,9 @@ def _flatten(body: ReducedBody) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
         if (mass := s.local_mass) is not None:
             arrays[f"{root}/local_mass/lags_mass"] = mass.lags_mass
             arrays[f"{root}/local_mass/overlap"] = mass.overlap
+        if (points := s.sampling) is not None:
+            arrays.update({f"{root}/sampling/{key}": array for key, array in points.arrays().items()})
+            facts["contact_surfaces"][name]["sampling"] = points.facts()
         if (t := s.tangential) is not None:
             arrays[f"{root}/tangential/lags_tt"] = t.lags_tt
             arrays[f"{root}/tangential/lags_nt"] = t.lags_nt
@@ -163,6 +168,14 @@ def _local_mass(arrays: dict[str, np.ndarray], root: str) -> LocalMass | None:
     return LocalMass(arrays[f"{root}/lags_mass"], arrays[f"{root}/overlap"])
 
 
+def _sampling(arrays: dict[str, np.ndarray], root: str, facts: dict[str, Any] | None) -> Sampling | None:
+    """The sampling points, None where the file has none, as those of the schemas 1 to 3."""
+    if facts is None:
+        return None
+    own = {key.removeprefix(root): array for key, array in arrays.items() if key.startswith(root)}
+    return Sampling.restore(own, facts)
+
+
 def _restore(arrays: dict[str, np.ndarray], facts: dict[str, Any], report: dict, provenance: dict) -> ReducedBody:
     contact = {}
     for name, f in facts["contact_surfaces"].items():
@@ -187,6 +200,7 @@ def _restore(arrays: dict[str, np.ndarray], facts: dict[str, Any], report: dict,
             _recovery(arrays, f"{root}/recovery", f["recovery"]),
             tangential,
             _local_mass(arrays, f"{root}/local_mass"),
+            _sampling(arrays, f"{root}/sampling/", f.get("sampling")),
         )
     stress = {}
     for name, f in facts.get("stress", {}).items():

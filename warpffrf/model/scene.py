@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from warpffrf.model.bodies import INERTIA_LEVELS, Body, Ground, Port, SurfacePort
-from warpffrf.model.contact import Contact, closing_distance
+from warpffrf.model.contact import Contact
 from warpffrf.model.damping import damping_ratios
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number, unknown_name
 from warpffrf.model.forces import JointSpringDamper
+from warpffrf.model.gap import closing_distance
 from warpffrf.model.joints import Drive, Joint
 from warpffrf.model.sensors import JointReaction, Sensor
 
@@ -103,11 +104,13 @@ class Scene:
         rotation: Any = (0.0, 0.0, 0.0, 1.0),
         velocity: Any = (0.0, 0.0, 0.0),
         angular_velocity: Any = (0.0, 0.0, 0.0),
+        surfaces: Mapping[str, Any] | None = None,
     ) -> Body:
         """Add a rigid body; returns its handle.
 
         mass [kg]; inertia_tensor (3, 3), or its diagonal (3,) [kg m2], about the centre of mass, user axes;
-        center_of_mass (3,) [m, user frame]; pose and velocities as in `add_body`.
+        center_of_mass (3,) [m, user frame]; pose and velocities as in `add_body`. surfaces: contact surfaces by name,
+        shapes of `warpffrf.surfaces` in the user frame with everything given, `{"tread": Cylinder(...)}`.
         """
         self._check_new_name(name, [b.name for b in self.bodies], "body")
         handle = Body(
@@ -123,6 +126,8 @@ class Scene:
             velocity=velocity,
             angular_velocity=angular_velocity,
         )
+        for label, shape in (surfaces or {}).items():
+            handle.surface(shape, name=label)
         self.bodies.append(handle)
         return handle
 
@@ -180,13 +185,17 @@ class Scene:
         """Shift the second body of `contact` along `along` (world) until the smallest undeformed gap is `gap` [m].
 
         A negative gap is an interference, to be taken up by deformation. Returns the distance moved [m]. The true
-        surfaces are used; several touches: the first one coming from far out on the side of `along`.
+        surfaces are used; several touches: the first one coming from far out on the side of `along`, of a pin in a bore
+        the first one from where it is. The ground stays: opposite it the first body is moved, the other way.
         """
         if not isinstance(contact, Contact):
             raise InputError(f"close_gap: a contact pair is needed, got {contact!r}")
         distance = closing_distance(contact, along, gap)
-        body = contact.b.body
-        body.position = body.position + distance * require_direction(along, "close_gap: along")
+        shift = distance * require_direction(along, "close_gap: along")
+        if isinstance(contact.b.body, Ground):
+            contact.a.body.position = contact.a.body.position - shift
+        else:
+            contact.b.body.position = contact.b.body.position + shift
         return distance
 
     def check(self) -> SceneCheck:
@@ -206,6 +215,8 @@ class Scene:
             "bodies": [body.describe() for body in self.bodies],
             **{where: [item.describe() for item in getattr(self, where)] for where in _LISTS},
         }
+        if self.ground.surfaces:
+            description["ground"] = {name: surface.describe() for name, surface in self.ground.surfaces.items()}
         digest.update(json.dumps(description, sort_keys=True).encode())
         for body in self.bodies:
             if body.reduced is not None:
@@ -230,7 +241,7 @@ class Scene:
     def _check_free_surfaces(self, contact: Contact) -> None:
         for other in self.contacts:
             for port in contact.ports:
-                if any(_same_surface(port, used) for used in other.ports):
+                if not port.rigid and any(_same_surface(port, used) for used in other.ports):
                     raise InputError(
                         f"contact {contact.name!r}: surface {port.label} is used by contact {other.name!r} already; "
                         "one pair per surface is supported for now"

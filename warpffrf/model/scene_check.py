@@ -9,12 +9,13 @@ bodies need not be between flexible ones.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import TYPE_CHECKING
 
 from warpffrf.model.bodies import GROUND_INDEX, Body
 from warpffrf.model.consistency import velocity_defects
-from warpffrf.model.contact import smallest_gap
 from warpffrf.model.errors import InputError
+from warpffrf.model.gap import facing_gap
 from warpffrf.model.redundancy import find_redundancy
 
 if TYPE_CHECKING:
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SceneCheck:
-    """Findings of `Scene.check()`; `str()` gives a table. Masses kg, gaps m."""
+    """Findings of `Scene.check()`; `str()` gives a table. Masses kg, gaps m, infinite where surfaces do not face each
+    other."""
 
     masses: dict[str, float]
     modes: dict[str, int]
@@ -86,7 +88,7 @@ def check_scene(scene: Scene) -> SceneCheck:
         grubler=unknowns - sum(constraints.values()),
         degrees_of_freedom=unknowns - found.rank,
         redundant=found.counts(),
-        gaps={contact.name: smallest_gap(contact)[0] for contact in scene.contacts},
+        gaps={contact.name: (facing_gap(contact) or (inf,))[0] for contact in scene.contacts},
         unsupported=_unsupported(scene),
         redundant_rows=tuple(row.label for row in found.dropped),
         refused_drives=tuple(str(row.drive.name) for row in found.dropped if row.drive is not None),

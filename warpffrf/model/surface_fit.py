@@ -1,22 +1,24 @@
-"""Least-squares fit of a surface of revolution with a circular (or straight) profile to points.
+"""Least-squares fit of a surface of revolution with a circular, straight, conical or given profile to points.
 
-Unknown are those of axis point c, axis direction e_a, radius R and profile curvature kappa = 1/Rc that are not given.
-The radial residual f = rho - R(z) is made small in the least-squares sense by Gauss-Newton; with e_r the radial
-direction of a point, s(z) = kappa z^2 / (1 + w) the drop of the profile and w = sqrt(1 - kappa^2 z^2), so R(z) = R -
-s(z), the columns of the Jacobian are
+Unknown are those of axis point c, axis direction e_a, radius R, tangent t and profile curvature kappa = 1/Rc that are
+not given. The radial residual f = rho - R(z) is made small in the least-squares sense by Gauss-Newton; with e_r the
+radial direction of a point, s(z) = kappa z^2 / (1 + w) the drop of the arc, w = sqrt(1 - kappa^2 z^2), and T(z) a drop
+that is known, R(z) = R + t z - s(z) - T(z), the columns of the Jacobian are
 
     d/d(shift of c along e_i)     = -e_r.e_i                        i = 0, 1
     d/d(shift of c along e_a)     = dR/dz
     d/d(tilt of e_a towards e_i)  = -(z + rho dR/dz) e_r.e_i
-    d/dR = -1,                    d/dkappa = z^2 / (w (1 + w)).
+    d/dR = -1,      d/dt = -z,      d/dkappa = z^2 / (w (1 + w)).
 
 Each step re-linearises about the current axis. It starts from each principal direction of the point cloud with an
-algebraic circle fit (Kasa 1976: u^2 + v^2 = 2 a u + 2 b v + k is linear in a, b, k), and the best fit wins: which of
-the principal directions is the axis depends on the width and on the arc that the points cover.
+algebraic circle fit (Kasa 1976: u^2 + v^2 = 2 a u + 2 b v + k is linear in a, b, k), of a free arc from a straight
+profile and from the same kind of fit in the meridian, and the best fit wins: which of the principal directions is the
+axis depends on the width and on the arc that the points cover.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,16 +29,26 @@ from warpffrf.model.errors import InputError
 SAME_SIZE = 1e-6
 FIT_STEPS = 60  # Gauss-Newton converges in under 10 steps from a good start; a start that needs more is a wrong axis
 FIT_STALLED = 1e-15  # a step of this fraction of R no longer moves anything in float64
+COLUMNS = ("shift_0", "shift_1", "shift_a", "tilt_0", "tilt_1", "radius", "tangent", "curvature")
+Table = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # z [m] -> drop [m] and its slope
 
 
 @dataclass(frozen=True, eq=False)
 class Revolution:
-    """A surface of revolution: axis point (3,) m, unit axis (3,), radius m at the axis point, curvature 1/m."""
+    """A surface of revolution: axis point (3,) m, unit axis (3,), radius m at the axis point, curvature 1/m, tangent,
+    and a drop that is known."""
 
     axis_point: np.ndarray
     axis_direction: np.ndarray
     radius: float
     curvature: float
+    tangent: float = 0.0
+    table: Table | None = None
+
+    @property
+    def placed(self) -> bool:
+        """True where the profile has a middle, so that the place of the axis point along the axis counts."""
+        return self.curvature != 0.0 or self.table is not None
 
 
 def fit_revolution(
@@ -47,14 +59,17 @@ def fit_revolution(
     axis_direction: np.ndarray | None,
     *,
     curvature: float | None,
+    tangent: float | None = 0.0,
+    table: Table | None = None,
 ) -> Revolution:
     """Fit what is None to `points` (n, 3) [m]; `kind` names the surface in errors.
 
-    The free origin along the axis of a straight profile is put in the middle of the points; a fitted axis points
-    towards its first largest component. Raises `InputError` when the points do not determine the unknowns.
+    The free origin along the axis of a straight or conical profile is put in the middle of the points; a fitted axis
+    points towards its first largest component. Raises `InputError` when the points do not determine the unknowns.
     """
-    unknowns = 2 * (axis_point is None) + 2 * (axis_direction is None) + (radius is None)
-    unknowns += 0 if curvature is not None else 1 + (axis_point is None)
+    unknowns = 2 * (axis_point is None) + 2 * (axis_direction is None) + (radius is None) + (tangent is None)
+    unknowns += 0 if curvature is not None else 1
+    unknowns += axis_point is None and (curvature != 0.0 or table is not None)
     if len(points) < max(unknowns, 3):
         raise InputError(f"surface {kind}: {len(points)} points cannot determine {unknowns} unknowns")
     if axis_direction is not None:
@@ -62,27 +77,36 @@ def fit_revolution(
     else:
         starts = [signed_axis(d) for d in np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2]]
     best, best_rms = None, np.inf
-    for start in starts:
-        fit = _start(points, start, radius, axis_point, curvature or 0.0)
+    firsts = [
+        replace(_start(points, start, radius, axis_point, curvature or 0.0), tangent=tangent or 0.0, table=table)
+        for start in starts
+    ]
+    if curvature is None:
+        firsts += [arc for first in firsts if (arc := _arc_start(points, first, radius, axis_point)) is not None]
+    for first in firsts:
         fit = _gauss_newton(
             points,
-            fit,
+            first,
             free_point=axis_point is None,
             free_axis=axis_direction is None,
             free_radius=radius is None,
             free_curvature=curvature is None,
+            free_tangent=tangent is None,
         )
         rms = np.inf if fit is None else float(np.sqrt(np.mean(_residual(points, fit) ** 2)))
         if rms < best_rms:
             best, best_rms = fit, rms
     if best is None:
         raise InputError(f"surface {kind}: no surface of revolution fits the facets; give radius and axis")
-    if axis_direction is None:
-        best = replace(best, axis_direction=signed_axis(best.axis_direction))
-    if curvature == 0.0 and axis_point is None:
+    if axis_direction is None and table is None:  # a table need not be symmetric: turned round it would be another
+        axis = signed_axis(best.axis_direction)
+        turned = float(np.sign(axis @ best.axis_direction))
+        best = replace(best, axis_direction=axis, tangent=turned * best.tangent)
+    if axis_point is None and not best.placed:
         along = (points - best.axis_point) @ best.axis_direction
         middle = 0.5 * (along.min() + along.max())
-        best = replace(best, axis_point=best.axis_point + middle * best.axis_direction)
+        moved = best.radius + middle * best.tangent
+        best = replace(best, axis_point=best.axis_point + middle * best.axis_direction, radius=moved)
     return best
 
 
@@ -115,7 +139,8 @@ def _residual(points: np.ndarray, fit: Revolution) -> np.ndarray:
     z, radial = _cylindrical(points, fit)
     if np.any(np.abs(fit.curvature * z) >= 1.0):
         return np.full(len(z), np.inf)
-    return np.linalg.norm(radial, axis=1) - fit.radius + crown_drop(z, fit.curvature)
+    drop = crown_drop(z, fit.curvature) + (0.0 if fit.table is None else fit.table(z)[0])
+    return np.linalg.norm(radial, axis=1) - fit.radius - fit.tangent * z + drop
 
 
 def _start(
@@ -134,11 +159,35 @@ def _start(
     return replace(fit, radius=mean if radius is None else radius)
 
 
+def _arc_start(
+    points: np.ndarray, first: Revolution, radius: float | None, axis_point: np.ndarray | None
+) -> Revolution | None:
+    """`first` with the circle through the points of the meridian; None where they lie on a line."""
+    z, radial = _cylindrical(points, first)
+    rho = np.linalg.norm(radial, axis=1)
+    A = np.stack([2.0 * rho, 2.0 * z, np.ones(len(z))], axis=1)
+    middle, place, k = np.linalg.lstsq(A, rho**2 + z**2, rcond=None)[0]
+    square = k + middle**2 + place**2
+    if not square > 0.0:
+        return None
+    arc = np.sqrt(square) * (1.0 if middle < np.mean(rho) else -1.0)
+    if axis_point is None:
+        first = replace(first, axis_point=first.axis_point + place * first.axis_direction)
+    return replace(first, curvature=1.0 / arc, radius=middle + arc if radius is None else radius)
+
+
 def _gauss_newton(
-    points: np.ndarray, fit: Revolution, *, free_point: bool, free_axis: bool, free_radius: bool, free_curvature: bool
+    points: np.ndarray,
+    fit: Revolution,
+    *,
+    free_point: bool,
+    free_axis: bool,
+    free_radius: bool,
+    free_curvature: bool,
+    free_tangent: bool,
 ) -> Revolution | None:
     """Iterate from `fit`; None where the iteration leaves the domain or a column vanishes."""
-    if not (free_point or free_axis or free_radius or free_curvature):
+    if not (free_point or free_axis or free_radius or free_curvature or free_tangent):
         return fit
     for _ in range(FIT_STEPS):
         e_a, kappa = fit.axis_direction, fit.curvature
@@ -150,17 +199,19 @@ def _gauss_newton(
             return None
         e_r = radial / rho[:, None]
         w = np.sqrt(1.0 - (kappa * z) ** 2)
-        slope = -kappa * z / w
+        slope = fit.tangent - kappa * z / w - (0.0 if fit.table is None else fit.table(z)[1])
         columns = {}
         if free_point:
             columns |= {"shift_0": -e_r @ e_0, "shift_1": -e_r @ e_1}
-            if kappa != 0.0:  # a straight profile has no middle: free the place of the crown once there is curvature
+            if fit.placed:  # a straight profile has no middle: free the place of the crown once there is curvature
                 columns["shift_a"] = slope
         if free_axis:
             lever = -(z + rho * slope)
             columns |= {"tilt_0": lever * (e_r @ e_0), "tilt_1": lever * (e_r @ e_1)}
         if free_radius:
             columns["radius"] = -np.ones(len(z))
+        if free_tangent:
+            columns["tangent"] = -z
         if free_curvature:
             columns["curvature"] = z**2 / (w * (1.0 + w))
         J = np.stack(list(columns.values()), axis=1)
@@ -170,17 +221,19 @@ def _gauss_newton(
         solution = -np.linalg.lstsq(J / scale, _residual(points, fit), rcond=None)[0] / scale
         if not np.all(np.isfinite(solution)):
             return None
-        step = dict.fromkeys(("shift_0", "shift_1", "shift_a", "tilt_0", "tilt_1", "radius", "curvature"), 0.0)
+        step = dict.fromkeys(COLUMNS, 0.0)
         step |= dict(zip(columns, solution, strict=True))
         tilted = e_a + step["tilt_0"] * e_0 + step["tilt_1"] * e_1
-        fit = Revolution(
-            fit.axis_point + step["shift_0"] * e_0 + step["shift_1"] * e_1 + step["shift_a"] * e_a,
-            tilted / np.linalg.norm(tilted),
-            fit.radius + step["radius"],
-            kappa + step["curvature"],
+        fit = replace(
+            fit,
+            axis_point=fit.axis_point + step["shift_0"] * e_0 + step["shift_1"] * e_1 + step["shift_a"] * e_a,
+            axis_direction=tilted / np.linalg.norm(tilted),
+            radius=fit.radius + step["radius"],
+            curvature=kappa + step["curvature"],
+            tangent=fit.tangent + step["tangent"],
         )
-        # every step as a length: tilts and curvature by what they move at a distance R
-        lengths = {"tilt_0": fit.radius, "tilt_1": fit.radius, "curvature": fit.radius**2}
+        # every step as a length: tilts, tangent and curvature by what they move at a distance R
+        lengths = {"tilt_0": fit.radius, "tilt_1": fit.radius, "tangent": fit.radius, "curvature": fit.radius**2}
         if max(abs(v) * lengths.get(k, 1.0) for k, v in step.items()) <= FIT_STALLED * abs(fit.radius):
             break
     return fit if fit.radius > 0.0 else None

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from scipy.linalg import eigh
@@ -23,6 +24,7 @@ from warpffrf.model.local_modes import dynamic_modes
 NO_COMPLIANCE = 1e-14  # of the largest eigenvalue of D: round-off of the decomposition
 MOST_COORDINATES = 6000  # a surface: the dense Jacobian of two such bodies takes more than 1 GB
 TREATMENTS = ("quasi_static", "hht")
+_KNOWN: WeakKeyDictionary[Any, LocalCoordinates] = WeakKeyDictionary()  # an eigenproblem of thousands, minutes long
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +55,9 @@ def local_coordinates(surface: Any, treatment: str, modes: Any, zeta: float, lab
             "traction_spacing"
         )
     if treatment == "quasi_static":
-        return _static(surface, surface.lags)
+        if surface not in _KNOWN:
+            _KNOWN[surface] = _static(surface, surface.lags)
+        return _KNOWN[surface]
     if modes is None:  # raises InputError where the body was reduced without their mass
         modes = dynamic_modes(surface)
     omega, trace = np.asarray(modes.omega), np.asarray(modes.trace)

@@ -10,6 +10,7 @@ import numpy as np
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.evaluations import all_full
 from warpffrf.model.progress import Progress
 from warpffrf.model.step_count import step_count
 from warpffrf.monolithic.contact import pair_data
@@ -20,7 +21,8 @@ from warpffrf.monolithic.history import BodyMotion, ContactForces, MonolithicHis
 from warpffrf.monolithic.integrator import REST, Formula, coefficients_of
 from warpffrf.monolithic.local_coordinates import TREATMENTS, local_coordinates
 from warpffrf.monolithic.newton import Evaluation, Solution, System, solve_step
-from warpffrf.monolithic.settings import TOLERANCE, Monolithic
+from warpffrf.monolithic.refusals import refuse_contacts
+from warpffrf.monolithic.settings import TOLERANCE, Monolithic, contact_layers
 from warpffrf.monolithic.start import begin
 from warpffrf.monolithic.state import State, initial_state, layout_of
 
@@ -54,13 +56,11 @@ def build(
         raise InputError(f"method 'monolithic': local must be one of {known}, got {local!r}")
     zeta = require_number(local_damping, "method 'monolithic': local_damping", non_negative=True)
     data = describe_scene(scene)
+    refuse_contacts(scene)
+    full = all_full(scene)
+    law, layers = contact_layers(scene, full, law, layer_stiffness)
     coordinates, surfaces = [], []
     for contact in scene.contacts:
-        if contact.law.yielding:
-            raise InputError(
-                f"contact {contact.name!r}: method 'monolithic' has no {contact.law.kind}; use laws.Unilateral(), with "
-                "law='nodes' and layer_stiffness for the conventional penalty"
-            )
         for port in (contact.a, contact.b):
             given = (local_modes or {}).get((port.body.name, port.name))
             coordinates.append(local_coordinates(port.surface, local, given, zeta, port.label))
@@ -69,8 +69,8 @@ def build(
     empty = [np.zeros(0)]
     parts = [np.concatenate(empty + [getattr(c, x) for c in coordinates]) for x in ("mass", "damping", "stiffness")]
     pairs = [
-        pair_data(contact, layout, pair, (coordinates[pair[0]], coordinates[pair[1]]), law, layer_stiffness)
-        for contact, pair in zip(scene.contacts, surfaces, strict=True)
+        pair_data(contact, layout, pair, (coordinates[pair[0]], coordinates[pair[1]]), law, layer)
+        for contact, pair, layer in zip(scene.contacts, surfaces, layers, strict=True)
     ]
     assembled = law == "nodes" and variant != "low_rank"
     system = System(data, layout, LocalData(*parts), pairs, surfaces, variant, assembled, tolerance)
@@ -98,7 +98,8 @@ def run(
 
     start: "initial", "equilibrium", or the history of an earlier run. integrator: see `coefficients_of`; None is HHT
     with alpha = -0.3. variant: "full", "modified" or "low_rank" (`linear`). law: "hats", the weak unilateral law of the
-    separated solver, or "nodes", a layer of `layer_stiffness` [Pa/m] at every node of the first surface (`contact`).
+    separated solver, or "nodes", a layer of `layer_stiffness` [Pa/m] at every node of the first surface (`contact`);
+    contacts of evaluation "full" are "nodes" with the layer of their own law.
     local: "quasi_static" or "hht", with the modes `local_modes` by (body, surface) and their damping ratio
     `local_damping`. tolerance: of the residuals, as fractions. Inertia "auto" of a body means all terms it has.
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.laws import LinearLayer
 from warpffrf.monolithic.contact import LAWS
 from warpffrf.monolithic.linear import VARIANTS
 
@@ -37,3 +39,33 @@ class Monolithic:
             require_number(self.layer_stiffness, "method 'monolithic': layer_stiffness", positive=True)
             if self.law == "hats":
                 raise InputError("method 'monolithic': layer_stiffness belongs to law='nodes'; law 'hats' has no layer")
+
+
+def contact_layers(scene: Any, full: bool, law: str, layer_stiffness: float | None) -> tuple[str, list[float | None]]:
+    """The law for the contacts of `scene`, and the layer of each [Pa/m], None for the default one.
+
+    With evaluation "full" (`full`) these are nodes with the layer of each contact's own law, whatever `law` says.
+    Raises `InputError` where `layer_stiffness` contradicts that, and for layers that the reference does not have.
+    """
+    layers: list[float | None] = []
+    for contact in scene.contacts:
+        label = f"contact {contact.name!r}"
+        if not full:
+            if contact.law.yielding or contact.law.curve is not None:
+                raise InputError(
+                    f"{label}: method 'monolithic' has no {contact.law.kind} but at nodes; use evaluation='full', or "
+                    "laws.Unilateral()"
+                )
+            layers.append(layer_stiffness)
+            continue
+        if not isinstance(contact.law, LinearLayer):
+            raise InputError(
+                f"{label}: method 'monolithic' has no {contact.law.kind}; use laws.LinearLayer(stiffness), or method "
+                "'separated' with evaluation 'semi'"
+            )
+        if layer_stiffness is not None:
+            raise InputError(
+                f"{label}: evaluation 'full' takes the layer of the contact's own law; leave layer_stiffness out"
+            )
+        layers.append(float(contact.law.stiffness))
+    return ("nodes" if full else law), layers

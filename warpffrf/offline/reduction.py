@@ -6,7 +6,7 @@ import logging
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,8 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.periodicity import detect
 from warpffrf.model.reduced_body import ContactSurface, DisplaySurface, ReducedBody, library_versions
 from warpffrf.offline.contact.cell_depth import depth_ratio, depth_warning, layer_depth
+from warpffrf.offline.contact.contact_grid import largest_radius
+from warpffrf.offline.contact.cubature import choose_sampling
 from warpffrf.offline.contact.expected_contact import expected_grids, promised, spacings
 from warpffrf.offline.contact.grid_rule import GridChoice
 from warpffrf.offline.contact.independence import INDEPENDENCE, check_compliance, eigenvalue_ratio, held_nodes
@@ -67,6 +69,7 @@ def reduce(
     periodic: bool | None = None,
     solver: str | None = None,
     memory_limit: float | None = None,
+    sampling_error: float | None = None,
     cache: bool = True,
     progress: bool = True,
 ) -> ReducedBody:
@@ -107,6 +110,9 @@ def reduce(
     solver: a name of the installed direct solvers for large systems; None: the default, `report["solver"]`.
     memory_limit [byte]: bound for factors, dense operators and blocks of right-hand sides of the general path together;
         None: 8 GiB.
+    sampling_error: also choose few sampling points on each contact surface for `Contact(evaluation="hyper")`, by which
+        the integrals of training patches err by at most this fraction of their size; None: no such points. 0.01 takes
+        a third of the points of evaluation "semi", see `warpffrf.offline.contact.cubature`.
     cache: look the result up in, and put it into, the user's cache. An interrupted reduction leaves a work file there,
         and goes on from it when called again.
     progress: a bar on a terminal.
@@ -141,6 +147,7 @@ def reduce(
         periodic=periodic,
         solver=solver,
         memory_limit=memory_limit,
+        sampling_error=sampling_error,
     )
     settings.check_against(mesh)
     assign(mesh, material)
@@ -196,6 +203,12 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
         surfaces[name] = ContactSurface(
             name, shape, s.grid, s.lags, s.mode_normal, s.recovery, s.tangential, s.local_mass
         )
+        if settings.sampling_error is not None:
+            with stages.stage("sampling points"):
+                points = choose_sampling(surfaces[name], settings.sampling_error, label=name)
+            surfaces[name] = replace(surfaces[name], sampling=points)
+            report["contact"][name]["sampling"] = {"points": points.count, **points.facts()}
+            report["stage_seconds"] = dict(stages.seconds)
     if len(surfaces) > 1:
         report["notes"].append(
             "a load on one contact surface moves another through the global modes only: the local modes of different "
@@ -343,7 +356,7 @@ def _not_used(settings: Settings, cyclic: bool) -> list[str]:
 def _other_spacing(name: str, shape: Any, s: SurfaceProduct, settings: Settings) -> list[str]:
     """A note where the columns of the grid are not as far apart as was asked for."""
     wanted = settings.traction_spacing
-    actual = s.grid.pitch * float(np.max(shape.radius_at(s.grid.z)))
+    actual = s.grid.pitch * largest_radius(shape, s.grid.z)
     if wanted is None or abs(actual - wanted) <= SPACING_NOTED * wanted:
         return []
     return [

@@ -46,6 +46,7 @@ class Settings:
     periodic: bool | None
     solver: str | None
     memory_limit: int | None
+    sampling_error: float | None = None
 
     @classmethod
     def of(
@@ -70,6 +71,7 @@ class Settings:
         periodic: bool | None,
         solver: str | None,
         memory_limit: float | None,
+        sampling_error: float | None = None,
     ) -> Settings:
         """The settings behind the arguments of `reduce`, checked as far as they can be without the mesh."""
         options = basis_options(basis)
@@ -85,6 +87,8 @@ class Settings:
                     "reduce: expected_half_width chooses the spacing of the contact grid; leave traction_spacing out"
                 )
         require_number(contact_error, "reduce: contact_error", positive=True)
+        if sampling_error is not None:
+            _refuse_sampling(require_number(sampling_error, "reduce: sampling_error", positive=True), traction)
         if memory_limit is not None:
             memory_limit = int(require_number(memory_limit, "reduce: memory_limit", positive=True))
         if periodic not in (None, False):
@@ -120,6 +124,7 @@ class Settings:
             periodic=periodic,
             solver=None if solver is None else require_solver(solver),
             memory_limit=memory_limit,
+            sampling_error=sampling_error,
         )
 
     def check_against(self, mesh: Mesh) -> None:
@@ -183,6 +188,7 @@ class Settings:
             "centrifugal": self.centrifugal,
             "periodic": self.periodic,
             "memory_limit": self.memory_limit,
+            "sampling_error": self.sampling_error,
         }
 
 
@@ -193,6 +199,16 @@ def _by_set(value: Any, what: str, example: str) -> dict[str, Any]:
     if not isinstance(value, Mapping) or not all(isinstance(name, str) for name in value):
         raise InputError(f"reduce: {what} must be {{facet set: ...}}, such as {example}; got {value!r}")
     return dict(value)
+
+
+def _refuse_sampling(error: float, traction: str) -> None:
+    """Raises `InputError` for an error that is no fraction, and for tractions that have no sampling points."""
+    if error >= 1.0:
+        raise InputError(f"reduce: sampling_error is a fraction below 1, got {error:g}; for one per cent give 0.01")
+    if traction == "cells":
+        raise InputError(
+            "reduce: sampling points are chosen for hats; use traction='hats', or leave sampling_error out"
+        )
 
 
 def _count(modes: Any, name: str) -> int:

@@ -122,6 +122,8 @@ class _World:
             wrench, body = state.pair_force.numpy()[w, :, 0], m.surface_body.numpy()
             for pair in range(m.pair_count):
                 for side, surface in enumerate((m.pair_first.numpy()[pair], m.pair_second.numpy()[pair])):
+                    if body[surface] < 0:
+                        continue  # the ground
                     at = 6 * body[surface]
                     rigid[at : at + 6] -= wrench[pair, 6 * side : 6 * side + 6]
             modal -= state.modal_load.numpy()[w, 0, : self.modes]

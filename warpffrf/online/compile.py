@@ -14,10 +14,13 @@ import warp as wp
 from warpffrf_kernels.model import Model
 
 from warpffrf.model.errors import InputError
-from warpffrf.online.compile_contact import fill_pairs, fill_surfaces
+from warpffrf.online.compile_contact import fill_pairs
 from warpffrf.online.compile_forces import ForceTable, compile_forces, fill_forces
+from warpffrf.online.compile_friction import fill_friction
 from warpffrf.online.compile_inertia import InertiaPlan, fill_inertia, fill_stiffening, mode_reach
 from warpffrf.online.compile_joints import JointTable, compile_joints
+from warpffrf.online.compile_layers import LAYER_ITERATIONS, fill_layers
+from warpffrf.online.compile_surfaces import fill_surfaces
 from warpffrf.online.local_dynamics import FOLLOWS, LocalDynamics, LocalPlan
 from warpffrf.online.settings import LARGEST_INDEX, Settings
 
@@ -145,8 +148,10 @@ class _Compiler:
         self._markers_rows_signals(m)
         fill_pairs(self, m)
         fill_surfaces(self, m)
+        fill_friction(self, m)
+        fill_layers(self, m)
         m.residual_tolerance = settings.residual_tolerance
-        m.max_iterations = settings.max_iterations
+        m.max_iterations = settings.max_iterations * (LAYER_ITERATIONS if m.layer_count else 1)
         m.max_inner = settings.max_inner
         m.max_guarded = settings.max_guarded
         m.max_level = settings.max_level

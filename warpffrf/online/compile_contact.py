@@ -5,44 +5,68 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import warp as wp
 from warpffrf_kernels import control as k
 from warpffrf_kernels.contact_geometry import GUARD
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.compile_inertia import dense_columns
-from warpffrf.online.compliance_tables import modal_moments, response_table, weak_compliance
+from warpffrf.online.compile_surfaces import NO_NODES, is_rigid
+from warpffrf.online.contact_rules import fill_points
+from warpffrf.online.contact_windows import (
+    MAX_HALF_WINDOW,
+    REACH_SPARE,
+    ROUND_OFF,
+    STENCIL_SPARE,
+    Extent,
+    between_axes,
+    half_window,
+    second_reach,
+)
+from warpffrf.online.sampling_rules import on_stations, rule_of
 
-MIN_HALF_WINDOW = 6  # columns: margin and guard columns of a patch of a few columns
-MAX_HALF_WINDOW = 60  # columns: 121 in all; a patch that needs more has a contact grid finer than any use
-STENCIL_SPARE = 2  # a hat's support of length x touches at most ceil(x) + 1 cells, ceil(x) + 2 columns
-ROUND_OFF = 1e-9  # cells: a ratio of two grids that is a whole number up to this is one
-REACH_SPARE = 1.02  # arc length over its projection at the edge of the widest window
+LINE_OF_CENTRES, AT_POINTS = 0, 1  # families of geometry: `contact_geometry`, `contact_points`
+LEAST_CROWN = 1.0  # radii: below, the crown is no small drop along the width
+SKEW = 0.02  # rad between the axes: the line of centres drops terms of the order of its square, 4e-4
 
 
 def fill_pairs(compiler: Any, m: Any) -> None:
     """Quadrature, windows and stencils of the pairs, and the outer columns that their gaps depend on."""
     _fill_quadrature(compiler, m)
+    contacts = compiler.scene.contacts
     m.pair_first = compiler.array(np.arange(0, 2 * m.pair_count, 2), int)
     m.pair_second = compiler.array(np.arange(1, 2 * m.pair_count, 2), int)
-    half = rows = second_half = second_rows = pair_modes = slots = 1
+    pairs = [(compiler.surfaces[2 * i], compiler.surfaces[2 * i + 1]) for i in range(m.pair_count)]
+    turned = [between_axes(contact) for contact in contacts]
+    families = [
+        family_of(compiler, contact, a, b, angle)
+        for contact, ((_, a), (_, b)), angle in zip(contacts, pairs, turned, strict=True)
+    ]
+    m.pair_family = compiler.array(families, int)
+    halves = [
+        _half_window(compiler, contact, a, b, angle)
+        for contact, ((_, a), (_, b)), angle in zip(contacts, pairs, turned, strict=True)
+    ]
+    half = max(halves, default=1)
+    rows = second_half = second_rows = pair_modes = slots = 1
     stencil = (1, 1)
     coupled: list[list[int]] = []
-    for i, contact in enumerate(compiler.scene.contacts):
-        (body_a, a), (body_b, b) = compiler.surfaces[2 * i], compiler.surfaces[2 * i + 1]
-        wanted = _half_window(compiler, contact, a, b)
-        half, rows = max(half, wanted), max(rows, a.grid.rows)
-        second_rows = max(second_rows, b.grid.rows)
-        ratio = a.grid.pitch * a.shape.radius / (b.grid.pitch * b.shape.radius)
-        columns = int(np.ceil(2.0 * ratio * REACH_SPARE - ROUND_OFF)) + STENCIL_SPARE
-        stencil = (max(stencil[0], columns), max(stencil[1], _row_reach(a.grid.z, b.grid.z)))
-        pair_modes = max(pair_modes, compiler.mode_counts[body_a.index] + compiler.mode_counts[body_b.index])
-        hats = (2 * wanted + 1) * a.grid.rows
+    for contact, ((body_a, a), (body_b, b)), family, angle, own in zip(
+        contacts, pairs, families, turned, halves, strict=True
+    ):
+        rows = max(rows, a.grid.rows)
+        second_rows = max(second_rows, NO_NODES if is_rigid(b) else b.grid.rows)
+        # all pairs share the widest window, so each needs what lies opposite that
+        if family == LINE_OF_CENTRES:
+            side, *hat = _reach_on_second(a, b, half)
+        else:
+            side, *hat = second_reach(b, Extent.of(a), Extent.of(b), angle, half)
+        second_half = max(second_half, side)
+        stencil = (max(stencil[0], hat[0]), max(stencil[1], hat[1]))
+        pair_modes = max(pair_modes, sum(compiler.mode_counts[body.index] for body in _moving(body_a, body_b)))
+        hats = (2 * min(own, MAX_HALF_WINDOW) + 1) * a.grid.rows
         slots += hats if contact.capacity is None else min(contact.capacity, hats)
         coupled.append(_coupled_columns(compiler, m, body_a, body_b))
-    surfaces = [surface for _, surface in compiler.surfaces]
-    for i in range(m.pair_count):  # all pairs share the widest window, so each needs what lies opposite that
-        second_half = max(second_half, _reach_on_second(surfaces[2 * i], surfaces[2 * i + 1], half))
+    second_half = max(second_half, stencil[0])  # also the window of a rigid surface holds a stencil
     m.half_window, m.window_columns, m.max_rows = half, 2 * half + 1, rows
     m.mode_capacity = m.window_columns * rows
     m.stencil_columns, m.stencil_rows = stencil
@@ -66,51 +90,25 @@ def fill_pairs(compiler: Any, m: Any) -> None:
     m.coupled = compiler.array(
         [c + [0] * (m.coupled_capacity - len(c)) for c in coupled], int, (-1, m.coupled_capacity)
     )
+    rules = [
+        rule_of(contact, family == AT_POINTS, compiler.settings.theta_points, compiler.settings.z_points)
+        for contact, family in zip(contacts, families, strict=True)
+    ]
+    fill_points(compiler, m, [a for (_, a), _ in pairs], rules)
 
 
-def fill_surfaces(compiler: Any, m: Any) -> None:
-    """Geometry, grids, compliance and modes of the surfaces in contact; after `fill_pairs`, which knows how far."""
-    lists: dict[str, list] = {name: [] for name in (
-        "body", "origin", "frame", "radius", "crown", "theta", "pitch", "columns", "periodic",
-        "turn", "rows", "block",
-        "z_start", "lag_start", "mode_start",
-    )}  # fmt: skip
-    z, D, MDM, modes, moments = [], [], [], [], []
-    yieldings = [value for contact in compiler.scene.contacts for value in (contact.law.yielding, 0.0)]  # on the first
-    for (body, surface), yielding in zip(compiler.surfaces, yieldings, strict=True):
-        grid, shape = surface.grid, surface.shape
-        e_a = np.asarray(shape.e_a)
-        frame = np.stack([grid.e_0, np.cross(e_a, grid.e_0), e_a], axis=1)
-        sectors, side = len(surface.lags), surface.lags.shape[1]
-        block = side // grid.rows
-        turn = sectors * block if sectors > 1 or grid.periodic else 0
-        values = (
-            body.index, shape.axis_point - body.center_of_mass, frame, shape.radius,
-            1.0 / shape.curvature if shape.curvature else 0.0,
-            grid.theta_start, grid.pitch, grid.columns, int(grid.periodic), turn, grid.rows, block,
-            sum(map(len, z)), sum(map(len, D)), sum(map(len, modes)),
-        )  # fmt: skip
-        for name, value in zip(lists, values, strict=True):
-            lists[name].append(value)
-        z.append(np.asarray(grid.z))
-        D.append(response_table(surface, surface.lags, m.reach).ravel())
-        MDM.append(response_table(surface, weak_compliance(surface, yielding), m.reach).ravel())
-        modes.append(np.ascontiguousarray(surface.mode_normal).ravel())
-        moments.append(modal_moments(surface).ravel())
-    for name, values in lists.items():
-        if name == "origin":
-            m.surface_origin = compiler.array(values, wp.vec3d, (-1, 3))
-        elif name == "frame":
-            m.surface_frame = compiler.array(values, wp.mat33d, (-1, 3, 3))
-        else:
-            dtype = wp.float64 if name in ("radius", "crown", "theta", "pitch") else int
-            setattr(m, f"surface_{name}", compiler.array(values, dtype))
-    empty = [np.zeros(0)]
-    m.surface_z = compiler.array(np.concatenate(empty + z))
-    m.compliance = compiler.array(np.concatenate(empty + D))
-    m.self_compliance = compiler.array(np.concatenate(empty + MDM))
-    m.mode_normal = compiler.array(np.concatenate(empty + modes))
-    m.mode_moment = compiler.array(np.concatenate(empty + moments))
+def family_of(compiler: Any, contact: Any, a: Any, b: Any, turned: float) -> int:
+    """LINE_OF_CENTRES for two flexible cylinders or crowned cylinders, the material inside, with axes nearly parallel:
+    fast, and exact there; AT_POINTS for all others."""
+    if compiler.settings.force_points or is_rigid(b) or turned > SKEW:
+        return AT_POINTS
+    if not on_stations(contact, compiler.settings.theta_points, compiler.settings.z_points):
+        return AT_POINTS
+    for profile in (a.shape.profile(), b.shape.profile()):
+        plain = not profile.planar and profile.side > 0.0 and profile.tangent == 0.0 and not len(profile.coefficients)
+        if not plain or not (profile.crown == 0.0 or profile.crown > LEAST_CROWN * profile.radius):
+            return AT_POINTS
+    return LINE_OF_CENTRES
 
 
 def _fill_quadrature(compiler: Any, m: Any) -> None:
@@ -122,37 +120,43 @@ def _fill_quadrature(compiler: Any, m: Any) -> None:
         setattr(m, f"{name}_weight", compiler.array(0.5 * weight))
 
 
+def _moving(*bodies: Any) -> list[Any]:
+    """Those that are not the ground."""
+    return [body for body in bodies if body.index >= 0]
+
+
 def _coupled_columns(compiler: Any, m: Any, body_a: Any, body_b: Any) -> list[int]:
     """Outer columns that the gap of a pair depends on: of its bodies, their modes with inertia terms, and the rows that
-    end on one of their flexible interfaces."""
-    own = (body_a.index, body_b.index)
-    rigid = [6 * index + c for index in own for c in range(6)]
+    end on one of their flexible interfaces. The ground has none: those of A stand for them, with a gradient of zero."""
+    moving = _moving(body_a, body_b)
+    own = [body.index for body in moving]
+    rigid = [6 * index + c for index in (own if len(own) == 2 else 2 * own) for c in range(6)]
     markers = [body in own and interface >= 0 for body, interface, *_ in compiler.markers]
     ends = zip(compiler.rows.a, compiler.rows.b, strict=True)
     touching = [m.row_offset + r for r, (a, b) in enumerate(ends) if markers[a] or markers[b]]
-    return rigid + dense_columns(m, compiler, (body_a, body_b)) + touching
+    return rigid + dense_columns(m, compiler, tuple(moving)) + touching
 
 
-def _half_window(compiler: Any, contact: Any, a: Any, b: Any) -> int:
-    spacing = a.grid.pitch * a.shape.radius
-    effective = 1.0 / (1.0 / a.shape.radius + 1.0 / b.shape.radius)
+def _half_window(compiler: Any, contact: Any, a: Any, b: Any, turned: float) -> int:
     if contact.capacity is not None:
         return max(int(np.ceil(contact.capacity / a.grid.rows / 2.0)) + int(GUARD), 2 * int(GUARD) + 1)
-    wanted = int(np.ceil(compiler.settings.window_strain * effective / spacing)) + int(GUARD) + 1
-    if wanted > MAX_HALF_WINDOW:
+    half, wanted = half_window(a, Extent.of(a), Extent.of(b), turned, compiler.settings.window_strain)
+    if half < wanted and half == MAX_HALF_WINDOW:
         compiler.notes.append(
             f"contact {contact.name!r}: window capped at {2 * MAX_HALF_WINDOW + 1} columns of {2 * wanted + 1}; "
             "a coarser contact grid (traction_spacing) would do, or give capacity="
         )
-    quarter = int(0.5 * np.pi / a.grid.pitch) - 2  # no surface is opposite beyond a quarter turn
-    return int(min(np.clip(wanted, MIN_HALF_WINDOW, MAX_HALF_WINDOW), max(quarter, int(GUARD) + 1)))
+    return half
 
 
-def _reach_on_second(a: Any, b: Any, half_window: int) -> int:
-    """Columns of the second grid on each side that face the window: opposite xi lies asin(R_A sin(xi)/R_B)."""
+def _reach_on_second(a: Any, b: Any, half_window: int) -> tuple[int, int, int]:
+    """Columns of the second grid on each side that face the window, and columns and rows under a hat, of two bodies of
+    revolution: opposite xi lies asin(R_A sin(xi)/R_B)."""
     xi = min((half_window + 1.5) * a.grid.pitch, 0.5 * np.pi)
     angle = np.arcsin(min(a.shape.radius * np.sin(xi) / b.shape.radius, 1.0))
-    return int(np.ceil(angle / b.grid.pitch + 0.5)) + STENCIL_SPARE
+    ratio = a.grid.pitch * a.shape.radius / (b.grid.pitch * b.shape.radius)
+    columns = int(np.ceil(2.0 * ratio * REACH_SPARE - ROUND_OFF)) + STENCIL_SPARE
+    return int(np.ceil(angle / b.grid.pitch + 0.5)) + STENCIL_SPARE, columns, _row_reach(a.grid.z, b.grid.z)
 
 
 def _row_reach(z_a: np.ndarray, z_b: np.ndarray) -> int:

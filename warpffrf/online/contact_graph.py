@@ -2,34 +2,76 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels import contact_compliance, contact_fields, contact_geometry, contact_solve
+from typing import Any
 
+from warpffrf_kernels import (
+    contact_compliance,
+    contact_few,
+    contact_fields,
+    contact_geometry,
+    contact_place,
+    contact_points,
+    contact_solve,
+)
+
+from warpffrf.online.compile_friction import has_friction
+from warpffrf.online.friction_graph import FrictionGraph
 from warpffrf.online.launcher import Launcher
+from warpffrf.online.layer_graph import LayerGraph
 
-MODULES = (contact_geometry, contact_compliance, contact_fields, contact_solve)
+MODULES = (
+    contact_geometry, contact_few, contact_place, contact_points, contact_compliance, contact_fields, contact_solve,
+)  # fmt: skip
 
 
 class ContactGraph(Launcher):
-    """Records the kernels of all contact pairs."""
+    """Records the kernels of all contact pairs: of the two families of geometry those that the scene has, and
+    `friction` those of the pairs that have any."""
+
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
+        m = self.compiled.model
+        families, counts = m.pair_family.numpy()[: m.pair_count], m.pair_point_count.numpy()[: m.pair_count]
+        self.families = set(families.tolist())
+        self.few = bool(((families == 0) & (counts > 0)).any())
+        self.friction = FrictionGraph(*arguments) if has_friction(self.compiled.scene) else None
+        self.layer = LayerGraph(*arguments) if m.layer_count else None
 
     def locate(self) -> None:
         """Windows, gaps and contact forces of the trial state."""
         M, s, x, W, P = self.compiled.models, self.state, self.work, self.worlds, self.compiled.model.pair_count
+        if 0 in self.families:
+            self.launch(
+                contact_geometry.locate, (W, P), [M, x.r1, x.axes],
+                [s.ctl, x.phase, x.center, x.station, x.station_wrench],
+            )  # fmt: skip
+        if 1 in self.families:
+            self.launch(
+                contact_place.locate_points, (W, P), [M, x.r1, x.axes],
+                [s.ctl, x.phase, x.center, x.nearest, x.touched],
+            )  # fmt: skip
         self.launch(
-            contact_geometry.locate, (W, P), [M, x.r1, x.axes], [s.ctl, x.phase, x.center, x.station, x.station_wrench]
-        )
-        self.launch(
-            contact_geometry.open_window, (W, P), [M, s.ctl, x.phase, x.center],
+            contact_geometry.open_window, (W, P), [M, s.ctl, x.phase, x.center, x.touched],
             [s.active, s.pressure, s.patch_offset, x.window],
         )  # fmt: skip
-        self.block(
-            contact_geometry.sample, (W, P), [M, s.ctl, x.center, x.window, x.station], [x.point_gap, x.point_place]
-        )
-        self.block(
-            contact_geometry.weigh, (W, P),
-            [M, x.center, x.window, x.station, x.station_wrench, x.point_gap, x.point_place],
-            [s.ctl, x.weak_gap, x.area, x.wrench, x.stencil, x.stencil_at],
-        )  # fmt: skip
+        weak = [x.weak_gap, x.area, x.wrench, x.stencil, x.stencil_at]
+        if 0 in self.families:
+            self.block(
+                contact_geometry.sample, (W, P), [M, s.ctl, x.center, x.window, x.station], [x.point_gap, x.point_place]
+            )
+            self.block(
+                contact_geometry.weigh, (W, P),
+                [M, x.center, x.window, x.station, x.station_wrench, x.point_gap, x.point_place], [s.ctl, *weak],
+            )  # fmt: skip
+        if 1 in self.families:
+            self.block(
+                contact_points.sample_points, (W, P), [M, s.ctl, x.r1, x.axes, x.center, x.window], [x.point_line]
+            )
+            self.block(
+                contact_points.weigh_points, (W, P), [M, x.axes, x.center, x.window, x.point_line], [s.ctl, *weak]
+            )
+        if self.few:
+            self._look_at_few(weak)
         self.block(
             contact_geometry.shift, (W, P),
             [M, s.ctl, x.center, x.window, x.station, x.station_wrench, x.area, x.weak_gap], [x.wrench, x.shifted_gap],
@@ -44,6 +86,10 @@ class ContactGraph(Launcher):
             contact_fields.modal_fields, (W, P),
             [M, s.ctl, x.center, x.window, x.second_window, x.q1.flatten(), 1], [x.first_field, x.second_field],
         )  # fmt: skip
+        if self.friction:
+            self.friction.place()
+        if self.layer:
+            self.layer.linearise()
         self._local_fields()
         self.block(
             contact_fields.close_gaps, (W, P),
@@ -55,11 +101,42 @@ class ContactGraph(Launcher):
             [M, s.ctl, x.center, x.window, x.second_window, s.active, s.pressure, x.second_load.flatten()],
             [s.modal_load.flatten()],
         )  # fmt: skip
+        if self.friction:
+            self.friction.slide()
         self.launch(
             contact_fields.add_contact, W,
             [M, s.ctl, x.r1, x.axes, x.window, s.active, x.area, x.wrench, x.gap, x.opened, s.pressure, s.modal_load],
             [x.residual, x.modal_residual, x.pair_wrench, x.gap_defect, x.contact_energy],
         )  # fmt: skip
+
+        if self.friction:
+            self.friction.add()
+
+    def _look_at_few(self, weak: list[Any]) -> None:
+        """Weak gaps of the pairs on the line of centres that have a list of points."""
+        M, s, x, W, P = self.compiled.models, self.state, self.work, self.worlds, self.compiled.model.pair_count
+        self.block(
+            contact_few.sample_few, (W, P), [M, s.ctl, x.center, x.window, x.station], [x.point_gap, x.point_place]
+        )
+        self.block(
+            contact_few.weigh_few, (W, P),
+            [M, x.center, x.window, x.station, x.station_wrench, x.point_gap, x.point_place], [s.ctl, *weak],
+        )  # fmt: skip
+        self.block(
+            contact_few.shift_few, (W, P),
+            [M, s.ctl, x.center, x.window, x.station, x.station_wrench, x.area, x.weak_gap], [x.wrench, x.shifted_gap],
+        )  # fmt: skip
+
+    def record(self) -> None:
+        """What is recorded of pairs whose gaps are taken at points, beside what all pairs have."""
+        M, s, x, W, P = self.compiled.models, self.state, self.work, self.worlds, self.compiled.model.pair_count
+        if 1 not in self.families:
+            return
+        self.launch(
+            contact_points.sum_points_second, (W, P),
+            [M, s.ctl, x.axes, x.window, s.active, s.pressure, x.point_line], [x.second_wrench],
+        )  # fmt: skip
+        self.launch(contact_place.measure_approach, (W, P), [M, s.ctl, x.r1, x.axes, x.nearest], [x.station])
 
     def solve(self) -> None:
         """Pressures of the active set, and the outer increments z with them."""
@@ -107,6 +184,8 @@ class ContactGraph(Launcher):
             [M, s.ctl, x.axes, x.r1, x.wrench, x.slot_mode, x.J, x.C_receptance, x.inverse_transposed], [x.L, x.V],
         )  # fmt: skip
         self.block(contact_compliance.condense_contact, (W,), [M, s.ctl, x.slot_mode, x.G, x.L, x.V], [x.condensed])
+        if self.layer:
+            self.layer.add_flexibility()
 
     def _local_fields(self) -> None:
         M, s, x = self.compiled.models, self.state, self.work
@@ -115,3 +194,7 @@ class ContactGraph(Launcher):
             [M, s.ctl, x.center, x.window, x.second_window, s.active, x.stencil, x.stencil_at, s.pressure],
             [x.second_load.flatten(), x.first_local, x.second_local],
         )  # fmt: skip
+        if self.friction:
+            self.friction.add_push()
+        if self.layer:
+            self.layer.add_yield()

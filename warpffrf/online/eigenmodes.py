@@ -29,6 +29,7 @@ import scipy.linalg
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_count
 from warpffrf.online.checkpoint import is_dynamic, restore
+from warpffrf.online.compile_friction import friction_notes
 from warpffrf.online.engine import Engine
 from warpffrf.online.history import History
 from warpffrf.online.linearise import Linearisation, linearise
@@ -215,7 +216,7 @@ def _prepare(engine: Engine, about: Any, notes: list[str]) -> str:
 
 def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
     """What a reader of the modes should know."""
-    notes = list(engine.compiled.notes)
+    notes = list(engine.compiled.notes) + friction_notes(engine.scene, "eigenmodes")
     if linear.closed:
         notes.append(
             f"closed contacts stay closed ({linear.closed} pressure hats): the modes are those of vibrations too small "

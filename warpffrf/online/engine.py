@@ -23,6 +23,8 @@ from warpffrf.online.state import State, Work, initial_state
 STATIC_STEPS = 60  # proximal steps of an equilibrium at most
 STATIC_GROWTH = 10.0  # of the proximal step from one to the next
 STATIC_FIRST = 1e-3  # s: moves a body by F/m * 1e-6 at first
+# layers that hardly hold at touch: a body that would sink too deep at first begins again with a shorter step
+STATIC_RETREATS, STATIC_RETREAT = 2, 1000.0
 STATIC_LAST = (
     1.0  # s: 1 kg then weighs 1 N/m, far below any spring that carries a load; larger ill-conditions the joints
 )
@@ -150,10 +152,16 @@ class Engine:
         """
         self.rates_to_zero()
         tau = STATIC_FIRST
+        retreats = STATIC_RETREATS if self.compiled.model.layer_count else 0
         for _ in range(STATIC_STEPS):
+            words = self.state.ctl.numpy().copy()
             self.static_step(tau)
             if np.any(self.word("STATUS")):
-                return False
+                if retreats == 0:
+                    return False
+                self.state.ctl.assign(words)
+                retreats, tau = retreats - 1, tau / STATIC_RETREAT
+                continue
             if tau >= STATIC_LAST and np.all(self.word("MOVE") <= STATIC_TOLERANCE):
                 return True
             tau = min(tau * STATIC_GROWTH, STATIC_LAST)

@@ -29,7 +29,7 @@ from warpffrf_kernels import (
 )
 from warpffrf_kernels.scalars import BLOCK
 
-from warpffrf.online import contact_graph
+from warpffrf.online import contact_graph, friction_graph, layer_graph
 from warpffrf.online.compile import CompiledScene
 from warpffrf.online.launcher import Launcher
 from warpffrf.online.outer_pattern import on_device, pattern_of
@@ -78,7 +78,9 @@ class StepGraph(Launcher):
 
     def _load_modules(self) -> None:
         """Compile before the capture: modules cannot be loaded inside one."""
-        for module in (*OWN_MODULES, *contact_graph.MODULES):
+        friction = friction_graph.MODULES if self.contact.friction else ()
+        layer = layer_graph.MODULES if self.contact.layer else ()
+        for module in (*OWN_MODULES, *contact_graph.MODULES, *friction, *layer):
             wp.load_module(module, device=self.device, block_dim=BLOCK)
             wp.load_module(module, device=self.device)
 
@@ -98,6 +100,9 @@ class StepGraph(Launcher):
         if P:
             before = [x.active_before, x.pressure_before, x.offset_before]
             self.block(commit.remember_contact, (W, P), [s.ctl, s.active, s.pressure, s.patch_offset], before)
+        friction, layer = self.contact.friction, self.contact.layer
+        if friction:
+            friction.remember()
         x.running.fill_(1)
         wp.capture_while(x.running, self.iterate)
         if self.projected:
@@ -108,18 +113,26 @@ class StepGraph(Launcher):
                 [M, s.ctl, x.accuracy, s.v_rate, x.v1_rate, s.omega_rate, x.omega1_rate, s.qd_rate, x.qd1_rate],
                 [s.clk],
             )  # fmt: skip
+        if layer:
+            layer.measure()
         if P:
             self.launch(ledger.generalise_contact, (W, P), [M, s.ctl, x.r1, x.axes, x.pair_wrench], [s.pair_force])
         self.launch(
             ledger.balance_energy, W,
             [M, s.ctl, s.clk, x.r1, x.v1, x.omega1, x.dx, x.psi, x.q1, s.qd, x.qd1, x.dq, s.lam0, s.lam,
              x.coordinate, s.stretch, s.drive_rate, s.applied, s.applied_at, s.load, s.load_on_modes,
-             s.pair_force, s.modal_load, x.contact_energy, x.extra_energy],
+             s.pair_force, s.modal_load, x.contact_energy, x.extra_energy, x.friction_work],
             [s.energy],
         )  # fmt: skip
+        if layer:
+            layer.book()
         self.launch(commit.decide, W, [M, s.energy, x.dx, s.pair_force], [s.ctl, s.clk])
         if P:
             self.block(commit.restore_contact, (W, P), [s.ctl, *before], [s.active, s.pressure, s.patch_offset])
+        if friction:
+            friction.keep()
+        if layer:
+            layer.keep()
         self.block(
             commit.keep_bodies, (W,),
             [s.ctl, x.r1, x.p1, x.v1, x.v1_rate, x.omega1, x.omega1_rate, x.dx, x.psi, s.clk],
@@ -153,6 +166,9 @@ class StepGraph(Launcher):
                 [M, s.ctl, x.station, x.station_wrench, x.second_load],
                 [x.second_wrench],
             )
+            self.contact.record()
+        if self.contact.friction:
+            self.contact.friction.record()
         self.launch(
             record.record, W,
             [M, s.clk, s.r, s.p, s.v, s.omega, s.v_rate, s.omega_rate, s.q, s.qd, s.qd_rate, s.lam, x.coordinate,
@@ -271,18 +287,28 @@ class StepGraph(Launcher):
             z = x.z
             self.contact.solve()
         if Q:
-            self.block(
-                contact_solve.modal_increments, (W,),
-                [M, s.ctl, s.active, x.slot_mode, x.J, s.pressure, x.base, x.C_modal.flatten(), x.receptance,
-                 x.modal_residual, z],
-                [x.modal_step],
-            )  # fmt: skip
+            self._increase_modes(z)
         if P:
             self.contact.correct()
+        if self.contact.friction:
+            self.contact.friction.solve()
+            if Q:
+                self._increase_modes(z)
+                self.contact.friction.push_modes()
         self.block(outer.advance_outer, (W,), [M, s.ctl, z, x.psi_inverse], [x.dx, x.psi])
         if R + Q:
             self.block(outer.advance_rest, (W,), [M, s.ctl, z, x.modal_step], [s.lam, x.dq])
         self.launch(outer.count_iteration, 1, [M], [s.ctl, x.running])
+
+    def _increase_modes(self, z: Any) -> None:
+        """Increments of the modes with the outer ones z and the pressures."""
+        M, s, x = self.compiled.models, self.state, self.work
+        self.block(
+            contact_solve.modal_increments, (self.worlds,),
+            [M, s.ctl, s.active, x.slot_mode, x.J, s.pressure, x.base, x.C_modal.flatten(), x.receptance,
+             x.modal_residual, z],
+            [x.modal_step],
+        )  # fmt: skip
 
     def _add_inertia(self) -> None:
         M, s, x, W = self.compiled.models, self.state, self.work, self.worlds

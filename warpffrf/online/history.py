@@ -22,6 +22,7 @@ ENERGY_LINES = (
     "damping",  # cumulative energy removed by dampers and modal damping, positive
     "contact_grid",  # cumulative change of the contact energy that no wrench accounts for (grid defect)
     "numerical",  # what closes the balance; negative values are numerical dissipation
+    "friction",  # cumulative work of friction, never positive
 )
 
 
@@ -97,6 +98,20 @@ class SensorHistory:
 
 
 @dataclass
+class FrictionHistory:
+    """Friction of one contact pair, in the window of `ContactHistory.pressure`, along (e_theta, t_z) of the first
+    surface: around it, and along its meridian."""
+
+    traction: np.ndarray  # (T, 2, columns, rows) Pa, on the first body
+    slip_velocity: np.ndarray  # (T, 2, columns, rows) m/s, of the first surface against the second, 0 where open
+    state: np.ndarray  # (T, columns, rows) int8: 0 open, 1 stick, 2 slip
+    power: np.ndarray  # (T,) W, dissipated in the last step, never negative
+    creep_velocity: np.ndarray  # (T, 2) m/s, of the surfaces as rigid bodies, at the patch
+    rolling_velocity: np.ndarray  # (T,) m/s, mean of both surfaces through the patch, along e_theta
+    cells_per_step: np.ndarray  # (T,) columns of the grid that the patch advanced in the last step
+
+
+@dataclass
 class ContactHistory:
     """One contact pair. Pressure lives on the hats of the first body's contact grid, loads of the second on its own."""
 
@@ -112,7 +127,9 @@ class ContactHistory:
     first_column_second: np.ndarray  # (T,) int
     load_second: np.ndarray  # (T, columns2, rows2) N, hat forces on the second surface, positive inwards
     approach: np.ndarray  # (T,) m, rigid approach at mid-width: sum of radii minus the distance of the axes
+    # ... or minus the smallest undeformed gap of a pair whose gaps are taken at points
     active_modes: np.ndarray  # (T,) int
+    friction: FrictionHistory | None = None  # None of a frictionless pair
 
 
 @dataclass

@@ -44,6 +44,7 @@ from warpffrf_kernels import control as k
 from warpffrf.model import rotation as rot
 from warpffrf.online.compile_inertia import mode_reach
 from warpffrf.online.engine import Engine
+from warpffrf.online.layer_arrays import slot_flexibility
 
 Array = np.ndarray
 LENGTH_STEP = 1e-5  # m, rad: fourth-order error 1e-12 at lengths of 10 mm, round-off 1e-11 of the forces in play per m
@@ -265,18 +266,20 @@ def _closed_contacts(probe: _Probe) -> tuple[Array, int]:
     L = np.zeros((count, n))
     local = x.L.numpy()[0, :count, :12]
     J = x.J.numpy()[: m.slot_capacity * m.pair_modes].reshape(m.slot_capacity, m.pair_modes)[:count]
-    start = probe.engine.compiled.modal_start
+    start, sizes = m.surface_modal_start.numpy(), m.surface_modal_count.numpy()
     surface_body = m.surface_body.numpy()
     for slot in range(count):
-        first, second = (int(surface_body[2 * slot_pair[slot] + side]) for side in (0, 1))
-        L[slot, 6 * first : 6 * first + 6] += local[slot, :6]
-        L[slot, 6 * second : 6 * second + 6] += local[slot, 6:]
         at = 0
-        for body in (first, second):
-            size = start[body + 1] - start[body]
-            L[slot, 6 * probe.bodies + start[body] : 6 * probe.bodies + start[body + 1]] += J[slot, at : at + size]
+        for side in (0, 1):
+            surface = 2 * slot_pair[slot] + side
+            body, first, size = int(surface_body[surface]), int(start[surface]), int(sizes[surface])
+            if body >= 0:  # not the ground
+                L[slot, 6 * body : 6 * body + 6] += local[slot, 6 * side : 6 * side + 6]
+            L[slot, 6 * probe.bodies + first : 6 * probe.bodies + first + size] += J[slot, at : at + size]
             at += size
     G = x.G.numpy()[0, :count, :count]
+    if m.layer_count:
+        G = G + slot_flexibility(m, x, count)
     return L.T @ np.linalg.solve(0.5 * (G + G.T), L), count
 
 

@@ -105,6 +105,8 @@ class LocalPlan:
         plan = cls(options)
         for contact in scene.contacts:
             for port in contact.ports:
+                if port.surface.grid is None:
+                    continue  # a rigid surface has no modes
                 if options.treatment != "quasi_static":
                     plan._add(port)
                 else:

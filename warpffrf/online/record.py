@@ -6,10 +6,10 @@ import numpy as np
 from warpffrf_kernels import control as k
 
 from warpffrf.online.compile import CompiledScene
-from warpffrf.online.history import ENERGY_LINES, BodyHistory, ContactHistory, History, JointHistory
+from warpffrf.online.history import ENERGY_LINES, BodyHistory, ContactHistory, FrictionHistory, History, JointHistory
 from warpffrf.online.joint_motion import coordinates, half_turn_notes, left_out_notes
 from warpffrf.online.sensors import force_histories, sensor_histories, turned
-from warpffrf.online.state import ring_width
+from warpffrf.online.state import friction_width, ring_width
 from warpffrf.online.user_frame import user_frame
 
 
@@ -46,6 +46,8 @@ def history_from_rows(compiled: CompiledScene, chunks: list[np.ndarray]) -> Hist
     contacts = {}
     for i, contact in enumerate(scene.contacts):
         contacts[contact.name] = _contact(compiled, i, rows[:, at:], bodies)
+        if contact.friction.coefficient > 0.0:
+            contacts[contact.name].friction = _friction(compiled, i, rows)
         at += 17 + m.mode_capacity + m.node_capacity
     return History(
         scene=scene, time=rows[:, 0].copy(), step_size=rows[:, 1].copy(),
@@ -66,14 +68,40 @@ def _contact(compiled: CompiledScene, i: int, x: np.ndarray, bodies: dict[str, B
     force, about_r_a = x[:, 4:7].copy(), x[:, 7:10]
     force_second, second_about_r_a = x[:, 10:13].copy(), x[:, 13:16]
     torque = about_r_a + np.cross(r_a - bodies[first.name].position, force)
-    torque_second = second_about_r_a + np.cross(r_a - bodies[second.name].position, force_second)
+    about = bodies[second.name].position if second.name in bodies else np.zeros(3)  # of the ground the world's origin
+    torque_second = second_about_r_a + np.cross(r_a - about, force_second)
     hats = x[:, 16 : 16 + m.mode_capacity]
     pressure = hats[:, : m.window_columns * a.grid.rows].reshape(T, m.window_columns, a.grid.rows).copy()
     after = 16 + m.mode_capacity
-    load = x[:, after + 1 : after + 1 + m.second_columns * b.grid.rows].reshape(T, m.second_columns, b.grid.rows).copy()
+    load = np.zeros((T, 0, 0))  # a rigid second surface has no grid
+    if b.grid is not None:
+        load = x[:, after + 1 : after + 1 + m.second_columns * b.grid.rows]
+        load = load.reshape(T, m.second_columns, b.grid.rows).copy()
+    # distance of the axes at mid-width, or the smallest gap of a pair whose gaps are taken at points
+    family = m.pair_family.numpy()[i]
+    approach = -x[:, 3] if family == 1 else a.shape.radius + b.shape.radius - x[:, 3]
     return ContactHistory(
         force=force, torque=torque, force_second=force_second, torque_second=torque_second,
         first_column=x[:, 0].astype(int) - m.half_window, center_column=x[:, 2].copy(), pressure=pressure,
         first_column_second=x[:, 1].astype(int) - m.second_half_window, load_second=load,
-        approach=a.shape.radius + b.shape.radius - x[:, 3], active_modes=x[:, after].astype(int),
+        approach=approach, active_modes=x[:, after].astype(int),
+    )  # fmt: skip
+
+
+def _friction(compiled: CompiledScene, i: int, rows: np.ndarray) -> FrictionHistory:
+    """Friction of pair i, from the end of the rows."""
+    m, grid = compiled.model, compiled.scene.contacts[i].a.surface.grid
+    T, width, C = len(rows), friction_width(m), m.mode_capacity
+    x = rows[:, rows.shape[1] - (m.pair_count - i) * width :][:, :width]
+    cells = m.window_columns * grid.rows
+
+    def field(first: int, count: int) -> np.ndarray:
+        values = x[:, first * C : (first + count) * C].reshape(T, count, C)[:, :, :cells]
+        return values.reshape(T, count, m.window_columns, grid.rows).copy()
+
+    last = x[:, 5 * C :]
+    return FrictionHistory(
+        traction=field(0, 2), slip_velocity=field(2, 2), state=field(4, 1)[:, 0].astype(np.int8),
+        power=last[:, 0].copy(), creep_velocity=last[:, 1:3].copy(), rolling_velocity=last[:, 3].copy(),
+        cells_per_step=last[:, 4].copy(),
     )  # fmt: skip

@@ -12,17 +12,20 @@ from warpffrf_kernels import control as k
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.integrators import CHECK_INTEGRATORS, GeneralizedAlpha, roots_at_infinity
+from warpffrf.model.overlap import refuse_overlap
 from warpffrf.model.progress import Progress
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.online.blame import blame
 from warpffrf.online.check_run import run_check
 from warpffrf.online.checkpoint import is_dynamic, restore, time_of
+from warpffrf.online.compile_friction import friction_notes
 from warpffrf.online.engine import Engine
 from warpffrf.online.history import History
 from warpffrf.online.indicator import indicator_lines, term_sizes, unheld_lines
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
 from warpffrf.online.record import history_from_rows
+from warpffrf.online.sampling_check import sampling_notes
 from warpffrf.online.settings import Settings
 
 log = logging.getLogger("warpffrf")
@@ -99,6 +102,7 @@ def run(
     if not isinstance(start, History) or at_rest:
         if start == "initial":
             refuse_positions(scene)
+            refuse_overlap(scene)
         if not project_start:
             refuse_velocities(scene)
     begin = time.perf_counter()
@@ -129,6 +133,8 @@ def run(
     if not continued or at_rest:
         if start == "equilibrium":
             _check_load_paths(scene)
+        if start == "equilibrium" or at_rest:
+            notes.extend(friction_notes(scene, "the equilibrium that the run starts from"))
         if start == "equilibrium" and not engine.settle():
             return _finish(engine, begin, built, notes, "equilibrium: ")
         engine.initial_rates()
@@ -219,7 +225,7 @@ def _finish(
     }
     inertia = indicator_lines(term_sizes(engine.scene, history, levels), levels)
     inertia += unheld_lines(engine.scene, history)
-    history.notes = [*notes, *inertia, *history.notes]
+    history.notes = [*notes, *inertia, *sampling_notes(engine.scene, history), *history.notes]
     history.checkpoint = engine.state.to_numpy()
     return history
 

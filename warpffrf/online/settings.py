@@ -21,6 +21,7 @@ class Settings:
     theta_points: int = 3  # Gauss points across a grid cell: the second grid's hats have kinks inside the cell
     z_points: int = 2  # Gauss points along a grid cell: exact for products of two linear hats
     window_strain: float = 0.07  # half of the default window over the pair's effective radius (Hertz: p0 = 0.035 E*)
+    force_points: bool = False  # gaps at points for every pair: to compare the two families of `contact_points`
     ring_rows: int = 512  # saved steps a chunk can hold
     start_step: float = 1e-7  # s, size of the step that finds first accelerations and multipliers; `start` refines them
     chunk_seconds: float = 0.05  # wall time of a replay, so that Ctrl-C and the progress bar stay quick

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 import warp as wp
 from warpffrf_kernels import control as k
+from warpffrf_kernels.contact_points import LINE
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
 from warpffrf.online.compile import CompiledScene
+from warpffrf.online.layer_arrays import layer_arrays, layer_points
 from warpffrf.online.outer_pattern import scratch_sizes
 from warpffrf.online.settings import LARGEST_INDEX
 
@@ -40,6 +42,12 @@ class State:
     active: wp.array  # (W, pairs, hats of the window) in the contact frame
     pressure: wp.array  # Pa
     patch_offset: wp.array  # (W, pairs) columns: line of centres less the centre column, where the active set was found
+    traction: wp.array  # (W, pairs, 2 cells of the window) Pa, in the contact frame; columns of (2, rows)
+    friction_offset: wp.array  # (W, pairs) as patch_offset, where the tractions were found
+    elastic_before: wp.array  # (W, pairs, 2 cells) m, elastic slip at the end of the last step
+    history_center: wp.array  # (W, pairs) grid column of its window's centre
+    history_phase: wp.array  # (W, pairs) columns: line of centres at the end of the last step
+    contact_normal: wp.array  # (W, pairs) unit vector of the normal force on the second body, zero without contact
     energy: wp.array  # (W, 2, lines): accepted, trial
     pair_force: wp.array  # (W, pairs, 2, 12): accepted, trial
     modal_load: wp.array  # (W, 2, modes)
@@ -49,6 +57,9 @@ class State:
     load_on_modes: wp.array  # (W, 2, modes)
     stretch: wp.array  # (W, rows) value of each row where it was accepted
     drive_rate: wp.array  # (W, 2, rows)
+    layer_depth: wp.array  # (W, pairs, points) m, of damped layers, see `warpffrf_kernels.layer_energy`
+    layer_drag: wp.array  # (W, pairs, points) Pa, what their pressure has above the elastic one
+    layer_column: wp.array  # (W, pairs) centre column of these points
     ctl: wp.array  # (W, CTL) see warpffrf_kernels.control
     clk: wp.array  # (W, CLK)
 
@@ -85,7 +96,9 @@ class Work:
             "tangent": (REAL, N, N), "rhs": (REAL, N), "scaling": (REAL, N), "pivots": (INT, N),
             "elimination": (REAL, N, N),
             "residual_history": (REAL, RESIDUALS_KEPT), "gap_defect": (REAL, 2), "contact_energy": (REAL, 1),
-            "pair_wrench": (REAL, P, 6), "phase": (REAL, P, 8), "center": (INT, P, 3),
+            "pair_wrench": (REAL, P, 6), "phase": (REAL, P, 12), "center": (INT, P, 3),
+            "nearest": (REAL, P, 2), "touched": (INT, P, 2),
+            "point_line": (REAL, P, (m.window_columns + 1) * m.most_points * LINE),
             "station": (REAL, P, stations, 11), "station_wrench": (REAL, P, stations, 6),
             "window": (INT, P, 2), "second_window": (INT, P, 2),
             "point_gap": (REAL, P, points), "point_place": (REAL, P, points, 2),
@@ -105,6 +118,7 @@ class Work:
             "second_load": (REAL, P, m.node_capacity), "second_wrench": (REAL, P, 6),
             "ring": (REAL, ring_rows, ring_width(m)),
         }  # fmt: skip
+        table |= friction_table(m) | layer_arrays(m)
         for name, (dtype, *shape) in table.items():
             setattr(self, name, zeros(dtype, (W, *shape), compiled.device))
         flat = {  # read and written along contiguous runs, by index: one axis
@@ -112,6 +126,7 @@ class Work:
             "J": S * m.pair_modes, "scaled_modes": m.pair_modes,
             "T": S * m.node_capacity, "second_field": P * m.node_capacity, "second_step": P * m.node_capacity,
             "C_receptance": rows * Q, "first_local": P * m.mode_capacity, "second_local": P * m.node_capacity,
+            **friction_runs(m),
             "flexibility": 36 * m.group_count, "slope": compiled.interface_modes.size,
         }  # fmt: skip
         for name, size in flat.items():
@@ -135,9 +150,51 @@ class Work:
         raise AttributeError(name)
 
 
+def friction_table(m: Any) -> dict[str, tuple]:
+    """Scratch arrays of friction, see `warpffrf_kernels.friction_fields` and its neighbours; empty without friction."""
+    P, F = m.pair_count, m.cell_capacity
+    C = m.mode_capacity if F else 0
+    shares = m.share_columns * m.share_rows
+    return {
+        "cell_area": (REAL, P, C), "cell_place": (REAL, P, C, 2), "cell_turn": (REAL, P, C, 4),
+        "cell_wrench": (REAL, P, 2 * C, 6), "rigid_slip": (REAL, P, 2 * C), "slip": (REAL, P, 2 * C),
+        "share": (REAL, P, C, shares), "share_at": (INT, P, C, 2), "bound": (REAL, P, C),
+        "pressure_change": (REAL, P, C), "load_change": (REAL, P, m.node_capacity if F else 0),
+        "second_force": (REAL, P, 2 * m.node_capacity if F else 0), "elastic": (REAL, P, 2 * C),
+        "elastic_local": (REAL, P, 2 * C), "traction_base": (REAL, P, 2 * C), "traction_before": (REAL, P, 2 * C),
+        "friction_offset_before": (REAL, P), "cell_state": (INT, P, C), "friction_record": (REAL, P, 5),
+        "friction_work": (REAL, P, 1), "normal_wrench": (REAL, P, 6),
+        "cell_slot_of": (INT, P, C), "cell_slot": (INT, F, 2), "cell_G": (REAL, 2 * F, 2 * F),
+        "cell_K": (REAL, 2 * F, 2 * F), "cell_L": (REAL, 2 * F, m.coupled_capacity), "cell_base": (REAL, 2 * F),
+        "cell_right": (REAL, 2 * F), "cell_radius": (REAL, F), "cell_softness": (REAL, F), "cell_tau": (REAL, 2 * F),
+        "cell_slip": (REAL, 2 * F), "cell_frozen": (REAL, 2 * F), "cell_jump": (REAL, 2 * F),
+        "cell_direction": (REAL, 2 * F), "cell_curvature": (REAL, F), "cell_order": (INT, 2 * F),
+        "cell_sliding": (INT, 2 * F), "cell_outcome": (REAL, 2), "cell_work": (REAL, 2 * F, 2 * F),
+        "cell_solution": (REAL, 2 * F),
+    }  # fmt: skip
+
+
+def friction_runs(m: Any) -> dict[str, int]:
+    """Scratch arrays of friction that are read and written along contiguous runs."""
+    P, F, Q = m.pair_count, m.cell_capacity, m.modal_count
+    C = m.mode_capacity if F else 0
+    return {
+        "first_shift": 2 * P * C, "second_shift": 2 * P * m.node_capacity if F else 0,
+        "first_push": P * C, "second_push": P * m.node_capacity if F else 0,
+        "second_modal": 2 * P * m.node_capacity if F else 0,
+        "cell_shift": 4 * m.node_capacity if F else 0, "cell_J": 2 * F * m.pair_modes,
+        "cell_scaled": 2 * m.pair_modes, "cell_V": 2 * F * m.outer_count, "modal_drive": Q, "cell_push": Q,
+    }  # fmt: skip
+
+
+def friction_width(m: Any) -> int:
+    """Numbers a pair adds to a record in scenes with friction, see `warpffrf_kernels.friction_keep`."""
+    return 5 * m.mode_capacity + 5 if m.cell_capacity else 0
+
+
 def ring_width(m: Any) -> int:
     """Numbers in one record, see `warpffrf_kernels.record.record`."""
-    pair = 16 + m.mode_capacity + 1 + m.node_capacity
+    pair = 16 + m.mode_capacity + 1 + m.node_capacity + friction_width(m)
     return 4 + k.LINES + 19 * m.body_count + 3 * m.modal_count + 7 * m.row_count + pair * m.pair_count
 
 
@@ -159,16 +216,20 @@ def initial_state(compiled: CompiledScene, worlds: int) -> State:
     """State at the scene's initial pose and velocities, in `worlds` copies; accelerations and multipliers zero."""
     m, W, scene = compiled.model, worlds, compiled.scene
     P, rows, B, Q, F = m.pair_count, m.row_count, m.body_count, m.modal_count, m.force_count
+    cells = 2 * m.mode_capacity if m.cell_capacity else 0
     table = {
         "r": (VEC3, B), "p": (QUAT, B), "v": (VEC3, B), "v_rate": (VEC3, B), "v_alg": (VEC3, B),
         "omega": (VEC3, B), "omega_rate": (VEC3, B), "omega_alg": (VEC3, B),
         "q": (REAL, Q), "qd": (REAL, Q), "qd_rate": (REAL, Q), "qd_alg": (REAL, Q),
         "lam0": (REAL, rows), "lam": (REAL, rows),
         "active": (INT, P, m.mode_capacity), "pressure": (REAL, P, m.mode_capacity), "patch_offset": (REAL, P),
+        "traction": (REAL, P, cells), "friction_offset": (REAL, P), "elastic_before": (REAL, P, cells),
+        "history_center": (INT, P), "history_phase": (REAL, P), "contact_normal": (VEC3, P),
         "energy": (REAL, 2, k.LINES),
         "pair_force": (REAL, P, 2, 12), "modal_load": (REAL, 2, Q), "applied": (VEC3, 2, F), "applied_at": (VEC3, 2, F),
         "load": (REAL, 2, 6 * B), "load_on_modes": (REAL, 2, Q), "stretch": (REAL, rows),
         "drive_rate": (REAL, 2, rows), "ctl": (INT, k.CTL), "clk": (REAL, k.CLK),
+        "layer_depth": (REAL, P, layer_points(m)), "layer_drag": (REAL, P, layer_points(m)), "layer_column": (INT, P),
     }  # fmt: skip
     state = State(**{name: zeros(dtype, (W, *shape), compiled.device) for name, (dtype, *shape) in table.items()})
     r, p, v, omega = np.zeros((B, 3)), np.zeros((B, 4)), np.zeros((B, 3)), np.zeros((B, 3))

@@ -9,7 +9,7 @@ Then, exactly,
 
 because the second moment of one hat about its own node is h^3/6. For Hertz's line pressure `p0 sqrt(1 - x^2/a^2)` the
 second moment is `a^2/4`, hence the half-width `2 sqrt(m2)`: unlike the extent of the active set it does not jump with
-the grid.
+the grid. Of a point contact the whole patch counts, `patch_moments`.
 
 The hat coefficients themselves swing about the pressure from node to node: the second body follows a pressure of the
 first grid's wavelength only in part, because its own grid does not resolve it. The mean over each hat, consistent nodal
@@ -20,9 +20,6 @@ force over nodal area,
 is free of that and exact for a linear pressure (a peak of curvature p0/a^2 is underestimated by h^2/(12 a^2), 0.5 % at
 four hats in a half-width). It is what is reported as pressure and held against Hertz; force, torque and moments are
 those of the hats, which the mean does not change.
-
-Hertz (K. L. Johnson, Contact Mechanics, 1985, section 4.2): `a^2 = 4 P' R / (pi E*)`, `p0 = 2 P' / (pi a)`,
-`1/R = 1/R1 + 1/R2`, `1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2`.
 """
 
 from __future__ import annotations
@@ -32,27 +29,20 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from warpffrf.model.errors import InputError
+from warpffrf.output.contact_hertz import effective_modulus, effective_radius, hertz, pair_curvature, patch_kind
+from warpffrf.output.friction_result import FrictionResult
+from warpffrf.output.hertz_patch import HertzLine, HertzPoint
+from warpffrf.output.patch_moments import PatchMeasure, PatchMoments
 from warpffrf.output.scene_view import PairView
 
 
 class PatchPressure(NamedTuple):
     """Pressure in the window of one saved step on the first body's contact grid."""
 
-    theta: np.ndarray  # (columns,) rad, chart of the first surface, increasing, not wrapped
+    theta: np.ndarray  # (columns,) rad (m on a plane), grid angle on the first surface, increasing, not wrapped
     arc: np.ndarray  # (columns,) m, along the mid-width circle, from the line of centres
     z: np.ndarray  # (rows,) m, along the axis of the first surface
     pressure: np.ndarray  # (columns, rows) Pa
-
-
-class HertzLine(NamedTuple):
-    """Hertz's line contact at the line load found at mid-width."""
-
-    half_width: float  # m
-    peak_pressure: float  # Pa
-    line_load: float  # N/m
-    radius: float  # m, 1/(1/R1 + 1/R2) at mid-width
-    modulus: float  # Pa, E*
 
 
 def mid_width(z: np.ndarray) -> tuple[int, int, float]:
@@ -88,13 +78,16 @@ def hat_means(p: np.ndarray) -> np.ndarray:
 class ContactResult:
     """One contact pair of a run; arrays have one row per saved step.
 
-    Forces act on the pair's first body in world axes, torques about that body's user origin.
+    Forces act on the pair's first body in world axes, torques about that body's user origin. `friction` holds
+    tractions, slip and creepage of a pair with friction.
     """
 
-    def __init__(self, history: Any, view: PairView) -> None:
+    def __init__(self, history: Any, view: PairView, bodies: dict[str, Any] | None = None) -> None:
+        """bodies: motions by name, `History.bodies`; without them both user frames are taken at the world's origin."""
         self.history = history
         self.view = view
         self.name = view.name
+        self.bodies = bodies or {}
         self.force = history.force  # (T, 3) N, on the first body
         self.torque = history.torque  # (T, 3) N m
         self.force_second = history.force_second  # (T, 3) N, on the second body, integrated on its own surface
@@ -107,11 +100,39 @@ class ContactResult:
         """(T,) N."""
         return np.linalg.norm(self.force, axis=1)
 
+    @property
+    def has_friction(self) -> bool:
+        """True where the pair was run with friction, so that `friction` answers."""
+        return getattr(self.history, "friction", None) is not None
+
+    @cached_property
+    def friction(self) -> FrictionResult:
+        """Tractions, slip, stick and slip areas, creepage, power and wear index; raises `InputError` for a pair without
+        friction."""
+        return FrictionResult(self)
+
+    # --- the grid on the first surface ---
+
+    @cached_property
+    def z(self) -> np.ndarray:
+        """(rows,) m, along the axis of the first surface."""
+        return np.asarray(self.view.first.grid.z, dtype=float)
+
+    @cached_property
+    def measure(self) -> PatchMeasure:
+        """Areas of the hats and cells of the first surface's grid."""
+        return PatchMeasure(self.view.first)
+
     @cached_property
     def mid_radius(self) -> float:
-        """Radius of the first surface at mid-width [m]."""
-        z = np.asarray(self.view.first.grid.z)
-        return float(self.view.first.shape.radius_at(0.5 * (z[0] + z[-1])))
+        """Metres of arc per unit of theta on the first surface at mid-width: its radius; 1 on a plane."""
+        return float(self.view.first.shape.radius_at(0.5 * (self.z[0] + self.z[-1])))
+
+    @property
+    def side(self) -> float:
+        """+1 where e_theta of the first surface, direction 0 of tractions, points to growing arc, -1 on an inside form,
+        where it points against it."""
+        return float(self.view.first.shape.side)
 
     @property
     def spacing(self) -> float:
@@ -119,54 +140,127 @@ class ContactResult:
         return self.mid_radius * float(self.view.first.grid.pitch)
 
     @cached_property
-    def arc(self) -> np.ndarray:
-        """(T, columns) m, positions of the window's columns along the mid-width circle, from the line of centres."""
+    def _offset(self) -> np.ndarray:
+        """(T, columns) columns of the window, counted from the line of centres."""
         grid = self.view.first.grid
         offset = self.history.first_column - self.history.center_column
         if grid.periodic:  # both are counted modulo the columns of the full turn: take the near way round
             offset = (offset + 0.5 * grid.columns) % grid.columns - 0.5 * grid.columns
-        return self.spacing * (offset[:, None] + np.arange(self.history.pressure.shape[1]))
+        return offset[:, None] + np.arange(self.history.pressure.shape[1])
+
+    @cached_property
+    def arc(self) -> np.ndarray:
+        """(T, columns) m, positions of the window's columns along the mid-width circle, from the line of centres."""
+        return self.spacing * self._offset
 
     @cached_property
     def theta(self) -> np.ndarray:
-        """(T, columns) rad, positions of the window's columns in the chart of the first surface."""
+        """(T, columns) rad (m on a plane), positions of the window's columns on the first surface's grid."""
         grid = self.view.first.grid
         return grid.theta_start + grid.pitch * (
             self.history.first_column[:, None] + np.arange(self.history.pressure.shape[1])
         )
+
+    # --- pressure ---
+
+    @cached_property
+    def touching(self) -> np.ndarray:
+        """(T,) bool, whether anything presses."""
+        return np.any(self.history.pressure > 0.0, axis=(1, 2))
 
     @cached_property
     def mean_pressure(self) -> np.ndarray:
         """(T, columns, rows) Pa, pressure of each node: the mean over its hat across the patch."""
         return hat_means(self.history.pressure)
 
-    def _at_mid_width(self, values: np.ndarray) -> np.ndarray:
-        k, k1, w = mid_width(np.asarray(self.view.first.grid.z))
-        return (1.0 - w) * values[:, :, k] + w * values[:, :, k1]
+    @cached_property
+    def _section(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Rows (T,) beside the section of each saved step and the weight of the second: mid-width, of a point contact
+        the centre of pressure."""
+        k, k1, w = mid_width(self.z)
+        steps = np.ones(len(self.touching))
+        if self.patch_kind != "point" or len(self.z) == 1:
+            return (k * steps).astype(int), (k1 * steps).astype(int), w * steps
+        z = np.where(self.touching, self.moments.center[:, 1], 0.5 * (self.z[0] + self.z[-1]))
+        at = np.clip(np.searchsorted(self.z, z, side="right") - 1, 0, len(self.z) - 2)
+        return at, at + 1, (z - self.z[at]) / (self.z[at + 1] - self.z[at])
+
+    def in_section(self, values: np.ndarray, steps: slice = slice(None)) -> np.ndarray:
+        """(n, columns) of values (n, columns, rows) at the saved `steps`: along the arc at mid-width, of a point
+        contact through the centre of pressure."""
+        k, k1, w = (part[steps] for part in self._section)
+        i = np.arange(len(values))
+        return (1.0 - w)[:, None] * values[i, :, k] + w[:, None] * values[i, :, k1]
+
+    def section_row(self, i: int) -> int:
+        """The grid row nearest to the section at saved step `i`."""
+        k, k1, w = (part[i] for part in self._section)
+        return int(k1 if w > 0.5 else k)
 
     @cached_property
     def mid_pressure(self) -> np.ndarray:
-        """(T, columns) Pa, pressure of the nodes at mid-width."""
-        return self._at_mid_width(self.mean_pressure)
+        """(T, columns) Pa, pressure of the nodes at mid-width, of a point contact through the centre of pressure."""
+        return self.in_section(self.mean_pressure)
 
     @cached_property
-    def _moments(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        return line_moments(self.arc, self._at_mid_width(self.history.pressure), self.spacing)
+    def moments(self) -> PatchMoments:
+        """Load, centre and covariance of the whole patch."""
+        return PatchMoments(self.measure, self.history.pressure, self.view.first.grid.pitch * self._offset)
+
+    @cached_property
+    def _line(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return line_moments(self.arc, self.in_section(self.history.pressure), self.spacing)
+
+    @property
+    def normal_load(self) -> np.ndarray:
+        """(T,) N, integral of the pressure over the surface."""
+        return self.moments.load
 
     @property
     def line_load(self) -> np.ndarray:
-        """(T,) N/m, integral of the pressure across the patch at mid-width."""
-        return self._moments[0]
+        """(T,) N/m, integral of the pressure across the patch at mid-width, of a point contact through its centre."""
+        return self._line[0]
 
     @property
     def center(self) -> np.ndarray:
-        """(T,) m, centre of the pressure at mid-width, from the line of centres."""
-        return self._moments[1]
+        """(T,) m of arc, centre of the pressure at mid-width, of a point contact of the whole patch, from the line of
+        centres."""
+        return self.moments.center[:, 0] if self.patch_kind == "point" else self._line[1]
+
+    @property
+    def center_of_pressure(self) -> np.ndarray:
+        """(T, 2) m, of the whole patch: arc from the line of centres, and z; (0, mid-width) where nothing touches."""
+        return self.moments.center
 
     @property
     def half_width(self) -> np.ndarray:
-        """(T,) m, twice the root of the second moment of the mid-width pressure; 0 where nothing touches."""
-        return self._moments[2]
+        """(T,) m, along the arc: twice the root of the second moment of the mid-width pressure; of a point contact or
+        a flat one that of the whole patch, `half_widths[:, 0]`; of a line along the arc `half_widths[:, 1]`; 0 where
+        nothing touches."""
+        if self.patch_kind == "line":
+            return self._line[2]
+        return self.half_widths[:, 1 if self.patch_kind == "line_around" else 0]
+
+    @cached_property
+    def half_widths(self) -> np.ndarray:
+        """(T, 2) m, along e_theta and t_z, from the second moments of the whole patch; 0 where nothing touches. Of a
+        skewed ellipse these are the sides of its bounding rectangle; see `semi_axes`."""
+        return self.moments.half_widths(self.patch_kind)
+
+    @property
+    def semi_axes(self) -> np.ndarray:
+        """(T, 2) m, the larger first, of the ellipse of a point contact with the patch's second moments."""
+        return self.moments.principal()[0]
+
+    @property
+    def patch_angle(self) -> np.ndarray:
+        """(T,) rad, of the larger of `semi_axes`, from e_theta towards t_z."""
+        return self.moments.principal()[1]
+
+    @cached_property
+    def patch_area(self) -> np.ndarray:
+        """(T,) m2, area of the cells whose pressure is positive: to within half a cell along the rim of the patch."""
+        return (self.history.pressure > 0.0).sum(axis=1) @ self.measure.cell_area
 
     @cached_property
     def peak_pressure(self) -> np.ndarray:
@@ -175,47 +269,49 @@ class ContactResult:
 
     @cached_property
     def mid_peak_pressure(self) -> np.ndarray:
-        """(T,) Pa, largest pressure of a node at mid-width: the number to hold against Hertz."""
+        """(T,) Pa, largest pressure of a node in `mid_pressure`: the number to hold against Hertz."""
         return self.mid_pressure.max(axis=1, initial=0.0)
 
     def pressure(self, i: int) -> PatchPressure:
         """Pressure of the nodes in the window of saved step `i`, with positions."""
-        return PatchPressure(self.theta[i], self.arc[i], np.asarray(self.view.first.grid.z), self.mean_pressure[i])
+        return PatchPressure(self.theta[i], self.arc[i], self.z, self.mean_pressure[i])
+
+    # --- against Hertz ---
+
+    def curvature(self, i: int) -> np.ndarray:
+        """(2, 2) 1/m, relative curvature of the true surfaces along (e_theta, t_z) under the patch of saved step `i`:
+        the gap is 1/2 x.K.x."""
+        return pair_curvature(self, i)
+
+    @cached_property
+    def patch_kind(self) -> str:
+        """ "line", "line_around" (the line lies along the arc), "point" or "flat", see `contact_hertz`; at the largest
+        load of the run."""
+        return patch_kind(self)
 
     @cached_property
     def effective_radius(self) -> float:
-        """1/(1/R1 + 1/R2) at mid-width [m]."""
-        z = np.asarray(self.view.second.grid.z)
-        R2 = float(self.view.second.shape.radius_at(0.5 * (z[0] + z[-1])))
-        return 1.0 / (1.0 / self.mid_radius + 1.0 / R2)
+        """1/(1/R1 + 1/R2) across the patch [m], of inside forms with their sign, at the largest load of the run."""
+        return effective_radius(self)
 
     @cached_property
     def effective_modulus(self) -> float:
-        """E* [Pa] of the pair, from the materials in the reduced bodies' provenance."""
-        compliance = 0.0
-        for body, surface in (
-            (self.view.first_body, self.view.first),
-            (self.view.second_body, self.view.second),
-        ):
-            material = body.reduced.provenance.get("contact_materials", {}).get(surface.name)
-            if not material:
-                raise InputError(
-                    f"contact '{self.name}': body '{body.name}' does not say its material, so Hertz cannot be "
-                    "computed; reduce the body again with this version"
-                )
-            compliance += (1.0 - material["poisson_ratio"] ** 2) / material["youngs_modulus"]
-        return 1.0 / compliance
+        """E* [Pa] of the pair, from the materials in the reduced bodies' provenance; a rigid partner adds nothing."""
+        return effective_modulus(self.view)
 
-    def hertz(self, i: int) -> HertzLine:
-        """Hertz's line contact at the line load found at mid-width in saved step `i`."""
-        P = float(self.line_load[i])
-        R, E = self.effective_radius, self.effective_modulus
-        a = float(np.sqrt(4.0 * P * R / (np.pi * E)))
-        return HertzLine(a, 2.0 * P / (np.pi * a) if a > 0.0 else 0.0, P, R, E)
+    def hertz(self, i: int) -> HertzLine | HertzPoint:
+        """Hertz's contact in saved step `i`: of a line at the line load found at mid-width, of a point at the load.
+
+        Raises `InputError` where Hertz's theory does not apply: flat faces, surfaces that conform, a line that lies
+        along the arc.
+        """
+        return hertz(self, i)
 
     def hertz_pressure(self, i: int, x: np.ndarray) -> np.ndarray:
-        """Hertz's pressure [Pa] at arc positions `x` [m] about the centre found in step `i`."""
-        line = self.hertz(i)
-        if line.half_width == 0.0:
+        """Hertz's pressure [Pa] at arc positions `x` [m] in the section of `mid_pressure`, about the centre found in
+        step `i`."""
+        found = self.hertz(i)
+        if found.half_width == 0.0:
             return np.zeros_like(x)
-        return line.peak_pressure * np.sqrt(np.maximum(0.0, 1.0 - ((x - self.center[i]) / line.half_width) ** 2))
+        reach = found.section if isinstance(found, HertzPoint) else found.half_width
+        return found.peak_pressure * np.sqrt(np.maximum(0.0, 1.0 - ((x - self.center[i]) / reach) ** 2))

@@ -12,8 +12,11 @@ from warpffrf.output.fields import (
     DERIVED_FIELDS,
     ENERGY_UNITS,
     FORCE_FIELDS,
+    FRICTION_DERIVED,
+    FRICTION_FIELDS,
     JOINT_FIELDS,
     RUN_FIELDS,
+    SIZES,
     Field,
 )
 
@@ -21,7 +24,7 @@ from warpffrf.output.fields import (
 def stacked(field: Field, owners: list[Any], steps: int) -> np.ndarray:
     """The quantity of all owners as one array (time, owner, ...)."""
     if not owners:
-        return np.zeros((steps, 0) + tuple({"axis": 3, "quaternion": 4}[d] for d in field.dims))
+        return np.zeros((steps, 0) + tuple(SIZES[d] for d in field.dims))
     return np.stack([np.asarray(getattr(owner, field.attribute)) for owner in owners], axis=1)
 
 
@@ -36,16 +39,19 @@ def to_xarray(result: Any) -> Any:
     steps = len(history.time)
     data: dict[str, Any] = {}
     coords: dict[str, Any] = {"axis": ["x", "y", "z"], "quaternion": ["x", "y", "z", "w"]}
+    coords["direction"] = ["e_theta", "t_z"]
     for field in RUN_FIELDS:
         entry = (("time",), getattr(history, field.attribute), _attributes(field))
         (coords if field.name == "time" else data)[field.name] = entry
     contacts = {name: result.contact(name) for name in history.contacts}
+    rubbing = {name: contact.friction for name, contact in contacts.items() if contact.has_friction}
     groups: tuple[tuple[str, tuple[Field, ...], dict[str, Any]], ...] = (
         ("body", BODY_FIELDS, history.bodies),
         ("joint", JOINT_FIELDS, history.joints),
         ("force", FORCE_FIELDS, history.forces),
         ("pair", CONTACT_FIELDS, history.contacts),
         ("pair", DERIVED_FIELDS, contacts),
+        *([("friction_pair", (*FRICTION_FIELDS, *FRICTION_DERIVED), rubbing)] if rubbing else []),
     )
     for dim, fields, owners in groups:
         coords[dim] = np.array(list(owners), dtype=object if owners else str)
@@ -59,7 +65,7 @@ def to_xarray(result: Any) -> Any:
                 continue
             for name, owner in owners.items():
                 second = "_second" if field.name.endswith("_second") else ""
-                dims = tuple(f"{d}{second}_{name}" for d in field.dims)
+                dims = tuple(d if d in SIZES else f"{d}{second}_{name}" for d in field.dims)
                 data[f"{field.name}_{name}"] = (("time", *dims), getattr(owner, field.attribute), _attributes(field))
     for place, prefix in enumerate(("joint_coordinate", "joint_second_coordinate")):
         names = [joint.names[place] if place < len(joint.names) else "" for joint in history.joints.values()]

@@ -25,6 +25,8 @@ class Field:
 WORLD = "world"
 USER_ORIGIN = "world, about the origin of the body's user frame"
 AXIS, QUATERNION = ("axis",), ("quaternion",)
+DIRECTION = ("direction",)  # e_theta and t_z of the first surface
+SIZES = {"axis": 3, "quaternion": 4, "direction": 2}  # of the dimensions that all owners share
 
 RUN_FIELDS = (
     Field("time", "time", "s", "none"),
@@ -79,11 +81,46 @@ CONTACT_FIELDS = (
     ),
 )
 
+# Of the pairs that were run with friction: their own owners, `friction_pair`.
+CELLS = "cells of the contact grid of the first surface"
+FIRST = "first surface, along e_theta and t_z"
+FRICTION_FIELDS = (
+    Field("contact_traction", "traction", "Pa", f"{FIRST}, on the first body", (*DIRECTION, "column", "row"), False),
+    Field(
+        "contact_slip_velocity",
+        "slip_velocity",
+        "m/s",
+        f"{FIRST}, of the first relative to the second",
+        (*DIRECTION, "column", "row"),
+        stacked=False,
+    ),
+    Field("contact_state", "state", "0 open, 1 stick, 2 slip", CELLS, ("column", "row"), stacked=False),
+    Field("contact_friction_power", "power", "W", "dissipated"),
+    Field("contact_creep_velocity", "creep_velocity", "m/s", f"{FIRST}, at the patch centre", DIRECTION),
+    Field("contact_rolling_velocity", "rolling_velocity", "m/s", "first surface, along e_theta"),
+    Field("contact_cells_per_step", "cells_per_step", "1", "columns of the contact grid of the first surface"),
+)
+
 # Derived by `ContactResult`, written so that readers without warpffrf have them, never read back.
 DERIVED_FIELDS = (
     Field("contact_half_width", "half_width", "m", "first surface, at mid-width"),
     Field("contact_peak_pressure", "peak_pressure", "Pa", "first surface"),
     Field("contact_line_load", "line_load", "N/m", "first surface, at mid-width"),
+    Field("contact_normal_load", "normal_load", "N", "integral of the pressure over the first surface"),
+    Field("contact_half_widths", "half_widths", "m", FIRST, DIRECTION),
+    Field("contact_center", "center_of_pressure", "m", "first surface: arc from the line of centres, z", DIRECTION),
+    Field("contact_patch_area", "patch_area", "m2", CELLS),
+)
+# Derived by `FrictionResult`.
+FRICTION_DERIVED = (
+    Field("contact_creepage", "creepage", "1", FIRST, DIRECTION),
+    Field("contact_tangential_force", "tangential_force", "N", f"{FIRST}, on the first body", DIRECTION),
+    Field("contact_traction_coefficient", "traction_coefficient", "1", "none"),
+    Field("contact_stick_area", "stick_area", "m2", CELLS),
+    Field("contact_slip_area", "slip_area", "m2", CELLS),
+    Field("contact_wear_rate", "wear_rate", "W", "pressure times slip speed over the patch"),
+    Field("contact_wear_peak", "wear_peak", "W/m2", "pressure times slip speed, largest"),
+    Field("contact_wear_index", "wear_index", "W/m2", CELLS, ("column", "row"), stacked=False),
 )
 DERIVED_POSITIONS = (
     Field("contact_pressure_theta", "theta", "rad", "chart of the first surface", ("column",), stacked=False),

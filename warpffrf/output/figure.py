@@ -10,13 +10,15 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.output.contact_result import mid_width
+from warpffrf.output.figure_friction import FRICTION_PLOTS
 from warpffrf.output.frames import largest
+from warpffrf.output.hertz_patch import HertzLine, HertzPoint
 from warpffrf.output.paths import checked_output_path
 
 FINE = 400  # points of a smooth curve
 SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch plots
 HEADROOM = 1.08  # of the largest value of a plot
+SECTIONS = {"point": "Across the patch through its centre"}  # of other kinds at mid-width
 PROFILE, REFERENCE = "#1b6ca8", "#d1495b"
 
 
@@ -28,8 +30,17 @@ def _contact(result: Any) -> Any:
 
 def _last_touching(contact: Any) -> int:
     """The last saved row in which the pair touches; the last row when it never does."""
-    touching = np.flatnonzero(contact.line_load > 0.0)
-    return int(touching[-1]) if len(touching) else len(contact.line_load) - 1
+    touching = np.flatnonzero(contact.touching)
+    return int(touching[-1]) if len(touching) else len(contact.touching) - 1
+
+
+def hertz_of(contact: Any, i: int) -> HertzLine | HertzPoint | None:
+    """Hertz's contact in saved step `i`, None where he does not apply or nothing touches."""
+    try:
+        found = contact.hertz(i)
+    except InputError:
+        return None
+    return found if found.half_width > 0.0 else None
 
 
 def _from_zero(ax: Any, *values: Any) -> None:
@@ -54,19 +65,20 @@ def force(result: Any, ax: Any) -> None:
 
 
 def across(result: Any, ax: Any) -> None:
-    """Pressure across the patch at mid-width, beside Hertz at the line load found there."""
+    """Pressure across the patch at mid-width, of a point contact through its centre, beside Hertz at the load found."""
     contact = _contact(result)
     i = _last_touching(contact)
     x, p = contact.arc[i] * 1e3, contact.mid_pressure[i] * 1e-6
     ax.plot(x, p, "o-", ms=3.5, lw=1.0, color=PROFILE, label="computed, at the hats")
-    title = f"Across the patch at mid-width, {_at(result, i)}"
-    try:
-        line = contact.hertz(i)
-    except InputError:
-        line = None
-    if line is not None and line.half_width > 0.0:
+    title = f"{SECTIONS.get(contact.patch_kind, 'Across the patch at mid-width')}, {_at(result, i)}"
+    line = hertz_of(contact, i)
+    if line is not None:
         fine = contact.center[i] + line.half_width * np.linspace(-1.0, 1.0, FINE)
-        label = f"Hertz at {line.line_load * 1e-3:.4g} N/mm"
+        label = (
+            f"Hertz at {line.load:.4g} N"
+            if isinstance(line, HertzPoint)
+            else f"Hertz at {line.line_load * 1e-3:.4g} N/mm"
+        )
         ax.plot(fine * 1e3, contact.hertz_pressure(i, fine) * 1e-6, color=REFERENCE, label=label)
         ax.set_xlim(*((contact.center[i] + line.half_width * SHOWN_WIDTHS * np.array([-1.0, 1.0])) * 1e3))
         ratio = contact.half_width[i] / line.half_width - 1.0, contact.mid_peak_pressure[i] / line.peak_pressure - 1.0
@@ -78,13 +90,20 @@ def across(result: Any, ax: Any) -> None:
 
 
 def along(result: Any, ax: Any) -> None:
-    """Pressure along the axis, in the column with the largest pressure, and the mean over the width."""
+    """Pressure along the axis, in the column with the largest pressure of `across`, beside Hertz of a point contact."""
     contact = _contact(result)
     i = _last_touching(contact)
     patch = contact.pressure(i)
-    k, k1, w = mid_width(patch.z)
-    column = int(np.argmax((1.0 - w) * patch.pressure[:, k] + w * patch.pressure[:, k1]))
-    ax.plot(patch.z * 1e3, patch.pressure[column] * 1e-6, "o-", ms=3.5, lw=1.0, color=PROFILE)
+    column = int(np.argmax(contact.mid_pressure[i]))
+    ax.plot(patch.z * 1e3, patch.pressure[column] * 1e-6, "o-", ms=3.5, lw=1.0, color=PROFILE, label="computed")
+    found = hertz_of(contact, i)
+    if isinstance(found, HertzPoint):
+        width, middle = found.half_width_along, contact.center_of_pressure[i, 1]
+        z = middle + found.section_along * np.linspace(-1.0, 1.0, FINE)
+        p = found.peak_pressure * np.sqrt(np.maximum(0.0, 1.0 - ((z - middle) / found.section_along) ** 2))
+        ax.plot(z * 1e3, p * 1e-6, color=REFERENCE, label="Hertz")
+        ax.set_xlim(*((middle + width * SHOWN_WIDTHS * np.array([-1.0, 1.0])) * 1e3))
+        ax.legend(frameon=False, fontsize=8, loc="upper right")
     ax.set(xlabel="position along the axis [mm]", ylabel="pressure [MPa]")
     ax.set_title(f"Along the axis at {patch.arc[column] * 1e3:+.3f} mm of arc", fontsize=10)
     _from_zero(ax, patch.pressure[column] * 1e-6)
@@ -103,6 +122,9 @@ def patch(result: Any, ax: Any) -> None:
     if reach > 0.0:
         middle = contact.center[i] * 1e3
         ax.set_xlim(max(middle - reach, field.arc[0] * 1e3), min(middle + reach, field.arc[-1] * 1e3))
+    if contact.patch_kind == "point" and reach > 0.0:
+        reach, middle = contact.half_widths[i, 1] * SHOWN_WIDTHS * 1e3, contact.center_of_pressure[i, 1] * 1e3
+        ax.set_ylim(max(middle - reach, field.z[0] * 1e3), min(middle + reach, field.z[-1] * 1e3))
     ax.set(xlabel="arc from the line of centres [mm]", ylabel="along the axis [mm]")
     ax.set_title(f"Patch, unwrapped, {_at(result, i)}", fontsize=10)
 
@@ -123,21 +145,19 @@ def energy(result: Any, ax: Any) -> None:
 
 
 def widths(result: Any, ax: Any) -> None:
-    """Half-width and peak pressure against time, beside Hertz at the line load of each row."""
+    """Half-width and peak pressure against time, beside Hertz at the load of each row."""
     contact = _contact(result)
-    rows = np.flatnonzero(contact.line_load > 0.0)
+    rows = np.flatnonzero(contact.touching)
     ax.plot(result.time[rows] * 1e3, contact.half_width[rows] * 1e3, color=PROFILE, label="half-width")
     peak = ax.twinx()
     peak.plot(result.time[rows] * 1e3, contact.mid_peak_pressure[rows] * 1e-6, color=REFERENCE, label="peak pressure")
-    try:
-        lines = [contact.hertz(i) for i in rows]
-    except InputError:
-        lines = []
+    lines = [v for v in (hertz_of(contact, int(i)) for i in rows) if v is not None]
+    lines = lines if len(lines) == len(rows) else []
     reference = [v.half_width * 1e3 for v in lines], [v.peak_pressure * 1e-6 for v in lines]
     if lines:
         ax.plot(result.time[rows] * 1e3, reference[0], "--", color=PROFILE, lw=0.8)
         peak.plot(result.time[rows] * 1e3, reference[1], "--", color=REFERENCE, lw=0.8)
-    ax.set(xlabel="time [ms]", title="Half-width and peak pressure at mid-width (dashed: Hertz)")
+    ax.set(xlabel="time [ms]", title="Half-width across and peak pressure (dashed: Hertz)")
     ax.set_ylabel("half-width [mm]", color=PROFILE)
     peak.set_ylabel("peak pressure [MPa]", color=REFERENCE)
     _from_zero(ax, contact.half_width * 1e3, reference[0])
@@ -156,9 +176,13 @@ PLOTS: dict[str, Callable[[Any, Any], None]] = {
 
 
 def plot(result: Any, kind: str, ax: Any = None) -> Any:
-    """Draw `kind` on `ax` (a new one when None) and return the axes; "summary" returns a whole Figure."""
-    if kind != "summary" and kind not in PLOTS:
-        raise InputError(f"plot: unknown kind '{kind}'; known: {', '.join(PLOTS)}, summary")
+    """Draw `kind` on `ax` (a new one when None) and return the axes; "summary" returns a whole Figure.
+
+    Raises `InputError` for an unknown kind, a run without rows, and plots of friction of a run without friction.
+    """
+    known = {**PLOTS, **FRICTION_PLOTS}
+    if kind != "summary" and kind not in known:
+        raise InputError(f"plot: unknown kind '{kind}'; known: {', '.join(known)}, summary")
     if len(result.time) == 0:
         raise InputError("plot: the run has no saved row")
     if kind == "summary":
@@ -167,7 +191,7 @@ def plot(result: Any, kind: str, ax: Any = None) -> Any:
         import matplotlib.pyplot as plt
 
         ax = plt.subplots()[1]
-    PLOTS[kind](result, ax)
+    known[kind](result, ax)
     return ax
 
 
@@ -176,13 +200,16 @@ def summary_figure(result: Any) -> Any:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    kinds = list(PLOTS) if result.contact_names else ["energy"]
+    drawn: dict[str, Callable[[Any, Any], None]] = dict(PLOTS) if result.contact_names else {"energy": energy}
+    if any(result.contact(name).has_friction for name in result.contact_names):
+        drawn.update(FRICTION_PLOTS)
+    kinds = list(drawn)
     columns = min(3, len(kinds))
     rows = -(-len(kinds) // columns)
     figure = Figure(figsize=(5.2 * columns, 4.1 * rows), layout="constrained")
     FigureCanvasAgg(figure)
     for n, kind in enumerate(kinds):
-        PLOTS[kind](result, figure.add_subplot(rows, columns, n + 1))
+        drawn[kind](result, figure.add_subplot(rows, columns, n + 1))
     end = f"{result.time[-1] * 1e3:.4g} ms, {len(result.time)} saved rows, status: {result.status}"
     figure.suptitle(end, fontsize=11)
     return figure

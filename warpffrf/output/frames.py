@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.output.skin import grid_theta_offset, rotate
+from warpffrf.output.grid_places import grid_theta_offset, rotate
+from warpffrf.output.surface_geometry import tangents
 from warpffrf.output.thinning import thinned
 
 SHOWN_DISPLACEMENT = (
     0.015  # automatic magnification: the largest displacement is drawn at most this part of the smallest body's size
 )
 RELIEF_HEIGHT = 0.35  # height of the pressure relief over the patch, as part of the length shown along the arc
-PATCH_VIEW = 3.0  # the patch map shows this many half-widths (largest of the run) to either side
 
 
 def frame_rows(steps: int, max_frames: int) -> tuple[np.ndarray, int]:
@@ -47,19 +47,24 @@ class BodyFrames:
     triangles: np.ndarray  # (t, 3)
     displacement: np.ndarray  # (F, n, 3) m, float32, user frame
     size: float  # m, largest extent
+    values: np.ndarray | None = None  # (F, n) float32, a contact field in SI units, where one was asked for
 
 
-def body_frames(result: Any, rows: np.ndarray, max_points: int) -> dict[str, BodyFrames]:
-    """Skins of all flexible bodies at the given rows."""
+def body_frames(result: Any, rows: np.ndarray, max_points: int, field: str | None = None) -> dict[str, BodyFrames]:
+    """Skins of all flexible bodies at the given rows, with a contact `field` of `Skin.contact_fields`; zero on bodies
+    that do not have it."""
     frames = {}
     for name, skin in result.skins().items():
         sectors = max((s.recovery.sectors for s in skin.body.reduced.contact_surfaces.values()), default=1)
         kept, triangles = thinned(skin.points, skin.triangles, max_points, sectors)
         displacement = np.empty((len(rows), len(kept), 3), dtype=np.float32)
+        values = None if field is None else np.zeros((len(rows), len(kept)), dtype=np.float32)
         for f, i in enumerate(rows):
             displacement[f] = skin.displacement(i)[kept]
+            if values is not None and field in skin.contact_fields:
+                values[f] = skin.contact_field(field, i)[kept]
         size = float(np.ptp(skin.points, axis=0).max())
-        frames[name] = BodyFrames(skin.points[kept], triangles, displacement, size)
+        frames[name] = BodyFrames(skin.points[kept], triangles, displacement, size, values)
     return frames
 
 
@@ -74,19 +79,24 @@ class PatchFrame:
     """Where the patch of one pair is, at mid-width under the line of centres on the first surface."""
 
     origin: np.ndarray  # (3,) m, world
-    axes: np.ndarray  # (3, 3), columns: along the arc, along the axis, outward normal; world
+    axes: np.ndarray  # (3, 3), columns: e_theta, t_z, outward normal; world
 
 
-def patch_frame(result: Any, contact: Any, i: int) -> PatchFrame:
-    """The frame that the close-up looks from at saved step `i`."""
+def _local_frame(contact: Any, i: int) -> tuple[np.ndarray, np.ndarray, float]:
+    """Origin (3,) [m] and axes (3, 3), in rows, of the patch frame in the first body's user frame, and its theta."""
     surface = contact.view.first
     grid, shape = surface.grid, surface.shape
     theta = grid.theta_start + grid_theta_offset(surface) + grid.pitch * float(contact.history.center_column[i])
     middle = 0.5 * (float(grid.z[0]) + float(grid.z[-1]))
-    normal, axis = shape.radial(theta), shape.e_a
+    e_theta, t_z = tangents(shape, theta, middle)[:, 0]
+    return np.ravel(shape.point(theta, middle)), np.stack([e_theta, t_z, np.cross(e_theta, t_z)]), theta
+
+
+def patch_frame(result: Any, contact: Any, i: int) -> PatchFrame:
+    """The frame that the close-up looks from at saved step `i`."""
     motion = result.history.bodies[contact.view.first_body.name]
-    local = np.stack([np.cross(axis, normal), axis, normal])
-    origin = np.asarray(motion.position[i]) + rotate(motion.rotation[i], shape.point(theta, middle)[None])[0]
+    point, local, _ = _local_frame(contact, i)
+    origin = np.asarray(motion.position[i]) + rotate(motion.rotation[i], point[None])[0]
     return PatchFrame(origin, rotate(motion.rotation[i], local).T)
 
 
@@ -99,32 +109,27 @@ def grid_triangles(columns: int, rows: int) -> np.ndarray:
     return np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
 
 
+def _beside(loaded: np.ndarray, count: int) -> tuple[int, int]:
+    """First and last of `count` lines that have something, and one more on either side; (0, 0) for none."""
+    return (max(int(loaded[0]) - 1, 0), min(int(loaded[-1]) + 1, count - 1)) if len(loaded) else (0, 0)
+
+
 def relief(contact: Any, i: int, top: float, height: float) -> np.ndarray:
     """Vertices (columns * rows, 3) [m] of the pressure relief in the patch frame, p/top * height above the true
     surface.
 
-    Columns beyond the first without pressure fall together with it, so that only the patch is seen.
+    Columns and rows beyond the first without pressure fall together with it, so that only the patch is seen.
     """
     patch = contact.pressure(i)
-    z = patch.z - 0.5 * (patch.z[0] + patch.z[-1])
-    loaded = np.flatnonzero(np.any(patch.pressure > 0.0, axis=1))
-    ends = (max(loaded[0] - 1, 0), min(loaded[-1] + 1, len(patch.arc) - 1)) if len(loaded) else (0, 0)
-    angle, y = np.meshgrid(
-        np.clip(patch.arc, patch.arc[ends[0]], patch.arc[ends[1]]) / contact.mid_radius, z, indexing="ij"
+    shape = contact.view.first.shape
+    first, last = _beside(np.flatnonzero(np.any(patch.pressure > 0.0, axis=1)), len(patch.arc))
+    low, high = _beside(np.flatnonzero(np.any(patch.pressure > 0.0, axis=0)), len(patch.z))
+    origin, axes, center = _local_frame(contact, i)
+    theta, z = np.meshgrid(
+        center + np.clip(patch.arc, patch.arc[first], patch.arc[last]) / contact.mid_radius,
+        np.clip(patch.z, patch.z[low], patch.z[high]),
+        indexing="ij",
     )
-    radius = contact.mid_radius + (patch.pressure / top * height if top > 0.0 else 0.0)
-    return np.stack([radius * np.sin(angle), y, radius * np.cos(angle) - contact.mid_radius], axis=-1).reshape(-1, 3)
-
-
-def patch_map(contact: Any, i: int, reach: float, shape: tuple[int, int]) -> np.ndarray:
-    """Pressure (height, width) [Pa] over the unwrapped patch: arc from -reach to reach to the right, axis upwards."""
-    patch = contact.pressure(i)
-    height, width = shape
-    x = np.linspace(-reach, reach, width)
-    y = np.linspace(patch.z[-1], patch.z[0], height)
-    # bilinear hats: along the arc, then along the axis
-    across = np.stack([np.interp(x, patch.arc, p, left=0.0, right=0.0) for p in patch.pressure.T])
-    k = np.clip(np.searchsorted(patch.z, y, side="right") - 1, 0, max(len(patch.z) - 2, 0))
-    k1 = np.minimum(k + 1, len(patch.z) - 1)
-    t = np.where(k1 > k, (y - patch.z[k]) / np.where(k1 > k, patch.z[k1] - patch.z[k], 1.0), 0.0)[:, None]
-    return (1.0 - t) * across[k] + t * across[k1]
+    lift = np.maximum(patch.pressure, 0.0) / top * height if top > 0.0 else np.zeros_like(patch.pressure)
+    points = shape.point(theta, z) + lift[..., None] * shape.normal(theta, z)
+    return ((points - origin) @ axes.T).reshape(-1, 3)

@@ -17,8 +17,8 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.output.anchors import Anchor
 from warpffrf.output.frames import largest
+from warpffrf.output.grid_places import rotate
 from warpffrf.output.scene_view import BodyView
-from warpffrf.output.skin import rotate
 
 THINNEST = 0.03  # half length of the thinnest side drawn, of the longest: a disc is no body without thickness
 BODY_COLORS = ((150, 160, 175), (190, 160, 120), (130, 170, 150), (170, 145, 175))

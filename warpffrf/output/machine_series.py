@@ -10,7 +10,7 @@ from warpffrf.model.sensors import SENSORS, Position, Stress
 
 Series = tuple[tuple[str, ...], str, np.ndarray]  # entity path below the root, label with the unit, values (T,)
 STORES = ("kinetic", "strain", "potential", "contact")  # lines of the ledger that are energies at hand
-FLOWS = ("force_work", "drive_work", "damping")
+FLOWS = ("force_work", "drive_work", "damping", "friction")
 MOST_SENSORS = 6  # further ones are in the results; a plot of more curves is not read
 EQUIVALENT = Stress.components[-1]  # of a stress only this one is drawn
 FROM_START = ", change from the start"

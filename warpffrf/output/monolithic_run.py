@@ -19,6 +19,7 @@ import numpy as np
 from warpffrf import monolithic
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError
+from warpffrf.model.overlap import refuse_overlap
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.monolithic.checkpoint import from_arrays, is_monolithic, time_of, to_arrays
@@ -74,6 +75,7 @@ def run_monolithic(
     if not continued:
         if start == "initial":
             refuse_positions(scene)
+            refuse_overlap(scene)
         if not project_start:
             refuse_velocities(scene)
     plan = LocalPlan.of(scene, treatment)

@@ -4,8 +4,8 @@ Entities: `/world/<body>` carries the rigid motion as a transform, its child `su
 frame with the displacement times the deformation factor, coloured by displacement, or its children `box` and `bars`
 where it is rigid; `/world/joint_arrows`, `/world/force_arrows` what joints and forces do, see `glyphs`;
 `/world/contacts/<pair>` is a frame that stays with the patch (x along the arc, y along the axis, z outwards) and
-carries the pressure relief; `/world/forces/<pair>` its arrows; `/plots`, `/solver` scalars over all saved rows;
-`/patch_map/<pair>` the unwrapped pressure.
+carries the pressure relief, `/patch_map/<pair>` the unwrapped patch, see `contact_scene`; `/world/forces/<pair>` the
+contact's arrows; `/plots`, `/solver` scalars over all saved rows.
 
 Every array is handed over as a fresh copy: rerun sends later than it is called, and a buffer changed in between is
 sent changed.
@@ -20,23 +20,33 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError
+from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.output import frames as fr
-from warpffrf.output.colors import DISPLACEMENT_STOPS, PRESSURE_STOPS, ColorScale, legend_picture, map_axes_picture
+from warpffrf.output.colors import DISPLACEMENT_STOPS, ColorClasses, ColorScale, legend_picture
+from warpffrf.output.contact_scene import ContactColors, ContactScene
+from warpffrf.output.contact_series import contact_series
 from warpffrf.output.glyphs import Glyphs, force_text, rigid_size
 from warpffrf.output.machine_series import machine_series
 from warpffrf.output.paths import checked_output_path, written_whole
+from warpffrf.output.rigid_shapes import RigidShapes
 from warpffrf.output.thinning import vertex_normals
 
 MAX_POINTS = 8000  # a body: 16 bytes a point and frame, so 300 frames of two bodies stay under 80 MB
 MAX_SERIES = 4000  # points of a scalar plot: more than a screen has pixels
 PLAYBACK_SECONDS = 12.0  # how long the viewer takes to play a run, however short the run
-MAP_SHAPE = (220, 480)  # pixels (height, width) of the patch map
-ARROW_LENGTH = 0.6  # of the largest body, for the largest force of the run
 AXES_LENGTH = 0.58  # of the largest body: out of a roller's rim
 RIGID_AXES_LENGTH = 0.2  # where nothing hides them
 AXES_COLORS = [(230, 80, 80), (90, 200, 90), (90, 130, 255)]  # x, y, z
-FIRST_COLOR, SECOND_COLOR = (120, 190, 255), (255, 170, 90)
+DISPLACEMENT = "displacement"
+CONTACT_TEXT = (
+    "The close-up travels with the patch on the first body: the height of the relief is the pressure. The patch map is "
+    "the same patch unwrapped, the arc to the right along e_theta and the axis of the first body upwards."
+)
+FRICTION_TEXT = (
+    "With friction every cell of the contact grid is open, sticks or slips. Arrows in the map of the traction are the "
+    "traction on the first body. The wear index is pressure times slip speed. Material runs through the patch along "
+    "e_theta where the rolling velocity is positive, and enters it on the left."
+)
 
 
 @dataclass(frozen=True)
@@ -59,14 +69,18 @@ def record(
     deformation_factor: float | None = None,
     max_frames: int = 300,
     max_points: int = MAX_POINTS,
+    color: str = DISPLACEMENT,
 ) -> RecordingInfo:
     """Write a .rrd of a Result (or History) that `rerun FILE` opens.
+
+    color: what the bodies' surfaces are coloured by: "displacement", or of their contacts "pressure", and with friction
+    "traction", "slip", "state" or "wear".
 
     deformation_factor: magnification of the elastic displacement, chosen from 1, 2, 5, 10, ... when None; rigid
     motion is never magnified. At most `max_frames` saved rows are drawn, at most `max_points` points of each body's
     surface. Rows with a value that is not finite are left out and listed in the answer and in the recording. Raises
-    InputError for a path that cannot be written, a factor or count that is not positive, and a run without saved
-    rows.
+    InputError for a path that cannot be written, a factor or count that is not positive, a colour that the run does not
+    have, and a run without saved rows.
     """
     from warpffrf.output.result import Result
 
@@ -80,13 +94,16 @@ def record(
     if len(result.time) == 0:
         raise InputError("record: the run has no saved row to draw")
     target = checked_output_path(path, "record")
+    known = [DISPLACEMENT, *{f: None for skin in result.skins().values() for f in skin.contact_fields}]
+    if color not in known:
+        raise unknown_name("record: color", color, known)
     rows, stride = fr.frame_rows(len(result.time), max_frames)
     with np.errstate(invalid="ignore"):
-        bodies = fr.body_frames(result, rows, max_points)
+        bodies = fr.body_frames(result, rows, max_points, None if color == DISPLACEMENT else color)
     good = np.array([_row_is_finite(result, bodies, f, int(i)) for f, i in enumerate(rows)])
     skipped = [int(i) for i in rows[~good]]
     with written_whole(target) as partial:
-        recorder = _Recorder(result, bodies, rows, good, stride, deformation_factor)
+        recorder = _Recorder(result, bodies, rows, good, stride, deformation_factor, color)
         recorder.write(partial, skipped)
     return RecordingInfo(target, int(good.sum()), stride, recorder.factor, skipped, recorder.notes)
 
@@ -97,6 +114,8 @@ def _row_is_finite(result: Any, bodies: dict[str, fr.BodyFrames], f: int, i: int
     arrays += [a[i] for m in history.bodies.values() for a in (m.position, m.rotation)]
     arrays += [a.force[i] for a in (*history.joints.values(), *history.forces.values())]
     arrays += [a[i] for c in history.contacts.values() for a in (c.force, c.pressure, c.center_column)]
+    rubbing = [c.friction for c in history.contacts.values() if getattr(c, "friction", None) is not None]
+    arrays += [a[i] for f in rubbing for a in (f.traction, f.slip_velocity)]
     return all(bool(np.all(np.isfinite(a))) for a in arrays)
 
 
@@ -111,6 +130,7 @@ class _Recorder:
         good: np.ndarray,
         stride: int,
         factor: float | None,
+        color: str,
     ) -> None:
         import rerun as rr
 
@@ -130,11 +150,13 @@ class _Recorder:
         self.factor = float(factor) if factor is not None else automatic
         unit, per_metre = ("mm", 1e3) if top > 1e-3 else ("µm", 1e6)
         self.moved = ColorScale(f"elastic displacement of the bodies [{unit}]", top, per_metre, DISPLACEMENT_STOPS)
-        peak = fr.largest([c.peak_pressure[rows[good]] for c in self.contacts])
-        self.pressed = ColorScale("contact pressure [MPa]", peak, 1e-6, PRESSURE_STOPS)
         self.top_force = fr.largest([c.force_magnitude[rows[good]] for c in self.contacts])
-        self.glyphs = Glyphs(self, self.size)
-        self.scales = [self.moved] * bool(bodies) + [self.pressed] * bool(self.contacts)
+        self.color, self.contact_colors = color, ContactColors(self.contacts, rows[good])
+        self.skin_scale = self.moved if color == DISPLACEMENT else self.contact_colors.scale(color)
+        self.scenes = [ContactScene(self, contact) for contact in self.contacts]
+        self.glyphs, self.shapes = Glyphs(self, self.size), RigidShapes(self)
+        shown = [self.contact_colors.scale(name) for name in self.contact_colors.fields]
+        self.scales: list[ColorScale | ColorClasses] = [self.moved] * bool(bodies and color == DISPLACEMENT) + shown
         self.notes = self._notes()
 
     def path(self, *parts: str) -> str:
@@ -155,8 +177,8 @@ class _Recorder:
                 self.stream.set_time("time", duration=float(self.result.time[i]))
                 self._bodies(f, int(i))
                 self.glyphs.frame(int(i))
-                for contact in self.contacts:
-                    self._contact(contact, int(i))
+                for scene in self.scenes:
+                    scene.frame(int(i))
         self.stream.flush()
         self.stream.disconnect()
 
@@ -195,14 +217,9 @@ class _Recorder:
                 self.path("world", name, "surface"),
                 rr.Mesh3D.from_fields(triangle_indices=triangles, vertex_normals=normals),
             )
-        for contact in self.contacts:
-            shape = (contact.history.pressure.shape[1], contact.history.pressure.shape[2])
-            triangles = fr.grid_triangles(*shape).astype(np.uint32)
-            log(
-                self.path("world", "contacts", contact.name, "relief"),
-                rr.Mesh3D.from_fields(triangle_indices=triangles),
-            )
-            self._map_axes(contact)
+        for scene in self.scenes:
+            scene.static()
+        self.shapes.static()
         self.glyphs.static()
         if self.scales:
             log("legend", rr.Image(legend_picture(self.scales)))
@@ -219,13 +236,13 @@ class _Recorder:
         ]
         parts = (
             "# What this shows",
-            "Flexible bodies are coloured by elastic displacement, contact patches by pressure; the ranges hold for "
+            f"Flexible bodies are coloured by {self.color}, contact patches by pressure; the ranges hold for "
             "the whole run. The red, green and blue lines are x, y, z of each body's user frame and turn with it. "
             "A rigid body is the box with its mass and moments of inertia, with bars to the places that hold it.",
             "Green arrows are reactions of joints on their second body, orange ones forces on the body that they load; "
             f"one length for all, the largest is {force_text(self.glyphs.top_force)}.",
-            *(["The close-up travels with the patch on the first body: the height of the relief is the pressure."]
-              if self.contacts else []),
+            *([CONTACT_TEXT] if self.contacts else []),
+            *([FRICTION_TEXT] if any(c.has_friction for c in self.contacts) else []),
             "\n".join(contacts),
             "## Notes",
             "\n".join(f"- {note}" for note in self.notes),
@@ -234,29 +251,13 @@ class _Recorder:
         )  # fmt: skip
         return "\n\n".join(parts) + "\n"
 
-    def patch_reach(self, contact: Any) -> float:
-        """Half length [m] of arc that the patch map shows."""
-        width = fr.largest([contact.half_width[self.rows[self.good]]])
-        return fr.PATCH_VIEW * width if width > 0.0 else 0.5 * contact.spacing * contact.history.pressure.shape[1]
-
-    def _map_axes(self, contact: Any) -> None:
-        """The patch map's axes as a still picture; the pressure picture is laid into its frame."""
-        rr = self.rr
-        z = np.asarray(contact.view.first.grid.z)
-        picture, (left, top) = map_axes_picture(self.patch_reach(contact), float(z[0]), float(z[-1]), MAP_SHAPE)
-        self.log_static(self.path("patch_map", contact.name, "axes"), rr.Image(picture, draw_order=0.0))
-        self.log_static(self.path("patch_map", contact.name, "pressure"), rr.Transform3D(translation=[left, top, 0.0]))
-
     def _series(self) -> None:
         rr, result, history = self.rr, self.result, self.result.history
         step = -(-len(result.time) // MAX_SERIES)
         rows = np.unique(np.append(np.arange(0, len(result.time), step), len(result.time) - 1))
         series = machine_series(result)
         for c in self.contacts:
-            series.append((("plots", "force", c.name), f"{c.name} [kN]", c.force_magnitude * 1e-3))
-            series.append((("plots", "peak_pressure", c.name), f"{c.name} [MPa]", c.peak_pressure * 1e-6))
-            series.append((("plots", "half_width", c.name), f"{c.name} [µm]", c.half_width * 1e6))
-            series.append((("solver", "active_modes", c.name), f"{c.name} active modes", c.active_modes))
+            series += contact_series(c)
         series.append((("solver", "iterations"), "Newton iterations a step", history.iterations))
         series.append((("solver", "factorisations"), "factorisations a step", history.factorisations))
         series.append(
@@ -283,44 +284,7 @@ class _Recorder:
                 continue
             body = self.bodies[name]
             positions = (body.points + self.factor * body.displacement[f]).astype(np.float32)
-            colors = self.moved.packed(np.linalg.norm(body.displacement[f], axis=-1))
+            values = np.linalg.norm(body.displacement[f], axis=-1) if body.values is None else body.values[f]
+            colors = self.skin_scale.packed(values)
             mesh = rr.Mesh3D.from_fields(vertex_positions=positions, vertex_colors=colors)
             self.stream.log(self.path("world", name, "surface"), mesh)
-
-    def relief_height(self, contact: Any) -> float:
-        """Height [m] that the largest pressure of the run is drawn with."""
-        return fr.RELIEF_HEIGHT * 2.0 * self.patch_reach(contact)
-
-    def _contact(self, contact: Any, i: int) -> None:
-        rr = self.rr
-        frame = fr.patch_frame(self.result, contact, i)
-        self.stream.log(
-            self.path("world", "contacts", contact.name), rr.Transform3D(translation=frame.origin, mat3x3=frame.axes)
-        )
-        vertices = fr.relief(contact, i, self.pressed.top, self.relief_height(contact))
-        colors = self.pressed.packed(contact.history.pressure[i].reshape(-1))
-        mesh = rr.Mesh3D.from_fields(vertex_positions=vertices.astype(np.float32), vertex_colors=colors)
-        self.stream.log(self.path("world", "contacts", contact.name, "relief"), mesh)
-        picture = self.pressed.rgb(fr.patch_map(contact, i, self.patch_reach(contact), MAP_SHAPE))
-        self.stream.log(self.path("patch_map", contact.name, "pressure"), rr.Image(picture, draw_order=1.0))
-        self._arrows(contact, frame, i)
-
-    def _arrows(self, contact: Any, frame: fr.PatchFrame, i: int) -> None:
-        """Both forces, drawn beside the bodies' end so that no body hides them."""
-        rr = self.rr
-        z = np.asarray(contact.view.first.grid.z)
-        origin = frame.origin - frame.axes[:, 1] * 0.75 * (z[-1] - z[0])
-        scale = ARROW_LENGTH * self.size / self.top_force if self.top_force > 0.0 else 0.0
-        vectors = np.stack([contact.force[i], contact.force_second[i]]) * scale
-        newton = [float(np.linalg.norm(contact.force[i])), float(np.linalg.norm(contact.force_second[i]))]
-        names = (contact.view.first_body.name, contact.view.second_body.name)
-        labels = [f"on {name}: {value * 1e-3:.4g} kN" for name, value in zip(names, newton, strict=True)]
-        arrows = rr.Arrows3D(
-            origins=np.stack([origin, origin]),
-            vectors=vectors,
-            colors=[FIRST_COLOR, SECOND_COLOR],
-            radii=0.012 * self.size,
-            labels=labels,
-            show_labels=True,
-        )
-        self.stream.log(self.path("world", "forces", contact.name), arrows)

@@ -6,9 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.output.colors import legend_rows
+from warpffrf.output.contact_scene import TITLES, relief_name
+from warpffrf.output.contact_series import CONTACT_PLOTS, FRICTION_PLOTS
 from warpffrf.output.frames import largest
+from warpffrf.output.grid_places import rotate
 from warpffrf.output.machine_series import plot_kinds
-from warpffrf.output.skin import rotate
 
 HEADROOM = 1.1  # of the largest value of a plot
 CLOSE_UP_DISTANCE = 0.9  # eye to patch, in widths of the body
@@ -23,6 +26,7 @@ def blueprint(recorder: Any) -> Any:
     result = recorder.result
     duration = float(result.time[-1] - result.time[0])
     bodies = [f"+ {recorder.path('world', name)}/**" for name in result.view.bodies]
+    bodies += [f"+ {path}" for path in recorder.shapes.paths()]
     forces = [f"+ {recorder.path('world', 'forces', c.name)}/**" for c in recorder.contacts]
     arrows = ["+ /world/joint_arrows/**", "+ /world/force_arrows/**"]
     rigid = [recorder.path("world", name) for name, body in result.view.bodies.items() if body.reduced is None]
@@ -30,30 +34,23 @@ def blueprint(recorder: Any) -> Any:
     # what touches comes first; rigid bodies and arrows of joints then have a view of their own
     contents = [*bodies, *forces, *hidden] if recorder.contacts else [*bodies, *arrows]
     machine = _machine_view(recorder, contents)
-    close_ups = [_close_up(recorder, contact) for contact in recorder.contacts]
-    maps = [
-        rrb.Spatial2DView(
-            origin=recorder.path("patch_map", c.name),
-            name=f"Pressure on the unwrapped patch '{c.name}'",
-            background=[255, 255, 255, 255],
-        )
-        for c in recorder.contacts
-    ]
+    close_ups = [_close_up(recorder, scene, field) for scene in recorder.scenes for field in scene.fields]
+    maps = [_map(scene, field) for scene in recorder.scenes for field in scene.fields]
     contacts = recorder.contacts
     machine_plots = [rrb.TimeSeriesView(origin=f"/plots/{k}", name=title) for k, title in plot_kinds(result).items()]
     plots = (
         machine_plots[:MOST_PLOTS]
         if not contacts
         else [
-            _from_zero("/plots/force", "Contact force [kN]", [c.force_magnitude * 1e-3 for c in contacts]),
-            _from_zero("/plots/peak_pressure", "Largest pressure [MPa]", [c.peak_pressure * 1e-6 for c in contacts]),
-            _from_zero("/plots/half_width", "Half-width of the patch [µm]", [c.half_width * 1e6 for c in contacts]),
+            _from_zero("force", [c.force_magnitude * 1e-3 for c in contacts]),
+            _from_zero("peak_pressure", [c.peak_pressure * 1e-6 for c in contacts]),
+            _from_zero("half_width", [_widths(c) * 1e6 for c in contacts]),
         ]
     )
     legend = rrb.Spatial2DView(origin="/legend", name="Colours, fixed over the run", background=[255, 255, 255, 255])
     legends = [legend] if recorder.scales else []
     left = rrb.Vertical(machine, *_tabs(close_ups), row_shares=[5, 4] if close_ups else [1])
-    shares = [1.0 + len(recorder.scales)] * len(legends) + [4.0] * bool(maps) + [2.5] * len(plots)
+    shares = [1.0 + legend_rows(recorder.scales)] * len(legends) + [4.0] * bool(maps) + [2.5] * len(plots)
     right = rrb.Vertical(*legends, *_tabs(maps), *plots, row_shares=shares)
     solver = rrb.Grid(
         rrb.TimeSeriesView(
@@ -67,6 +64,7 @@ def blueprint(recorder: Any) -> Any:
     return rrb.Blueprint(
         rrb.Tabs(
             rrb.Horizontal(left, right, column_shares=[3, 2], name="Contact" if contacts else "Machine"),
+            *_friction_tab(recorder),
             *_machine_tab(recorder, machine_plots, [*bodies, *arrows]),
             solver,
             rrb.TextDocumentView(origin="/about", name="What this shows"),
@@ -102,13 +100,13 @@ def _machine_tab(recorder: Any, plots: list[Any], contents: list[str]) -> list[A
     return [rrb.Horizontal(_machine_view(recorder, contents), grid, name=name) if recorder.contacts else grid]
 
 
-def _from_zero(origin: str, name: str, values: list[np.ndarray]) -> Any:
-    """A plot whose scale starts at zero, so that round-off does not look like a signal."""
+def _from_zero(kind: str, values: list[np.ndarray]) -> Any:
+    """A plot of a kind of `CONTACT_PLOTS` whose scale starts at zero, so that round-off does not look like a signal."""
     import rerun.blueprint as rrb
 
     top = largest(values)
     axis = rrb.ScalarAxis(range=(0.0, HEADROOM * top)) if top > 0.0 else None
-    return rrb.TimeSeriesView(origin=origin, name=name, axis_y=axis)
+    return rrb.TimeSeriesView(origin=f"/plots/{kind}", name=CONTACT_PLOTS[kind], axis_y=axis)
 
 
 def _tabs(views: list[Any]) -> list[Any]:
@@ -143,20 +141,56 @@ def _machine_eye(recorder: Any) -> Any:
     )
 
 
-def _close_up(recorder: Any, contact: Any) -> Any:
+def _close_up(recorder: Any, scene: Any, field: str) -> Any:
     """The patch seen in its own frame: the eye is fixed there, so it follows the patch."""
     import rerun.blueprint as rrb
 
-    origin = recorder.path("world", "contacts", contact.name)
+    contact, window = scene.contact, scene.window
     first = recorder.path("world", contact.view.first_body.name)
-    z = np.asarray(contact.view.first.grid.z)
-    distance = CLOSE_UP_DISTANCE * max(float(z[-1] - z[0]), 4.0 * recorder.patch_reach(contact))
+    distance = CLOSE_UP_DISTANCE * max(window.high - window.low, 4.0 * window.reach)
     return rrb.Spatial3DView(
-        origin=origin,
-        contents=["+ $origin/**", f"+ {first}/**", f"- {first}/frame"],
-        name=f"Close-up following the patch on '{contact.view.first_body.name}': height and colour = pressure",
+        origin=scene.world(),
+        contents=[f"+ {scene.world(relief_name(field))}", f"+ {first}/**", f"- {first}/frame"],
+        name=f"{_titled(recorder, scene, field)}: close-up following the patch on '{contact.view.first_body.name}'",
         eye_controls=rrb.EyeControls3D(
             position=distance * np.array([0.75, -0.45, 0.5]), look_target=(0.0, 0.0, 0.0), eye_up=(0.0, 0.0, 1.0)
         ),
         line_grid=False,
     )
+
+
+def _titled(recorder: Any, scene: Any, field: str) -> str:
+    """What a view shows, and of which pair where there are several."""
+    return TITLES[field] + (f" '{scene.contact.name}'" if len(recorder.scenes) > 1 else "")
+
+
+def _map(scene: Any, field: str) -> Any:
+    """One field on the unwrapped patch."""
+    import rerun.blueprint as rrb
+
+    arrows = [f"+ {scene.map('traction_arrows')}"] if field == "traction" else []
+    return rrb.Spatial2DView(
+        origin=scene.map(),
+        contents=[f"+ {scene.map('axes')}", f"+ {scene.map(field)}", *arrows],
+        name=f"{_titled(scene.recorder, scene, field)}, unwrapped patch",
+        background=[255, 255, 255, 255],
+    )
+
+
+def _friction_tab(recorder: Any) -> list[Any]:
+    """Maps of traction and state beside each other, and the histories of friction."""
+    import rerun.blueprint as rrb
+
+    scenes = [scene for scene in recorder.scenes if scene.contact.has_friction]
+    if not scenes:
+        return []
+    maps = [_tabs([_map(scene, field) for scene in scenes]) for field in ("traction", "state")]
+    plots = [rrb.TimeSeriesView(origin=f"/plots/{kind}", name=title) for kind, title in FRICTION_PLOTS.items()]
+    legend = rrb.Spatial2DView(origin="/legend", name="Colours, fixed over the run", background=[255, 255, 255, 255])
+    left = rrb.Vertical(legend, *[view for views in maps for view in views], row_shares=[2, *[3] * len(maps)])
+    return [rrb.Horizontal(left, rrb.Grid(*plots, grid_columns=2), column_shares=[2, 3], name="Friction")]
+
+
+def _widths(contact: Any) -> np.ndarray:
+    """The half-widths that are plotted."""
+    return contact.half_widths if contact.patch_kind == "point" else contact.half_width

@@ -7,7 +7,15 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.output.hertz_patch import HertzPoint
 from warpffrf.output.report_items import item_lines
+
+KINDS = {
+    "line": "a line across the width",
+    "line_around": "a line along the arc",
+    "point": "a point contact",
+    "flat": "flat faces",
+}
 
 
 def report_text(result: Any) -> str:
@@ -38,6 +46,9 @@ def report_text(result: Any) -> str:
             "scale"
         )
     defect = history.energy.get("contact_grid")
+    friction = history.energy.get("friction")
+    if friction is not None and np.any(np.nan_to_num(friction) != 0.0):
+        lines.append(f"friction          {friction[-1]:+.6g} J, work of friction since the start")
     if result.contact_names and defect is not None and result.energy_scale > 0.0 and np.isfinite(defect[-1]):
         lines.append(
             f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale moved by the grid defect"
@@ -47,25 +58,56 @@ def report_text(result: Any) -> str:
 
 def _contact_lines(contact: Any) -> list[str]:
     head = f"contact '{contact.name}'"
-    if contact.line_load[-1] <= 0.0:
-        return [f"{head}: open in the last row"]
+    friction = _friction_lines(contact) if contact.has_friction else []
+    if not contact.touching[-1]:
+        return [f"{head}: open in the last row", *friction]
+    width, middle = contact.half_widths[-1] * 1e6, contact.center_of_pressure[-1] * 1e6
     lines = [
-        f"{head}: last row",
+        f"{head}: last row, {KINDS[contact.patch_kind]}",
         f"  force           {contact.force_magnitude[-1]:.6g} N",
         f"  half-width      {contact.half_width[-1] * 1e6:.5g} um",
-        f"  peak pressure   {contact.mid_peak_pressure[-1] / 1e6:.5g} MPa at mid-width, "
+        f"  patch           {width[0]:.5g} um along the arc, {width[1]:.5g} um along the axis, area "
+        f"{contact.patch_area[-1] * 1e6:.5g} mm2, centre at {middle[0]:.4g} and {middle[1]:.4g} um",
+        f"  peak pressure   {contact.mid_peak_pressure[-1] / 1e6:.5g} MPa {_section(contact)}, "
         f"{contact.peak_pressure[-1] / 1e6:.5g} MPa anywhere",
+        f"  approach        {contact.approach[-1] * 1e6:.5g} um",
         f"  active modes    {int(contact.active_modes[-1])}",
     ]
     try:
-        line = contact.hertz(-1)
+        found = contact.hertz(-1)
     except InputError as error:
-        return [*lines, f"  Hertz           not computed: {error}"]
-    return [
-        *lines,
-        f"  Hertz           half-width {line.half_width * 1e6:.5g} um, peak {line.peak_pressure / 1e6:.5g} MPa "
-        f"at the line load {line.line_load / 1e3:.5g} N/mm found at mid-width",
+        return [*lines, f"  Hertz           not computed: {error}", *friction]
+    if isinstance(found, HertzPoint):
+        a, b = found.semi_axes
+        hertz = f"semi-axes {a * 1e6:.5g} and {b * 1e6:.5g} um, peak {found.peak_pressure / 1e6:.5g} MPa, approach "
+        hertz += f"{found.approach * 1e6:.5g} um at the load {found.load:.5g} N found"
+    else:
+        hertz = f"half-width {found.half_width * 1e6:.5g} um, peak {found.peak_pressure / 1e6:.5g} MPa "
+        hertz += f"at the line load {found.line_load / 1e3:.5g} N/mm found at mid-width"
+    return [*lines, f"  Hertz           {hertz}", *friction]
+
+
+def _section(contact: Any) -> str:
+    return "through the centre" if contact.patch_kind == "point" else "at mid-width"
+
+
+def _friction_lines(contact: Any) -> list[str]:
+    friction = contact.friction
+    shares = friction.stick_area[-1], friction.slip_area[-1]
+    creepage, warning = friction.creepage[-1], friction.warning()
+    rolls = "not rolling" if np.any(np.isnan(creepage)) else f"{creepage[0]:+.4e} around, {creepage[1]:+.4e} along"
+    lines = [
+        f"  traction        {np.linalg.norm(friction.tangential_force[-1]):.6g} N tangential, "
+        f"{friction.traction_coefficient[-1]:.5g} of the load",
+        f"  creepage        {rolls}",
+        f"  stick, slip     {shares[0] * 1e6:.5g} and {shares[1] * 1e6:.5g} mm2",
+        f"  friction power  {friction.power[-1]:.5g} W, largest of the run {np.nanmax(friction.power):.5g} W",
+        f"  wear index      {friction.wear_peak[-1] / 1e6:.5g} W/mm2 at most, {friction.wear_rate[-1]:.5g} W in all "
+        "(pressure times slip speed)",
+        f"  cells a step    {friction.cells_per_step[-1]:.3g}, largest of the run "
+        f"{np.nanmax(friction.cells_per_step):.3g}",
     ]
+    return lines if warning is None else [*lines, f"  warning         {warning}"]
 
 
 def _notes(history: Any) -> list[str]:

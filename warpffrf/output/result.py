@@ -97,7 +97,11 @@ class Result:
 
     @cached_property
     def _contacts(self) -> dict[str, ContactResult]:
-        return {name: ContactResult(history, self.view.pairs[name]) for name, history in self.history.contacts.items()}
+        bodies = self.history.bodies
+        return {
+            name: ContactResult(history, self.view.pairs[name], bodies)
+            for name, history in self.history.contacts.items()
+        }
 
     def skins(self) -> dict[str, Skin]:
         """Deformed skin of each flexible body by name."""
@@ -119,14 +123,16 @@ class Result:
 
     @cached_property
     def energy_scale(self) -> float:
-        """The largest energy at hand in the run [J]: stored, or moved by forces, drives, gravity and dampers. Lines
-        that were not booked (NaN) do not count."""
+        """The largest energy at hand in the run [J]: stored, or moved by forces, drives, gravity, dampers and friction.
+        Lines that were not booked (NaN) do not count."""
         energy = {line: np.nan_to_num(values, nan=0.0) for line, values in self.energy.items()}
         zero = np.zeros(len(self.time))
         stored = sum((np.abs(energy.get(k, zero)) for k in ("kinetic", "strain", "contact")), zero)
         potential = energy.get("potential", zero)
         moved = np.abs(potential - potential[:1])
-        moved = moved + sum((np.abs(energy.get(k, zero)) for k in ("force_work", "drive_work", "damping")), zero)
+        moved = moved + sum(
+            (np.abs(energy.get(k, zero)) for k in ("force_work", "drive_work", "damping", "friction")), zero
+        )
         return float(np.max(np.maximum(stored, moved), initial=0.0))
 
     @property

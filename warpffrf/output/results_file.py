@@ -2,6 +2,7 @@
 
     /time (time), /step_size, /iterations, /factorisations
     /body_position (time, body, axis), /contact_force (time, pair, axis), ...   stacked over the owners
+    /contact_friction_power (time, friction_pair), ...   over the pairs with friction, where there are any
     /contact_pressure/<pair> (time, column, row), /body_modal/<body>, ...       one dataset an owner
     /sensor/<name> (time, component)
     /energy (time, line)
@@ -28,10 +29,12 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.surfaces import from_description
 from warpffrf.online.history import (
     BodyHistory,
     ContactHistory,
     ForceHistory,
+    FrictionHistory,
     History,
     JointHistory,
     SensorHistory,
@@ -45,12 +48,14 @@ from warpffrf.output.fields import (
     DERIVED_POSITIONS,
     ENERGY_UNITS,
     FORCE_FIELDS,
+    FRICTION_DERIVED,
+    FRICTION_FIELDS,
     JOINT_FIELDS,
     RUN_FIELDS,
     Field,
 )
 from warpffrf.output.paths import check_ending, checked_output_path, written_whole
-from warpffrf.output.scene_view import BodyView, PairView, SceneView
+from warpffrf.output.scene_view import GROUND, BodyView, PairView, SceneView, ground_view
 
 FORMAT = "warpffrf-results"
 SCHEMA_VERSION = 1
@@ -85,6 +90,10 @@ def write_results(result: Any, path: str | os.PathLike[str]) -> Path:
         file.attrs["joint_coordinates"] = json.dumps({name: j.names for name, j in history.joints.items()})
         contacts = {name: result.contact(name) for name in history.contacts}
         _put_group(file, "pair", (*DERIVED_FIELDS, *DERIVED_POSITIONS), contacts, steps)
+        rubbing = {name: c.friction for name, c in contacts.items() if c.has_friction}
+        file.attrs["friction_names"] = json.dumps(list(rubbing))
+        if rubbing:
+            _put_group(file, "friction_pair", (*FRICTION_FIELDS, *FRICTION_DERIVED), rubbing, steps)
         lines = np.stack(list(history.energy.values()), axis=1) if history.energy else np.zeros((steps, 0))
         file.attrs["energy_lines"] = json.dumps(list(history.energy))
         _put(file, Field("energy", "energy", ENERGY_UNITS, "none", ("line",)), lines, ())
@@ -129,6 +138,8 @@ def _read(file: Any) -> History:
         groups[attribute] = {name: record(**_fields_of(file, fields, name, n)) for n, name in enumerate(names)}
     for name, named in json.loads(file.attrs.get("joint_coordinates", "{}")).items():
         groups["joints"][name].names = tuple(named)
+    for n, name in enumerate(json.loads(file.attrs.get("friction_names", "[]"))):
+        groups["contacts"][name].friction = FrictionHistory(**_fields_of(file, FRICTION_FIELDS, name, n))
     energy = file["energy"][()]
     run = {f.attribute: file[f.name][()] for f in RUN_FIELDS}
     return History(
@@ -222,15 +233,26 @@ def _put_scene(file: Any, view: SceneView) -> None:
         center = [float(v) for v in body.center_of_mass]
         inertia = None if body.inertia is None else np.asarray(body.inertia).tolist()
         bodies.append(
-            {"name": body.name, "mass": body.mass, "center_of_mass": center, "inertia": inertia, "reduced": digest}
-        )
+            {"name": body.name, "mass": body.mass, "center_of_mass": center, "inertia": inertia, "reduced": digest,
+             "shapes": _described(body)}
+        )  # fmt: skip
     group.attrs["bodies"] = json.dumps(bodies)
     pairs = [
-        [p.name, p.first_body.name, p.first_surface_name, p.second_body.name, p.second_surface_name]
+        [p.name, p.first_body.name, p.first_surface_name, p.second_body.name, p.second_surface_name, p.friction]
         for p in view.pairs.values()
     ]
     group.attrs["pairs"] = json.dumps(pairs)
+    fixed = [b for p in view.pairs.values() for b in (p.first_body, p.second_body) if b.name not in view.bodies]
+    group.attrs["ground"] = json.dumps({name: shape for b in fixed for name, shape in _described(b).items()})
     group.attrs["anchors"] = json.dumps([anchor.describe() for anchor in view.anchors])
+
+
+def _described(body: BodyView) -> dict[str, Any]:
+    return {name: shape.describe() for name, shape in body.shapes.items()}
+
+
+def _shapes(described: dict[str, Any]) -> dict[str, Any]:
+    return {name: from_description(data) for name, data in described.items()}
 
 
 def _get_scene(file: Any) -> SceneView:
@@ -242,12 +264,14 @@ def _get_scene(file: Any) -> SceneView:
         b["name"]: BodyView(
             b["name"], reduced[b["reduced"]], b["mass"], np.array(b["center_of_mass"]),
             np.array(b["inertia"]) if b.get("inertia") is not None else None,  # older files do not say
+            _shapes(b.get("shapes", {})),
         )
         for b in json.loads(group.attrs["bodies"])
     }  # fmt: skip
+    known = {GROUND: ground_view(_shapes(json.loads(group.attrs.get("ground", "{}")))), **bodies}
     pairs = {
-        name: PairView(name, bodies[first], first_surface, bodies[second], second_surface)
-        for name, first, first_surface, second, second_surface in json.loads(group.attrs["pairs"])
+        name: PairView(name, known[first], first_surface, known[second], second_surface, *friction)
+        for name, first, first_surface, second, second_surface, *friction in json.loads(group.attrs["pairs"])
     }
     anchors = tuple(Anchor.of(data) for data in json.loads(group.attrs.get("anchors", "[]")))
     return SceneView(str(group.attrs["content_hash"]), bodies, pairs, tuple(json.loads(group.attrs["joints"])), anchors)

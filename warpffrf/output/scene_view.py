@@ -11,34 +11,40 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.output.anchors import Anchor, scene_anchors
+
+GROUND = "ground"
 
 
 @dataclass(frozen=True)
 class BodyView:
     """One body: its name, its reduced body (None when rigid), mass [kg], centre of mass [m, user frame] and inertia
-    about it [kg m2, user axes]; None in an older results file."""
+    about it [kg m2, user axes]; None in an older results file. `shapes`: what a rigid one touches with, by name."""
 
     name: str
     reduced: Any
     mass: float
     center_of_mass: np.ndarray
     inertia: np.ndarray | None = None
+    shapes: dict[str, Any] = field(default_factory=dict)
 
     def surface(self, name: str) -> Any:
-        """The body's contact surface called `name`."""
-        return self.reduced.contact_surfaces[name]
+        """The body's contact surface called `name`: a `ContactSurface`, of a rigid body a `RigidSurface`."""
+        return RigidSurface(name, self.shapes[name]) if self.reduced is None else self.reduced.contact_surfaces[name]
 
 
 @dataclass(frozen=True)
 class PairView:
-    """One contact pair: the two bodies and the names of the surfaces that touch."""
+    """One contact pair: the two bodies (or the ground), the names of the surfaces that touch, coefficient of friction
+    [-]."""
 
     name: str
     first_body: BodyView
     first_surface_name: str
     second_body: BodyView
     second_surface_name: str
+    friction: float = 0.0
 
     @property
     def first(self) -> Any:
@@ -47,7 +53,7 @@ class PairView:
 
     @property
     def second(self) -> Any:
-        """ContactSurface of the second body."""
+        """Contact surface of the second body; its `grid` is None where that is rigid."""
         return self.second_body.surface(self.second_surface_name)
 
 
@@ -66,16 +72,36 @@ def scene_view(scene: Any) -> SceneView:
     """The view of a live `Scene`; a `SceneView` passes through."""
     if isinstance(scene, SceneView):
         return scene
+    shapes = rigid_shapes(scene.contacts)
     bodies = {
         body.name: BodyView(
             body.name, body.reduced, float(body.mass), np.asarray(body.center_of_mass, dtype=float),
-            np.asarray(body.inertia, dtype=float),
+            np.asarray(body.inertia, dtype=float), shapes.get(body.name, {}),
         )
         for body in scene.bodies
     }  # fmt: skip
+    known = {GROUND: ground_view(shapes.get(GROUND, {})), **bodies}
     pairs = {}
     for contact in scene.contacts:
         a, b = contact.a, contact.b
-        pairs[contact.name] = PairView(contact.name, bodies[a.body.name], a.name, bodies[b.body.name], b.name)
+        mu = getattr(contact, "friction", 0.0) or 0.0
+        friction = float(getattr(mu, "coefficient", mu))
+        names = known[a.body.name], a.name, known[b.body.name], b.name
+        pairs[contact.name] = PairView(contact.name, *names, friction)
     joints = tuple(joint.name for joint in scene.joints)
     return SceneView(scene.content_hash(), bodies, pairs, joints, scene_anchors(scene))
+
+
+def rigid_shapes(contacts: Any) -> dict[str, dict[str, Any]]:
+    """Shapes of the rigid surfaces in contact pairs of a live scene, {body: {surface: shape}}."""
+    found: dict[str, dict[str, Any]] = {}
+    for contact in contacts:
+        for port in (contact.a, contact.b):
+            if port.body.reduced is None:
+                found.setdefault(port.body.name, {})[port.name] = port.surface.shape
+    return found
+
+
+def ground_view(shapes: dict[str, Any]) -> BodyView:
+    """The ground with its surfaces: it has no mass of its own and does not move."""
+    return BodyView(GROUND, None, 0.0, np.zeros(3), None, shapes)

@@ -10,26 +10,24 @@ M_z` on the true surface,
 
 on the second surface the run recorded hat forces, positive inwards, and `f = -load_second`.
 For colours the second surface's pressure is `load_i / int psi_i dA` (the row-summed Gram matrix: positive, and exact
-for a constant).
+for a constant). With friction the tangential forces of `patch_on_skin` are recovered in the same way, of bodies that
+were reduced with tangential modes.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from warpffrf.output.scene_view import BodyView, SceneView
+from warpffrf.model.errors import unknown_name
+from warpffrf.output.grid_places import SkinSurface, spread
+from warpffrf.output.grid_places import rotate as rotate  # where it used to be
+from warpffrf.output.patch_on_skin import PatchOnSkin, tangential_forces
+from warpffrf.output.scene_view import BodyView, PairView, SceneView
 
-# A skin node belongs to a contact surface when it lies within this part of the surface's radius of it, or within
-# twice the deviation of the fit: well above the fit's default tolerance (1e-5), below one layer of elements.
-ON_SURFACE = 1e-4
-
-
-def grid_theta_offset(surface: Any) -> float:
-    """Angle [rad] from the shape's reference direction e_0 to the grid's: grid theta = shape theta - offset."""
-    shape, e_0 = surface.shape, np.asarray(surface.grid.e_0)
-    return float(np.arctan2(e_0 @ shape.e_1, e_0 @ shape.e_0))
+CONTACT_FIELDS = ("pressure", "traction", "slip", "state", "wear")  # what a skin can show of its contacts
 
 
 def hat_forces(surface: Any, values: np.ndarray) -> np.ndarray:
@@ -49,62 +47,6 @@ def hat_areas(surface: Any) -> np.ndarray:
     return surface.grid.pitch * surface.gram_z.sum(axis=1)
 
 
-def spread(surface: Any, first_column: int, window: np.ndarray) -> np.ndarray:
-    """A window (columns_w, rows) that starts at `first_column`, put into the whole grid (columns, rows), zero
-    elsewhere."""
-    grid = surface.grid
-    whole = np.zeros((grid.columns, len(grid.z)))
-    columns = int(first_column) + np.arange(len(window))
-    if grid.periodic:
-        np.add.at(whole, columns % grid.columns, window)
-    else:
-        inside = (columns >= 0) & (columns < grid.columns)
-        whole[columns[inside]] = window[inside]
-    return whole
-
-
-class SkinSurface:
-    """Which skin nodes lie on one contact surface, and their bilinear weights on its grid."""
-
-    def __init__(self, surface: Any, points: np.ndarray) -> None:
-        grid = surface.grid
-        self.surface = surface
-        theta, z, distance = surface.shape.chart(points)
-        rows = np.asarray(grid.z, dtype=float)
-        column = (np.asarray(theta) - grid_theta_offset(surface) - grid.theta_start) / grid.pitch
-        if grid.periodic:
-            column = column % grid.columns
-        else:
-            full_turn = 2.0 * np.pi / grid.pitch
-            column = (column + 0.5) % full_turn - 0.5  # a node half a pitch before the first column still belongs to it
-        slack = 1e-6 * max(rows[-1] - rows[0], 1e-300)  # round-off of the chart at the end planes
-        radius = float(surface.shape.radius_at(0.5 * (rows[0] + rows[-1])))
-        near = max(ON_SURFACE * radius, 2.0 * (getattr(surface.shape, "deviation", None) or 0.0))
-        on = (np.abs(distance) < near) & (z > rows[0] - slack) & (z < rows[-1] + slack)
-        if not grid.periodic:
-            on &= (column > -1.0) & (column < grid.columns)
-        self.nodes = np.flatnonzero(on)
-        column, z = column[on], np.clip(z[on], rows[0], rows[-1])
-        j = np.floor(column).astype(int)
-        k = np.clip(np.searchsorted(rows, z, side="right") - 1, 0, max(len(rows) - 2, 0))
-        k1 = np.minimum(k + 1, len(rows) - 1)
-        s = column - j
-        t = np.where(k1 > k, (z - rows[k]) / np.where(k1 > k, rows[k1] - rows[k], 1.0), 0.0)
-        j0, j1 = j, j + 1
-        if grid.periodic:
-            j0, j1 = j0 % grid.columns, j1 % grid.columns
-        inside0, inside1 = (j0 >= 0) & (j0 < grid.columns), (j1 >= 0) & (j1 < grid.columns)
-        j0, j1 = np.clip(j0, 0, grid.columns - 1), np.clip(j1, 0, grid.columns - 1)
-        self.columns = np.stack([j0, j1, j0, j1])
-        self.rows = np.stack([k, k, k1, k1])
-        weights = np.stack([(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t])
-        self.weights = weights * np.stack([inside0, inside1, inside0, inside1])
-
-    def interpolate(self, values: np.ndarray) -> np.ndarray:
-        """Hat interpolation of (columns, rows) at the surface's skin nodes."""
-        return (self.weights * values[self.columns, self.rows]).sum(axis=0)
-
-
 class Skin:
     """The skin of one flexible body over a run: displacement and pressure at saved step `i`."""
 
@@ -116,15 +58,23 @@ class Skin:
         self._modes = body.reduced.surface.modes  # (m, n, 3)
         self._pairs = [p for p in view.pairs.values() if body.name in (p.first_body.name, p.second_body.name)]
         self._on = {p.name: SkinSurface(self._surface(p), self.points) for p in self._pairs}
+        self._rubbing = {
+            p.name: PatchOnSkin(p, history, self._on[p.name], self.points, first=self._is_first(p))
+            for p in self._pairs
+            if getattr(history.contacts[p.name], "friction", None) is not None
+        }
 
-    def _surface(self, pair: Any) -> Any:
-        return pair.first if pair.first_body.name == self.body.name else pair.second
+    def _is_first(self, pair: PairView) -> bool:
+        return pair.first_body.name == self.body.name
+
+    def _surface(self, pair: PairView) -> Any:
+        return pair.first if self._is_first(pair) else pair.second
 
     def _loads(self, pair: Any, i: int) -> tuple[np.ndarray, np.ndarray]:
         """Outward hat forces [N] and pressure coefficients [Pa], both (columns, rows), of one pair on this body."""
         contact = self.history.contacts[pair.name]
         surface = self._surface(pair)
-        if pair.first_body.name == self.body.name:
+        if self._is_first(pair):
             pressure = spread(surface, contact.first_column[i], contact.pressure[i])
             return -hat_forces(surface, pressure), pressure
         load = spread(surface, contact.first_column_second[i], contact.load_second[i])
@@ -138,6 +88,10 @@ class Skin:
             forces, _ = self._loads(pair, i)
             if np.any(forces):
                 u = u + self._surface(pair).recover(forces)
+            tangential = self._surface(pair).tangential
+            if pair.name in self._rubbing and tangential is not None:
+                contact, first = self.history.contacts[pair.name], self._is_first(pair)
+                u = u + tangential.recover(tangential_forces(pair, contact, self.history.bodies, i, first=first))
         return u
 
     def pressure(self, i: int) -> np.ndarray:
@@ -148,9 +102,43 @@ class Skin:
             p[on.nodes] += on.interpolate(self._loads(pair, i)[1])
         return p
 
+    @property
+    def contact_fields(self) -> tuple[str, ...]:
+        """Those of `CONTACT_FIELDS` that this body has: only pressure without friction, none without contact."""
+        return CONTACT_FIELDS if self._rubbing else CONTACT_FIELDS[:1] if self._pairs else ()
 
-def rotate(rotation: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Vectors (n, 3) turned by the unit quaternion (x, y, z, w): user axes to world axes."""
-    u, w = np.asarray(rotation[:3]), float(rotation[3])
-    t = 2.0 * np.cross(u, vectors)
-    return vectors + w * t + np.cross(u, t)
+    def traction(self, i: int) -> np.ndarray:
+        """Tangential traction (n, 3) [Pa] on this body at the skin's nodes, user axes, at saved step `i`."""
+        parts = [patch.traction(i) for patch in self._rubbing.values()]
+        return np.sum(parts, axis=0) if parts else np.zeros_like(self.points)
+
+    def slip_speed(self, i: int) -> np.ndarray:
+        """Slip speed (n,) [m/s] at the skin's nodes, zero off the patches, at saved step `i`."""
+        return self._of_patches(i, lambda p: np.linalg.norm(p.contact.friction.slip_velocity[i], axis=0))
+
+    def wear(self, i: int) -> np.ndarray:
+        """Wear index (n,) [W/m2], pressure times slip speed, at the skin's nodes at saved step `i`."""
+        return self.pressure(i).clip(min=0.0) * self.slip_speed(i)
+
+    def state(self, i: int) -> np.ndarray:
+        """State (n,) of the cell that each of the skin's nodes lies in: 0 open, 1 stick, 2 slip; at saved step `i`."""
+        found = np.zeros(len(self.points), dtype=np.int8)
+        for patch in self._rubbing.values():
+            found = np.maximum(found, patch.nearest(i, patch.contact.friction.state[i]).astype(np.int8))
+        return found
+
+    def contact_field(self, name: str, i: int) -> np.ndarray:
+        """One of `contact_fields` (n,) at saved step `i`, of the traction its magnitude; SI units. Raises `InputError`
+        for one that this body does not have."""
+        if name not in self.contact_fields:
+            raise unknown_name(f"body '{self.body.name}': contact field", name, list(self.contact_fields))
+        if name == "traction":
+            return np.linalg.norm(self.traction(i), axis=1)
+        found = {"pressure": self.pressure, "slip": self.slip_speed, "state": self.state, "wear": self.wear}[name]
+        return found(i)
+
+    def _of_patches(self, i: int, window: Callable[[PatchOnSkin], np.ndarray]) -> np.ndarray:
+        found = np.zeros(len(self.points))
+        for patch in self._rubbing.values():
+            found = np.maximum(found, patch.scalar(i, window(patch)))
+        return found

@@ -2,9 +2,9 @@ r"""Stress of one body over a run, at points that were named when it was reduced
 
     sigma(t) = sum_i modes_i q_i(t) + sum_pairs [T f(t) + W s(t)]
 
-with the global coordinates `q` and the outward hat forces `f` of every contact pair that the body takes part in, as
-first or as second body (`StressField`). The tensor is in the axes of the body's user frame, which turns with the body;
-von Mises and principal stresses do not depend on axes.
+with the global coordinates `q`, and of every contact pair that the body takes part in, as first or as second body, the
+outward hat forces `f` and, with friction, the tangential forces of the cells (`StressField`). The tensor is in the axes
+of the body's user frame, which turns with the body; von Mises and principal stresses do not depend on axes.
 
 On a pair's first body the traction is the pressure that the contact found, hat by hat; on the second it is that
 pressure projected on its own hats. Both swing a little from node to node about their mean over a hat, which is what
@@ -22,8 +22,10 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.stress_field import StressField, max_shear, principal, von_mises
 from warpffrf.online.history import History
+from warpffrf.output.grid_places import spread
+from warpffrf.output.patch_on_skin import tangential_forces
 from warpffrf.output.scene_view import PairView, SceneView
-from warpffrf.output.skin import hat_forces, spread
+from warpffrf.output.skin import hat_forces
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +77,21 @@ def surface_forces(history: History, view: SceneView, body: str, i: int) -> dict
     return found
 
 
+def tangential_surface_forces(history: History, view: SceneView, body: str, i: int) -> dict[str, np.ndarray]:
+    """Tangential forces (2, columns, rows) [N] on each contact surface of `body` that rubs, summed over its pairs, at
+    saved step `i`; see `patch_on_skin`."""
+    found: dict[str, np.ndarray] = {}
+    for pair in view.pairs.values():
+        contact = history.contacts[pair.name]
+        if body not in (pair.first_body.name, pair.second_body.name) or getattr(contact, "friction", None) is None:
+            continue
+        first = pair.first_body.name == body
+        name = pair.first_surface_name if first else pair.second_surface_name
+        forces = tangential_forces(pair, contact, history.bodies, i, first=first)
+        found[name] = found[name] + forces if name in found else forces
+    return found
+
+
 def stress_field(view: SceneView, body: str, points: str) -> StressField:
     """The recovery called `points` of the body; raises `InputError` naming the bodies, or the names that there are."""
     if body not in view.bodies:
@@ -99,5 +116,7 @@ def stress_result(result: Any, body: str, points: str) -> StressResult:
     modal = history.bodies[body].modal
     tensor = np.empty((len(history.time), len(field.points), 6))
     for i in range(len(tensor)):
-        tensor[i] = field.evaluate(modal[i], surface_forces(history, view, body, i))
+        tensor[i] = field.evaluate(
+            modal[i], surface_forces(history, view, body, i), tangential_surface_forces(history, view, body, i)
+        )
     return StressResult(history.time, field.points, tensor)

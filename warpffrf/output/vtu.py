@@ -1,7 +1,9 @@
 """A run as a VTK time series: one .vtu a flexible body and saved step, bound together by one .pvd.
 
 Points are the rigidly moved, undeformed skin in world axes; the point data `displacement` [m, world axes] (warp by
-this vector), `pressure` [Pa]. ParaView and `pyvista.PVDReader` open the .pvd; one body is one part.
+this vector), `pressure` [Pa], and of bodies with friction `traction` [Pa, world axes, on this body], `slip` speed
+[m/s], `wear` index [W/m2] and `state` (0 open, 1 stick, 2 slip). ParaView and `pyvista.PVDReader` open the .pvd; one
+body is one part.
 """
 
 from __future__ import annotations
@@ -14,8 +16,9 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.output.grid_places import rotate
 from warpffrf.output.paths import checked_output_path
-from warpffrf.output.skin import Skin, rotate
+from warpffrf.output.skin import Skin
 
 
 def write_time_series(result: Any, path: str | os.PathLike[str], *, stride: int = 1) -> Path:
@@ -56,8 +59,11 @@ def body_mesh(result: Any, name: str, skin: Skin, i: int) -> Any:
 
     motion = result.history.bodies[name]
     rotation = motion.rotation[i]
+    data: dict[str, Any] = {"displacement": rotate(rotation, skin.displacement(i)), "pressure": skin.pressure(i)}
+    for field in skin.contact_fields[1:]:
+        data[field] = rotate(rotation, skin.traction(i)) if field == "traction" else skin.contact_field(field, i)
     return meshio.Mesh(
         points=np.asarray(motion.position[i]) + rotate(rotation, skin.points),
         cells=[("triangle", skin.triangles)],
-        point_data={"displacement": rotate(rotation, skin.displacement(i)), "pressure": skin.pressure(i)},
+        point_data=data,
     )

@@ -21,6 +21,7 @@ from warpffrf.scene_file.forms import (
     choose,
     fixed_forms,
     item_kinds,
+    shape_kinds,
     shown,
     signal_kinds,
     value_kinds,
@@ -51,6 +52,7 @@ class Builder:
     def _check(self) -> None:
         values = self.source.values
         sections = {**{s: self.fixed[s] for s in ("materials", "meshes", "reduced_bodies")}, "signals": signal_kinds()}
+        sections["ground"] = shape_kinds()  # its surfaces
         self.sections = {**sections, "bodies": self.fixed["bodies"], **self.items}
         known = (TITLE, "include", "parameters", "scene", *self.sections, "arrange", "equilibrium", "simulate")
         for key, table in values.items():
@@ -132,10 +134,9 @@ class Builder:
                 self._check_value((*path, key), entry, role)
         elif role == "value" and isinstance(value, str):
             self._reference_check(path, value)
-        elif role == "shapes" and isinstance(value, str) and value != FITTED and value not in self.values:
-            raise InputError(
-                f"{self.source.place(path)}: there is no surface {value!r}; 'fitted', 'cylinder' are known"
-            )
+        elif role == "shapes" and isinstance(value, str) and value != FITTED and value not in shape_kinds():
+            kinds = (FITTED, *shape_kinds())
+            raise InputError(f"{self.source.place(path)}: there is no surface {value!r}{suggestion(value, kinds)}")
 
     def _reference_check(self, path: Path, value: str) -> None:
         if value not in self.source.values.get("signals", {}):
@@ -196,6 +197,11 @@ class Builder:
         table = values.get("scene", {})
         with self._blamed(("scene",), table):
             self.scene = Scene(**self._arguments(("scene",), table, self.fixed["scene"][""]))
+        for name, table in values.get("ground", {}).items():
+            with self._blamed(("ground", name), table):
+                form = self._form(("ground", name), table)
+                shape = form.call(**self._arguments(("ground", name), table, form))
+                self.scene.ground.surface(shape, name=name)
         for name, table in values.get("bodies", {}).items():
             form = self._form(("bodies", name), table)
             with self._blamed(("bodies", name), table):

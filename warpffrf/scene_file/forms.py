@@ -193,10 +193,12 @@ def signal_kinds() -> dict[str, Form]:
 
 @cache
 def value_kinds() -> dict[str, Form]:
-    """Kind -> form of everything that may stand as a value: signals, surfaces, bases, damping, integrators, treatments
-    of local modes, the monolithic method, stress points."""
+    """Kind -> form of everything that may stand as a value: signals, surfaces, bases, damping, contact and friction
+    laws, integrators, treatments of local modes, the monolithic method, stress points."""
     from warpffrf.model.bases import BASES
     from warpffrf.model.damping import DAMPINGS
+    from warpffrf.model.friction import FRICTION_LAWS
+    from warpffrf.model.laws import LAWS
     from warpffrf.model.stress_field import StressPoints
     from warpffrf.model.surfaces import SHAPES
     from warpffrf.monolithic import Monolithic
@@ -204,13 +206,18 @@ def value_kinds() -> dict[str, Form]:
     online = importlib.import_module("warpffrf.online")
     others = [StressPoints, Monolithic, online.LocalDynamics, *online.INTEGRATORS.values()]
     found = dict(signal_kinds())
-    found.update({kind: form_of(kind, cls, {}) for kind, cls in {**SHAPES, **BASES, **DAMPINGS}.items()})
+    registered = {**SHAPES, **BASES, **DAMPINGS, **LAWS, **FRICTION_LAWS}
+    found.update({kind: form_of(kind, cls, {}) for kind, cls in registered.items()})
     found.update({snake_case(cls.__name__): form_of(snake_case(cls.__name__), cls, {}) for cls in others})
-    laws = _module("warpffrf.model.laws")
-    own = [(name, cls) for name, cls in _classes(laws) if cls.__module__ == laws.__name__] if laws else []
-    for name, cls in own:
-        found[getattr(cls, "kind", None) or snake_case(name)] = form_of(snake_case(name), cls, {})
     return found
+
+
+@cache
+def shape_kinds() -> dict[str, Form]:
+    """Kind -> form of every contact surface."""
+    from warpffrf.model.surfaces import SHAPES
+
+    return {kind: value_kinds()[kind] for kind in SHAPES}
 
 
 @cache

@@ -52,9 +52,11 @@ def roller_body(
     max_frequency: float | None = 20e3,
     modes: int | None = None,
     material: Material = STEEL,
+    tangential: bool = False,
     cache: bool = True,
 ) -> ReducedBody:
-    """A hollow roller (lengths in m, frequencies in Hz) with a rigid bore and a contact rim, reduced."""
+    """A hollow roller (lengths in m, frequencies in Hz) with a rigid bore and a contact rim, reduced; tangential: for
+    friction."""
     mesh = roller(
         outer_radius, inner_radius, width, crown_radius=crown_radius, sectors=sectors, layers=layers, axial=axial,
         grading=grading, order=order,
@@ -63,7 +65,7 @@ def roller_body(
     limit = max_frequency if modes is None else None
     return reduce(
         mesh, material, interfaces={"bore": "rigid"}, contact={"rim": shape}, max_frequency=limit, modes=modes,
-        cache=cache, progress=False,
+        tangential=tangential, cache=cache, progress=False,
     )  # fmt: skip
 
 
@@ -85,13 +87,15 @@ class Path:
         return len(self.approach)
 
 
-def _stacked(scene: Scene, first: ReducedBody, second: ReducedBody, tilt: float) -> tuple[Any, Any, Contact]:
+def _stacked(
+    scene: Scene, first: ReducedBody, second: ReducedBody, tilt: float, friction: Any = 0.0
+) -> tuple[Any, Any, Contact]:
     """Two rollers above each other along z, touching; `tilt` [rad] turns the upper one's axis about x."""
     radii = sum(b.contact_surfaces["rim"].shape.radius for b in (first, second))
     rotation = (np.sin(0.5 * tilt), 0.0, 0.0, np.cos(0.5 * tilt))
     lower = scene.add_body(first, name="lower")
     upper = scene.add_body(second, name="upper", position=(0.0, 0.0, radii), rotation=rotation)
-    contact = Contact(lower["rim"], upper["rim"])
+    contact = Contact(lower["rim"], upper["rim"], friction=friction)
     scene.add(contact)
     scene.close_gap(contact, along=(0.0, 0.0, 1.0))
     return lower, upper, contact
@@ -127,15 +131,15 @@ def guided_pair(
     ramp: float = 0.02,
     gravity: float = 9.81,
     carriage_mass: float = CARRIAGE_MASS,
+    friction: Any = 0.0,
 ) -> Scene:
     """The upper roller on a sprung vertical guide, pressed down by `load` [N, number or signal of the force along -z].
 
     stiffness [N/m], damping [N s/m] of the guide, gap [m] at the start, speed [rad/s] of both rollers, equal and
-    opposite,
-    reached smoothly within `ramp` [s]; None leaves the axles free.
+    opposite, reached smoothly within `ramp` [s]; None leaves the axles free. friction: of the pair.
     """
     scene = Scene(gravity=(0.0, 0.0, -gravity))
-    lower, upper, contact = _stacked(scene, first, second, 0.0)
+    lower, upper, contact = _stacked(scene, first, second, 0.0, friction)
     if gap:
         scene.close_gap(contact, along=(0.0, 0.0, 1.0), gap=gap)
     place = upper["bore"].world_point()

@@ -41,7 +41,7 @@ class SurfaceLoad:
         self, surface: Any, pressure: Any, *, distribution: Callable | Any = None, name: str | None = None
     ) -> None:
         label = f"surface load {name!r}" if name else "surface load"
-        if not isinstance(surface, SurfacePort):
+        if not isinstance(surface, SurfacePort) or surface.rigid:
             raise InputError(
                 f"{label}: a contact surface of a flexible body is needed, body['name'], got "
                 f"{getattr(surface, 'label', surface)!r}; for the "

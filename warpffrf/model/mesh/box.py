@@ -14,8 +14,8 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_array, require_count
 from warpffrf.model.mesh.data import FacetSet, Mesh
 from warpffrf.model.mesh.elements import cell_kind
+from warpffrf.model.mesh.lattice import KINDS, refined
 
-KINDS = {1: "hex8", 2: "hex27"}
 SIDES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")  # in the order of a hexahedron's faces
 
 
@@ -58,7 +58,7 @@ def grid(x: Any, y: Any, z: Any, *, filled: Any = None, order: int = 2, name: st
     # reference coordinates -1, 0, 1 become offsets 0, (1,) order on the refined grid
     offset = np.rint(0.5 * order * (kind.nodes + 1.0)).astype(np.int64)
     place = np.argwhere(there)
-    fine = [_refined(line, order) for line in lines]
+    fine = [refined(line, order) for line in lines]
     node = order * place[:, None, :] + offset[None]
     number = np.ravel_multi_index(tuple(np.moveaxis(node, -1, 0)), tuple(len(f) for f in fine))
     used, cells = np.unique(number, return_inverse=True)
@@ -83,13 +83,3 @@ def _increasing(values: Any, label: str) -> np.ndarray:
     if len(line) < 2 or np.any(np.diff(line) <= 0.0):
         raise InputError(f"{label}: at least two grid lines, increasing, are needed, got {line.tolist()}")
     return line
-
-
-def _refined(line: np.ndarray, order: int) -> np.ndarray:
-    """Grid lines with, for order 2, the middles between them."""
-    if order == 1:
-        return line
-    fine = np.empty(2 * len(line) - 1)
-    fine[::2] = line
-    fine[1::2] = 0.5 * (line[1:] + line[:-1])
-    return fine

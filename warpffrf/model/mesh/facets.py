@@ -49,6 +49,19 @@ class FacetSet:
         """Means of the corners (m, 3) [m], blocks one after the other."""
         return np.concatenate([np.zeros((0, 3)), *(points[c].mean(axis=1) for c in self.corners.values())])
 
+    def node_normals(self, points: np.ndarray) -> np.ndarray:
+        """Outward unit normals (n, 3) at the nodes of `node_set`, the mean of those of their facets' corners."""
+        numbers = self.node_set
+        total = np.zeros((len(numbers), 3))
+        for kind, nodes in self.blocks.items():
+            corners = points[nodes[:, : facet_kind(kind).corner_count]]
+            # twice the area vector: of a triangle, and of a quadrilateral by its diagonals
+            normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, -1] - corners[:, 1])
+            place = np.searchsorted(numbers, nodes)
+            np.add.at(total, place.ravel(), np.repeat(normal, nodes.shape[1], axis=0))
+        length = np.linalg.norm(total, axis=1, keepdims=True)
+        return total / np.where(length > 0.0, length, 1.0)  # facets that look against each other leave none
+
     def kept(self, mask: np.ndarray) -> FacetSet:
         """The facets for which `mask` (m,) is true, counted through the blocks."""
         stops = np.cumsum([len(nodes) for nodes in self.blocks.values()])[:-1]

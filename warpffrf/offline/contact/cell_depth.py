@@ -13,6 +13,7 @@ import numpy as np
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import cell_kind, facet_kind
+from warpffrf.offline.contact.contact_grid import largest_radius
 
 # First layer of nodes in spacings of the grid. Two equal steel rollers, 35 mm wall, layers growing by 1.3 inwards,
 # worst of four phases: errors of half-width and of peak pressure at mid-width against Hertz.
@@ -47,7 +48,7 @@ def layer_depth(mesh: Mesh, name: str, shape) -> float:
 
 def depth_ratio(depth: float, shape, grid: ContactGrid) -> float:
     """`depth` [m] over the smaller spacing of the grid, around the largest circle or along the axis."""
-    around = grid.pitch * float(np.max(shape.radius_at(grid.z)))
+    around = grid.pitch * largest_radius(shape, grid.z)
     return depth / min(around, float(np.min(np.diff(grid.z))))
 
 

@@ -1,5 +1,7 @@
 """Choice of the hats' grid on a contact surface, in the chart (theta, z) of its true shape.
 
+On a plane theta is a length, never comes back to where it was, and the radius that makes it one is 1.
+
 Two grids exist. The *nodal* one takes the surface nodes of a structured quadrilateral mesh, where they form a tensor
 product with equal angles: then hats and finite-element trace are as fine as each other and `G` is definite. Every other
 mesh gets a structured grid of a given spacing, by default the longest facet edge, so that the trace stays independent.
@@ -17,6 +19,8 @@ from warpffrf.model.mesh.elements import facet_kind
 
 SAME_PLACE = 1e-6  # chart coordinates of nodes closer than this fraction of the extent are the same line of the grid
 ROUND_SPACING = 1e-9  # a spacing that divides a length up to round-off divides it
+FULL_TURN = 2.0 * np.pi
+RADII = 33  # places along a meridian at which its radius is looked at: it decides how many columns there are, no more
 FEWEST_COLUMNS = 4  # of a grid that is not the mesh's own: on a full turn fewer hats would overlap on both sides
 
 
@@ -50,10 +54,16 @@ class Chart:
     theta: np.ndarray
     z: np.ndarray
     edge: float  # longest distance between neighbouring corners [m]
+    turn: float = FULL_TURN  # after which theta is the same place again: 2 pi, or infinity on a plane
 
     def part(self, mask: np.ndarray) -> Chart:
         """The facets that `mask` (m,) keeps."""
-        return Chart(self.theta[mask], self.z[mask], self.edge)
+        return Chart(self.theta[mask], self.z[mask], self.edge, self.turn)
+
+    @property
+    def scale(self) -> float:
+        """Length of theta that tolerances are fractions of: the full turn, or the extent on a plane."""
+        return self.turn if np.isfinite(self.turn) else float(np.ptp(self.theta))
 
     @staticmethod
     def joined(charts: list[Chart]) -> Chart:
@@ -65,22 +75,28 @@ class Chart:
             np.concatenate([np.pad(v, ((0, 0), (0, width - v.shape[1])), mode="edge") for v in values])
             for values in ([c.theta for c in charts], [c.z for c in charts])
         )
-        return Chart(theta, z, max(chart.edge for chart in charts))
+        return Chart(theta, z, max(chart.edge for chart in charts), charts[0].turn)
 
 
 def facet_chart(points: np.ndarray, kind: str, nodes: np.ndarray, shape) -> Chart:
     """Chart coordinates of the nodes of facets `nodes` (m, k) of one `kind`; neighbours may differ by a full turn."""
     theta, z, _ = shape.chart(points[nodes.ravel()])
     theta, z = theta.reshape(nodes.shape), z.reshape(nodes.shape)
-    theta = theta[:, :1] + _wrapped(theta - theta[:, :1])
+    turn = full_turn(shape)
+    theta = theta[:, :1] + wrapped(theta - theta[:, :1], turn)
     x = points[nodes[:, : facet_kind(kind).corner_count]]
     edge = float(np.max(np.linalg.norm(x - np.roll(x, 1, axis=1), axis=2)))
-    return Chart(theta, z, edge)
+    return Chart(theta, z, edge, turn)
 
 
-def _wrapped(angle: np.ndarray) -> np.ndarray:
-    """Angle in [-pi, pi)."""
-    return (angle + np.pi) % (2.0 * np.pi) - np.pi
+def full_turn(shape) -> float:
+    """theta after which the chart of `shape` comes back to the same place: 2 pi, or infinity on a plane."""
+    return np.inf if shape.profile().planar else FULL_TURN
+
+
+def wrapped(theta: np.ndarray, turn: float, low: float = -0.5) -> np.ndarray:
+    """theta, or anything counted like it, between `low` and `low` + 1 turns; as it is where there is no turn."""
+    return (theta - low * turn) % turn + low * turn if np.isfinite(turn) else theta
 
 
 def _lines(values: np.ndarray, extent: float) -> np.ndarray:
@@ -91,25 +107,34 @@ def _lines(values: np.ndarray, extent: float) -> np.ndarray:
 
 
 def covered_arc(chart: Chart, name: str) -> tuple[float, float, bool]:
-    """Start angle, extent [rad] of the facets, and whether they cover the full turn.
+    """Start angle, extent [rad; m on a plane] of the facets, and whether they cover the full turn.
 
     Raises `InputError` when the facets lie on more than one arc.
     """
     low, high = chart.theta.min(axis=1), chart.theta.max(axis=1)
-    order = np.argsort(low % (2.0 * np.pi))
-    low, length = (low % (2.0 * np.pi))[order], (high - low)[order]
+    start, length = wrapped(low, chart.turn, 0.0), high - low
+    order = np.argsort(start)
+    low, length = start[order], length[order]
     reach = np.maximum.accumulate(low + length)
-    slack = SAME_PLACE * 2.0 * np.pi
+    slack = SAME_PLACE * chart.scale
     gaps = np.flatnonzero(low[1:] > reach[:-1] + slack)
-    closing = low[0] + 2.0 * np.pi > reach[-1] + slack
+    closing = low[0] + chart.turn > reach[-1] + slack
     if len(gaps) + closing == 0:
-        return 0.0, 2.0 * np.pi, True
+        return 0.0, chart.turn, True
     if len(gaps) + closing > 1:
         raise InputError(f"contact {name!r}: the facets lie on more than one arc; make a facet set of each")
     if closing:
-        return float(low[0]), float(reach[-1] - low[0]), False
+        extent = float(reach[-1] - low[0])
+        return centred(float(low[0]), extent, chart.turn), extent, False
     first = gaps[0] + 1  # the arc runs across theta = 0
-    return float(low[first]), float(reach[gaps[0]] + 2.0 * np.pi - low[first]), False
+    extent = float(reach[gaps[0]] + chart.turn - low[first])
+    return centred(float(low[first]), extent, chart.turn), extent, False
+
+
+def centred(start: float, extent: float, turn: float) -> float:
+    """Start of an arc, counted so that its middle lies within half a turn of theta = 0, where charts have their
+    points."""
+    return float(wrapped(np.asarray(start + 0.5 * extent), turn)) - 0.5 * extent if np.isfinite(turn) else start
 
 
 def nodal_plan(chart: Chart, name: str, theta_first: float | None = None) -> GridPlan | None:
@@ -118,14 +143,13 @@ def nodal_plan(chart: Chart, name: str, theta_first: float | None = None) -> Gri
     `theta_first`: angle of the line that shall be column 0 of a full turn (the first plane of sector 0).
     """
     start, extent, full = covered_arc(chart, name)
-    turn = 2.0 * np.pi
+    turn, scale = chart.turn, chart.scale
     origin = (theta_first or 0.0) if full else start
-    position = (chart.theta - origin) % turn
-    position = np.where(position > turn * (1.0 - SAME_PLACE), position - turn, position)
-    theta = _lines(position.ravel(), turn)
+    position = wrapped(chart.theta - origin, turn, -SAME_PLACE)
+    theta = _lines(position.ravel(), scale)
     z = _lines(chart.z.ravel(), float(np.ptp(chart.z)))
     steps = np.diff(theta)
-    if len(theta) < 3 or len(z) < 2 or np.ptp(steps) > SAME_PLACE * turn:
+    if len(theta) < 3 or len(z) < 2 or np.ptp(steps) > SAME_PLACE * scale:
         return None
     j = np.searchsorted(theta - 0.5 * steps[0], position.ravel(), side="right") - 1
     k = np.argmin(np.abs(z[:, None] - chart.z.ravel()[None]), axis=0) if len(z) < 200 else None
@@ -146,15 +170,20 @@ def spaced_plan(chart: Chart, shape, name: str, spacing: float, nodes: int | Non
     """
     start, extent, full = covered_arc(chart, name)
     low, high = float(chart.z.min()), float(chart.z.max())
-    radius = float(np.max(shape.radius_at(np.array([low, 0.5 * (low + high), high]))))
+    radius = largest_radius(shape, np.array([low, high]))
     rows = max(int((high - low) / spacing + ROUND_SPACING) + 1, 2)
     columns = max(int(extent * radius / spacing + ROUND_SPACING) + (not full), FEWEST_COLUMNS)
     if nodes is not None:
         check_count(columns * rows, nodes, name, chart.edge)
     z = np.linspace(low, high, rows)
     if full:
-        return GridPlan(0.0, 2.0 * np.pi / columns, columns, True, z, False)
+        return GridPlan(0.0, chart.turn / columns, columns, True, z, False)
     return GridPlan(start, extent / (columns - 1), columns, False, z, False)
+
+
+def largest_radius(shape, z: np.ndarray) -> float:
+    """Largest metric radius R [m] of `shape` between the ends of the positions `z` [m]; 1 on a plane."""
+    return float(np.max(shape.radius_at(np.linspace(np.min(z), np.max(z), RADII))))
 
 
 def check_count(functions: int, nodes: int, name: str, edge: float) -> None:

@@ -9,16 +9,16 @@ import numpy as np
 
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.surfaces import CrownedCylinder
-from warpffrf.offline.contact.contact_grid import nodal_plan
+from warpffrf.offline.contact.contact_grid import largest_radius, nodal_plan
 from warpffrf.offline.contact.grid_rule import GridChoice, choose_spacing, grid_error
 from warpffrf.offline.contact.traction_fields import ContactFacets
 from warpffrf.offline.settings import Settings
 
 
 def expected_grids(mesh: Mesh, shapes: dict[str, Any], settings: Settings) -> dict[str, GridChoice]:
-    """The rule's choice by surface; empty where no half-width is expected. A crowned surface is touched in an ellipse,
-    a cylinder along a line."""
+    """The rule's choice by surface; empty where no half-width is expected. A surface that is curved in both directions,
+    or a plane, on which anything may lie, is touched in an ellipse; one with a straight or a slightly profiled meridian
+    along a line."""
     if settings.expected_half_width is None:
         return {}
     return {
@@ -34,7 +34,8 @@ def expected_grids(mesh: Mesh, shapes: dict[str, Any], settings: Settings) -> di
 
 
 def _patch(shape: Any) -> str:
-    return "ellipse" if isinstance(shape, CrownedCylinder) else "line"
+    profile = shape.profile()
+    return "ellipse" if profile.planar or profile.crown else "line"
 
 
 def _finest(mesh: Mesh, name: str, shape: Any) -> float:
@@ -42,7 +43,7 @@ def _finest(mesh: Mesh, name: str, shape: Any) -> float:
     facet edge."""
     chart = ContactFacets.of(mesh.points, mesh.facets(name), shape).chart
     plan = nodal_plan(chart, name)
-    return chart.edge if plan is None else plan.pitch * float(np.max(shape.radius_at(plan.z)))
+    return chart.edge if plan is None else plan.pitch * largest_radius(shape, plan.z)
 
 
 def spacings(mesh: Mesh, shapes: dict[str, Any], settings: Settings, chosen: dict[str, GridChoice]) -> dict[str, Any]:
@@ -56,16 +57,21 @@ def spacings(mesh: Mesh, shapes: dict[str, Any], settings: Settings, chosen: dic
         spacing = settings.traction_spacing
         if name in chosen:
             spacing = None if chosen[name].limited_by_mesh else chosen[name].spacing
-        if name in chosen and spacing is not None and mesh.cyclic is not None:
-            arc = 2.0 * np.pi * float(np.max(shape.radius_at(0.0))) / mesh.cyclic.sectors
+        if name in chosen and spacing is not None and mesh.cyclic is not None and not shape.profile().planar:
+            arc = 2.0 * np.pi * _radius(mesh, name, shape) / mesh.cyclic.sectors
             even = arc / np.ceil(arc / spacing)
             spacing = float(even) if arc > spacing and even >= _finest(mesh, name, shape) else spacing
         found[name] = spacing
     return found
 
 
+def _radius(mesh: Mesh, name: str, shape: Any) -> float:
+    """Largest radius [m] of the surface where its facets are."""
+    return largest_radius(shape, shape.chart(mesh.points[mesh.facets(name).node_set])[1])
+
+
 def promised(choice: GridChoice, grid: ContactGrid, shape: Any) -> GridChoice:
     """The choice with the spacing that the finished grid has, and what that promises."""
-    spacing = grid.pitch * float(np.max(shape.radius_at(grid.z)))
+    spacing = grid.pitch * largest_radius(shape, grid.z)
     error = grid_error(spacing, choice.half_width, quantity=choice.quantity, patch=_patch(shape), traction=grid.kind)
     return replace(choice, spacing=spacing, error=error)

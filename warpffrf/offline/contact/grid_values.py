@@ -8,24 +8,24 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.stress_field import GridSpan
+from warpffrf.offline.contact.contact_grid import wrapped
 from warpffrf.offline.fe.assembly import Sparse
 
 Array = np.ndarray
 BORDER = 1e-6  # of a cell: a place this close to the border of two cells, as nodes of the mesh are, takes their mean
 
 
-def grid_values(theta: Array, z: Array, grid: Any, span: GridSpan) -> Sparse:
+def grid_values(theta: Array, z: Array, grid: Any, span: GridSpan, turn: float) -> Sparse:
     """Hats or cells of `grid` at chart points theta [rad], z [m] (n,): csr (n, whole columns * rows).
 
-    z is cut to the grid; on an arc, places beyond the whole grid have zeros.
+    z is cut to the grid; on an arc, places beyond the whole grid have zeros. `turn`: `full_turn` of the shape.
     """
     lines, whole = grid.z, span.columns
     x = (theta - grid.theta_start) / grid.pitch + span.first
     if span.closed:
         x = x % whole
     else:
-        turn = 2.0 * np.pi / grid.pitch
-        x = (x + 0.5) % turn - 0.5
+        x = wrapped(x, turn / grid.pitch, -0.5 * grid.pitch / turn)
     if getattr(grid, "kind", "hats") == "cells":
         margin = BORDER * np.min(np.diff(lines))
         sides = [(dx, dz) for dx in (-BORDER, BORDER) for dz in (-margin, margin)]

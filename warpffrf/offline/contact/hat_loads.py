@@ -1,8 +1,9 @@
 r"""Consistent nodal loads of the functions of a contact grid: `B psi_i`, `(B psi_i)_a = int N_a psi_i d dA`.
 
 psi are the hats on the nodes of a grid or the cells around them (1 on a cell, 0 elsewhere; `model.contact_grid` says
-why not between them), d a direction of the surface: the outward normal n, the circumferential `e_theta`, or the
-meridian `t_z = (R' e_r + e_a)/sqrt(1 + R'^2)`, with `e_theta x t_z = n`. The integral runs over the *chart* of the true
+why not between them), d a direction of the surface: the normal n away from the material, the circumferential
+`e_theta`, or the meridian `t_z = (R' e_r + e_a)/sqrt(1 + R'^2)`, with `e_theta x t_z = n`; where the material lies
+outside (a bore), e_theta points against the columns. The integral runs over the *chart* of the true
 surface, pulled back to the facets: theta and z of a facet are interpolated from its nodes' chart coordinates,
 `theta = sum N_a theta_a`, `z = sum N_a z_a`, and
 
@@ -22,7 +23,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.mesh.elements import facet_kind
-from warpffrf.offline.contact.contact_grid import Chart, GridPlan
+from warpffrf.offline.contact.contact_grid import Chart, GridPlan, full_turn, wrapped
 from warpffrf.offline.contact.cut_quadrature import cut_points
 from warpffrf.offline.fe.reference import FACET_DEGREE, rule
 
@@ -71,20 +72,18 @@ def hat_loads(
 
 
 def surface_vectors(shape, theta: np.ndarray, z: np.ndarray, direction: str) -> np.ndarray:
-    """Unit vectors (..., 3), user axes, of a `direction` of the surface of revolution `shape` at (theta, z)."""
-    normal = shape.normal(theta, z)
+    """Unit vectors (..., 3), user axes, of a `direction` of the surface `shape` at (theta, z)."""
     if direction == "normal":
-        return normal
-    around = -np.sin(theta)[..., None] * shape.e_0 + np.cos(theta)[..., None] * np.cross(shape.e_a, shape.e_0)
-    return around if direction == "theta" else np.cross(normal, around)
+        return shape.normal(theta, z)
+    return shape.around(theta) if direction == "theta" else shape.along(theta, z)
 
 
 def _loads(kind, nodes, theta, z, shape, plan: GridPlan, basis: str, direction: str) -> HatLoads:
     """Loads of some facets, see `hat_loads`."""
     x = (theta - plan.theta_start) / plan.pitch
     if not plan.periodic:  # facets on either side of theta = 0 belong to one arc
-        turn, low = 2.0 * np.pi / plan.pitch, x.min(axis=1, keepdims=True)
-        x = x + ((low + 0.5) % turn - 0.5 - low)
+        turn, low = full_turn(shape) / plan.pitch, x.min(axis=1, keepdims=True)
+        x = x + (wrapped(low, turn, -0.5 / turn) - low)
     j = k = None  # the lines below each point
     if plan.nodal and kind in PIECES:
         r = rule(kind, FACET_DEGREE[kind], PIECES[kind])
@@ -103,7 +102,7 @@ def _loads(kind, nodes, theta, z, shape, plan: GridPlan, basis: str, direction: 
     dx = np.einsum("pk,pkd->pd", x[facet], slopes)
     dz = np.einsum("pk,pkd->pd", z[facet], slopes)
     stretch = np.abs(dx[:, 0] * dz[:, 1] - dx[:, 1] * dz[:, 0]) * plan.pitch
-    area = weight * stretch * shape.radius_at(at_z) * np.sqrt(1.0 + shape.slope_at(at_z) ** 2)
+    area = weight * stretch * shape.measure_at(at_z)
     load = surface_vectors(shape, plan.theta_start + plan.pitch * at_x, at_z, direction) * area[:, None]
 
     # points of one facet under the same functions are summed first: few sums instead of many entries to sort

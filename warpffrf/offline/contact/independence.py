@@ -54,7 +54,8 @@ def trace_ratio(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
     chart = facets.chart
     count, rows = window_columns(grid.columns, grid.rows), grid.rows
     # the window alone as a grid on an arc, with a margin of columns whose hats complete the lumped areas of its nodes
-    turn = 2.0 * np.pi
+    # (a plane, which has no turn, gets one as long as all of its columns, that the margin is on both sides)
+    turn = chart.turn if np.isfinite(chart.turn) else grid.pitch * np.ceil(np.ptp(chart.theta) / grid.pitch + 2.0)
     low = (chart.theta.min(axis=1) - grid.theta_start) % turn
     span = np.ptp(chart.theta, axis=1)
     reach = grid.pitch * count

@@ -25,10 +25,13 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.offline.contact.contact_grid import (
     FEWEST_COLUMNS,
+    FULL_TURN,
     ROUND_SPACING,
     SAME_PLACE,
     GridPlan,
+    centred,
     check_count,
+    largest_radius,
     nodal_plan,
     thinned_rows,
 )
@@ -123,7 +126,7 @@ class CyclicSurface:
                 if plan is not None and plan.columns % self.N == 0:
                     return 1, plan
             spacing = chart.edge
-        arc = 2.0 * np.pi / self.N * float(np.max(self.shape.radius_at(chart.z)))
+        arc = 2.0 * np.pi / self.N * largest_radius(self.shape, chart.z)
         per_sector, stride = int(arc / spacing * (1.0 + ROUND_SPACING)), 1
         if per_sector < 1:
             reach = spacing * (1.0 + SAME_PLACE)
@@ -193,6 +196,8 @@ class CyclicField:
         """The grid of the field as the reduced body keeps it."""
         s = self.surface
         start = s.plan.theta_start + s.first * self.pitch
+        if not s.periodic:
+            start = centred(start, self.pitch * (self.columns - 1), FULL_TURN)
         e_0 = np.asarray(s.shape.e_0, dtype=float)
         return ContactGrid(e_0, start, self.pitch, self.columns, s.periodic, s.plan.z, self.c, self.kind)
 

@@ -73,9 +73,10 @@ class GeneralSurface:
         kept = np.flatnonzero(inside)
         whole = len(kept) == len(inside) if self.plan.periodic else len(kept) and kept[-1] - kept[0] + 1 == len(kept)
         if not whole:
+            between = "fill a rectangle" if self.shape.profile().planar else "cover the surface between two angles"
             raise InputError(
                 f"contact {self.name!r}: the facets leave part of {int(np.sum(~inside))} of {self.plan.columns} grid "
-                "columns uncovered; choose facets that cover the surface between two angles over its whole width"
+                f"columns uncovered; choose facets that {between} over its whole width"
             )
         return int(kept[0]), len(kept)
 

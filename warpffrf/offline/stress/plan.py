@@ -33,6 +33,7 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import cell_kind, facet_kind
 from warpffrf.model.reduced_body import Recovery
 from warpffrf.model.stress_field import GridSpan, LoadStress, StressField, StressPoints
+from warpffrf.offline.contact.contact_grid import full_turn
 from warpffrf.offline.contact.grid_values import grid_values
 from warpffrf.offline.contact.hat_loads import surface_vectors
 from warpffrf.offline.contact.traction_fields import NORMAL, TANGENTIAL
@@ -278,7 +279,7 @@ class StressPlan:
         for size, (where, place, poisson) in ((len(self.slots), slots), (len(self.points), points)):
             theta, z, _ = surface.shape.chart(place)
             Q = traction_correction(surface.shape.normal(theta, z), poisson)
-            psi = sp.coo_matrix(grid_values(theta, z, grid, span))
+            psi = sp.coo_matrix(grid_values(theta, z, grid, span, full_turn(surface.shape)))
             rows = (6 * where[psi.row][:, None] + np.arange(6)).ravel()
             blocks = []
             for direction in directions:

@@ -1,0 +1,134 @@
+"""The three evaluations of contact side by side: `python bench/evaluations.py [--json FILE] [--errors | --times]`.
+
+*Errors* of "semi" and "hyper" against "full", two rollers with a stiff layer between them rolling over each other at a
+constant approach: force, pressure and stress, on finer and finer meshes, with two layers. *Times* of a step with 8,000
+local modes, all three in the same run: "full" with each of its linear solvers, of which "full" is the conventional one,
+a dense LU of all coordinates in each iteration, and "low_rank" condenses the local modes. See
+`warpffrf/study/evaluations.py`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpffrf.study.evaluations import (
+    SEPARATED,
+    STEP,
+    STIFFER,
+    compare,
+    points_of,
+    run_evaluation,
+    scene_of,
+    step_seconds,
+    tread,
+)
+from warpffrf.study.rollers import PAIR
+from warpffrf.study.step_time import RADIUS, machine
+
+SAMPLING_ERROR = 0.01
+HARD = 300.0  # a layer that is hardly there; `STIFFER` is one as penalties are chosen
+# sectors, layers, axial, columns of the tread, approach [m]
+MESHES = ((2400, 17, 4, 120, 40e-6), (2400, 17, 4, 140, 60e-6), (3840, 20, 4, 200, 40e-6), (3840, 20, 4, 220, 60e-6))
+SWING, RATE, STEPS = 0.01, 10.0, 15  # rad, rad/s: the patch runs over four to six columns
+SERIES = (960, 14, 8, 444, 60e-6)  # 444 x 9 hats, 3,996 a roller
+COLUMNS_A_STEP = 0.25
+SEPARATED_STEPS, ROUNDS = 150, 15  # the fastest round counts, all in turn: other work on the machine only slows down
+FULL_STEPS = {"low_rank": 10, "modified": 2, "full": 1}
+HALF_WIDTH = 0.45  # over sqrt(approach R), about: where the stress points lie
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
+    parser.add_argument("--errors", action="store_true", help="errors only, half a minute")
+    parser.add_argument("--times", action="store_true", help="times only, some minutes")
+    given = parser.parse_args()
+    found: dict[str, Any] = machine()
+    if not given.times:
+        found["errors"] = errors()
+    if not given.errors:
+        found["times"] = times(found["unit_seconds"])
+    if given.json:
+        given.json.write_text(json.dumps(found, indent=1) + "\n")
+
+
+def errors() -> list[dict[str, Any]]:
+    """Errors on all meshes; printed as they come."""
+    print("sectors  approach  layer  columns a half-width  evaluation  points  force  pressure  stress")
+    rows = []
+    for sectors, layers, axial, columns, approach in MESHES:
+        half_width = HALF_WIDTH * float(np.sqrt(approach * RADIUS))
+        body = tread(
+            columns, sectors=sectors, layers=layers, axial=axial, sampling_error=SAMPLING_ERROR, half_width=half_width
+        )
+        for stiffer in (STIFFER, HARD):
+            for one in compare(body, approach, SWING, RATE, STEPS, stiffer):
+                row = {"sectors": sectors, "approach": approach, "layer": stiffer, **one.row()}
+                rows.append(row)
+                print(
+                    f"{sectors:7d} {approach * 1e6:6.0f} um {stiffer:6.0f} {one.half_width:21.1f} "
+                    f"{one.evaluation:>11s} {one.points:7d} {one.force:6.2%} {one.pressure:9.2%} {one.stress:7.2%}",
+                    flush=True,
+                )
+    return rows
+
+
+def times(unit: float) -> list[dict[str, Any]]:
+    """Times of a step of all three, and their ratios; printed as they come."""
+    sectors, layers, axial, columns, approach = SERIES
+    body = tread(columns, sectors=sectors, layers=layers, axial=axial, sampling_error=SAMPLING_ERROR)
+    pitch = 2.0 * np.pi / sectors
+    rate, swing = COLUMNS_A_STEP * pitch / STEP, 0.4 * columns * pitch
+    best: dict[str, dict[str, Any]] = {}
+    for _ in range(ROUNDS):
+        for name in SEPARATED:
+            scene = scene_of(body, name, approach, swing, rate, SEPARATED_STEPS * STEP)
+            result = run_evaluation(scene, SEPARATED_STEPS)
+            seconds = step_seconds(result)
+            if name not in best or seconds < best[name]["seconds_per_step"]:
+                contact = result.history.contacts[PAIR]
+                best[name] = {
+                    "evaluation": name, "points": points_of(body, name), "seconds_per_step": seconds,
+                    "active": float(contact.active_modes.mean()),
+                    "force": float(np.linalg.norm(contact.force[1])),
+                    "iterations": result.history.counters["mean_iterations"],
+                }  # fmt: skip
+    print(f"U = {unit * 1e6:.1f} us, {2 * body.local_modes} local modes in the pair")
+    print("evaluation        points  active  iterations     us/step       U/step   over semi  over hyper  force off")
+    rows = []
+
+    def add(row: dict[str, Any]) -> None:
+        seconds = row["seconds_per_step"]
+        row["over_semi"] = seconds / best["semi"]["seconds_per_step"]
+        row["over_hyper"] = seconds / best["hyper"]["seconds_per_step"]
+        row["force_off"] = abs(row["force"] / best["semi"]["force"] - 1.0)
+        rows.append(row)
+        print(
+            f"{row['evaluation']:16s} {row['points']:7d} {row['active']:7.1f} {row['iterations']:11.2f} "
+            f"{seconds * 1e6:11.1f} {seconds / unit:12.2f} {row['over_semi']:11.2f} {row['over_hyper']:11.2f} "
+            f"{row['force_off']:10.2e}",
+            flush=True,
+        )
+
+    for name in SEPARATED:
+        add(best[name])
+    scene = scene_of(body, "full", approach, swing, rate, SEPARATED_STEPS * STEP)
+    start = run_evaluation(scene, 1)
+    for variant, steps in FULL_STEPS.items():
+        result = run_evaluation(scene, steps, start=start, variant=variant)
+        contact = result.history.contacts[PAIR]
+        add({
+            "evaluation": f"full, {variant}", "points": axial + 1, "seconds_per_step": step_seconds(result),
+            "active": float(contact.active_modes.mean()), "force": float(np.linalg.norm(contact.force[0])),
+            "iterations": result.history.counters["mean_iterations"],
+        })  # fmt: skip
+    return rows
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,388 @@
+"""Where two surfaces of any shape are nearest, for the pairs whose gaps are taken at points (`contact_points`).
+
+With x_A(theta, z) a point of A's true surface and d_B the signed distance from B's, the gap is g = d_B(x_A). Of every
+section z of A that looks nearest, the angle (of a plane the place) where g is least is the root of
+
+    dg/dtheta = grad d_B . dx_A/dtheta,
+
+found by secants over half a column: first from the best of SCAN angles in three sections, then, within a step, from
+the last place; a secant that leaves the bracket is replaced by halving it. A gap that is the same everywhere (plane on
+plane) leaves the place where it is. The place sets the windows and is the *phase* of A's grid; the opposite place on B,
+its row, and how B's columns turn along A's width are those of B's. Nothing else depends on it: a place that is a little
+off only moves the window.
+
+A pair whose first grid is an arc of no more columns than the window looks at the whole arc, and its window never moves.
+Columns that overlap apart from the nearest run (a second patch) are kept inside the window (`touched`).
+
+The smallest gap of all, which is recorded as the approach, is found from there by Newton's method along the chart, with
+differences of the gradient for the second derivatives; directions that the gap does not curve in are held back by
+REGULAR, and steps end at the edges of A's grid.
+"""
+
+import math
+
+import warp as wp
+
+from warpffrf_kernels import control as k
+from warpffrf_kernels.contact_geometry import DRIFT, FARTHEST, PHASE_TOLERANCE, row_below, wrap
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.surface import (
+    axes_of,
+    chart_of,
+    distance_of,
+    gradient_of,
+    local_point,
+    origin_of,
+    radius_of,
+    slope_of,
+)
+
+wp.set_module_options(MODULE_OPTIONS)
+
+TWO_PI = wp.constant(wp.float64(2.0 * math.pi))
+SCAN = wp.constant(24)  # angles of the first look, 15 degrees apart: brackets the one minimum of a convex section
+SECTIONS = wp.constant(3)  # both ends and the middle
+TIE = wp.constant(wp.float64(1.0e-12))  # m: gaps that differ by less are the same, the middle one is taken
+SECANTS = wp.constant(40)  # halving 15 degrees so often leaves 1e-11; secants take five
+SETTLED = wp.constant(wp.float64(1.0e-9))  # columns
+LOOKS = wp.constant(9)  # sections that the smallest gap is looked for in first
+STEPS = wp.constant(12)  # of Newton's method from there
+HALVINGS = wp.constant(6)
+EDGE_STEP = wp.constant(wp.float64(1.0e-3))  # of A's width: step of the differences along it
+REGULAR = wp.constant(wp.float64(1.0e-6))  # of the curvature at hand, and of 1/width
+FLAT = wp.constant(wp.float64(1.0e-13))  # m a column: a change of slope by less is round-off
+
+
+@wp.struct
+class View:
+    """A's surface frame seen from B's: a point x of A is at `at + turn x` there."""
+
+    at: vec3
+    turn: mat33
+
+
+@wp.func
+def view_of(model: Model, w: int, pair: int, r1: wp.array2d(dtype=vec3), axes: wp.array2d(dtype=mat33)) -> View:
+    A = model.pair_first[pair]
+    B = model.pair_second[pair]
+    body_a = model.surface_body[A]
+    body_b = model.surface_body[B]
+    turn_a = axes_of(axes, w, body_a)
+    turn_b = axes_of(axes, w, body_b)
+    # the difference of the centres of mass first: positions may be large against the bodies
+    between = origin_of(r1, w, body_a) - origin_of(r1, w, body_b)
+    between += turn_a * model.surface_origin[A] - turn_b * model.surface_origin[B]
+    to_b = wp.transpose(turn_b * model.surface_frame[B])
+    view = View()
+    view.at = to_b * between
+    view.turn = to_b * (turn_a * model.surface_frame[A])
+    return view
+
+
+@wp.func
+def gap_at(model: Model, A: int, B: int, view: View, theta: real, z: real) -> real:
+    """g [m] at chart coordinates of A."""
+    return distance_of(model, B, view.at + view.turn * local_point(model, A, theta, z))
+
+
+@wp.func
+def slopes(model: Model, A: int, B: int, view: View, column: real, z: real) -> wp.vec2d:
+    """dg/dtheta and dg/dz at a column and axial position of A."""
+    theta = model.surface_theta[A] + column * model.surface_pitch[A]
+    x = local_point(model, A, theta, z)
+    around = vec3(-x[1], x[0], real(0.0))
+    along = vec3(real(0.0), real(0.0), real(1.0))
+    if model.surface_planar[A] != 0:
+        around = vec3(real(0.0), real(1.0), real(0.0))
+    else:
+        slope = slope_of(model, A, z)
+        along = vec3(slope * wp.cos(theta), slope * wp.sin(theta), real(1.0))
+    gradient = wp.transpose(view.turn) * gradient_of(model, B, view.at + view.turn * x)
+    return wp.vec2d(wp.dot(gradient, around), wp.dot(gradient, along))
+
+
+@wp.func
+def section_of(model: Model, A: int, section: int) -> real:
+    """z of a section: the middle first."""
+    z0 = model.surface_z_start[A]
+    low = model.surface_z[z0]
+    high = model.surface_z[z0 + model.surface_rows[A] - 1]
+    if section == 1:
+        return low
+    if section == 2:
+        return high
+    return real(0.5) * (low + high)
+
+
+@wp.func
+def spacing_of(model: Model, A: int) -> real:
+    """Columns between two angles of the first look."""
+    angles = int(SCAN)
+    if model.surface_periodic[A] != 0:
+        return real(model.surface_columns[A]) / real(angles)
+    return real(model.surface_columns[A] - 1) / real(angles - 1)
+
+
+@wp.func
+def settle(model: Model, A: int, B: int, view: View, start: real, z: real) -> real:
+    """Column of A nearest to the column `start` where the gap of the section z is least."""
+    pitch = model.surface_pitch[A]
+    last = real(model.surface_columns[A] - 1)
+    around = model.surface_periodic[A] != 0
+    farthest = wp.max(spacing_of(model, A), real(1.0))  # columns a step
+    low = real(-1.0e300)  # the bracket: where the gap still falls and where it rises again
+    high = real(1.0e300)
+    x = start
+    step = int(0)
+    while step < SECANTS:
+        slope = slopes(model, A, B, view, x, z)[0]
+        turn = slopes(model, A, B, view, x + real(0.5), z)[0] - slope  # half a column on
+        to = x
+        if wp.abs(slope) * pitch > FLAT or turn * pitch > FLAT:
+            if slope > real(0.0):
+                high = x
+            else:
+                low = x
+            to = x - wp.sign(slope) * farthest
+            if turn * pitch > FLAT:
+                to = x + wp.clamp(-real(0.5) * slope / turn, -farthest, farthest)
+            if to < low or to > high:
+                to = real(0.5) * (low + high)
+        if not around:
+            to = wp.clamp(to, real(0.0), last)
+        step += 1
+        if wp.abs(to - x) <= SETTLED:
+            step = SECANTS
+        x = to
+    return x
+
+
+@wp.func
+def scan(
+    model: Model,
+    w: int,
+    pair: int,
+    A: int,
+    B: int,
+    view: View,
+    nearest: wp.array3d(dtype=real),
+    touched: wp.array3d(dtype=int),
+):
+    """The first look: column and z of the least gap, and the columns that overlap apart from those around it."""
+    last = real(model.surface_columns[A] - 1)
+    middle = real(0.5) * last
+    spacing = spacing_of(model, A)
+    best = real(1.0e300)
+    at = int(0)
+    z_at = section_of(model, A, 0)
+    overlapping = int(0)  # a bit for each angle
+    i = int(0)
+    while i < SCAN:  # from the middle outwards: 0, 1, -1, 2, -2, ...
+        place = (i + 1) / 2
+        if i % 2 == 0:
+            place = -place
+        x = middle + spacing * real(place)
+        if model.surface_periodic[A] == 0:
+            x = wp.clamp(x, real(0.0), last)
+        section = int(0)
+        while section < SECTIONS:
+            z = section_of(model, A, section)
+            g = gap_at(model, A, B, view, model.surface_theta[A] + x * model.surface_pitch[A], z)
+            if g < best - TIE:
+                best = g
+                at = place
+                z_at = z
+            if g < real(0.0):
+                overlapping = overlapping | (1 << (place + SCAN / 2))
+            section += 1
+        i += 1
+    x_at = middle + spacing * real(at)
+    if model.surface_periodic[A] == 0:
+        x_at = wp.clamp(x_at, real(0.0), last)
+    nearest[w, pair, 0] = x_at
+    nearest[w, pair, 1] = z_at
+    for side in range(2):
+        way = 2 * side - 1
+        far = int(0)
+        apart = int(0)
+        n = int(1)
+        while n < SCAN / 2:
+            place = at + way * n
+            if model.surface_periodic[A] != 0:
+                place = (place + SCAN + SCAN / 2 - 1) % SCAN - SCAN / 2 + 1
+            if place > -SCAN / 2 and place <= SCAN / 2 and (overlapping >> (place + SCAN / 2)) % 2 == 1:
+                if apart == 1:
+                    far = n
+            else:
+                apart = int(1)
+            n += 1
+        touched[w, pair, side] = int(wp.floor(x_at + spacing * real(way * far) + real(0.5)))
+
+
+@wp.kernel
+def locate_points(
+    models: wp.array(dtype=Model),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    ctl: wp.array2d(dtype=int),
+    phase: wp.array3d(dtype=real),
+    center: wp.array3d(dtype=int),
+    nearest: wp.array3d(dtype=real),
+    touched: wp.array3d(dtype=int),
+):
+    """Per (world, pair of family 1): nearest place, phases, centre columns; `contact_geometry.locate` for the others.
+
+    phase: column on A and B twice (as of the first and last station there), in use then new; then B's row and the
+    columns by which B's chart turns along A's width, in use then new. nearest: column of A, z [m]. touched: lowest and
+    highest column that the first look found to be the nearest, or a patch apart from it.
+    """
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_family[pair] != 1:
+        return
+    A = model.pair_first[pair]
+    B = model.pair_second[pair]
+    view = view_of(model, w, pair, r1, axes)
+    columns = model.surface_columns[A]
+    whole = model.surface_periodic[A] == 0 and columns <= model.window_columns
+    if ctl[w, k.ITERATION] == 0:
+        scan(model, w, pair, A, B, view, nearest, touched)
+    z = nearest[w, pair, 1]
+    x = settle(model, A, B, view, nearest[w, pair, 0], z)
+    nearest[w, pair, 0] = x
+    x_a = x
+    if whole:
+        x_a = real((columns - 1) / 2)
+    theta = model.surface_theta[A] + x_a * model.surface_pitch[A]
+    x_b = real(0.0)
+    row_b = real(0.0)
+    turned = real(0.0)
+    if model.surface_rigid[B] == 0:
+        foot = chart_of(model, B, view.at + view.turn * local_point(model, A, theta, z))
+        x_b = (foot[0] - model.surface_theta[B]) / model.surface_pitch[B]
+        end = model.surface_z[model.surface_z_start[A] + model.surface_rows[A] - 1]
+        if z > real(0.5) * (end + model.surface_z[model.surface_z_start[A]]):
+            end = model.surface_z[model.surface_z_start[A]]
+        other = chart_of(model, B, view.at + view.turn * local_point(model, A, theta, end))
+        turned = (other[0] - foot[0]) / model.surface_pitch[B]
+        if model.surface_planar[B] == 0:
+            turn_b = TWO_PI / model.surface_pitch[B]
+            middle = real(0.5) * real(model.surface_columns[B] - 1)
+            if ctl[w, k.ITERATION] > 0:  # stay on the branch of the window
+                middle = real(center[w, pair, 1])
+            x_b = wrap(x_b, turn_b, middle)
+            turned = wrap(turned, turn_b, real(0.0))
+        row = row_below(model, B, foot[1])
+        z0 = model.surface_z_start[B] + row
+        row_b = real(row) + (foot[1] - model.surface_z[z0]) / (model.surface_z[z0 + 1] - model.surface_z[z0])
+    if not (wp.abs(x_a) < FARTHEST and wp.abs(x_b) < FARTHEST):  # also where they are not numbers
+        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_FINITE
+        ctl[w, k.RUN] = 0
+        return
+    largest = wp.max(wp.abs(x_a - phase[w, pair, 0]), wp.abs(x_b - phase[w, pair, 1]))
+    largest = wp.max(largest, wp.max(wp.abs(row_b - phase[w, pair, 8]), wp.abs(turned - phase[w, pair, 9])))
+    if largest > PHASE_TOLERANCE:
+        ctl[w, k.REASSEMBLE] = 1
+    for i in range(2):
+        phase[w, pair, 4 + 2 * i] = x_a
+        phase[w, pair, 5 + 2 * i] = x_b
+    phase[w, pair, 10] = row_b
+    phase[w, pair, 11] = turned
+    center[w, pair, 2] = 0
+    drift = wp.max(wp.abs(x_a - real(center[w, pair, 0])), wp.abs(x_b - real(center[w, pair, 1])))
+    if ctl[w, k.ITERATION] == 0 or drift > DRIFT:
+        center[w, pair, 0] = int(wp.floor(x_a + real(0.5)))
+        center[w, pair, 1] = int(wp.floor(x_b + real(0.5)))
+        ctl[w, k.REASSEMBLE] = 1
+        ctl[w, k.RECENTER] = 1
+
+
+@wp.func
+def smallest_gap(model: Model, A: int, B: int, view: View, column: real, z_start: real) -> real:
+    """Smallest gap [m] about a column and axial position of A, over the extent of A's grid."""
+    pitch = model.surface_pitch[A]
+    low = model.surface_z[model.surface_z_start[A]]
+    high = model.surface_z[model.surface_z_start[A] + model.surface_rows[A] - 1]
+    z = z_start
+    theta = model.surface_theta[A] + column * pitch
+    best = gap_at(model, A, B, view, theta, z)
+    looks = int(LOOKS)
+    i = int(0)
+    while i < looks:
+        at = low + (high - low) * real(i) / real(looks - 1)
+        g = gap_at(model, A, B, view, theta, at)
+        if g < best - TIE:
+            best = g
+            z = at
+        i += 1
+    x = column
+    step = int(0)
+    while step < STEPS:
+        R = radius_of(model, A, z)
+        dz = EDGE_STEP * (high - low)
+        if z + dz > high:
+            dz = -dz
+        here = slopes(model, A, B, view, x, z) / R
+        by_x = slopes(model, A, B, view, x + real(0.5), z) / R
+        by_z = slopes(model, A, B, view, x, z + dz) / R
+        # gradient and second derivatives by arc length around and by z
+        h_aa = (by_x[0] - here[0]) / (real(0.5) * pitch * R)
+        h_zz = (by_z[1] - here[1]) * R / dz
+        h_az = (by_z[0] - here[0]) / dz
+        least = REGULAR * (wp.abs(h_aa) + wp.abs(h_zz)) + REGULAR / (high - low)
+        h_aa = wp.max(h_aa, least)
+        h_zz = wp.max(h_zz, least)
+        bound = real(0.9) * wp.sqrt(h_aa * h_zz)
+        h_az = wp.clamp(h_az, -bound, bound)
+        g_a = here[0]
+        g_z = here[1] * R
+        if (z <= low and g_z > real(0.0)) or (z >= high and g_z < real(0.0)):
+            g_z = real(0.0)
+            h_az = real(0.0)
+        determinant = h_aa * h_zz - h_az * h_az
+        move_a = -(h_zz * g_a - h_az * g_z) / determinant
+        move_z = -(h_aa * g_z - h_az * g_a) / determinant
+        share = real(1.0)
+        tries = int(0)
+        while tries < HALVINGS:
+            x_to = x + share * wp.clamp(move_a / (R * pitch), -real(8.0), real(8.0))
+            if model.surface_periodic[A] == 0:
+                x_to = wp.clamp(x_to, real(0.0), real(model.surface_columns[A] - 1))
+            z_to = wp.clamp(z + share * move_z, low, high)
+            g = gap_at(model, A, B, view, model.surface_theta[A] + x_to * pitch, z_to)
+            tries += 1
+            share *= real(0.5)
+            if g < best:
+                best = g
+                x = x_to
+                z = z_to
+                tries = HALVINGS + 1
+        step += 1
+        if tries == HALVINGS:
+            step = STEPS
+    return best
+
+
+@wp.kernel
+def measure_approach(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    nearest: wp.array3d(dtype=real),
+    station: wp.array4d(dtype=real),
+):
+    """Per (world, pair of family 1), where a state is recorded: smallest undeformed gap and nearest column, put where
+    `record` finds distance and column of the first and the last station of the other pairs."""
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w, k.RECORD] == 0 or model.pair_family[pair] != 1:
+        return
+    A = model.pair_first[pair]
+    view = view_of(model, w, pair, r1, axes)
+    gap = smallest_gap(model, A, model.pair_second[pair], view, nearest[w, pair, 0], nearest[w, pair, 1])
+    for end in range(2):
+        s = end * ((model.surface_rows[A] - 1) * model.z_points - 1)
+        station[w, pair, s, 0] = gap
+        station[w, pair, s, 1] = nearest[w, pair, 0]

@@ -1,0 +1,330 @@
+"""Weak gaps at points fixed in the grid of the first surface, for surfaces of any shape.
+
+Points x_k lie on A's true surface, at places of the cells of A's grid that do not change: a rule per column (fractions
+of column and row, weights w_k in m^2), Gauss points in every cell or fewer chosen offline. With d_B the signed distance
+from B's true surface and psi_i A's hats
+
+    g_i = sum_k w_k psi_i(x_k) d_B(x_k),          l_i[node] = sum_k w_k psi_i(x_k) psi^B_node(foot of x_k on B),
+
+weak gap and load of B's hats under a unit pressure hat. Moving A by dx changes d_B by grad d_B . dx, the normal of B at
+the foot, away from B. A unit pressure therefore does
+
+    on A: the force f dA at x_k,       on B: -f dA at the same x_k,       f = grad d_B - (grad d_B . e_theta) e_theta,
+    F_i = sum_k w_k psi_i f_k,         M_i = sum_k w_k psi_i (x_k - r_A) x f_k:
+
+action equals reaction exactly, and F_i, M_i are the gradient of g_i by the motion of A relative to B, so that the
+contact gives back the energy that it was given, also where a patch slides over an edge. One component is left out, that
+along e_theta, around A's axis: f lies in the plane of A's meridian, and the torque of frictionless contact about A's
+axis is zero exactly. (The two normals differ by the angle between the surfaces. What the component would do is hold A
+back where its grid yields more and push it where it yields less: as in `contact_geometry`, the phase of A's grid is a
+parameter, and the energy gained or lost by turning it is the grid defect of the ledger.) A plane has no axis, and
+nothing is left out.
+
+Points whose foot lies beside B's grid face nothing and count neither in gap, area, force nor load: a patch that runs
+off an edge ends there. A rigid B has no edges, no grid and no load.
+"""
+
+import warp as wp
+
+from warpffrf_kernels import control as k
+from warpffrf_kernels.contact_geometry import row_below, wrap
+from warpffrf_kernels.contact_place import TWO_PI, view_of
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.surface import CENTRE, axes_of, meridian_of
+
+wp.set_module_options(MODULE_OPTIONS)
+
+LINE = 10  # numbers of a point: gap, column and row on B, weight, f and its moment (both in A's surface frame)
+
+
+@wp.kernel
+def sample_points(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    point_line: wp.array3d(dtype=real),
+):
+    """Per (world, pair of family 1), lanes over points of the window: gap, place on B's grid, weight (0 where B ends),
+    and the direction f of the pressure with its moment about A's centre of mass."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_family[pair] != 1:
+        return
+    A = model.pair_first[pair]
+    B = model.pair_second[pair]
+    view = view_of(model, w, pair, r1, axes)
+    arm_a = wp.transpose(model.surface_frame[A]) * model.surface_origin[A]
+    planar = model.surface_planar[A]
+    pitch = model.surface_pitch[A]
+    start = model.pair_point_start[pair]
+    count = model.pair_point_count[pair]
+    first = window[w, pair, 0] + model.half_window
+    strips = window[w, pair, 1] + model.half_window + 2 - first
+    rigid = model.surface_rigid[B]
+    planar_b = model.surface_planar[B]
+    side_b = model.surface_side[B]
+    z0 = model.surface_z_start[B]
+    rows_b = model.surface_rows[B]
+    low = model.surface_z[z0]
+    high = model.surface_z[z0 + rows_b - 1]
+    last = real(model.surface_columns[B])
+    turn_b = TWO_PI / model.surface_pitch[B]
+    middle = real(center[w, pair, 1])
+    known = int(-1)
+    cosine = real(1.0)
+    sine = real(0.0)
+    e = lane
+    while e < strips * count:
+        strip = first + e / count
+        p = e % count
+        if strip != known:  # angle of the column that the strip begins at
+            known = strip
+            column = center[w, pair, 0] + strip - model.half_window - 1
+            angle = model.surface_theta[A] + real(column) * pitch
+            sine = angle
+            if planar == 0:
+                sine = wp.sin(angle)
+                cosine = wp.cos(angle)
+        c = model.point_cosine[start + p]
+        s = model.point_sine[start + p]
+        z = model.point_z[start + p]
+        x = vec3(real(0.0), sine + s, z)
+        around = vec3(real(0.0), real(0.0), real(0.0))
+        if planar == 0:
+            R = model.point_radius[start + p]
+            u = cosine * c - sine * s
+            v = sine * c + cosine * s
+            x = vec3(R * u, R * v, z)
+            around = vec3(-v, u, real(0.0))
+        weight = model.point_weight[start + p]
+        y = view.at + view.turn * x
+        g = y[0]
+        foot_z = y[2]
+        f = vec3(real(1.0), real(0.0), real(0.0))
+        if planar_b == 0:
+            rho = wp.sqrt(y[0] * y[0] + y[1] * y[1])
+            foot = meridian_of(model, B, rho, y[2])
+            g = side_b * foot[1]
+            foot_z = foot[0]
+            scale = side_b * foot[2] / wp.max(rho, CENTRE)
+            f = vec3(scale * y[0], scale * y[1], side_b * foot[3])
+        f = wp.transpose(view.turn) * f
+        f -= wp.dot(f, around) * around
+        column_b = real(0.0)
+        row_b = real(0.0)
+        if rigid == 0:
+            if planar_b == 0:
+                column_b = (wp.atan2(y[1], y[0]) - model.surface_theta[B]) / model.surface_pitch[B]
+                column_b = wrap(column_b, turn_b, middle)
+            else:
+                column_b = (y[1] - model.surface_theta[B]) / model.surface_pitch[B]
+            if model.surface_periodic[B] == 0 and (column_b < real(-1.0) or column_b > last):
+                weight = real(0.0)
+            if foot_z < low or foot_z > high:
+                weight = real(0.0)
+            row = row_below(model, B, foot_z)
+            below = model.surface_z[z0 + row]
+            row_b = real(row) + (foot_z - below) / (model.surface_z[z0 + row + 1] - below)
+            row_b = wp.clamp(row_b, real(0.0), real(rows_b - 1))
+        m = wp.cross(x + arm_a, f)
+        i = (strip * count + p) * LINE
+        point_line[w, pair, i] = g
+        point_line[w, pair, i + 1] = column_b
+        point_line[w, pair, i + 2] = row_b
+        point_line[w, pair, i + 3] = weight
+        for q in range(3):
+            point_line[w, pair, i + 4 + q] = f[q]
+            point_line[w, pair, i + 7 + q] = m[q]
+        e += wp.block_dim()
+
+
+# Weak gap, area, gradient and stencil of one hat: the sum over the points of its (up to) four cells. Returns 1 if the
+# stencil has no room for all of B's nodes. Native like `contact_geometry.sum_hat`.
+@wp.func_native("""
+    const int start = model.pair_point_start.data[pair], count = model.pair_point_count.data[pair];
+    const int SC = model.stencil_columns, SR = model.stencil_rows;
+    const size_t p0 = (size_t)(w * model.pair_count + pair);
+    const size_t hat = p0 * model.mode_capacity + m;
+    const int column = m / rows, row = m % rows;
+    const int* begin = model.point_row_at.data + model.pair_row_start.data[pair];
+    const int from = begin[row > 0 ? row - 1 : 0], to = begin[row + 1 < rows ? row + 1 : rows - 1];
+    const double* line = point_line.data + p0 * (model.window_columns + 1) * model.most_points * 10;
+    double* l = stencil.data + hat * SC * SR;
+    double* f = wrench.data + hat * 6;
+    for (int e = 0; e < SC * SR; ++e) l[e] = 0.0;
+    double sum[6] = {0.0};
+    double total = 0.0, size = 0.0, lowest_c = 1e300, lowest_r = 1e300;
+    for (int t = 0; t < 2; ++t) for (int p = from; p < to; ++p) {
+        const double* q = line + (size_t)((column + t) * count + p) * 10;
+        if (q[3] == 0.0) continue;
+        const double x = model.point_x.data[start + p], zeta = model.point_zeta.data[start + p];
+        const double psi = q[3] * (t ? 1.0 - x : x) * (model.point_row.data[start + p] == row ? 1.0 - zeta : zeta);
+        total += psi * q[0]; size += psi;
+        for (int c = 0; c < 6; ++c) sum[c] += psi * q[4 + c];
+        if (q[1] < lowest_c) lowest_c = q[1];
+        if (q[2] < lowest_r) lowest_r = q[2];
+    }
+    weak_gap.data[hat] = total; area.data[hat] = size;
+    for (int i = 0; i < 3; ++i) for (int c = 0; c < 2; ++c) {
+        const double* v = sum + 3 * c;
+        f[3 * c + i] = turn.data[i][0] * v[0] + turn.data[i][1] * v[1] + turn.data[i][2] * v[2];
+    }
+    stencil_at.data[2 * hat] = model.second_half_window; stencil_at.data[2 * hat + 1] = 0;
+    if (rigid || size == 0.0) return 0;
+    const int oc = (int)::floor(lowest_c), last = rows_b - 2;
+    const int orow = (int)::floor(lowest_r) > last ? last : (int)::floor(lowest_r);
+    int beyond = 0;
+    for (int t = 0; t < 2; ++t) for (int p = from; p < to; ++p) {
+        const double* q = line + (size_t)((column + t) * count + p) * 10;
+        if (q[3] == 0.0) continue;
+        const double x = model.point_x.data[start + p], zeta = model.point_zeta.data[start + p];
+        const double psi = q[3] * (t ? 1.0 - x : x) * (model.point_row.data[start + p] == row ? 1.0 - zeta : zeta);
+        const double cf = ::floor(q[1]), rf0 = ::floor(q[2]), rf = rf0 > last ? last : rf0;
+        const double u = q[1] - cf, v = q[2] - rf;
+        const int ci = (int)cf - oc, ri = (int)rf - orow;
+        if (ci < 0 || ci + 1 >= SC || ri < 0 || ri + 1 >= SR) { beyond = 1; continue; }
+        double* d = l + ci * SR + ri;
+        d[0] += psi * (1.0 - u) * (1.0 - v); d[1] += psi * (1.0 - u) * v;
+        d[SR] += psi * u * (1.0 - v); d[SR + 1] += psi * u * v;
+    }
+    stencil_at.data[2 * hat] = oc - origin; stencil_at.data[2 * hat + 1] = orow;
+    return beyond;
+""")
+def sum_points(
+    model: Model,
+    w: int,
+    pair: int,
+    m: int,
+    rows: int,
+    rows_b: int,
+    rigid: int,
+    origin: int,
+    turn: mat33,
+    point_line: wp.array3d(dtype=real),
+    weak_gap: wp.array3d(dtype=real),
+    area: wp.array3d(dtype=real),
+    wrench: wp.array4d(dtype=real),
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+) -> int: ...
+
+
+@wp.kernel
+def weigh_points(
+    models: wp.array(dtype=Model),
+    axes: wp.array2d(dtype=mat33),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    point_line: wp.array3d(dtype=real),
+    ctl: wp.array2d(dtype=int),
+    weak_gap: wp.array3d(dtype=real),
+    area: wp.array3d(dtype=real),
+    wrench: wp.array4d(dtype=real),
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+):
+    """Per (world, pair of family 1), lanes over hats of the window: as `contact_geometry.weigh` for the others."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_family[pair] != 1:
+        return
+    A = model.pair_first[pair]
+    B = model.pair_second[pair]
+    rows = model.surface_rows[A]
+    H = model.half_window
+    origin = center[w, pair, 1] - model.second_half_window
+    turn = axes_of(axes, w, model.surface_body[A]) * model.surface_frame[A]
+    m = (window[w, pair, 0] + H) * rows + lane
+    end = (window[w, pair, 1] + H + 1) * rows
+    while m < end:
+        beyond = sum_points(
+            model, w, pair, m, rows, model.surface_rows[B], model.surface_rigid[B], origin, turn, point_line,
+            weak_gap, area, wrench, stencil, stencil_at,
+        )  # fmt: skip
+        absolute = center[w, pair, 0] + m / rows - H
+        dropped = int(0)
+        if model.surface_periodic[A] == 0 and (absolute < 0 or absolute >= model.surface_columns[A]):
+            dropped = int(1)
+        reached = stencil_at[w, pair, m, 0]
+        if reached < 0 or reached + model.stencil_columns > model.second_columns:
+            dropped = int(1)  # so far round the bodies that nothing of the second window is opposite
+        if beyond != 0 and dropped == 0:
+            # where surfaces part, the places opposite spread; a hat that overlaps is one that may be needed
+            if weak_gap[w, pair, m] > real(0.0):
+                dropped = int(1)
+            else:
+                ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.STENCIL
+        if dropped != 0:
+            area[w, pair, m] = real(0.0)
+            stencil_at[w, pair, m, 0] = model.second_half_window
+            stencil_at[w, pair, m, 1] = 0
+            e = int(0)
+            while e < model.stencil_columns * model.stencil_rows:
+                stencil[w, pair, m, e] = real(0.0)
+                e += 1
+        m += wp.block_dim()
+
+
+@wp.kernel
+def sum_points_second(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    axes: wp.array2d(dtype=mat33),
+    window: wp.array3d(dtype=int),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    point_line: wp.array3d(dtype=real),
+    second_wrench: wp.array3d(dtype=real),
+):
+    """Per (world, pair of family 1): force on B and its moment about A's centre of mass, from the pressure at every
+    point."""
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w, k.RECORD] == 0 or model.pair_family[pair] != 1:
+        return
+    A = model.pair_first[pair]
+    rows = model.surface_rows[A]
+    start = model.pair_point_start[pair]
+    count = model.pair_point_count[pair]
+    force = vec3(real(0.0), real(0.0), real(0.0))
+    moment = vec3(real(0.0), real(0.0), real(0.0))
+    strip = window[w, pair, 0] + model.half_window
+    end = window[w, pair, 1] + model.half_window + 1
+    while strip <= end:
+        p = int(0)
+        while p < count:
+            i = (strip * count + p) * LINE
+            x = model.point_x[start + p]
+            zeta = model.point_zeta[start + p]
+            load = real(0.0)
+            for corner in range(4):
+                column = strip - 1 + corner / 2
+                m = column * rows + model.point_row[start + p] + corner % 2
+                if column >= 0 and column < model.window_columns:
+                    if active[w, pair, m] != 0:
+                        psi = real(1.0) - x
+                        if corner / 2 == 1:
+                            psi = x
+                        if corner % 2 == 1:
+                            psi = psi * zeta
+                        else:
+                            psi = psi * (real(1.0) - zeta)
+                        load += psi * pressure[w, pair, m]
+            if load != real(0.0):
+                load *= point_line[w, pair, i + 3]
+                force += load * vec3(point_line[w, pair, i + 4], point_line[w, pair, i + 5], point_line[w, pair, i + 6])
+                moment += load * vec3(
+                    point_line[w, pair, i + 7], point_line[w, pair, i + 8], point_line[w, pair, i + 9]
+                )
+            p += 1
+        strip += 1
+    turn = axes_of(axes, w, model.surface_body[A]) * model.surface_frame[A]
+    force = turn * force
+    moment = turn * moment
+    for c in range(3):
+        second_wrench[w, pair, c] = -force[c]
+        second_wrench[w, pair, 3 + c] = -moment[c]

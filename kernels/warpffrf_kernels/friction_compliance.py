@@ -1,0 +1,454 @@
+r"""Compliance of the cells that may carry friction ("cell slots"), with everything else condensed into it.
+
+In the weak slip S_k = area_k s_k and the tractions tau_l, two directions each, rows 2 i + d of slot i:
+
+    K = area_k [D_tt^A]_kl area_l + (area Q o) D_tt^B (area Q o)^T + J sigma^-1 J^T + L H L^T,
+    J_k = area_k [Phi_tA, -Q o Phi_tB]_k,      L = [dS/d(rigid), -J sigma^-1 C^T],
+
+as `contact_compliance` does for the pressures: symmetric, and positive definite where the cells are no finer than the
+mesh. G of a slot stays assembled until the grids move
+against each other; the rest is made when there are fresh ones, after the active set of the pressures has settled: H
+changes by next to nothing within a step.
+"""
+
+import warp as wp
+
+from warpffrf_kernels import control as k
+from warpffrf_kernels.friction_geometry import cell_at
+from warpffrf_kernels.friction_shares import line_of, response_at
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, sync, vec3
+from warpffrf_kernels.surface import axes_of, origin_of
+
+wp.set_module_options(MODULE_OPTIONS)
+
+ROUND_OFF = wp.constant(wp.float64(1.0e-14))  # of a cosine: tangents of parallel rollers are parallel up to this
+
+
+@wp.kernel
+def take_cells(
+    models: wp.array(dtype=Model),
+    bound: wp.array3d(dtype=real),
+    ctl: wp.array2d(dtype=int),
+    cell_slot_of: wp.array3d(dtype=int),
+    cell_slot: wp.array3d(dtype=int),
+):
+    """Per world: a slot for each cell under pressure that has none; all are given back first when the grids have
+    moved."""
+    w = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+        return
+    capacity = model.mode_capacity
+    if ctl[w, k.STALE] != 0:
+        ctl[w, k.CELLS] = 0
+        pair = int(0)
+        while pair < model.pair_count:
+            m = int(0)
+            while m < capacity:
+                cell_slot_of[w, pair, m] = -1
+                m += 1
+            pair += 1
+        ctl[w, k.STALE] = 0
+    count = ctl[w, k.CELLS]
+    ctl[w, k.FRESH_CELLS] = count
+    pair = int(0)
+    while pair < model.pair_count:
+        if model.pair_friction[pair] > real(0.0):
+            m = int(0)
+            while m < capacity:
+                if bound[w, pair, m] > real(0.0) and cell_slot_of[w, pair, m] < 0:
+                    if count < model.cell_capacity:
+                        cell_slot_of[w, pair, m] = count
+                        cell_slot[w, count, 0] = pair
+                        cell_slot[w, count, 1] = m
+                    count += 1
+                m += 1
+        pair += 1
+    if count > ctl[w, k.FRESH_CELLS]:
+        ctl[w, k.FACTORED] = 0  # the numbers of the slots are new
+    if count > model.cell_capacity:
+        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.CAPACITY
+        ctl[w, k.SPARE] = wp.max(ctl[w, k.SPARE], count)
+        ctl[w, k.RUN] = 0
+        count = model.cell_capacity
+    ctl[w, k.CELLS] = count
+
+
+@wp.kernel
+def cell_modes(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    center: wp.array3d(dtype=int),
+    cell_slot: wp.array3d(dtype=int),
+    cell_area: wp.array3d(dtype=real),
+    cell_turn: wp.array4d(dtype=real),
+    share: wp.array4d(dtype=real),
+    share_at: wp.array4d(dtype=int),
+    cell_J: wp.array(dtype=real),
+):
+    """Per world: gradient J of the weak slip of the fresh slots by the global modes of A, then of B."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+        return
+    slot = ctl[w, k.FRESH_CELLS]
+    while slot < ctl[w, k.CELLS]:
+        pair = cell_slot[w, slot, 0]
+        m = cell_slot[w, slot, 1]
+        A = model.pair_first[pair]
+        B = model.pair_second[pair]
+        rows = model.surface_rows[A]
+        area = cell_area[w, pair, m]
+        modes_a = model.surface_modal_count[A]
+        start = (w * model.cell_capacity + slot) * 2 * model.pair_modes
+        i = lane
+        while i < 2 * model.pair_modes:
+            cell_J[start + i] = real(0.0)
+            i += wp.block_dim()
+        sync()
+        for d in range(2):
+            line = line_of(model, A, center[w, pair, 0] + m / rows - model.half_window, d * rows + m % rows)
+            if line >= 0:
+                at = model.surface_shear[A] + line * modes_a
+                axpy(modes_a, area, model.mode_tangent, at, cell_J, start + d * model.pair_modes)
+        if model.surface_shear[B] >= 0:
+            rows_b = model.surface_rows[B]
+            modes_b = model.surface_modal_count[B]
+            base = center[w, pair, 1] - model.second_half_window + share_at[w, pair, m, 0]
+            c = int(0)
+            while c < model.share_columns:
+                q = int(0)
+                while q < model.share_rows:
+                    part = -area * share[w, pair, m, c * model.share_rows + q]
+                    if part != real(0.0):
+                        for e in range(2):
+                            line = line_of(model, B, base + c, e * rows_b + share_at[w, pair, m, 1] + q)
+                            if line >= 0:
+                                at = model.surface_shear[B] + line * modes_b
+                                for d in range(2):
+                                    axpy(
+                                        modes_b, part * cell_turn[w, pair, m, 2 * d + e], model.mode_tangent, at,
+                                        cell_J, start + d * model.pair_modes + modes_a,
+                                    )  # fmt: skip
+                    q += 1
+                c += 1
+        slot += 1
+
+
+# Rows 2 slot, 2 slot + 1 of G against the slots up to itself, and their mirror. `shift` holds what the two tractions of
+# the slot do to the second surface's cells. Native, since it is the inner loop of the assembly.
+@wp.func_native("""
+    const int cap = 2 * model.cell_capacity, SC = model.share_columns, SR = model.share_rows, width = model.pair_modes;
+    const int* own = cell_slot.data + ((size_t)w * model.cell_capacity + slot) * 2;
+    const int pair = own[0], m = own[1];
+    const int A = model.pair_first.data[pair], B = model.pair_second.data[pair];
+    const int rows = model.surface_rows.data[A], block = model.surface_block.data[A], wide = block + 2 * model.reach;
+    const int rows_b = model.surface_rows.data[B], flexible = model.surface_shear.data[B] >= 0;
+    const double* DA = model.tangential.data + model.surface_tt.data[A];
+    const double* T = shift.data + (size_t)w * 4 * model.node_capacity;
+    const size_t cells = (size_t)(w * model.pair_count + pair) * model.mode_capacity;
+    const int first_a = model.surface_modal_start.data[A], count_a = model.surface_modal_count.data[A];
+    const int first_b = model.surface_modal_start.data[B], count_b = model.surface_modal_count.data[B];
+    const double* s = receptance.data + (size_t)w * model.modal_count;
+    const double* J0 = cell_J.data + ((size_t)w * model.cell_capacity + slot) * 2 * width;
+    double* scaled = scratch.data + (size_t)w * 2 * width;
+    WP_TILE_SYNC();
+    for (int n = WP_TILE_THREAD_IDX; n < count_a + count_b; n += WP_TILE_BLOCK_DIM) {
+        const double r = s[n < count_a ? first_a + n : first_b + n - count_a];
+        scaled[n] = J0[n] * r; scaled[width + n] = J0[width + n] * r;
+    }
+    WP_TILE_SYNC();
+    const double area = cell_area.data[cells + m];
+    const int column = origin + m / rows, row = m % rows;
+    for (int j = WP_TILE_THREAD_IDX; j <= slot; j += WP_TILE_BLOCK_DIM) {
+        const int* other = cell_slot.data + ((size_t)w * model.cell_capacity + j) * 2;
+        double g[2][2] = {{0.0, 0.0}, {0.0, 0.0}};
+        if (other[0] == pair) {
+            const int mj = other[1], column_j = origin + mj / rows, row_j = mj % rows;
+            const int part = ((column_j % block) + block) % block, target = column - (column_j - part) + model.reach;
+            const double area_j = cell_area.data[cells + mj];
+            for (int e = 0; e < 2; ++e) for (int d = 0; d < 2; ++d)
+                g[d][e] = area * area_j * DA[(((size_t)part * 2 * rows + e * rows + row_j) * wide + target) * 2 * rows
+                                             + d * rows + row];
+            if (flexible) {
+                const double* o = share.data + (cells + mj) * SC * SR;
+                const int* at = share_at.data + (cells + mj) * 2;
+                const double* turn = cell_turn.data + (cells + mj) * 4;
+                for (int d = 0; d < 2; ++d) {
+                    const double* t = T + (size_t)d * 2 * model.node_capacity;
+                    double v0 = 0.0, v1 = 0.0;
+                    for (int c = 0; c < SC; ++c) for (int q = 0; q < SR; ++q) {
+                        const double f = o[c * SR + q];
+                        if (f == 0.0) continue;
+                        const int n = (at[0] + c) * 2 * rows_b + at[1] + q;
+                        v0 += f * t[n]; v1 += f * t[n + rows_b];
+                    }
+                    g[d][0] += area_j * (turn[0] * v0 + turn[1] * v1);
+                    g[d][1] += area_j * (turn[2] * v0 + turn[3] * v1);
+                }
+            }
+            const double* Jj = cell_J.data + ((size_t)w * model.cell_capacity + j) * 2 * width;
+            for (int d = 0; d < 2; ++d) for (int e = 0; e < 2; ++e) {
+                const double *p = scaled + d * width, *q = Jj + e * width;
+                double sum[8] = {0.0}; int n = 0; const int all = count_a + count_b;
+                for (; n + 7 < all; n += 8) for (int c = 0; c < 8; ++c) sum[c] += p[n + c] * q[n + c];
+                double f = 0.0; for (; n < all; ++n) f += p[n] * q[n];
+                for (int c = 0; c < 8; ++c) f += sum[c];
+                g[d][e] += f;
+            }
+        }
+        double* base = G.data + (size_t)w * cap * cap;
+        for (int d = 0; d < 2; ++d) for (int e = 0; e < 2; ++e) {
+            base[(size_t)(2 * slot + d) * cap + 2 * j + e] = g[d][e];
+            base[(size_t)(2 * j + e) * cap + 2 * slot + d] = g[d][e];
+        }
+    }
+    WP_TILE_SYNC();
+""")
+def couple_cells(
+    model: Model,
+    w: int,
+    slot: int,
+    origin: int,
+    cell_slot: wp.array3d(dtype=int),
+    cell_area: wp.array3d(dtype=real),
+    cell_turn: wp.array4d(dtype=real),
+    share: wp.array4d(dtype=real),
+    share_at: wp.array4d(dtype=int),
+    cell_J: wp.array(dtype=real),
+    receptance: wp.array2d(dtype=real),
+    shift: wp.array(dtype=real),
+    scratch: wp.array(dtype=real),
+    G: wp.array3d(dtype=real),
+): ...
+
+
+@wp.func
+def shift_second(
+    model: Model,
+    w: int,
+    pair: int,
+    m: int,
+    lane: int,
+    low: int,
+    high: int,
+    origin_b: int,
+    cell_area: wp.array3d(dtype=real),
+    cell_turn: wp.array4d(dtype=real),
+    share: wp.array4d(dtype=real),
+    share_at: wp.array4d(dtype=int),
+    shift: wp.array(dtype=real),
+):
+    """Displacement of the second surface's cells, columns `low` to `high` of its window, under unit tractions on cell m
+    in its two directions, (2, 2 node_capacity) flat: area D_tt^B (Q o)^T."""
+    B = model.pair_second[pair]
+    rows_b = model.surface_rows[B]
+    base = w * 4 * model.node_capacity
+    count = (high - low + 1) * 2 * rows_b
+    i = lane
+    while i < 4 * model.node_capacity:
+        shift[base + i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    c = int(0)
+    while c < model.share_columns:
+        q = int(0)
+        while q < model.share_rows:
+            part = cell_area[w, pair, m] * share[w, pair, m, c * model.share_rows + q]
+            if part != real(0.0):
+                for e in range(2):
+                    line = e * rows_b + share_at[w, pair, m, 1] + q
+                    at = response_at(
+                        model, B, model.surface_tt[B], origin_b + share_at[w, pair, m, 0] + c, line, 2 * rows_b,
+                        origin_b + low, 2 * rows_b,
+                    )  # fmt: skip
+                    if at >= 0:
+                        for d in range(2):
+                            turned = cell_turn[w, pair, m, 2 * d + e]
+                            if wp.abs(turned) > ROUND_OFF:
+                                start = base + d * 2 * model.node_capacity + low * 2 * rows_b
+                                axpy(count, part * turned, model.tangential, at, shift, start)
+            q += 1
+        c += 1
+    sync()
+
+
+@wp.kernel
+def assemble_cells(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    center: wp.array3d(dtype=int),
+    second_window: wp.array3d(dtype=int),
+    cell_slot: wp.array3d(dtype=int),
+    cell_area: wp.array3d(dtype=real),
+    cell_turn: wp.array4d(dtype=real),
+    share: wp.array4d(dtype=real),
+    share_at: wp.array4d(dtype=int),
+    cell_J: wp.array(dtype=real),
+    receptance: wp.array2d(dtype=real),
+    shift: wp.array(dtype=real),
+    scratch: wp.array(dtype=real),
+    G: wp.array3d(dtype=real),
+):
+    """Per world: rows of the compliance of the fresh slots, without the outer coordinates."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+        return
+    slot = ctl[w, k.FRESH_CELLS]
+    while slot < ctl[w, k.CELLS]:
+        pair = cell_slot[w, slot, 0]
+        if model.surface_shear[model.pair_second[pair]] >= 0:
+            # a cubic reaches beyond what the hats of the window do
+            low = wp.max(second_window[w, pair, 0] - model.share_columns, 0)
+            high = wp.min(second_window[w, pair, 1] + model.share_columns, model.second_columns - 1)
+            origin_b = center[w, pair, 1] - model.second_half_window
+            shift_second(
+                model, w, pair, cell_slot[w, slot, 1], lane, low, high, origin_b, cell_area, cell_turn, share,
+                share_at, shift,
+            )  # fmt: skip
+        couple_cells(
+            model, w, slot, center[w, pair, 0] - model.half_window, cell_slot, cell_area, cell_turn, share, share_at,
+            cell_J, receptance, shift, scratch, G,
+        )  # fmt: skip
+        slot += 1
+
+
+@wp.kernel
+def outer_cells(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    axes: wp.array2d(dtype=mat33),
+    r1: wp.array2d(dtype=vec3),
+    cell_wrench: wp.array4d(dtype=real),
+    cell_slot: wp.array3d(dtype=int),
+    cell_J: wp.array(dtype=real),
+    C_receptance: wp.array(dtype=real),
+    inverse_transposed: wp.array(dtype=real),
+    cell_L: wp.array3d(dtype=real),
+    cell_V: wp.array(dtype=real),
+):
+    """Per world: gradient L of the weak slip by the coupled outer columns, and V = H L, where there are fresh slots."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0 or ctl[w, k.FRESH_CELLS] == ctl[w, k.CELLS]:
+        return
+    slot = int(0)
+    N = model.outer_count
+    while slot < ctl[w, k.CELLS]:
+        pair = cell_slot[w, slot, 0]
+        m = cell_slot[w, slot, 1]
+        A = model.surface_body[model.pair_first[pair]]
+        B = model.surface_body[model.pair_second[pair]]
+        rows = model.surface_rows[model.pair_first[pair]]
+        first_a = model.surface_modal_start[model.pair_first[pair]]
+        count_a = model.surface_modal_count[model.pair_first[pair]]
+        first_b = model.surface_modal_start[model.pair_second[pair]]
+        count = model.coupled_count[pair]
+        for d in range(2):
+            row = 2 * slot + d
+            at_wrench = cell_at(rows, m, d)
+            if lane == 0:
+                f = vec3(
+                    cell_wrench[w, pair, at_wrench, 0], cell_wrench[w, pair, at_wrench, 1],
+                    cell_wrench[w, pair, at_wrench, 2],
+                )  # fmt: skip
+                t = vec3(
+                    cell_wrench[w, pair, at_wrench, 3], cell_wrench[w, pair, at_wrench, 4],
+                    cell_wrench[w, pair, at_wrench, 5],
+                )  # fmt: skip
+                t_a = wp.transpose(axes[w, A]) * t
+                t_b = wp.transpose(axes_of(axes, w, B)) * (t + wp.cross(r1[w, A] - origin_of(r1, w, B), f))
+                for i in range(3):
+                    cell_L[w, row, i] = f[i]
+                    cell_L[w, row, 3 + i] = t_a[i]
+                    cell_L[w, row, 6 + i] = -f[i]
+                    cell_L[w, row, 9 + i] = -t_b[i]
+                    if B < 0:
+                        cell_L[w, row, 6 + i] = real(0.0)
+                        cell_L[w, row, 9 + i] = real(0.0)
+            start = (w * model.cell_capacity + slot) * 2 * model.pair_modes + d * model.pair_modes
+            c = 12 + lane
+            while c < count:
+                column = model.coupled[pair, c]
+                if column < model.row_offset:  # a mode that carries inertia
+                    mode = model.dense_mode[column - 6 * model.body_count]
+                    at = mode - first_a
+                    if at < 0 or at >= count_a:
+                        at = count_a + mode - first_b
+                    cell_L[w, row, c] = cell_J[start + at]
+                else:
+                    at = (w * model.row_count + column - model.row_offset) * model.modal_count
+                    value = -dot(model.global_count[A], cell_J, start, C_receptance, at + first_a)
+                    if B >= 0:
+                        value -= dot(model.global_count[B], cell_J, start + count_a, C_receptance, at + first_b)
+                    cell_L[w, row, c] = value
+                c += wp.block_dim()
+            begin = (w * 2 * model.cell_capacity + row) * N
+            c = lane
+            while c < N:
+                cell_V[begin + c] = real(0.0)
+                c += wp.block_dim()
+            sync()
+            c = int(0)
+            while c < count:
+                axpy(N, cell_L[w, row, c], inverse_transposed, (w * N + model.coupled[pair, c]) * N, cell_V, begin)
+                c += 1
+        slot += 1
+
+
+# K[i, first:last] = G[i, first:last] + V_i . L^T, and the mirror.
+@wp.func_native("""
+    const int cap = 2 * model.cell_capacity, N = model.outer_count, width = model.coupled_capacity;
+    const double* v = V.data + ((size_t)w * cap + i) * N;
+    double picked[512];
+    int known = -1, count = 0;
+    for (int j = first + WP_TILE_THREAD_IDX; j < last; j += WP_TILE_BLOCK_DIM) {
+        const int pair = cell_slot.data[((size_t)w * model.cell_capacity + j / 2) * 2];
+        if (pair != known) {
+            const int* c = model.coupled.data + (size_t)pair * width;
+            known = pair; count = model.coupled_count.data[pair];
+            for (int q = 0; q < count; ++q) picked[q] = v[c[q]];
+        }
+        const double* l = L.data + ((size_t)w * cap + j) * width;
+        double x = G.data[((size_t)w * cap + i) * cap + j], y = 0.0; int q = 0;
+        for (; q + 1 < count; q += 2) { x += picked[q] * l[q]; y += picked[q + 1] * l[q + 1]; }
+        if (q < count) x += picked[q] * l[q];
+        K.data[((size_t)w * cap + i) * cap + j] = x + y; K.data[((size_t)w * cap + j) * cap + i] = x + y;
+    }
+""")
+def add_outer(
+    model: Model,
+    w: int,
+    i: int,
+    first: int,
+    last: int,
+    cell_slot: wp.array3d(dtype=int),
+    G: wp.array3d(dtype=real),
+    L: wp.array3d(dtype=real),
+    V: wp.array(dtype=real),
+    K: wp.array3d(dtype=real),
+): ...
+
+
+@wp.kernel
+def condense_cells(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    cell_slot: wp.array3d(dtype=int),
+    G: wp.array3d(dtype=real),
+    L: wp.array3d(dtype=real),
+    V: wp.array(dtype=real),
+    K: wp.array3d(dtype=real),
+):
+    """Per world: G + L H L^T over all slots, where there are fresh ones."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0 or ctl[w, k.FRESH_CELLS] == ctl[w, k.CELLS]:
+        return
+    count = 2 * ctl[w, k.CELLS]
+    i = int(0)
+    while i < count:
+        add_outer(model, w, i, i, count, cell_slot, G, L, V, K)
+        i += 1

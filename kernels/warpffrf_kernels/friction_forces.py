@@ -1,0 +1,246 @@
+"""Slip of the cells in a step, and the forces, energy and work of their tractions.
+
+The slip is what the surfaces slide as rigid bodies over the whole step and what the difference of their elastic
+displacements changes by on the same material of the first body. Work of friction in a step is sum tau.S with the
+tractions at its end, never positive; the contact energy takes up tau.e/2 with the part of e that the local modes have.
+"""
+
+import warp as wp
+
+from warpffrf_kernels import control as k
+from warpffrf_kernels.friction_geometry import cell_at
+from warpffrf_kernels.friction_shares import line_of, response_at
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, vec3
+from warpffrf_kernels.surface import axes_of, origin_of
+
+wp.set_module_options(MODULE_OPTIONS)
+
+# Tractions are converged to this many times the tolerance of forces and gaps (of the largest bound): forces and moments
+# of the tractions at hand are balanced to that tolerance itself.
+TRACTION_SLACK = wp.constant(wp.float64(100.0))
+OPEN = wp.constant(0)
+STICK = wp.constant(1)
+SLIP = wp.constant(2)
+
+
+@wp.func
+def before_at(
+    model: Model,
+    w: int,
+    pair: int,
+    rows: int,
+    m: int,
+    center: wp.array3d(dtype=int),
+    history_center: wp.array2d(dtype=int),
+) -> int:
+    """Cell of the window of the last accepted step that lies on the same material; -1 outside that window."""
+    A = model.pair_first[pair]
+    moved = center[w, pair, 0] - history_center[w, pair]
+    turn = model.surface_turn[A]
+    if turn > 0:
+        moved = moved - turn * int(wp.floor(real(moved) / real(turn) + real(0.5)))
+    column = m / rows + moved
+    if column < 0 or column >= model.window_columns:
+        return -1
+    return column * rows + m % rows
+
+
+@wp.kernel
+def slide_cells(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    rigid_slip: wp.array3d(dtype=real),
+    elastic: wp.array3d(dtype=real),
+    elastic_before: wp.array3d(dtype=real),
+    history_center: wp.array2d(dtype=int),
+    slip: wp.array3d(dtype=real),
+):
+    """Per (world, pair), lanes over cells: slip of the step [m]. Material without a history, from beyond the last
+    window, is credited with the rigid slip alone."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_friction[pair] == real(0.0):
+        return
+    rows = model.surface_rows[model.pair_first[pair]]
+    H = model.half_window
+    m = (window[w, pair, 0] + H) * rows + lane
+    while m < (window[w, pair, 1] + H + 1) * rows:
+        old = before_at(model, w, pair, rows, m, center, history_center)
+        for d in range(2):
+            i = cell_at(rows, m, d)
+            value = rigid_slip[w, pair, i]
+            if old >= 0:
+                value += elastic[w, pair, i] - elastic_before[w, pair, cell_at(rows, old, d)]
+            slip[w, pair, i] = value
+        m += wp.block_dim()
+
+
+@wp.kernel
+def load_tractions(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    cell_area: wp.array3d(dtype=real),
+    traction: wp.array3d(dtype=real),
+    second_force: wp.array3d(dtype=real),
+    modal_load: wp.array(dtype=real),
+):
+    """Per world: adds the load of the tractions on the global modes (after `contact_fields.load_modes`)."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+        return
+    trial = (2 * w + 1) * model.modal_count
+    pair = int(0)
+    while pair < model.pair_count:
+        if model.pair_friction[pair] > real(0.0):
+            A = model.pair_first[pair]
+            rows = model.surface_rows[A]
+            start = model.surface_modal_start[A]
+            modes = model.surface_modal_count[A]
+            m = (window[w, pair, 0] + model.half_window) * rows
+            while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+                for d in range(2):
+                    f = cell_area[w, pair, m] * traction[w, pair, cell_at(rows, m, d)]
+                    line = line_of(model, A, center[w, pair, 0] + m / rows - model.half_window, d * rows + m % rows)
+                    if f != real(0.0) and line >= 0:
+                        at = model.surface_shear[A] + line * modes
+                        axpy(modes, f, model.mode_tangent, at, modal_load, trial + start)
+                m += 1
+            B = model.pair_second[pair]
+            if model.surface_shear[B] >= 0:
+                rows_b = model.surface_rows[B]
+                start = model.surface_modal_start[B]
+                modes = model.surface_modal_count[B]
+                i = int(0)
+                while i < 2 * model.second_columns * rows_b:
+                    f = second_force[w, pair, i]
+                    if f != real(0.0):
+                        column = center[w, pair, 1] - model.second_half_window + i / (2 * rows_b)
+                        line = line_of(model, B, column, i % (2 * rows_b))
+                        if line >= 0:
+                            at = model.surface_shear[B] + line * modes
+                            axpy(modes, f, model.mode_tangent, at, modal_load, trial + start)
+                    i += 1
+        pair += 1
+
+
+@wp.func
+def cell_softness(model: Model, A: int, row: int, area: real) -> real:
+    """Tangential displacement of a cell of the first surface under a unit traction on itself [m/Pa]."""
+    rows = model.surface_rows[A]
+    at = response_at(model, A, model.surface_tt[A], 0, row, 2 * rows, 0, 2 * rows)
+    return area * model.tangential[at + row]
+
+
+@wp.func
+def creep_softness(model: Model, clk: wp.array2d(dtype=real), w: int, pair: int, bound: real) -> real:
+    """Slip of the step per traction that the regularised law adds [m/Pa]: h v_slip / (mu p)."""
+    return clk[w, k.H] * model.pair_slip_velocity[pair] / bound
+
+
+@wp.kernel
+def add_friction(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    clk: wp.array2d(dtype=real),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    window: wp.array3d(dtype=int),
+    cell_area: wp.array3d(dtype=real),
+    cell_wrench: wp.array4d(dtype=real),
+    bound: wp.array3d(dtype=real),
+    traction: wp.array3d(dtype=real),
+    slip: wp.array3d(dtype=real),
+    elastic_local: wp.array3d(dtype=real),
+    residual: wp.array2d(dtype=real),
+    pair_wrench: wp.array3d(dtype=real),
+    normal_wrench: wp.array3d(dtype=real),
+    gap_defect: wp.array2d(dtype=real),
+    contact_energy: wp.array2d(dtype=real),
+    friction_work: wp.array3d(dtype=real),
+    cell_state: wp.array3d(dtype=int),
+    traction_base: wp.array3d(dtype=real),
+):
+    """Per world: subtract the friction forces from the residuals; wrench, energy and work of every pair, and by how
+    much the tractions are not those of their slip, as a fraction of the largest bound (after `add_contact`).
+
+    A traction is right where it is the projection of tau - slip/c on the disc of its bound, for any c > 0.
+    """
+    w = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+        return
+    energy = real(0.0)
+    worst = real(0.0)
+    pair = int(0)
+    while pair < model.pair_count:
+        for i in range(6):
+            normal_wrench[w, pair, i] = pair_wrench[w, pair, i]
+        friction_work[w, pair, 0] = real(0.0)
+        if model.pair_friction[pair] > real(0.0):
+            A = model.pair_first[pair]
+            rows = model.surface_rows[A]
+            largest = real(0.0)
+            defect = real(0.0)
+            m = (window[w, pair, 0] + model.half_window) * rows
+            while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+                i_1 = cell_at(rows, m, 0)
+                i_2 = cell_at(rows, m, 1)
+                t_1 = traction[w, pair, i_1]
+                t_2 = traction[w, pair, i_2]
+                traction_base[w, pair, i_1] = t_1
+                traction_base[w, pair, i_2] = t_2
+                cell_state[w, pair, m] = OPEN
+                b = bound[w, pair, m]
+                if b > real(0.0):
+                    largest = wp.max(largest, b)
+                    area = cell_area[w, pair, m]
+                    for i in range(6):
+                        force = t_1 * cell_wrench[w, pair, i_1, i] + t_2 * cell_wrench[w, pair, i_2, i]
+                        pair_wrench[w, pair, i] = pair_wrench[w, pair, i] + force
+                    energy += real(0.5) * area * (t_1 * elastic_local[w, pair, i_1] + t_2 * elastic_local[w, pair, i_2])
+                    s_1 = slip[w, pair, i_1]
+                    s_2 = slip[w, pair, i_2]
+                    friction_work[w, pair, 0] = friction_work[w, pair, 0] + area * (t_1 * s_1 + t_2 * s_2)
+                    c = cell_softness(model, A, m % rows, area)
+                    y_1 = t_1 - (s_1 + creep_softness(model, clk, w, pair, b) * t_1) / c
+                    y_2 = t_2 - (s_2 + creep_softness(model, clk, w, pair, b) * t_2) / c
+                    size = wp.sqrt(y_1 * y_1 + y_2 * y_2)
+                    cell_state[w, pair, m] = STICK
+                    if size > b:
+                        y_1 = y_1 * b / size
+                        y_2 = y_2 * b / size
+                        cell_state[w, pair, m] = SLIP
+                    defect = wp.max(defect, wp.max(wp.abs(y_1 - t_1), wp.abs(y_2 - t_2)))
+                m += 1
+            if largest > real(0.0):
+                worst = wp.max(worst, defect / largest)
+            a = model.surface_body[A]
+            b_body = model.surface_body[model.pair_second[pair]]
+            f = vec3(
+                pair_wrench[w, pair, 0] - normal_wrench[w, pair, 0],
+                pair_wrench[w, pair, 1] - normal_wrench[w, pair, 1],
+                pair_wrench[w, pair, 2] - normal_wrench[w, pair, 2],
+            )
+            t = vec3(
+                pair_wrench[w, pair, 3] - normal_wrench[w, pair, 3],
+                pair_wrench[w, pair, 4] - normal_wrench[w, pair, 4],
+                pair_wrench[w, pair, 5] - normal_wrench[w, pair, 5],
+            )
+            t_a = wp.transpose(axes[w, a]) * t
+            for i in range(3):
+                residual[w, 6 * a + i] = residual[w, 6 * a + i] - f[i]
+                residual[w, 6 * a + 3 + i] = residual[w, 6 * a + 3 + i] - t_a[i]
+            if b_body >= 0:
+                t_b = wp.transpose(axes_of(axes, w, b_body)) * (t + wp.cross(r1[w, a] - origin_of(r1, w, b_body), f))
+                for i in range(3):
+                    residual[w, 6 * b_body + i] = residual[w, 6 * b_body + i] + f[i]
+                    residual[w, 6 * b_body + 3 + i] = residual[w, 6 * b_body + 3 + i] + t_b[i]
+        pair += 1
+    contact_energy[w, 0] = contact_energy[w, 0] + energy
+    gap_defect[w, 0] = wp.max(gap_defect[w, 0], worst / TRACTION_SLACK)

@@ -1,0 +1,162 @@
+"""End of an attempt for friction: history carried with the material, and what a record shows of it.
+
+The elastic slip e of all cells of the window is kept with the grid column of the window's centre: the next step finds
+its material again by the difference of the columns. Records: power -tau.S/h, rigid creep velocity at the cell nearest
+to the patch's centre, mean velocity of the two surfaces through the patch, and columns that the patch advanced.
+"""
+
+import warp as wp
+
+from warpffrf_kernels import control as k
+from warpffrf_kernels.contact_geometry import wrap
+from warpffrf_kernels.friction_geometry import cell_at
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.surface import radius_of
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.kernel
+def remember_tractions(
+    ctl: wp.array2d(dtype=int),
+    traction: wp.array3d(dtype=real),
+    friction_offset: wp.array2d(dtype=real),
+    traction_before: wp.array3d(dtype=real),
+    friction_offset_before: wp.array2d(dtype=real),
+):
+    """Per (world, pair), lanes over cells: the tractions before an attempt."""
+    w, pair, lane = wp.tid()
+    if ctl[w, k.ATTEMPT] == 0:
+        return
+    i = lane
+    while i < traction.shape[2]:
+        traction_before[w, pair, i] = traction[w, pair, i]
+        i += wp.block_dim()
+    if lane == 0:
+        friction_offset_before[w, pair] = friction_offset[w, pair]
+
+
+@wp.kernel
+def keep_tractions(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    clk: wp.array2d(dtype=real),
+    phase: wp.array3d(dtype=real),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    elastic: wp.array3d(dtype=real),
+    rigid_slip: wp.array3d(dtype=real),
+    friction_work: wp.array3d(dtype=real),
+    normal_wrench: wp.array3d(dtype=real),
+    traction_before: wp.array3d(dtype=real),
+    friction_offset_before: wp.array2d(dtype=real),
+    traction: wp.array3d(dtype=real),
+    friction_offset: wp.array2d(dtype=real),
+    elastic_before: wp.array3d(dtype=real),
+    history_center: wp.array2d(dtype=int),
+    history_phase: wp.array2d(dtype=real),
+    contact_normal: wp.array2d(dtype=vec3),
+    friction_record: wp.array3d(dtype=real),
+):
+    """Per (world, pair), lanes over cells: the history of an accepted step, or the tractions as an attempt found them.
+    friction_record: power, creep (2), rolling velocity, columns advanced."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.ATTEMPT] == 0 or model.pair_friction[pair] == real(0.0):
+        return
+    i = lane
+    if ctl[w, k.ACCEPT] == 0:
+        while i < traction.shape[2]:
+            traction[w, pair, i] = traction_before[w, pair, i]
+            i += wp.block_dim()
+        if lane == 0:
+            friction_offset[w, pair] = friction_offset_before[w, pair]
+        return
+    A = model.pair_first[pair]
+    rows = model.surface_rows[A]
+    H = model.half_window
+    # columns beyond the window looked at have no displacement computed: they repeat its outermost column
+    low = window[w, pair, 0] + H
+    high = window[w, pair, 1] + H
+    while i < 2 * rows * model.window_columns:
+        column = wp.clamp(i / (2 * rows), low, high)
+        elastic_before[w, pair, i] = elastic[w, pair, column * 2 * rows + i % (2 * rows)]
+        i += wp.block_dim()
+    if lane == 0:
+        h = clk[w, k.DONE_STEP]
+        at = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6])
+        advanced = at - history_phase[w, pair]
+        if model.surface_turn[A] > 0:
+            advanced = wrap(advanced, real(model.surface_turn[A]), real(0.0))
+        history_phase[w, pair] = at
+        history_center[w, pair] = center[w, pair, 0]
+        force = vec3(normal_wrench[w, pair, 0], normal_wrench[w, pair, 1], normal_wrench[w, pair, 2])
+        contact_normal[w, pair] = vec3(real(0.0), real(0.0), real(0.0))
+        if wp.length(force) > real(0.0):
+            contact_normal[w, pair] = -wp.normalize(force)
+        row = rows / 2
+        m = wp.clamp(int(wp.floor(at + real(0.5))) - center[w, pair, 0] + H, low, high) * rows + row
+        for c in range(5):
+            friction_record[w, pair, c] = real(0.0)
+        if ctl[w, k.MODE] == k.DYNAMIC and h > real(0.0):
+            creep = rigid_slip[w, pair, cell_at(rows, m, 0)] / h
+            z = model.surface_z[model.surface_z_start[A] + row]
+            # material of the first surface runs against the columns that the patch advances
+            through = -advanced * model.surface_pitch[A] * radius_of(model, A, z) * model.surface_side[A] / h
+            friction_record[w, pair, 0] = -friction_work[w, pair, 0] / h
+            friction_record[w, pair, 1] = creep
+            friction_record[w, pair, 2] = rigid_slip[w, pair, cell_at(rows, m, 1)] / h
+            friction_record[w, pair, 3] = through - real(0.5) * creep
+            friction_record[w, pair, 4] = wp.abs(advanced)
+
+
+@wp.kernel
+def record_friction(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    clk: wp.array2d(dtype=real),
+    traction: wp.array3d(dtype=real),
+    slip: wp.array3d(dtype=real),
+    bound: wp.array3d(dtype=real),
+    cell_state: wp.array3d(dtype=int),
+    friction_record: wp.array3d(dtype=real),
+    pair_wrench: wp.array3d(dtype=real),
+    normal_wrench: wp.array3d(dtype=real),
+    second_wrench: wp.array3d(dtype=real),
+    ring: wp.array3d(dtype=real),
+):
+    """Per (world, pair), lanes over cells: at the end of the row that `record.record` writes next, for every pair
+    tractions, slip velocities, states and `friction_record`; the tractions act on the second body along the same lines,
+    so that their wrench there is the opposite."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RECORD] == 0:
+        return
+    C = model.mode_capacity
+    at = ctl[w, k.SAVED] % ring.shape[1]
+    start = ring.shape[2] - (model.pair_count - pair) * (5 * C + 5)
+    rows = model.surface_rows[model.pair_first[pair]]
+    h = clk[w, k.DONE_STEP]
+    m = lane
+    while m < C:
+        for d in range(2):
+            i = cell_at(rows, m, d)
+            stress = real(0.0)
+            speed = real(0.0)
+            if m < model.window_columns * rows and model.pair_friction[pair] > real(0.0):
+                if bound[w, pair, m] > real(0.0) and ctl[w, k.MODE] == k.DYNAMIC and h > real(0.0):
+                    stress = traction[w, pair, i]
+                    speed = slip[w, pair, i] / h
+            ring[w, at, start + d * C + m] = stress
+            ring[w, at, start + (2 + d) * C + m] = speed
+        state = real(0.0)
+        if ring[w, at, start + m] != real(0.0) or ring[w, at, start + C + m] != real(0.0):
+            state = real(cell_state[w, pair, m])
+        ring[w, at, start + 4 * C + m] = state
+        m += wp.block_dim()
+    if lane == 0:
+        for c in range(5):
+            ring[w, at, start + 5 * C + c] = friction_record[w, pair, c]
+        for c in range(6):
+            second_wrench[w, pair, c] -= pair_wrench[w, pair, c] - normal_wrench[w, pair, c]

@@ -1,0 +1,239 @@
+"""The problem of stick and slip of a Newton iteration posed, and its solution given back to bodies and modes.
+
+With the pressures just solved for, the weak slips of all cell slots are r_0 + K tau, where
+
+    r_0 = S + dS(ds) + L z + J sigma^-1 (-r_m + J_n^T ds) - K tau_base:
+
+S the slip of the present state, dS what the change ds of the pressures does to it through the local modes, z the outer
+increments with those pressures, r_m the residual of the global modes and J_n the gradient of the gaps by them.
+"""
+
+import warp as wp
+
+from warpffrf_kernels import control as k
+from warpffrf_kernels.contact_solve import change_of
+from warpffrf_kernels.friction_geometry import cell_at
+from warpffrf_kernels.friction_shares import on_shares
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, real, sync, vec3, weighted
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.kernel
+def drive_modes(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    active: wp.array3d(dtype=int),
+    slot_mode: wp.array3d(dtype=int),
+    J: wp.array(dtype=real),
+    pressure: wp.array3d(dtype=real),
+    base: wp.array3d(dtype=real),
+    modal_residual: wp.array2d(dtype=real),
+    modal_drive: wp.array(dtype=real),
+):
+    """Per world: what pushes the global modes after the solve of the pressures, -r_m + J^T ds."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+        return
+    first = w * model.modal_count
+    n = lane
+    while n < model.modal_count:
+        modal_drive[first + n] = -modal_residual[w, n]
+        n += wp.block_dim()
+    sync()
+    slot = int(0)
+    while slot < ctl[w, k.SLOTS]:
+        change = change_of(w, slot, slot_mode, active, pressure, base)
+        if change != real(0.0):
+            pair = slot_mode[w, slot, 0]
+            start = (w * model.slot_capacity + slot) * model.pair_modes
+            for side in range(2):
+                surface = model.pair_first[pair]
+                if side == 1:
+                    surface = model.pair_second[pair]
+                modes = model.surface_modal_count[surface]
+                axpy(modes, change, J, start, modal_drive, first + model.surface_modal_start[surface])
+                start += modes
+        slot += 1
+
+
+# Line `row` of L times the entries of z in its columns.
+@wp.func_native("""
+    const int* c = model.coupled.data + (size_t)pair * model.coupled_capacity;
+    const double* l = L.data + ((size_t)w * 2 * model.cell_capacity + row) * model.coupled_capacity;
+    const double* v = z.data + (size_t)w * model.outer_count;
+    double sum = 0.0;
+    for (int i = 0; i < model.coupled_count.data[pair]; ++i) sum += l[i] * v[c[i]];
+    return sum;
+""")
+def gathered(model: Model, w: int, pair: int, row: int, L: wp.array3d(dtype=real), z: wp.array(dtype=real)) -> real: ...
+
+
+# right -= K x over the first n lines, lanes over the lines; contiguous runs, as `dot`.
+@wp.func_native("""
+    const int cap = 2 * model.cell_capacity;
+    const double* v = x.data + (size_t)w * cap;
+    for (int i = WP_TILE_THREAD_IDX; i < n; i += WP_TILE_BLOCK_DIM) {
+        const double* a = K.data + ((size_t)w * cap + i) * cap; double s[8] = {0.0}, sum = 0.0; int j = 0;
+        for (; j + 7 < n; j += 8) for (int c = 0; c < 8; ++c) s[c] += a[j + c] * v[j + c];
+        for (; j < n; ++j) sum += a[j] * v[j];
+        for (int c = 0; c < 8; ++c) sum += s[c];
+        right.data[(size_t)w * cap + i] -= sum;
+    }
+""")
+def subtract_product(
+    model: Model,
+    w: int,
+    n: int,
+    K: wp.array3d(dtype=real),
+    x: wp.array2d(dtype=real),
+    right: wp.array2d(dtype=real),
+): ...
+
+
+@wp.kernel
+def pose_tractions(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    clk: wp.array2d(dtype=real),
+    cell_slot: wp.array3d(dtype=int),
+    cell_area: wp.array3d(dtype=real),
+    bound: wp.array3d(dtype=real),
+    traction: wp.array3d(dtype=real),
+    traction_base: wp.array3d(dtype=real),
+    slip: wp.array3d(dtype=real),
+    cell_turn: wp.array4d(dtype=real),
+    share: wp.array4d(dtype=real),
+    share_at: wp.array4d(dtype=int),
+    first_shift: wp.array(dtype=real),
+    second_shift: wp.array(dtype=real),
+    K: wp.array3d(dtype=real),
+    L: wp.array3d(dtype=real),
+    J: wp.array(dtype=real),
+    receptance: wp.array(dtype=real),
+    modal_drive: wp.array(dtype=real),
+    z: wp.array(dtype=real),
+    base: wp.array2d(dtype=real),
+    right: wp.array2d(dtype=real),
+    radius: wp.array2d(dtype=real),
+    softness: wp.array2d(dtype=real),
+    tau: wp.array2d(dtype=real),
+):
+    """Per world: right-hand side r_0 = S + dS(ds) + L z + J sigma^-1 (modal drive) - K tau_base, discs and first guess
+    of all slots. dS: by the local modes under the change of the pressures, of which the shifts are."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+        return
+    count = ctl[w, k.CELLS]
+    i = lane
+    while i < count:
+        pair = cell_slot[w, i, 0]
+        m = cell_slot[w, i, 1]
+        rows = model.surface_rows[model.pair_first[pair]]
+        area = cell_area[w, pair, m]
+        b = bound[w, pair, m]
+        radius[w, i] = b
+        softness[w, i] = real(0.0)
+        if b > real(0.0):
+            softness[w, i] = area * clk[w, k.H] * model.pair_slip_velocity[pair] / b
+        second = vec3(real(0.0), real(0.0), real(0.0))
+        if model.surface_shear[model.pair_second[pair]] >= 0:
+            second = on_shares(model, w, pair, m, cell_turn, share, share_at, second_shift)
+        for d in range(2):
+            row = 2 * i + d
+            at = cell_at(rows, m, d)
+            base[w, row] = traction_base[w, pair, at]
+            tau[w, row] = traction[w, pair, at]
+            moved = first_shift[(w * model.pair_count + pair) * 2 * model.mode_capacity + at] - second[d]
+            value = area * (slip[w, pair, at] + moved) + gathered(model, w, pair, row, L, z)
+            line = (w * model.cell_capacity + i) * 2 * model.pair_modes + d * model.pair_modes
+            for side in range(2):
+                surface = model.pair_first[pair]
+                if side == 1:
+                    surface = model.pair_second[pair]
+                modes = w * model.modal_count + model.surface_modal_start[surface]
+                n = model.surface_modal_count[surface]
+                value += weighted(n, J, line, receptance, modes, modal_drive, modes)
+                line += n
+            right[w, row] = value
+        i += wp.block_dim()
+    sync()
+    subtract_product(model, w, 2 * count, K, base, right)
+
+
+@wp.kernel
+def take_tractions(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    cell_slot: wp.array3d(dtype=int),
+    tau: wp.array2d(dtype=real),
+    base: wp.array2d(dtype=real),
+    V: wp.array(dtype=real),
+    z: wp.array(dtype=real),
+    traction: wp.array3d(dtype=real),
+):
+    """Per world: the tractions found, and the outer increments with them."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+        return
+    N = model.outer_count
+    i = int(0)
+    while i < 2 * ctl[w, k.CELLS]:
+        pair = cell_slot[w, i / 2, 0]
+        m = cell_slot[w, i / 2, 1]
+        if lane == 0:
+            traction[w, pair, cell_at(model.surface_rows[model.pair_first[pair]], m, i % 2)] = tau[w, i]
+        change = tau[w, i] - base[w, i]
+        if change != real(0.0):
+            axpy(N, change, V, (w * 2 * model.cell_capacity + i) * N, z, w * N)
+        i += 1
+
+
+@wp.kernel
+def push_modes(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    cell_slot: wp.array3d(dtype=int),
+    tau: wp.array2d(dtype=real),
+    base: wp.array2d(dtype=real),
+    J: wp.array(dtype=real),
+    receptance: wp.array2d(dtype=real),
+    push: wp.array(dtype=real),
+    modal_step: wp.array(dtype=real),
+):
+    """Per world: adds the increments of the global modes by the change of the tractions (those without inertia terms;
+    the others are outer coordinates)."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+        return
+    first = w * model.modal_count
+    n = lane
+    while n < model.modal_count:
+        push[first + n] = real(0.0)
+        n += wp.block_dim()
+    sync()
+    i = int(0)
+    while i < 2 * ctl[w, k.CELLS]:
+        change = tau[w, i] - base[w, i]
+        if change != real(0.0):
+            pair = cell_slot[w, i / 2, 0]
+            start = (w * model.cell_capacity + i / 2) * 2 * model.pair_modes + (i % 2) * model.pair_modes
+            for side in range(2):
+                surface = model.pair_first[pair]
+                if side == 1:
+                    surface = model.pair_second[pair]
+                modes = model.surface_modal_count[surface]
+                axpy(modes, change, J, start, push, first + model.surface_modal_start[surface])
+                start += modes
+        i += 1
+    sync()
+    n = lane
+    while n < model.modal_count:
+        if model.dense_of[n] < 0:
+            modal_step[first + n] = modal_step[first + n] + receptance[w, n] * push[first + n]
+        n += wp.block_dim()

@@ -1,0 +1,98 @@
+"""The device's solver of stick and slip against the convex program solved in NumPy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import warp as wp
+from warpffrf_kernels import control as k
+from warpffrf_kernels import friction_solve
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.scalars import BLOCK
+
+from warpffrf.study.friction_program import residual, solve
+
+SAME = 1e-10  # of the largest bound: both stop at 1e-12 of it, and the compliances' condition is below 100
+
+
+def compliance(count: int, generator: np.random.Generator) -> np.ndarray:
+    """Two directions of a smooth decay with distance, coupled, positive definite."""
+    x = np.arange(count)
+    decay = np.exp(-0.3 * np.abs(x[:, None] - x[None]))
+    coupled = np.array([[1.0, 0.2], [0.2, 0.8]])
+    noise = generator.normal(size=(2 * count, 2 * count))
+    return np.kron(decay, coupled) + 1e-3 * noise @ noise.T
+
+
+def device_solve(K, right, bound, start, softness=None) -> tuple[np.ndarray, np.ndarray]:
+    """Tractions and control words after one solve on the device."""
+    n = len(bound)
+    model = Model()
+    model.cell_capacity = n
+
+    def zeros(*shape: int) -> wp.array:
+        return wp.zeros((1, *shape), dtype=wp.float64)
+
+    def put(values) -> wp.array:
+        return wp.array(np.asarray(values, float)[None], dtype=wp.float64)
+
+    words = np.zeros((1, k.CTL), np.int32)
+    words[0, int(k.RUN)], words[0, int(k.CELLS)] = 1, n
+    ctl, tau = wp.array(words, dtype=wp.int32), put(start)
+    whole = wp.zeros((1, 2 * n), dtype=wp.int32)
+    wp.launch_tiled(
+        friction_solve.solve_tractions, dim=(1,), block_dim=BLOCK,
+        inputs=[wp.array([model], dtype=Model), put(K), put(right), put(bound),
+                zeros(n) if softness is None else put(softness)],
+        outputs=[ctl, tau, zeros(2 * n), zeros(2 * n), zeros(2 * n), zeros(2 * n), zeros(n), whole,
+                 wp.zeros((1, 2 * n), dtype=wp.int32), zeros(2), zeros(2 * n), zeros(2 * n, 2 * n)],
+    )  # fmt: skip
+    return tau.numpy()[0].copy(), ctl.numpy()[0].copy()
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("load", [0.05, 1.0, 30.0], ids=["mostly stick", "mixed", "mostly slip"])
+def test_stick_and_slip_equal_the_convex_program(seed: int, load: float) -> None:
+    generator = np.random.default_rng(seed)
+    count = 24
+    K = compliance(count, generator)
+    right = load * generator.normal(size=2 * count)
+    bound = generator.uniform(0.2, 1.5, count)
+    bound[generator.integers(0, count, 3)] = 0.0  # cells that have lost their pressure
+    tau, words = device_solve(K, right, bound, generator.normal(size=2 * count))
+    loaded = np.repeat(bound > 0.0, 2)
+    exact = solve(K[np.ix_(loaded, loaded)], right[loaded].reshape(-1, 2), bound[bound > 0.0]).ravel()
+    assert words[int(k.FAILURE)] == 0
+    np.testing.assert_allclose(tau[loaded], exact, atol=SAME * bound.max(), rtol=0.0)
+    assert np.all(tau[~loaded] == 0.0)
+    kept = tau[loaded].reshape(-1, 2)
+    found = residual(K[np.ix_(loaded, loaded)], right[loaded].reshape(-1, 2), bound[bound > 0.0], kept)
+    assert found < SAME
+    slip = (K @ tau + right).reshape(-1, 2)
+    assert np.all(np.sum(tau.reshape(-1, 2) * slip, axis=1) < SAME * bound.max())  # friction takes energy only
+
+
+def test_a_warm_start_needs_no_factorisation_of_a_solved_problem() -> None:
+    generator = np.random.default_rng(1)
+    K, right, bound = compliance(20, generator), generator.normal(size=40), generator.uniform(0.5, 1.0, 20)
+    tau, first = device_solve(K, right, bound, np.zeros(40))
+    again, second = device_solve(K, right, bound, tau)
+    assert first[int(k.SOLVES)] > 0 and second[int(k.SOLVES)] == 0
+    np.testing.assert_array_equal(again, tau)
+
+
+def test_softness_is_one_more_compliance_of_each_cell() -> None:
+    """The regularised law: K + diag(softness) with the same bounds."""
+    generator = np.random.default_rng(2)
+    K, right, bound = compliance(16, generator), 2.0 * generator.normal(size=32), generator.uniform(0.5, 1.0, 16)
+    softness = generator.uniform(0.1, 2.0, 16)
+    tau, words = device_solve(K, right, bound, np.zeros(32), softness)
+    exact = solve(K + np.diag(np.repeat(softness, 2)), right.reshape(-1, 2), bound).ravel()
+    assert words[int(k.FAILURE)] == 0
+    np.testing.assert_allclose(tau, exact, atol=SAME, rtol=0.0)
+
+
+def test_an_indefinite_compliance_is_a_failure_of_the_step() -> None:
+    K = -np.eye(8)
+    _, words = device_solve(K, 0.1 * np.ones(8), np.ones(4), np.zeros(8))
+    assert words[int(k.FAILURE)] & int(k.INDEFINITE)

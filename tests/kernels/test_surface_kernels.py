@@ -1,0 +1,219 @@
+"""Surfaces on the device against NumPy: points on the chart, and distances found by minimising over the meridian."""
+
+# Warp kernels confuse it
+# pyright: reportInvalidTypeForm=false, reportAssignmentType=false, reportGeneralTypeIssues=false
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pytest
+import warp as wp
+from scipy.optimize import minimize_scalar
+from warpffrf_kernels import surface
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.scalars import MODULE_OPTIONS, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@dataclass
+class Numbers:
+    """What a surface is on the device."""
+
+    radius: float = 1.0
+    side: float = 1.0
+    tangent: float = 0.0
+    crown: float = 0.0
+    planar: int = 0
+    breaks: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    coefficients: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
+
+    def at(self, z: Any) -> np.ndarray:
+        """R(z) as it is written, not as it is computed."""
+        z = np.asarray(z, float)
+        R = self.radius + self.tangent * z
+        if self.crown:
+            R = R - (self.crown - np.sign(self.crown) * np.sqrt(self.crown**2 - z**2))
+        for i, c in enumerate(self.coefficients):
+            low = -np.inf if i == 0 else self.breaks[i]
+            high = np.inf if i == len(self.coefficients) - 1 else self.breaks[i + 1]
+            t = z - self.breaks[i]
+            R = R - np.where((z >= low) & (z < high), c @ np.stack([t**p for p in range(4)]), 0.0)
+        return R
+
+
+# a drop that begins at 6 mm on either side: 50 (|z| - 6 mm)^3, and 1e-4 of a wave over the middle, slopes continuous
+BREAKS = np.array([-0.01, -0.006, 0.006, 0.01])
+WAVE = np.array([0.0, 0.0, 2e-2 * 0.012, -2e-2])
+ENDS = np.array([[50.0 * 0.004**3, -150.0 * 0.004**2, 150.0 * 0.004, -50.0], [0.0, 0.0, 0.0, 50.0]])
+TABLE = np.array([ENDS[0], WAVE, ENDS[1]])
+TABLE[1, 1] = 0.0
+TABLE[2, :2] = [WAVE @ [1.0, 0.012, 0.012**2, 0.012**3], WAVE @ [0.0, 1.0, 2 * 0.012, 3 * 0.012**2]]
+
+SURFACES = {
+    "cylinder": Numbers(0.05),
+    "bore": Numbers(0.05, side=-1.0),
+    "crowned": Numbers(0.05, crown=0.6),
+    "flat crown": Numbers(0.05, crown=1e6),
+    "sphere": Numbers(0.012, crown=0.012),
+    "cup": Numbers(0.012, crown=0.012, side=-1.0),
+    "groove around a shaft": Numbers(0.03, crown=-0.0065),
+    "groove in a ring": Numbers(0.04, crown=0.0065, side=-1.0),
+    "cone": Numbers(0.03, tangent=0.4),
+    "conical bore": Numbers(0.03, tangent=-0.7, side=-1.0),
+    "crowned cone": Numbers(0.03, tangent=0.2, crown=0.9),
+    "table": Numbers(0.02, breaks=BREAKS, coefficients=TABLE),
+    "table in a ring": Numbers(0.02, side=-1.0, breaks=BREAKS, coefficients=TABLE),
+    "plane": Numbers(planar=1),
+}
+
+
+def model_of(s: Numbers) -> Model:
+    """The caller keeps it: its arrays live as long as it does."""
+    m = Model()
+    for name, value in (("radius", s.radius), ("side", s.side), ("tangent", s.tangent), ("crown", s.crown)):
+        setattr(m, f"surface_{name}", wp.array([value], dtype=wp.float64, device="cpu"))
+    for name, value in (("planar", s.planar), ("table_start", 0), ("table_count", len(s.coefficients))):
+        setattr(m, f"surface_{name}", wp.array([value], dtype=wp.int32, device="cpu"))
+    m.surface_table_break = wp.array([*s.breaks, 0.0], dtype=wp.float64, device="cpu")
+    rows = np.concatenate([s.coefficients, np.zeros((1, 4))])
+    m.surface_table_coefficient = wp.array(rows, dtype=wp.float64, device="cpu")
+    return m
+
+
+@wp.kernel
+def place(models: wp.array(dtype=Model), at: wp.array2d(dtype=real), out: wp.array2d(dtype=vec3)):
+    i = wp.tid()
+    model = models[0]
+    out[i, 0] = surface.local_point(model, 0, at[i, 0], at[i, 1])
+    out[i, 1] = surface.local_normal(model, 0, at[i, 0], at[i, 1])
+    out[i, 2] = surface.local_around(model, 0, at[i, 0])
+    out[i, 3] = vec3(surface.radius_of(model, 0, at[i, 1]), surface.slope_of(model, 0, at[i, 1]), real(0.0))
+
+
+@wp.kernel
+def measure(models: wp.array(dtype=Model), x: wp.array(dtype=vec3), out: wp.array2d(dtype=vec3)):
+    i = wp.tid()
+    model = models[0]
+    out[i, 0] = surface.chart_of(model, 0, x[i])
+    out[i, 1] = surface.gradient_of(model, 0, x[i])
+    out[i, 2] = vec3(surface.distance_of(model, 0, x[i]), real(0.0), real(0.0))
+
+
+def run(kernel: wp.Kernel, s: Numbers, given: wp.array, count: int, width: int) -> np.ndarray:
+    out, model = wp.zeros((count, width), dtype=vec3, device="cpu"), model_of(s)
+    models = wp.array([model], dtype=Model, device="cpu")
+    wp.launch(kernel, dim=count, inputs=[models, given], outputs=[out], device="cpu")
+    return out.numpy()
+
+
+def chart_points(s: Numbers, count: int = 40) -> np.ndarray:
+    """theta, z on the part of the surface that bodies have."""
+    rng = np.random.default_rng(5)
+    theta = rng.uniform(-np.pi, np.pi, count) * (0.01 if s.planar else 1.0)
+    reach = 0.009 if not s.crown else min(0.009, 0.8 * abs(s.crown))
+    return np.stack([theta, rng.uniform(-reach, reach, count)], axis=1)
+
+
+def shown(s: Numbers, at: np.ndarray) -> np.ndarray:
+    return run(place, s, wp.array(at, dtype=wp.float64, device="cpu"), len(at), 4)
+
+
+def charted(s: Numbers, x: np.ndarray) -> np.ndarray:
+    return run(measure, s, wp.array(x, dtype=vec3, device="cpu"), len(x), 3)
+
+
+@pytest.mark.parametrize("name", list(SURFACES))
+def test_points_and_frames(name: str) -> None:
+    """Points lie where the formula says, and (e_theta, t_z, n) are the derivatives of the chart, right-handed."""
+    s = SURFACES[name]
+    at = chart_points(s)
+    theta, z = at.T
+    points, normals, around, profile = np.moveaxis(shown(s, at), 1, 0)
+    if s.planar:
+        assert np.array_equal(points, np.stack([0.0 * z, theta, z], axis=1))
+        assert np.array_equal(profile[:, :2], np.tile([1.0, 0.0], (len(z), 1)))
+    else:
+        R = s.at(z)
+        expected = np.stack([R * np.cos(theta), R * np.sin(theta), z], axis=1)
+        # the formula as written loses |crown| * 1e-16 to cancellation, which the kernel does not
+        assert np.abs(points - expected).max() < 1e-15 + 3e-16 * abs(s.crown)
+        assert np.abs(profile[:, 0] - R).max() < 1e-15 + 3e-16 * abs(s.crown)
+    step = 1e-6
+    by_theta = (shown(s, at + [step, 0.0])[:, 0] - shown(s, at - [step, 0.0])[:, 0]) / (2.0 * step)
+    by_z = (shown(s, at + [0.0, step])[:, 0] - shown(s, at - [0.0, step])[:, 0]) / (2.0 * step)
+    assert np.abs(by_theta - s.side * profile[:, :1] * around).max() < 1e-9
+    t_z = by_z / np.linalg.norm(by_z, axis=1, keepdims=True)
+    assert np.abs(np.cross(around, t_z) - normals).max() < 1e-7  # differences over 1 um: curvature of 1/12 mm
+    away = points + 1e-4 * normals  # away from the material: outwards, or towards the axis
+    if not s.planar:
+        sign = np.sign(np.hypot(away[:, 0], away[:, 1]) - s.at(away[:, 2]))
+        assert np.all(sign == s.side)
+
+
+@pytest.mark.parametrize("name", list(SURFACES))
+@pytest.mark.parametrize("gap", [0.0, 2e-6, -3e-5, 4e-4])
+def test_chart_and_distance(name: str, gap: float) -> None:
+    """A point at a distance along the normal has that distance, its foot, and the normal as gradient."""
+    s = SURFACES[name]
+    at = chart_points(s)
+    points, normals = np.moveaxis(shown(s, at), 1, 0)[:2]
+    chart, gradient, distance = np.moveaxis(charted(s, points + gap * normals), 1, 0)
+    # coordinates of 0.05 m are right to 7e-18, and so are their differences
+    assert np.abs(chart[:, 2] - gap).max() < 1e-16
+    assert np.array_equal(chart[:, 2], distance[:, 0])
+    assert np.abs(chart[:, 1] - at[:, 1]).max() < 1e-12
+    turn = (chart[:, 0] - at[:, 0] + np.pi) % (2.0 * np.pi) - np.pi
+    assert np.abs(turn).max() < 1e-13
+    assert np.abs(gradient - normals).max() < 1e-11
+
+
+@pytest.mark.parametrize("name", [n for n, s in SURFACES.items() if not s.planar])
+def test_distance_is_the_least_of_all(name: str) -> None:
+    """Far points too: the distance is the smallest over the meridian, and its gradient that of differences."""
+    s = SURFACES[name]
+    rng = np.random.default_rng(11)
+    reach = 0.02 if not s.crown else min(0.02, abs(s.crown))
+    rho = s.radius + s.side * rng.uniform(0.0, 0.004, 12)
+    zeta = rng.uniform(-0.5, 0.5, 12) * reach
+    theta = rng.uniform(-3.0, 3.0, 12)
+    x = np.stack([rho * np.cos(theta), rho * np.sin(theta), zeta], axis=1)
+    chart, gradient, _ = np.moveaxis(charted(s, x), 1, 0)
+    grid = np.linspace(-reach, reach, 4001)
+    for i in range(len(x)):
+        if (rho[i] - s.at(zeta[i])) * s.side < 0.0:
+            continue
+
+        def off(z: float, i: int = i) -> float:
+            return float(np.hypot(rho[i] - s.at(z), zeta[i] - z))
+
+        near = grid[np.argmin(np.hypot(rho[i] - s.at(grid), zeta[i] - grid))]
+        spacing = grid[1] - grid[0]
+        best: Any = minimize_scalar(
+            off, bounds=(near - spacing, near + spacing), method="bounded", options={"xatol": 1e-13}
+        )
+        assert chart[i, 2] == pytest.approx(best.fun, abs=1e-10 * abs(s.crown) + 1e-12)
+    step = 1e-7
+    for axis in range(3):
+        move = step * np.eye(3)[axis]
+        slope = (charted(s, x + move)[:, 0, 2] - charted(s, x - move)[:, 0, 2]) / (2.0 * step)
+        assert np.abs(slope - gradient[:, axis]).max() < 1e-7
+
+
+def test_beyond_the_centre_of_a_groove() -> None:
+    """Nearer to the axis than the arc's centre the surface is its end, not the other half of the circle."""
+    s = SURFACES["groove in a ring"]
+    x = np.array([[0.04 - 0.0065 - 0.003, 0.0, 0.002], [0.04 - 0.0065 - 0.003, 0.0, -0.002]])
+    chart, gradient, _ = np.moveaxis(charted(s, x), 1, 0)
+    assert chart[:, 1] == pytest.approx([0.0065, -0.0065])
+    assert chart[:, 2] == pytest.approx([np.hypot(0.003, 0.0045)] * 2)
+    assert np.linalg.norm(gradient, axis=1) == pytest.approx([1.0, 1.0])
+
+
+def test_a_flat_crown_is_a_cylinder() -> None:
+    """No digit is lost when the crown's radius is 2e7 times the body's."""
+    x = np.array([[0.05 + 1e-6, 0.0, 0.0], [0.05 + 1e-6, 0.0, 0.009]])
+    flat = charted(SURFACES["flat crown"], x)[:, 0, 2]
+    assert flat - 1e-6 == pytest.approx([0.0, 0.009**2 / 2e6], abs=1e-17)

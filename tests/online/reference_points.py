@@ -1,0 +1,105 @@
+"""The contact problem of two surfaces of any shape in plain NumPy: every point of every cell, hats as functions.
+
+Written from the equations (module docstring of `contact_points`), not from the kernels: points are built in the world
+and looked at from B with the shape's own chart.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from reference_contact import Pose, Problem, full_gram, gauss, hats_along
+
+
+def around(grid: Any, x: float) -> list[tuple[int, float]]:
+    """(column, value) of the hats at the grid coordinate x: wrapped around a turn, none beyond the ends of an arc."""
+    j = int(np.floor(x))
+    both = [(j, 1.0 - (x - j)), (j + 1, x - j)]
+    if grid.periodic:
+        return [(c % grid.columns, v) for c, v in both]
+    return [(c, v) for c, v in both if 0 <= c < grid.columns]
+
+
+def surface_point(shape: Any, grid: Any, theta: float, z: float) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
+    """Point [m], unit normal away from the material, area per dtheta dz [m], and the direction around the axis (zero of
+    a plane), user frame."""
+    if shape.profile().planar:
+        return shape.axis_point + theta * shape.e_1 + z * shape.e_a, shape.e_0, 1.0, np.zeros(3)
+    R, slope = float(shape.radius_at(z)), float(shape.slope_at(z))
+    e_r = np.cos(theta) * grid.e_0 + np.sin(theta) * np.cross(shape.e_a, grid.e_0)
+    stretch = np.sqrt(1.0 + slope**2)
+    normal = shape.profile().side * (e_r - slope * shape.e_a) / stretch
+    return shape.axis_point + z * shape.e_a + R * e_r, normal, R * stretch, np.cross(shape.e_a, e_r)
+
+
+def opposite(surface: Any, x: np.ndarray) -> tuple[float, float, float, np.ndarray]:
+    """theta counted from the grid's e_0, z, the signed distance, and the normal at the foot, of a point x (3,) in the
+    user frame of B."""
+    theta, z, distance = (float(v) for v in surface.shape.chart(x))
+    normal = surface.shape.normal(theta, z)
+    if surface.grid is not None and not surface.shape.profile().planar:
+        local = x - surface.shape.axis_point
+        theta = float(np.arctan2(local @ np.cross(surface.shape.e_a, surface.grid.e_0), local @ surface.grid.e_0))
+    return theta, z, distance, normal
+
+
+def point_problem(
+    first: Any, second: Any, A: Pose, B: Pose, columns: np.ndarray, *, theta_points: int, z_points: int
+) -> Problem:
+    """The problem on the hats of the grid `columns` (consecutive, not wrapped) of the surface `first`; `second` may be
+    rigid. `load` has no columns then."""
+    ga, gb = first.grid, second.grid
+    rows, n, first_column = ga.rows, len(columns) * ga.rows, int(columns[0])
+    gap, area, wrench = np.zeros(n), np.zeros(n), np.zeros((n, 6))
+    load = np.zeros((n, 0 if gb is None else gb.columns * gb.rows))
+    (xt, wt), (xz, wz) = gauss(theta_points), gauss(z_points)
+    for j in range(first_column - 1, first_column + len(columns)):
+        for k in range(rows - 1):
+            for qt in range(theta_points):
+                for qz in range(z_points):
+                    dz = ga.z[k + 1] - ga.z[k]
+                    z = ga.z[k] + xz[qz] * dz
+                    theta = ga.theta_start + (j + xt[qt]) * ga.pitch
+                    x, _, measure, turning = surface_point(first.shape, ga, theta, z)
+                    x, turning = A.origin + A.rotation @ x, A.rotation @ turning
+                    theta_b, z_b, distance, normal = opposite(second, B.rotation.T @ (x - B.origin))
+                    f = B.rotation @ normal
+                    f = f - (f @ turning) * turning
+                    on_b = []
+                    if gb is not None:
+                        if not gb.z[0] <= z_b <= gb.z[-1]:
+                            continue
+                        x_b = (theta_b - gb.theta_start) / gb.pitch
+                        if not second.shape.profile().planar:
+                            turn = 2.0 * np.pi / gb.pitch
+                            middle = 0.5 * (gb.columns - 1)
+                            x_b = (x_b - middle + 0.5 * turn) % turn - 0.5 * turn + middle
+                        if not gb.periodic and not -1.0 <= x_b <= gb.columns:
+                            continue
+                        on_b = [(c * gb.rows + r, v * u) for c, v in around(gb, x_b) for r, u in hats_along(gb.z, z_b)]
+                    q = wt[qt] * ga.pitch * wz[qz] * dz * measure
+                    for column, value in ((j, 1.0 - xt[qt]), (j + 1, xt[qt])):
+                        if not 0 <= column - first_column < len(columns):
+                            continue
+                        if not ga.periodic and not 0 <= column < ga.columns:
+                            continue
+                        for row, along in ((k, 1.0 - xz[qz]), (k + 1, xz[qz])):
+                            i = (column - first_column) * rows + row
+                            w = q * value * along
+                            gap[i] += w * distance
+                            area[i] += w
+                            wrench[i, :3] += w * f
+                            wrench[i, 3:] += w * np.cross(x - A.origin, f)
+                            for node, part in on_b:
+                                load[i, node] += w * part
+    index = np.array([(c % ga.columns if ga.periodic else c, r) for c in columns for r in range(rows)])
+    inside = (index[:, 0] >= 0) & (index[:, 0] < ga.columns)
+    flat = np.where(inside, index[:, 0] * rows + index[:, 1], 0)
+    MA = full_gram(first)[flat] * inside[:, None]
+    gap = gap - MA @ (first.mode_normal @ A.modal)
+    G = MA @ first.compliance(np.arange(ga.columns)) @ MA.T
+    if gb is not None:
+        gap -= load @ (second.mode_normal @ B.modal)
+        G += load @ second.compliance(np.arange(gb.columns)) @ load.T
+    return Problem(index, gap, G, area, wrench, load)

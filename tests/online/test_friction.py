@@ -1,0 +1,205 @@
+"""Friction between two rollers: sliding, sticking, creep, and what it may do to energy and momentum."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import warpffrf as wf
+from warpffrf.model.errors import InputError
+
+MU = 0.3
+LOAD = 15e3  # N on a width of 10 mm: a half-width of 1.8 mm, five columns of cells
+OMEGA = 10.0  # rad/s
+STEP = 2e-4  # s: a twentieth of the patch
+CONVERGED = 1e-7  # tractions are converged to this part of the largest bound: so much slip is left where they stick
+SECOND_ORDER = 3e-3  # (a/R)^2: the tractions are tangents of a patch that is an arc
+
+
+@pytest.fixture(scope="module")
+def body() -> wf.ReducedBody:
+    mesh = wf.mesh.roller(0.05, 0.015, 0.01, sectors=240, layers=5, axial=2, grading=1.6, order=1)
+    return wf.reduce(
+        mesh, wf.Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
+        modes=0, tangential=True, cache=False, progress=False,
+    )  # fmt: skip
+
+
+def rollers(body: wf.ReducedBody, friction, creepage: float, load: float = LOAD) -> wf.Scene:
+    """A lower roller driven, an upper one driven the other way a little slower, pressed on it through its axle."""
+    scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
+    speed = -OMEGA * (1.0 - creepage)
+    at = (0.0, 0.0, 0.1)
+    lower = scene.add_body(body, name="lower", angular_velocity=(0.0, OMEGA, 0.0))
+    upper = scene.add_body(body, name="upper", position=at, angular_velocity=(0.0, speed, 0.0))
+    carriage = scene.add_rigid_body(1.0, (1e-3, 1e-3, 1e-3), name="carriage", position=at)
+    first = scene.add(wf.joints.Revolute(scene.ground, lower["bore"], axis=(0, 1, 0), name="first"))
+    second = scene.add(wf.joints.Revolute(carriage.at((0, 0, 0)), upper["bore"], axis=(0, 1, 0), name="second"))
+    scene.add(wf.joints.Prismatic(scene.ground, carriage.at((0, 0, 0)), axis=(0, 0, 1), name="guide"))
+    scene.add(wf.forces.PointForce(carriage.at((0, 0, 0)), (0.0, 0.0, -load)))
+    scene.add(wf.joints.Drive(first, OMEGA, quantity="velocity"))
+    scene.add(wf.joints.Drive(second, speed, quantity="velocity"))
+    scene.add(wf.Contact(lower["rim"], upper["rim"], friction=friction, name="pair"))
+    return scene
+
+
+def run(scene: wf.Scene, steps: int, **options) -> wf.Result:
+    result = wf.simulate(
+        scene, steps * options.get("step", STEP), progress=False,
+        **{"start": "equilibrium", "step": STEP, **options},
+    )  # fmt: skip
+    assert result.status == "completed", result.message
+    return result
+
+
+def test_gross_sliding_transmits_the_coefficient_times_the_load(body) -> None:
+    result = run(rollers(body, MU, 0.2), 20)
+    contact = result.history.contacts["pair"]
+    friction = contact.friction
+    normal, across, along = -contact.force[-1, 2], contact.force[-1, 0], contact.force[-1, 1]
+    assert across == pytest.approx(-MU * normal, rel=SECOND_ORDER)  # the faster lower surface is held back
+    assert abs(along) < 1e-3 * MU * normal  # Poisson's sliding along the axis is antisymmetric
+    touching = friction.state[-1] > 0
+    assert touching.sum() >= contact.active_modes[-1] and np.all(friction.state[-1][touching] == 2)
+    # the bores are driven, the bodies behind them swing a little
+    assert friction.creep_velocity[-1, 0] == pytest.approx(0.2 * OMEGA * 0.05, rel=0.02)
+    assert friction.rolling_velocity[-1] == pytest.approx(0.9 * OMEGA * 0.05, rel=0.02)
+    assert friction.power[-1] == pytest.approx(MU * normal * 0.2 * OMEGA * 0.05, rel=0.02)
+
+
+def test_rolling_without_creep_sticks_and_transmits_nothing(body) -> None:
+    result = run(rollers(body, MU, 0.0), 20)
+    contact = result.history.contacts["pair"]
+    assert np.all(np.abs(contact.force[1:, 0]) < 1e-3 * MU * LOAD)  # the grids are not mirror images: ripple
+    inner = contact.friction.state[-1][contact.pressure[-1] > 0.5 * contact.pressure[-1].max()]
+    assert np.all(inner == 1)
+
+
+def test_friction_takes_energy_in_every_step(body) -> None:
+    for creepage in (2e-3, 0.02):
+        result = run(rollers(body, MU, creepage), 30)
+        work = np.diff(result.energy["friction"])
+        scale = MU * LOAD * STEP * OMEGA * 0.05 * creepage
+        assert np.all(work < CONVERGED * scale)
+        assert result.energy["friction"][-1] < -0.01 * scale
+        assert np.all(result.history.contacts["pair"].friction.power > -CONVERGED * scale / STEP)
+
+
+def bounds(contact, z: np.ndarray) -> np.ndarray:
+    """mu times the mean of the hats' pressure over each cell of the last step: an independent quadrature."""
+    points, weights = np.polynomial.legendre.leggauss(4)
+    p = contact.pressure[-1]
+    columns, rows = p.shape
+    edges = np.concatenate([z[:1], 0.5 * (z[1:] + z[:-1]), z[-1:]])
+    along = np.zeros((columns, rows))
+    for k in range(rows):
+        for low, high in ((edges[k], z[k]), (z[k], edges[k + 1])):
+            at = 0.5 * (low + high) + 0.5 * (high - low) * points
+            values = np.array([np.interp(at, z, line) for line in p])
+            along[:, k] += 0.5 * (high - low) * values @ weights / (edges[k + 1] - edges[k])
+    padded = np.pad(along, ((1, 1), (0, 0)))
+    return MU * (padded[:-2] + 6.0 * padded[1:-1] + padded[2:]) / 8.0
+
+
+def test_tractions_stay_within_the_bounds_and_against_the_slip(body) -> None:
+    result = run(rollers(body, MU, 4e-3), 40)
+    contact = result.history.contacts["pair"]
+    friction = contact.friction
+    bound = bounds(contact, np.asarray(body.contact_surfaces["rim"].grid.z))
+    size = np.linalg.norm(friction.traction[-1], axis=0)
+    assert np.all(size <= bound * (1.0 + 1e-9))
+    sliding = friction.state[-1] == 2
+    assert sliding.any() and (friction.state[-1] == 1).any()
+    np.testing.assert_allclose(size[sliding], bound[sliding], rtol=1e-9)
+    opposite = np.sum(friction.traction[-1] * friction.slip_velocity[-1], axis=0)
+    assert np.all(opposite <= 1e-9 * size.max() * OMEGA * 0.05)
+    across = friction.traction[-1, 0] * friction.slip_velocity[-1, 1]
+    np.testing.assert_allclose(  # parallel to the slip, where there is any to speak of
+        across[sliding], (friction.traction[-1, 1] * friction.slip_velocity[-1, 0])[sliding],
+        atol=1e-6 * size.max() * np.abs(friction.slip_velocity[-1]).max(),
+    )  # fmt: skip
+
+
+def test_the_regularised_law_is_viscous_below_its_velocity(body) -> None:
+    """tau = -mu p w/v in every cell, w the slip velocity with all deformation."""
+    speed = 1e3
+    contact = run(rollers(body, wf.laws.RegularisedCoulomb(MU, speed), 0.2), 20).history.contacts["pair"]
+    friction = contact.friction
+    bound = bounds(contact, np.asarray(body.contact_surfaces["rim"].grid.z))
+    expected = -bound * friction.slip_velocity[-1] / speed
+    np.testing.assert_allclose(friction.traction[-1], expected, atol=1e-8 * np.abs(expected).max())
+    assert np.abs(expected).max() > 0.0 and not np.any(friction.state == 2)
+
+
+def test_the_regularised_law_tends_to_coulomb(body) -> None:
+    creepage = 4e-3
+    exact = run(rollers(body, MU, creepage), 25).history.contacts["pair"].force[-1, 0]
+    speeds = (1e-3, 1e-4, 1e-5)  # m/s beside a creep of 2 mm/s
+    errors = []
+    for speed in speeds:
+        law = wf.laws.RegularisedCoulomb(MU, speed)
+        errors.append(abs(run(rollers(body, law, creepage), 25).history.contacts["pair"].force[-1, 0] / exact - 1.0))
+    assert errors[0] > errors[1] > errors[2] and errors[2] < 1e-2
+
+
+def test_action_equals_reaction_with_friction(body) -> None:
+    contact = run(rollers(body, MU, 0.02), 20).history.contacts["pair"]
+    size = np.linalg.norm(contact.force, axis=1).max()
+    np.testing.assert_allclose(contact.force, -contact.force_second, atol=1e-10 * size, rtol=0.0)
+
+
+def test_momentum_of_two_free_rollers_that_collide_spinning(body) -> None:
+    scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
+    first = scene.add_body(body, name="first", angular_velocity=(0.0, 200.0, 0.0))
+    second = scene.add_body(body, name="second", position=(0.0, 0.0, 0.1 + 5e-6), velocity=(0.0, 0.0, -0.5))
+    scene.add(wf.Contact(first["rim"], second["rim"], friction=MU, name="pair"))
+    result = run(scene, 60, step=2e-6, start="initial")
+    assert np.abs(result.history.contacts["pair"].force).max() > 1e3
+    mass = body.mass
+    bodies = result.history.bodies
+    p = sum(mass * bodies[name].velocity for name in ("first", "second"))
+    assert np.abs(p - p[0]).max() < 1e-10 * mass * 0.5
+    assert abs(bodies["second"].angular_velocity[-1, 1]) > 0.1  # friction has set it turning
+    assert abs(bodies["second"].velocity[-1, 0]) > 1e-3
+    assert np.all(np.diff(result.energy["friction"]) <= 1e-12)
+
+
+def test_a_run_with_friction_is_continued_bit_for_bit(body) -> None:
+    scene = rollers(body, MU, 4e-3)
+    whole = run(scene, 12)
+    half = run(scene, 6)
+    rest = run(scene, 6, start=half)
+    np.testing.assert_array_equal(
+        rest.history.contacts["pair"].friction.traction[-1], whole.history.contacts["pair"].friction.traction[-1]
+    )
+    np.testing.assert_array_equal(rest.history.contacts["pair"].force[-1], whole.history.contacts["pair"].force[-1])
+
+
+def test_friction_needs_tangential_modes() -> None:
+    mesh = wf.mesh.roller(0.05, 0.015, 0.01, sectors=48, layers=2, axial=1, grading=1.5, order=1)
+    plain = wf.reduce(
+        mesh, wf.Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
+        modes=0, cache=False, progress=False,
+    )  # fmt: skip
+    scene = wf.Scene()
+    a, b = scene.add_body(plain, name="a"), scene.add_body(plain, name="b", position=(0.0, 0.0, 0.1))
+    with pytest.raises(InputError, match="tangential=True"):
+        wf.Contact(a["rim"], b["rim"], friction=0.1)
+    with pytest.raises(InputError, match="friction"):
+        wf.Contact(a["rim"], b["rim"], friction=-0.1)
+
+
+def test_friction_with_dynamic_local_modes_is_refused() -> None:
+    mesh = wf.mesh.roller(0.05, 0.015, 0.01, sectors=48, layers=2, axial=1, grading=1.5, order=1)
+    dynamic = wf.reduce(
+        mesh, wf.Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
+        modes=0, tangential=True, local_dynamics=True, cache=False, progress=False,
+    )  # fmt: skip
+    scene = rollers(dynamic, 0.1, 0.0)
+    with pytest.raises(InputError, match="local='quasi_static'"):
+        wf.simulate(scene, STEP, step=STEP, local="hht", progress=False)
+
+
+def test_a_run_says_that_friction_does_not_act_in_the_equilibrium(body) -> None:
+    result = run(rollers(body, MU, 0.0), 1)
+    assert any("friction of 'pair' does not act in the equilibrium" in note for note in result.history.notes)

@@ -1,0 +1,163 @@
+"""Contact surfaces and contact pairs in scene files: every kind of surface, rigid ones, and the options of a pair."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import warpffrf as wf
+from warpffrf.model.friction import RegularisedCoulomb
+from warpffrf.scene_file.load import load_scene, scene_of
+
+MACHINE = """\
+[materials.steel]
+youngs_modulus = 210e9
+poisson_ratio = 0.3
+density = 7850
+
+[meshes.roller]
+kind = "roller"
+outer_radius = 0.05
+inner_radius = 0.015
+width = 0.02
+sectors = 24
+layers = 1
+axial = 2
+order = 1
+
+[reduced_bodies.roller]
+mesh = "roller"
+material = "steel"
+contact = { rim = "cylinder" }
+modes = 0
+tangential = true
+sampling_error = 0.5
+cache = false
+
+[ground.floor]
+kind = "plane"
+origin = [0, 0, 0]
+outward = [0, 0, 1]
+
+[bodies.roller]
+body = "roller"
+position = [0, 0, 0.05]
+
+[bodies.wheel]
+mass = 1.0
+inertia_tensor = [1, 1, 1]
+position = [0, 0, 0.15]
+surfaces = { tread = { kind = "crowned_cylinder", radius = 0.05, crown_radius = 0.3, axis_point = [0, 0, 0], \
+axis_direction = [0, 1, 0] } }
+
+[contacts.below]
+a = "roller.rim"
+b = "ground.floor"
+law = { kind = "linear_layer", stiffness = 1e13 }
+friction = { kind = "regularised_coulomb", coefficient = 0.3, slip_velocity = 1e-3 }
+evaluation = "hyper"
+overlap = 1e-5
+capacity = 200
+
+[[arrange]]
+kind = "close_gap"
+contact = "below"
+along = [0, 0, -1]
+gap = 1e-6
+"""
+KINDS = {
+    "cylinder": 'kind = "cylinder", radius = 0.05',
+    "crowned_cylinder": 'kind = "crowned_cylinder", radius = 0.05, crown_radius = 0.3',
+    "profiled_cylinder": (
+        'kind = "profiled_cylinder", radius = 0.05, table = [[-0.01, 0, 0.01], [2e-5, 0, 2e-5]]'
+    ),
+    "groove": 'kind = "groove", radius = 0.03, groove_radius = 0.01',
+    "sphere": 'kind = "sphere", radius = 0.01',
+    "cone": 'kind = "cone", radius = 0.05, half_angle = "= radians(20)"',
+    "bore": 'kind = "bore", radius = 0.05',
+    "ring": 'kind = "ring", radius = 0.05, groove_radius = 0.01',
+    "cup": 'kind = "cup", radius = 0.01',
+    "conical_bore": 'kind = "conical_bore", radius = 0.05, half_angle = -0.1',
+    "plane": 'kind = "plane", origin = [0, 0, 1], outward = [0, 0, -1]',
+}  # fmt: skip
+
+
+def wheel_with(surface: str) -> str:
+    return (
+        "[bodies.wheel]\nmass = 1.0\ninertia_tensor = [1, 1, 1]\n"
+        f"surfaces = {{ face = {{ {surface} }} }}\n[ground.face]\n" + "\n".join(_lines(surface)) + "\n"
+    )
+
+
+def _lines(surface: str) -> list[str]:
+    return [part.strip() for part in re.split(r",\s*(?=\w+ =)", surface)]
+
+
+def test_every_kind_of_surface_can_be_written() -> None:
+    assert set(KINDS) == set(wf.surfaces.SHAPES)
+    for kind, text in KINDS.items():
+        if kind != "plane":
+            text += ", axis_point = [0, 0, 0], axis_direction = [0, 1, 0]"
+        scene = scene_of(wheel_with(text)).scene
+        shape = scene.ground["face"].surface.shape
+        assert shape.kind == kind and shape.resolved
+        assert scene.body("wheel")["face"].surface.shape.describe() == shape.describe()
+    cone = wf.surfaces.Cone(radius=0.05, half_angle=np.radians(20.0), axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
+    text = KINDS["cone"] + ", axis_point = [0, 0, 0], axis_direction = [0, 1, 0]"
+    assert scene_of(wheel_with(text)).scene.ground["face"].surface.shape.describe() == cone.describe()
+
+
+def test_a_profile_comes_from_a_file(tmp_path) -> None:
+    z = np.linspace(-0.01, 0.01, 11)
+    np.savetxt(tmp_path / "profile.csv", np.stack([z, 0.1 * z**2], axis=1), delimiter=",", fmt="%.17g")
+    text = (
+        '[ground.face]\nkind = "profiled_cylinder"\nradius = 0.05\naxis_point = [0, 0, 0]\naxis_direction = [0, 1, 0]\n'
+        'table = [{ file = "profile.csv", column = 0 }, { file = "profile.csv", column = 1 }]\n'
+    )
+    (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
+    shape = load_scene(tmp_path / "scene.toml").scene.ground["face"].surface.shape
+    np.testing.assert_allclose(shape.radius_at(z), 0.05 - 0.1 * z**2, rtol=1e-15)
+
+
+def test_a_pair_with_its_options_is_that_of_python() -> None:
+    loaded = scene_of(MACHINE)
+    pair = loaded.scene.contact("below")
+    assert pair.friction == RegularisedCoulomb(0.3, slip_velocity=1e-3) and pair.law.kind == "linear_layer"
+    assert (pair.evaluation, pair.overlap, pair.capacity) == ("hyper", 1e-5, 200)
+    assert loaded.scene.body("roller").position[2] == pytest.approx(0.050001, abs=1e-11)
+    scene = wf.Scene()
+    floor = scene.ground.surface(wf.surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1)), name="floor")
+    roller = scene.add_body(loaded.scene.body("roller").reduced, name="roller", position=(0, 0, 0.05))
+    tread = wf.surfaces.CrownedCylinder(radius=0.05, crown_radius=0.3, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
+    scene.add_rigid_body(1.0, (1, 1, 1), name="wheel", position=(0, 0, 0.15), surfaces={"tread": tread})
+    law, friction = wf.laws.LinearLayer(1e13), RegularisedCoulomb(0.3, slip_velocity=1e-3)
+    options = {"evaluation": "hyper", "overlap": 1e-5, "capacity": 200, "name": "below"}
+    scene.close_gap(scene.add(wf.Contact(roller["rim"], floor, law=law, friction=friction, **options)),
+                    along=(0, 0, -1), gap=1e-6)  # fmt: skip
+    assert loaded.scene.content_hash() == scene.content_hash()
+
+
+WRONG = [
+    ('kind = "plane"', 'kind = "plan"', "there is no kind 'plan'; did you mean 'plane'?"),
+    ("outward = [0, 0, 1]", "normal = [0, 0, 1]", "unknown key 'normal'"),
+    ("outward = [0, 0, 1]", "outward = [0, 0, 0]", "outward has zero length"),
+    ('b = "ground.floor"', 'b = "ground.wall"', "the ground has no interface or surface 'wall'"),
+    ('b = "ground.floor"', 'b = "wheel.flank"', "rigid body 'wheel' has no interface or surface 'flank'"),
+    ("coefficient = 0.3", "coefficient = -0.3", "coefficient must not be negative"),
+    ('"regularised_coulomb"', '"coulomb_friction"', "there is no kind 'coulomb_friction'"),
+    ('evaluation = "hyper"', 'evaluation = "best"', "evaluation 'best' does not exist"),
+    ("overlap = 1e-5", "overlap = -1e-5", "overlap must not be negative"),
+    ('a = "roller.rim"', 'a = "wheel.tread"', "both rigid"),
+    ('contact = { rim = "cylinder" }', 'contact = { rim = "cilinder" }', "no surface 'cilinder'; did you mean"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("old, new, said", WRONG, ids=[w[2][:30] for w in WRONG])
+def test_errors_name_the_line_and_the_cure(old: str, new: str, said: str) -> None:
+    text = MACHINE.replace(old, new, 1)
+    line = text[: text.index(new)].count("\n") + 1
+    with pytest.raises(wf.InputError, match=re.escape(said)) as caught:
+        scene_of(text)
+    assert str(caught.value).startswith(f"scene.toml:{line}: "), caught.value

@@ -1,0 +1,280 @@
+"""The undeformed gap between the true shapes of a contact pair, and how far to move a body to close it.
+
+Gap. A point of the first true surface at chart coordinates (theta, z) is x_1(theta, z) in the world. Its gap is its
+signed normal distance from the second surface, positive in the free space: the chart of the second shape gives it, and
+with it the nearest place there. A point whose nearest place lies beside the second surface's grid has none; a rigid
+surface has no end. Two places *face* each other where n_1.n_2 < 0: the back of a roller does not face the plate it
+lies on. The smallest gap over the part of the first surface that faces the second is the initial gap of the pair. It is
+found on a grid that is refined about the best point; since the gap is flat there, an error e of the place costs only
+e^2/(2 R) of the value.
+
+Closing from outside. m(s), the smallest gap when the second body is moved by s along a direction, changes by at most ds
+when s does: from an open gap a step of m(s) - gap never passes the first touch (sphere tracing). Nor does the chord
+through the last two places while m is convex, as it is between convex bodies, and it is much faster along a direction
+that hardly closes the gap. In a hollow m is concave and the chord passes the touch, which then lies between.
+
+Closing from within. A pin in a bore is never outside: where a surface is an inside form the search begins where the
+bodies are, along the direction first, then against it. Where they overlap there, the place that is furthest open is
+found first (m is concave in s for a body within a convex hollow), and the search goes back from there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError, require_direction, require_number
+
+if TYPE_CHECKING:
+    from warpffrf.model.bodies import SurfacePort
+    from warpffrf.model.contact import Contact
+
+ZOOM_POINTS = (73, 33)  # grid around and along: 5 degrees first, enough to bracket the one minimum of convex surfaces
+ZOOM_FACTOR = 8.0  # each refinement shrinks the looked-at rectangle by this
+ZOOM_ROUNDS = 9  # 8^8 below the first spacing: the place to 1e-8 rad, the value to round-off
+CLOSE_TOLERANCE = 1e-13  # m; round-off of coordinates of order 0.1 to 1 m is 1e-16, times the condition of the distance
+CLOSE_STEPS = 200  # chords need about ten; more where m bends, as past an edge
+FURTHER_STARTS = 12  # doublings of the reach: a direction at 0.02 degrees to a plane still gets free of it
+GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+GOLDEN_STEPS = 50  # 0.618^50 = 4e-11 of the bracket: a hollow that is open by less is full
+UPHILL_STEPS = 40  # doublings from the overlap: it is no larger than the bodies
+
+
+def undeformed_gap(contact: Contact, theta: Any, z: Any, offset: Any = (0.0, 0.0, 0.0)) -> np.ndarray:
+    """Gap [m] at chart coordinates theta [rad, of a plane m], z [m] of the first surface, at the initial pose; positive
+    is open.
+
+    `offset` (3,) [m] moves the second body in the world. NaN where a point lies beside the second surface's grid.
+    """
+    return _gap(contact, theta, z, offset)[0]
+
+
+def smallest_gap(contact: Contact, offset: Any = (0.0, 0.0, 0.0)) -> tuple[float, float, float]:
+    """Smallest undeformed gap [m] and its place (theta [rad, of a plane m], z [m]) on the first surface; negative is
+    interference.
+
+    `offset` (3,) [m] moves the second body in the world. Raises `InputError` where the surfaces do not face each other.
+    """
+    found = facing_gap(contact, offset)
+    if found is None:
+        raise InputError(
+            f"contact {contact.name!r}: the surfaces {contact.a.label} and {contact.b.label} do not face each "
+            "other anywhere along their width; move a body"
+        )
+    return found
+
+
+def facing_gap(contact: Contact, offset: Any = (0.0, 0.0, 0.0)) -> tuple[float, float, float] | None:
+    """As `smallest_gap`, None where the surfaces do not face each other."""
+    first = contact.a.surface
+    grid = first.grid
+    theta, z = 0.0, 0.5 * (grid.z[0] + grid.z[-1])
+    half_theta, half_z = np.pi, 0.5 * (grid.z[-1] - grid.z[0])
+    if not grid.periodic:
+        half_theta = 0.5 * grid.pitch * (grid.columns - 1)
+        theta = grid.theta_start + theta_offset(first) + half_theta
+    low, high = theta - half_theta, theta + half_theta
+    best = np.nan
+    for _ in range(ZOOM_ROUNDS):
+        around = theta + half_theta * np.linspace(-1.0, 1.0, ZOOM_POINTS[0])
+        if not grid.periodic:
+            around = np.clip(around, low, high)
+        along = np.clip(z + half_z * np.linspace(-1.0, 1.0, ZOOM_POINTS[1]), grid.z[0], grid.z[-1])
+        gaps, facing = _gap(contact, around[:, None], along[None, :], offset)
+        gaps = np.where(facing, gaps, np.nan)
+        if np.all(np.isnan(gaps)):
+            return None
+        i, j = np.unravel_index(np.nanargmin(gaps), gaps.shape)
+        best, theta, z = float(gaps[i, j]), float(around[i]), float(along[j])
+        half_theta, half_z = half_theta / ZOOM_FACTOR, half_z / ZOOM_FACTOR
+    return best, theta, z
+
+
+def closing_distance(contact: Contact, along: Any, gap: float) -> float:
+    """Distance [m] to move the second body along the direction `along` (3,), world, until the smallest gap is `gap`
+    [m].
+
+    Of several such places it is the one reached from far out on the side of `along`; where a surface is an inside form,
+    the first one from where the body is, along the direction if there is one that way, else against it. Raises
+    `InputError` where the second body passes the first without touching.
+    """
+    label = f"contact {contact.name!r}: close_gap"
+    direction = require_direction(along, f"{label}: along")
+    gap = require_number(gap, f"{label}: gap")
+
+    inside = any(port.surface.shape.side < 0.0 for port in contact.ports)
+    s = (_from_within if inside else _from_outside)(contact, direction, gap)
+    if s is None:
+        shown = ", ".join(f"{d:g}" for d in direction)
+        cure = "along which there is room" if inside else "that points from the first body to the second"
+        raise InputError(
+            f"{label}: moving {contact.b.body.name!r} along ({shown}) never brings the gap "
+            f"to {gap:g} m; choose a direction {cure}"
+        )
+    return s
+
+
+def theta_offset(surface: Any) -> float:
+    """Angle [rad] of the grid's theta = 0 in the chart of the shape; 0 of a plane."""
+    shape, e_0 = surface.shape, surface.grid.e_0
+    return float(np.arctan2(e_0 @ shape.e_1, e_0 @ shape.e_0))
+
+
+def _gap(contact: Contact, theta: Any, z: Any, offset: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Gap [m], NaN beside the second grid, and whether the surfaces face each other there."""
+    first, second = contact.a.surface.shape, contact.b.surface.shape
+    body_a, body_b = contact.a.body, contact.b.body
+    theta, z = np.broadcast_arrays(np.asarray(theta, float), np.asarray(z, float))
+    world = body_a.to_world(first.point(theta, z)) - np.asarray(offset, float)
+    theta_b, z_b, distance = second.chart(body_b.to_user(world))
+    n_a = body_a.to_world(first.normal(theta, z)) - body_a.position
+    n_b = body_b.to_world(second.normal(theta_b, z_b)) - body_b.position
+    facing = np.einsum("...i,...i->...", n_a, n_b) < 0.0
+    return np.where(_beside(contact.b.surface, theta_b, z_b), np.nan, distance), facing
+
+
+def _beside(surface: Any, theta: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """True where chart coordinates lie beside the grid of the surface; a rigid surface has none."""
+    grid = surface.grid
+    if grid is None:
+        return np.zeros(z.shape, dtype=bool)
+    beside = (z < grid.z[0]) | (z > grid.z[-1])
+    if grid.periodic:
+        return beside
+    # the outermost hats reach a pitch beyond the outermost columns
+    half = 0.5 * grid.pitch * (grid.columns + 1)
+    off = theta - theta_offset(surface) - grid.theta_start - 0.5 * grid.pitch * (grid.columns - 1)
+    if not surface.shape.profile().planar:
+        off = np.angle(np.exp(1j * off))
+    return beside | (np.abs(off) > half)
+
+
+def _trace(open_by: Callable[[float], float], s: float, sign: float, reach: float) -> float | None:
+    """First touch from the open place `s` towards `sign`, within `reach` [m]; None where there is none."""
+    start, value = s, open_by(s)
+    last, last_value = s, -np.inf
+    for _ in range(CLOSE_STEPS):
+        if abs(value) <= CLOSE_TOLERANCE:
+            return s
+        step = value
+        if 0.0 < value < last_value < np.inf:
+            chord = value * abs(s - last) / (last_value - value)
+            step = chord if abs(s + sign * chord - start) <= reach else value
+        ahead = s + sign * step
+        if abs(ahead - start) > reach:
+            return None
+        value_ahead = open_by(ahead)
+        if value > 0.0 and value_ahead < -CLOSE_TOLERANCE:
+            return _between(open_by, s, value, ahead, value_ahead)
+        last, last_value, s, value = s, value, ahead, value_ahead
+    return None
+
+
+def _between(open_by: Callable[[float], float], a: float, value_a: float, b: float, value_b: float) -> float | None:
+    """Touch between the open place `a` and the closed place `b` (false position, Illinois)."""
+    for _ in range(CLOSE_STEPS):
+        s = b - value_b * (b - a) / (value_b - value_a)
+        value = open_by(s)
+        if abs(value) <= CLOSE_TOLERANCE:
+            return s
+        if value * value_b < 0.0:
+            a, value_a = b, value_b
+        else:
+            value_a *= 0.5
+        b, value_b = s, value
+    return None
+
+
+def _from_outside(contact: Contact, direction: np.ndarray, gap: float) -> float | None:
+    def open_by(s: float) -> float:
+        return smallest_gap(contact, s * direction)[0] - gap
+
+    centers = [port.body.to_world(port.surface.shape.axis_point) for port in contact.ports]
+    if contact.b.rigid:
+        centers[1] = _abreast(contact.b, centers[0])
+    # start where the bodies are apart for certain, and stop when they are on the other side
+    reach = sum(_extent(port) for port in contact.ports) + max(gap, 0.0)
+    beside = float((centers[0] - centers[1]) @ direction)
+    if not contact.b.rigid:
+        return _trace(open_by, beside + reach, -1.0, 2.0 * reach)
+    for _ in range(FURTHER_STARTS):  # a plane at an angle to the direction has to move further
+        if open_by(beside + reach) > 0.0:
+            break
+        reach *= 2.0
+    else:
+        return None
+    apart = float(np.linalg.norm(centers[0] - centers[1]))
+    return _trace(open_by, beside + reach, -1.0, 2.0**FURTHER_STARTS * (reach + apart))
+
+
+def _from_within(contact: Contact, direction: np.ndarray, gap: float) -> float | None:
+    def open_by(s: float) -> float:
+        """Infinite where the surfaces cease to face each other: a pin that has left its bore."""
+        found = facing_gap(contact, s * direction)
+        return np.inf if found is None else found[0] - gap
+
+    reach = 2.0 * sum(_extent(port) for port in contact.ports) + abs(gap)
+    here = smallest_gap(contact)[0] - gap
+    if here >= -CLOSE_TOLERANCE:
+        towards = _trace(open_by, 0.0, 1.0, reach)
+        return _trace(open_by, 0.0, -1.0, reach) if towards is None else towards
+    start = _open_place(open_by, here)
+    return None if start is None else _trace(open_by, start, -float(np.sign(start)), reach)
+
+
+def _open_place(open_by: Callable[[float], float], here: float) -> float | None:
+    """A place along the direction that is open, from 0, where the gap is short by `here` < 0; None where it is open
+    nowhere: uphill in doubled steps, then golden section between the last ones."""
+    step = -here
+    sides = [open_by(step), open_by(-step)]
+    low, high = -step, step
+    if max(sides) > here:
+        step, value = (step, sides[0]) if sides[0] >= sides[1] else (-step, sides[1])
+        low, high = 0.0, 2.0 * step
+        for _ in range(UPHILL_STEPS):
+            further = open_by(high)
+            if value >= 0.0 or not further > value:
+                break
+            low, step, high, value = step, high, 2.0 * high, further
+        if value >= 0.0:
+            return step
+    inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)]
+    values = [open_by(s) for s in inner]
+    for _ in range(GOLDEN_STEPS):
+        best = int(np.argmax(values))
+        if values[best] >= 0.0:
+            return inner[best]
+        if best == 0:
+            high, inner[1], values[1] = inner[1], inner[0], values[0]
+            inner[0] = high - GOLDEN * (high - low)
+            values[0] = open_by(inner[0])
+        else:
+            low, inner[0], values[0] = inner[0], inner[1], values[1]
+            inner[1] = low + GOLDEN * (high - low)
+            values[1] = open_by(inner[1])
+    return None
+
+
+def _extent(port: SurfacePort) -> float:
+    """Radius [m] of a sphere about the axis point that holds the surface; of a rigid one what it has across."""
+    surface = port.surface
+    shape, grid = surface.shape, surface.grid
+    planar = shape.profile().planar
+    if grid is None:
+        return 0.0 if planar else float(shape.radius)
+    z = float(np.max(np.abs(grid.z)))
+    across = float(np.max(np.abs(grid.theta))) if planar else float(np.max(shape.radius_at(grid.z)))
+    return float(np.hypot(across, z))
+
+
+def _abreast(port: SurfacePort, point: np.ndarray) -> np.ndarray:
+    """The place (3,) [m], world, on the axis or the plane of a surface without end that lies abreast of `point`."""
+    shape = port.surface.shape
+    c, user = shape.axis_point, port.body.to_user(point)
+    if shape.profile().planar:
+        return port.body.to_world(user - ((user - c) @ shape.e_0) * shape.e_0)
+    if shape.profile().crown:  # it has a middle
+        return port.body.to_world(c)
+    return port.body.to_world(c + ((user - c) @ shape.e_a) * shape.e_a)

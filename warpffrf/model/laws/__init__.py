@@ -1,0 +1,44 @@
+"""Contact laws: what lies between two surfaces that touch. One file a law; `layer` has what they share.
+
+With the gap g [m] between the deformed surfaces, the depth d = -g and the pressure p >= 0 [Pa]
+
+    Unilateral               p > 0 only at g = 0: nothing between them, no parameter
+    LinearLayer              p = k d
+    NonlinearLayer           p = k d^n
+    TableLayer               p(g) from a table
+    ExponentialAsperities    p = p_0 exp(-g/lambda)
+    HuntCrossley             p = k d^n (1 + chi d_dot)
+
+The laws of friction, `Coulomb` and `RegularisedCoulomb`, are in `warpffrf.model.friction` and named here too.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.friction import Coulomb, RegularisedCoulomb
+from warpffrf.model.laws.exponential_asperities import ExponentialAsperities
+from warpffrf.model.laws.hunt_crossley import HuntCrossley
+from warpffrf.model.laws.layer import Curve, Law
+from warpffrf.model.laws.linear_layer import LinearLayer
+from warpffrf.model.laws.nonlinear_layer import NonlinearLayer
+from warpffrf.model.laws.table_layer import TableLayer
+from warpffrf.model.laws.unilateral import Unilateral
+
+LAWS = {
+    law.kind: law for law in (Unilateral, LinearLayer, NonlinearLayer, TableLayer, ExponentialAsperities, HuntCrossley)
+}
+
+__all__ = [
+    "LAWS", "Coulomb", "Curve", "ExponentialAsperities", "HuntCrossley", "Law", "LinearLayer", "NonlinearLayer",
+    "RegularisedCoulomb", "TableLayer", "Unilateral", "as_law",
+]  # fmt: skip
+
+
+def as_law(value: Any, label: str) -> Law:
+    """`value` if it is a law; raises `InputError` naming `label` and the laws there are."""
+    if not isinstance(value, tuple(LAWS.values())):
+        names = ", ".join(f"laws.{law.__name__}" for law in LAWS.values())
+        raise InputError(f"{label}: law must be one of {names}, got {value!r}")
+    return value

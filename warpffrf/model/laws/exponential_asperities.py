@@ -1,0 +1,79 @@
+r"""Rough surfaces: the pressure of asperities falls exponentially with the gap between the mean planes.
+
+    p = p_0 exp(-g/lambda)
+
+is the law of Greenwood and Williamson for an exponential distribution of the asperities' heights (Proc. R. Soc. A 295,
+1966), whose decay length lambda is their standard deviation; p_0 is the pressure with the mean planes in touch, g = 0.
+It is positive at any gap. Here it ends at a named gap `cut`, where the curve is shifted to zero,
+
+    p = p_0 [exp(-g/lambda) - eps],      eps = exp(-cut/lambda),
+    W = lambda p_0 [exp(-g/lambda) - eps] - p_0 eps (cut - g),
+
+so that the pressure errs by no more than eps p_0; by default eps = 1e-6. The inverse is y(p) = lambda ln(p/p_0 + eps).
+A uniform pressure p keeps the surfaces apart by lambda ln(p_0/p), if p >> eps p_0: choose `cut` well above that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.laws.layer import Curve
+
+NEGLIGIBLE = 1e-6  # of the pressure at zero gap: what the law is cut at by default
+DEEPEST = 300.0  # decay lengths between zero gap and the cut: exponentials of more leave the range of numbers
+
+
+@dataclass(frozen=True)
+class ExponentialAsperities:
+    """Asperities with the pressure `pressure_at_zero` [Pa] at zero gap that falls by a factor e every `decay_length`
+    [m] and ends at the gap `cut` [m], by default where it is 1e-6 of that at zero gap. Raises `InputError`."""
+
+    pressure_at_zero: float
+    decay_length: float
+    cut: float | None = None
+    kind: ClassVar[str] = "exponential_asperities"
+
+    def __post_init__(self) -> None:
+        require_number(self.pressure_at_zero, "ExponentialAsperities: pressure_at_zero [Pa]", positive=True)
+        length = require_number(self.decay_length, "ExponentialAsperities: decay_length [m]", positive=True)
+        if self.cut is not None:
+            cut = require_number(self.cut, "ExponentialAsperities: cut [m]", positive=True)
+            if cut > DEEPEST * length:
+                raise InputError(
+                    f"ExponentialAsperities: cut must be at most {DEEPEST:g} decay lengths, got {cut / length:g}"
+                )
+
+    @property
+    def end(self) -> float:
+        """The gap [m] from which on there is no pressure: `cut`, or what stands for it."""
+        return float(-np.log(NEGLIGIBLE) * self.decay_length) if self.cut is None else float(self.cut)
+
+    @property
+    def yielding(self) -> float:
+        """0: the yield is no constant, see `curve`."""
+        return 0.0
+
+    @property
+    def curve(self) -> Curve:
+        """Form "exponential": pressure at zero gap, decay length, the gap where it ends."""
+        return Curve("exponential", (float(self.pressure_at_zero), float(self.decay_length), self.end))
+
+    def pressure(self, gap: Any) -> np.ndarray:
+        """Pressure [Pa] at the gaps [m], any shape."""
+        g = np.minimum(np.asarray(gap, float), self.end)
+        return self.pressure_at_zero * (np.exp(-g / self.decay_length) - np.exp(-self.end / self.decay_length))
+
+    def energy(self, gap: Any) -> np.ndarray:
+        """Energy [J/m^2] of the layer at the gaps [m], any shape."""
+        g = np.minimum(np.asarray(gap, float), self.end)
+        shift = self.pressure_at_zero * np.exp(-self.end / self.decay_length)
+        return self.decay_length * self.pressure(g) - shift * (self.end - g)
+
+    def describe(self) -> dict[str, Any]:
+        """Plain data for hashing."""
+        numbers = {"pressure_at_zero": float(self.pressure_at_zero), "decay_length": float(self.decay_length)}
+        return {"kind": self.kind, **numbers, "cut": self.end}

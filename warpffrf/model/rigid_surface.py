@@ -1,0 +1,48 @@
+"""A contact surface without compliance: of a rigid body or of the ground."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.surfaces import SHAPES, Shape
+
+
+@dataclass(frozen=True, eq=False)
+class RigidSurface:
+    """A true shape that does not yield, in the user frame of its body; it has no grid and no end.
+
+    The other names are those of `ContactSurface`, all empty, so that a pair asks both of its surfaces the same.
+    """
+
+    name: str
+    shape: Any
+    grid: None = None
+    tangential: None = None
+    local_mass: None = None
+    sampling: None = None
+
+    @property
+    def local_modes(self) -> int:
+        """None: 0."""
+        return 0
+
+    @classmethod
+    def of(cls, name: Any, shape: Any, owner: str) -> RigidSurface:
+        """A checked one. Raises `InputError` naming `owner`."""
+        if not isinstance(name, str) or not name or "/" in name:
+            raise InputError(f"{owner}: the name of a surface must be a non-empty text without '/', got {name!r}")
+        if not isinstance(shape, Shape):
+            kinds = ", ".join(f"surfaces.{kind.__name__}" for kind in SHAPES.values())
+            raise InputError(f"{owner}: surface {name!r} must be one of {kinds}, got {shape!r}")
+        if not shape.resolved:
+            raise InputError(
+                f"{owner}: surface {name!r} leaves something to be fitted, but a rigid surface has no nodes; give "
+                f"everything of {type(shape).__name__}(...)"
+            )
+        return cls(name, shape)
+
+    def describe(self) -> dict[str, Any]:
+        """Plain data for hashing."""
+        return self.shape.describe()

@@ -1,0 +1,59 @@
+"""True shapes of contact surfaces, one file a kind, given or fitted to nodes.
+
+    outside   Cylinder  CrownedCylinder  ProfiledCylinder  Groove  Sphere  Cone  Plane
+    inside    Bore      Ring (grooved)                             Cup     ConicalBore
+
+What they share is in `base` (frame, fit), `revolution` (chart) and `profile` (the meridian's numbers). A new kind is a
+new file and a line in SHAPES.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from warpffrf.model.errors import unknown_name
+from warpffrf.model.surfaces.base import DEFAULT_FIT_FRACTION, Shape
+from warpffrf.model.surfaces.bore import Bore
+from warpffrf.model.surfaces.cone import Cone
+from warpffrf.model.surfaces.conical_bore import ConicalBore
+from warpffrf.model.surfaces.crowned_cylinder import CrownedCylinder
+from warpffrf.model.surfaces.cup import Cup
+from warpffrf.model.surfaces.cylinder import Cylinder
+from warpffrf.model.surfaces.groove import Groove
+from warpffrf.model.surfaces.plane import Plane
+from warpffrf.model.surfaces.profile import SurfaceProfile
+from warpffrf.model.surfaces.profiled_cylinder import ProfiledCylinder
+from warpffrf.model.surfaces.ring import Ring
+from warpffrf.model.surfaces.sphere import Sphere
+
+__all__ = [
+    "DEFAULT_FIT_FRACTION",
+    "SHAPES",
+    "Bore",
+    "Cone",
+    "ConicalBore",
+    "CrownedCylinder",
+    "Cup",
+    "Cylinder",
+    "Groove",
+    "Plane",
+    "ProfiledCylinder",
+    "Ring",
+    "Shape",
+    "Sphere",
+    "SurfaceProfile",
+    "from_description",
+]
+
+_KINDS = (
+    Cylinder, CrownedCylinder, ProfiledCylinder, Groove, Sphere, Cone, Plane, Bore, Ring, Cup, ConicalBore,
+)  # fmt: skip
+SHAPES: dict[str, type[Any]] = {shape.kind: shape for shape in _KINDS}
+
+
+def from_description(description: dict[str, Any]) -> Any:
+    """The shape that `describe()` wrote. Raises `InputError` for a kind that does not exist."""
+    kind = description["kind"]
+    if kind not in SHAPES:
+        raise unknown_name("surface", kind, SHAPES)
+    return SHAPES[kind](**{key: value for key, value in description.items() if key != "kind"})

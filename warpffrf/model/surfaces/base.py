@@ -1,0 +1,188 @@
+"""What every contact surface has: a frame, a chart (theta, z), a normal away from the material, and a fit to nodes.
+
+The chart counts theta about e_a from e_0 towards e_1 = e_a x e_0 and z along e_a from the point c. With the unit normal
+n away from the material e_theta x t_z = n: `around` gives e_theta, `along` gives t_z, which points to greater z. On a
+surface with the material outside (side -1) e_theta points against increasing theta.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError, require_array, require_direction, require_number
+from warpffrf.model.surfaces.profile import SurfaceProfile
+
+# of the size: far below the elastic approach (1e-4 to 1e-3 R) that the gap is compared with
+DEFAULT_FIT_FRACTION = 1e-5
+UNIT = 4.0 * np.finfo(float).eps  # round-off of a vector that was made a unit vector before
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Shape:
+    """A contact surface in the user frame of its body; what is None is fitted to the nodes of the facet set.
+
+    fit_tolerance [m] is the largest distance of a node that is accepted, 1e-5 of the size where None. `deviation` [m],
+    the largest distance there was, is set by `fitted`.
+    """
+
+    fit_tolerance: float | None = None
+    deviation: float | None = field(default=None, init=False)
+
+    kind = "shape"
+    side = 1.0  # +1: the material lies on the inner side, -1: on the outer side (bores, rings, cups)
+
+    def __post_init__(self) -> None:
+        if self.fit_tolerance is not None:
+            self._keep_number("fit_tolerance", positive=True)
+
+    # --- what a kind of surface says of itself
+
+    @property
+    def resolved(self) -> bool:
+        """True when nothing is left to fit."""
+        raise NotImplementedError
+
+    @property
+    def size(self) -> float:
+        """Length [m] that the default fit_tolerance is a fraction of; 0 where only the nodes have one."""
+        raise NotImplementedError
+
+    @property
+    def e_a(self) -> np.ndarray:
+        """Unit axis direction (3,), that of z."""
+        raise NotImplementedError
+
+    @property
+    def e_0(self) -> np.ndarray:
+        """Unit reference direction (3,), perpendicular to the axis."""
+        raise NotImplementedError
+
+    def profile(self) -> SurfaceProfile:
+        """The surface's numbers."""
+        raise NotImplementedError
+
+    def chart(self, points: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """theta, z of the nearest points of the surface, and the signed distance [m] of `points` (..., 3) [m]:
+        positive in the free space, outside the material."""
+        raise NotImplementedError
+
+    def point(self, theta: Any, z: Any) -> np.ndarray:
+        """Points (..., 3) [m] of the surface at theta [rad, of a plane m], z [m]."""
+        raise NotImplementedError
+
+    def normal(self, theta: Any, z: Any) -> np.ndarray:
+        """Unit normals (..., 3) away from the material."""
+        raise NotImplementedError
+
+    def around(self, theta: Any) -> np.ndarray:
+        """Unit tangents e_theta (..., 3), so that e_theta x t_z is the normal."""
+        raise NotImplementedError
+
+    def curvatures(self, theta: Any, z: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Principal curvatures [1/m] around and along the meridian, positive where the material is convex."""
+        raise NotImplementedError
+
+    def _completed(self, points: np.ndarray, normals: np.ndarray | None) -> Shape:
+        raise NotImplementedError
+
+    # --- frame and directions
+
+    @property
+    def e_1(self) -> np.ndarray:
+        """Unit direction (3,) e_a x e_0."""
+        return np.cross(self.e_a, self.e_0)
+
+    @property
+    def frame(self) -> np.ndarray:
+        """Rows e_0, e_1, e_a (3, 3)."""
+        return np.stack([self.e_0, self.e_1, self.e_a])
+
+    def along(self, theta: Any, z: Any) -> np.ndarray:
+        """Unit tangents t_z (..., 3) of the meridian: n x e_theta, towards greater z."""
+        n = self.normal(theta, z)
+        return np.cross(n, np.broadcast_to(self.around(np.asarray(theta, float)), n.shape))
+
+    def radius_at(self, z: Any) -> np.ndarray:
+        """R(z) [m]: the arc length per theta; 1 of a plane."""
+        return self.profile().radius_at(z)
+
+    def slope_at(self, z: Any) -> np.ndarray:
+        """dR/dz [-]."""
+        return self.profile().slope_at(z)
+
+    def measure_at(self, z: Any) -> np.ndarray:
+        """R sqrt(1 + R'^2) [m]: the area per dtheta dz."""
+        return self.profile().measure_at(z)
+
+    @property
+    def curvature(self) -> float:
+        """1/Rc [1/m] of the meridian's arc, signed (a groove's is negative); 0 without one."""
+        return self.profile().curvature
+
+    # --- fit and description
+
+    def fitted(self, points: Any, normals: Any = None) -> Any:
+        """The shape with every None fitted to `points` (n, 3) [m] and `deviation` set.
+
+        normals (n, 3), where given, are the outward normals of the facets at the points: they tell the side of a plane,
+        and that a surface with the material inside was not asked for on a bore. Raises `InputError` when the largest
+        distance of a point exceeds the tolerance, the points do not determine what is left open, or the normals say
+        that the material lies on the other side.
+        """
+        points = require_array(points, f"surface {self.kind}: points", (None, 3))
+        if normals is not None:
+            normals = require_array(normals, f"surface {self.kind}: normals", (len(points), 3))
+        shape = self if self.resolved else self._completed(points, normals)
+        theta, z, distance = shape.chart(points)
+        deviation = float(np.max(np.abs(distance)))
+        tolerance = shape.fit_tolerance or DEFAULT_FIT_FRACTION * (shape.size or _extent(points))
+        if not deviation <= tolerance:
+            raise InputError(
+                f"surface {self.kind}: the facets do not fit the shape, largest distance of a node {deviation:.3g} m "
+                f"exceeds fit_tolerance {tolerance:.3g} m; choose another shape, other facets, or a larger "
+                "fit_tolerance"
+            )
+        if normals is not None and np.mean(np.einsum("ij,ij->i", normals, shape.normal(theta, z))) < 0.0:
+            raise InputError(f"surface {self.kind}: {shape._wrong_side()}")
+        shape = replace(shape)
+        object.__setattr__(shape, "deviation", deviation)
+        return shape
+
+    def describe(self) -> dict[str, Any]:
+        """Plain numbers and lists for hashing and files: the arguments, and `kind`."""
+        return {"kind": self.kind, **{f.name: _plain(getattr(self, f.name)) for f in fields(self) if f.init}}
+
+    def _wrong_side(self) -> str:
+        return (
+            "the facets look away from the free space that this surface has: take an inside form (Bore, Ring, Cup, "
+            "ConicalBore) for a surface with the material outside, the others for one with the material inside"
+        )
+
+    # --- checking
+
+    def _keep_number(self, name: str, *, positive: bool = False) -> None:
+        value = require_number(getattr(self, name), f"surface {self.kind}: {name}", positive=positive)
+        object.__setattr__(self, name, value)
+
+    def _keep_point(self, name: str) -> None:
+        object.__setattr__(self, name, require_array(getattr(self, name), f"surface {self.kind}: {name}", (3,)))
+
+    def _keep_direction(self, name: str) -> None:
+        given = getattr(self, name)
+        unit = require_direction(given, f"surface {self.kind}: {name}")
+        same = np.array(given, dtype=np.float64)  # one that is a unit vector stays as it is: a file gives it back
+        object.__setattr__(self, name, same if np.max(np.abs(same - unit)) <= UNIT else unit)
+
+    def _unknown(self, what: str) -> InputError:
+        return InputError(f"surface {self.kind}: {what} not known yet; call fitted(points) first")
+
+
+def _extent(points: np.ndarray) -> float:
+    return float(np.max(np.ptp(points, axis=0)))
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if isinstance(value, np.ndarray) else value

@@ -1,0 +1,15 @@
+"""Inside of a circular cylinder: R(z) = R_0, the material outside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from warpffrf.model.surfaces.revolution import RevolutionShape
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Bore(RevolutionShape):
+    """Inside of a circular cylinder, a bore or a bush; its normal points to the axis. Arguments as of `Cylinder`."""
+
+    kind = "bore"
+    side = -1.0

@@ -1,0 +1,172 @@
+r"""Outside of a cylinder with a profile by a table: R(z) = R_0 - table(z), cubic pieces with continuous slope.
+
+The pieces are Hermite polynomials through the drops: with the slopes that the table gives, else with those of PCHIP
+(Fritsch and Carlson 1980), which overshoot nowhere. Beyond the table the profile goes straight on.
+
+Logarithmic profile (Lundberg 1939; the form with a finite end is that of Fujiwara and Kawase 2007)
+
+    drop(z) = A ln 1/(1 - (1 - exp(-e/A)) (2 z/L)^2),      |z| <= L/2:
+
+of a roller that a load Q presses on a straight partner, A = Q/(pi L E*) with 1/E* the sum of (1 - nu^2)/E gives a
+pressure without edges in the limit of a large end drop e. Its slope is closed too, 4 A (exp(e/A) - 1)/L at the ends.
+
+Refused: z that does not increase, so that the profile folds over itself; a slope above 80 degrees; a drop of more than
+the radius; a hollow so narrow that normals of the profile cross within its own depth, curvature times depth above 1:
+places in it would then be nearest to several points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError, require_array, require_number
+from warpffrf.model.surfaces.profile import SurfaceProfile
+from warpffrf.model.surfaces.revolution import RevolutionShape
+
+STEEPEST = np.tan(np.radians(80.0))  # a steeper profile is an end face, and the chart hardly moves along it
+BEYOND = 0.01  # of the table's length: how far nodes may lie outside it
+LOGARITHMIC_NODES = 129  # with exact slopes: error (step)^4/384 of the fourth derivative, 1e-4 of the end drop or less
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ProfiledCylinder(RevolutionShape):
+    """Outside of a cylinder whose radius drops by a table; what else is None is fitted to the nodes.
+
+    table: arrays (z, drop) or (z, drop, slope) (n,) [m, m, -], z increasing and counted from `axis_point`, drop the
+    distance below `radius`. Not symmetric: `axis_direction` should then be given. Other arguments as for `Cylinder`.
+    """
+
+    table: Any = None
+
+    kind = "profiled_cylinder"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.table is None:
+            raise InputError(f"surface {self.kind}: table is missing, give (z, drop), two arrays in metres")
+        try:
+            length = len(self.table)
+        except TypeError:
+            length = 0
+        if length not in (2, 3):
+            raise InputError(f"surface {self.kind}: table must be (z, drop) or (z, drop, slope)")
+        table = require_array(self.table, f"surface {self.kind}: table", (length, None))
+        object.__setattr__(self, "table", table)
+        self._check_table(table)
+
+    @classmethod
+    def logarithmic(
+        cls, *, length: float, amplitude: float, end_drop: float, radius: float | None = None, **others: Any
+    ) -> ProfiledCylinder:
+        """The logarithmic profile of a roller of `length` L [m], `amplitude` A [m] and `end_drop` e [m] at z = +-L/2.
+
+        `radius` and `others` as for the class. Raises `InputError` for numbers that are not positive.
+        """
+        label = f"surface {cls.kind}: logarithmic"
+        L = require_number(length, f"{label} length", positive=True)
+        A = require_number(amplitude, f"{label} amplitude", positive=True)
+        e = require_number(end_drop, f"{label} end_drop", positive=True)
+        most = A * float(
+            np.log(STEEPEST * L / (4.0 * A))
+        )  # where the end's slope 4 A exp(e/A)/L is the largest allowed
+        if not e < most:
+            raise InputError(f"{label} end_drop must be below {most:.3g} m, where the ends are too steep, got {e:g} m")
+        x = np.sin(0.5 * np.pi * np.linspace(-1.0, 1.0, LOGARITHMIC_NODES))  # dense at the ends, where it bends most
+        q = -np.expm1(-e / A)
+        left = 1.0 - q * x**2
+        table = (0.5 * L * x, -A * np.log(left), A * 2.0 * q * x / left / (0.5 * L))
+        return cls(radius=radius, table=table, **others)
+
+    def profile(self) -> SurfaceProfile:
+        breaks, coefficients = self._piecewise
+        return replace(super().profile(), breaks=breaks, coefficients=coefficients)
+
+    @cached_property
+    def _piecewise(self) -> tuple[np.ndarray, np.ndarray]:
+        return _pieces(self.table)
+
+    @property
+    def length(self) -> float:
+        """Axial length [m] that the table covers."""
+        return float(self.table[0, -1] - self.table[0, 0])
+
+    def fitted(self, points: Any, normals: Any = None) -> Any:
+        shape = super().fitted(points, normals)
+        z = shape.chart(points)[1]
+        low, high, margin = self.table[0, 0], self.table[0, -1], BEYOND * self.length
+        if z.min() < low - margin or z.max() > high + margin:
+            raise InputError(
+                f"surface {self.kind}: the facets reach from z = {z.min():.6g} to {z.max():.6g} m, the table only from "
+                f"{low:.6g} to {high:.6g} m; extend it, or check axis_point and axis_direction"
+            )
+        return shape
+
+    def _completed(self, points: np.ndarray, normals: np.ndarray | None) -> Any:
+        meridian = SurfaceProfile(False, self.side, 0.0, 0.0, 0.0, *self._piecewise)
+        known = self.axis_point
+        fit = self._fit(points, curvature=0.0, table=lambda z: (-meridian.radius_at(z), -meridian.slope_at(z)))
+        return replace(self, radius=fit.radius, axis_point=known if known is not None else fit.axis_point,
+                       axis_direction=fit.axis_direction)  # fmt: skip
+
+    def _check_table(self, table: np.ndarray) -> None:
+        label, z, drop = f"surface {self.kind}: table", table[0], table[1]
+        if len(z) < 2:
+            raise InputError(f"{label} needs at least two places")
+        if not np.all(np.diff(z) > 0.0):
+            k = int(np.flatnonzero(np.diff(z) <= 0.0)[0])
+            raise InputError(
+                f"{label} folds over itself: z must increase, but entry {k + 2} is {z[k + 1]:g} m after {z[k]:g} m; "
+                "sort it, or leave the entry out"
+            )
+        meridian = SurfaceProfile(False, self.side, 0.0, 0.0, 0.0, *self._piecewise)
+        at = np.unique(np.concatenate([z + 0.0, *(z[:-1] + f * np.diff(z) for f in (1e-9, 0.25, 0.5, 0.75, 1 - 1e-9))]))
+        slope, bend = meridian.slope_at(at), meridian.bend_at(at)
+        worst = int(np.argmax(np.abs(slope)))
+        if abs(slope[worst]) > STEEPEST:
+            raise InputError(
+                f"{label} is too steep at z = {at[worst]:g} m, slope {abs(slope[worst]):.3g} (80 degrees: "
+                f"{STEEPEST:.3g}); end it before the end face"
+            )
+        if self.radius is not None and not np.max(drop) < self.radius:
+            raise InputError(f"{label} drops by {np.max(drop):g} m, more than the radius {self.radius:g} m")
+        depth, hollow = float(np.ptp(drop)), self.side * bend / (1.0 + slope**2) ** 1.5
+        worst = int(np.argmax(hollow))
+        if hollow[worst] * depth > 1.0:
+            raise InputError(
+                f"{label} folds over itself: near z = {at[worst]:g} m its hollow has a radius of "
+                f"{1.0 / hollow[worst]:.3g} m, less than the depth of the profile, {depth:.3g} m, so that its normals "
+                "cross; smooth the table there"
+            )
+
+
+def _pieces(table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Breaks (n+2,) [m] and coefficients (n+1, 4) of the drop: Hermite pieces between straight ones."""
+    z, drop = table[0], table[1]
+    slope = table[2] if len(table) == 3 else _pchip_slopes(z, drop)
+    h, chord = np.diff(z), np.diff(drop) / np.diff(z)
+    pieces = np.stack(
+        [
+            drop[:-1],
+            slope[:-1],
+            (3.0 * chord - 2.0 * slope[:-1] - slope[1:]) / h,
+            (slope[:-1] + slope[1:] - 2.0 * chord) / h**2,
+        ],
+        axis=1,
+    )
+    length = z[-1] - z[0]
+    before = [drop[0] - slope[0] * length, slope[0], 0.0, 0.0]
+    after = [drop[-1], slope[-1], 0.0, 0.0]
+    breaks = np.concatenate([[z[0] - length], z, [z[-1] + length]])
+    return breaks, np.vstack([before, pieces, after])
+
+
+def _pchip_slopes(z: np.ndarray, drop: np.ndarray) -> np.ndarray:
+    if len(z) == 2:
+        return np.full(2, (drop[1] - drop[0]) / (z[1] - z[0]))
+    from scipy.interpolate import PchipInterpolator
+
+    return np.asarray(PchipInterpolator(z, drop).derivative()(z))

@@ -1,0 +1,39 @@
+"""Inside of an outer ring with a groove: R(z) = R_0 - (Rc - sqrt(Rc^2 - z^2)), the material outside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.surfaces.profile import SurfaceProfile
+from warpffrf.model.surfaces.revolution import RevolutionShape
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Ring(RevolutionShape):
+    """Inside of a ring with a circular groove of radius `groove_radius` [m], the outer raceway of a ball bearing.
+
+    `radius` is that of the bottom of the groove, the largest, at `axis_point`. What is None is fitted to the nodes.
+    """
+
+    groove_radius: float | None = None
+
+    kind = "ring"
+    side = -1.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.groove_radius is not None:
+            self._keep_number("groove_radius", positive=True)
+
+    @property
+    def resolved(self) -> bool:
+        return super().resolved and self.groove_radius is not None
+
+    def profile(self) -> SurfaceProfile:
+        return replace(super().profile(), crown=self._arc("groove_radius", 1.0))
+
+    def _completed(self, points: np.ndarray, normals: np.ndarray | None) -> Any:
+        return self._completed_arc(points, "groove_radius", 1.0, "groove; use Bore()")

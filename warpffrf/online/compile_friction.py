@@ -1,0 +1,122 @@
+"""Friction of the contact pairs -> device tables: coefficients, cells, tangential compliance and traces of modes.
+
+A scene without friction gets empty tables. The tables are laid out like those of the normal compliance
+(`compliance_tables.response_table`): for every source line of a block of columns, the responses along the columns of a
+window are one contiguous run; a column has 2 rows lines of tangential direction and row, or rows lines of hats.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.online.compliance_tables import hat_gram
+
+EDGE_SPARE = 1.5  # cells under pressure per hat under pressure: those that a hat at the edge of the patch reaches
+CUBIC_SPARE = 2  # columns beyond the overlap that a cubic reaches, see `friction_shares.spread_cells`
+ROUND_OFF = 1e-9  # cells: a ratio of two grids that is a whole number up to this is one
+
+
+def has_friction(scene: Any) -> bool:
+    """True where any pair of `scene` has friction."""
+    return any(contact.friction.coefficient > 0.0 for contact in scene.contacts)
+
+
+def friction_notes(scene: Any, state: str) -> list[str]:
+    """A note for every pair whose friction a static `state` (words for the reader) leaves out."""
+    rubbing = [repr(contact.name) for contact in scene.contacts if contact.friction.coefficient > 0.0]
+    if not rubbing:
+        return []
+    return [f"friction of {', '.join(rubbing)} does not act in {state}: it has no slip to answer"]
+
+
+def fill_friction(compiler: Any, m: Any) -> None:
+    """Friction fields of the model; after `fill_pairs` and `fill_surfaces`."""
+    contacts = compiler.scene.contacts
+    m.pair_friction = compiler.array([c.friction.coefficient for c in contacts])
+    m.pair_slip_velocity = compiler.array([c.friction.slip_velocity for c in contacts])
+    present = has_friction(compiler.scene)
+    m.cell_capacity = int(np.ceil(EDGE_SPARE * m.slot_capacity)) + 2 * m.max_rows if present else 0
+    shear, tt, nt, tn, area = [], [], [], [], []
+    modes: list[np.ndarray] = []
+    tables: list[np.ndarray] = []
+    share = (1, 1)
+    for number, (_, surface) in enumerate(compiler.surfaces):
+        contact, first = contacts[number // 2], number % 2 == 0
+        rows = 2 if surface.grid is None else surface.grid.rows
+        used = contact.friction.coefficient > 0.0 and surface.grid is not None
+        for starts in (tt, nt, tn):
+            starts.append(sum(map(len, tables)))
+        shear.append(sum(map(len, modes)) if used else -1)
+        if not used:
+            area.append(np.zeros(rows))
+            continue
+        tangential = surface.tangential
+        if tangential.mode_tangent.shape[-1] != surface.mode_normal.shape[-1]:
+            raise InputError(
+                f"contact {contact.name!r}: friction needs quasi-static local modes, those of "
+                f"{contact.ports[number % 2].label} "
+                "have no tangential displacement when they carry inertia; use local='quasi_static'"
+            )
+        cells = tangential.grid
+        area.append(cells.pitch * np.diag(cells.gram_z(surface.shape)))
+        by_column = tangential.mode_tangent.reshape(2, cells.columns, cells.rows, -1).transpose(1, 0, 2, 3)
+        modes.append(np.ascontiguousarray(by_column).ravel())
+        coupling = _weak(surface, tangential.lags_nt) if first else tangential.lags_nt
+        for starts, table in zip((tt, nt, tn), _tables(surface, coupling, m.reach), strict=True):
+            starts[-1] = sum(map(len, tables))
+            tables.append(table)
+    for i, contact in enumerate(contacts):
+        a, b = compiler.surfaces[2 * i][1], compiler.surfaces[2 * i + 1][1]
+        if contact.friction.coefficient > 0.0 and b.grid is not None:
+            share = tuple(np.maximum(share, _extent(a, b)))
+    m.share_columns, m.share_rows = (int(n) for n in share)
+    none = [np.zeros(0)]
+    m.cell_area = compiler.array(np.concatenate(none + area))
+    m.surface_shear = compiler.array(shear, int)
+    m.surface_tt, m.surface_nt, m.surface_tn = (compiler.array(starts, int) for starts in (tt, nt, tn))
+    m.mode_tangent = compiler.array(np.concatenate(none + modes))
+    m.tangential = compiler.array(np.concatenate(none + tables))
+
+
+def _weak(surface: Any, lags_nt: np.ndarray) -> np.ndarray:
+    """M D_nt, block-circulant: weak normal displacement [m^3] of the hats per tangential force [N]."""
+    M = hat_gram(surface)
+    if len(lags_nt) == 1:
+        return M @ lags_nt
+    return np.fft.irfft(np.fft.rfft(M, axis=0) @ np.fft.rfft(lags_nt, axis=0), n=len(lags_nt), axis=0)
+
+
+def _tables(surface: Any, coupling: np.ndarray, reach: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Flat tables of D_tt, of the coupling D_nt or M D_nt, and of its transpose."""
+    cells = surface.tangential.grid
+    sectors, r = len(surface.lags), cells.rows
+    c = surface.lags.shape[1] // r
+    column = np.arange(-reach, c + reach)
+    lag, part = (column // c) % sectors, column % c
+    outside = (column < 0) | (column >= c) if sectors == 1 and not cells.periodic else np.zeros(len(column), bool)
+    tt = surface.tangential.lags_tt.reshape(sectors, 2, c, r, 2, c, r)[lag, :, part]  # column, d, k, d', j', k'
+    nt = coupling.reshape(sectors, c, r, 2, c, r)[lag, part]  # column, k, d', j', k'
+    # the transpose couples the other way round: block (s, s') is that of (s', s), turned
+    tn = coupling.reshape(sectors, c, r, 2, c, r)[(-(column // c)) % sectors, :, :, :, part]  # column, j', k', d, k
+    found = [
+        tt.transpose(4, 3, 5, 0, 1, 2),  # j', d', k', column, d, k
+        nt.transpose(3, 2, 4, 0, 1),  # j', d', k', column, k
+        tn.transpose(1, 2, 0, 3, 4),  # j', k', column, d, k
+    ]
+    for table, axis in zip(found, (3, 3, 2), strict=True):
+        if outside.any():
+            table[(slice(None),) * axis + (outside,)] = 0.0
+    return tuple(np.ascontiguousarray(table).ravel() for table in found)  # type: ignore[return-value]
+
+
+def _extent(a: Any, b: Any) -> tuple[int, int]:
+    """Most columns and rows of the second grid's cells under a cell of the first."""
+    z_a, z_b = np.asarray(a.grid.z), np.asarray(b.grid.z)
+    around = np.max(a.grid.pitch * a.shape.radius_at(z_a)) / np.min(b.grid.pitch * b.shape.radius_at(z_b))
+    edges = [np.diff(np.concatenate([z[:1], 0.5 * (z[1:] + z[:-1]), z[-1:]])) for z in (z_a, z_b)]
+    along = edges[0].max() / edges[1].min()
+    columns, rows = (int(np.ceil(x - ROUND_OFF)) + 1 for x in (around, along))
+    return columns + CUBIC_SPARE, min(rows, len(z_b))

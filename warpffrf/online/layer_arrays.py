@@ -1,0 +1,55 @@
+"""Shapes of the arrays that layers between surfaces need (`warpffrf_kernels.contact_layer`); none without a layer."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+
+def layer_points(m: Any) -> int:
+    """Gauss points of a pair's window, at which the laws of layers are evaluated."""
+    if not m.layer_count:
+        return 0
+    return (m.window_columns + 1) * (m.max_rows - 1) * m.theta_points * m.z_points
+
+
+def layer_arrays(m: Any) -> dict[str, tuple[Any, ...]]:
+    """Name -> type and shape, without the world axis, of the scratch arrays."""
+    P, points = m.pair_count, layer_points(m)
+    hats = m.mode_capacity if points else 0
+    at_points = {
+        name: (wp.float64, P, points)
+        for name in (
+            "layer_past",
+            "layer_past_drag",
+            "layer_at",
+            "layer_flexibility",
+            "layer_beginning",
+            "layer_now",
+            "layer_drag_now",
+        )
+    }
+    at_hats = {name: (wp.float64, P, hats) for name in ("layer_support", "layer_offset")}
+    return {**at_points, **at_hats, "layer_tangent": (wp.float64, P, hats, 9), "layer_loss": (wp.float64, 1)}
+
+
+def slot_flexibility(m: Any, work: Any, count: int) -> np.ndarray:
+    """E (count, count) [m^3/Pa] of the hats in the first `count` slots of world 0, at the last linearisation."""
+    E = np.zeros((count, count))
+    kinds, first = m.layer_kind.numpy(), m.pair_first.numpy()
+    pairs, hats = work.slot_mode.numpy()[0, :count].T
+    slot_of, tangent = work.slot_of.numpy()[0], work.layer_tangent.numpy()[0]
+    rows = m.surface_rows.numpy()[first]
+    for i, (pair, hat) in enumerate(zip(pairs, hats, strict=True)):
+        if not kinds[pair]:
+            continue
+        column, row = divmod(int(hat), int(rows[pair]))
+        for n in range(9):
+            c, r = column + n // 3 - 1, row + n % 3 - 1
+            if 0 <= c < m.window_columns and 0 <= r < rows[pair]:
+                j = slot_of[pair, c * rows[pair] + r]
+                if j >= 0:
+                    E[i, j] = tangent[pair, hat, n]
+    return E

@@ -1,0 +1,51 @@
+"""Which points a pair is evaluated at: all Gauss points of its first grid, or those that were chosen offline.
+
+Points chosen among the Gauss points along the axis stand on the *stations* of the line of centres, where a pair of
+cylinders is measured anyway; such a pair stays in that family of geometry and looks at fewer points around
+(`warpffrf_kernels.contact_few`). Other choices take the general one, `warpffrf_kernels.contact_points`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.evaluations import evaluation_of, refuse_full
+from warpffrf.model.sampling import Sampling
+from warpffrf.online.contact_rules import PointRule, gauss_rule
+
+ON_STATION = 1e-9  # of the distance of two rows: round-off of the Gauss points in a file is 1e-16
+
+
+def is_hyper(contact: Any) -> bool:
+    """Whether `contact` looks at chosen points only."""
+    return evaluation_of(contact) == "hyper"
+
+
+def on_stations(contact: Any, theta_points: int, z_points: int) -> bool:
+    """False where the chosen points of `contact` cannot be looked at on the line of centres, because they stand
+    elsewhere, or because there is no room for them."""
+    if not is_hyper(contact):
+        return True
+    surface = contact.a.surface
+    zeta = surface.sampling.zeta
+    if len(zeta) > theta_points * z_points * (surface.grid.rows - 1):
+        return False
+    places = 0.5 * (np.polynomial.legendre.leggauss(z_points)[0] + 1.0)
+    return bool(np.abs(zeta[:, None] - places).min(axis=1).max() <= ON_STATION)
+
+
+def rule_of(contact: Any, at_points: bool, theta_points: int, z_points: int) -> PointRule | None:
+    """The points of `contact`; None for a pair on the line of centres that looks at all of them. Raises `InputError`
+    for evaluation "full", which is not this solver's."""
+    refuse_full(contact)
+    if is_hyper(contact):
+        return chosen_rule(contact.a.surface.sampling)
+    return gauss_rule(contact.a.surface, theta_points, z_points) if at_points else None
+
+
+def chosen_rule(points: Sampling) -> PointRule:
+    """The points of `points`, sorted by row."""
+    order = np.argsort(points.row, kind="stable")
+    return PointRule(points.fraction[order], points.row[order], points.zeta[order], points.weight[order])

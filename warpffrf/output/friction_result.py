@@ -1,0 +1,161 @@
+r"""Friction of one contact pair: tractions, slip, stick and slip areas, creepage, power and wear index.
+
+Tractions tau are constant on cells of the first surface's contact grid, components along (e_theta, t_z) of the first
+surface, on the first body. `w` is the slip velocity of the first surface relative to the second, so that friction gives
+`tau.w <= 0`. With the cells' areas A and the mean pressure p of a node
+
+    Q = sum tau A                tangential force, components along the surface [N]
+    |Q| / P                      traction coefficient, P the load
+    xi = creep / |V|             creepage: rigid slip at the patch centre over the mean rolling speed V
+    -sum tau.w A                 friction power [W]; the run's own figure is in `power`
+    p |w|                        wear index [W/m2]: Archard's wear depth rate is proportional to it
+                                 (J. F. Archard, J. Appl. Phys. 24 (1953) 981)
+
+The run counts how many columns the patch advanced in a step: above one, material enters the patch with a slip history
+of a whole step that it does not have.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+
+OPEN, STICK, SLIP = 0, 1, 2
+STATES = ("open", "stick", "slip")
+ROLLS = 1e-9  # of the largest rolling speed of the run: below it the pair stands, and creepage has no meaning
+MOST_CELLS = 1.0  # columns a step; see the module
+
+
+class FrictionResult:
+    """Friction of one pair; arrays have one row a saved step, fields the window (columns, rows) of the pressure."""
+
+    def __init__(self, contact: Any) -> None:
+        """contact: the `ContactResult`; raises `InputError` where the pair was run without friction."""
+        history = getattr(contact.history, "friction", None)
+        if history is None:
+            raise InputError(
+                f"contact '{contact.name}' has no friction, so there are no tractions and no slip; give "
+                "Contact(..., friction=mu) and run again"
+            )
+        self.contact, self.history = contact, history
+        self.traction = history.traction  # (T, 2, columns, rows) Pa, on the first body along (e_theta, t_z)
+        self.slip_velocity = history.slip_velocity  # (T, 2, columns, rows) m/s, first relative to second, 0 where open
+        self.state = history.state  # (T, columns, rows) 0 open, 1 stick, 2 slip
+        self.power = history.power  # (T,) W dissipated
+        self.creep_velocity = history.creep_velocity  # (T, 2) m/s, rigid slip at the patch centre
+        self.rolling_velocity = history.rolling_velocity  # (T,) m/s, mean speed of both surfaces along e_theta
+        self.cells_per_step = history.cells_per_step  # (T,) columns that the patch advanced in the last step
+
+    # --- fields ---
+
+    @cached_property
+    def traction_magnitude(self) -> np.ndarray:
+        """(T, columns, rows) Pa."""
+        return np.hypot(self.traction[:, 0], self.traction[:, 1])
+
+    @cached_property
+    def slip_speed(self) -> np.ndarray:
+        """(T, columns, rows) m/s."""
+        return np.hypot(self.slip_velocity[:, 0], self.slip_velocity[:, 1])
+
+    @cached_property
+    def wear_index(self) -> np.ndarray:
+        """(T, columns, rows) W/m2, pressure times slip speed."""
+        return np.maximum(self.contact.mean_pressure, 0.0) * self.slip_speed
+
+    # --- histories ---
+
+    @cached_property
+    def tangential_force(self) -> np.ndarray:
+        """(T, 2) N, sum of the traction components along (e_theta, t_z) of the first surface; on a round surface the
+        first is the torque about the axis over the radius."""
+        return np.einsum("tdjk,k->td", self.traction, self.contact.measure.cell_area)
+
+    @cached_property
+    def traction_coefficient(self) -> np.ndarray:
+        """(T,) tangential over normal load; NaN where nothing presses."""
+        load = self.contact.normal_load
+        size = np.linalg.norm(self.tangential_force, axis=1)
+        return np.divide(size, load, out=np.full(len(load), np.nan), where=load > 0.0)
+
+    @cached_property
+    def creepage(self) -> np.ndarray:
+        """(T, 2) creep along (e_theta, t_z) over the rolling speed; NaN where the pair does not roll or not touch."""
+        speed = np.abs(np.asarray(self.rolling_velocity, dtype=float))
+        rolls = speed > ROLLS * np.max(speed, initial=0.0, where=np.isfinite(speed))
+        found = np.full(np.shape(self.creep_velocity), np.nan)
+        rolls &= self.contact.touching
+        found[rolls] = self.creep_velocity[rolls] / speed[rolls, None]
+        return found
+
+    def _area(self, state: int) -> np.ndarray:
+        return (np.asarray(self.state) == state).sum(axis=1) @ self.contact.measure.cell_area
+
+    @cached_property
+    def stick_area(self) -> np.ndarray:
+        """(T,) m2 of the cells that stick."""
+        return self._area(STICK)
+
+    @cached_property
+    def slip_area(self) -> np.ndarray:
+        """(T,) m2 of the cells that slip."""
+        return self._area(SLIP)
+
+    @cached_property
+    def field_power(self) -> np.ndarray:
+        """(T,) W, `-sum tau.w A` of the recorded fields: an independent sum beside `power`."""
+        return -np.einsum("tdjk,tdjk,k->t", self.traction, self.slip_velocity, self.contact.measure.cell_area)
+
+    @cached_property
+    def wear_rate(self) -> np.ndarray:
+        """(T,) W, wear index summed over the patch."""
+        return self.wear_index.sum(axis=1) @ self.contact.measure.cell_area
+
+    @cached_property
+    def wear_peak(self) -> np.ndarray:
+        """(T,) W/m2, largest wear index of a cell."""
+        return self.wear_index.max(axis=(1, 2), initial=0.0)
+
+    @property
+    def too_fast(self) -> np.ndarray:
+        """(T,) bool, where the patch advanced by more than one cell in the step."""
+        return np.asarray(self.cells_per_step) > MOST_CELLS
+
+    def warning(self) -> str | None:
+        """What to do about a patch that advances more than one cell a step, None where it never does."""
+        if not np.any(self.too_fast):
+            return None
+        most = float(np.nanmax(self.cells_per_step))
+        return (
+            f"contact '{self.contact.name}': the patch advances up to {most:.3g} cells a step, in "
+            f"{int(self.too_fast.sum())} of {len(self.too_fast)} saved rows more than one, so that friction is not "
+            f"resolved; take steps {most:.3g} times shorter, or a coarser contact grid"
+        )
+
+    # --- along the rolling direction ---
+
+    def profile(self, i: int, coefficient: float | None = None) -> dict[str, np.ndarray]:
+        """Along the arc in the section of `ContactResult.mid_pressure`, saved step `i`: `arc` (columns,) m from the
+        line of centres, growing along e_theta; `pressure`, `bound` (coefficient times it; NaN without one), `traction`
+        along e_theta and `across` along t_z, all Pa; `slip` m/s along e_theta; `state` of the nearest row.
+        """
+        contact, at = self.contact, slice(i, i + 1)
+        order = slice(None) if contact.side > 0.0 else slice(None, None, -1)
+
+        def section(values: np.ndarray) -> np.ndarray:
+            return contact.in_section(np.asarray(values, dtype=float), at)[0][order]
+
+        pressure = section(contact.mean_pressure[at])
+        return {
+            "arc": contact.side * contact.arc[i][order],
+            "pressure": pressure,
+            "bound": pressure * (np.nan if coefficient is None else coefficient),
+            "traction": section(self.traction[at, 0]),
+            "across": section(self.traction[at, 1]),
+            "slip": section(self.slip_velocity[at, 0]),
+            "state": np.asarray(self.state)[i][:, contact.section_row(i)][order],
+        }

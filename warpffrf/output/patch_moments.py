@@ -1,0 +1,109 @@
+r"""Areas and moments of the pressure over the whole patch, and the half-widths that follow from them.
+
+The pressure is `p(theta, z) = sum_jk p_jk psi_j(theta) zeta_k(z)` on the first body's hats, the area of its surface
+`dA = R sqrt(1 + R'^2) dtheta dz`. With `I^n_k = int zeta_k z^n R sqrt(1 + R'^2) dz` and hats of angular spacing h
+
+    P = h sum_jk p_jk I^0_k,       P theta_c = h sum_jk p_jk theta_j I^0_k,       P z_c = h sum_jk p_jk I^1_k,
+    P m_theta = h sum_jk p_jk ((theta_j - theta_c)^2 + h^2/6) I^0_k,              P m_z = h sum_jk p_jk I^2_k - P z_c^2,
+
+since the second moment of a hat about its node is h^3/6. Lengths along the surface at the centre of pressure are
+`R(z_c) theta` and `sqrt(1 + R'(z_c)^2) z`; the covariance in metres is that of the angles times these factors.
+
+What a second moment says of a half-width depends on how the pressure is spread. In one direction, with half-width a:
+
+    p0 sqrt(1 - x^2/a^2)                 line contact, across            m = a^2/4
+    p0 sqrt(1 - x^2/a^2 - y^2/b^2)       point contact, either axis      m = a^2/5
+    constant                             line contact, along; flat faces m = a^2/3
+
+Areas are counted in cells, the part of the surface nearer to a node than to any other, with the resolution of the grid.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.contact_grid import GAUSS_PER_ROW, meridian_gram
+
+# square of the half-width over the second moment, (across, along), by kind of patch
+SPREAD = {"line": (4.0, 3.0), "line_around": (3.0, 4.0), "point": (5.0, 5.0), "flat": (3.0, 3.0)}
+
+
+class PatchMeasure:
+    """Areas of the hats and cells of one column of a contact grid, and the axial integrals of its hats."""
+
+    def __init__(self, surface: Any) -> None:
+        self.shape, self.grid = surface.shape, surface.grid
+        self.z = np.asarray(self.grid.z, dtype=float)
+        self.pitch = float(self.grid.pitch)
+
+    @cached_property
+    def axial(self) -> np.ndarray:
+        """(3, rows) I^0 [m2/rad], I^1 [m3/rad], I^2 [m4/rad] of the module."""
+        if len(self.z) == 1:
+            area = meridian_gram("cells", self.shape, self.z).sum()
+            return area * np.stack([np.ones(1), self.z, self.z**2])
+        x, w = np.polynomial.legendre.leggauss(GAUSS_PER_ROW)
+        s, step = 0.5 * (x + 1.0), np.diff(self.z)
+        points = self.z[:-1, None] + step[:, None] * s
+        weight = (
+            0.5 * step[:, None] * w * self.shape.radius_at(points) * np.sqrt(1.0 + self.shape.slope_at(points) ** 2)
+        )
+        found = np.zeros((3, len(self.z)))
+        for n in range(3):
+            found[n, :-1] += (weight * points**n * (1.0 - s)).sum(axis=1)
+            found[n, 1:] += (weight * points**n * s).sum(axis=1)
+        return found
+
+    @cached_property
+    def node_area(self) -> np.ndarray:
+        """(rows,) m2, int psi_j zeta_k dA: the load of a hat is its coefficient times this."""
+        return self.pitch * self.axial[0]
+
+    @cached_property
+    def cell_area(self) -> np.ndarray:
+        """(rows,) m2, area of the cell around each node of a column."""
+        return self.pitch * meridian_gram("cells", self.shape, self.z).diagonal()
+
+    def metric(self, z: np.ndarray) -> np.ndarray:
+        """(..., 2) lengths on the surface per unit of theta [m/rad] and of z [-] at z [m]."""
+        return np.stack([self.shape.radius_at(z), np.sqrt(1.0 + self.shape.slope_at(z) ** 2)], axis=-1)
+
+
+class PatchMoments:
+    """Load, centre and covariance of the pressure, one row a saved step; zero where nothing touches."""
+
+    def __init__(self, measure: PatchMeasure, pressure: np.ndarray, theta: np.ndarray) -> None:
+        """pressure (T, columns, rows) Pa, hat coefficients; theta (T, columns), about the line of centres."""
+        columns = pressure @ measure.axial.T  # (T, columns, 3)
+        total = columns[..., 0].sum(axis=1)
+        touching = total > 0.0
+        safe = np.where(touching, total, 1.0)
+        middle = np.where(touching, (columns[..., 0] * theta).sum(axis=1) / safe, 0.0)
+        z = np.where(touching, columns[..., 1].sum(axis=1) / safe, 0.5 * (measure.z[0] + measure.z[-1]))
+        away = theta - middle[:, None]
+        h = measure.pitch
+        around = (columns[..., 0] * (away**2 + h * h / 6.0)).sum(axis=1) / safe
+        along = columns[..., 2].sum(axis=1) / safe - z * z
+        mixed = (columns[..., 1] * away).sum(axis=1) / safe
+        metric = measure.metric(z)
+        covariance = np.stack([np.stack([around, mixed], axis=1), np.stack([mixed, along], axis=1)], axis=1)
+        covariance = covariance * metric[:, :, None] * metric[:, None, :]
+        self.load = h * total  # (T,) N, int p dA
+        self.center = np.stack([metric[:, 0] * middle, z], axis=1)  # (T, 2) m: arc from the line of centres, z
+        self.covariance = np.where(touching[:, None, None], covariance, 0.0)  # (T, 2, 2) m2, along (e_theta, t_z)
+
+    def half_widths(self, kind: str) -> np.ndarray:
+        """(T, 2) m along e_theta and t_z, of a patch of `kind`, a key of SPREAD."""
+        squares = np.diagonal(self.covariance, axis1=1, axis2=2) * np.array(SPREAD[kind])
+        return np.sqrt(np.maximum(squares, 0.0))
+
+    def principal(self) -> tuple[np.ndarray, np.ndarray]:
+        """Semi-axes (T, 2) [m], the larger first, of Hertz's ellipse, and the angle (T,) [rad] of the larger from
+        e_theta towards t_z, in (-pi/2, pi/2]."""
+        values, axes = np.linalg.eigh(self.covariance)
+        angle = np.arctan2(axes[:, 1, 1], axes[:, 0, 1])
+        angle = angle - np.pi * np.ceil(angle / np.pi - 0.5)
+        return np.sqrt(np.maximum(5.0 * values[:, ::-1], 0.0)), angle
