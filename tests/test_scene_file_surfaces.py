@@ -139,14 +139,23 @@ def test_a_pair_with_its_options_is_that_of_python() -> None:
     assert loaded.scene.content_hash() == scene.content_hash()
 
 
+FRICTION = 'friction = { kind = "regularised_coulomb", coefficient = 0.3, slip_velocity = 1e-3 }'
 WRONG = [
     ('kind = "plane"', 'kind = "plan"', "there is no kind 'plan'; did you mean 'plane'?"),
     ("outward = [0, 0, 1]", "normal = [0, 0, 1]", "unknown key 'normal'"),
     ("outward = [0, 0, 1]", "outward = [0, 0, 0]", "outward has zero length"),
-    ('b = "ground.floor"', 'b = "ground.wall"', "the ground has no interface or surface 'wall'"),
+    ('b = "ground.floor"', 'b = "ground.wall"', "the ground has no surface 'wall'; known: 'floor'"),
+    ('b = "ground.floor"', 'b = "ground.flor"', "no surface 'flor'; did you mean 'floor'? known: 'floor'; a table"),
     ('b = "ground.floor"', 'b = "wheel.flank"', "rigid body 'wheel' has no interface or surface 'flank'"),
     ("coefficient = 0.3", "coefficient = -0.3", "coefficient must not be negative"),
-    ('"regularised_coulomb"', '"coulomb_friction"', "there is no kind 'coulomb_friction'"),
+    ('"regularised_coulomb"', '"rough"', "there is no kind 'rough'; known: 'coulomb', 'regularised_coulomb'"),
+    ('"regularised_coulomb", c', '"linear_layer", c', "there is no kind 'linear_layer'; known: 'coulomb', 'reg"),
+    ('kind = "linear_layer"', 'kind = "coulomb"', "there is no kind 'coulomb'; known: 'unilateral', 'linear_layer'"),
+    (FRICTION, 'friction = "high"', "friction must be a number or a table {kind = ...}, kind one of 'coulomb'"),
+    (FRICTION, "friction = { coefficient = 0.3 }", "friction must be a number or a table {kind = ...}, kind one of"),
+    (FRICTION, "friction = true", "friction must be a coefficient or one of"),
+    ('law = { kind = "linear_layer", stiffness = 1e13 }', 'law = "linear_layer"', "law must be a table {kind = ...}"),
+    ('kind = "crowned_cylinder"', 'kind = "coulomb"', "there is no kind 'coulomb'; known: 'cylinder', 'crowned_cyl"),
     ('evaluation = "hyper"', 'evaluation = "best"', "evaluation 'best' does not exist"),
     ("overlap = 1e-5", "overlap = -1e-5", "overlap must not be negative"),
     ('a = "roller.rim"', 'a = "wheel.tread"', "both rigid"),
@@ -154,7 +163,7 @@ WRONG = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("old, new, said", WRONG, ids=[w[2][:30] for w in WRONG])
+@pytest.mark.parametrize("old, new, said", WRONG, ids=[f"{w[1][:20]}: {w[2][:30]}" for w in WRONG])
 def test_errors_name_the_line_and_the_cure(old: str, new: str, said: str) -> None:
     text = MACHINE.replace(old, new, 1)
     line = text[: text.index(new)].count("\n") + 1

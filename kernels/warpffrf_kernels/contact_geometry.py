@@ -207,21 +207,32 @@ def open_window(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     phase: wp.array3d(dtype=real),
-    center: wp.array3d(dtype=int),
     touched: wp.array3d(dtype=int),
+    center: wp.array3d(dtype=int),
+    station: wp.array4d(dtype=real),
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
     patch_offset: wp.array2d(dtype=real),
     window: wp.array3d(dtype=int),
 ):
     """Per (world, pair): the active set of the last attempt put where the patch is now, and the columns to look at: the
-    active ones, those of `touched` (family 1) and MARGIN more on each side, relative to the centre column."""
+    active ones, those of `touched` (family 1) and MARGIN more on each side, relative to the centre column.
+
+    A pair whose sampled gaps would only have been shifted (`locate`) is sampled again where another pair had its
+    windows laid anew: its own may have grown.
+    """
     w, pair = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.RECENTER] == 0:
         return
     rows = model.surface_rows[model.pair_first[pair]]
     H = model.half_window
+    if center[w, pair, 2] != 0:
+        center[w, pair, 2] = 0
+        s = int(0)
+        while s < (rows - 1) * model.z_points:
+            station[w, pair, s, 8] = station[w, pair, s, 0]
+            s += 1
     offset = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6]) - real(center[w, pair, 0])
     shift = int(wp.floor(offset - patch_offset[w, pair] + real(0.5))) * rows
     patch_offset[w, pair] = offset

@@ -251,6 +251,8 @@ def weigh_points(
             dropped = int(1)
         reached = stencil_at[w, pair, m, 0]
         if reached < 0 or reached + model.stencil_columns > model.second_columns:
+            if dropped == 0 and weak_gap[w, pair, m] <= real(0.0):
+                ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.STENCIL  # overlaps, where the second window does not reach
             dropped = int(1)  # so far round the bodies that nothing of the second window is opposite
         if beyond != 0 and dropped == 0:
             # where surfaces part, the places opposite spread; a hat that overlaps is one that may be needed

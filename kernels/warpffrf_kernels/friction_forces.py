@@ -2,7 +2,9 @@
 
 The slip is what the surfaces slide as rigid bodies over the whole step and what the difference of their elastic
 displacements changes by on the same material of the first body. Work of friction in a step is sum tau.S with the
-tractions at its end, never positive; the contact energy takes up tau.e/2 with the part of e that the local modes have.
+tractions at its end, never positive: what the iteration leaves of slip in a cell that sticks, of either sign, is booked
+where it is negative only, and is otherwise a part of the contact grid's line. The contact energy takes up tau.e/2 with
+the part of e that the local modes have.
 """
 
 import warp as wp
@@ -206,7 +208,9 @@ def add_friction(
                     energy += real(0.5) * area * (t_1 * elastic_local[w, pair, i_1] + t_2 * elastic_local[w, pair, i_2])
                     s_1 = slip[w, pair, i_1]
                     s_2 = slip[w, pair, i_2]
-                    friction_work[w, pair, 0] = friction_work[w, pair, 0] + area * (t_1 * s_1 + t_2 * s_2)
+                    friction_work[w, pair, 0] = friction_work[w, pair, 0] + area * wp.min(
+                        t_1 * s_1 + t_2 * s_2, real(0.0)
+                    )
                     c = cell_softness(model, A, m % rows, area)
                     y_1 = t_1 - (s_1 + creep_softness(model, clk, w, pair, b) * t_1) / c
                     y_2 = t_2 - (s_2 + creep_softness(model, clk, w, pair, b) * t_2) / c

@@ -40,6 +40,9 @@ from warpffrf_kernels.surface import (
 wp.set_module_options(MODULE_OPTIONS)
 
 STEEPEST = wp.constant(wp.float64(0.1))  # cosine between c and the second normal: cells beyond are far from any patch
+# columns that the grids may move against each other before the compliance of the cells is assembled anew: it changes by
+# about this fraction, and serves as a tangent only
+PHASE_TOLERANCE = wp.constant(wp.float64(1.0e-2))
 PI = wp.constant(wp.float64(3.141592653589793))
 
 
@@ -67,17 +70,23 @@ def open_cells(
     phase: wp.array3d(dtype=real),
     center: wp.array3d(dtype=int),
     ctl: wp.array2d(dtype=int),
+    cell_phase: wp.array3d(dtype=real),
     traction: wp.array3d(dtype=real),
     friction_offset: wp.array2d(dtype=real),
 ):
     """Per (world, pair): the tractions of the last attempt put where the patch is now (as `open_window` does with the
-    pressures)."""
+    pressures); whether the compliance of the cells is to be assembled anew."""
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w, k.REASSEMBLE] != 0:
-        ctl[w, k.STALE] = 1
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_friction[pair] == real(0.0):
         return
+    moved = real(0.0)
+    for i in range(4):
+        moved = wp.max(moved, wp.abs(phase[w, pair, 4 + i] - cell_phase[w, pair, i]))
+    if ctl[w, k.ITERATION] == 0 or ctl[w, k.RECENTER] != 0 or not (moved < PHASE_TOLERANCE):
+        ctl[w, k.STALE] = 1
+        for i in range(4):
+            cell_phase[w, pair, i] = phase[w, pair, 4 + i]
     rows = model.surface_rows[model.pair_first[pair]]
     offset = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6]) - real(center[w, pair, 0])
     shift = int(wp.floor(offset - friction_offset[w, pair] + real(0.5))) * 2 * rows

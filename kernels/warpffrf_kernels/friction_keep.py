@@ -43,6 +43,7 @@ def keep_tractions(
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
     phase: wp.array3d(dtype=real),
+    nearest: wp.array3d(dtype=real),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     elastic: wp.array3d(dtype=real),
@@ -86,6 +87,8 @@ def keep_tractions(
     if lane == 0:
         h = clk[w, k.DONE_STEP]
         at = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6])
+        if model.pair_family[pair] == 1:
+            at = nearest[w, pair, 0]
         advanced = at - history_phase[w, pair]
         if model.surface_turn[A] > 0:
             advanced = wrap(advanced, real(model.surface_turn[A]), real(0.0))
@@ -151,7 +154,8 @@ def record_friction(
             ring[w, at, start + d * C + m] = stress
             ring[w, at, start + (2 + d) * C + m] = speed
         state = real(0.0)
-        if ring[w, at, start + m] != real(0.0) or ring[w, at, start + C + m] != real(0.0):
+        loaded = m < model.window_columns * rows and model.pair_friction[pair] > real(0.0)
+        if loaded and bound[w, pair, m] > real(0.0) and ctl[w, k.MODE] == k.DYNAMIC:
             state = real(cell_state[w, pair, m])
         ring[w, at, start + 4 * C + m] = state
         m += wp.block_dim()

@@ -4,7 +4,9 @@ The mean of a displacement over a cell of the first grid is the difference of it
 which is known at the edges of the second grid's cells: interpolated linearly between them the parts would be those of
 the overlapping areas, and on grids half a cell apart the second body would look too stiff. A cubic through four edges
 is exact for quadratic displacements. Along the meridian, where tractions change little from row to row, the parts are
-the overlaps. The transposed parts spread the traction of a cell: loads and displacements are conjugate.
+the overlaps. Grids that are turned against each other are met by the cell's extents (root of the squares of its sides'
+projections, exact at right angles). The transposed parts spread the traction of a cell: loads and displacements are
+conjugate.
 """
 
 import warp as wp
@@ -79,21 +81,27 @@ def spread_cells(
         row = m % rows
         z = model.surface_z[z0 + row]
         zb = cell_place[w, pair, m, 1]
-        half = real(0.5) * model.surface_pitch[A] * radius_of(model, A, z)
-        half = half / (model.surface_pitch[B] * radius_of(model, B, zb))
-        x = cell_place[w, pair, m, 0]
-        if model.surface_turn[B] > 0:
-            x = wrap(x, TWO_PI / model.surface_pitch[B], real(center[w, pair, 1]))
-        first = int(wp.floor(x - half + real(0.5))) - 1
+        metric = model.surface_pitch[B] * radius_of(model, B, zb)
+        half_around = real(0.5) * model.surface_pitch[A] * radius_of(model, A, z)
         below = lower_edge(model, A, row) - z
         above = real(0.0)
         if row + 1 < rows:
             above = lower_edge(model, A, row + 1) - z
-        low = zb + below
-        high = zb + above
-        if cell_turn[w, pair, m, 3] < real(0.0):  # the second surface's axial direction runs the other way
-            low = zb - above
-            high = zb - below
+        # the cell's rectangle, turned by Q: its extents along the second surface's tangents, and where its middle lies
+        half_along = real(0.5) * (above - below)
+        middle = real(0.5) * (above + below)
+        q_1 = cell_turn[w, pair, m, 0]
+        q_2 = cell_turn[w, pair, m, 1]
+        q_3 = cell_turn[w, pair, m, 2]
+        q_4 = cell_turn[w, pair, m, 3]
+        x = cell_place[w, pair, m, 0] + model.surface_side[B] * q_3 * middle / metric
+        if model.surface_turn[B] > 0:
+            x = wrap(x, TWO_PI / model.surface_pitch[B], real(center[w, pair, 1]))
+        half = wp.sqrt(q_1 * q_1 * half_around * half_around + q_3 * q_3 * half_along * half_along) / metric
+        first = int(wp.floor(x - half + real(0.5))) - 1
+        reach = wp.sqrt(q_2 * q_2 * half_around * half_around + q_4 * q_4 * half_along * half_along)
+        low = zb + q_4 * middle - reach
+        high = zb + q_4 * middle + reach
         start = int(0)
         while start + 1 < rows_b and lower_edge(model, B, start + 1) <= low:
             start += 1

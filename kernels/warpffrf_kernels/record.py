@@ -18,8 +18,8 @@ def sum_second(
     second_load: wp.array3d(dtype=real),
     second_wrench: wp.array3d(dtype=real),
 ):
-    """Per (world, pair of family 0): the wrench that the hat forces on the second surface sum to there (about A's centre
-    of mass).
+    """Per (world, pair of family 0): the wrench that the hat forces on the second surface sum to there (about A's
+    centre of mass).
 
     The wrench of a unit force is interpolated linearly between the first and the last station, at the axial position of
     the node. Hats reproduce linear functions, so force and moment agree with those of the first side to round-off where

@@ -102,7 +102,7 @@ def measure(models: wp.array(dtype=Model), x: wp.array(dtype=vec3), out: wp.arra
     out[i, 2] = vec3(surface.distance_of(model, 0, x[i]), real(0.0), real(0.0))
 
 
-def run(kernel: wp.Kernel, s: Numbers, given: wp.array, count: int, width: int) -> np.ndarray:
+def run(kernel: Any, s: Numbers, given: wp.array, count: int, width: int) -> np.ndarray:
     out, model = wp.zeros((count, width), dtype=vec3, device="cpu"), model_of(s)
     models = wp.array([model], dtype=Model, device="cpu")
     wp.launch(kernel, dim=count, inputs=[models, given], outputs=[out], device="cpu")

@@ -267,7 +267,9 @@ def test_profile_numbers_are_the_shape() -> None:
         (lambda: surfaces.Plane(origin=(0, 0)), "origin must have shape"),
         (lambda: surfaces.ProfiledCylinder(radius=0.05), "table is missing"),
         (lambda: surfaces.ProfiledCylinder(table=3.0), r"table must be \(z, drop\)"),
-        (lambda: surfaces.ProfiledCylinder(table=([0, 1], [0, 1, 2])), "table must be an array"),
+        (lambda: surfaces.ProfiledCylinder(table=([0, 1], [0, 1, 2])), "one length, got 2 of z and 3 of drop"),
+        (lambda: surfaces.ProfiledCylinder(table=([0, 1], [0, 1], [0])), "2 of z and 2 of drop and 1 of slope"),
+        (lambda: surfaces.ProfiledCylinder(table=([0, 1], ["a", "b"])), "table must be an array"),
         (lambda: surfaces.ProfiledCylinder(table=([0.0], [0.0])), "at least two places"),
         (
             lambda: surfaces.ProfiledCylinder(table=([-0.01, 0.002, 0.001, 0.01], [0, 0, 0, 0])),
@@ -286,6 +288,14 @@ def test_profile_numbers_are_the_shape() -> None:
         (
             lambda: surfaces.ProfiledCylinder.logarithmic(length=0.03, amplitude=2e-5, end_drop=2e-4),
             "end_drop must be below .* too steep",
+        ),
+        (
+            lambda: surfaces.ProfiledCylinder.logarithmic(length=0.02, amplitude=1e-6, end_drop=9e-6),
+            "end_drop 9e-06 m is too much for an amplitude of 1e-06 m.*smaller end_drop or a greater amplitude",
+        ),
+        (
+            lambda: surfaces.ProfiledCylinder.logarithmic(length=0.5, amplitude=1e-2, end_drop=1e-2, radius=5e-3),
+            "end_drop must be below the radius",
         ),
     ],
 )

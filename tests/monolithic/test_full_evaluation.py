@@ -82,10 +82,10 @@ def test_what_it_needs(roller) -> None:
         monolithic.run(scene, 1e-3, step=1e-4, law="nodes", layer_stiffness=1e13, progress=False)
     with pytest.raises(InputError, match="use method='monolithic'"):
         run(scene, 1e-3, step=1e-4, progress=False)
-    scene.contacts[0].friction = Coulomb(0.1)
+    scene.contacts[0]._friction = Coulomb(0.1)  # past the check that the bodies have tangential modes
     with pytest.raises(InputError, match="has no friction"):
         monolithic.run(scene, 1e-3, step=1e-4, progress=False)
     scene.contacts[0].friction = Coulomb(0.0)
-    scene.contacts[0].evaluation = "hyper"
+    scene.contacts[0]._evaluation = "hyper"  # past the check that the first body has points
     with pytest.raises(InputError, match="belongs to method 'separated'"):
         monolithic.run(scene, 1e-3, step=1e-4, progress=False)

@@ -124,7 +124,7 @@ def test_cut_by_the_axis_of_a_shape_elsewhere(small_roller):
         ({"interfaces": {"bore": "elastic"}}, "kind 'elastic' does not exist; known: rigid, average, free"),
         ({"basis": "guyan"}, "basis 'guyan'"),
         ({"traction": "spots"}, "traction 'spots' is not available"),
-        ({"tangential": "spots"}, "traction 'spots' is not available"),
+        ({"tangential": "spots"}, "tangential must be True, False or one of 'hats', 'cells'"),
         ({"solver": "magic"}, "solver 'magic' is not available"),
         ({"periodic": True}, "periodic must be None"),
         ({"max_frequency": -1.0}, "max_frequency"),

@@ -35,9 +35,11 @@ from warpffrf.model.surfaces import (
 from warpffrf.model.tangential import Tangential
 from warpffrf.offline import reduce
 from warpffrf.offline.contact.traction_fields import NORMAL, TANGENTIAL, ContactFacets, TractionField
+from warpffrf.offline.general.surface import GeneralSurface
 from warpffrf.offline.paths import choose_path, resolve_shapes
 
 EXACT = 1e-8  # what the product promises
+SINGLE = 2e-6  # modes on the display surface are stored in single precision
 QUADRATURE = 1e-8  # Gauss points on a cell: turning normal and curved meridian
 HOLLOW = 1e-6  # the same on four cells across a groove that is a quarter of a circle
 AGREE = 1e-9  # cyclic and general path
@@ -250,11 +252,71 @@ def test_static_response_is_exact(full, name, modes):
     f = fields(case)
     first = 0 if s.grid.periodic else 1
     kept = [np.arange(g.count).reshape(-1, g.columns, g.rows)[:, first : first + s.grid.columns].ravel() for g in f]
+    hats, cells = (np.kron(g.gram_theta(), g.gram_z(s.shape)) for g in (s.grid, t.grid))
+    gram = hats, np.kron(np.eye(2), cells)
     for a, b in ((0, 0), (0, 1), (1, 1)):
-        C = loads[a].T @ u[:, ends[b] : ends[b + 1]]
-        expected = f[b].without_gram(f[a].without_gram(C)[kept[a]].T)[kept[b]].T
+        C = (loads[a].T @ u[:, ends[b] : ends[b + 1]])[np.ix_(kept[a], kept[b])]
+        expected = np.linalg.solve(gram[b], np.linalg.solve(gram[a], C).T).T
         found = D[a][b] + shapes[a] @ shapes[b].T
         assert np.abs(found - expected).max() < EXACT * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("name", ["plane", "ball", "bore"])
+def test_weak_displacements_are_exact_up_to_the_edge(name):
+    """M a = int psi_i u dA of every mode, for every hat and cell that is kept."""
+    case = CASES[name]
+    body = reduced(case, modes=8, periodic=False)
+    s, x = body.contact_surfaces[case.name], case.mesh.points
+    u = np.zeros((len(x), 3, len(body.frequencies)))
+    place = {tuple(np.round(p, 9)): i for i, p in enumerate(x)}
+    u[[place[tuple(np.round(p, 9))] for p in body.surface.points]] = body.surface.modes.transpose(1, 2, 0)
+    first = 0 if s.grid.periodic else 1
+    t = tangential_of(s)
+    for f, grid, found in zip(fields(case), (s.grid, t.grid), (s.mode_normal[None], t.mode_tangent), strict=True):
+        weak = f.loads(len(x)).T @ u.reshape(3 * len(x), -1)
+        weak = weak.reshape(len(found), f.columns, f.rows, -1)[:, first : first + grid.columns]
+        a = found.reshape(weak.shape)
+        assert weak == pytest.approx(
+            np.einsum("ij,kl,djlm->dikm", grid.gram_theta(), grid.gram_z(s.shape), a),
+            rel=0.0,
+            abs=SINGLE * np.ptp(weak),
+        )
+
+
+@pytest.mark.parametrize("name", ["plane", "bore"])
+def test_inertia_of_the_local_modes_is_exact(name):
+    """N = U^T M U of the full model's responses U to unit forces of the hats that are kept."""
+    case = CASES[name]
+    x = case.mesh.points
+    K, M = matrices(case.mesh, STEEL)
+    f = fields(case)[0]
+    s = reduced(case, modes=0, periodic=False, tangential=False, local_dynamics=True).contact_surfaces[case.name]
+    first = 0 if s.grid.periodic else 1
+    numbers = np.arange(f.count).reshape(f.columns, f.rows)[first : first + s.grid.columns].ravel()
+    gram = np.kron(s.grid.gram_theta(), s.gram_z)
+    u = free_response(K, M, rigid_modes(x, np.zeros(3)), f.loads(len(x)).toarray()[:, numbers] @ np.linalg.inv(gram))
+    expected = u.T @ M @ u
+    assert s.local_mass is not None
+    assert np.abs(s.local_mass.lags_mass[0] - expected).max() < EXACT * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("patch", [1e-3, 5e-4])
+def test_a_constant_displacement_keeps_its_integral(patch):
+    """Of u = n on a plane the kept hats have int psi_i u dA = pitch times the row's share of the width, edge or not;
+    also where one column is all that there is."""
+    mesh = block((0.006, 0.008, 0.005), patch_half_width=(patch, 1.5e-3), cell=5e-4, growth=1.9, order=1)
+    shape = resolve_shapes(mesh, {"patch": Plane()})["patch"]
+    surface = GeneralSurface(mesh, "patch", shape, None)
+    assert surface.columns == round(2.0 * patch / 5e-4) - 1
+    u = np.tile(shape.normal(0.0, 0.0), len(mesh.points))
+    kept, plan = surface.kept[0], surface.plan
+    a = kept.without_gram((surface.loads().T @ u)[:, None]).reshape(surface.columns, -1)
+    M = plan.pitch / 6.0 * (4.0 * np.eye(len(a)) + np.eye(len(a), k=1) + np.eye(len(a), k=-1))
+    width = 0.5 * np.diff(plan.z, prepend=plan.z[0], append=plan.z[-1])
+    share = width[:-1] + width[1:]
+    assert M @ a @ kept.field.gram_z() == pytest.approx(plan.pitch * np.tile(share, (len(a), 1)), rel=1e-10)
+    if len(a) == 1:
+        assert a == pytest.approx(1.5, rel=1e-10)  # the multiple of the hat that is nearest to 1 on its support
 
 
 def tangential_of(surface: ContactSurface) -> Tangential:
@@ -344,15 +406,16 @@ def test_stress_at_the_surface_is_the_traction(name):
     tensor = sigma[..., [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
     n = s.shape.normal(theta, z)
     traction = np.einsum("pij,pj->pi", tensor, n)
-    # what the forces stand for: coefficients on the whole grid, which on an arc has one more column at both ends
+    # the whole grid of an arc has one more column at both ends, where there is no traction
     first = 0 if grid.periodic else 1
     along = [s.shape.around(theta), s.shape.along(theta, z)]
-    loads = [(field.normal, forces[None], [n]), (field.tangential, shear, along)]
+    pressure = normal.reshape(1, grid.columns, grid.rows), [n]
+    tractions = [pressure, (sheared.reshape(2, grid.columns, grid.rows), along)]
     j = np.rint((theta - grid.theta_start) / grid.pitch).astype(int) + first
     k = np.argmin(np.abs(z[:, None] - grid.z), axis=1)
     expected = np.zeros_like(traction)
-    for load, values, directions in loads:
-        p = load[case.name].span.coefficients(values, "hats", grid.pitch, s.gram_z)
+    for values, directions in tractions:
+        p = np.pad(values, ((0, 0), (first, first), (0, 0)))
         for d, direction in enumerate(directions):
             expected += p[d, j % p.shape[1], k][:, None] * direction
     assert np.abs(traction - expected).max() < 1e-6 * np.abs(expected).max()

@@ -126,7 +126,7 @@ def test_traction_on_the_surface_is_the_pressure(curved, general, set_name) -> N
     body = reduced(mesh, general=general, modes=4, contact={set_name: Cylinder()}, stress=stress)
     s = body.contact_surfaces[set_name]
     pressure = np.random.default_rng(4).uniform(0.5e6, 1e6, (s.grid.columns, s.grid.rows))
-    if set_name == "arc":
+    if set_name == "arc" and not general:  # the cyclic path inverts the Gram matrix of a full turn
         pressure[[0, -1]] = 0.0
     forces = -s.grid.gram_theta() @ pressure @ s.gram_z
     for name in stress:
@@ -136,7 +136,7 @@ def test_traction_on_the_surface_is_the_pressure(curved, general, set_name) -> N
         normal = s.shape.normal(theta, z)
         column = (theta - s.grid.theta_start) / s.grid.pitch
         turn = 2.0 * np.pi / s.grid.pitch
-        column = column % turn if s.grid.periodic else (column + 0.5) % turn - 0.5
+        column = column % turn if s.grid.periodic else (column + 1.0) % turn - 1.0
         at = np.array([bilinear(pressure, c, v, s.grid) for c, v in zip(column, z, strict=True)])
         traction = np.einsum("pij,pj->pi", tensor, normal)
         assert np.abs(traction + at[:, None] * normal).max() < SINGLE * pressure.max()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path as FilePath
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ SIZES = {"shaft": 30.0, "large shaft": 2.0, "plane": 0.0, "bore": -15.0}  # curv
 
 def surface(curvature: float, columns: int = 180):
     """A contact surface of that curvature; grids all around, on a plane 41 columns."""
-    place = {"axis_point": (0.0, 0.0, 0.0), "axis_direction": (0.0, 1.0, 0.0)}
+    place: dict[str, Any] = {"axis_point": (0.0, 0.0, 0.0), "axis_direction": (0.0, 1.0, 0.0)}
     if curvature == 0.0:
         shape = surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0), direction=(0.0, 1.0, 0.0))
         return made_body(shape, Z, pitch=1e-3, columns=41).contact_surfaces["face"]

@@ -7,13 +7,14 @@ import pytest
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
+from warpffrf.online.history import FrictionHistory
 
 MU = 0.3
-LOAD = 15e3  # N on a width of 10 mm: a half-width of 1.8 mm, five columns of cells
+LOAD = 300e3  # N on a width of 10 mm: a half-width of 2.9 mm, four to five columns of cells across the patch
 OMEGA = 10.0  # rad/s
-STEP = 2e-4  # s: a twentieth of the patch
+STEP = 5e-4  # s: a twelfth of the way through the patch
 CONVERGED = 1e-7  # tractions are converged to this part of the largest bound: so much slip is left where they stick
-SECOND_ORDER = 3e-3  # (a/R)^2: the tractions are tangents of a patch that is an arc
+SECOND_ORDER = 5e-3  # (a/R)^2: the tractions are tangents of a patch that is an arc
 
 
 @pytest.fixture(scope="module")
@@ -52,10 +53,17 @@ def run(scene: wf.Scene, steps: int, **options) -> wf.Result:
     return result
 
 
+def rubbing(result: wf.Result) -> FrictionHistory:
+    """Friction of the pair of a run."""
+    found = result.history.contacts["pair"].friction
+    assert found is not None
+    return found
+
+
 def test_gross_sliding_transmits_the_coefficient_times_the_load(body) -> None:
     result = run(rollers(body, MU, 0.2), 20)
     contact = result.history.contacts["pair"]
-    friction = contact.friction
+    friction = rubbing(result)
     normal, across, along = -contact.force[-1, 2], contact.force[-1, 0], contact.force[-1, 1]
     assert across == pytest.approx(-MU * normal, rel=SECOND_ORDER)  # the faster lower surface is held back
     assert abs(along) < 1e-3 * MU * normal  # Poisson's sliding along the axis is antisymmetric
@@ -71,41 +79,25 @@ def test_rolling_without_creep_sticks_and_transmits_nothing(body) -> None:
     result = run(rollers(body, MU, 0.0), 20)
     contact = result.history.contacts["pair"]
     assert np.all(np.abs(contact.force[1:, 0]) < 1e-3 * MU * LOAD)  # the grids are not mirror images: ripple
-    inner = contact.friction.state[-1][contact.pressure[-1] > 0.5 * contact.pressure[-1].max()]
+    inner = rubbing(result).state[-1][contact.pressure[-1] > 0.5 * contact.pressure[-1].max()]
     assert np.all(inner == 1)
 
 
 def test_friction_takes_energy_in_every_step(body) -> None:
-    for creepage in (2e-3, 0.02):
+    for creepage in (8e-3, 0.05):
         result = run(rollers(body, MU, creepage), 30)
         work = np.diff(result.energy["friction"])
         scale = MU * LOAD * STEP * OMEGA * 0.05 * creepage
         assert np.all(work < CONVERGED * scale)
         assert result.energy["friction"][-1] < -0.01 * scale
-        assert np.all(result.history.contacts["pair"].friction.power > -CONVERGED * scale / STEP)
-
-
-def bounds(contact, z: np.ndarray) -> np.ndarray:
-    """mu times the mean of the hats' pressure over each cell of the last step: an independent quadrature."""
-    points, weights = np.polynomial.legendre.leggauss(4)
-    p = contact.pressure[-1]
-    columns, rows = p.shape
-    edges = np.concatenate([z[:1], 0.5 * (z[1:] + z[:-1]), z[-1:]])
-    along = np.zeros((columns, rows))
-    for k in range(rows):
-        for low, high in ((edges[k], z[k]), (z[k], edges[k + 1])):
-            at = 0.5 * (low + high) + 0.5 * (high - low) * points
-            values = np.array([np.interp(at, z, line) for line in p])
-            along[:, k] += 0.5 * (high - low) * values @ weights / (edges[k + 1] - edges[k])
-    padded = np.pad(along, ((1, 1), (0, 0)))
-    return MU * (padded[:-2] + 6.0 * padded[1:-1] + padded[2:]) / 8.0
+        assert np.all(rubbing(result).power > -CONVERGED * scale / STEP)
 
 
 def test_tractions_stay_within_the_bounds_and_against_the_slip(body) -> None:
-    result = run(rollers(body, MU, 4e-3), 40)
+    result = run(rollers(body, MU, 8e-3), 40)
     contact = result.history.contacts["pair"]
-    friction = contact.friction
-    bound = bounds(contact, np.asarray(body.contact_surfaces["rim"].grid.z))
+    friction = rubbing(result)
+    bound = MU * contact.pressure[-1]
     size = np.linalg.norm(friction.traction[-1], axis=0)
     assert np.all(size <= bound * (1.0 + 1e-9))
     sliding = friction.state[-1] == 2
@@ -123,9 +115,10 @@ def test_tractions_stay_within_the_bounds_and_against_the_slip(body) -> None:
 def test_the_regularised_law_is_viscous_below_its_velocity(body) -> None:
     """tau = -mu p w/v in every cell, w the slip velocity with all deformation."""
     speed = 1e3
-    contact = run(rollers(body, wf.laws.RegularisedCoulomb(MU, speed), 0.2), 20).history.contacts["pair"]
-    friction = contact.friction
-    bound = bounds(contact, np.asarray(body.contact_surfaces["rim"].grid.z))
+    result = run(rollers(body, wf.laws.RegularisedCoulomb(MU, speed), 0.2), 20)
+    contact = result.history.contacts["pair"]
+    friction = rubbing(result)
+    bound = MU * contact.pressure[-1]
     expected = -bound * friction.slip_velocity[-1] / speed
     np.testing.assert_allclose(friction.traction[-1], expected, atol=1e-8 * np.abs(expected).max())
     assert np.abs(expected).max() > 0.0 and not np.any(friction.state == 2)
@@ -157,7 +150,7 @@ def test_momentum_of_two_free_rollers_that_collide_spinning(body) -> None:
     assert np.abs(result.history.contacts["pair"].force).max() > 1e3
     mass = body.mass
     bodies = result.history.bodies
-    p = sum(mass * bodies[name].velocity for name in ("first", "second"))
+    p = mass * (bodies["first"].velocity + bodies["second"].velocity)
     assert np.abs(p - p[0]).max() < 1e-10 * mass * 0.5
     assert abs(bodies["second"].angular_velocity[-1, 1]) > 0.1  # friction has set it turning
     assert abs(bodies["second"].velocity[-1, 0]) > 1e-3
@@ -169,9 +162,7 @@ def test_a_run_with_friction_is_continued_bit_for_bit(body) -> None:
     whole = run(scene, 12)
     half = run(scene, 6)
     rest = run(scene, 6, start=half)
-    np.testing.assert_array_equal(
-        rest.history.contacts["pair"].friction.traction[-1], whole.history.contacts["pair"].friction.traction[-1]
-    )
+    np.testing.assert_array_equal(rubbing(rest).traction[-1], rubbing(whole).traction[-1])
     np.testing.assert_array_equal(rest.history.contacts["pair"].force[-1], whole.history.contacts["pair"].force[-1])
 
 

@@ -98,6 +98,13 @@ def test_profile_at_mid_width_runs_along_e_theta(contact: ContactResult) -> None
     sticks, slips = profile["arc"][profile["state"] == STICKS], profile["arc"][profile["state"] == SLIP]
     assert sticks.max() < slips.min()  # material enters on the left, where it sticks
     assert np.all(np.isnan(contact.friction.profile(i)["bound"]))
+    count = len(contact.friction.power)
+    from_the_end = contact.friction.profile(i - count, MU)
+    for name, values in profile.items():
+        np.testing.assert_array_equal(from_the_end[name], values)
+    for wrong in (count, -count - 1):
+        with pytest.raises(InputError, match=f"saved step {wrong} does not exist; there are {count}"):
+            contact.friction.profile(wrong)
 
 
 def test_inside_forms_turn_the_profile() -> None:

@@ -10,6 +10,12 @@ from __future__ import annotations
 # module -> what the command line says about it
 DEMOS = {
     "two_rollers": "Two steel rollers, pressed together, rolling, under a load step: contact beside Hertz.",
+    "rolling_friction": "Two rollers with friction, one carried along, then braked until it slips: beside Carter.",
+    "ball_on_plane": "A ball pressed on a plane and pushed sideways: beside Hertz, Cattaneo and Mindlin.",
+    "ball_impact": "A ball hits a half-space: force and time of contact beside Hertz's impact.",
+    "ball_in_ring": "A ball rolls in the groove of a ring, two bodies of a ball bearing: beside Hertz and rolling.",
+    "pin_in_bore": "A pin in a bore of nearly its own radius, conformal contact: beside Persson.",
+    "tilted_roller": "A crowned roller tilted by 0.5 mrad: where the patch goes and what holds the tilt.",
     "slider_crank": "A slider-crank with a flexible rod: its bending beside the beam equation.",
     "spinning_beam": "A beam spun up about one end, with and without geometric stiffening.",
     "frame_on_bushings": "A flexible frame on four bushings, pushed at a seat: statics, frequencies, momentum.",

@@ -71,6 +71,11 @@ class SurfacePort:
         return self.body.reduced is None
 
     @property
+    def on_ground(self) -> bool:
+        """True where the body is the ground, which stays."""
+        return self.body.index == GROUND_INDEX
+
+    @property
     def surface(self) -> ContactSurface | Any:
         """The reduced contact surface, or the `RigidSurface` of a rigid body or the ground."""
         surfaces = self.body.surfaces if self.rigid else self.body.reduced.contact_surfaces
@@ -150,8 +155,8 @@ class Ground(_Posed):
         if name in self.surfaces:
             return SurfacePort(self, name)
         raise InputError(
-            f"the ground has no interface or surface {name!r}; use scene.ground, scene.ground.at((x, y, z)), or "
-            "scene.ground.surface(shape, name=...)"
+            f"the ground has no interface or surface {name!r}; {_known(self.surfaces)}use scene.ground, "
+            "scene.ground.at((x, y, z)), or scene.ground.surface(shape, name=...)"
         )
 
 
@@ -204,8 +209,8 @@ class Body(_Posed):
             if name in self.surfaces:
                 return SurfacePort(self, name)
             raise InputError(
-                f"rigid body {self.name!r} has no interface or surface {name!r}; use .at((x, y, z)), or give it "
-                "surfaces={...}"
+                f"rigid body {self.name!r} has no interface or surface {name!r}; {_known(self.surfaces)}use "
+                ".at((x, y, z)), or give it surfaces={...}"
             )
         if name in self.reduced.interfaces:
             return Port(self, name, np.array(self.reduced.interfaces[name].point, dtype=np.float64))
@@ -231,6 +236,11 @@ class Body(_Posed):
         if self.surfaces:
             options["surfaces"] = {name: surface.describe() for name, surface in self.surfaces.items()}
         return {"name": self.name, "mass": self.mass, **options, **{f: getattr(self, f).tolist() for f in fields}}
+
+
+def _known(surfaces: dict[str, RigidSurface]) -> str:
+    """The surfaces that there are, for a message about one that there is not."""
+    return f"known surfaces: {', '.join(map(repr, surfaces))}; " if surfaces else ""
 
 
 def as_port(value: Any, name: str) -> Port:

@@ -11,9 +11,9 @@ from typing import Any
 
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
-from warpffrf.model.friction import as_friction
+from warpffrf.model.friction import Coulomb, RegularisedCoulomb, as_friction
 from warpffrf.model.gap import closing_distance, smallest_gap, undeformed_gap
-from warpffrf.model.laws import Unilateral, as_law
+from warpffrf.model.laws import Law, Unilateral, as_law
 
 __all__ = ["EVALUATIONS", "Contact", "closing_distance", "smallest_gap", "undeformed_gap"]
 
@@ -52,7 +52,7 @@ class Contact:
             _require_surface(port, place)
         self.a, self.b = a, b
         self.name = f"{a.body.name}-{b.body.name}" if name is None else name
-        label = f"contact {self.name!r}"
+        label = self._label
         if a.body is b.body:
             raise InputError(f"{label}: body {a.body.name!r} in contact with itself is not supported; name two bodies")
         if a.rigid and b.rigid:
@@ -65,20 +65,73 @@ class Contact:
                 f"{label}: the first surface carries the contact grid and must be flexible, {a.label} is rigid; name "
                 f"the flexible body first, Contact({b.label}, {a.label})"
             )
-        self.law = as_law(law, label)
-        self.friction = as_friction(friction, label)
-        if evaluation not in EVALUATIONS:
-            raise unknown_name(f"{label}: evaluation", evaluation, EVALUATIONS)
+        self.law = law
+        self.friction = friction
         self.evaluation = evaluation
-        self.capacity = None if capacity is None else require_count(capacity, f"{label}: capacity", 1)
-        self.overlap = None if overlap is None else require_number(overlap, f"{label}: overlap", non_negative=True)
-        if self.friction.coefficient > 0.0:
-            self._require_tangential(label)
-        if evaluation == "hyper" and a.surface.sampling is None:
+        self.capacity = capacity
+        self.overlap = overlap
+
+    # what may be changed until a run begins is checked as it is set
+
+    @property
+    def law(self) -> Law:
+        """What lies between the surfaces."""
+        return self._law
+
+    @law.setter
+    def law(self, value: Any) -> None:
+        self._law = as_law(value, self._label)
+
+    @property
+    def friction(self) -> Coulomb | RegularisedCoulomb:
+        """The law of friction; a number that is set is the coefficient of `Coulomb`."""
+        return self._friction
+
+    @friction.setter
+    def friction(self, value: Any) -> None:
+        friction = as_friction(value, self._label)
+        if friction.coefficient > 0.0:
+            self._require_tangential(self._label)
+        self._friction = friction
+
+    @property
+    def evaluation(self) -> str:
+        """Where the law is looked at, one of EVALUATIONS."""
+        return self._evaluation
+
+    @evaluation.setter
+    def evaluation(self, value: Any) -> None:
+        if value not in EVALUATIONS:
+            raise unknown_name(f"{self._label}: evaluation", value, EVALUATIONS)
+        if value == "hyper" and self.a.surface.sampling is None:
             raise InputError(
-                f"{label}: evaluation='hyper' needs points chosen offline, body {a.body.name!r} was reduced without "
-                "them; reduce(..., sampling_error=0.01), or take evaluation='semi'"
+                f"{self._label}: evaluation='hyper' needs points chosen offline, body {self.a.body.name!r} was reduced "
+                "without them; reduce(..., sampling_error=0.01), or take evaluation='semi'"
             )
+        self._evaluation = str(value)
+
+    @property
+    def capacity(self) -> int | None:
+        """Largest number of active stress modes; None to have it chosen."""
+        return self._capacity
+
+    @capacity.setter
+    def capacity(self, value: Any) -> None:
+        self._capacity = None if value is None else require_count(value, f"{self._label}: capacity", 1)
+
+    @property
+    def overlap(self) -> float | None:
+        """How deep [m] the surfaces may lie in one another at the start of a run; None for a part of their radius."""
+        return self._overlap
+
+    @overlap.setter
+    def overlap(self, value: Any) -> None:
+        name = f"{self._label}: overlap"
+        self._overlap = None if value is None else require_number(value, name, non_negative=True)
+
+    @property
+    def _label(self) -> str:
+        return f"contact {self.name!r}"
 
     @property
     def ports(self) -> tuple[SurfacePort, SurfacePort]:

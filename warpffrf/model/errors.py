@@ -13,7 +13,12 @@ class InputError(ValueError):
 
 
 def require_number(value: Any, name: str, *, positive: bool = False, non_negative: bool = False) -> float:
-    """`value` as a finite float, else `InputError` naming `name`; optionally > 0 or >= 0."""
+    """`value` as a finite float, else `InputError` naming `name`; optionally > 0 or >= 0.
+
+    Text and truth values are no numbers, though Python would convert them; numpy's scalars and arrays () are.
+    """
+    if isinstance(value, (str, bytes, bool, np.bool_)):
+        raise InputError(f"{name} must be a number, got {value!r}")
     try:
         number = float(value)
     except (TypeError, ValueError):

@@ -15,7 +15,10 @@ tangential compliance of a cell, and the bound |tau| <= mu p cuts it: the same c
 from __future__ import annotations
 
 from dataclasses import dataclass
+from numbers import Real
 from typing import Any
+
+import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
 
@@ -70,7 +73,8 @@ def as_friction(value: Any, label: str) -> Coulomb | RegularisedCoulomb:
     """`value` as a friction law: a number is the coefficient of `Coulomb`. Raises `InputError` naming `label`."""
     if isinstance(value, tuple(FRICTION_LAWS.values())):
         return value
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
+    scalar = isinstance(value, Real) or (isinstance(value, np.ndarray) and value.ndim == 0)
+    if isinstance(value, (bool, np.bool_)) or not scalar:
         names = ", ".join(f"laws.{law.__name__}" for law in FRICTION_LAWS.values())
         raise InputError(f"{label}: friction must be a coefficient or one of {names}, got {value!r}")
     return Coulomb(require_number(value, f"{label}: friction", non_negative=True))

@@ -28,7 +28,7 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_direction, require_number
 
 if TYPE_CHECKING:
-    from warpffrf.model.bodies import SurfacePort
+    from warpffrf.model.bodies import Body, Ground, SurfacePort
     from warpffrf.model.contact import Contact
 
 ZOOM_POINTS = (73, 33)  # grid around and along: 5 degrees first, enough to bracket the one minimum of convex surfaces
@@ -37,6 +37,7 @@ ZOOM_ROUNDS = 9  # 8^8 below the first spacing: the place to 1e-8 rad, the value
 CLOSE_TOLERANCE = 1e-13  # m; round-off of coordinates of order 0.1 to 1 m is 1e-16, times the condition of the distance
 CLOSE_STEPS = 200  # chords need about ten; more where m bends, as past an edge
 FURTHER_STARTS = 12  # doublings of the reach: a direction at 0.02 degrees to a plane still gets free of it
+DIRECTION_DIGITS = 3  # of a direction that a message names: 0.03 degrees
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 GOLDEN_STEPS = 50  # 0.618^50 = 4e-11 of the bracket: a hollow that is open by less is full
 UPHILL_STEPS = 40  # doublings from the overlap: it is no larger than the bodies
@@ -104,22 +105,64 @@ def closing_distance(contact: Contact, along: Any, gap: float) -> float:
     direction = require_direction(along, f"{label}: along")
     gap = require_number(gap, f"{label}: gap")
 
-    inside = any(port.surface.shape.side < 0.0 for port in contact.ports)
-    s = (_from_within if inside else _from_outside)(contact, direction, gap)
+    s = _distance(contact, direction, gap)
     if s is None:
-        shown = ", ".join(f"{d:g}" for d in direction)
-        cure = "along which there is room" if inside else "that points from the first body to the second"
-        raise InputError(
-            f"{label}: moving {contact.b.body.name!r} along ({shown}) never brings the gap "
-            f"to {gap:g} m; choose a direction {cure}"
-        )
+        how = f"{moved_body(contact).name!r} along {shown_direction(direction)}"
+        if contact.b.on_ground:
+            how = f"{moved_body(contact).name!r} against along={shown_direction(direction)}, as the ground stays,"
+        if _closes(contact, -direction, gap):
+            cure = f"along={shown_direction(-direction)} does"
+        else:
+            inside = _inside(contact)
+            cure = "choose a direction " + (
+                "along which there is room" if inside else "that points from the first body to the second"
+            )
+        raise InputError(f"{label}: moving {how} never brings the gap to {gap:g} m; {cure}")
     return s
+
+
+def closing_direction(contact: Contact, theta: float, z: float) -> str | None:
+    """A direction to give to `closing_distance`, as text, of surfaces that lie in one another with their deepest place
+    at theta, z of the first: along its normal there, or against it. None where neither brings them to touch."""
+    first = contact.a.body
+    normal = first.to_world(contact.a.surface.shape.normal(theta, z)) - first.position
+    for direction in (np.round(normal, DIRECTION_DIGITS), np.round(-normal, DIRECTION_DIGITS)):
+        if _closes(contact, direction / np.linalg.norm(direction), 0.0):
+            return shown_direction(direction)
+    return None
+
+
+def moved_body(contact: Contact) -> Body | Ground:
+    """The body that `Scene.close_gap` moves: the second, or opposite the ground the first."""
+    return contact.a.body if contact.b.on_ground else contact.b.body
+
+
+def shown_direction(direction: np.ndarray) -> str:
+    """A direction for messages, (0, 0, -1)."""
+    return "(" + ", ".join(f"{d + 0.0:.4g}" for d in direction) + ")"
 
 
 def theta_offset(surface: Any) -> float:
     """Angle [rad] of the grid's theta = 0 in the chart of the shape; 0 of a plane."""
     shape, e_0 = surface.shape, surface.grid.e_0
     return float(np.arctan2(e_0 @ shape.e_1, e_0 @ shape.e_0))
+
+
+def _inside(contact: Contact) -> bool:
+    return any(port.surface.shape.side < 0.0 for port in contact.ports)
+
+
+def _distance(contact: Contact, direction: np.ndarray, gap: float) -> float | None:
+    """`closing_distance` along the unit vector `direction`, None where there is no touch."""
+    return (_from_within if _inside(contact) else _from_outside)(contact, direction, gap)
+
+
+def _closes(contact: Contact, direction: np.ndarray, gap: float) -> bool:
+    """Would `closing_distance` find a place? For messages."""
+    try:
+        return _distance(contact, direction, gap) is not None
+    except InputError:
+        return False
 
 
 def _gap(contact: Contact, theta: Any, z: Any, offset: Any) -> tuple[np.ndarray, np.ndarray]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.gap import facing_gap
+from warpffrf.model.gap import closing_direction, facing_gap, moved_body
 
 if TYPE_CHECKING:
     from warpffrf.model.contact import Contact
@@ -40,14 +40,22 @@ def refuse_overlap(scene: Scene) -> None:
     """Raises `InputError` for a pair whose surfaces overlap at the initial pose by more than is allowed, with the depth
     and the cure."""
     for contact in scene.contacts:
-        found = facing_gap(contact)
-        if found is None or found[0] >= 0.0:
-            continue
-        gap, theta, z = found
-        allowed = allowed_overlap(contact, theta, z)
-        if -gap > allowed:
+        gap, theta, z = facing_gap(contact) or (0.0, 0.0, 0.0)
+        allowed = excessive_overlap(contact, gap, theta, z)
+        if allowed is not None:
+            along = closing_direction(contact, theta, z)
+            cure = f" with scene.close_gap(pair, along={along})" if along else ""
             raise InputError(
                 f"contact {contact.name!r}: the surfaces {contact.a.label} and {contact.b.label} overlap at the start "
-                f"by {-gap:.3g} m, more than the {allowed:.3g} m that are allowed; move {contact.b.body.name!r} with "
-                f"scene.close_gap(pair, along=...), or allow it with Contact(..., overlap={-1.05 * gap:.2g})"
+                f"by {-gap:.3g} m, more than the {allowed:.3g} m that are allowed; move "
+                f"{moved_body(contact).name!r}{cure}, or allow it with Contact(..., overlap={-1.05 * gap:.2g})"
             )
+
+
+def excessive_overlap(contact: Contact, gap: float, theta: float, z: float) -> float | None:
+    """The allowed overlap [m] where the smallest gap `gap` [m], at theta, z of the first surface, exceeds it; else
+    None."""
+    if gap >= 0.0:
+        return None
+    allowed = allowed_overlap(contact, theta, z)
+    return allowed if -gap > allowed else None

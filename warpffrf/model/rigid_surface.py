@@ -36,10 +36,11 @@ class RigidSurface:
         if not isinstance(shape, Shape):
             kinds = ", ".join(f"surfaces.{kind.__name__}" for kind in SHAPES.values())
             raise InputError(f"{owner}: surface {name!r} must be one of {kinds}, got {shape!r}")
+        shape = shape.without_nodes()
         if not shape.resolved:
             raise InputError(
                 f"{owner}: surface {name!r} leaves something to be fitted, but a rigid surface has no nodes; give "
-                f"everything of {type(shape).__name__}(...)"
+                f"{' and '.join(shape.missing)} in {type(shape).__name__}(...)"
             )
         return cls(name, shape)
 

@@ -126,7 +126,7 @@ class Scene:
             velocity=velocity,
             angular_velocity=angular_velocity,
         )
-        for label, shape in (surfaces or {}).items():
+        for label, shape in _surfaces(surfaces, name):
             handle.surface(shape, name=label)
         self.bodies.append(handle)
         return handle
@@ -263,6 +263,17 @@ def _level(inertia: Any, name: str) -> str:
     if inertia not in INERTIA_LEVELS:
         raise unknown_name(f"body {name!r}: inertia", inertia, INERTIA_LEVELS)
     return inertia
+
+
+def _surfaces(surfaces: Any, name: str) -> list[tuple[Any, Any]]:
+    if surfaces is None:
+        return []
+    if not isinstance(surfaces, Mapping):
+        raise InputError(
+            f"body {name!r}: surfaces must be a mapping of names to shapes, {{'tread': surfaces.Cylinder(...)}}, got "
+            f"{surfaces!r}"
+        )
+    return list(surfaces.items())
 
 
 def _inertia(value: Any, name: str) -> np.ndarray:

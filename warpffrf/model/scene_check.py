@@ -16,6 +16,7 @@ from warpffrf.model.bodies import GROUND_INDEX, Body
 from warpffrf.model.consistency import velocity_defects
 from warpffrf.model.errors import InputError
 from warpffrf.model.gap import facing_gap
+from warpffrf.model.overlap import excessive_overlap
 from warpffrf.model.redundancy import find_redundancy
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ class SceneCheck:
     redundant_rows: tuple[str, ...] = ()  # 'joint': what its redundant row would hold, axes of the joint
     refused_drives: tuple[str, ...] = ()  # drives of coordinates that joints fix already: such a scene cannot be run
     velocity_defects: tuple[str, ...] = ()  # joints and drives that the initial velocities contradict, and by how much
+    overlaps: tuple[str, ...] = ()  # pairs that lie in one another by more than a run begins with, and by how much
     singular_pose: bool = False  # the constraints lose rank at the initial pose only: a dead centre, a flat loop
 
     def __str__(self) -> str:
@@ -64,6 +66,8 @@ class SceneCheck:
             )
         if self.singular_pose:
             lines.append("the initial pose is singular (a dead centre or a flat loop): place the bodies off it")
+        if self.overlaps:
+            lines.append(f"overlap too much at the start: {', '.join(self.overlaps)}; simulate refuses that")
         if self.velocity_defects:
             lines.append(f"initial velocities pull apart: {', '.join(self.velocity_defects)}")
         if self.unsupported:
@@ -79,6 +83,7 @@ def check_scene(scene: Scene) -> SceneCheck:
     constraints: dict[str, int] = {}
     for row in found.rows:
         constraints[row.owner] = constraints.get(row.owner, 0) + 1
+    found_gaps = {contact.name: facing_gap(contact) for contact in scene.contacts}
     unknowns = sum(6 + body.mode_count for body in scene.bodies)
     return SceneCheck(
         masses={b.name: b.mass for b in scene.bodies},
@@ -88,13 +93,25 @@ def check_scene(scene: Scene) -> SceneCheck:
         grubler=unknowns - sum(constraints.values()),
         degrees_of_freedom=unknowns - found.rank,
         redundant=found.counts(),
-        gaps={contact.name: (facing_gap(contact) or (inf,))[0] for contact in scene.contacts},
+        gaps={name: gap[0] if gap else inf for name, gap in found_gaps.items()},
         unsupported=_unsupported(scene),
         redundant_rows=tuple(row.label for row in found.dropped),
         refused_drives=tuple(str(row.drive.name) for row in found.dropped if row.drive is not None),
         velocity_defects=tuple(str(defect) for defect in velocity_defects(scene)),
+        overlaps=tuple(_overlaps(scene, found_gaps)),
         singular_pose=found.rank_here < found.rank,
     )
+
+
+def _overlaps(scene: Scene, gaps: dict[str, tuple[float, float, float] | None]) -> list[str]:
+    """The pairs whose overlap at the start a run refuses."""
+    told = []
+    for contact in scene.contacts:
+        gap = gaps[contact.name]
+        allowed = None if gap is None else excessive_overlap(contact, *gap)
+        if gap is not None and allowed is not None:
+            told.append(f"{contact.name} ({-gap[0]:.3g} m, {allowed:.3g} m are allowed)")
+    return told
 
 
 def _local_modes(body: Body) -> int:

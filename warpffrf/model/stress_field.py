@@ -88,9 +88,9 @@ def sector_frames(axes: np.ndarray, sector: np.ndarray, sectors: int) -> np.ndar
 
 @dataclass(frozen=True)
 class GridSpan:
-    """The whole grid on which the Gram matrix is inverted, and where the grid of the surface lies in it: hats on an arc
-    are cut out of a full turn (`closed`), or of a larger arc with half hats at its ends. `columns` of the whole grid;
-    column 0 of the surface is its column `first`."""
+    """The whole grid that covers the facets, and where the grid of the surface lies in it: hats on an arc are cut out
+    of a full turn (`closed`), on which the Gram matrix is inverted then, or of a larger arc with half hats at its ends,
+    which carry no traction. `columns` of the whole grid; column 0 of the surface is its column `first`."""
 
     first: int
     columns: int
@@ -98,12 +98,12 @@ class GridSpan:
 
     def coefficients(self, forces: np.ndarray, kind: str, pitch: float, gram_z: np.ndarray) -> np.ndarray:
         """`M^-1 f` (d, whole columns, rows) [Pa] of forces (d, columns, rows) [N] on "hats" or "cells"; M = M_theta (x)
-        M_z, `pitch` [rad] between columns, `gram_z` (rows, rows) [m^2/rad]."""
+        M_z, `pitch` [rad] between columns, `gram_z` (rows, rows) [m^2/rad]. M is that of the whole grid where it is
+        closed, else that of the surface's own functions; others have zeros."""
         directions, columns, rows = forces.shape
         n = self.columns
-        whole = np.zeros((directions, n, rows))
-        whole[:, (self.first + np.arange(columns)) % n] = forces
-        whole = np.linalg.solve(gram_z, whole.reshape(-1, rows).T).T.reshape(whole.shape)
+        whole, place = np.zeros((directions, n, rows)), (self.first + np.arange(columns)) % n
+        whole[:, place] = np.linalg.solve(gram_z, forces.reshape(-1, rows).T).T.reshape(forces.shape)
         if kind == "cells":
             return whole / pitch
         if self.closed:  # M_theta is circulant with the row pitch/6 (1, 4, 1)
@@ -111,11 +111,11 @@ class GridSpan:
             return np.fft.irfft(np.fft.rfft(whole, axis=1) / values[:, None], n=n, axis=1)
         from scipy.linalg import solveh_banded
 
-        band = np.full((2, n), pitch / 6.0)
+        band = np.full((2, columns), pitch / 6.0)
         band[1] = 2.0 * pitch / 3.0
-        band[1, [0, -1]] = pitch / 3.0
-        around = solveh_banded(band, np.moveaxis(whole, 1, 0).reshape(n, -1))
-        return np.moveaxis(around.reshape(n, directions, rows), 0, 1)
+        around = solveh_banded(band, np.moveaxis(whole[:, place], 1, 0).reshape(columns, -1))
+        whole[:, place] = np.moveaxis(around.reshape(columns, directions, rows), 0, 1)
+        return whole
 
 
 @dataclass(frozen=True, eq=False)

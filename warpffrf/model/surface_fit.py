@@ -93,7 +93,7 @@ def fit_revolution(
             free_curvature=curvature is None,
             free_tangent=tangent is None,
         )
-        rms = np.inf if fit is None else float(np.sqrt(np.mean(_residual(points, fit) ** 2)))
+        rms = np.inf if fit is None else rms_distance(points, fit)
         if rms < best_rms:
             best, best_rms = fit, rms
     if best is None:
@@ -108,6 +108,11 @@ def fit_revolution(
         moved = best.radius + middle * best.tangent
         best = replace(best, axis_point=best.axis_point + middle * best.axis_direction, radius=moved)
     return best
+
+
+def rms_distance(points: np.ndarray, fit: Revolution) -> float:
+    """Root mean square of the radial residuals [m] of `points` (n, 3) [m]; infinite where the arc does not reach."""
+    return float(np.sqrt(np.mean(_residual(points, fit) ** 2)))
 
 
 def reference_direction(e_a: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.bases import Basis, basis_options
-from warpffrf.model.contact_grid import require_kind
+from warpffrf.model.contact_grid import KINDS, require_kind
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
@@ -102,6 +102,10 @@ class Settings:
         if not isinstance(centrifugal, bool):
             raise InputError(f"reduce: centrifugal must be True or False, got {centrifugal!r}")
         stress_settings(stress or {})  # refuses what is no {name: points}
+        if not isinstance(tangential, (bool, type(None))) and str(tangential) not in KINDS:
+            raise InputError(
+                f"reduce: tangential must be True, False or one of {', '.join(map(repr, KINDS))}, got {tangential!r}"
+            )
         if tangential is True:
             tangential = TANGENTIAL
         return cls(

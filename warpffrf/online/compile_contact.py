@@ -57,6 +57,7 @@ def fill_pairs(compiler: Any, m: Any) -> None:
         second_rows = max(second_rows, NO_NODES if is_rigid(b) else b.grid.rows)
         # all pairs share the widest window, so each needs what lies opposite that
         if family == LINE_OF_CENTRES:
+            _require_common_width(compiler, contact, a, b)
             side, *hat = _reach_on_second(a, b, half)
         else:
             side, *hat = second_reach(b, Extent.of(a), Extent.of(b), angle, half)
@@ -64,7 +65,7 @@ def fill_pairs(compiler: Any, m: Any) -> None:
         stencil = (max(stencil[0], hat[0]), max(stencil[1], hat[1]))
         pair_modes = max(pair_modes, sum(compiler.mode_counts[body.index] for body in _moving(body_a, body_b)))
         hats = (2 * min(own, MAX_HALF_WINDOW) + 1) * a.grid.rows
-        slots += hats if contact.capacity is None else min(contact.capacity, hats)
+        slots += hats if contact.capacity is None else min(contact.capacity, (2 * own + 1) * a.grid.rows)
         coupled.append(_coupled_columns(compiler, m, body_a, body_b))
     second_half = max(second_half, stencil[0])  # also the window of a rigid surface holds a stencil
     m.half_window, m.window_columns, m.max_rows = half, 2 * half + 1, rows
@@ -109,6 +110,22 @@ def family_of(compiler: Any, contact: Any, a: Any, b: Any, turned: float) -> int
         if not plain or not (profile.crown == 0.0 or profile.crown > LEAST_CROWN * profile.radius):
             return AT_POINTS
     return LINE_OF_CENTRES
+
+
+def _require_common_width(compiler: Any, contact: Any, a: Any, b: Any) -> None:
+    """Raises `InputError` where the two surfaces face each other over a width in which the first has no sampling point
+    along its axis: the contact would never be felt."""
+    ends = b.shape.axis_point + np.outer([b.grid.z[0], b.grid.z[-1]], b.shape.e_a)
+    places = (contact.a.body.to_user(contact.b.body.to_world(ends)) - a.shape.axis_point) @ a.shape.e_a
+    z = np.asarray(a.grid.z)
+    low, high = max(places.min(), z[0]), min(places.max(), z[-1])
+    x, _ = np.polynomial.legendre.leggauss(compiler.settings.z_points)
+    stations = z[:-1, None] + 0.5 * (x + 1.0) * np.diff(z)[:, None]
+    if high > low and not np.any((stations >= low) & (stations <= high)):
+        raise InputError(
+            f"contact {contact.name!r}: {contact.a.label} and {contact.b.label} face each other over only "
+            f"{high - low:.3g} m, less than the rows of the first one's contact grid resolve; give it finer rows there"
+        )
 
 
 def _fill_quadrature(compiler: Any, m: Any) -> None:

@@ -13,8 +13,8 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.compliance_tables import hat_gram
+from warpffrf.online.contact_windows import Extent, between_axes, sine_between
 
-EDGE_SPARE = 1.5  # cells under pressure per hat under pressure: those that a hat at the edge of the patch reaches
 CUBIC_SPARE = 2  # columns beyond the overlap that a cubic reaches, see `friction_shares.spread_cells`
 ROUND_OFF = 1e-9  # cells: a ratio of two grids that is a whole number up to this is one
 
@@ -38,7 +38,7 @@ def fill_friction(compiler: Any, m: Any) -> None:
     m.pair_friction = compiler.array([c.friction.coefficient for c in contacts])
     m.pair_slip_velocity = compiler.array([c.friction.slip_velocity for c in contacts])
     present = has_friction(compiler.scene)
-    m.cell_capacity = int(np.ceil(EDGE_SPARE * m.slot_capacity)) + 2 * m.max_rows if present else 0
+    m.cell_capacity = m.slot_capacity if present else 0  # a cell is loaded where its hat is
     shear, tt, nt, tn, area = [], [], [], [], []
     modes: list[np.ndarray] = []
     tables: list[np.ndarray] = []
@@ -71,7 +71,8 @@ def fill_friction(compiler: Any, m: Any) -> None:
     for i, contact in enumerate(contacts):
         a, b = compiler.surfaces[2 * i][1], compiler.surfaces[2 * i + 1][1]
         if contact.friction.coefficient > 0.0 and b.grid is not None:
-            share = tuple(np.maximum(share, _extent(a, b)))
+            crossed = sine_between(Extent.of(a), Extent.of(b), between_axes(contact))
+            share = tuple(np.maximum(share, _extent(a, b, crossed)))
     m.share_columns, m.share_rows = (int(n) for n in share)
     none = [np.zeros(0)]
     m.cell_area = compiler.array(np.concatenate(none + area))
@@ -112,11 +113,13 @@ def _tables(surface: Any, coupling: np.ndarray, reach: int) -> tuple[np.ndarray,
     return tuple(np.ascontiguousarray(table).ravel() for table in found)  # type: ignore[return-value]
 
 
-def _extent(a: Any, b: Any) -> tuple[int, int]:
-    """Most columns and rows of the second grid's cells under a cell of the first."""
+def _extent(a: Any, b: Any, crossed: float) -> tuple[int, int]:
+    """Most columns and rows of the second grid's cells under a cell of the first, `crossed` the largest sine of the
+    angle between the grids."""
     z_a, z_b = np.asarray(a.grid.z), np.asarray(b.grid.z)
-    around = np.max(a.grid.pitch * a.shape.radius_at(z_a)) / np.min(b.grid.pitch * b.shape.radius_at(z_b))
+    pitch_a, pitch_b = np.max(a.grid.pitch * a.shape.radius_at(z_a)), np.min(b.grid.pitch * b.shape.radius_at(z_b))
     edges = [np.diff(np.concatenate([z[:1], 0.5 * (z[1:] + z[:-1]), z[-1:]])) for z in (z_a, z_b)]
-    along = edges[0].max() / edges[1].min()
+    around = (pitch_a + crossed * edges[0].max()) / pitch_b
+    along = (edges[0].max() + crossed * pitch_a) / edges[1].min()
     columns, rows = (int(np.ceil(x - ROUND_OFF)) + 1 for x in (around, along))
     return columns + CUBIC_SPARE, min(rows, len(z_b))

@@ -51,8 +51,8 @@ class ContactGraph(Launcher):
                 [s.ctl, x.phase, x.center, x.nearest, x.touched],
             )  # fmt: skip
         self.launch(
-            contact_geometry.open_window, (W, P), [M, s.ctl, x.phase, x.center, x.touched],
-            [s.active, s.pressure, s.patch_offset, x.window],
+            contact_geometry.open_window, (W, P), [M, s.ctl, x.phase, x.touched],
+            [x.center, x.station, s.active, s.pressure, s.patch_offset, x.window],
         )  # fmt: skip
         weak = [x.weak_gap, x.area, x.wrench, x.stencil, x.stencil_at]
         if 0 in self.families:

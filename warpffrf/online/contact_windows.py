@@ -90,13 +90,20 @@ def facing(first: Extent, second: Extent, s: np.ndarray) -> np.ndarray:
     return np.arctan2(x, R - y) if R > 0.0 else np.arctan2(x, y - R)
 
 
+def sine_between(first: Extent, second: Extent, turned: float) -> float:
+    """Sine of the largest angle at which the grids may cross: that of the start and a little more; spheres and two
+    planes may turn as they like. 0 where the axes stay parallel."""
+    free = first.round or second.round or first.curvature == second.curvature == 0.0
+    angle = 0.5 * np.pi if free else min(turned + TURNING, 0.5 * np.pi)
+    return 0.0 if angle <= TURNING else float(np.sin(angle))
+
+
 def second_reach(surface: Any, first: Extent, second: Extent, turned: float, half: int) -> tuple[int, int, int]:
     """Columns of B on each side that face a window of `half` columns, and columns and rows of B under a hat of A."""
     if surface.grid is None:
         return 1, 1, 1
     grid = surface.grid
-    angle = min(turned + TURNING, 0.5 * np.pi) if not (first.round or second.round) else 0.5 * np.pi
-    sine = 0.0 if angle <= TURNING else np.sin(angle)
+    sine = sine_between(first, second, turned)
     edge = (half + 1.5) * first.spacing
     if first.curvature:
         edge = min(edge, 0.5 * np.pi / abs(first.curvature))
@@ -104,7 +111,7 @@ def second_reach(surface: Any, first: Extent, second: Extent, turned: float, hal
     place = np.unwrap(facing(first, second, s))
     steepest = np.abs(np.gradient(place, s)).max() / grid.pitch  # columns of B per metre on A
     finest = 1.0 / (second.metric * grid.pitch)
-    reach = np.abs(place).max() / grid.pitch + 0.5 * first.width * sine * finest
+    reach = np.abs(place).max() / grid.pitch + first.width * sine * finest
     side = int(min(np.ceil(reach + 0.5), grid.columns)) + STENCIL_SPARE
     columns = REACH_SPARE * (2.0 * first.spacing * steepest + first.reach * sine * finest)
     rows = (first.reach + 2.0 * first.spacing * sine) / np.min(np.diff(grid.z))

@@ -153,16 +153,20 @@ class Engine:
         self.rates_to_zero()
         tau = STATIC_FIRST
         retreats = STATIC_RETREATS if self.compiled.model.layer_count else 0
+        settled = False  # a longer step that round-off makes fail does no harm any more
         for _ in range(STATIC_STEPS):
             words = self.state.ctl.numpy().copy()
             self.static_step(tau)
             if np.any(self.word("STATUS")):
-                if retreats == 0:
+                if retreats == 0 and not settled:
                     return False
                 self.state.ctl.assign(words)
+                if settled:
+                    return True
                 retreats, tau = retreats - 1, tau / STATIC_RETREAT
                 continue
-            if tau >= STATIC_LAST and np.all(self.word("MOVE") <= STATIC_TOLERANCE):
+            settled = bool(np.all(self.word("MOVE") <= STATIC_TOLERANCE))
+            if tau >= STATIC_LAST and settled:
                 return True
             tau = min(tau * STATIC_GROWTH, STATIC_LAST)
         return False

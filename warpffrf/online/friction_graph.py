@@ -36,7 +36,10 @@ class FrictionGraph(Launcher):
         """Cells, after the windows are known: where they are and how far they slide."""
         M, s, x, W, P = self.compiled.models, self.state, self.work, self.worlds, self.compiled.model.pair_count
         self.launch(
-            friction_geometry.open_cells, (W, P), [M, x.phase, x.center], [s.ctl, s.traction, s.friction_offset]
+            friction_geometry.open_cells,
+            (W, P),
+            [M, x.phase, x.center],
+            [s.ctl, x.cell_phase, s.traction, s.friction_offset],
         )
         self.block(
             friction_geometry.place_cells, (W, P),
@@ -167,8 +170,8 @@ class FrictionGraph(Launcher):
         M, s, x, W, P = self.compiled.models, self.state, self.work, self.worlds, self.compiled.model.pair_count
         self.block(
             friction_keep.keep_tractions, (W, P),
-            [M, s.ctl, s.clk, x.phase, x.center, x.window, x.elastic, x.rigid_slip, x.friction_work, x.normal_wrench,
-             x.traction_before, x.friction_offset_before],
+            [M, s.ctl, s.clk, x.phase, x.nearest, x.center, x.window, x.elastic, x.rigid_slip, x.friction_work,
+             x.normal_wrench, x.traction_before, x.friction_offset_before],
             [s.traction, s.friction_offset, s.elastic_before, s.history_center, s.history_phase, s.contact_normal,
              x.friction_record],
         )  # fmt: skip
@@ -193,6 +196,6 @@ class FrictionGraph(Launcher):
     def _bounds(self, clip: int) -> None:
         M, s, x, W, P = self.compiled.models, self.state, self.work, self.worlds, self.compiled.model.pair_count
         self.block(
-            friction_bounds.bound_cells, (W, P), [M, s.ctl, x.window, s.active, s.pressure, x.cell_area, clip],
+            friction_bounds.bound_cells, (W, P), [M, s.ctl, x.window, s.active, s.pressure, x.cell_area, x.area, clip],
             [x.bound, s.traction],
         )  # fmt: skip

@@ -20,6 +20,7 @@ from warpffrf.online.blame import blame
 from warpffrf.online.check_run import run_check
 from warpffrf.online.checkpoint import is_dynamic, restore, time_of
 from warpffrf.online.compile_friction import friction_notes
+from warpffrf.online.contact_notes import contact_notes, energy_notes, overlap_notes
 from warpffrf.online.engine import Engine
 from warpffrf.online.history import History
 from warpffrf.online.indicator import indicator_lines, term_sizes, unheld_lines
@@ -133,6 +134,8 @@ def run(
     if not continued or at_rest:
         if start == "equilibrium":
             _check_load_paths(scene)
+        if start == "initial":
+            notes.extend(overlap_notes(scene))
         if start == "equilibrium" or at_rest:
             notes.extend(friction_notes(scene, "the equilibrium that the run starts from"))
         if start == "equilibrium" and not engine.settle():
@@ -213,8 +216,10 @@ def _finish(
     if engine.graph.pattern is not None:
         history.counters["dense_fallbacks"] = int(engine.work.fallback.numpy()[0, 1])
     if engine.word("EDGE")[0]:
+        arcs = [c.name for c in engine.scene.contacts if not c.a.surface.grid.periodic]
         notes.append(
-            "a contact patch reached the end of a contact surface that covers an arc only: the pressure is cut there"
+            f"a contact patch reached the end of a contact surface that covers an arc only ({', '.join(arcs)}): the "
+            "pressure is cut there; give the body a larger contact surface"
         )
     halved = int(engine.word("REJECTED")[0]) - rejected_before
     if halved:
@@ -225,7 +230,8 @@ def _finish(
     }
     inertia = indicator_lines(term_sizes(engine.scene, history, levels), levels)
     inertia += unheld_lines(engine.scene, history)
-    history.notes = [*notes, *inertia, *sampling_notes(engine.scene, history), *history.notes]
+    contact = [*contact_notes(engine.scene, history), *sampling_notes(engine.scene, history)]
+    history.notes = [*notes, *inertia, *contact, *energy_notes(history.energy), *history.notes]
     history.checkpoint = engine.state.to_numpy()
     return history
 

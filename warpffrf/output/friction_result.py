@@ -27,6 +27,7 @@ from warpffrf.model.errors import InputError
 OPEN, STICK, SLIP = 0, 1, 2
 STATES = ("open", "stick", "slip")
 ROLLS = 1e-9  # of the largest rolling speed of the run: below it the pair stands, and creepage has no meaning
+MOVES = 1e-6  # columns a step: a patch that advances less stands still, what it seems to move is round-off
 MOST_CELLS = 1.0  # columns a step; see the module
 
 
@@ -88,7 +89,7 @@ class FrictionResult:
         speed = np.abs(np.asarray(self.rolling_velocity, dtype=float))
         rolls = speed > ROLLS * np.max(speed, initial=0.0, where=np.isfinite(speed))
         found = np.full(np.shape(self.creep_velocity), np.nan)
-        rolls &= self.contact.touching
+        rolls &= self.contact.touching & (np.asarray(self.cells_per_step) > MOVES)
         found[rolls] = self.creep_velocity[rolls] / speed[rolls, None]
         return found
 
@@ -139,11 +140,15 @@ class FrictionResult:
     # --- along the rolling direction ---
 
     def profile(self, i: int, coefficient: float | None = None) -> dict[str, np.ndarray]:
-        """Along the arc in the section of `ContactResult.mid_pressure`, saved step `i`: `arc` (columns,) m from the
-        line of centres, growing along e_theta; `pressure`, `bound` (coefficient times it; NaN without one), `traction`
-        along e_theta and `across` along t_z, all Pa; `slip` m/s along e_theta; `state` of the nearest row.
+        """Along the arc in the section of `ContactResult.mid_pressure`, saved step `i` (the last is -1).
+
+        `arc` (columns,) m from the line of centres, growing along e_theta; `pressure`, `bound` (coefficient times it;
+        NaN without one), `traction` along e_theta and `across` along t_z, all Pa; `slip` m/s along e_theta; `state` of
+        the nearest row. Raises `InputError` for a step that was not saved.
         """
-        contact, at = self.contact, slice(i, i + 1)
+        contact = self.contact
+        i = _row(i, len(contact.mean_pressure))
+        at = slice(i, i + 1)
         order = slice(None) if contact.side > 0.0 else slice(None, None, -1)
 
         def section(values: np.ndarray) -> np.ndarray:
@@ -159,3 +164,10 @@ class FrictionResult:
             "slip": section(self.slip_velocity[at, 0]),
             "state": np.asarray(self.state)[i][:, contact.section_row(i)][order],
         }
+
+
+def _row(i: int, count: int) -> int:
+    """Saved step `i` of `count` from 0; negative ones count from the end."""
+    if not -count <= i < count:
+        raise InputError(f"saved step {i} does not exist; there are {count}, from 0 to {count - 1}")
+    return i % count

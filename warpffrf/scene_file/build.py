@@ -21,6 +21,7 @@ from warpffrf.scene_file.forms import (
     choose,
     fixed_forms,
     item_kinds,
+    pair_kinds,
     shape_kinds,
     shown,
     signal_kinds,
@@ -91,7 +92,7 @@ class Builder:
 
     def _check_role(self, path: Path, value: Any, role: str) -> None:
         if role == "port":
-            self._port_parts(path, value)
+            self._check_port(path, value)
         elif role == "materials" and isinstance(value, dict):
             for part, name in value.items():
                 self._named((*path, part), name, role)
@@ -126,8 +127,16 @@ class Builder:
         return {**self.source.values["forces"][name], **changes}
 
     def _check_value(self, path: Path, value: Any, role: str) -> None:
+        laws = pair_kinds().get(str(path[-1])) if path[0] == "contacts" and len(path) == 3 else None
+        if laws is not None and isinstance(value, str | dict) and not (isinstance(value, dict) and "kind" in value):
+            number = "a number or " if path[-1] == "friction" else ""
+            raise InputError(
+                f"{self.source.place(path)}: {shown(path[:-1])}: {path[-1]} must be {number}a table {{kind = ...}}, "
+                f"kind one of {', '.join(map(repr, laws))}, got {brief(value)}"
+            )
         if isinstance(value, dict) and "kind" in value:
-            form = choose(self.source, path, value, self.values)
+            kinds = shape_kinds() if role == "shapes" or path[2:3] == ("surfaces",) else laws or self.values
+            form = choose(self.source, path, value, kinds)
             self._check_table(path, value, form)
         elif isinstance(value, dict) or isinstance(value, list):
             for key, entry in value.items() if isinstance(value, dict) else enumerate(value):
@@ -157,6 +166,16 @@ class Builder:
         if name not in known:
             raise InputError(f"{self.source.place(path)}: there is no {name!r} in [{section}]{suggestion(name, known)}")
         return name
+
+    def _check_port(self, path: Path, value: Any) -> None:
+        """Raises `InputError` for a place that does not exist, as far as it can be known before a body is made."""
+        body, part, _ = self._port_parts(path, value)
+        known = tuple(self.source.values.get("ground", {}))
+        if body == "ground" and part is not None and part not in known:
+            raise InputError(
+                f"{self.source.place(path)}: the ground has no surface {part!r}{suggestion(part, known)}; a table "
+                "[ground.NAME] makes one"
+            )
 
     def _port_parts(self, path: Path, value: Any) -> tuple[str, str | None, Any]:
         """Body, interface or surface, and point of "body.name", "ground" or {body, interface | surface | point}."""

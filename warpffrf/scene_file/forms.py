@@ -221,6 +221,18 @@ def shape_kinds() -> dict[str, Form]:
 
 
 @cache
+def pair_kinds() -> dict[str, dict[str, Form]]:
+    """Argument of a contact pair -> kind -> form, of those that take the laws of one sort only."""
+    from warpffrf.model.friction import FRICTION_LAWS
+    from warpffrf.model.laws import LAWS
+
+    return {
+        name: {kind: value_kinds()[kind] for kind in kinds}
+        for name, kinds in (("law", LAWS), ("friction", FRICTION_LAWS))
+    }
+
+
+@cache
 def fixed_forms() -> dict[str, dict[str, Form]]:
     """Section -> kind -> form of the tables that are not items: kind "" where there is only one."""
     import warpffrf as wf

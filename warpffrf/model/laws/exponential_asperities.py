@@ -38,19 +38,22 @@ class ExponentialAsperities:
     kind: ClassVar[str] = "exponential_asperities"
 
     def __post_init__(self) -> None:
-        require_number(self.pressure_at_zero, "ExponentialAsperities: pressure_at_zero [Pa]", positive=True)
+        pressure = require_number(self.pressure_at_zero, "ExponentialAsperities: pressure_at_zero [Pa]", positive=True)
         length = require_number(self.decay_length, "ExponentialAsperities: decay_length [m]", positive=True)
+        object.__setattr__(self, "pressure_at_zero", pressure)
+        object.__setattr__(self, "decay_length", length)
         if self.cut is not None:
             cut = require_number(self.cut, "ExponentialAsperities: cut [m]", positive=True)
             if cut > DEEPEST * length:
                 raise InputError(
                     f"ExponentialAsperities: cut must be at most {DEEPEST:g} decay lengths, got {cut / length:g}"
                 )
+            object.__setattr__(self, "cut", cut)
 
     @property
     def end(self) -> float:
         """The gap [m] from which on there is no pressure: `cut`, or what stands for it."""
-        return float(-np.log(NEGLIGIBLE) * self.decay_length) if self.cut is None else float(self.cut)
+        return float(-np.log(NEGLIGIBLE) * self.decay_length) if self.cut is None else self.cut
 
     @property
     def yielding(self) -> float:
@@ -60,7 +63,7 @@ class ExponentialAsperities:
     @property
     def curve(self) -> Curve:
         """Form "exponential": pressure at zero gap, decay length, the gap where it ends."""
-        return Curve("exponential", (float(self.pressure_at_zero), float(self.decay_length), self.end))
+        return Curve("exponential", (self.pressure_at_zero, self.decay_length, self.end))
 
     def pressure(self, gap: Any) -> np.ndarray:
         """Pressure [Pa] at the gaps [m], any shape."""
@@ -75,5 +78,5 @@ class ExponentialAsperities:
 
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
-        numbers = {"pressure_at_zero": float(self.pressure_at_zero), "decay_length": float(self.decay_length)}
+        numbers = {"pressure_at_zero": self.pressure_at_zero, "decay_length": self.decay_length}
         return {"kind": self.kind, **numbers, "cut": self.end}

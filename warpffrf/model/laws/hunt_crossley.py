@@ -49,26 +49,30 @@ class HuntCrossley:
     kind: ClassVar[str] = "hunt_crossley"
 
     def __post_init__(self) -> None:
-        require_number(self.stiffness, "HuntCrossley: stiffness [Pa/m^exponent]", positive=True)
-        require_exponent(self.exponent, "HuntCrossley: exponent")
+        stiffness = require_number(self.stiffness, "HuntCrossley: stiffness [Pa/m^exponent]", positive=True)
+        object.__setattr__(self, "stiffness", stiffness)
+        object.__setattr__(self, "exponent", require_exponent(self.exponent, "HuntCrossley: exponent"))
         if (self.damping is None) == (self.restitution is None):
             raise InputError("HuntCrossley: give damping, or restitution with the impact_speed it holds at")
         if (self.restitution is None) != (self.impact_speed is None):
             raise InputError("HuntCrossley: restitution and impact_speed belong together")
         if self.damping is not None:
-            require_number(self.damping, "HuntCrossley: damping [s/m]", non_negative=True)
+            damping = require_number(self.damping, "HuntCrossley: damping [s/m]", non_negative=True)
+            object.__setattr__(self, "damping", damping)
         if self.restitution is not None:
             e = require_number(self.restitution, "HuntCrossley: restitution", positive=True)
             if e > 1.0:
                 raise InputError(f"HuntCrossley: restitution must be at most 1, got {e:g}")
-            require_number(self.impact_speed, "HuntCrossley: impact_speed [m/s]", positive=True)
+            speed = require_number(self.impact_speed, "HuntCrossley: impact_speed [m/s]", positive=True)
+            object.__setattr__(self, "restitution", e)
+            object.__setattr__(self, "impact_speed", speed)
 
     @property
     def chi(self) -> float:
         """Damping [s/m], also where the restitution is given."""
         if self.damping is not None:
-            return float(self.damping)
-        e, speed = float(self.restitution or 1.0), float(self.impact_speed or 1.0)
+            return self.damping
+        e, speed = self.restitution or 1.0, self.impact_speed or 1.0
         return chi_times_speed(e) / speed
 
     @property
@@ -79,7 +83,7 @@ class HuntCrossley:
     @property
     def curve(self) -> Curve:
         """Form "power": stiffness, exponent, shift; with damping."""
-        return Curve("power", (float(self.stiffness), float(self.exponent), SHIFT), damping=self.chi)
+        return Curve("power", (self.stiffness, self.exponent, SHIFT), damping=self.chi)
 
     def pressure(self, gap: Any, closing_speed: Any = 0.0) -> np.ndarray:
         """Pressure [Pa] at the gaps [m] and speeds [m/s] at which they close, shapes that broadcast."""
@@ -92,7 +96,7 @@ class HuntCrossley:
 
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
-        numbers = {"stiffness": float(self.stiffness), "exponent": float(self.exponent), "damping": self.chi}
+        numbers = {"stiffness": self.stiffness, "exponent": self.exponent, "damping": self.chi}
         return {"kind": self.kind, **numbers}
 
 

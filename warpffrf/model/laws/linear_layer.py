@@ -28,7 +28,8 @@ class LinearLayer:
     kind: ClassVar[str] = "linear_layer"
 
     def __post_init__(self) -> None:
-        require_number(self.stiffness, "LinearLayer: stiffness [Pa/m]", positive=True)
+        stiffness = require_number(self.stiffness, "LinearLayer: stiffness [Pa/m]", positive=True)
+        object.__setattr__(self, "stiffness", stiffness)
 
     @property
     def yielding(self) -> float:
@@ -50,4 +51,4 @@ class LinearLayer:
 
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
-        return {"kind": self.kind, "stiffness": float(self.stiffness)}
+        return {"kind": self.kind, "stiffness": self.stiffness}

@@ -38,8 +38,9 @@ class NonlinearLayer:
     kind: ClassVar[str] = "nonlinear_layer"
 
     def __post_init__(self) -> None:
-        require_number(self.stiffness, "NonlinearLayer: stiffness [Pa/m^exponent]", positive=True)
-        require_exponent(self.exponent, "NonlinearLayer: exponent")
+        stiffness = require_number(self.stiffness, "NonlinearLayer: stiffness [Pa/m^exponent]", positive=True)
+        object.__setattr__(self, "stiffness", stiffness)
+        object.__setattr__(self, "exponent", require_exponent(self.exponent, "NonlinearLayer: exponent"))
 
     @property
     def yielding(self) -> float:
@@ -49,7 +50,7 @@ class NonlinearLayer:
     @property
     def curve(self) -> Curve:
         """Form "power": stiffness, exponent, shift."""
-        return Curve("power", (float(self.stiffness), float(self.exponent), SHIFT))
+        return Curve("power", (self.stiffness, self.exponent, SHIFT))
 
     def pressure(self, gap: Any) -> np.ndarray:
         """Pressure [Pa] at the gaps [m], any shape."""
@@ -61,4 +62,4 @@ class NonlinearLayer:
 
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
-        return {"kind": self.kind, "stiffness": float(self.stiffness), "exponent": float(self.exponent)}
+        return {"kind": self.kind, "stiffness": self.stiffness, "exponent": self.exponent}

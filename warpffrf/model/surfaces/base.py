@@ -8,7 +8,7 @@ surface with the material outside (side -1) e_theta points against increasing th
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -32,6 +32,7 @@ class Shape:
     deviation: float | None = field(default=None, init=False)
 
     kind = "shape"
+    required: ClassVar[tuple[str, ...]] = ()  # arguments that are fitted where they are None
     side = 1.0  # +1: the material lies on the inner side, -1: on the outer side (bores, rings, cups)
 
     def __post_init__(self) -> None:
@@ -43,7 +44,16 @@ class Shape:
     @property
     def resolved(self) -> bool:
         """True when nothing is left to fit."""
-        raise NotImplementedError
+        return not self.missing
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """The arguments that are left to fit."""
+        return tuple(name for name in self.required if getattr(self, name) is None)
+
+    def without_nodes(self) -> Any:
+        """The shape as a rigid surface has it, which has no nodes to fit anything to: with what it can do without."""
+        return self
 
     @property
     def size(self) -> float:

@@ -31,6 +31,7 @@ class Cone(RevolutionShape):
     half_angle: float | None = None
 
     kind = "cone"
+    required = (*RevolutionShape.required, "half_angle")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -41,10 +42,6 @@ class Cone(RevolutionShape):
                     f"surface {self.kind}: half_angle must lie between -80 and 80 degrees and not be 0, got "
                     f"{np.degrees(self.half_angle):g} degrees; use {self._flat_forms()} for 0, Plane for 90"
                 )
-
-    @property
-    def resolved(self) -> bool:
-        return super().resolved and self.half_angle is not None
 
     def profile(self) -> SurfaceProfile:
         if self.half_angle is None:

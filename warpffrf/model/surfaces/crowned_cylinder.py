@@ -21,15 +21,12 @@ class CrownedCylinder(RevolutionShape):
     crown_radius: float | None = None
 
     kind = "crowned_cylinder"
+    required = (*RevolutionShape.required, "crown_radius")
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.crown_radius is not None:
             self._keep_number("crown_radius", positive=True)
-
-    @property
-    def resolved(self) -> bool:
-        return super().resolved and self.crown_radius is not None
 
     def profile(self) -> SurfaceProfile:
         return replace(super().profile(), crown=self._arc("crown_radius", 1.0))

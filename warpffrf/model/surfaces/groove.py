@@ -21,15 +21,12 @@ class Groove(RevolutionShape):
     groove_radius: float | None = None
 
     kind = "groove"
+    required = (*RevolutionShape.required, "groove_radius")
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.groove_radius is not None:
             self._keep_number("groove_radius", positive=True)
-
-    @property
-    def resolved(self) -> bool:
-        return super().resolved and self.groove_radius is not None
 
     def profile(self) -> SurfaceProfile:
         return replace(super().profile(), crown=self._arc("groove_radius", -1.0))

@@ -31,6 +31,7 @@ class Plane(Shape):
     direction: Any = None
 
     kind = "plane"
+    required = ("origin", "outward")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -41,10 +42,6 @@ class Plane(Shape):
                 self._keep_direction(name)
         if self.outward is not None and self.direction is not None:
             self._axes()
-
-    @property
-    def resolved(self) -> bool:
-        return self.origin is not None and self.outward is not None
 
     @property
     def size(self) -> float:

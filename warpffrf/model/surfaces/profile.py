@@ -29,6 +29,7 @@ import numpy as np
 from warpffrf.model.surface_fit import crown_drop
 
 SMALLEST_COSINE = 1e-150  # slope of an arc at its very end: large, and its square is still a number
+NEAR_POLE = 0.5  # cosine of the arc's slope below which R/cosine loses digits faster than the other form
 FOOT_STEPS = 25  # Newton from a node of the table takes about five; more where curvature jumps near by
 FOOT_STALLED = 1e-15  # of the scale of the table: nothing moves any more
 FLATTEST = 0.1  # of 1 + R'^2, least derivative of F: beyond a centre of curvature F turns back, go on more slowly
@@ -93,7 +94,9 @@ class SurfaceProfile:
         """R sqrt(1 + R'^2) [m], the area per dtheta dz; finite at the poles of a sphere."""
         z = np.asarray(z, float)
         if self.crown and self.closed:
-            return (self.radius - self.crown) / self._cosine(z) + self.crown
+            c = self._cosine(z)
+            pole = (self.radius - self.crown) / c + self.crown  # finite where R -> 0, but a difference of large numbers
+            return np.where(c < NEAR_POLE, pole, self.radius_at(z) / c)  # for a flat arc
         return self.radius_at(z) * np.sqrt(1.0 + self.slope_at(z) ** 2)
 
     def foot(self, rho: Any, z: Any) -> tuple[np.ndarray, np.ndarray]:

@@ -24,10 +24,12 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_number
+from warpffrf.model.surface_fit import fit_revolution
 from warpffrf.model.surfaces.profile import SurfaceProfile
 from warpffrf.model.surfaces.revolution import RevolutionShape
 
 STEEPEST = np.tan(np.radians(80.0))  # a steeper profile is an end face, and the chart hardly moves along it
+LEVEL = 1e-9  # slope, and drop over length, below which a table is level: round-off of the nodes it would be seen by
 BEYOND = 0.01  # of the table's length: how far nodes may lie outside it
 LOGARITHMIC_NODES = 129  # with exact slopes: error (step)^4/384 of the fourth derivative, 1e-4 of the end drop or less
 
@@ -54,6 +56,10 @@ class ProfiledCylinder(RevolutionShape):
             length = 0
         if length not in (2, 3):
             raise InputError(f"surface {self.kind}: table must be (z, drop) or (z, drop, slope)")
+        lengths = [np.size(row) for row in self.table]
+        if len(set(lengths)) > 1:
+            told = " and ".join(f"{n} of {what}" for n, what in zip(lengths, ("z", "drop", "slope"), strict=False))
+            raise InputError(f"surface {self.kind}: table needs arrays of one length, got {told}")
         table = require_array(self.table, f"surface {self.kind}: table", (length, None))
         object.__setattr__(self, "table", table)
         self._check_table(table)
@@ -70,15 +76,25 @@ class ProfiledCylinder(RevolutionShape):
         L = require_number(length, f"{label} length", positive=True)
         A = require_number(amplitude, f"{label} amplitude", positive=True)
         e = require_number(end_drop, f"{label} end_drop", positive=True)
-        most = A * float(
-            np.log(STEEPEST * L / (4.0 * A))
-        )  # where the end's slope 4 A exp(e/A)/L is the largest allowed
+        most = A * float(np.log1p(STEEPEST * L / (4.0 * A)))  # the end's slope 4 A (exp(e/A) - 1)/L is too steep there
         if not e < most:
-            raise InputError(f"{label} end_drop must be below {most:.3g} m, where the ends are too steep, got {e:g} m")
+            raise InputError(
+                f"{label} end_drop must be below {most:.3g} m at an amplitude of {A:g} m, where the ends are too "
+                f"steep, got {e:g} m"
+            )
+        if radius is not None and not e < require_number(radius, f"surface {cls.kind}: radius", positive=True):
+            raise InputError(f"{label} end_drop must be below the radius {radius:g} m, got {e:g} m")
         x = np.sin(0.5 * np.pi * np.linspace(-1.0, 1.0, LOGARITHMIC_NODES))  # dense at the ends, where it bends most
         q = -np.expm1(-e / A)
         left = 1.0 - q * x**2
         table = (0.5 * L * x, -A * np.log(left), A * 2.0 * q * x / left / (0.5 * L))
+        try:
+            cls(table=table)
+        except InputError:
+            raise InputError(
+                f"{label} end_drop {e:g} m is too much for an amplitude of {A:g} m: the ends are sharper than the "
+                f"{LOGARITHMIC_NODES} places of the table can follow; take a smaller end_drop or a greater amplitude"
+            ) from None
         return cls(radius=radius, table=table, **others)
 
     def profile(self) -> SurfaceProfile:
@@ -108,9 +124,19 @@ class ProfiledCylinder(RevolutionShape):
     def _completed(self, points: np.ndarray, normals: np.ndarray | None) -> Any:
         meridian = SurfaceProfile(False, self.side, 0.0, 0.0, 0.0, *self._piecewise)
         known = self.axis_point
+        if np.max(np.abs(meridian.slope_at(self.table[0]))) <= LEVEL and np.ptp(self.table[1]) <= LEVEL * self.length:
+            return self._completed_level(points)
         fit = self._fit(points, curvature=0.0, table=lambda z: (-meridian.radius_at(z), -meridian.slope_at(z)))
         return replace(self, radius=fit.radius, axis_point=known if known is not None else fit.axis_point,
                        axis_direction=fit.axis_direction)  # fmt: skip
+
+    def _completed_level(self, points: np.ndarray) -> Any:
+        """With a table that drops nowhere: a cylinder, and the middle of the table in the middle of the nodes."""
+        drop, middle = float(np.mean(self.table[1])), 0.5 * float(self.table[0, 0] + self.table[0, -1])
+        radius = None if self.radius is None else self.radius - drop
+        fit = fit_revolution(points, self.kind, radius, self.axis_point, self.axis_direction, curvature=0.0)
+        point = fit.axis_point - middle * fit.axis_direction if self.axis_point is None else self.axis_point
+        return replace(self, radius=fit.radius + drop, axis_point=point, axis_direction=fit.axis_direction)
 
     def _check_table(self, table: np.ndarray) -> None:
         label, z, drop = f"surface {self.kind}: table", table[0], table[1]

@@ -16,9 +16,13 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.surface_fit import Revolution, fit_revolution, reference_direction
+from warpffrf.model.surface_fit import Revolution, fit_revolution, reference_direction, rms_distance
 from warpffrf.model.surfaces.base import Shape
 from warpffrf.model.surfaces.profile import SurfaceProfile
+
+# A fitted arc must be seen: nodes that a straight profile fits as well, or to their round-off, show none.
+BETTER = 0.9  # rms distance over that of the straight profile: one unknown more explains noise of n nodes by 1 - 1/n
+ROUND_OFF = 1e-9  # of the radius
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -33,6 +37,8 @@ class RevolutionShape(Shape):
     axis_point: Any = None
     axis_direction: Any = None
 
+    required = ("radius", "axis_point", "axis_direction")
+
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.radius is not None:
@@ -41,10 +47,6 @@ class RevolutionShape(Shape):
             self._keep_point("axis_point")
         if self.axis_direction is not None:
             self._keep_direction("axis_direction")
-
-    @property
-    def resolved(self) -> bool:
-        return self.radius is not None and self.axis_point is not None and self.axis_direction is not None
 
     @property
     def size(self) -> float:
@@ -116,10 +118,14 @@ class RevolutionShape(Shape):
         """The shape with its arc fitted: the field `name` is its radius, `sign` +1 of a crown and -1 of a hollow."""
         given = getattr(self, name)
         fit = self._fit(points, curvature=None if given is None else sign / given)
-        if not sign * fit.curvature > 0.0:
-            raise InputError(
-                f"surface {self.kind}: the points show no {flat} (curvature {sign * fit.curvature:.3g} 1/m)"
-            )
+        if given is None:
+            straight = rms_distance(points, self._fit(points, curvature=0.0))
+            better = rms_distance(points, fit) < BETTER * straight and straight > ROUND_OFF * fit.radius
+            if not (better and sign * fit.curvature > 0.0):
+                raise InputError(
+                    f"surface {self.kind}: the points show no {flat} (a straight profile is off them by "
+                    f"{straight:.2g} m, curvature {sign * fit.curvature:.3g} 1/m)"
+                )
         found = {"radius": fit.radius, "axis_point": fit.axis_point, "axis_direction": fit.axis_direction}
         return replace(self, **found, **{name: sign / fit.curvature if given is None else given})
 

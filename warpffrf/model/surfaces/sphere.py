@@ -17,6 +17,7 @@ from warpffrf.model.surfaces.profile import SurfaceProfile
 from warpffrf.model.surfaces.revolution import RevolutionShape
 
 ALL_ROUND = 0.1  # length of the mean direction of the nodes below which they lie all around the centre
+RIGID_AXIS = (0.0, 1.0, 0.0)  # as of a roller: a ball on a floor has its poles at the sides
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -24,7 +25,7 @@ class Sphere(RevolutionShape):
     """Outside of a sphere, a ball; `axis_point` (3,) [m] is its centre. What is None is fitted to the nodes.
 
     axis_direction (3,): of the chart's axis, whose two poles cannot be in contact; where None it is perpendicular to
-    the middle of the nodes seen from the centre, or z where they lie all around.
+    the middle of the nodes seen from the centre, z where they lie all around, and y of a rigid surface.
     """
 
     kind = "sphere"
@@ -37,6 +38,9 @@ class Sphere(RevolutionShape):
     def profile(self) -> SurfaceProfile:
         profile = super().profile()
         return replace(profile, crown=profile.radius)
+
+    def without_nodes(self) -> Any:
+        return replace(self, axis_direction=RIGID_AXIS) if self.axis_direction is None else self
 
     def _completed(self, points: np.ndarray, normals: np.ndarray | None) -> Any:
         c, R = _fit_sphere(points, self.kind, self.axis_point, self.radius)

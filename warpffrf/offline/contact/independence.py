@@ -43,13 +43,18 @@ def window_columns(columns: int, rows: int) -> int:
 
 
 def eigenvalue_ratio(window: np.ndarray) -> float:
-    """Smallest over largest eigenvalue of the symmetric `window` (h, h)."""
+    """Smallest over largest eigenvalue of the symmetric `window` (h, h); NaN where it holds what is no number."""
+    if not np.all(np.isfinite(window)):
+        return np.nan
     values = np.linalg.eigvalsh(0.5 * (window + window.T))
     return float(values[0] / values[-1]) if values[-1] > 0.0 else -1.0
 
 
 def trace_ratio(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
-    """Eigenvalue ratio of the traces of the grid's first columns on the facets of set `name` (module docstring)."""
+    """Eigenvalue ratio of the traces of the grid's first columns on the facets of set `name` (module docstring).
+
+    NaN where a hat has no area.
+    """
     facets = ContactFacets.of(mesh.points, mesh.facets(name), shape)
     chart = facets.chart
     count, rows = window_columns(grid.columns, grid.rows), grid.rows
@@ -69,13 +74,17 @@ def trace_ratio(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
     inside = column < count
     b = np.zeros((count * rows, len(nodes)))
     np.add.at(b, (column[inside] * rows + loads.row[inside], node[inside]), loads.area[inside])
-    scaled = b / np.sqrt(b.sum(axis=1))[:, None] / np.sqrt(lumped)
+    areas = b.sum(axis=1)
+    if not np.all(areas > 0.0):
+        return np.nan
+    scaled = b / np.sqrt(areas)[:, None] / np.sqrt(lumped)
     return eigenvalue_ratio(scaled @ scaled.T)
 
 
 def check_traces(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
     """`trace_ratio` of the grid; raises `InputError` where it is too small."""
     traces = trace_ratio(mesh, name, shape, grid)
+    _require_finite(traces, name)
     if not traces > TRACES:
         edge = ContactFacets.of(mesh.points, mesh.facets(name), shape).chart.edge
         detail = f"eigenvalue ratio of the traces of a window {traces:.2g}, at least {TRACES:g} is needed"
@@ -89,12 +98,21 @@ def check_compliance(window: np.ndarray, name: str, edge: float, held: str = "")
     Cures that it names: the longest facet `edge` [m] as spacing, or what `held_nodes` says.
     """
     ratio = eigenvalue_ratio(window)
+    _require_finite(ratio, name)
     if not ratio > INDEPENDENCE:
         detail = f"eigenvalue ratio of the compliance of a window {ratio:.2g}, at least {INDEPENDENCE:g} is needed"
         if held:
             raise InputError(f"{held} ({detail})")
         raise too_fine(detail, name, edge)
     return ratio
+
+
+def _require_finite(ratio: float, name: str) -> None:
+    if np.isnan(ratio):
+        raise InputError(
+            f"contact {name!r}: functions of its grid have no area on the facets, or no finite one: the shape does not "
+            "belong to them; give another shape in reduce(contact=...), or None to have one found"
+        )
 
 
 def held_nodes(mesh: Mesh, name: str, interfaces: Mapping[str, str]) -> str:

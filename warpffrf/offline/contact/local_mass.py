@@ -23,7 +23,7 @@ import numpy as np
 from warpffrf.model.local_modes import LocalMass
 
 if TYPE_CHECKING:
-    from warpffrf.offline.contact.traction_fields import TractionField
+    from warpffrf.offline.contact.traction_fields import KeptFunctions
     from warpffrf.offline.cyclic.surface import CyclicField
 
 Array = np.ndarray
@@ -56,10 +56,9 @@ class HarmonicMass:
         return LocalMass(np.ascontiguousarray(lags), np.ascontiguousarray(overlap))
 
 
-def dense_mass(field: TractionField, kept: Array, N: Array, W: Array) -> LocalMass:
-    """N (count, count) and W^T (count, m) of unit coefficients, for forces of the functions `kept`."""
-    half = field.without_gram(N)[kept]
-    projected = field.without_gram(half.T)[kept]
-    return LocalMass(
-        np.ascontiguousarray(0.5 * (projected + projected.T))[None], np.ascontiguousarray(field.without_gram(W)[kept])
-    )
+def dense_mass(kept: KeptFunctions, N: Array, W: Array) -> LocalMass:
+    """N (count, count) and W^T (count, m) of unit coefficients of the whole field, for forces of the functions
+    `kept`."""
+    projected = kept.without_gram(kept.without_gram(N).T)
+    lags = np.ascontiguousarray(0.5 * (projected + projected.T))[None]
+    return LocalMass(lags, np.ascontiguousarray(kept.without_gram(W)))

@@ -3,6 +3,15 @@ r"""Traction fields on the grid of a contact surface: their loads on the mesh an
 A field is a basis (hats on the nodes of one `GridPlan`, or cells around them) in one direction or in several.
 Coefficients s of a traction load the mesh by `B s`, and `M^-1 B^T u` are the coefficients of a displacement u: its L2
 projection. Functions are numbered by direction, column, row.
+
+Where a reduced body has only some of the functions, K, the projection is that on their span, with the Gram matrix of
+these alone,
+
+    a = M_KK^-1 B_K^T u,        so that        sum_j (M_KK)_ij a_j = B_i^T u = int psi_i u dA for every i in K:
+
+weak displacements, all that contact laws use, are exact up to the last kept column. Coefficients of the projection on
+*all* functions, of which those outside K are forgotten, would lose what the forgotten ones add to it: of a constant
+displacement a sixth beside each end, on one lone column a third.
 """
 
 from __future__ import annotations
@@ -140,21 +149,49 @@ class TractionField:
         return meridian_gram(self.kind, self.facets.shape, self.plan.z)
 
     @cached_property
-    def _inverse_grams(self) -> tuple[Array, Array]:
-        """Of both Gram matrices; their condition is at most a few rows' and columns' worth (hats of equal size: 3)."""
-        return np.linalg.inv(self.gram_theta()), np.linalg.inv(self.gram_z())
+    def whole(self) -> KeptFunctions:
+        """All functions."""
+        return KeptFunctions(self, 0, self.columns)
 
     def without_gram(self, values: Array) -> Array:
         """M^-1 `values` (count, m)."""
-        around, along = self._inverse_grams
-        directions, columns, rows = len(self.directions), self.columns, self.rows
-        if self.kind == "cells":
-            scale = np.outer(np.diag(around), np.diag(along)).ravel()
-            return np.tile(scale, directions)[:, None] * values
-        found = around @ values.reshape(directions, columns, -1)
-        return (along @ found.reshape(directions, columns, rows, -1)).reshape(self.count, -1)
+        return self.whole.without_gram(values)
 
     def covered(self, tolerance: float) -> Array:
         """Which columns have all their functions inside the facets, by area to `tolerance` (columns,)."""
         expected = np.outer(self.gram_theta().sum(axis=1), self.gram_z().sum(axis=1))
         return np.all(np.abs(self.areas() / expected - 1.0) < tolerance, axis=1)
+
+
+@dataclass(frozen=True)
+class KeptFunctions:
+    """Functions of `field` on `columns` neighbouring columns of it, from its column `first` on: those that a reduced
+    body has."""
+
+    field: TractionField
+    first: int
+    columns: int
+
+    @cached_property
+    def numbers(self) -> Array:
+        """Their numbers (kept,) among those of the field, in its order."""
+        f = self.field
+        numbers = np.arange(f.count).reshape(len(f.directions), f.columns, f.rows)
+        return numbers[:, self.first : self.first + self.columns].ravel()
+
+    @cached_property
+    def _inverse_grams(self) -> tuple[Array, Array]:
+        """Of both Gram matrices; their condition is at most a few rows' and columns' worth (hats of equal size: 3)."""
+        part = slice(self.first, self.first + self.columns)
+        return np.linalg.inv(self.field.gram_theta()[part, part]), np.linalg.inv(self.field.gram_z())
+
+    def without_gram(self, values: Array) -> Array:
+        """M_KK^-1 `values_K` (kept, m) of `values` (count, m) of all functions of the field."""
+        around, along = self._inverse_grams
+        directions, rows = len(self.field.directions), self.field.rows
+        values = values[self.numbers]
+        if self.field.kind == "cells":
+            scale = np.outer(np.diag(around), np.diag(along)).ravel()
+            return np.tile(scale, directions)[:, None] * values
+        found = around @ values.reshape(directions, self.columns, -1)
+        return (along @ found.reshape(directions, self.columns, rows, -1)).reshape(len(values), -1)

@@ -6,8 +6,10 @@ displacement coefficients of a per unit force of b are
 
     D_ab = M_a^-1 C_ab M_b^-1.
 
-The loads stand on the whole rectangle of the grid's plan. On an arc the functions on its edges are half ones: they
-are needed to project a displacement, and left out of the reduced body, as all that reaches beyond the facets.
+The loads stand on the whole rectangle of the grid's plan. On an arc or a plane the functions on its edges are half
+ones; they are left out of the reduced body, as all that reaches beyond the facets. B and M above are those of the
+functions that stay, so that the weak displacements `M_a D_ab M_b` and `M_a mode` of these are exact to the last column
+(`TractionField`).
 """
 
 from __future__ import annotations
@@ -25,7 +27,7 @@ from warpffrf.model.reduced_body import Recovery
 from warpffrf.model.tangential import Tangential
 from warpffrf.offline.contact.independence import check_traces, window_columns
 from warpffrf.offline.contact.local_mass import dense_mass
-from warpffrf.offline.contact.traction_fields import NORMAL, TANGENTIAL, ContactFacets, TractionField
+from warpffrf.offline.contact.traction_fields import NORMAL, TANGENTIAL, ContactFacets, KeptFunctions, TractionField
 from warpffrf.offline.general.observers import SKIN
 from warpffrf.offline.products import SurfaceProduct
 
@@ -53,6 +55,7 @@ class GeneralSurface:
         self.fields = [TractionField(traction, NORMAL, self.plan, facets)]
         if tangential is not None:
             self.fields.append(TractionField(tangential, TANGENTIAL, self.plan, facets))
+        self.kept = [KeptFunctions(f, self.first, self.columns) for f in self.fields]
         self.traces = check_traces(mesh, name, shape, self._grid(self.fields[0]))
 
     @property
@@ -80,11 +83,6 @@ class GeneralSurface:
             )
         return int(kept[0]), len(kept)
 
-    def _kept(self, f: TractionField) -> Array:
-        """Numbers of the functions of a field that the reduced body has."""
-        numbers = np.arange(f.count).reshape(len(f.directions), f.columns, f.rows)
-        return numbers[:, self.first : self.first + self.columns].ravel()
-
     def _grid(self, f: TractionField) -> ContactGrid:
         plan = self.plan
         start = plan.theta_start + plan.pitch * self.first
@@ -95,30 +93,26 @@ class GeneralSurface:
         """Operators from C (count, count), what the observers saw {name: (rows, count)}, and B^T Phi (count, m)."""
         stops = np.cumsum([f.count for f in self.fields])
         parts = [slice(int(stop) - f.count, int(stop)) for f, stop in zip(self.fields, stops, strict=True)]
-        kept = [self._kept(f) for f in self.fields]
-        modes = [f.without_gram(loads_on_modes[p])[k] for f, p, k in zip(self.fields, parts, kept, strict=True)]
+        modes = [k.without_gram(loads_on_modes[p]) for k, p in zip(self.kept, parts, strict=True)]
         seen = [
-            {name: _recovery(t[:, p], f, k) for name, t in transfers.items()}
-            for f, p, k in zip(self.fields, parts, kept, strict=True)
+            {name: _recovery(t[:, p], k) for name, t in transfers.items()}
+            for k, p in zip(self.kept, parts, strict=True)
         ]
-        normal = self.fields[0]
 
         def D(a: int, b: int) -> Array:
-            half = self.fields[a].without_gram(C[parts[a], parts[b]])[kept[a]]
-            return self.fields[b].without_gram(half.T)[kept[b]].T
+            return self.kept[b].without_gram(self.kept[a].without_gram(C[parts[a], parts[b]]).T).T
 
         tangential = None
         if len(self.fields) > 1:
-            f = self.fields[1]
             tangential = Tangential(
-                self._grid(f),
+                self._grid(self.fields[1]),
                 _symmetric(D(1, 1))[None],
                 np.ascontiguousarray(D(0, 1))[None],
-                modes[1].reshape(2, len(kept[1]) // 2, -1),
+                modes[1].reshape(2, len(modes[1]) // 2, -1),
                 seen[1].pop(SKIN),
             )
-        grid = self._grid(normal)
-        judged = kept[0][: window_columns(grid.columns, grid.rows) * grid.rows]
+        grid = self._grid(self.fields[0])
+        judged = self.kept[0].numbers[: window_columns(grid.columns, grid.rows) * grid.rows]
         window, on_modes = C[np.ix_(judged, judged)], loads_on_modes[judged] / omega
         return SurfaceProduct(
             grid=grid,
@@ -137,17 +131,17 @@ class GeneralSurface:
 
     def local_mass(self, N: Array, W: Array) -> LocalMass:
         """The inertia that the reduced body keeps, of N (normal functions) and W^T (normal functions, m)."""
-        return dense_mass(self.fields[0], self._kept(self.fields[0]), N, W)
+        return dense_mass(self.kept[0], N, W)
 
 
 def _symmetric(D: Array) -> Array:
     return np.ascontiguousarray(0.5 * (D + D.T))
 
 
-def _recovery(transfer: Array, f: TractionField, kept: Array) -> Recovery:
+def _recovery(transfer: Array, kept: KeptFunctions) -> Recovery:
     """Transfer (rows, count) per unit coefficient -> (rows, kept) per unit force, in its own precision."""
-    out = np.empty((len(transfer), len(kept)), dtype=transfer.dtype)
+    out = np.empty((len(transfer), len(kept.numbers)), dtype=transfer.dtype)
     for start in range(0, len(transfer), ROWS):
         part = slice(start, start + ROWS)
-        out[part] = f.without_gram(transfer[part].T.astype(np.float64))[kept].T
+        out[part] = kept.without_gram(transfer[part].T.astype(np.float64)).T
     return Recovery(out[None], 1, np.eye(3))

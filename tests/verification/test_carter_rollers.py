@@ -1,0 +1,45 @@
+"""Case C6 with two rollers: Q against Carter's at the creepage that they really have."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from warpffrf.study.carter import SHARES
+from warpffrf.study.carter_rollers import roll, rolling_body
+from warpffrf.study.rollers import PAIR
+
+FORCE = 0.03  # promised of the rollers
+STEADY = 0.01  # of the creepage, between the last two crossings
+QUICK_FORCE = 0.05  # 8 cells, five crossings: first order in cell and step, see docs/studies/carter_rollers.md
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("share", SHARES)
+@pytest.mark.parametrize("cells", [8, 16])
+def test_two_rollers(cells: int, share: float) -> None:
+    """After ten crossings at one cell a step; friction never gains."""
+    found, result = roll(rolling_body(cells), share, 1.0)
+    print(f"{found.cells:.1f} cells: error of Q {found.force_error:+.2%}, of creepage {found.creepage_error:+.2%}")
+    assert found.status == "completed"
+    assert abs(found.force_error) < FORCE
+    assert abs(found.drift) < STEADY
+    assert np.all(np.diff(result.energy["friction"]) <= 1e-9 * abs(result.energy["friction"][-1]))
+
+
+def test_two_rollers_roughly() -> None:
+    """8 cells, five crossings: near Carter, and sticking from the leading edge on."""
+    found, result = roll(rolling_body(8, cache=False), 0.5, 1.0, crossings=5)
+    assert found.status == "completed"
+    assert found.share == pytest.approx(0.5, rel=0.01)
+    assert abs(found.force_error) < QUICK_FORCE
+    assert abs(found.drift) < 0.05
+    friction = result.history.contacts[PAIR].friction
+    assert friction is not None
+    state = friction.state[-1, :, 1]
+    touching, sticks = np.flatnonzero(state > 0), np.flatnonzero(state == 1)
+    assert np.all(np.diff(sticks) == 1)
+    leading, trailing = sticks[0] - touching[0], touching[-1] - sticks[-1]
+    assert min(leading, trailing) <= 1 < max(leading, trailing)  # a cell at the very edge has next to no bound
+    stick = 0.5 * len(sticks) / found.cells
+    assert stick == pytest.approx(np.sqrt(0.5), abs=1.0 / found.cells)

@@ -1,0 +1,266 @@
+r"""Two steel rollers with friction: one driven, the other carried along, then braked until it slips.
+
+The lower roller turns on a fixed axle and is driven. The upper one, with a flywheel on its shaft, turns freely in a
+carriage that is pressed down. Nothing but friction in the contact turns it: while the lower roller speeds up from rest
+the upper one is carried along; then they roll freely; then a brake on the flywheel rises in steps and waits on each
+until the contact has settled; at last it asks for more than friction can give, and the whole patch slips.
+
+What to expect. Carried along and rolling freely, the surface speeds agree but for the creepage that belongs to the
+tangential force. On every step of the brake, Q = M/R, force and creepage are on Carter's curve,
+
+    xi = (mu a/R') (1 - sqrt(1 - Q/(mu P))),    1/R' = 1/R1 + 1/R2,    a^2 = 4 P' R'/(pi E*)
+
+(K. L. Johnson, Contact Mechanics, 1985, section 8.3), up to what the free ends of the rollers change: his rollers are
+in plane strain, these are as wide as eight patches. With friction in cells the creepage that belongs to a force is too
+small in proportion to the cell; a second run with cells twice as large shows that, and xi + (xi - xi_coarse) is left
+with an error of second order. In gross slip the traction coefficient is mu. Friction never gives energy.
+
+The patch advances by nearly one cell of the contact grid in a step, and on every step of the brake it runs through its
+own length `HELD` times: creep winds up the elastic shift of the surfaces against their axles, which takes that long.
+"""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+import warpffrf as wf
+from warpffrf.demos.checks import Check, finish, writable_folder
+from warpffrf.study.closed_forms import CarterRolling, LineContact, contact_modulus
+
+log = logging.getLogger("warpffrf")
+
+STEEL = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850, name="steel")
+OUTER_RADIUS, BORE_RADIUS, WIDTH = 0.05, 0.015, 0.01  # m
+LOAD, FRICTION = 13e3, 0.3  # N, -
+CARRIAGE_MASS, CARRIAGE_INERTIA = 5.0, (0.01, 0.01, 0.01)  # kg, kg m2
+FLYWHEEL_MASS, FLYWHEEL_INERTIA = 20.0, (0.1, 0.2, 0.1)  # kg, kg m2: slip, once it is there, grows slowly
+SPEED = 10.0  # rad/s of the driven roller
+SPIN_UP = 0.04  # s: the largest torque on the upper one is half of what friction can give
+RELATIVE_RADIUS = 0.5 * OUTER_RADIUS  # R'
+HERTZ = LineContact(LOAD / WIDTH, RELATIVE_RADIUS, contact_modulus(STEEL, STEEL))
+CROSSING = 2.0 * HERTZ.half_width / (SPEED * OUTER_RADIUS)  # s, in which the material runs through the patch
+FREE, RISE, HELD, LAST = 10, 8, 14, 6  # crossings: rolling freely, the brake rises, it waits, the patch slips
+SETTLED = 6  # crossings at the end of each of these parts that are averaged, three swings of the flywheel
+SHARES = (0.25, 0.5, 0.75)  # of the friction force, on which the brake waits
+BEYOND = 1.1  # of it, at last
+RISE_SAMPLES = 17  # of the table of the torque in each rise, which is smooth: a kink makes the flywheel swing
+ADVANCE = 0.9  # cells of the contact grid through which the patch moves in a step; above one friction is not resolved
+SAVE_EVERY = 4  # steps
+PAIR, BRAKE = "lower-upper", "brake"
+AGREE = 5e-5  # of the surface speed: rolling freely, what is left of the flywheel's swinging
+CELL_ERROR = 0.65  # of the creepage, times the cells in a half-width: 0.62 at most, at 3 to 11 of them
+EXTRAPOLATED = 0.02  # of the creepage, from two grids: ends of the rollers, and what is of higher order in the cell
+COEFFICIENT = 1e-3  # tractions are tangents of a patch that is an arc, (a/R)^2, and it slips with mu on all sides
+DISSIPATION = 1e-12  # of the work of friction: rounding
+
+
+@dataclass(frozen=True)
+class Size:
+    """How fine a roller is meshed, in quadratic hexahedra, and how many frames the recording shows at most.
+
+    layers: through the wall; they grow towards the bore.
+    """
+
+    sectors: int = 2000  # eight nodes in a half-width
+    layers: int = 9
+    axial: int = 2
+    frames: int = 200
+
+    @property
+    def coarse(self) -> Size:
+        """Half as many cells around."""
+        return replace(self, sectors=self.sectors // 2)
+
+    @property
+    def spacing(self) -> float:
+        """m, of the contact grid: the nodes of quadratic cells."""
+        return np.pi * OUTER_RADIUS / self.sectors
+
+    @property
+    def step(self) -> float:
+        """s."""
+        return ADVANCE * self.spacing / (SPEED * OUTER_RADIUS)
+
+
+FULL, QUICK = Size(), Size(sectors=1500, frames=60)
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """When what happens [s]: end of rolling freely, ends of the waits on `SHARES`, end of the run."""
+
+    free: float
+    waits: tuple[float, ...]
+    end: float
+
+
+def schedule() -> Schedule:
+    """The times of a run, from the crossings of the patch that its parts take."""
+    free = SPIN_UP + FREE * CROSSING
+    waits = tuple(free + n * (RISE + HELD) * CROSSING for n in range(1, len(SHARES) + 1))
+    return Schedule(free, waits, waits[-1] + (RISE + LAST) * CROSSING)
+
+
+def brake() -> wf.signals.Table:
+    """Torque of the brake over time [N m]: smooth steps to `SHARES` of what friction gives, then to `BEYOND` of it."""
+    plan = schedule()
+    x = np.linspace(0.0, 1.0, RISE_SAMPLES)
+    smooth = x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+    times, shares, level = [], [], 0.0
+    for start, share in zip((plan.free, *plan.waits), (*SHARES, BEYOND), strict=True):
+        times.append(start + RISE * CROSSING * x)
+        shares.append(level + (share - level) * smooth)
+        level = share
+    torque = np.concatenate(shares) * FRICTION * LOAD * OUTER_RADIUS
+    return wf.signals.Table(np.concatenate(times), torque, hold=True)
+
+
+def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
+    """The scene: bodies `lower`, `upper`, `carriage`, `flywheel`, contact pair `lower-upper`, torque `brake`.
+
+    The press is a force on the carriage; there is no gravity, so that the contact carries `LOAD`.
+    """
+    mesh = wf.mesh.roller(
+        OUTER_RADIUS, BORE_RADIUS, WIDTH, sectors=size.sectors, layers=size.layers, axial=size.axial, order=2
+    )
+    roller = wf.reduce(
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, tangential=True,
+        progress=progress,
+    )  # fmt: skip
+    scene = wf.Scene()
+    lower = scene.add_body(roller, name="lower")
+    upper = scene.add_body(roller, name="upper", position=(0, 0, 2 * OUTER_RADIUS))
+    contact = scene.add(wf.Contact(lower["rim"], upper["rim"], friction=FRICTION, name=PAIR))
+    scene.close_gap(contact)
+    place = upper["bore"].world_point()
+    carriage = scene.add_rigid_body(CARRIAGE_MASS, CARRIAGE_INERTIA, name="carriage", position=place)
+    flywheel = scene.add_rigid_body(FLYWHEEL_MASS, FLYWHEEL_INERTIA, name="flywheel", position=place)
+    center, disc = carriage.at((0, 0, 0)), flywheel.at((0, 0, 0))
+    axle = scene.add(wf.joints.Revolute(scene.ground, lower["bore"], axis=(0, 1, 0), name="axle"))
+    scene.add(wf.joints.Prismatic(scene.ground, center, axis=(0, 0, 1), name="guide"))
+    scene.add(wf.joints.Revolute(center, upper["bore"], axis=(0, 1, 0), name="upper_axle"))
+    scene.add(wf.joints.Fixed(upper["bore"], disc, name="shaft"))
+    spin = wf.signals.SmoothStep(0.0, SPEED, duration=SPIN_UP)
+    scene.add(wf.joints.Drive(axle, spin, quantity="velocity"))
+    scene.add(wf.forces.PointForce(center, (0, 0, -LOAD), name="press"))
+    scene.add(wf.forces.PointTorque(disc, (brake(), (0, 1, 0)), name=BRAKE))
+    return scene
+
+
+def run(scene: wf.Scene, size: Size, *, progress: bool = True) -> wf.Result:
+    """The whole schedule from the static state under the press."""
+    return wf.simulate(
+        scene, schedule().end, step=size.step, start="equilibrium", save_every=SAVE_EVERY, progress=progress
+    )
+
+
+def _settled(result: wf.Result, values: np.ndarray, end: float) -> float:
+    """Mean of `values` (T,) over the last `SETTLED` crossings before `end` [s].
+
+    Weighted by sin^2, which is zero at both ends, so that what is left of the flywheel's swinging averages out.
+    """
+    x = (end - result.time) / (SETTLED * CROSSING)
+    inside = (x > 0.0) & (x < 1.0)
+    return float(np.average(values[inside], weights=np.sin(np.pi * x[inside]) ** 2))
+
+
+def shares(result: wf.Result) -> np.ndarray:
+    """Q/(mu P) (T,) with which the lower roller drives the upper one."""
+    pair = result.contact(PAIR)
+    return -pair.friction.tangential_force[:, 0] / (FRICTION * pair.normal_load)
+
+
+def on_carters_curve(result: wf.Result) -> list[tuple[float, float, float]]:
+    """At the end of each wait of the brake: share of the friction force, creepage found, and Carter's at that share.
+
+    Carter's is that of the line load found at mid-width, which is a little above the mean.
+    """
+    pair, found = result.contact(PAIR), shares(result)
+    values = []
+    for end in schedule().waits:
+        line = LineContact(_settled(result, pair.line_load, end), RELATIVE_RADIUS, HERTZ.modulus)
+        share = _settled(result, found, end)
+        creepage = _settled(result, pair.friction.creepage[:, 0], end)
+        values.append((share, creepage, CarterRolling.from_share(line, FRICTION, share).creepage))
+    return values
+
+
+def checks(result: wf.Result, coarse: wf.Result, size: Size) -> list[Check]:
+    """The figures of a run, and of one with cells twice as large."""
+    pair = result.contact(PAIR)
+    friction = pair.friction
+    free = _settled(result, friction.creepage[:, 0], schedule().free)
+    found = [Check("rolling freely: speeds differ by", free, 0.0, "no torque, over the speed", AGREE, scale=1.0)]
+    of_cells = CELL_ERROR * size.spacing / HERTZ.half_width
+    for (share, xi, carter), (_, xi_coarse, carter_coarse) in zip(
+        on_carters_curve(result), on_carters_curve(coarse), strict=True
+    ):
+        best = carter * (2.0 * xi / carter - xi_coarse / carter_coarse)
+        label = f"creepage at {share:.2f} mu P"
+        found += [
+            Check(label, xi, carter, "Carter", of_cells),
+            Check(f"{label}, two grids", best, carter, "Carter", EXTRAPOLATED),
+        ]
+    force = np.hypot(pair.force[-1, 0], pair.force[-1, 1]) / pair.force[-1, 2]
+    work = result.energy["friction"]
+    return [
+        *found,
+        Check("traction coefficient in gross slip", abs(float(force)), FRICTION, "Coulomb", COEFFICIENT),
+        Check("cells that stick then", float((friction.state[-1] == 1).sum()), 0.0, "all slip", 0.0, scale=1.0),
+        Check("largest gain from friction", max(float(np.diff(work).max()), 0.0), 0.0,
+              "takes energy only, over all work", DISSIPATION, "J", scale=float(np.ptp(work))),
+    ]  # fmt: skip
+
+
+def panels(result: wf.Result) -> list:
+    """Speeds and force over time, creepage against force, tractions on the second wait of the brake."""
+    from warpffrf.output.panels import Panel
+
+    pair, t, plan = result.contact(PAIR), result.time, schedule()
+    friction, share = pair.friction, shares(result)
+    speeds = {name: (t, OUTER_RADIUS * np.abs(result.body(name).angular_velocity[:, 1])) for name in ("lower", "upper")}
+    braked = (t > plan.free) & (friction.creepage[:, 0] < 1.5 * FRICTION * HERTZ.half_width / RELATIVE_RADIUS)
+    q = np.linspace(0.0, 1.0, 101)
+    curve = np.array([CarterRolling.from_share(HERTZ, FRICTION, x).creepage for x in q])
+    settled = on_carters_curve(result)
+    points = {"settled": (np.array([c for _, c, _ in settled]), np.array([s for s, _, _ in settled]))}
+    i = int(np.flatnonzero(t <= plan.waits[1])[-1])
+    profile = friction.profile(i, FRICTION)
+    x = profile["arc"] * 1e3
+    line = LineContact(float(pair.line_load[i]), RELATIVE_RADIUS, HERTZ.modulus)
+    exact = CarterRolling.from_share(line, FRICTION, float(share[i])).traction(-1e-3 * x + pair.center[i])
+    return [
+        Panel("Surface speeds", "time [s]", "[m/s]", speeds),
+        Panel("Tangential force over mu P", "time [s]", "[-]", {"Q/(mu P)": (t, share)},
+              {"brake": (t, brake()(t) / (FRICTION * LOAD * OUTER_RADIUS))}),
+        Panel("Tangential force against creepage", "creepage [-]", "Q/(mu P) [-]",
+              {"run, braked": (friction.creepage[braked, 0], share[braked]), **points}, {"Carter": (curve, q)}),
+        Panel(f"Tractions at Q/(mu P) = {share[i]:.2f}, material enters on the left", "arc [mm]", "[MPa]",
+              {"traction": (x, -profile["traction"] / 1e6), "mu p": (x, profile["bound"] / 1e6)},
+              {"Carter": (x, exact / 1e6)}),
+        Panel("Friction power", "time [s]", "[W]", {"power": (t, friction.power)}),
+    ]  # fmt: skip
+
+
+def main(out: str | Path = "out/rolling_friction", *, quick: bool = False, progress: bool = True) -> int:
+    """Run the demo and write rolling_friction.h5, .rrd, .png and summary.json into the folder `out`; 0 when all went
+    well.
+
+    quick: fewer cells around and fewer frames. Raises `InputError` for a folder that cannot be written.
+    """
+    folder = writable_folder(out)
+    size = QUICK if quick else FULL
+    results = {}
+    for name, cells in (("fine", size), ("coarse", size.coarse)):
+        plan = schedule()
+        log.info("rolling friction: %s, %g s in steps of %.3g s", name, plan.end, cells.step)
+        results[name] = run(build(cells, progress=progress), cells, progress=progress)
+        if results[name].status != "completed":
+            log.error("the run '%s' ended early, %s: %s", name, results[name].status, results[name].message)
+            return 1
+    found = checks(results["fine"], results["coarse"], size)
+    return finish(folder / "rolling_friction", results, found, panels(results["fine"]), frames=size.frames)

@@ -1,0 +1,99 @@
+"""What a reader of a run should know of its contacts before trusting their pressures.
+
+Each note names the pair, what was seen, and the cure: a patch of too few columns of the contact grid, hats that reach
+over the end of the second surface, surfaces that overlapped at the start, and energy that came from nowhere.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.gap import smallest_gap
+
+FEWEST_COLUMNS = 4  # across the largest patch: with fewer, peaks and half-widths are those of the grid
+CUT = 0.05  # of the load: hats that hang over the end of the second surface by more are worth a word
+GAINED = 0.01  # of the largest energy at hand: what a run may gain without a word
+NOTHING = 1e-9  # J: round-off of scenes in which nothing moves
+SHALLOW = 1e-6  # of the radius: overlaps that round-off of positions makes
+
+
+def contact_notes(scene: Any, history: Any) -> list[str]:
+    """Notes on the patches of all pairs of a run."""
+    notes = []
+    for contact in scene.contacts:
+        found = history.contacts.get(contact.name)
+        if found is None or not np.any(found.pressure > 0.0):
+            continue
+        notes += _coarse(contact, found) + _cut(contact, found)
+    return notes
+
+
+def _coarse(contact: Any, found: Any) -> list[str]:
+    load = found.pressure.sum(axis=(1, 2))
+    columns = int(np.count_nonzero(found.pressure[int(np.argmax(load))].max(axis=1) > 0.0))
+    if columns >= FEWEST_COLUMNS:
+        return []
+    return [
+        f"contact {contact.name!r}: the patch is {columns} columns of the grid wide where it is most loaded, under "
+        f"{FEWEST_COLUMNS}: forces are right, peak pressures and half-widths are not; use a finer mesh (half_width=)"
+    ]
+
+
+def _cut(contact: Any, found: Any) -> list[str]:
+    """Pressures times the areas of their hats against the normal force: they agree on parts that face each other."""
+    surface, other = contact.a.surface, contact.b.surface
+    if surface.shape.side < 0.0 or other.shape.side < 0.0:
+        return []  # conformal: the pressures' directions differ
+    areas = surface.grid.pitch * surface.gram_z.sum(axis=0)
+    last = int(np.argmax(found.pressure.sum(axis=(1, 2))))
+    pressed = float(found.pressure[last].sum(axis=0) @ areas)
+    force = float(np.linalg.norm(found.force[last]))
+    if found.friction is not None:
+        cells = surface.tangential.grid
+        sizes = cells.pitch * np.diag(cells.gram_z(surface.shape))
+        rubbed = np.einsum("djk,k->d", found.friction.traction[last], sizes)
+        force = float(np.sqrt(max(force**2 - rubbed @ rubbed, 0.0)))
+    if pressed <= (1.0 + CUT) * force:
+        return []
+    return [
+        f"contact {contact.name!r}: pressures of the first surface reach over the end of the second, their integral is "
+        f"{pressed / max(force, 1e-300):.2f} of the normal force; name the narrower surface first, or give the first "
+        "finer rows there"
+    ]
+
+
+def overlap_notes(scene: Any) -> list[str]:
+    """Pairs whose surfaces lie in one another at the initial poses, so that a run from there begins with a push."""
+    notes = []
+    for contact in scene.contacts:
+        try:
+            gap = smallest_gap(contact)[0]
+        except InputError:  # the surfaces do not face each other
+            continue
+        if -gap > SHALLOW * float(contact.a.surface.shape.radius):
+            notes.append(
+                f"contact {contact.name!r}: the run starts with an overlap of {-gap:.3g} m, pressed together at once; "
+                "scene.close_gap(contact, along=...) or start='equilibrium' would not"
+            )
+    return notes
+
+
+def energy_notes(energy: dict[str, np.ndarray]) -> list[str]:
+    """A note where the ledger shows energy that nothing supplied: numerical and contact-grid lines together rose by
+    more than `GAINED` of the largest of the other lines."""
+    if not len(energy["kinetic"]):
+        return []
+    lines = [np.abs(values) for name, values in energy.items() if name not in ("numerical", "contact_grid")]
+    hand = float(np.max(lines)) if lines else 0.0
+    defect = energy["numerical"] + energy["contact_grid"]
+    gained = float(np.max(defect - np.minimum.accumulate(defect)))
+    if not gained > max(GAINED * hand, NOTHING):
+        return []
+    return [
+        f"the run gained {gained:.3g} J, {gained / max(hand, 1e-300):.1%} of the largest energy of the ledger, that "
+        "nothing supplied (ledger lines numerical and contact grid): use a smaller step, accuracy=, or initial "
+        "velocities that agree with the drives"
+    ]
