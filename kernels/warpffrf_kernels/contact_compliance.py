@@ -295,6 +295,74 @@ def assemble(
         slot += 1
 
 
+@wp.func
+def outer_row(
+    model: Model,
+    w: int,
+    pair: int,
+    row: int,
+    lane: int,
+    f: vec3,
+    t: vec3,
+    axes: wp.array2d(dtype=mat33),
+    r1: wp.array2d(dtype=vec3),
+    J: wp.array(dtype=real),
+    start: int,
+    C_receptance: wp.array(dtype=real),
+    inverse_transposed: wp.array(dtype=real),
+    begin: int,
+    L: wp.array3d(dtype=real),
+    V: wp.array(dtype=real),
+):
+    """Line `row` of L, [d/d(rigid), -J sigma^-1 C_modal^T] over the columns in `coupled` of the pair, and V = H L from
+    `begin` on: of a quantity with the gradient (f, t) by the motion of A relative to B, and J (from `start`) by the
+    modes."""
+    A = model.surface_body[model.pair_first[pair]]
+    B = model.surface_body[model.pair_second[pair]]
+    if lane == 0:
+        t_a = wp.transpose(axes[w, A]) * t
+        for i in range(3):
+            L[w, row, i] = f[i]
+            L[w, row, 3 + i] = t_a[i]
+            L[w, row, 6 + i] = real(0.0)  # the ground does not move
+            L[w, row, 9 + i] = real(0.0)
+        if B >= 0:
+            t_b = wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f))
+            for i in range(3):
+                L[w, row, 6 + i] = -f[i]
+                L[w, row, 9 + i] = -t_b[i]
+    first_a = model.surface_modal_start[model.pair_first[pair]]
+    count_a = model.surface_modal_count[model.pair_first[pair]]
+    first_b = model.surface_modal_start[model.pair_second[pair]]
+    N = model.outer_count
+    count = model.coupled_count[pair]
+    c = 12 + lane
+    while c < count:
+        column = model.coupled[pair, c]
+        if column < model.row_offset:  # a mode that carries inertia
+            mode = model.dense_mode[column - 6 * model.body_count]
+            at = mode - first_a
+            if at < 0 or at >= count_a:
+                at = count_a + mode - first_b
+            L[w, row, c] = J[start + at]
+        else:
+            at = (w * model.row_count + column - model.row_offset) * model.modal_count
+            value = -dot(model.global_count[A], J, start, C_receptance, at + first_a)
+            if B >= 0:
+                value -= dot(model.global_count[B], J, start + count_a, C_receptance, at + first_b)
+            L[w, row, c] = value
+        c += wp.block_dim()
+    c = lane
+    while c < N:
+        V[begin + c] = real(0.0)
+        c += wp.block_dim()
+    sync()
+    c = int(0)
+    while c < count:
+        axpy(N, L[w, row, c], inverse_transposed, (w * N + model.coupled[pair, c]) * N, V, begin)
+        c += 1
+
+
 @wp.kernel
 def outer_rows(
     models: wp.array(dtype=Model),
@@ -309,11 +377,8 @@ def outer_rows(
     L: wp.array3d(dtype=real),
     V: wp.array(dtype=real),
 ):
-    """Per world: gradient L of the gap by rigid coordinates and multipliers, over the columns in `coupled` of the pair,
-    and V = H L.
-
-    L = [d gap/d(rigid), -J sigma^-1 C_modal^T]; for all slots when H is new, else for the fresh ones.
-    """
+    """Per world: gradient L of the gap by the outer coordinates, and V = H L (`outer_row`); for all slots when H is
+    new, else for the fresh ones."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0:
@@ -321,69 +386,30 @@ def outer_rows(
     slot = ctl[w, k.FRESH]
     if ctl[w, k.REFRESH] != 0 and ctl[w, k.MOVED] != 0:
         slot = int(0)
-    N = model.outer_count
     while slot < ctl[w, k.SLOTS]:
         pair = slot_mode[w, slot, 0]
         m = slot_mode[w, slot, 1]
-        A = model.surface_body[model.pair_first[pair]]
-        B = model.surface_body[model.pair_second[pair]]
-        if lane == 0:
-            f = vec3(wrench[w, pair, m, 0], wrench[w, pair, m, 1], wrench[w, pair, m, 2])
-            t = vec3(wrench[w, pair, m, 3], wrench[w, pair, m, 4], wrench[w, pair, m, 5])
-            t_a = wp.transpose(axes[w, A]) * t
-            for i in range(3):
-                L[w, slot, i] = f[i]
-                L[w, slot, 3 + i] = t_a[i]
-                L[w, slot, 6 + i] = real(0.0)  # the ground does not move
-                L[w, slot, 9 + i] = real(0.0)
-            if B >= 0:
-                t_b = wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f))
-                for i in range(3):
-                    L[w, slot, 6 + i] = -f[i]
-                    L[w, slot, 9 + i] = -t_b[i]
-        first_a = model.surface_modal_start[model.pair_first[pair]]
-        count_a = model.surface_modal_count[model.pair_first[pair]]
-        first_b = model.surface_modal_start[model.pair_second[pair]]
-        start = (w * model.slot_capacity + slot) * model.pair_modes
-        count = model.coupled_count[pair]
-        c = 12 + lane
-        while c < count:
-            column = model.coupled[pair, c]
-            if column < model.row_offset:  # a mode that carries inertia
-                mode = model.dense_mode[column - 6 * model.body_count]
-                at = mode - first_a
-                if at < 0 or at >= count_a:
-                    at = count_a + mode - first_b
-                L[w, slot, c] = J[start + at]
-            else:
-                at = (w * model.row_count + column - model.row_offset) * model.modal_count
-                value = -dot(model.global_count[A], J, start, C_receptance, at + first_a)
-                if B >= 0:
-                    value -= dot(model.global_count[B], J, start + count_a, C_receptance, at + first_b)
-                L[w, slot, c] = value
-            c += wp.block_dim()
-        begin = (w * model.slot_capacity + slot) * N
-        c = lane
-        while c < N:
-            V[begin + c] = real(0.0)
-            c += wp.block_dim()
-        sync()
-        c = int(0)
-        while c < count:
-            axpy(N, L[w, slot, c], inverse_transposed, (w * N + model.coupled[pair, c]) * N, V, begin)
-            c += 1
+        f = vec3(wrench[w, pair, m, 0], wrench[w, pair, m, 1], wrench[w, pair, m, 2])
+        t = vec3(wrench[w, pair, m, 3], wrench[w, pair, m, 4], wrench[w, pair, m, 5])
+        line = w * model.slot_capacity + slot
+        outer_row(
+            model, w, pair, slot, lane, f, t, axes, r1, J, line * model.pair_modes, C_receptance, inverse_transposed,
+            line * model.outer_count, L, V,
+        )  # fmt: skip
         slot += 1
 
 
-# condensed[i, :] = G[i, :] + V_i . L^T, lanes over the columns; V_i is gathered once. Native for contiguous inner loops
-# like `axpy`; not measured separately.
+# condensed[i, first:last] = G[i, first:last] + V_i . L^T and the mirror, lanes over the columns; V_i is gathered once.
+# A slot of pressures has one line of these arrays, one of friction two: the lines of G over the slots of the table.
+# Native for contiguous inner loops like `axpy`; not measured separately.
 @wp.func_native("""
-    const int cap = model.slot_capacity, N = model.outer_count, width = model.coupled_capacity;
+    const int cap = G.shape[1], slots = slot_mode.shape[1], lines = cap / slots;
+    const int N = model.outer_count, width = model.coupled_capacity;
     const double* v = V.data + ((size_t)w * cap + i) * N;
     double picked[512];
     int known = -1, count = 0;
     for (int j = first + WP_TILE_THREAD_IDX; j < last; j += WP_TILE_BLOCK_DIM) {
-        const int pair = slot_mode.data[((size_t)w * cap + j) * 2];
+        const int pair = slot_mode.data[((size_t)w * slots + j / lines) * 2];
         if (pair != known) {
             const int* c = model.coupled.data + (size_t)pair * width;
             known = pair; count = model.coupled_count.data[pair];

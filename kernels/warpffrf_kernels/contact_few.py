@@ -17,7 +17,7 @@ turn by less than a column: SMALL keeps its remainder below round-off.
 import warp as wp
 
 from warpffrf_kernels import control as k
-from warpffrf_kernels.contact_geometry import SERIES
+from warpffrf_kernels.contact_geometry import SERIES, keep_hat
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
 
@@ -229,14 +229,7 @@ def weigh_few(
             model, w, pair, m, rows, rows_b, center[w, pair, 1] - model.second_half_window, station, station_wrench,
             point_gap, point_place, weak_gap, area, wrench, stencil, stencil_at,
         )  # fmt: skip
-        reached = stencil_at[w, pair, m, 0]
-        if reached < 0 or reached + model.stencil_columns > model.second_columns:
-            area[w, pair, m] = real(0.0)
-        absolute = center[w, pair, 0] + m / rows - H
-        if model.surface_periodic[A] == 0 and (absolute < 0 or absolute >= model.surface_columns[A]):
-            area[w, pair, m] = real(0.0)
-        if beyond != 0 and area[w, pair, m] > real(0.0):
-            ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.STENCIL
+        keep_hat(model, w, pair, m, rows, beyond, center, stencil_at, weak_gap, ctl, area)
         m += wp.block_dim()
 
 

@@ -445,6 +445,37 @@ def sum_hat(
 ) -> int: ...
 
 
+@wp.func
+def keep_hat(
+    model: Model,
+    w: int,
+    pair: int,
+    m: int,
+    rows: int,
+    beyond: int,
+    center: wp.array3d(dtype=int),
+    stencil_at: wp.array4d(dtype=int),
+    weak_gap: wp.array3d(dtype=real),
+    ctl: wp.array2d(dtype=int),
+    area: wp.array3d(dtype=real),
+):
+    """Area 0 for a hat beyond the end of an arc, or so far round the bodies that nothing of the second window is
+    opposite. One that overlaps there, or whose stencil is too small (`beyond`), is needed: the attempt fails."""
+    A = model.pair_first[pair]
+    absolute = center[w, pair, 0] + m / rows - model.half_window
+    if model.surface_periodic[A] == 0 and (absolute < 0 or absolute >= model.surface_columns[A]):
+        area[w, pair, m] = real(0.0)
+    needed = area[w, pair, m] > real(0.0)
+    reached = stencil_at[w, pair, m, 0]
+    if reached < 0 or reached + model.stencil_columns > model.second_columns:
+        area[w, pair, m] = real(0.0)
+        needed = needed and weak_gap[w, pair, m] <= real(0.0)
+    elif beyond == 0:
+        needed = False
+    if needed:
+        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.STENCIL
+
+
 @wp.kernel
 def weigh(
     models: wp.array(dtype=Model),
@@ -482,15 +513,7 @@ def weigh(
             model, w, pair, m, rows, rows_b, center[w, pair, 1] - model.second_half_window, model.surface_pitch[A],
             station, station_wrench, point_gap, point_place, weak_gap, area, wrench, stencil, stencil_at,
         )  # fmt: skip
-        # a hat beyond the end of an arc, or so far round the bodies that nothing of the second window is opposite
-        reached = stencil_at[w, pair, m, 0]
-        if reached < 0 or reached + model.stencil_columns > model.second_columns:
-            area[w, pair, m] = real(0.0)
-        absolute = center[w, pair, 0] + m / rows - H
-        if model.surface_periodic[A] == 0 and (absolute < 0 or absolute >= model.surface_columns[A]):
-            area[w, pair, m] = real(0.0)
-        if beyond != 0 and area[w, pair, m] > real(0.0):
-            ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.STENCIL
+        keep_hat(model, w, pair, m, rows, beyond, center, stencil_at, weak_gap, ctl, area)
         m += wp.block_dim()
 
 

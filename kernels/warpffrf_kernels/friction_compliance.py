@@ -14,11 +14,11 @@ changes by next to nothing within a step.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.contact_compliance import add_outer, outer_row
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.friction_shares import line_of, response_at
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, sync, vec3
-from warpffrf_kernels.surface import axes_of, origin_of
+from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -335,101 +335,20 @@ def outer_cells(
     if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0 or ctl[w, k.FRESH_CELLS] == ctl[w, k.CELLS]:
         return
     slot = int(0)
-    N = model.outer_count
     while slot < ctl[w, k.CELLS]:
         pair = cell_slot[w, slot, 0]
-        m = cell_slot[w, slot, 1]
-        A = model.surface_body[model.pair_first[pair]]
-        B = model.surface_body[model.pair_second[pair]]
         rows = model.surface_rows[model.pair_first[pair]]
-        first_a = model.surface_modal_start[model.pair_first[pair]]
-        count_a = model.surface_modal_count[model.pair_first[pair]]
-        first_b = model.surface_modal_start[model.pair_second[pair]]
-        count = model.coupled_count[pair]
         for d in range(2):
+            at = cell_at(rows, cell_slot[w, slot, 1], d)
+            f = vec3(cell_wrench[w, pair, at, 0], cell_wrench[w, pair, at, 1], cell_wrench[w, pair, at, 2])
+            t = vec3(cell_wrench[w, pair, at, 3], cell_wrench[w, pair, at, 4], cell_wrench[w, pair, at, 5])
             row = 2 * slot + d
-            at_wrench = cell_at(rows, m, d)
-            if lane == 0:
-                f = vec3(
-                    cell_wrench[w, pair, at_wrench, 0], cell_wrench[w, pair, at_wrench, 1],
-                    cell_wrench[w, pair, at_wrench, 2],
-                )  # fmt: skip
-                t = vec3(
-                    cell_wrench[w, pair, at_wrench, 3], cell_wrench[w, pair, at_wrench, 4],
-                    cell_wrench[w, pair, at_wrench, 5],
-                )  # fmt: skip
-                t_a = wp.transpose(axes[w, A]) * t
-                t_b = wp.transpose(axes_of(axes, w, B)) * (t + wp.cross(r1[w, A] - origin_of(r1, w, B), f))
-                for i in range(3):
-                    cell_L[w, row, i] = f[i]
-                    cell_L[w, row, 3 + i] = t_a[i]
-                    cell_L[w, row, 6 + i] = -f[i]
-                    cell_L[w, row, 9 + i] = -t_b[i]
-                    if B < 0:
-                        cell_L[w, row, 6 + i] = real(0.0)
-                        cell_L[w, row, 9 + i] = real(0.0)
-            start = (w * model.cell_capacity + slot) * 2 * model.pair_modes + d * model.pair_modes
-            c = 12 + lane
-            while c < count:
-                column = model.coupled[pair, c]
-                if column < model.row_offset:  # a mode that carries inertia
-                    mode = model.dense_mode[column - 6 * model.body_count]
-                    at = mode - first_a
-                    if at < 0 or at >= count_a:
-                        at = count_a + mode - first_b
-                    cell_L[w, row, c] = cell_J[start + at]
-                else:
-                    at = (w * model.row_count + column - model.row_offset) * model.modal_count
-                    value = -dot(model.global_count[A], cell_J, start, C_receptance, at + first_a)
-                    if B >= 0:
-                        value -= dot(model.global_count[B], cell_J, start + count_a, C_receptance, at + first_b)
-                    cell_L[w, row, c] = value
-                c += wp.block_dim()
-            begin = (w * 2 * model.cell_capacity + row) * N
-            c = lane
-            while c < N:
-                cell_V[begin + c] = real(0.0)
-                c += wp.block_dim()
-            sync()
-            c = int(0)
-            while c < count:
-                axpy(N, cell_L[w, row, c], inverse_transposed, (w * N + model.coupled[pair, c]) * N, cell_V, begin)
-                c += 1
+            line = w * 2 * model.cell_capacity + row
+            outer_row(
+                model, w, pair, row, lane, f, t, axes, r1, cell_J, line * model.pair_modes, C_receptance,
+                inverse_transposed, line * model.outer_count, cell_L, cell_V,
+            )  # fmt: skip
         slot += 1
-
-
-# K[i, first:last] = G[i, first:last] + V_i . L^T, and the mirror.
-@wp.func_native("""
-    const int cap = 2 * model.cell_capacity, N = model.outer_count, width = model.coupled_capacity;
-    const double* v = V.data + ((size_t)w * cap + i) * N;
-    double picked[512];
-    int known = -1, count = 0;
-    for (int j = first + WP_TILE_THREAD_IDX; j < last; j += WP_TILE_BLOCK_DIM) {
-        const int pair = cell_slot.data[((size_t)w * model.cell_capacity + j / 2) * 2];
-        if (pair != known) {
-            const int* c = model.coupled.data + (size_t)pair * width;
-            known = pair; count = model.coupled_count.data[pair];
-            for (int q = 0; q < count; ++q) picked[q] = v[c[q]];
-        }
-        const double* l = L.data + ((size_t)w * cap + j) * width;
-        double x = G.data[((size_t)w * cap + i) * cap + j], y = 0.0; int q = 0;
-        for (; q + 1 < count; q += 2) { x += picked[q] * l[q]; y += picked[q + 1] * l[q + 1]; }
-        if (q < count) x += picked[q] * l[q];
-        K.data[((size_t)w * cap + i) * cap + j] = x + y; K.data[((size_t)w * cap + j) * cap + i] = x + y;
-    }
-""")
-def add_outer(
-    model: Model,
-    w: int,
-    i: int,
-    first: int,
-    last: int,
-    cell_slot: wp.array3d(dtype=int),
-    G: wp.array3d(dtype=real),
-    L: wp.array3d(dtype=real),
-    V: wp.array(dtype=real),
-    K: wp.array3d(dtype=real),
-): ...
 
 
 @wp.kernel

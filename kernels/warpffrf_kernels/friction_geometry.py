@@ -23,6 +23,7 @@ gradient of the weak slip `S_k = area_k s_k` by a motion of the first body relat
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.contact_geometry import TWO_PI, wrap
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
 from warpffrf_kernels.surface import (
@@ -43,7 +44,6 @@ STEEPEST = wp.constant(wp.float64(0.1))  # cosine between c and the second norma
 # columns that the grids may move against each other before the compliance of the cells is assembled anew: it changes by
 # about this fraction, and serves as a tangent only
 PHASE_TOLERANCE = wp.constant(wp.float64(1.0e-2))
-PI = wp.constant(wp.float64(3.141592653589793))
 
 
 @wp.func
@@ -188,7 +188,7 @@ def place_cells(
         R = real(1.0)
         along = vec3(real(0.0), real(0.0), real(1.0))
         if model.surface_planar[B] == 0:
-            grown = grown - real(2.0) * PI * wp.floor(grown / (real(2.0) * PI) + real(0.5))
+            grown = wrap(grown, TWO_PI, real(0.0))
             R = radius_of(model, B, now[1])
             slope = slope_of(model, B, now[1])
             along = vec3(slope * wp.cos(now[0]), slope * wp.sin(now[0]), real(1.0))

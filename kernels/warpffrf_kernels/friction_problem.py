@@ -12,6 +12,7 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.contact_solve import change_of
+from warpffrf_kernels.friction_forces import creep_softness
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.friction_shares import on_shares
 from warpffrf_kernels.model import Model
@@ -138,7 +139,7 @@ def pose_tractions(
         radius[w, i] = b
         softness[w, i] = real(0.0)
         if b > real(0.0):
-            softness[w, i] = area * clk[w, k.H] * model.pair_slip_velocity[pair] / b
+            softness[w, i] = area * creep_softness(model, clk, w, pair, b)
         second = vec3(real(0.0), real(0.0), real(0.0))
         if model.surface_shear[model.pair_second[pair]] >= 0:
             second = on_shares(model, w, pair, m, cell_turn, share, share_at, second_shift)

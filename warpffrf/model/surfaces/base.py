@@ -7,6 +7,7 @@ surface with the material outside (side -1) e_theta points against increasing th
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, ClassVar
 
@@ -21,7 +22,7 @@ UNIT = 4.0 * np.finfo(float).eps  # round-off of a vector that was made a unit v
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Shape:
+class Shape(ABC):
     """A contact surface in the user frame of its body; what is None is fitted to the nodes of the facet set.
 
     fit_tolerance [m] is the largest distance of a node that is accepted, 1e-5 of the size where None. `deviation` [m],
@@ -56,47 +57,48 @@ class Shape:
         return self
 
     @property
+    @abstractmethod
     def size(self) -> float:
         """Length [m] that the default fit_tolerance is a fraction of; 0 where only the nodes have one."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def e_a(self) -> np.ndarray:
         """Unit axis direction (3,), that of z."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def e_0(self) -> np.ndarray:
         """Unit reference direction (3,), perpendicular to the axis."""
-        raise NotImplementedError
 
+    @abstractmethod
     def profile(self) -> SurfaceProfile:
         """The surface's numbers."""
-        raise NotImplementedError
 
+    @abstractmethod
     def chart(self, points: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """theta, z of the nearest points of the surface, and the signed distance [m] of `points` (..., 3) [m]:
         positive in the free space, outside the material."""
-        raise NotImplementedError
 
+    @abstractmethod
     def point(self, theta: Any, z: Any) -> np.ndarray:
         """Points (..., 3) [m] of the surface at theta [rad, of a plane m], z [m]."""
-        raise NotImplementedError
 
+    @abstractmethod
     def normal(self, theta: Any, z: Any) -> np.ndarray:
         """Unit normals (..., 3) away from the material."""
-        raise NotImplementedError
 
+    @abstractmethod
     def around(self, theta: Any) -> np.ndarray:
         """Unit tangents e_theta (..., 3), so that e_theta x t_z is the normal."""
-        raise NotImplementedError
 
+    @abstractmethod
     def curvatures(self, theta: Any, z: Any) -> tuple[np.ndarray, np.ndarray]:
         """Principal curvatures [1/m] around and along the meridian, positive where the material is convex."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _completed(self, points: np.ndarray, normals: np.ndarray | None) -> Shape:
-        raise NotImplementedError
+        """The shape with what was left open fitted to the points."""
 
     # --- frame and directions
 

@@ -24,6 +24,7 @@ parts of b enclose nothing, so that the depth L does not matter:
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,7 +43,7 @@ def tangential_compliance(first: Material, second: Material | None = None) -> fl
     return sum((2.0 - m.poisson_ratio) / m.lame[1] for m in bodies)
 
 
-class _Mindlin:
+class _Mindlin(ABC):
     """What line and point share: traction and cycles from the stick ratio and the backbone b(Q)."""
 
     power: int
@@ -70,9 +71,9 @@ class _Mindlin:
         inner = self.friction * k * self.contact.pressure(np.asarray(r) / k) if k > 0.0 else 0.0
         return np.sign(force) * (self.friction * self.contact.pressure(np.asarray(r)) - inner)
 
+    @abstractmethod
     def loading(self, force: Array | float) -> Array:
         """b(Q), displacement [m] at first loading; odd in Q."""
-        raise NotImplementedError
 
     def unloading(self, force: Array | float, peak: float) -> Array:
         """Displacement [m] at `force` on the way down from `peak`."""
