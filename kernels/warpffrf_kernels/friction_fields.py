@@ -93,7 +93,7 @@ def push_gaps(
                     while q < model.share_rows:
                         part = share[w, pair, m, c * model.share_rows + q]
                         at_r = share_at[w, pair, m, 1] + q
-                        if part != real(0.0) and at_c >= 0 and at_c < model.second_columns and at_r < rows_b:
+                        if part != real(0.0):
                             e = at_c * 2 * rows_b + at_r
                             second_force[w, pair, e] = second_force[w, pair, e] + part * g_1
                             second_force[w, pair, e + rows_b] = second_force[w, pair, e + rows_b] + part * g_2

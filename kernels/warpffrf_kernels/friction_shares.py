@@ -63,7 +63,8 @@ def spread_cells(
     share: wp.array4d(dtype=real),
     share_at: wp.array4d(dtype=int),
 ):
-    """Per (world, pair), lanes over cells: the parts of a cell that lie on the cells of the second grid."""
+    """Per (world, pair), lanes over cells: the parts of a cell that lie on the cells of the second grid; 0 beyond the
+    second window, which only cells far from any patch reach: their hats would have failed the step (`keep_hat`)."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_friction[pair] == real(0.0):
@@ -106,6 +107,7 @@ def spread_cells(
         while start + 1 < rows_b and lower_edge(model, B, start + 1) <= low:
             start += 1
         start = wp.max(wp.min(start, rows_b - model.share_rows), 0)
+        at = first - (center[w, pair, 1] - model.second_half_window)
         c = int(0)
         while c < model.share_columns:
             around = reached(x + half + real(0.5), first + c) - reached(x - half + real(0.5), first + c)
@@ -113,7 +115,8 @@ def spread_cells(
             q = int(0)
             while q < model.share_rows:
                 value = real(0.0)
-                if start + q < rows_b and cell_area[w, pair, m] > real(0.0):
+                inside = start + q < rows_b and at + c >= 0 and at + c < model.second_columns
+                if inside and cell_area[w, pair, m] > real(0.0):
                     top = model.surface_z[model.surface_z_start[B] + rows_b - 1]
                     if start + q + 1 < rows_b:
                         top = lower_edge(model, B, start + q + 1)
@@ -121,7 +124,7 @@ def spread_cells(
                 share[w, pair, m, c * model.share_rows + q] = value
                 q += 1
             c += 1
-        share_at[w, pair, m, 0] = first - (center[w, pair, 1] - model.second_half_window)
+        share_at[w, pair, m, 0] = at
         share_at[w, pair, m, 1] = start
         m += wp.block_dim()
 
@@ -149,7 +152,7 @@ def on_shares(
         while q < model.share_rows:
             part = share[w, pair, m, c * model.share_rows + q]
             at_r = share_at[w, pair, m, 1] + q
-            if part != real(0.0) and at_c >= 0 and at_c < model.second_columns and at_r < rows_b:
+            if part != real(0.0):
                 e = base_b + at_c * 2 * rows_b + at_r
                 v_1 += part * second[e]
                 v_2 += part * second[e + rows_b]
