@@ -79,18 +79,26 @@ def take_slots(
 
 
 @wp.func
-def table_row(model: Model, surface: int, source: int, row: int, target: int) -> int:
-    """Index, in the compliance tables, of the response at grid column `target` (row 0) to hat (source, row); columns
-    counted over full turns. -1 when the hat does not exist. Targets of following columns and rows follow
+def place_in_table(model: Model, surface: int, source: int, row: int, target: int) -> int:
+    """Place, in a compliance table of the surface, of the response at grid column `target` (row 0) to hat (source,
+    row); columns counted over full turns. -1 when the hat does not exist. Targets of following columns and rows follow
     contiguously."""
     block = model.surface_block[surface]
     rows = model.surface_rows[surface]
     if model.surface_turn[surface] == 0 and (source < 0 or source >= block):
         return -1
     part = ((source % block) + block) % block
-    width = block + 2 * model.reach
-    at = (part * rows + row) * width + target - (source - part) + model.reach
-    return model.surface_lag_start[surface] + at * rows
+    reach = model.surface_reach[surface]
+    return ((part * rows + row) * (block + 2 * reach) + target - (source - part) + reach) * rows
+
+
+@wp.func
+def table_row(model: Model, surface: int, source: int, row: int, target: int) -> int:
+    """`place_in_table` in the tables `compliance` and `self_compliance`."""
+    at = place_in_table(model, surface, source, row, target)
+    if at >= 0:
+        at += model.surface_lag_start[surface]
+    return at
 
 
 @wp.kernel
@@ -200,98 +208,6 @@ def modal_rows(
                         )  # fmt: skip
                 r += 1
             c += 1
-        slot += 1
-
-
-# Row `slot` of G against the slots up to itself, and its mirror. Native for contiguous inner loops like `axpy`; not
-# measured separately.
-@wp.func_native("""
-    const int pair = slot_mode.data[((size_t)w * model.slot_capacity + slot) * 2];
-    const int m = slot_mode.data[((size_t)w * model.slot_capacity + slot) * 2 + 1];
-    const int A = model.pair_first.data[pair], B = model.pair_second.data[pair];
-    const int rows = model.surface_rows.data[A], block = model.surface_block.data[A], width_a = block + 2 * model.reach;
-    const int SC = model.stencil_columns, SR = model.stencil_rows;
-    const int rows_b = model.surface_rows.data[B], width = model.pair_modes, cap = model.slot_capacity;
-    const double* DA = model.self_compliance.data + model.surface_lag_start.data[A];
-    const size_t mode = (size_t)(w * model.pair_count + pair) * model.mode_capacity + m;
-    const double* l = stencil.data + mode * SC * SR;
-    const int* at = stencil_at.data + mode * 2;
-    const double* Ji = J.data + ((size_t)w * cap + slot) * width;
-    const int first_a = model.surface_modal_start.data[A], count_a = model.surface_modal_count.data[A];
-    const int first_b = model.surface_modal_start.data[B], count_b = model.surface_modal_count.data[B];
-    const double* s = receptance.data + (size_t)w * model.modal_count;
-    const int own = origin + m / rows;
-    double weight[256]; int node[256], count = 0;
-    double* scaled = scratch.data + (size_t)w * width;
-    WP_TILE_SYNC();
-    for (int n = WP_TILE_THREAD_IDX; n < count_a + count_b; n += WP_TILE_BLOCK_DIM)
-        scaled[n] = Ji[n] * s[n < count_a ? first_a + n : first_b + n - count_a];
-    WP_TILE_SYNC();
-    for (int c = 0; c < SC; ++c) for (int r = 0; r < SR; ++r)
-        if (l[c * SR + r] != 0.0) { weight[count] = l[c * SR + r]; node[count++] = (at[0] + c) * rows_b + at[1] + r; }
-    for (int j = WP_TILE_THREAD_IDX; j <= slot; j += WP_TILE_BLOCK_DIM) {
-        double g = 0.0, f = 0.0;
-        if (slot_mode.data[((size_t)w * cap + j) * 2] == pair) {
-            const int mj = slot_mode.data[((size_t)w * cap + j) * 2 + 1];
-            const int other = origin + mj / rows, part = ((other % block) + block) % block;
-            const int target = own - (other - part) + model.reach;
-            g = DA[((size_t)(part * rows + mj % rows) * width_a + target) * rows + m % rows];
-            const double* t = T.data + ((size_t)w * cap + j) * model.node_capacity;
-            for (int e = 0; e < count; ++e) g += weight[e] * t[node[e]];
-            const double* Jj = J.data + ((size_t)w * cap + j) * width;
-            int n = 0; const int all = count_a + count_b;
-            if (all >= 16) {  // as in `dot`
-                double sum[16] = {0.0};
-                for (; n + 15 < all; n += 16) for (int c = 0; c < 16; ++c) sum[c] += scaled[n + c] * Jj[n + c];
-                for (int c = 0; c < 16; ++c) f += sum[c];
-            }
-            for (; n < all; ++n) f += scaled[n] * Jj[n];
-        }
-        G.data[((size_t)w * cap + slot) * cap + j] = g + f; G.data[((size_t)w * cap + j) * cap + slot] = g + f;
-    }
-""")
-def couple(
-    model: Model,
-    w: int,
-    slot: int,
-    origin: int,
-    slot_mode: wp.array3d(dtype=int),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
-    T: wp.array(dtype=real),
-    J: wp.array(dtype=real),
-    receptance: wp.array2d(dtype=real),
-    scratch: wp.array(dtype=real),
-    G: wp.array3d(dtype=real),
-): ...
-
-
-@wp.kernel
-def assemble(
-    models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    center: wp.array3d(dtype=int),
-    slot_mode: wp.array3d(dtype=int),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
-    T: wp.array(dtype=real),
-    J: wp.array(dtype=real),
-    receptance: wp.array2d(dtype=real),
-    scratch: wp.array(dtype=real),
-    G: wp.array3d(dtype=real),
-):
-    """Per world: rows of G of the fresh slots."""
-    w, lane = wp.tid()
-    model = models[0]
-    if ctl[w, k.RUN] == 0:
-        return
-    slot = ctl[w, k.FRESH]
-    while slot < ctl[w, k.SLOTS]:
-        pair = slot_mode[w, slot, 0]
-        couple(
-            model, w, slot, center[w, pair, 0] - model.half_window, slot_mode, stencil, stencil_at,
-            T, J, receptance, scratch, G,
-        )  # fmt: skip
         slot += 1
 
 

@@ -143,7 +143,8 @@ def cell_modes(
     const int* own = cell_slot.data + ((size_t)w * model.cell_capacity + slot) * 2;
     const int pair = own[0], m = own[1];
     const int A = model.pair_first.data[pair], B = model.pair_second.data[pair];
-    const int rows = model.surface_rows.data[A], block = model.surface_block.data[A], wide = block + 2 * model.reach;
+    const int rows = model.surface_rows.data[A], block = model.surface_block.data[A];
+    const int reach = model.surface_reach.data[A], wide = block + 2 * reach;
     const int rows_b = model.surface_rows.data[B], flexible = model.surface_shear.data[B] >= 0;
     const double* DA = model.tangential.data + model.surface_tt.data[A];
     const double* T = shift.data + (size_t)w * 4 * model.node_capacity;
@@ -166,7 +167,7 @@ def cell_modes(
         double g[2][2] = {{0.0, 0.0}, {0.0, 0.0}};
         if (other[0] == pair) {
             const int mj = other[1], column_j = origin + mj / rows, row_j = mj % rows;
-            const int part = ((column_j % block) + block) % block, target = column - (column_j - part) + model.reach;
+            const int part = ((column_j % block) + block) % block, target = column - (column_j - part) + reach;
             const double area_j = cell_area.data[cells + mj];
             for (int e = 0; e < 2; ++e) for (int d = 0; d < 2; ++d)
                 g[d][e] = area * area_j * DA[(((size_t)part * 2 * rows + e * rows + row_j) * wide + target) * 2 * rows

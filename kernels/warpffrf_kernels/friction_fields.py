@@ -18,6 +18,7 @@ from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.friction_shares import line_of, on_shares, response_at
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, real, sync
+from warpffrf_kernels.shared_surface import has_neighbours
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -125,10 +126,11 @@ def add_push(
     first_local: wp.array(dtype=real),
     second_local: wp.array(dtype=real),
 ):
-    """Per (world, pair): adds what `push_gaps` found to the displacements by the pressures."""
+    """Per (world, pair): adds what `push_gaps` and `shared_surface.share_push` found to the displacements by the
+    pressures."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or model.pair_friction[pair] == real(0.0):
+    if ctl[w, k.RUN] == 0 or (model.pair_friction[pair] == real(0.0) and not has_neighbours(model, pair)):
         return
     at = w * model.pair_count + pair
     axpy(model.mode_capacity, real(1.0), first_push, at * model.mode_capacity, first_local, at * model.mode_capacity)
@@ -320,7 +322,9 @@ def change_pressures(
     surface."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0 or model.pair_friction[pair] == real(0.0):
+    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+        return
+    if model.pair_friction[pair] == real(0.0) and not has_neighbours(model, pair):
         return
     rows = model.surface_rows[model.pair_first[pair]]
     rows_b = model.surface_rows[model.pair_second[pair]]

@@ -172,7 +172,8 @@ def response_at(model: Model, s: int, table: int, source: int, line: int, lines:
     if model.surface_turn[s] == 0 and (source < 0 or source >= block):
         return -1
     part = ((source % block) + block) % block
-    at = (part * lines + line) * (block + 2 * model.reach) + target - (source - part) + model.reach
+    reach = model.surface_reach[s]
+    at = (part * lines + line) * (block + 2 * reach) + target - (source - part) + reach
     return table + at * wide
 
 

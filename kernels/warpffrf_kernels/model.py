@@ -117,7 +117,7 @@ class Model:
     surface_columns: wp.array(dtype=int)
     surface_periodic: wp.array(dtype=int)  # 1: hats all around; 0: hats on an arc only
     surface_turn: wp.array(dtype=int)  # columns of the full turn that the compliance counts, 0 when it covers an arc
-    reach: int  # grid columns on each side of a block that the compliance tables hold
+    surface_reach: wp.array(dtype=int)  # grid columns on each side of a block that its compliance tables hold
     surface_rows: wp.array(dtype=int)
     surface_block: wp.array(dtype=int)  # columns of a block of the compliance
     surface_z_start: wp.array(dtype=int)  # into surface_z
@@ -130,6 +130,11 @@ class Model:
     self_compliance: wp.array(dtype=real)  # M D M, same layout
     mode_normal: wp.array(dtype=real)  # (nodes, modes of the body), flat per surface
     mode_moment: wp.array(dtype=real)  # M Phi, same layout
+    # surfaces that serve several pairs, see `shared_surface`
+    neighbour_start: wp.array(dtype=int)  # (surfaces + 1,) into the two below
+    neighbour: wp.array(dtype=int)  # the same surface as another pair has it
+    neighbour_table: wp.array(dtype=int)  # into shared_compliance: what a load there does here
+    shared_compliance: wp.array(dtype=real)  # M D M, M D, D M and D in the layout of compliance
     # quadrature of a cell of the first grid of each pair
     theta_points: int
     theta_abscissa: wp.array(dtype=real)  # in (0, 1)

@@ -147,7 +147,7 @@ class Scene:
         if isinstance(thing, (Drive, JointSpringDamper, JointReaction)):
             self._check_driven_joint(thing)
         if isinstance(thing, Contact):
-            self._check_free_surfaces(thing)
+            self._check_new_pair(thing)
         names = [member.name for member in members]
         if thing.name is None:
             number = 1
@@ -238,14 +238,14 @@ class Scene:
                 if drive.joint is item.joint and drive.coordinate == item.coordinate:
                     raise InputError(f"drive: the {item.coordinate} of joint {item.joint.name!r} is driven already")
 
-    def _check_free_surfaces(self, contact: Contact) -> None:
+    def _check_new_pair(self, contact: Contact) -> None:
         for other in self.contacts:
-            for port in contact.ports:
-                if not port.rigid and any(_same_surface(port, used) for used in other.ports):
-                    raise InputError(
-                        f"contact {contact.name!r}: surface {port.label} is used by contact {other.name!r} already; "
-                        "one pair per surface is supported for now"
-                    )
+            same = [any(_same_surface(port, used) for used in other.ports) for port in contact.ports]
+            if all(same):
+                raise InputError(
+                    f"contact {contact.name!r}: {contact.a.label} and {contact.b.label} are in contact already, as "
+                    f"{other.name!r}; one pair holds all their patches, in whichever order they are named"
+                )
 
 
 def _same_surface(a: SurfacePort, b: SurfacePort) -> bool:

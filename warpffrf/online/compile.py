@@ -20,6 +20,7 @@ from warpffrf.online.compile_friction import fill_friction
 from warpffrf.online.compile_inertia import InertiaPlan, fill_inertia, fill_stiffening, mode_reach
 from warpffrf.online.compile_joints import JointTable, compile_joints
 from warpffrf.online.compile_layers import LAYER_ITERATIONS, fill_layers
+from warpffrf.online.compile_shared import fill_shared
 from warpffrf.online.compile_surfaces import fill_surfaces
 from warpffrf.online.local_dynamics import FOLLOWS, LocalDynamics, LocalPlan
 from warpffrf.online.settings import LARGEST_INDEX, Settings
@@ -82,7 +83,8 @@ class _Compiler:
         self.notes: list[str] = []
         self.joint_table = JointTable()
         self.force_table = ForceTable()
-        self.surfaces: list[tuple[Any, Any]] = []  # (body, ContactSurface)
+        self.surfaces: list[tuple[Any, Any]] = []  # (body, ContactSurface), two for each pair
+        self.places: list[tuple[int, str]] = []  # (index of the body, name) of these: equal where pairs share one
         self.inertia = InertiaPlan.of(scene)
         self.local = LocalPlan.of(scene, local)
         self.mode_counts = [b.mode_count + self.local.count(b.index) for b in scene.bodies]
@@ -131,6 +133,7 @@ class _Compiler:
         for contact in scene.contacts:
             for port in contact.ports:
                 self.surfaces.append((port.body, self.local.surface(port)))
+                self.places.append((port.body.index, port.name))
         modal_start = np.cumsum([0, *self.mode_counts])
         m.body_count, m.modal_count, m.row_count = len(bodies), int(modal_start[-1]), len(self.rows)
         fill_inertia(self, m)
@@ -148,6 +151,7 @@ class _Compiler:
         self._markers_rows_signals(m)
         fill_pairs(self, m)
         fill_surfaces(self, m)
+        fill_shared(self, m)
         fill_friction(self, m)
         fill_layers(self, m)
         m.residual_tolerance = settings.residual_tolerance

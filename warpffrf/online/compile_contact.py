@@ -73,7 +73,6 @@ def fill_pairs(compiler: Any, m: Any) -> None:
     m.stencil_columns, m.stencil_rows = stencil
     m.second_half_window, m.second_columns = second_half, 2 * second_half + 1
     m.node_capacity = m.second_columns * second_rows
-    m.reach = m.window_columns + m.second_columns + m.stencil_columns
     m.pair_modes = pair_modes
     m.slot_capacity = slots
     m.coupled_capacity = max([len(c) for c in coupled], default=1)

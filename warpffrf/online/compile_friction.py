@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.online.compile_shared import neighbours, surface_reaches
 from warpffrf.online.compliance_tables import hat_gram
 from warpffrf.online.contact_windows import Extent, between_axes, sine_between
 
@@ -39,35 +40,44 @@ def fill_friction(compiler: Any, m: Any) -> None:
     m.pair_slip_velocity = compiler.array([c.friction.slip_velocity for c in contacts])
     present = has_friction(compiler.scene)
     m.cell_capacity = m.slot_capacity if present else 0  # a cell is loaded where its hat is
-    shear, tt, nt, tn, area = [], [], [], [], []
+    shear, tt, nt, tn = [], [], [], []
     modes: list[np.ndarray] = []
     tables: list[np.ndarray] = []
+    known: dict[tuple, tuple[int, ...]] = {}  # where the tables of a surface begin, as a first and as a second one
     share = (1, 1)
+    rubbing = [contact.friction.coefficient > 0.0 for contact in contacts]
+    found, reaches = neighbours(compiler), surface_reaches(compiler, m)
+    z_start = m.surface_z_start.numpy()
+    area = np.zeros(m.surface_z.shape[0])
     for number, (_, surface) in enumerate(compiler.surfaces):
-        contact, first = contacts[number // 2], number % 2 == 0
-        rows = 2 if surface.grid is None else surface.grid.rows
-        used = contact.friction.coefficient > 0.0 and surface.grid is not None
-        for starts in (tt, nt, tn):
-            starts.append(sum(map(len, tables)))
-        shear.append(sum(map(len, modes)) if used else -1)
+        contact, side = contacts[number // 2], number % 2
+        # what others rub on a surface that it shares is felt by a pair without friction too
+        used = surface.grid is not None and any(rubbing[s // 2] for s in [number, *found[number]])
         if not used:
-            area.append(np.zeros(rows))
+            for starts, value in zip((shear, tt, nt, tn), (-1, 0, 0, 0), strict=True):
+                starts.append(value)
             continue
         tangential = surface.tangential
         if tangential.mode_tangent.shape[-1] != surface.mode_normal.shape[-1]:
             raise InputError(
                 f"contact {contact.name!r}: friction needs quasi-static local modes, those of "
-                f"{contact.ports[number % 2].label} "
+                f"{contact.ports[side].label} "
                 "have no tangential displacement when they carry inertia; use local='quasi_static'"
             )
         cells = tangential.grid
-        area.append(cells.pitch * np.diag(cells.gram_z(surface.shape)))
-        by_column = tangential.mode_tangent.reshape(2, cells.columns, cells.rows, -1).transpose(1, 0, 2, 3)
-        modes.append(np.ascontiguousarray(by_column).ravel())
-        coupling = _weak(surface, tangential.lags_nt) if first else tangential.lags_nt
-        for starts, table in zip((tt, nt, tn), _tables(surface, coupling, m.reach), strict=True):
-            starts[-1] = sum(map(len, tables))
-            tables.append(table)
+        area[z_start[number] : z_start[number] + cells.rows] = cells.pitch * np.diag(cells.gram_z(surface.shape))
+        key = (compiler.places[number], side)
+        if key not in known:
+            coupling = tangential.lags_nt if side else _weak(surface, tangential.lags_nt)
+            begins = [sum(map(len, modes))]
+            by_column = tangential.mode_tangent.reshape(2, cells.columns, cells.rows, -1).transpose(1, 0, 2, 3)
+            modes.append(np.ascontiguousarray(by_column).ravel())
+            for table in _tables(surface, coupling, reaches[number]):
+                begins.append(sum(map(len, tables)))
+                tables.append(table)
+            known[key] = tuple(begins)
+        for starts, value in zip((shear, tt, nt, tn), known[key], strict=True):
+            starts.append(value)
     for i, contact in enumerate(contacts):
         a, b = compiler.surfaces[2 * i][1], compiler.surfaces[2 * i + 1][1]
         if contact.friction.coefficient > 0.0 and b.grid is not None:
@@ -75,7 +85,7 @@ def fill_friction(compiler: Any, m: Any) -> None:
             share = tuple(np.maximum(share, _extent(a, b, crossed)))
     m.share_columns, m.share_rows = (int(n) for n in share)
     none = [np.zeros(0)]
-    m.cell_area = compiler.array(np.concatenate(none + area))
+    m.cell_area = compiler.array(area)
     m.surface_shear = compiler.array(shear, int)
     m.surface_tt, m.surface_nt, m.surface_tn = (compiler.array(starts, int) for starts in (tt, nt, tn))
     m.mode_tangent = compiler.array(np.concatenate(none + modes))

@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 import warp as wp
 
+from warpffrf.online.compile_shared import surface_reaches
 from warpffrf.online.compliance_tables import modal_moments, response_table, weak_compliance
 
 NO_NODES = 2  # columns and rows of a rigid surface's empty grid: the fewest between which can be interpolated
 
 INTEGERS = (
     "body", "modal_start", "modal_count", "planar", "table_start", "table_count", "rigid", "columns", "periodic",
-    "turn", "rows", "block", "z_start", "lag_start", "mode_start",
+    "turn", "rows", "block", "reach", "z_start", "lag_start", "mode_start",
 )  # fmt: skip
 REALS = ("side", "radius", "tangent", "crown", "theta", "pitch")
 
@@ -28,13 +29,16 @@ def is_rigid(surface: Any) -> bool:
 
 
 def fill_surfaces(compiler: Any, m: Any) -> None:
-    """Tables of the surfaces in contact; after `fill_pairs`, which knows how far the compliance is asked for."""
+    """Tables of the surfaces in contact, those of one that serves several pairs once; after `fill_pairs`, which knows
+    how far the compliance is asked for."""
     lists: dict[str, list] = {name: [] for name in (*INTEGERS, *REALS, "origin", "frame")}
     breaks, coefficients, z = [], [], []
     D, MDM, modes, moments = [], [], [], []
     yieldings = [value for contact in compiler.scene.contacts for value in (contact.law.yielding, 0.0)]  # on the first
     modal_start = np.cumsum([0, *compiler.mode_counts])
-    for (body, surface), yielding in zip(compiler.surfaces, yieldings, strict=True):
+    known: dict[tuple, dict[str, int]] = {}  # where the tables of a surface begin, with and without a layer
+    owned = zip(compiler.surfaces, compiler.places, yieldings, surface_reaches(compiler, m), strict=True)
+    for (body, surface), place, yielding, reach in owned:
         shape, profile = surface.shape, surface.shape.profile()
         on_ground = body.index < 0
         origin = np.asarray(shape.axis_point) - (0.0 if on_ground else body.center_of_mass)
@@ -45,9 +49,9 @@ def fill_surfaces(compiler: Any, m: Any) -> None:
             "planar": int(profile.planar), "side": profile.side, "radius": profile.radius,
             "tangent": profile.tangent, "crown": profile.crown,
             "table_start": sum(map(len, breaks)), "table_count": len(profile.coefficients),
-            "rigid": int(is_rigid(surface)),
-            "z_start": sum(map(len, z)), "lag_start": sum(map(len, D)), "mode_start": sum(map(len, modes)),
+            "rigid": int(is_rigid(surface)), "reach": reach,
         }  # fmt: skip
+        begins = {"z_start": sum(map(len, z)), "lag_start": sum(map(len, D)), "mode_start": sum(map(len, modes))}
         if len(profile.coefficients):
             breaks.append(np.asarray(profile.breaks, float))
             coefficients.append(np.concatenate([profile.coefficients, np.zeros((1, 4))]))
@@ -56,8 +60,9 @@ def fill_surfaces(compiler: Any, m: Any) -> None:
                 "frame": np.asarray(shape.frame).T, "theta": 0.0, "pitch": 1.0, "columns": NO_NODES, "periodic": 0,
                 "turn": 0, "rows": NO_NODES, "block": NO_NODES,
             }  # fmt: skip
+            values |= begins
             z.append(np.arange(float(NO_NODES)))
-            empty = np.zeros(NO_NODES**3 * (NO_NODES + 2 * m.reach))
+            empty = np.zeros(NO_NODES**3 * (NO_NODES + 2 * reach))
             D.append(empty)
             MDM.append(empty)
             modes.append(np.zeros(NO_NODES**2 * values["modal_count"]))
@@ -72,11 +77,13 @@ def fill_surfaces(compiler: Any, m: Any) -> None:
                 "periodic": int(grid.periodic), "turn": sectors * block if sectors > 1 or grid.periodic else 0,
                 "rows": grid.rows, "block": block,
             }  # fmt: skip
-            z.append(np.asarray(grid.z))
-            D.append(response_table(surface, surface.lags, m.reach).ravel())
-            MDM.append(response_table(surface, weak_compliance(surface, yielding), m.reach).ravel())
-            modes.append(np.ascontiguousarray(surface.mode_normal).ravel())
-            moments.append(modal_moments(surface).ravel())
+            values |= known.setdefault((place, yielding), begins)
+            if known[place, yielding] is begins:
+                z.append(np.asarray(grid.z))
+                D.append(response_table(surface, surface.lags, reach).ravel())
+                MDM.append(response_table(surface, weak_compliance(surface, yielding), reach).ravel())
+                modes.append(np.ascontiguousarray(surface.mode_normal).ravel())
+                moments.append(modal_moments(surface).ravel())
         for name, value in values.items():
             lists[name].append(value)
     m.surface_origin = compiler.array(lists.pop("origin"), wp.vec3d, (-1, 3))

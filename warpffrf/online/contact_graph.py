@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from warpffrf_kernels import (
+    contact_assembly,
     contact_compliance,
     contact_few,
     contact_fields,
@@ -12,15 +13,18 @@ from warpffrf_kernels import (
     contact_place,
     contact_points,
     contact_solve,
+    shared_surface,
 )
 
 from warpffrf.online.compile_friction import has_friction
+from warpffrf.online.compile_shared import serves_several
 from warpffrf.online.friction_graph import FrictionGraph
 from warpffrf.online.launcher import Launcher
 from warpffrf.online.layer_graph import LayerGraph
 
 MODULES = (
-    contact_geometry, contact_few, contact_place, contact_points, contact_compliance, contact_fields, contact_solve,
+    contact_geometry, contact_few, contact_place, contact_points, contact_compliance, contact_assembly, contact_fields,
+    contact_solve, shared_surface,
 )  # fmt: skip
 
 
@@ -36,6 +40,7 @@ class ContactGraph(Launcher):
         self.few = bool(((families == 0) & (counts > 0)).any())
         self.friction = FrictionGraph(*arguments) if has_friction(self.compiled.scene) else None
         self.layer = LayerGraph(*arguments) if m.layer_count else None
+        self.shared = serves_several(m)
 
     def locate(self) -> None:
         """Windows, gaps and contact forces of the trial state."""
@@ -176,7 +181,7 @@ class ContactGraph(Launcher):
             contact_compliance.modal_rows, (W,), [M, s.ctl, x.center, x.slot_mode, x.stencil, x.stencil_at], [x.J]
         )
         self.block(
-            contact_compliance.assemble, (W,),
+            contact_assembly.assemble, (W,),
             [M, s.ctl, x.center, x.slot_mode, x.stencil, x.stencil_at, x.T, x.J, x.receptance], [x.scaled_modes, x.G],
         )  # fmt: skip
         self.block(
@@ -194,6 +199,12 @@ class ContactGraph(Launcher):
             [M, s.ctl, x.center, x.window, x.second_window, s.active, x.stencil, x.stencil_at, s.pressure],
             [x.second_load.flatten(), x.first_local, x.second_local],
         )  # fmt: skip
+        if self.shared:
+            self.block(
+                shared_surface.share_pressures, (self.worlds, self.compiled.model.pair_count),
+                [M, s.ctl, x.center, x.window, x.second_window, s.active, s.pressure, x.second_load.flatten()],
+                [x.first_local, x.second_local],
+            )  # fmt: skip
         if self.friction:
             self.friction.add_push()
         if self.layer:

@@ -19,8 +19,10 @@ from warpffrf_kernels import (
     friction_problem,
     friction_shares,
     friction_solve,
+    shared_surface,
 )
 
+from warpffrf.online.compile_shared import serves_several
 from warpffrf.online.launcher import Launcher
 
 MODULES = (
@@ -31,6 +33,10 @@ MODULES = (
 
 class FrictionGraph(Launcher):
     """Records the friction kernels of all contact pairs."""
+
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
+        self.shared = serves_several(self.compiled.model)
 
     def place(self) -> None:
         """Cells, after the windows are known: where they are and how far they slide."""
@@ -61,6 +67,12 @@ class FrictionGraph(Launcher):
             [M, s.ctl, x.center, x.window, x.second_window, x.cell_area, x.cell_turn, x.share, x.share_at, s.traction],
             [x.second_force, x.first_push, x.second_push],
         )  # fmt: skip
+        if self.shared:
+            self.block(
+                shared_surface.share_push, (W, P),
+                [M, s.ctl, x.center, x.window, x.second_window, x.cell_area, s.traction, x.second_force],
+                [x.first_push, x.second_push],
+            )  # fmt: skip
 
     def add_push(self) -> None:
         """Adds that to the displacements that open the gaps; after `contact_fields.local_fields`."""
@@ -192,6 +204,12 @@ class FrictionGraph(Launcher):
             friction_fields.press_cells, (W, P), [M, s.ctl, x.center, x.window, pressure, load, of_state],
             [x.first_shift, x.second_shift],
         )  # fmt: skip
+        if self.shared:
+            self.block(
+                shared_surface.share_shift, (W, P),
+                [M, s.ctl, x.center, x.window, pressure, load, x.cell_area, s.traction, x.second_force, of_state],
+                [x.first_shift, x.second_shift],
+            )  # fmt: skip
 
     def _bounds(self, clip: int) -> None:
         M, s, x, W, P = self.compiled.models, self.state, self.work, self.worlds, self.compiled.model.pair_count

@@ -1,0 +1,80 @@
+"""Surfaces that serve several pairs -> device tables of what the pairs do to each other there (`shared_surface`)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from warpffrf.online.compliance_tables import hat_gram, response_table
+
+SPARE = 2  # columns that a window may have moved since the sources were counted
+
+Place = tuple[int, str]  # body index and name of a surface
+
+
+def neighbours(compiler: Any) -> list[list[int]]:
+    """Of every surface number (two for each pair) those that are the same flexible surface in other pairs."""
+    own = list(zip(compiler.places, compiler.surfaces, strict=True))
+    return [
+        [t for t, (other, _) in enumerate(own) if t != s and other == place and surface.grid is not None]
+        for s, (place, (_, surface)) in enumerate(own)
+    ]
+
+
+def serves_several(m: Any) -> bool:
+    """Whether any surface of the model serves more than one pair."""
+    return bool(m.neighbour_start.numpy()[-1])
+
+
+def surface_reaches(compiler: Any, m: Any) -> list[int]:
+    """Grid columns on each side of a block that the compliance tables of every surface hold: what a pair sees of its
+    own, and half a turn where other pairs load the same surface."""
+    near = m.window_columns + m.second_columns + m.stencil_columns
+    half = max(m.half_window, m.second_half_window) + SPARE
+    reaches = []
+    for (_, surface), others in zip(compiler.surfaces, neighbours(compiler), strict=True):
+        turn = 0
+        if others:
+            sectors = len(surface.lags)
+            full = sectors > 1 or surface.grid.periodic
+            turn = sectors * surface.lags.shape[1] // surface.grid.rows if full else 0
+        reaches.append(max(near, turn // 2 + half) if turn else near)
+    return reaches
+
+
+def fill_shared(compiler: Any, m: Any) -> None:
+    """Neighbours of the surfaces and the tables between them; after `fill_surfaces`."""
+    found = neighbours(compiler)
+    start = np.cumsum([0, *map(len, found)])
+    reaches = surface_reaches(compiler, m)
+    tables: list[np.ndarray] = []
+    begins: dict[tuple, int] = {}
+    at = []
+    for s, others in enumerate(found):
+        for t in others:
+            key = (compiler.places[s], s % 2, t % 2)
+            if key not in begins:
+                begins[key] = sum(map(len, tables))
+                tables.append(_between(compiler.surfaces[s][1], s % 2, t % 2, reaches[s]))
+            at.append(begins[key])
+    m.neighbour_start = compiler.array(start, int)
+    m.neighbour = compiler.array([t for others in found for t in others], int)
+    m.neighbour_table = compiler.array(at, int)
+    m.shared_compliance = compiler.array(np.concatenate([np.zeros(0), *tables]))
+
+
+def _between(surface: Any, reading: int, loading: int, reach: int) -> np.ndarray:
+    """Flat table of the displacement that a pair reads under what another loads, each 0 weakly by hats (of a first
+    surface), 1 at nodes (of a second): M D M, M D, D M or D."""
+    D, M = surface.lags, hat_gram(surface)
+    turned = len(D) > 1
+    if turned:  # circulant: product by product over the harmonics
+        D, M = np.fft.rfft(D, axis=0), np.fft.rfft(M, axis=0)
+    if reading == 0:
+        D = M @ D
+    if loading == 0:
+        D = D @ M
+    if turned:
+        D = np.fft.irfft(D, n=len(surface.lags), axis=0)
+    return response_table(surface, D, reach).ravel()
