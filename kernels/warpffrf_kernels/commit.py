@@ -77,6 +77,10 @@ def decide(
     if deep and failure != 0 and (failure | k.ENERGY | k.ACCURACY) == (k.ENERGY | k.ACCURACY):
         ctl[w, k.COARSE] = ctl[w, k.COARSE] + failure / k.ACCURACY
         failure = 0  # as fine as allowed: the ledger and the report show what is left
+    if (failure & k.ROOM) != 0:  # the same attempt comes again, with more room
+        ctl[w, k.STATUS] = k.ROOM
+        ctl[w, k.ACTIVE] = ctl[w, k.TOUCHED]
+        return
     if failure != 0:
         ctl[w, k.REJECTED] = ctl[w, k.REJECTED] + 1
         ctl[w, k.REASON] = ctl[w, k.REASON] | failure

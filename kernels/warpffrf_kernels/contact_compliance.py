@@ -70,7 +70,7 @@ def take_slots(
             m += 1
         pair += 1
     if count > model.slot_capacity:
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.CAPACITY
+        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ROOM
         ctl[w, k.SPARE] = wp.max(ctl[w, k.SPARE], count)
         ctl[w, k.RUN] = 0
         count = model.slot_capacity

@@ -31,7 +31,7 @@ STEPS = wp.constant(22)  # accepted steps
 REASON = wp.constant(23)  # failure bits of all rejected attempts
 PENDING = wp.constant(24)  # iterations since the last saved row
 PENDING_SOLVES = wp.constant(25)
-SPARE = wp.constant(26)  # capacity that would do, where one is exceeded
+SPARE = wp.constant(26)  # capacity, or slots, that would do, where there are too few
 EDGE = wp.constant(27)  # 1 when a patch ran onto the end of a contact surface that covers an arc only
 ATTEMPT = wp.constant(28)  # 1 when this world takes part in the attempt
 ACCEPT = wp.constant(29)  # 1 when the attempt was accepted
@@ -81,6 +81,7 @@ ENERGY = wp.constant(64)
 INDEFINITE = wp.constant(128)
 STENCIL = wp.constant(256)
 ACCURACY = wp.constant(512)
+ROOM = wp.constant(1024)  # more slots are in play than there is room for: `Engine` makes more and tries again
 
 # --- constraint row kinds
 TRANSLATION = wp.constant(0)

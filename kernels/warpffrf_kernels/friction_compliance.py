@@ -68,7 +68,7 @@ def take_cells(
     if count > ctl[w, k.FRESH_CELLS]:
         ctl[w, k.FACTORED] = 0  # the numbers of the slots are new
     if count > model.cell_capacity:
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.CAPACITY
+        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ROOM
         ctl[w, k.SPARE] = wp.max(ctl[w, k.SPARE], count)
         ctl[w, k.RUN] = 0
         count = model.cell_capacity

@@ -19,7 +19,7 @@ from warpffrf.model.mesh import roller
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
-from warpffrf.online import Engine, Settings, find_equilibrium, run
+from warpffrf.online import Engine, Settings, compile_contact, find_equilibrium, run
 
 sys.path.insert(0, str(FilePath(__file__).parent))
 from reference_contact import Pose, contact_problem, dense_compliance, full_gram
@@ -239,3 +239,23 @@ def test_friction_on_both_sides_of_a_roller_takes_energy_and_converges(rubbing_b
         contact = history.contacts[name]
         size = np.linalg.norm(contact.force, axis=1)
         assert np.abs(contact.force + contact.force_second).max() < 1e-6 * size.max()
+
+
+def test_room_for_hats_grows_without_a_trace(rubbing_body: ReducedBody, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run that begins with room for a single hat of each pair gives the numbers of one that never is short, bit for
+    bit; and a capacity that is asked for stays."""
+    scene = train(rubbing_body, (False, True), (MU, MU))
+    plain = run(scene, 6 * STEP, step=STEP, start="equilibrium", progress=False)
+    monkeypatch.setattr(compile_contact, "LEAST_SLOTS", 1)
+    monkeypatch.setattr(compile_contact, "USUAL_PATCH", 10**6)
+    assert Engine(scene).compiled.model.slot_capacity == 3
+    grown = run(scene, 6 * STEP, step=STEP, start="equilibrium", progress=False)
+    assert plain.status == grown.status == "completed"
+    assert grown.counters["rejected_steps"] == plain.counters["rejected_steps"]
+    for name in ("low", "high"):
+        assert np.array_equal(plain.contacts[name].pressure, grown.contacts[name].pressure)
+        assert np.array_equal(plain.contacts[name].force, grown.contacts[name].force)
+    for contact in scene.contacts:
+        contact.capacity = 3
+    short = run(scene, STEP, step=STEP, start="equilibrium", progress=False)
+    assert short.status == "capacity" and "raise capacity" in short.message

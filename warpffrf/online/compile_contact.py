@@ -26,6 +26,9 @@ from warpffrf.online.sampling_rules import on_stations, rule_of
 
 LINE_OF_CENTRES, AT_POINTS = 0, 1  # families of geometry: `contact_geometry`, `contact_points`
 LEAST_CROWN = 1.0  # radii: below, the crown is no small drop along the width
+# room for hats in play, to begin with: matrices grow with its square, so pairs that never load a whole window need not
+# pay for one; `Engine` doubles it where it is short
+LEAST_SLOTS, USUAL_PATCH = 64, 4
 SKEW = 0.02  # rad between the axes: the line of centres drops terms of the order of its square, 4e-4
 
 
@@ -47,7 +50,7 @@ def fill_pairs(compiler: Any, m: Any) -> None:
         for contact, ((_, a), (_, b)), angle in zip(contacts, pairs, turned, strict=True)
     ]
     half = max(halves, default=1)
-    rows = second_half = second_rows = pair_modes = slots = 1
+    rows = second_half = second_rows = pair_modes = slots = limit = 1
     stencil = (1, 1)
     coupled: list[list[int]] = []
     for contact, ((body_a, a), (body_b, b)), family, angle, own in zip(
@@ -65,7 +68,9 @@ def fill_pairs(compiler: Any, m: Any) -> None:
         stencil = (max(stencil[0], hat[0]), max(stencil[1], hat[1]))
         pair_modes = max(pair_modes, sum(compiler.mode_counts[body.index] for body in _moving(body_a, body_b)))
         hats = (2 * min(own, MAX_HALF_WINDOW) + 1) * a.grid.rows
-        slots += hats if contact.capacity is None else min(contact.capacity, (2 * own + 1) * a.grid.rows)
+        most = hats if contact.capacity is None else min(contact.capacity, (2 * own + 1) * a.grid.rows)
+        limit += most
+        slots += most if contact.capacity is not None else min(most, max(LEAST_SLOTS, hats // USUAL_PATCH))
         coupled.append(_coupled_columns(compiler, m, body_a, body_b))
     second_half = max(second_half, stencil[0])  # also the window of a rigid surface holds a stencil
     m.half_window, m.window_columns, m.max_rows = half, 2 * half + 1, rows
@@ -74,7 +79,7 @@ def fill_pairs(compiler: Any, m: Any) -> None:
     m.second_half_window, m.second_columns = second_half, 2 * second_half + 1
     m.node_capacity = m.second_columns * second_rows
     m.pair_modes = pair_modes
-    m.slot_capacity = slots
+    m.slot_capacity, compiler.slot_limit = slots, limit
     m.coupled_capacity = max([len(c) for c in coupled], default=1)
     if m.coupled_capacity > k.MOST_COUPLED_COLUMNS:
         raise InputError(

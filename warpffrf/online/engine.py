@@ -29,6 +29,7 @@ STATIC_LAST = (
     1.0  # s: 1 kg then weighs 1 N/m, far below any spring that carries a load; larger ill-conditions the joints
 )
 STATIC_TOLERANCE = 1e-12  # m, movement of the last proximal step: round-off of positions of order 1 m times 1e4
+ROOM_GROWTH = 2  # of the slots, each time they are too few
 REALS = {
     "START_TIME", "USER_STEP", "TIME", "H", "NEXT_TIME", "ALPHA_M", "ALPHA_F", "BETA", "GAMMA", "ACC", "VEL",
     "MOVE", "DONE_STEP", "ERROR",
@@ -77,20 +78,44 @@ class Engine:
         self.scene, self.worlds = scene, worlds
         self.compiled = compile_scene(scene, self.settings, device, local)
         self.state: State = initial_state(self.compiled, worlds)
-        self.work = Work(self.compiled, worlds, self.settings.ring_rows)
-        integrator = integrator or GeneralizedAlpha()
-        self.work.coefficients.assign(np.tile(integrator.coefficients, (worlds, 1)))
-        self.work.local_coefficients.assign(np.tile(self.compiled.local.options.coefficients, (worlds, 1)))
-        self.work.project.fill_(int(integrator.project_velocities))
-        self.work.accuracy.fill_(accuracy or 0.0)
-        self.graph = StepGraph(
-            self.compiled, self.state, self.work, worlds,
-            projected=integrator.project_velocities, adaptive=accuracy is not None,
-        )  # fmt: skip
+        self._integrator, self._accuracy = integrator or GeneralizedAlpha(), accuracy
+        self._allocate()
         self.rows: list[list[np.ndarray]] = [[] for _ in range(worlds)]
         self.drained = np.zeros(worlds, dtype=int)
         self.seconds_in_graph = 0.0
         self.start_notes: list[str] = []
+
+    def _allocate(self) -> None:
+        """Scratch arrays and the graph that works on them."""
+        compiled, worlds, integrator = self.compiled, self.worlds, self._integrator
+        self.work = Work(compiled, worlds, self.settings.ring_rows)
+        self.work.coefficients.assign(np.tile(integrator.coefficients, (worlds, 1)))
+        self.work.local_coefficients.assign(np.tile(compiled.local.options.coefficients, (worlds, 1)))
+        self.work.project.fill_(int(integrator.project_velocities))
+        self.work.accuracy.fill_(self._accuracy or 0.0)
+        self.graph = StepGraph(
+            compiled, self.state, self.work, worlds,
+            projected=integrator.project_velocities, adaptive=self._accuracy is not None,
+        )  # fmt: skip
+
+    def _make_room(self) -> bool:
+        """More slots where an attempt ran short of them; False where no world did, or none is left to give: the
+        capacities of the contacts say how many (then the status says so)."""
+        status = self.word("STATUS")
+        short = (status & int(k.ROOM)) != 0
+        if not np.any(short):
+            return False
+        self.drain()
+        have, limit = self.compiled.model.slot_capacity, self.compiled.slot_limit
+        words = self.state.ctl.numpy().copy()
+        words[short, int(k.STATUS)] = 0 if have < limit else int(k.CAPACITY)
+        if have < limit:
+            words[short, int(k.SPARE)] = 0
+            wanted = max(ROOM_GROWTH * have, int(self.word("SPARE").max()))
+            self.compiled.enlarge(min(wanted, limit))
+            self._allocate()
+        self.state.ctl.assign(words)
+        return have < limit
 
     # --- control words, all worlds alike
 
@@ -115,9 +140,11 @@ class Engine:
         return source.numpy()[:, index].copy()
 
     def replay(self, attempts: int) -> float:
-        """Run the graph, drain the ring; returns the wall time of the replay [s]."""
+        """Run the graph, with more room where an attempt asks for it, and drain the ring; returns the wall time [s]."""
         begin = time.perf_counter()
         self.graph.replay(attempts)
+        while self._make_room():
+            self.graph.replay(attempts)
         seconds = time.perf_counter() - begin
         self.seconds_in_graph += seconds
         self.drain()
