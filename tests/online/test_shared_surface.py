@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -259,3 +260,15 @@ def test_room_for_hats_grows_without_a_trace(rubbing_body: ReducedBody, monkeypa
         contact.capacity = 3
     short = run(scene, STEP, step=STEP, start="equilibrium", progress=False)
     assert short.status == "capacity" and "raise capacity" in short.message
+
+
+def test_two_surfaces_of_one_body_are_named(rubbing_body: ReducedBody) -> None:
+    """What a surface does to another one of its body by local modes is left out: the report says so."""
+    rim = rubbing_body.contact_surfaces["rim"]
+    twice = replace(rubbing_body, contact_surfaces={"rim": rim, "other": replace(rim, name="other")})
+    scene = Scene()
+    body = scene.add_body(twice, name="body")
+    for name, height in (("rim", -0.05), ("other", 0.05)):
+        plane = surfaces.Plane(origin=(0.0, 0.0, height), outward=(0.0, 0.0, -np.sign(height)))
+        scene.add(Contact(body[name], scene.ground.surface(plane, name=f"under {name}"), name=name))
+    assert any("'body': its contact surfaces other, rim" in note for note in Engine(scene).compiled.notes)

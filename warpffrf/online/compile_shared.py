@@ -46,6 +46,7 @@ def surface_reaches(compiler: Any, m: Any) -> list[int]:
 def fill_shared(compiler: Any, m: Any) -> None:
     """Neighbours of the surfaces and the tables between them; after `fill_surfaces`."""
     found = neighbours(compiler)
+    compiler.notes.extend(_apart(compiler))
     start = np.cumsum([0, *map(len, found)])
     reaches = surface_reaches(compiler, m)
     tables: list[np.ndarray] = []
@@ -62,6 +63,20 @@ def fill_shared(compiler: Any, m: Any) -> None:
     m.neighbour = compiler.array([t for others in found for t in others], int)
     m.neighbour_table = compiler.array(at, int)
     m.shared_compliance = compiler.array(np.concatenate([np.zeros(0), *tables]))
+
+
+def _apart(compiler: Any) -> list[str]:
+    """A note for each body that is loaded on two surfaces: local modes of one do not move the other."""
+    notes = []
+    for body in compiler.scene.bodies:
+        names = sorted({p[1] for p, (_, s) in zip(compiler.places, compiler.surfaces, strict=True)
+                        if p[0] == body.index and s.grid is not None})  # fmt: skip
+        if len(names) > 1:
+            notes.append(
+                f"body {body.name!r}: its contact surfaces {', '.join(names)} feel each other through its "
+                f"{body.mode_count} global modes only"
+            )
+    return notes
 
 
 def _between(surface: Any, reading: int, loading: int, reach: int) -> np.ndarray:
