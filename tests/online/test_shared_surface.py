@@ -23,7 +23,9 @@ from warpffrf.offline import reduce
 from warpffrf.online import Engine, Settings, compile_contact, find_equilibrium, run
 
 sys.path.insert(0, str(FilePath(__file__).parent))
+from made_bodies import made_body
 from reference_contact import Pose, contact_problem, dense_compliance, full_gram
+from reference_points import point_problem
 
 SETTINGS = Settings(window_strain=0.5, residual_tolerance=1e-10)
 LOAD = 1000e3  # N: some columns wide patches on grids of 3 degrees
@@ -87,6 +89,46 @@ def test_gaps_are_those_under_the_loads_of_both_pairs(
         left = (own + crossed) / problem.area
         depth = np.abs(problem.gap / problem.area).max()
         assert np.abs(crossed / problem.area).max() > 1e-4 * depth  # else this test would see nothing
+        assert np.abs(left[s > 0.0]).max() < AGREE * depth
+        assert left.min() > -AGREE * depth
+
+
+def test_two_balls_under_a_plate_that_is_an_arc() -> None:
+    """The same at points, on a surface that does not close, with partners that do not yield."""
+    plane = surfaces.Plane(origin=(0.0, 0.0, -0.02), outward=(0.0, 0.0, -1.0), direction=(0.0, 1.0, 0.0))
+    body = made_body(plane, np.linspace(-6e-3, 6e-3, 7), pitch=2e-3, columns=15)
+    scene = Scene()
+    plate = scene.add_body(body, name="plate")
+    scene.add(joints.Fixed(scene.ground, plate["hold"], name="clamp"))
+    contacts = []
+    for x, depth, name in ((-7e-3, 1.5e-3, "left"), (6e-3, 2e-3, "right")):
+        ball = surfaces.Sphere(radius=0.06, axis_point=(x, 0.0, -0.08 + depth), axis_direction=(0.0, 1.0, 0.0))
+        port = scene.ground.surface(ball, name=name)
+        contacts.append(scene.add(Contact(plate["face"], port, name=name, overlap=1.0)))
+    rest = find_equilibrium(scene, settings=SETTINGS)
+    assert rest.status == "completed", rest.message
+    motion, ground = rest.bodies["plate"], Pose(np.zeros(3), np.eye(3), np.zeros(0))
+    pose = Pose(motion.position[0], rot.matrix(motion.rotation[0]), motion.modal[0])
+    surface = plate["face"].surface
+    D, M, rows = dense_compliance(surface), full_gram(surface), surface.grid.rows
+    problems, pressures, hats = [], [], []
+    for contact in contacts:
+        record = rest.contacts[contact.name]
+        columns = record.first_column[0] + np.arange(record.pressure.shape[1])
+        inside = (columns >= 0) & (columns < surface.grid.columns)
+        problem = point_problem(
+            surface, contact.b.surface, pose, ground, columns[inside],
+            theta_points=SETTINGS.theta_points, z_points=SETTINGS.z_points,
+        )  # fmt: skip
+        problems.append(problem)
+        pressures.append(record.pressure[0][inside].ravel())
+        hats.append(M[problem.index[:, 0] * rows + problem.index[:, 1]])
+    for this, other in ((0, 1), (1, 0)):
+        problem, s = problems[this], pressures[this]
+        crossed = hats[this] @ (D @ (hats[other].T @ pressures[other]))
+        left = (problem.gap + problem.G @ s + crossed) / problem.area
+        depth = np.abs(problem.gap / problem.area).max()
+        assert (s > 0.0).sum() >= 4 and np.abs(crossed / problem.area).max() > 1e-2 * depth
         assert np.abs(left[s > 0.0]).max() < AGREE * depth
         assert left.min() > -AGREE * depth
 
