@@ -5,13 +5,15 @@ p. Tested with the hats psi_i of the first surface, and with p = sum_j s_j psi_j
 
     0 <= s_i,      r_i = g_i + (G s)_i + int psi_i y(p) dA >= 0,      s_i r_i = 0,
 
-g_i the weak gap. The integral is taken at Gauss points of the grid's cells, whose area elements are constants of the
-material. It is the gradient of int W*(p) dA, W* the complementary energy of the layer, so that its tangent
+g_i the weak gap. The integral is taken at the points of the pair's evaluation, the Gauss points of the grid's cells or
+the few that were chosen for all of them; their weights are constants of the material, and positive. It is the gradient
+of int W*(p) dA, W* the complementary energy of the layer, so that its tangent
 
     E_ij = int psi_i psi_j y'(p) dA,      y' = 1/P',
 
-is symmetric and positive definite, and couples a hat to its eight neighbours. With a yield proportional to p this is
-M_psi/k, the constant of `LinearLayer`.
+is symmetric, positive definite (at few points semidefinite: fewer points than hats leave some combinations of hats
+without a yield of their own, not without the bodies'), and couples a hat to its eight neighbours. With a yield
+proportional to p this is M_psi/k, the constant of `LinearLayer`.
 
 Tangent. At each point the curve is replaced by its tangent at a depth d_q, y(p) = a + b p with b = 1/P'(d_q) and
 a = d_q - b P(d_q). The active set solve sees G + E instead of G and gaps that contain int psi (a + b p); it stays the
@@ -64,9 +66,9 @@ def rate_of(model: Model, ctl: wp.array2d(dtype=int), clk: wp.array2d(dtype=real
 
 @wp.func
 def hat_value(model: Model, node: int, point: int) -> real:
-    """Value of corner `node` = 2 c + r of a cell at Gauss point `point` = t z_points + s."""
-    x = model.theta_abscissa[point / model.z_points]
-    z = model.z_abscissa[point % model.z_points]
+    """Value of corner `node` = 2 c + r of a cell at its point with the number `point` in the tables."""
+    x = model.layer_x[point]
+    z = model.layer_zeta[point]
     if node < 2:
         x = real(1.0) - x
     if node % 2 == 0:
@@ -115,8 +117,8 @@ def linearise_layer(
         return
     A = model.pair_first[pair]
     rows = model.surface_rows[A]
-    per_cell = model.theta_points * model.z_points
-    per_column = (rows - 1) * per_cell
+    start = model.layer_point_start[pair]
+    per_column = model.layer_point_count[pair]
     rate = rate_of(model, ctl, clk, w, pair)
     fresh = ctl[w, k.ITERATION] == 0 or ctl[w, k.RECENTER] != 0
     moved = center[w, pair, 0] - column_before[w, pair]
@@ -138,8 +140,8 @@ def linearise_layer(
     at_least = layer_pressure(model, pair, least, real(0.0), real(0.0))
     while q < end:
         cell = q / per_column
-        row = (q - cell * per_column) / per_cell
-        point = q % per_cell
+        point = start + q - cell * per_column
+        row = model.layer_row[point]
         p = real(0.0)
         held = real(0.0)
         share = real(0.0)
@@ -229,7 +231,9 @@ def weigh_layer(
         return
     A = model.pair_first[pair]
     rows = model.surface_rows[A]
-    per_cell = model.theta_points * model.z_points
+    start = model.layer_point_start[pair]
+    per_column = model.layer_point_count[pair]
+    row_at = model.layer_row_start[pair]
     m = (window[w, pair, 0] + model.half_window) * rows + lane
     while m < (window[w, pair, 1] + model.half_window + 1) * rows:
         column = m / rows
@@ -242,10 +246,11 @@ def weigh_layer(
             row = own_row - corner % 2
             absolute = center[w, pair, 0] + cell - 1 - model.half_window
             if row >= 0 and row < rows - 1 and cell_exists(model, A, absolute):
-                point = int(0)
-                while point < per_cell:
-                    q = (cell * (rows - 1) + row) * per_cell + point
-                    weight = hat_value(model, corner, point) * area_of(model, pair, row, point)
+                point = start + model.layer_row_at[row_at + row]
+                end = start + model.layer_row_at[row_at + row + 1]
+                q = cell * per_column + point - start
+                while point < end:
+                    weight = hat_value(model, corner, point) * model.layer_area[point]
                     total += weight * beginning[w, pair, q]
                     weight = weight * flexibility[w, pair, q]
                     for node in range(4):
@@ -253,15 +258,9 @@ def weigh_layer(
                         value = weight * hat_value(model, node, point)
                         tangent[w, pair, m, n] = tangent[w, pair, m, n] + value
                     point += 1
+                    q += 1
         offset[w, pair, m] = total
         m += wp.block_dim()
-
-
-@wp.func
-def area_of(model: Model, pair: int, row: int, point: int) -> real:
-    """Area [m^2] that a Gauss point of a cell stands for."""
-    along = model.layer_area[model.layer_area_start[pair] + row * model.z_points + point % model.z_points]
-    return along * model.theta_weight[point / model.z_points]
 
 
 @wp.func

@@ -18,7 +18,7 @@ the contact grid's line of the ledger.
 import warp as wp
 
 from warpffrf_kernels import control as k
-from warpffrf_kernels.contact_layer import area_of, cell_exists, corner_of, hat_value, linear_yield, rate_of
+from warpffrf_kernels.contact_layer import cell_exists, corner_of, hat_value, linear_yield, rate_of
 from warpffrf_kernels.layer_laws import CHI, CONSTANT, layer_depth, layer_energy, layer_pressure
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
@@ -54,7 +54,6 @@ def add_layer_energy(
     model = models[0]
     if ctl[w, k.ATTEMPT] == 0:
         return
-    per_cell = model.theta_points * model.z_points
     energy = real(0.0)
     lost = real(0.0)
     pair = int(0)
@@ -62,6 +61,8 @@ def add_layer_energy(
         if model.layer_kind[pair] != CONSTANT:
             A = model.pair_first[pair]
             rows = model.surface_rows[A]
+            start = model.layer_point_start[pair]
+            per_column = model.layer_point_count[pair]
             low = window[w, pair, 0] + model.half_window
             high = window[w, pair, 1] + model.half_window
             m = low * rows
@@ -79,11 +80,11 @@ def add_layer_energy(
                     depth_now[w, pair, q] = real(0.0)
                     drag_now[w, pair, q] = real(0.0)
                     q += 1
-            q = low * (rows - 1) * per_cell
-            while q < (high + 2) * (rows - 1) * per_cell:
-                point = q % per_cell
-                cell = q / ((rows - 1) * per_cell)
-                row = q / per_cell - cell * (rows - 1)
+            q = low * per_column
+            while q < (high + 2) * per_column:
+                cell = q / per_column
+                point = start + q - cell * per_column
+                row = model.layer_row[point]
                 p = real(0.0)
                 slack = real(0.0)
                 for node in range(4):
@@ -102,7 +103,7 @@ def add_layer_energy(
                         if p <= real(0.0):
                             d = wp.max(d - slack, real(0.0))
                         depth_now[w, pair, q] = d
-                    dA = area_of(model, pair, row, point)
+                    dA = model.layer_area[point]
                     energy += dA * layer_energy(model, pair, d)
                     if rate > real(0.0):
                         elastic = layer_pressure(model, pair, d, real(0.0), real(0.0))

@@ -181,8 +181,15 @@ class Model:
     layer_table_start: wp.array(dtype=int)  # (pairs,) into layer_table
     layer_table_count: wp.array(dtype=int)
     layer_table: wp.array2d(dtype=real)  # depth m, pressure Pa, energy J/m2
-    layer_area_start: wp.array(dtype=int)  # (pairs,) into layer_area
-    layer_area: wp.array(dtype=real)  # m2 a z point of a row of cells stands for, times the weight around
+    # points of a column of the first grid at which the layer of a pair is evaluated, sorted by row
+    layer_point_start: wp.array(dtype=int)  # (pairs,) into layer_x and those that follow
+    layer_point_count: wp.array(dtype=int)  # (pairs,)
+    layer_row_start: wp.array(dtype=int)  # (pairs,) into layer_row_at
+    layer_row_at: wp.array(dtype=int)  # first point of each row of cells, counted from the pair's, and their number
+    layer_x: wp.array(dtype=real)  # fraction of the column, in [0, 1)
+    layer_row: wp.array(dtype=int)  # row of cells
+    layer_zeta: wp.array(dtype=real)  # fraction of the row, in [0, 1]
+    layer_area: wp.array(dtype=real)  # m2
     # friction in cells, see `friction_geometry`
     pair_friction: wp.array(dtype=real)  # (pairs,) mu, 0 without
     pair_slip_velocity: wp.array(dtype=real)  # (pairs,) m/s of the regularised law, 0 of a law that sticks

@@ -17,6 +17,7 @@ from warpffrf_kernels.scalars import MODULE_OPTIONS, real
 
 from warpffrf.model import laws
 from warpffrf.online.compile_layers import fill_layers
+from warpffrf.online.layer_yield import yield_of
 from warpffrf.online.settings import Settings
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -53,10 +54,10 @@ def evaluate(
 @cache
 def device_model() -> tuple[wp.array, Any]:
     """A model that holds nothing but the laws, as the kernels take it, and itself, which owns its arrays."""
-    shape = SimpleNamespace(radius_at=lambda z: np.ones_like(z), slope_at=lambda z: np.zeros_like(z))
-    grid = SimpleNamespace(z=np.array([0.0, 1.0]), pitch=1.0)
+    shape = SimpleNamespace(measure_at=np.ones_like)
+    grid = SimpleNamespace(z=np.array([0.0, 1.0]), rows=2, pitch=1.0)
     port = SimpleNamespace(surface=SimpleNamespace(grid=grid, shape=shape))
-    contacts = [SimpleNamespace(name="pair", law=law, a=port) for law in LAWS]
+    contacts = [SimpleNamespace(name="pair", law=law, a=port, evaluation="semi") for law in LAWS]
 
     def array(values: Any, dtype: Any = wp.float64, shape: Any = None) -> wp.array:
         data = np.asarray(values, dtype=np.int32 if dtype is int else np.float64)
@@ -107,3 +108,17 @@ def test_a_step_of_a_damped_law() -> None:
     higher, lower = (curve(index, depth + sign * step, past, rate)[:, 0] for sign in (1.0, -1.0))
     np.testing.assert_allclose(slope, (higher - lower) / (2.0 * step), rtol=1e-5)
     assert curve(index, np.zeros(1), 0.5e-7, rate)[0, 4] == 0.0
+
+
+@pytest.mark.parametrize("index", range(4), ids=lambda i: LAWS[i].kind)
+def test_the_yield_on_the_host_is_the_inverse_on_the_device(index: int) -> None:
+    """Also its derivative, against the slope of the curve."""
+    depth = np.linspace(1e-9, 8e-6, 60)
+    p, slope = curve(index, depth).T[:2]
+    given = LAWS[index].curve
+    assert given is not None
+    y, derivative = yield_of(given, p)
+    np.testing.assert_allclose(y, depth, rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(derivative, 1.0 / slope, rtol=1e-8)
+    least = curve(index, np.zeros(1))[0, 4]
+    np.testing.assert_allclose(yield_of(given, np.array([0.0, -1.0]))[0], least, rtol=1e-9, atol=1e-11)

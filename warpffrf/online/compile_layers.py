@@ -7,16 +7,20 @@ from typing import Any
 import numpy as np
 from warpffrf_kernels import layer_laws as device
 
+from warpffrf.online.contact_rules import PointRule
+from warpffrf.online.sampling_rules import layer_rule
+
 LAYER_ITERATIONS = 2  # times as many Newton iterations: pressures of asperities span decades, a decade an iteration
 FORMS = {"power": device.POWER, "exponential": device.EXPONENTIAL, "table": device.TABLE}
 
 
 def fill_layers(compiler: Any, m: Any) -> None:
-    """Curves of the layers whose yield is no constant, and the areas of the points where they count; after the grids
-    and quadratures of the pairs."""
-    kinds, starts, counts, area_starts = [], [], [], []
+    """Curves of the layers whose yield is no constant, and the points where they count; after the grids and quadratures
+    of the pairs."""
+    kinds, starts, counts = [], [], []
     numbers: list[list[float]] = []
-    tables, areas = [np.zeros((0, 3))], [np.zeros(0)]
+    tables = [np.zeros((0, 3))]
+    rules: list[tuple[PointRule, int] | None] = []
     for contact in compiler.scene.contacts:
         curve = contact.law.curve
         kinds.append(int(device.CONSTANT) if curve is None else int(FORMS[curve.form]))
@@ -25,9 +29,8 @@ def fill_layers(compiler: Any, m: Any) -> None:
         starts.append(sum(map(len, tables)))
         counts.append(len(table))
         tables.append(table)
-        area = np.zeros(0) if curve is None else point_areas(contact.a.surface, compiler.settings.z_points)
-        area_starts.append(sum(map(len, areas)))
-        areas.append(area)
+        around, along = compiler.settings.theta_points, compiler.settings.z_points
+        rules.append(None if curve is None else (layer_rule(contact, around, along), contact.a.surface.grid.rows))
         end = getattr(contact.law, "end", None)
         if end is not None:
             compiler.notes.append(
@@ -38,12 +41,31 @@ def fill_layers(compiler: Any, m: Any) -> None:
         ("kind", kinds),
         ("table_start", starts),
         ("table_count", counts),
-        ("area_start", area_starts),
     ):
         setattr(m, f"layer_{name}", compiler.array(values, int))
     m.layer_number = compiler.array(numbers, shape=(-1, device.NUMBERS))
     m.layer_table = compiler.array(np.concatenate(tables), shape=(-1, 3))
-    m.layer_area = compiler.array(np.concatenate(areas))
+    _fill_points(compiler, m, rules)
+
+
+def _fill_points(compiler: Any, m: Any, rules: list[tuple[PointRule, int] | None]) -> None:
+    """Tables of the points of each pair's layer, given with the rows of its grid; None: a pair without such a layer."""
+    starts, counts, row_starts = [], [], []
+    columns: dict[str, list[Any]] = {name: [] for name in ("x", "row", "zeta", "area", "row_at")}
+    for given in rules:
+        starts.append(sum(map(len, columns["x"])))
+        row_starts.append(sum(map(len, columns["row_at"])))
+        counts.append(0 if given is None else len(given[0].x))
+        if given is not None:
+            rule, rows = given
+            row_at = np.searchsorted(rule.row, np.arange(rows))
+            for name, value in zip(columns, (rule.x, rule.row, rule.zeta, rule.weight, row_at), strict=True):
+                columns[name].append(value)
+    m.layer_point_start, m.layer_point_count = compiler.array(starts, int), compiler.array(counts, int)
+    m.layer_row_start = compiler.array(row_starts, int)
+    for name, parts in columns.items():
+        kind: Any = {"dtype": int} if name in ("row", "row_at") else {}
+        setattr(m, f"layer_{name}", compiler.array(np.concatenate([np.zeros(0), *parts]), **kind))
 
 
 def curve_numbers(curve: Any) -> list[float]:
@@ -65,13 +87,3 @@ def with_energy(table: np.ndarray) -> np.ndarray:
         return np.zeros((0, 3))
     pieces = 0.5 * (table[1:, 1] + table[:-1, 1]) * np.diff(table[:, 0])
     return np.column_stack([table, np.concatenate([[0.0], np.cumsum(pieces)])])
-
-
-def point_areas(surface: Any, z_points: int) -> np.ndarray:
-    """Area [m^2] of the Gauss points of a column of cells, row by row, all points around taken together."""
-    grid, shape = surface.grid, surface.shape
-    x, weight = np.polynomial.legendre.leggauss(z_points)
-    step = np.diff(grid.z)
-    z = grid.z[:-1, None] + step[:, None] * 0.5 * (x + 1.0)
-    measure = shape.radius_at(z) * np.sqrt(1.0 + shape.slope_at(z) ** 2)
-    return (grid.pitch * 0.5 * weight * step[:, None] * measure).ravel()

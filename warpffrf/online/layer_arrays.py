@@ -9,10 +9,10 @@ import warp as wp
 
 
 def layer_points(m: Any) -> int:
-    """Gauss points of a pair's window, at which the laws of layers are evaluated."""
+    """Points of a pair's window at which the laws of layers are evaluated, the most of all pairs."""
     if not m.layer_count:
         return 0
-    return (m.window_columns + 1) * (m.max_rows - 1) * m.theta_points * m.z_points
+    return (m.window_columns + 1) * int(m.layer_point_count.numpy().max())
 
 
 def layer_arrays(m: Any) -> dict[str, tuple[Any, ...]]:

@@ -5,15 +5,16 @@ At a saved step the poses, global coordinates and hat forces are known. With the
     g_i = sum_p w_p psi_i(x_p) [g(x_p) - u_B(x_p)],   S_in = sum_p w_p psi_i(x_p) psi^B_n(x_p),
 
 g the distance of x_p from B's true surface, u_B = Phi_B q_B - D_B S^T s B's outward displacement there. A's own
-displacement enters through the exact Gram matrix of its hats and is the same for both rules. The difference dg between
-the few points and the Gauss points of evaluation "semi" moves the pressures of the active hats, at held bodies, by
+displacement enters through the exact Gram matrix of its hats and is the same for both rules; a layer whose yield y(p)
+is no constant is evaluated at the same points and adds `sum_p w_p psi_i(x_p) y(p(x_p))`. The difference dg between the
+few points and the Gauss points of evaluation "semi" moves the pressures of the active hats, at held bodies, by
 
-    ds = -G^-1 dg,     G = M D_A M + S D_B S^T + E,
+    ds = -G^-1 dg,     G = M D_A M + S D_B S^T + E,     E_ij = sum_p w_p psi_i psi_j y'(p(x_p)),
 
 to first order and for the same active set. Reported are the largest |dg_i|/a_i over the depth of the patch, |sum a_i
 ds_i| over the force, and |ds| over |s| in the norm of M. The gap here is the distance normal to B; the engine may
-measure it along the line of centres, which is the same to second order in the angle and the same for both rules. A
-layer whose yield is no constant is left out of G, so that differences are those of bare surfaces, larger ones.
+measure it along the line of centres, which is the same to second order in the angle and the same for both rules. Of
+a damped layer the curve at rest is taken.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.evaluations import evaluation_of
 from warpffrf.model.sampling import gauss_points
+from warpffrf.online.layer_yield import yield_of
 from warpffrf.online.settings import Settings
 
 SAMPLED = 8  # saved steps that are looked at, evenly spread: a patch changes slowly beside a step
@@ -113,14 +115,18 @@ def _compare(contact: Any, history: Any, t: int, few: _Rule, every: _Rule) -> tu
     pressure[active] = s[s > 0.0]
     active, pressure = active.ravel(), pressure.ravel()
     gaps, stencils = [], []
+    E = np.zeros((len(active), len(active)))
     for rule in (few, every):
         g, S, depth = _weak(contact, history, t, rule, columns, pressure)
+        if contact.law.curve is not None:
+            y, E = _weak_yield(contact.law.curve, rule, columns, grid.rows, pressure)
+            g = g + y
         gaps.append(g[active])
         stencils.append(S[active])
     area = np.tile(grid.pitch * np.asarray(contact.a.surface.gram_z).sum(axis=1), len(columns))[active]
     dg = gaps[0] - gaps[1]
     M = _gram(contact.a.surface, len(columns))
-    G = M @ _compliance(contact.a.surface, columns) @ M + contact.law.yielding * M
+    G = M @ _compliance(contact.a.surface, columns) @ M + contact.law.yielding * M + E
     G = G[np.ix_(active, active)]
     B = contact.b.surface
     if B.grid is not None:
@@ -143,7 +149,7 @@ def _weak(
     """Weak gaps (hats,) [m^3] of the columns under `pressure` (hats,) without A's displacement, stencils (hats, nodes
     of B's window) [m^2], and the depth of the patch [m]."""
     A, B = contact.a.surface, contact.b.surface
-    grid, n = A.grid, len(rule.fraction)
+    grid = A.grid
     x = np.concatenate([columns[:1] - 1, columns])[:, None] + rule.fraction  # strips below and above each column
     theta = _grid_angle(A) + grid.theta_start + grid.pitch * x
     z = np.broadcast_to(rule.z, x.shape)
@@ -151,12 +157,7 @@ def _weak(
     world = r_a + A.shape.point(theta, z) @ A_a.T
     theta_b, z_b, gap = B.shape.chart((world - r_b) @ A_b)
     depth = float(max(-gap.min(), 0.0))
-    weights = np.zeros((len(columns), grid.rows, len(x), n))
-    for j in range(len(columns)):
-        for strip, part in ((j, rule.fraction), (j + 1, 1.0 - rule.fraction)):
-            for up, piece in ((0, 1.0 - rule.zeta), (1, rule.zeta)):
-                weights[j, rule.row + up, strip, np.arange(n)] = rule.weight * part * piece
-    weights = weights.reshape(len(columns) * grid.rows, -1)
+    weights = _hat_weights(rule, columns, grid.rows)
     if B.grid is None:
         return weights @ gap.ravel(), np.zeros((len(weights), 0)), depth
     weights = weights * ((z_b >= B.grid.z[0]) & (z_b <= B.grid.z[-1])).ravel()  # what lies beside B faces nothing
@@ -165,6 +166,27 @@ def _weak(
     modal = B.mode_normal.reshape(B.grid.columns, B.grid.rows, -1)[second % B.grid.columns] @ q_b
     u = modal.ravel() - _compliance(B, second) @ (S.T @ pressure)
     return weights @ gap.ravel() - S @ u, S, depth
+
+
+def _hat_weights(rule: _Rule, columns: np.ndarray, rows: int) -> np.ndarray:
+    """w_p psi_i(x_p) (hats of the columns, points of their strips) [m^2]."""
+    n = len(rule.fraction)
+    weights = np.zeros((len(columns), rows, len(columns) + 1, n))
+    for j in range(len(columns)):
+        for strip, part in ((j, rule.fraction), (j + 1, 1.0 - rule.fraction)):
+            for up, piece in ((0, 1.0 - rule.zeta), (1, rule.zeta)):
+                weights[j, rule.row + up, strip, np.arange(n)] = rule.weight * part * piece
+    return weights.reshape(len(columns) * rows, -1)
+
+
+def _weak_yield(
+    curve: Any, rule: _Rule, columns: np.ndarray, rows: int, pressure: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Weak yield (hats,) [m^3] of a layer under `pressure` (hats,), and its tangent E (hats, hats) [m^3/Pa]."""
+    weights = _hat_weights(rule, columns, rows)
+    psi = weights / np.tile(rule.weight, len(columns) + 1)
+    y, slope = yield_of(curve, pressure @ psi)
+    return weights @ y, (weights * slope) @ psi.T
 
 
 def _pose(body: Any, history: Any, t: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

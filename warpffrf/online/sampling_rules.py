@@ -45,6 +45,13 @@ def rule_of(contact: Any, at_points: bool, theta_points: int, z_points: int) -> 
     return gauss_rule(contact.a.surface, theta_points, z_points) if at_points else None
 
 
+def layer_rule(contact: Any, theta_points: int, z_points: int) -> PointRule:
+    """The points at which the layer of `contact` is evaluated: those at which its gaps are, in either family."""
+    if is_hyper(contact):
+        return chosen_rule(contact.a.surface.sampling)
+    return gauss_rule(contact.a.surface, theta_points, z_points)
+
+
 def chosen_rule(points: Sampling) -> PointRule:
     """The points of `points`, sorted by row."""
     order = np.argsort(points.row, kind="stable")
