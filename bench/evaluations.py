@@ -1,10 +1,11 @@
-"""The three evaluations of contact side by side: `python bench/evaluations.py [--json FILE] [--errors | --times]`.
+"""The three evaluations of contact side by side: `python bench/evaluations.py [--json FILE] [--errors | --times |
+--layers]`.
 
 *Errors* of "semi" and "hyper" against "full", two rollers with a stiff layer between them rolling over each other at a
 constant approach: force, pressure and stress, on finer and finer meshes, with two layers. *Times* of a step with 8,000
 local modes, all three in the same run: "full" with each of its linear solvers, of which "full" is the conventional one,
-a dense LU of all coordinates in each iteration, and "low_rank" condenses the local modes. See
-`warpffrf/study/evaluations.py`.
+a dense LU of all coordinates in each iteration, and "low_rank" condenses the local modes. *Layers*: "hyper" against
+"semi" under laws whose yield is no constant, which are evaluated at points. See `warpffrf/study/evaluations.py`.
 """
 
 from __future__ import annotations
@@ -16,15 +17,20 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.laws import ExponentialAsperities, NonlinearLayer
+from warpffrf.output.result import Result
 from warpffrf.study.evaluations import (
     SEPARATED,
     STEP,
     STIFFER,
     compare,
+    hat_means,
+    layer_of,
     points_of,
     run_evaluation,
     scene_of,
     step_seconds,
+    surface_norm,
     tread,
 )
 from warpffrf.study.rollers import PAIR
@@ -39,6 +45,9 @@ SERIES = (960, 14, 8, 444, 60e-6)  # 444 x 9 hats, 3,996 a roller
 COLUMNS_A_STEP = 0.25
 SEPARATED_STEPS, ROUNDS = 150, 15  # the fastest round counts, all in turn: other work on the machine only slows down
 FULL_STEPS = {"low_rank": 10, "modified": 2, "full": 1}
+LAYER_SERIES = (960, 14, 8, 60, 60e-6)
+POWER, POWER_DEPTH = 1.5, 1e-6  # of the power law; where it has the pressure of the linear layer [m]
+ASPERITIES = (1e6, 1e-6)  # Pa, m: seven decay lengths to the pressure here
 HALF_WIDTH = 0.45  # over sqrt(approach R), about: where the stress points lie
 
 
@@ -47,12 +56,16 @@ def main() -> None:
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
     parser.add_argument("--errors", action="store_true", help="errors only, half a minute")
     parser.add_argument("--times", action="store_true", help="times only, some minutes")
+    parser.add_argument("--layers", action="store_true", help="layers only, a minute")
     given = parser.parse_args()
     found: dict[str, Any] = machine()
-    if not given.times:
+    every = not (given.errors or given.times or given.layers)
+    if given.errors or every:
         found["errors"] = errors()
-    if not given.errors:
+    if given.times or every:
         found["times"] = times(found["unit_seconds"])
+    if given.layers or every:
+        found["layers"] = under_layers(found["unit_seconds"])
     if given.json:
         given.json.write_text(json.dumps(found, indent=1) + "\n")
 
@@ -127,6 +140,52 @@ def times(unit: float) -> list[dict[str, Any]]:
             "active": float(contact.active_modes.mean()), "force": float(np.linalg.norm(contact.force[0])),
             "iterations": result.history.counters["mean_iterations"],
         })  # fmt: skip
+    return rows
+
+
+def under_layers(unit: float) -> list[dict[str, Any]]:
+    """A step of "semi" and "hyper" under three laws, and what few points change; printed as they come."""
+    sectors, layers, axial, columns, approach = LAYER_SERIES
+    body = tread(columns, sectors=sectors, layers=layers, axial=axial, sampling_error=SAMPLING_ERROR)
+    pitch = 2.0 * np.pi / sectors
+    rate, swing = COLUMNS_A_STEP * pitch / STEP, 0.4 * columns * pitch
+    linear = layer_of(body)
+    laws = {
+        "linear": linear,
+        "power": NonlinearLayer(linear.stiffness / POWER_DEPTH ** (POWER - 1.0), POWER),
+        "asperities": ExponentialAsperities(*ASPERITIES),
+    }
+    seconds: dict[tuple[str, str], float] = {}
+    results: dict[tuple[str, str], Result] = {}
+    for _ in range(ROUNDS):
+        for law in laws:
+            for name in SEPARATED:
+                scene = scene_of(body, name, approach, swing, rate, SEPARATED_STEPS * STEP)
+                scene.contacts[0].law = laws[law]
+                result = results[law, name] = run_evaluation(scene, SEPARATED_STEPS)
+                seconds[law, name] = min(step_seconds(result), seconds.get((law, name), np.inf))
+    print(f"U = {unit * 1e6:.1f} us")
+    print("law         evaluation  points  active  iterations    us/step  over semi  force off  pressure off")
+    rows, gram = [], np.asarray(body.contact_surfaces["tread"].gram_z)
+    for (law, name), result in results.items():
+        semi = results[law, "semi"]
+        contact, beside = result.history.contacts[PAIR], semi.history.contacts[PAIR]
+        force, reference = (np.linalg.norm(c.force, axis=1) for c in (contact, beside))
+        pairs = zip(hat_means(body, result, False), hat_means(body, semi, False), strict=True)
+        row = {
+            "law": law, "evaluation": name, "points": points_of(body, name),
+            "active": float(contact.active_modes.mean()), "iterations": result.history.counters["mean_iterations"],
+            "seconds_per_step": seconds[law, name], "over_semi": seconds[law, name] / seconds[law, "semi"],
+            "force_off": float(np.abs(force / reference - 1.0).max()),
+            "pressure_off": max(surface_norm(p - q, gram) / surface_norm(q, gram) for p, q in pairs),
+        }  # fmt: skip
+        rows.append(row)
+        print(
+            f"{law:12s}{name:>10s} {row['points']:7d} {row['active']:7.1f} {row['iterations']:11.2f} "
+            f"{seconds[law, name] * 1e6:10.1f} {row['over_semi']:10.2f} {row['force_off']:10.2e} "
+            f"{row['pressure_off']:13.2e}",
+            flush=True,
+        )
     return rows
 
 

@@ -65,10 +65,16 @@ class Errors:
 
 
 def tread(
-    columns: int, *, sectors: int, layers: int, axial: int, sampling_error: float, half_width: float | None = None
+    columns: int,
+    *,
+    sectors: int,
+    layers: int,
+    axial: int,
+    sampling_error: float | None = None,
+    half_width: float | None = None,
 ) -> ReducedBody:
-    """A roller whose hats cover `columns` grid columns about the angle zero, with sampling points; with `half_width`
-    [m] also with stress points below the middle of the tread, over two half-widths to each side."""
+    """A roller whose hats cover `columns` grid columns about the angle zero; `sampling_error`: with sampling points for
+    it; `half_width` [m]: with stress points below the middle of the tread, over two half-widths to each side."""
     mesh = roller(RADIUS, BORE, WIDTH, sectors=sectors, layers=layers, axial=axial, grading=GRADING, order=1)
     half = 0.5 * (columns + 1) * 2.0 * np.pi / sectors
     mesh = mesh.select("tread", "rim", lambda x: np.abs(np.arctan2(-x[:, 2], x[:, 0])) < half)
@@ -140,7 +146,7 @@ def compare(
         force = np.linalg.norm(found[name].history.contacts[PAIR].force, axis=1)
         worst = 0.0
         for p, reference in zip(pressures[name], pressures["full"], strict=True):
-            worst = max(worst, _norm(p - reference, gram) / _norm(reference, gram))
+            worst = max(worst, surface_norm(p - reference, gram) / surface_norm(reference, gram))
         difference = np.abs(under(body, found[name], False) - stress).max()
         out.append(
             Errors(
@@ -204,8 +210,8 @@ def under(body: ReducedBody, result: Result, nodes: bool) -> np.ndarray:
     return np.array(out)
 
 
-def _norm(p: np.ndarray, gram: np.ndarray) -> float:
-    """Root of the sum over columns of p.M_z p."""
+def surface_norm(p: np.ndarray, gram: np.ndarray) -> float:
+    """Root of the sum over columns of p.M_z p, p (columns, rows)."""
     return float(np.sqrt(np.einsum("jk,kl,jl->", p, gram, p)))
 
 
