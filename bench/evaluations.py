@@ -40,6 +40,7 @@ SAMPLING_ERROR = 0.01
 HARD = 300.0  # a layer that is hardly there; `STIFFER` is one as penalties are chosen
 # sectors, layers, axial, columns of the tread, approach [m]
 MESHES = ((2400, 17, 4, 120, 40e-6), (2400, 17, 4, 140, 60e-6), (3840, 20, 4, 200, 40e-6), (3840, 20, 4, 220, 60e-6))
+OTHER = {2400: (2000, 16), 3840: (3200, 19)}  # sectors and layers of an upper roller with a wider grid
 SWING, RATE, STEPS = 0.01, 10.0, 15  # rad, rad/s: the patch runs over four to six columns
 SERIES = (960, 14, 8, 444, 60e-6)  # 444 x 9 hats, 3,996 a roller
 COLUMNS_A_STEP = 0.25
@@ -72,19 +73,22 @@ def main() -> None:
 
 def errors() -> list[dict[str, Any]]:
     """Errors on all meshes; printed as they come."""
-    print("sectors  approach  layer  columns a half-width  evaluation  points  force  pressure  stress")
+    print("sectors  upper  approach  layer  columns a half-width  evaluation  points  force  pressure  stress")
     rows = []
     for sectors, layers, axial, columns, approach in MESHES:
         half_width = HALF_WIDTH * float(np.sqrt(approach * RADIUS))
         body = tread(
             columns, sectors=sectors, layers=layers, axial=axial, sampling_error=SAMPLING_ERROR, half_width=half_width
         )
-        for stiffer in (STIFFER, HARD):
-            for one in compare(body, approach, SWING, RATE, STEPS, stiffer):
-                row = {"sectors": sectors, "approach": approach, "layer": stiffer, **one.row()}
+        wide, deep = OTHER[sectors]
+        other = tread(int(columns * wide / sectors), sectors=wide, layers=deep, axial=axial)
+        for stiffer, second in ((STIFFER, None), (HARD, None), (STIFFER, other)):
+            upper = sectors if second is None else wide
+            for one in compare(body, approach, SWING, RATE, STEPS, stiffer, second):
+                row = {"sectors": sectors, "upper": upper, "approach": approach, "layer": stiffer, **one.row()}
                 rows.append(row)
                 print(
-                    f"{sectors:7d} {approach * 1e6:6.0f} um {stiffer:6.0f} {one.half_width:21.1f} "
+                    f"{sectors:7d} {upper:6d} {approach * 1e6:6.0f} um {stiffer:6.0f} {one.half_width:21.1f} "
                     f"{one.evaluation:>11s} {one.points:7d} {one.force:6.2%} {one.pressure:9.2%} {one.stress:7.2%}",
                     flush=True,
                 )

@@ -106,9 +106,10 @@ def scene_of(
     rate: float,
     duration: float,
     stiffer: float = STIFFER,
+    second: ReducedBody | None = None,
 ) -> Scene:
-    """The rolling pair with the stiff layer of `layer_of`; arguments as of `step_time.swinging_pair`."""
-    scene = swinging_pair(body, approach, swing, rate, duration)
+    """The rolling pair with the stiff layer of `layer_of` the lower body; arguments as of `step_time.swinging_pair`."""
+    scene = swinging_pair(body, approach, swing, rate, duration, second)
     contact = scene.contacts[0]
     contact.law, contact.evaluation = layer_of(body, stiffer), evaluation
     for item in scene.bodies:
@@ -129,11 +130,19 @@ def run_evaluation(scene: Scene, steps: int, *, start: Any = "equilibrium", vari
 
 
 def compare(
-    body: ReducedBody, approach: float, swing: float, rate: float, steps: int, stiffer: float = STIFFER
+    body: ReducedBody,
+    approach: float,
+    swing: float,
+    rate: float,
+    steps: int,
+    stiffer: float = STIFFER,
+    second: ReducedBody | None = None,
 ) -> list[Errors]:
-    """Errors of "semi" and "hyper" against "full" over `steps` steps of rolling."""
+    """Errors of "semi" and "hyper" against "full" over `steps` steps of rolling; arguments as of `scene_of`."""
     found = {
-        evaluation: run_evaluation(scene_of(body, evaluation, approach, swing, rate, steps * STEP, stiffer), steps)
+        evaluation: run_evaluation(
+            scene_of(body, evaluation, approach, swing, rate, steps * STEP, stiffer, second), steps
+        )
         for evaluation in ("full", *SEPARATED)
     }
     full = found["full"]

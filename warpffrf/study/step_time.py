@@ -76,8 +76,11 @@ def tread_body(
     )  # fmt: skip
 
 
-def swinging_pair(body: ReducedBody, approach: float, swing: float, rate: float, duration: float) -> Scene:
-    """Two such rollers with axles fixed at the distance 2 R - `approach` [m] that roll to and fro on each other.
+def swinging_pair(
+    body: ReducedBody, approach: float, swing: float, rate: float, duration: float, second: ReducedBody | None = None
+) -> Scene:
+    """Two such rollers with axles fixed at the distance 2 R - `approach` [m] that roll to and fro on each other; the
+    upper one is `second`, if given.
 
     swing [rad] is the amplitude about the middle of the tread, rate [rad/s] the largest speed, duration [s] the time
     to cover.
@@ -89,7 +92,7 @@ def swinging_pair(body: ReducedBody, approach: float, swing: float, rate: float,
         half = 0.25 * np.pi * turn  # the tread's middle, +x, turned to face the other roller
         bodies.append(
             scene.add_body(
-                body,
+                body if second is None or label == "lower" else second,
                 name=label,
                 position=(0.0, 0.0, position),
                 rotation=(0.0, np.sin(half), 0.0, np.cos(half)),
