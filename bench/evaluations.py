@@ -2,10 +2,11 @@
 --layers]`.
 
 *Errors* of "semi" and "hyper" against "full", two rollers with a stiff layer between them rolling over each other at a
-constant approach: force, pressure and stress, on finer and finer meshes, with two layers. *Times* of a step with 8,000
-local modes, all three in the same run: "full" with each of its linear solvers, of which "full" is the conventional one,
-a dense LU of all coordinates in each iteration, and "low_rank" condenses the local modes. *Layers*: "hyper" against
-"semi" under laws whose yield is no constant, which are evaluated at points. See `warpffrf/study/evaluations.py`.
+constant approach: force, pressure and stress, on finer and finer meshes, with two layers, on equal and unequal grids.
+*Times* of a step with 8,000 local modes, all three in the same run: "full" with each of its linear solvers, of which
+"full" is the conventional one, a dense LU of all coordinates in each iteration, and "low_rank" condenses the local
+modes. *Layers*: "hyper" against "semi" under laws whose yield is no constant, which are evaluated at points. See
+`warpffrf/study/evaluations.py`.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ HALF_WIDTH = 0.45  # over sqrt(approach R), about: where the stress points lie
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
-    parser.add_argument("--errors", action="store_true", help="errors only, half a minute")
+    parser.add_argument("--errors", action="store_true", help="errors only, a minute")
     parser.add_argument("--times", action="store_true", help="times only, some minutes")
     parser.add_argument("--layers", action="store_true", help="layers only, a minute")
     given = parser.parse_args()
