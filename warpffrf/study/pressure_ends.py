@@ -1,6 +1,6 @@
 r"""Which of "semi" and "full" is wrong where a patch ends: both beside the law itself, on that mesh and a finer one.
 
-`python -m warpffrf.study.pressure_ends` writes docs/studies/pressure_ends.md. Some minutes.
+`python -m warpffrf.study.pressure_ends` writes docs/studies/pressure_ends.md. Two minutes.
 
 Two equal treads (`evaluations.tread`) are pressed together by a given force F, mirror images of each other, so that the
 nodes of both lie opposite and the gap at the angle t from the line of centres is `g_0 = 2 R (1 - cos t) - delta`, delta
