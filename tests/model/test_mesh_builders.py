@@ -256,3 +256,27 @@ def test_ball_with_a_tread_is_nearly_a_ball():
 def test_tread_wider_than_the_body_is_refused():
     with pytest.raises(InputError, match="leave it out"):
         roller(0.02, 0.01, 0.01, sectors=9, axial=2, layers=1, tread=0.01)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_cells_along_the_axis_may_be_given(order):
+    """Nodes lie on the boundaries, and in the middle of quadratic cells; equal ones are those of a number of cells."""
+    lines = np.array([-0.01, -0.0095, -0.008, 0.0, 0.009, 0.01])
+    body = roller(0.05, 0.015, 0.02, sectors=24, layers=3, axial=lines, order=order)
+    wanted = lines if order == 1 else np.sort(np.append(lines, 0.5 * (lines[1:] + lines[:-1])))
+    assert np.allclose(np.unique(np.round(body.points[:, 1], 12)), wanted, atol=1e-12)
+    even = roller(0.05, 0.015, 0.02, sectors=24, layers=3, axial=5, order=order)
+    same = roller(0.05, 0.015, 0.02, sectors=24, layers=3, axial=np.linspace(-0.01, 0.01, 6), order=order)
+    assert np.array_equal(even.points, same.points)
+    assert body.volume() == pytest.approx(even.volume(), rel=ROUND_OFF)
+
+
+@pytest.mark.parametrize("lines", [[-0.01, 0.02], [-0.01, 0.005, 0.005, 0.01], [0.01, -0.01], [0.01], [[-0.01, 0.01]]])
+def test_boundaries_that_do_not_fill_the_width_are_refused(lines):
+    with pytest.raises(InputError, match="axial"):
+        roller(0.05, 0.015, 0.02, sectors=24, layers=3, axial=lines)
+
+
+def test_boundaries_beside_a_tread_are_refused():
+    with pytest.raises(InputError, match="tread"):
+        roller(0.05, 0.015, 0.02, sectors=24, layers=3, axial=[-0.01, 0.0, 0.01], tread=0.005)

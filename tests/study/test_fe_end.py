@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from warpffrf.model.errors import InputError
 from warpffrf.study.closed_forms import LineContact, contact_modulus
-from warpffrf.study.fe_end import LINE_LOAD, STEEL_ROLLER, EndPressure, press_roller
+from warpffrf.study.fe_end import LINE_LOAD, STEEL_ROLLER, EndPressure, press_pair, press_roller
 
 LINE = LineContact(LINE_LOAD, STEEL_ROLLER.outer_radius, contact_modulus(STEEL_ROLLER.material))
 END_CHANGE = 0.02  # between the levels
@@ -35,3 +36,17 @@ def test_end_pressure_converges_and_the_middle_is_hertz() -> None:
     assert fine.middle == pytest.approx(hertz.peak_pressure, rel=MIDDLE)
     assert fine.end / fine.middle == pytest.approx(coarse.end / coarse.middle, rel=END_CHANGE)
     assert fine.end < fine.middle and fine.end_line_load < 1.0
+
+
+def test_mean_line_load_is_that_of_a_linear_one() -> None:
+    """Line load q0 (1 - z/2) up to z = 1, a mean of 5/8 q0 over the last half; the hats' arc is a triangle."""
+    z = np.array([0.0, 0.4, 1.0])
+    p = np.outer([1.0, 0.0], 1.0 - 0.5 * z)
+    f = EndPressure(2.0, np.array([0.0, 0.1]), z, p, 0.0, 0)
+    assert f.middle_line_load == pytest.approx(0.2)
+    assert f.mean_line_load(0.5) == pytest.approx(0.2 * 0.625)
+
+
+def test_a_partner_that_is_not_longer_is_refused() -> None:
+    with pytest.raises(InputError, match="wider"):
+        press_pair(STEEL_ROLLER, STEEL_ROLLER, 1e4, LINE.half_width, 4.0, 0.25)

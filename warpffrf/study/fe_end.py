@@ -14,15 +14,13 @@ is finite, lower than in the middle, and converges.
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from skfem import Basis, ElementHex2, ElementVector, MeshHex, MeshHex2
 from skfem.models.elasticity import linear_elasticity
 
-from warpffrf.model.errors import require_number
+from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.material import Material
 from warpffrf.offline.solvers import factorise
 from warpffrf.study.closed_forms import LineContact, contact_modulus
@@ -70,6 +68,12 @@ class EndPressure:
         """Pressure [Pa] on the line of contact, `inside` [m] from the end."""
         return float(np.interp(self.z[-1] - inside, self.z, self.pressure[0]))
 
+    def mean_line_load(self, inside: float) -> float:
+        """[N/m], mean over the last `inside` [m] at the end, of the line loads, which are linear between the hats."""
+        start = self.z[-1] - inside
+        z = np.append(start, self.z[self.z > start])
+        return float(np.trapezoid(np.interp(z, self.z, self._line_load), z) / inside)
+
     @property
     def _line_load(self) -> Array:
         """Load per width (m,) [N/m] at the hats' z, of both halves."""
@@ -87,15 +91,51 @@ class EndPressure:
 
 
 def press_roller(roller: Roller, load: float, half_width: float, cells: float, end_cell: float) -> EndPressure:
-    """The roller under the load [N]; half_width a [m] expected, `cells` in it, first cell at the end `end_cell` a wide:
-    for the mesh only."""
+    """The roller under the load [N] on a rigid plane; half_width a [m] expected, `cells` in it, first cell at the end
+    `end_cell` a wide: for the mesh only."""
+    return _pressed([roller], load, half_width, cells, end_cell)
+
+
+def press_pair(
+    short: Roller, long: Roller, load: float, half_width: float, cells: float, end_cell: float
+) -> EndPressure:
+    """As `press_roller`, the short roller on a longer one of the same radius; approach of the two hubs. Raises
+    `InputError` where the second is not longer, or not as large."""
+    if not long.width > short.width or long.outer_radius != short.outer_radius:
+        raise InputError("roller end: the second roller must be wider than the first, and of the same radius")
+    return _pressed([short, long], load, half_width, cells, end_cell)
+
+
+def _pressed(rollers: list[Roller], load: float, half_width: float, cells: float, end_cell: float) -> EndPressure:
+    """One roller on a plane, or two; the first carries the hats."""
     require_number(load, "load", positive=True)
-    R, w = roller.outer_radius, 0.5 * roller.width
+    R, w = rollers[0].outer_radius, 0.5 * rollers[0].width
     h = half_width / R / cells
     fine = h * np.arange(int(np.ceil(MARGIN * cells)) + 1)
     angles = np.append(fine, fine[-1] + graded(GROWTH_FROM_PATCH * h, np.pi - fine[-1], growth=GROWTH_FROM_PATCH)[1:])
-    depth = graded(R * h, R - roller.inner_radius, growth=GROWTH_FROM_PATCH)
     z = np.sort(w - graded(end_cell * half_width, w, growth=GROWTH_FROM_PATCH))
+    parts = []
+    for roller in rollers:
+        beyond = 0.5 * roller.width - w
+        lines = z
+        if beyond > 0.0:
+            lines = np.append(z, w + graded(end_cell * half_width, beyond, growth=GROWTH_FROM_PATCH)[1:])
+        parts.append(_rim(roller, angles, lines, h, fine[-1], w))
+    turn, wide = parts[0][:2]
+    A = np.sum([part[2] for part in parts], axis=0)
+    drop = 1.0 - np.cos(np.repeat(turn, len(wide)))
+    gap = drop * sum(roller.outer_radius for roller in rollers)
+    B = np.kron(pressure_rows(turn, R), pressure_rows(wide, 1.0))
+    last = range((len(fine) - 1) * len(z), len(fine) * len(z))
+    s, _, delta, _ = active_set(A, gap, np.ones(len(gap)), B, 0.25 * load, last)
+    return EndPressure(R, fine, z, s.reshape(len(fine), len(z)), delta, sum(part[3] for part in parts))
+
+
+def _rim(roller: Roller, angles: Array, z: Array, h: float, reach: float, w: float) -> tuple[Array, Array, Array, int]:
+    """A quarter of a roller, cells of `h` [rad] at the rim: angles (k,) up to `reach` [rad] and z (m,) up to `w` [m] of
+    the nodes of its rim, their displacement towards the other side per unit forces (k m, k m), and its dofs."""
+    R = roller.outer_radius
+    depth = graded(R * h, R - roller.inner_radius, growth=GROWTH_FROM_PATCH)
     flat = MeshHex2.from_mesh(MeshHex.init_tensor(np.sort(R - depth), angles, z))
     r, theta, along = np.asarray(flat.doflocs)
     mesh = MeshHex2(np.stack([r * np.cos(theta), r * np.sin(theta), along]), flat.t)
@@ -112,22 +152,18 @@ def press_roller(roller: Roller, load: float, half_width: float, cells: float, e
     held = np.abs(radius - roller.inner_radius) < tiny
     held |= (np.abs(x[1]) < tiny) & (component == 1) | (np.abs(x[2]) < tiny) & (component == 2)
     on = (np.abs(radius - R) < tiny) & (component == 0)
-    on &= angle < fine[-1] + 0.1 * h
+    on &= (angle < reach + 0.1 * h) & (x[2] < w + tiny)
     rows = np.flatnonzero(on)
     rows = rows[np.lexsort((x[2, rows], np.round(angle[rows] / (1e-3 * h))))]
-    nodes, lines = 2 * len(fine) - 1, 2 * len(z) - 1
     free = np.flatnonzero(~held)
     at = np.full(basis.N, -1)
     at[free] = np.arange(len(free))
     loads = np.zeros((len(free), len(rows)))
     loads[at[rows], np.arange(len(rows))] = 1.0
     A = factorise(K[free][:, free], coordinates=x[:, free].T).solve(loads)[at[rows]]
-    turn, wide = angle[rows].reshape(nodes, lines)[:, 0], x[2, rows].reshape(nodes, lines)[0]
-    B = np.kron(pressure_rows(turn, R), pressure_rows(wide, 1.0))
-    gap = R - x[0, rows]
-    last = range((len(fine) - 1) * len(z), len(fine) * len(z))
-    s, _, delta, _ = active_set(0.5 * (A + A.T), gap, np.ones(len(rows)), B, 0.25 * load, last)
-    return EndPressure(R, fine, z, s.reshape(len(fine), len(z)), delta, len(free))
+    count = int(np.sum(np.abs(angle[rows]) < 0.1 * h))  # nodes of a line of constant angle
+    turn, wide = angle[rows].reshape(-1, count)[:, 0], x[2, rows].reshape(-1, count)[0]
+    return turn, wide, 0.5 * (A + A.T), len(free)
 
 
 STEEL_ROLLER = Roller(Material(210e9, 0.3, 7800.0, name="steel"), 0.05, 0.015, 0.02)  # m
@@ -136,13 +172,19 @@ INSIDE, DEEPER = 0.5, 2.0  # half-widths from the end
 LEVELS = ((4.0, 0.25), (6.0, 0.25), (6.0, 0.125), (6.0, 0.0625), (8.0, 0.0625))  # cells in a, end cell over a
 
 
-def page() -> str:
-    """The whole page."""
+def solve_levels() -> dict[tuple[float, float], EndPressure]:
+    """The roller of the page on a plane, by level."""
+    roller = STEEL_ROLLER
+    half_width = LineContact(LINE_LOAD, roller.outer_radius, contact_modulus(roller.material)).half_width
+    return {level: press_roller(roller, LINE_LOAD * roller.width, half_width, *level) for level in LEVELS}
+
+
+def page(script: str, found: dict[tuple[float, float], EndPressure]) -> str:
+    """The page as far as finite elements go; `script` is the module that writes it, `found` is from `solve_levels`."""
     roller = STEEL_ROLLER
     line = LineContact(LINE_LOAD, roller.outer_radius, contact_modulus(roller.material))
     rows = []
-    for cells, end in LEVELS:
-        f = press_roller(roller, LINE_LOAD * roller.width, line.half_width, cells, end)
+    for (cells, end), f in found.items():
         # the load is that of the width, of which the middle carries more than the mean
         middle = LineContact(f.middle_line_load, roller.outer_radius, line.modulus)
         row = [f"{cells:g}", f"{end:g} a", str(f.dofs), f"{f.middle / middle.peak_pressure - 1.0:+.2%}"]
@@ -161,7 +203,7 @@ def page() -> str:
     ]
     return f"""# Pressure at the free end of a roller
 
-Made by `python -m warpffrf.study.fe_end`; do not edit.
+Made by `python -m {script}`; do not edit.
 
 A steel roller (R {roller.outer_radius * 1e3:g} mm, rigid hub {roller.inner_radius * 1e3:g} mm, width
 {roller.width * 1e3:g} mm) under {LINE_LOAD * roller.width / 1e3:g} kN on a rigid plane, or on its equal: full finite
@@ -171,13 +213,3 @@ found there. Pressure on the line of contact over that in the middle: at the end
 *Line loads*: end over middle. Approach of the hub.
 
 {table(head, rows)}"""
-
-
-def main(folder: str = "docs/studies") -> None:
-    """Write the page."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    (Path(folder) / "roller_end.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])

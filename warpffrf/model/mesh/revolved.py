@@ -25,6 +25,7 @@ from warpffrf.model.mesh.facets import FacetSet
 logger = logging.getLogger(__name__)
 
 ON_AXIS = 1e-9  # of the width: a shape's axis this close to y is y
+SAME_END = 1e-9  # of the width: boundaries that miss an end by round-off end there
 BESIDE_GROWTH = 1.4  # of the cells beside a tread, along the axis
 MOST_BESIDE = 0.25  # of the width beside it: largest cell there
 DEFAULT_GROWTH = 1.4  # layer growth when layers are chosen: neighbours within a factor 1.4 keep cells well shaped
@@ -86,12 +87,15 @@ def _growth_for(ratio: float, layers: int) -> float:
     return float(root)  # pyright: ignore[reportArgumentType]
 
 
-def axial_lines(low: float, high: float, cells: int, tread: float | None, label: str) -> np.ndarray:
+def axial_lines(low: float, high: float, cells: Any, tread: float | None, label: str) -> np.ndarray:
     """Boundaries (n + 1,) [m] of the cells from `low` to `high` [m] along the axis.
 
-    `cells` equal ones, or, with a `tread` [m], that many in a band of that width about 0 and growing ones beside it.
-    Raises `InputError` for a tread that does not fit.
+    `cells`: how many equal ones, or, with a `tread` [m], that many in a band of that width about 0 and growing ones
+    beside it; or the boundaries themselves. Raises `InputError` for a tread that does not fit, and for boundaries that
+    do not rise from `low` to `high`.
     """
+    if np.ndim(cells):
+        return _given_lines(low, high, cells, tread, label)
     if tread is None:
         return np.linspace(low, high, cells + 1)
     half = 0.5 * require_number(tread, f"{label}: tread", positive=True)
@@ -100,6 +104,18 @@ def axial_lines(low: float, high: float, cells: int, tread: float | None, label:
     middle = np.linspace(-half, half, cells + 1)
     beside = [half + _growing(end - half, 2.0 * half / cells) for end in (-low, high)]
     return np.concatenate([-beside[0][::-1], middle, beside[1]])
+
+
+def _given_lines(low: float, high: float, places: Any, tread: float | None, label: str) -> np.ndarray:
+    if tread is not None:
+        raise InputError(f"{label}: axial says where all cells are; leave tread out")
+    lines = require_array(places, f"{label}: axial", (None,))
+    reach = SAME_END * (high - low)
+    if len(lines) < 2 or abs(lines[0] - low) > reach or abs(lines[-1] - high) > reach or np.any(np.diff(lines) <= 0.0):
+        raise InputError(
+            f"{label}: axial must be a number of cells, or their boundaries, rising from {low:g} to {high:g} m"
+        )
+    return lines
 
 
 def _growing(length: float, size: float) -> np.ndarray:

@@ -54,7 +54,7 @@ def roller(
     profile: Any = None,
     sectors: int | None = None,
     layers: int | None = None,
-    axial: int | None = None,
+    axial: Any = None,
     tread: float | None = None,
     grading: float | None = None,
     order: int = 2,
@@ -70,6 +70,8 @@ def roller(
         function of positions y (n,) [m] that returns radii (n,) [m]; for tables, cones and everything else that turns.
         `outer_radius` then only sets the size of the cells. `crown_radius=outer_radius` makes a ball with flat ends.
     sectors, layers, axial: cells around, through the wall, along the axis. What is left out follows `half_width`.
+        `axial` may be the boundaries (n + 1,) of the cells, rising from -width/2 to width/2: a sharp end that carries
+        pressure wants small cells there.
     tread: width of a band in the middle that has all `axial` cells, equal ones; beside it cells grow. It adds the facet
         set `tread`: for a contact that is narrow beside the roller, and for balls. None: the whole width. The rim layer
         is then as deep as the smaller side of a cell.
@@ -109,14 +111,15 @@ def roller(
     if axial is None and half_width is not None:
         axial = max(int(np.ceil((tread or width) / (AXIAL_CELL[order] * half_width))), LEAST_AXIAL[order])
     sectors = require_count(sectors, "roller: sectors", 3)
-    axial = require_count(axial, "roller: axial", 1)
+    boundaries = axial is not None and np.ndim(axial) > 0
+    cells_along: Any = axial if boundaries else require_count(axial, "roller: axial", 1)
     first = 2.0 * np.pi * R / sectors if size is None else size
-    if tread is not None:
-        first = min(first, require_number(tread, "roller: tread", positive=True) / axial)
+    if tread is not None and not boundaries:
+        first = min(first, require_number(tread, "roller: tread", positive=True) / cells_along)
     depth = layer_depths(R - r_i, layers, grading, first)
 
     fractions = refined(1.0 - depth[::-1] / (R - r_i), order)  # of the wall, bore (0) to rim (1)
-    lines = axial_lines(-0.5 * width, 0.5 * width, axial, tread, "roller")
+    lines = axial_lines(-0.5 * width, 0.5 * width, cells_along, tread, "roller")
     y = refined(lines, order)
     if profile is not None:
         rim = profile_radius(profile, y, "roller: profile", above=r_i)
