@@ -17,7 +17,8 @@ turn by less than a column: SMALL keeps its remainder below round-off.
 import warp as wp
 
 from warpffrf_kernels import control as k
-from warpffrf_kernels.contact_geometry import SERIES, keep_hat
+from warpffrf_kernels.contact_geometry import SERIES
+from warpffrf_kernels.contact_weights import keep_hat
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
 
@@ -126,7 +127,7 @@ def sample_few(
         strip += wp.block_dim()
 
 
-# Weak gap, area, gradient and stencil of one hat, as `contact_geometry.sum_hat`: the sum over the points of its cells.
+# Weak gap, area, gradient and stencil of one hat, as `contact_weights.sum_hat`: the sum over the points of its cells.
 @wp.func_native("""
     const int start = model.pair_point_start.data[pair], count = model.pair_point_count.data[pair];
     const int most = (model.max_rows - 1) * model.z_points;
@@ -213,7 +214,7 @@ def weigh_few(
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
 ):
-    """Per (world, pair of few points), lanes over hats of the window: what `contact_geometry.weigh` does for all."""
+    """Per (world, pair of few points), lanes over hats of the window: what `contact_weights.weigh` does for all."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or not looks_at_few(model, pair) or center[w, pair, 2] != 0:

@@ -143,7 +143,7 @@ def sample_points(
 
 
 # Weak gap, area, gradient and stencil of one hat: the sum over the points of its (up to) four cells. Returns 1 if the
-# stencil has no room for all of B's nodes. Native like `contact_geometry.sum_hat`.
+# stencil has no room for all of B's nodes. Native like `contact_weights.sum_hat`.
 @wp.func_native("""
     const int start = model.pair_point_start.data[pair], count = model.pair_point_count.data[pair];
     const int SC = model.stencil_columns, SR = model.stencil_rows;
@@ -227,7 +227,7 @@ def weigh_points(
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
 ):
-    """Per (world, pair of family 1), lanes over hats of the window: as `contact_geometry.weigh` for the others."""
+    """Per (world, pair of family 1), lanes over hats of the window: as `contact_weights.weigh` for the others."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_family[pair] != 1:

@@ -3,8 +3,9 @@
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.contact_geometry import slope_at
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.scalars import MODULE_OPTIONS, quat, real, vec3
+from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -13,42 +14,57 @@ wp.set_module_options(MODULE_OPTIONS)
 def sum_second(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
-    station: wp.array4d(dtype=real),
-    station_wrench: wp.array4d(dtype=real),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
     second_load: wp.array3d(dtype=real),
     second_wrench: wp.array3d(dtype=real),
 ):
     """Per (world, pair of family 0): the wrench that the hat forces on the second surface sum to there (about A's
     centre of mass).
 
-    The wrench of a unit force is interpolated linearly between the first and the last station, at the axial position of
-    the node. Hats reproduce linear functions, so force and moment agree with those of the first side to round-off where
-    that wrench is linear in z: for parallel axes. On tilted ones the line of centres turns along the width, and what is
-    left is of the order of the tilt squared.
+    The force of a node acts at B's axis, at the node's axial position z, along the line of centres of the section there
+    (`contact_geometry`). Hats reproduce linear functions, so force and moment agree with those of the first side to
+    round-off where the wrench of a unit force is linear in z: for parallel axes. On skewed ones the moment about the
+    common normal goes with z^2, which hats between rows h apart take h^2/6 too large in the mean; what is left of the
+    force is of the order of the angle squared.
     """
     w, pair = wp.tid()
     model = models[0]
     if ctl[w, k.RECORD] == 0 or model.pair_family[pair] != 0:
         return
+    A = model.pair_first[pair]
     B = model.pair_second[pair]
+    body_a = model.surface_body[A]
+    body_b = model.surface_body[B]
     rows_b = model.surface_rows[B]
-    for c in range(6):
-        second_wrench[w, pair, c] = real(0.0)
-    last = (model.surface_rows[model.pair_first[pair]] - 1) * model.z_points - 1
-    z0 = station[w, pair, 0, 3]
-    z1 = station[w, pair, last, 3]
-    i = int(0)
-    while i < model.second_columns * rows_b:
-        f = second_load[w, pair, i]
-        if f != real(0.0):
-            z = model.surface_z[model.surface_z_start[B] + i % rows_b]
-            e = real(0.0)
-            if last > 0:
-                e = (z - z0) / (z1 - z0)
-            for c in range(6):
-                value = (real(1.0) - e) * station_wrench[w, pair, 0, c] + e * station_wrench[w, pair, last, c]
-                second_wrench[w, pair, c] = second_wrench[w, pair, c] - f * value
-        i += 1
+    frame_a = axes[w, body_a] * model.surface_frame[A]
+    frame_b = axes[w, body_b] * model.surface_frame[B]
+    e_A = vec3(frame_a[0, 2], frame_a[1, 2], frame_a[2, 2])
+    e_B = vec3(frame_b[0, 2], frame_b[1, 2], frame_b[2, 2])
+    cosine = wp.dot(e_A, e_B)
+    arm_a = axes[w, body_a] * model.surface_origin[A]
+    between = (r1[w, body_b] - r1[w, body_a]) + axes[w, body_b] * model.surface_origin[B]
+    force = vec3(real(0.0), real(0.0), real(0.0))
+    moment = vec3(real(0.0), real(0.0), real(0.0))
+    row = int(0)
+    while row < rows_b:
+        load = real(0.0)
+        column = int(0)
+        while column < model.second_columns:
+            load += second_load[w, pair, column * rows_b + row]
+            column += 1
+        if load != real(0.0):
+            z = model.surface_z[model.surface_z_start[B] + row]
+            b = between + z * e_B
+            v = b - arm_a
+            c = wp.normalize(v - wp.dot(v, e_A) * e_A)
+            f = c + e_A * ((slope_at(model.surface_crown[B], z) - wp.dot(c, e_B)) / cosine)
+            force += load * f
+            moment += load * wp.cross(b, f)
+        row += 1
+    for i in range(3):
+        second_wrench[w, pair, i] = force[i]
+        second_wrench[w, pair, 3 + i] = moment[i]
 
 
 @wp.kernel

@@ -13,6 +13,8 @@ from warpffrf_kernels import (
     contact_place,
     contact_points,
     contact_solve,
+    contact_weights,
+    contact_window,
     shared_surface,
 )
 
@@ -23,8 +25,8 @@ from warpffrf.online.launcher import Launcher
 from warpffrf.online.layer_graph import LayerGraph
 
 MODULES = (
-    contact_geometry, contact_few, contact_place, contact_points, contact_compliance, contact_assembly, contact_fields,
-    contact_solve, shared_surface,
+    contact_geometry, contact_weights, contact_window, contact_few, contact_place, contact_points, contact_compliance,
+    contact_assembly, contact_fields, contact_solve, shared_surface,
 )  # fmt: skip
 
 
@@ -56,7 +58,7 @@ class ContactGraph(Launcher):
                 [s.ctl, x.phase, x.center, x.nearest, x.touched],
             )  # fmt: skip
         self.launch(
-            contact_geometry.open_window, (W, P), [M, s.ctl, x.phase, x.touched],
+            contact_window.open_window, (W, P), [M, s.ctl, x.phase, x.touched],
             [x.center, x.station, s.active, s.pressure, s.patch_offset, x.window],
         )  # fmt: skip
         weak = [x.weak_gap, x.area, x.wrench, x.stencil, x.stencil_at]
@@ -65,7 +67,7 @@ class ContactGraph(Launcher):
                 contact_geometry.sample, (W, P), [M, s.ctl, x.center, x.window, x.station], [x.point_gap, x.point_place]
             )
             self.block(
-                contact_geometry.weigh, (W, P),
+                contact_weights.weigh, (W, P),
                 [M, x.center, x.window, x.station, x.station_wrench, x.point_gap, x.point_place], [s.ctl, *weak],
             )  # fmt: skip
         if 1 in self.families:
@@ -78,7 +80,7 @@ class ContactGraph(Launcher):
         if self.few:
             self._look_at_few(weak)
         self.block(
-            contact_geometry.shift, (W, P),
+            contact_weights.shift, (W, P),
             [M, s.ctl, x.center, x.window, x.station, x.station_wrench, x.area, x.weak_gap], [x.wrench, x.shifted_gap],
         )  # fmt: skip
         self.launch(

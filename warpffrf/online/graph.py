@@ -161,10 +161,7 @@ class StepGraph(Launcher):
         m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
         if m.pair_count:
             self.launch(
-                record.sum_second,
-                (W, m.pair_count),
-                [M, s.ctl, x.station, x.station_wrench, x.second_load],
-                [x.second_wrench],
+                record.sum_second, (W, m.pair_count), [M, s.ctl, x.r1, x.axes, x.second_load], [x.second_wrench]
             )
             self.contact.record()
         if self.contact.friction:

@@ -19,6 +19,7 @@ from warpffrf.model.step_count import step_count
 from warpffrf.online.blame import blame
 from warpffrf.online.check_run import run_check
 from warpffrf.online.checkpoint import is_dynamic, restore, time_of
+from warpffrf.online.compile_contact import LINE_OF_CENTRES
 from warpffrf.online.compile_friction import friction_notes
 from warpffrf.online.contact_notes import contact_notes, energy_notes, overlap_notes
 from warpffrf.online.engine import Engine
@@ -230,7 +231,9 @@ def _finish(
     }
     inertia = indicator_lines(term_sizes(engine.scene, history, levels), levels)
     inertia += unheld_lines(engine.scene, history)
-    contact = [*contact_notes(engine.scene, history), *sampling_notes(engine.scene, history)]
+    families = engine.compiled.model.pair_family.numpy()
+    on_axes = [c.name for c, f in zip(engine.scene.contacts, families, strict=False) if f == LINE_OF_CENTRES]
+    contact = [*contact_notes(engine.scene, history, on_axes), *sampling_notes(engine.scene, history)]
     history.notes = [*notes, *inertia, *contact, *energy_notes(history.energy), *history.notes]
     history.checkpoint = engine.state.to_numpy()
     return history

@@ -1,0 +1,89 @@
+"""Where a pair's window begins and ends: the columns of the first grid that are looked at, for all pairs.
+
+The active set is kept in the contact frame: pressures stay where the patch is while the material runs through it. What
+is looked at are the active columns and MARGIN more on each side, at most the widest window that was laid out.
+"""
+
+import warp as wp
+
+from warpffrf_kernels import control as k
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.scalars import MODULE_OPTIONS, real
+
+wp.set_module_options(MODULE_OPTIONS)
+
+MARGIN = wp.constant(3)  # columns looked at beyond the active ones
+
+
+@wp.kernel
+def open_window(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    phase: wp.array3d(dtype=real),
+    touched: wp.array3d(dtype=int),
+    center: wp.array3d(dtype=int),
+    station: wp.array4d(dtype=real),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    patch_offset: wp.array2d(dtype=real),
+    window: wp.array3d(dtype=int),
+):
+    """Per (world, pair): the active set of the last attempt put where the patch is now, and the columns to look at: the
+    active ones, those of `touched` (family 1) and MARGIN more on each side, relative to the centre column.
+
+    A pair whose sampled gaps would only have been shifted (`locate`) is sampled again where another pair had its
+    windows laid anew: its own may have grown.
+    """
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.RECENTER] == 0:
+        return
+    rows = model.surface_rows[model.pair_first[pair]]
+    H = model.half_window
+    if center[w, pair, 2] != 0:
+        center[w, pair, 2] = 0
+        s = int(0)
+        while s < (rows - 1) * model.z_points:
+            station[w, pair, s, 8] = station[w, pair, s, 0]
+            s += 1
+    offset = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6]) - real(center[w, pair, 0])
+    shift = int(wp.floor(offset - patch_offset[w, pair] + real(0.5))) * rows
+    patch_offset[w, pair] = offset
+    size = model.window_columns * rows
+    n = int(0)
+    while shift != 0 and n < size:
+        to = n
+        if shift > 0:
+            to = size - 1 - n
+        source = to - shift
+        active[w, pair, to] = 0
+        pressure[w, pair, to] = real(0.0)
+        if source >= 0 and source < size:
+            active[w, pair, to] = active[w, pair, source]
+            pressure[w, pair, to] = pressure[w, pair, source]
+        n += 1
+    low = int(0)
+    high = int(0)
+    found = int(0)
+    m = int(0)
+    while m < model.window_columns * rows:
+        if active[w, pair, m] != 0 and not wp.isfinite(pressure[w, pair, m]):  # left by a rejected attempt
+            active[w, pair, m] = 0
+            pressure[w, pair, m] = real(0.0)
+        if active[w, pair, m] != 0:
+            o = m / rows - H
+            if found == 0:
+                low = o
+            high = o
+            found = int(1)
+        m += 1
+    if model.pair_family[pair] == 1:
+        first = wp.clamp(touched[w, pair, 0] - center[w, pair, 0], -H, H)
+        last = wp.clamp(touched[w, pair, 1] - center[w, pair, 0], -H, H)
+        if found == 0:
+            low = first
+            high = last
+        low = wp.min(low, first)
+        high = wp.max(high, last)
+    window[w, pair, 0] = wp.max(low - MARGIN, -H)
+    window[w, pair, 1] = wp.min(high + MARGIN, H)
