@@ -1,8 +1,8 @@
 """What a reader of a run should know of its contacts before trusting their pressures.
 
 Each note names the pair, what was seen, and the cure: a patch of too few columns of the contact grid, hats that reach
-over the end of the second surface, axes that turned against each other, surfaces that overlapped at the start, and
-energy that came from nowhere.
+over the end of the second surface, patches that reach an end (`border_notes`), axes that turned against each other,
+surfaces that overlapped at the start, and energy that came from nowhere.
 
 Skew. A pair on the line of centres takes the section of the second body as a circle. Where its axis is turned by an
 angle e that section is an ellipse, of the curvature cos(e)^2/R_B on its side: with like radii the relative curvature is
@@ -18,6 +18,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.gap import smallest_gap
+from warpffrf.online.border_notes import border_notes
 from warpffrf.online.compile_contact import SKEW
 from warpffrf.online.sensors import turned
 
@@ -37,7 +38,7 @@ def contact_notes(scene: Any, history: Any, on_axes: Collection[str] = ()) -> li
         found = history.contacts.get(contact.name)
         if found is None or not np.any(found.pressure > 0.0):
             continue
-        notes += _coarse(contact, found) + _cut(contact, found)
+        notes += _coarse(contact, found) + _cut(contact, found) + border_notes(contact, found, history.time)
         if contact.name in on_axes:
             notes += _skewed(contact, found, history)
     return notes
