@@ -2,13 +2,13 @@
 
 The elastic slip e of all cells of the window is kept with the grid column of the window's centre: the next step finds
 its material again by the difference of the columns. Records: power -tau.S/h, rigid creep velocity at the cell nearest
-to the patch's centre, mean velocity of the two surfaces through the patch, and columns that the patch advanced.
+to the patch's centre, mean velocity of the two surfaces through the patch, and the most columns that the patch advanced
+in a step since the last record (`friction_advance`).
 """
 
 import warp as wp
 
 from warpffrf_kernels import control as k
-from warpffrf_kernels.contact_geometry import wrap
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real, vec3
@@ -42,8 +42,8 @@ def keep_tractions(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
-    phase: wp.array3d(dtype=real),
-    nearest: wp.array3d(dtype=real),
+    history_phase: wp.array2d(dtype=real),
+    advanced: wp.array2d(dtype=real),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     elastic: wp.array3d(dtype=real),
@@ -56,12 +56,11 @@ def keep_tractions(
     friction_offset: wp.array2d(dtype=real),
     elastic_before: wp.array3d(dtype=real),
     history_center: wp.array2d(dtype=int),
-    history_phase: wp.array2d(dtype=real),
     contact_normal: wp.array2d(dtype=vec3),
     friction_record: wp.array3d(dtype=real),
 ):
     """Per (world, pair), lanes over cells: the history of an accepted step, or the tractions as an attempt found them.
-    friction_record: power, creep (2), rolling velocity, columns advanced."""
+    friction_record: power, creep (2), rolling velocity."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w, k.ATTEMPT] == 0 or model.pair_friction[pair] == real(0.0):
@@ -86,13 +85,7 @@ def keep_tractions(
         i += wp.block_dim()
     if lane == 0:
         h = clk[w, k.DONE_STEP]
-        at = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6])
-        if model.pair_family[pair] == 1:
-            at = nearest[w, pair, 0]
-        advanced = at - history_phase[w, pair]
-        if model.surface_turn[A] > 0:
-            advanced = wrap(advanced, real(model.surface_turn[A]), real(0.0))
-        history_phase[w, pair] = at
+        at = history_phase[w, pair]
         history_center[w, pair] = center[w, pair, 0]
         force = vec3(normal_wrench[w, pair, 0], normal_wrench[w, pair, 1], normal_wrench[w, pair, 2])
         contact_normal[w, pair] = vec3(real(0.0), real(0.0), real(0.0))
@@ -100,18 +93,17 @@ def keep_tractions(
             contact_normal[w, pair] = -wp.normalize(force)
         row = rows / 2
         m = wp.clamp(int(wp.floor(at + real(0.5))) - center[w, pair, 0] + H, low, high) * rows + row
-        for c in range(5):
+        for c in range(4):
             friction_record[w, pair, c] = real(0.0)
         if ctl[w, k.MODE] == k.DYNAMIC and h > real(0.0):
             creep = rigid_slip[w, pair, cell_at(rows, m, 0)] / h
             z = model.surface_z[model.surface_z_start[A] + row]
             # material of the first surface runs against the columns that the patch advances
-            through = -advanced * model.surface_pitch[A] * radius_of(model, A, z) * model.surface_side[A] / h
+            through = -advanced[w, pair] * model.surface_pitch[A] * radius_of(model, A, z) * model.surface_side[A] / h
             friction_record[w, pair, 0] = -friction_work[w, pair, 0] / h
             friction_record[w, pair, 1] = creep
             friction_record[w, pair, 2] = rigid_slip[w, pair, cell_at(rows, m, 1)] / h
             friction_record[w, pair, 3] = through - real(0.5) * creep
-            friction_record[w, pair, 4] = wp.abs(advanced)
 
 
 @wp.kernel
@@ -126,11 +118,13 @@ def record_friction(
     friction_record: wp.array3d(dtype=real),
     pair_wrench: wp.array3d(dtype=real),
     normal_wrench: wp.array3d(dtype=real),
+    most_advanced: wp.array2d(dtype=real),
     second_wrench: wp.array3d(dtype=real),
     ring: wp.array3d(dtype=real),
 ):
     """Per (world, pair), lanes over cells: at the end of the row that `record.record` writes next, for every pair
-    tractions, slip velocities, states and `friction_record`; the tractions act on the second body along the same lines,
+    tractions, slip velocities, states, `friction_record` and the most columns advanced, whose count begins anew; the
+    tractions act on the second body along the same lines,
     so that their wrench there is the opposite."""
     w, pair, lane = wp.tid()
     model = models[0]
@@ -160,7 +154,9 @@ def record_friction(
         ring[w, at, start + 4 * C + m] = state
         m += wp.block_dim()
     if lane == 0:
-        for c in range(5):
+        for c in range(4):
             ring[w, at, start + 5 * C + c] = friction_record[w, pair, c]
+        ring[w, at, start + 5 * C + 4] = most_advanced[w, pair]
+        most_advanced[w, pair] = real(0.0)
         for c in range(6):
             second_wrench[w, pair, c] -= pair_wrench[w, pair, c] - normal_wrench[w, pair, c]

@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 from warpffrf_kernels import (
+    friction_advance,
     friction_bounds,
     friction_compliance,
     friction_fields,
@@ -27,7 +28,7 @@ from warpffrf.online.launcher import Launcher
 
 MODULES = (
     friction_geometry, friction_shares, friction_bounds, friction_fields, friction_forces, friction_compliance,
-    friction_problem, friction_solve, friction_keep,
+    friction_problem, friction_solve, friction_keep, friction_advance,
 )  # fmt: skip
 
 
@@ -180,11 +181,15 @@ class FrictionGraph(Launcher):
     def keep(self) -> None:
         """After the decision: the history of an accepted step, or the tractions as they were."""
         M, s, x, W, P = self.compiled.models, self.state, self.work, self.worlds, self.compiled.model.pair_count
+        self.launch(
+            friction_advance.follow_patch, (W, P),
+            [M, s.ctl, x.r1, x.axes, x.phase, x.nearest], [s.history_phase, s.history_z, s.most_advanced, x.advanced],
+        )  # fmt: skip
         self.block(
             friction_keep.keep_tractions, (W, P),
-            [M, s.ctl, s.clk, x.phase, x.nearest, x.center, x.window, x.elastic, x.rigid_slip, x.friction_work,
+            [M, s.ctl, s.clk, s.history_phase, x.advanced, x.center, x.window, x.elastic, x.rigid_slip, x.friction_work,
              x.normal_wrench, x.traction_before, x.friction_offset_before],
-            [s.traction, s.friction_offset, s.elastic_before, s.history_center, s.history_phase, s.contact_normal,
+            [s.traction, s.friction_offset, s.elastic_before, s.history_center, s.contact_normal,
              x.friction_record],
         )  # fmt: skip
 
@@ -195,7 +200,7 @@ class FrictionGraph(Launcher):
             friction_keep.record_friction, (self.worlds, self.compiled.model.pair_count),
             [M, s.ctl, s.clk, s.traction, x.slip, x.bound, x.cell_state, x.friction_record, x.pair_wrench,
              x.normal_wrench],
-            [x.second_wrench, x.ring],
+            [s.most_advanced, x.second_wrench, x.ring],
         )  # fmt: skip
 
     def _press(self, pressure: Any, load: Any, of_state: int) -> None:

@@ -108,7 +108,7 @@ class FrictionHistory:
     power: np.ndarray  # (T,) W, dissipated in the last step, never negative
     creep_velocity: np.ndarray  # (T, 2) m/s, of the surfaces as rigid bodies, at the patch
     rolling_velocity: np.ndarray  # (T,) m/s, mean of both surfaces through the patch, along e_theta
-    cells_per_step: np.ndarray  # (T,) columns of the grid that the patch advanced in the last step
+    cells_per_step: np.ndarray  # (T,) most columns that the patch advanced in a step since the last saved row
 
 
 @dataclass

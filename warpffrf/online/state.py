@@ -46,7 +46,9 @@ class State:
     friction_offset: wp.array  # (W, pairs) as patch_offset, where the tractions were found
     elastic_before: wp.array  # (W, pairs, 2 cells) m, elastic slip at the end of the last step
     history_center: wp.array  # (W, pairs) grid column of its window's centre
-    history_phase: wp.array  # (W, pairs) columns: line of centres at the end of the last step
+    history_phase: wp.array  # (W, pairs) columns: nearest place, or line of centres, at the end of the last step
+    history_z: wp.array  # (W, pairs) m, z of that place on the first surface, of pairs whose gaps are taken at points
+    most_advanced: wp.array  # (W, pairs) columns that the patch advanced at most in a step since the last saved row
     contact_normal: wp.array  # (W, pairs) unit vector of the normal force on the second body, zero without contact
     energy: wp.array  # (W, 2, lines): accepted, trial
     pair_force: wp.array  # (W, pairs, 2, 12): accepted, trial
@@ -163,7 +165,7 @@ def friction_table(m: Any) -> dict[str, tuple]:
         "second_force": (REAL, P, 2 * m.node_capacity if F else 0), "elastic": (REAL, P, 2 * C),
         "elastic_local": (REAL, P, 2 * C), "traction_base": (REAL, P, 2 * C), "traction_before": (REAL, P, 2 * C),
         "friction_offset_before": (REAL, P), "cell_phase": (REAL, P, 4), "cell_state": (INT, P, C),
-        "friction_record": (REAL, P, 5),
+        "friction_record": (REAL, P, 4), "advanced": (REAL, P),
         "friction_work": (REAL, P, 1), "normal_wrench": (REAL, P, 6),
         "cell_slot_of": (INT, P, C), "cell_slot": (INT, F, 2), "cell_G": (REAL, 2 * F, 2 * F),
         "cell_K": (REAL, 2 * F, 2 * F), "cell_L": (REAL, 2 * F, m.coupled_capacity), "cell_base": (REAL, 2 * F),
@@ -225,8 +227,8 @@ def initial_state(compiled: CompiledScene, worlds: int) -> State:
         "lam0": (REAL, rows), "lam": (REAL, rows),
         "active": (INT, P, m.mode_capacity), "pressure": (REAL, P, m.mode_capacity), "patch_offset": (REAL, P),
         "traction": (REAL, P, cells), "friction_offset": (REAL, P), "elastic_before": (REAL, P, cells),
-        "history_center": (INT, P), "history_phase": (REAL, P), "contact_normal": (VEC3, P),
-        "energy": (REAL, 2, k.LINES),
+        "history_center": (INT, P), "history_phase": (REAL, P), "history_z": (REAL, P), "most_advanced": (REAL, P),
+        "contact_normal": (VEC3, P), "energy": (REAL, 2, k.LINES),
         "pair_force": (REAL, P, 2, 12), "modal_load": (REAL, 2, Q), "applied": (VEC3, 2, F), "applied_at": (VEC3, 2, F),
         "load": (REAL, 2, 6 * B), "load_on_modes": (REAL, 2, Q), "stretch": (REAL, rows),
         "drive_rate": (REAL, 2, rows), "ctl": (INT, k.CTL), "clk": (REAL, k.CLK),

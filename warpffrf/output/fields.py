@@ -98,7 +98,12 @@ FRICTION_FIELDS = (
     Field("contact_friction_power", "power", "W", "dissipated"),
     Field("contact_creep_velocity", "creep_velocity", "m/s", f"{FIRST}, at the patch centre", DIRECTION),
     Field("contact_rolling_velocity", "rolling_velocity", "m/s", "first surface, along e_theta"),
-    Field("contact_cells_per_step", "cells_per_step", "1", "columns of the contact grid of the first surface"),
+    Field(
+        "contact_cells_per_step",
+        "cells_per_step",
+        "1",
+        "columns of the first contact grid, most since the last saved row",
+    ),
 )
 
 # Derived by `ContactResult`, written so that readers without warpffrf have them, never read back.

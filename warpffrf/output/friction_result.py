@@ -49,7 +49,7 @@ class FrictionResult:
         self.power = history.power  # (T,) W dissipated
         self.creep_velocity = history.creep_velocity  # (T, 2) m/s, rigid slip at the patch centre
         self.rolling_velocity = history.rolling_velocity  # (T,) m/s, mean speed of both surfaces along e_theta
-        self.cells_per_step = history.cells_per_step  # (T,) columns that the patch advanced in the last step
+        self.cells_per_step = history.cells_per_step  # (T,) most columns a step since the last saved row
 
     # --- fields ---
 
