@@ -264,7 +264,7 @@ class _SurfaceResults:
         sampled = [
             ObservedModes(
                 [(h.k, c[a]) for h, c in zip(modes.found, coefficients, strict=True)], f.count, modes.combine
-            ).real(f.sampled)
+            ).real(f.projected)
             for a, f in enumerate(s.fields)
         ]
         tangential = None

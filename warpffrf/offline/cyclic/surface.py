@@ -9,7 +9,11 @@ multiplied by `w_k = sum_a w_a e^{-i k a phi}` and results are read at every q-t
 at a time.
 
 A facet set on an arc uses the operators of the full turn, of which it is a part: its functions keep their whole
-support, and D and the projection of displacements are those of the full turn restricted to the columns of the arc.
+support, and D is that of the full turn restricted to the columns of the arc. So `M D M`, with M of the full turn, is
+exact on the arc. The displacements u of the global modes are multiplied by the Gram matrix M_KK of the arc alone where
+they are used, which lacks the overlap of an outermost hat with the next one beyond the arc. They are therefore
+projected on the arc's own hats, `u_K = M_KK^-1 (M u)_K`, and the weak displacements `M_KK u_K` are exact to the last
+column.
 """
 
 from __future__ import annotations
@@ -255,10 +259,20 @@ class CyclicField:
         around = np.linalg.solve(M, parts.reshape(directions, c, -1)).reshape(directions * c, rows, -1)
         return np.linalg.solve(self._gram_z, around).reshape(values.shape)
 
-    def sampled(self, k: int, amplitude: Array, columns: int | None = None) -> Array:
-        """Waves `amplitude` (count, m) e^{i k s phi} at the columns of the grid, or at the `columns` from its first one
-        on: (directions columns rows, m)."""
-        fine = self.surface.offset + self.stride * np.arange(self.columns if columns is None else columns)
+    def sampled(self, k: int, amplitude: Array, columns: int | None = None, start: int = 0) -> Array:
+        """Waves `amplitude` (count, m) e^{i k s phi} at the columns of the grid, or at the `columns` from its column
+        `start` on: (directions columns rows, m)."""
+        fine = self.surface.offset + self.stride * (start + np.arange(self.columns if columns is None else columns))
         wave = np.array([phase(k * int(s), self.N) for s in fine // self.c])
         parts = amplitude.reshape(len(self.directions), self.c, self.rows, -1)[:, fine % self.c]
         return (parts * wave[:, None, None]).reshape(len(self.directions) * len(fine) * self.rows, -1)
+
+    def projected(self, k: int, amplitude: Array) -> Array:
+        """As `sampled` at the columns of the grid, of an arc projected on its own functions."""
+        if self.surface.periodic or self.kind == "cells":
+            return self.sampled(k, amplitude)
+        around = self.sampled(k, amplitude, self.columns + 2, -1)
+        u = around.reshape(len(self.directions), self.columns + 2, -1)
+        weak = self.pitch * (2.0 / 3.0 * u[:, 1:-1] + (u[:, :-2] + u[:, 2:]) / 6.0)
+        found = np.linalg.solve(self.grid().gram_theta(), weak)
+        return found.reshape(len(self.directions) * self.columns * self.rows, -1)
