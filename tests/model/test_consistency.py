@@ -39,6 +39,16 @@ def test_velocities_that_fit_leave_nothing() -> None:
     assert velocity_defects(swing(typed, omega)) == []
 
 
+def test_a_body_on_its_own_axle_but_for_round_off_may_turn() -> None:
+    """The only arm of the scene is 1e-19 m: no length to judge velocities by."""
+    scene = Scene()
+    body = scene.add_rigid_body(2.0, (1.0, 1.0, 1.0), name="body", angular_velocity=(0.0, 200.0, 0.0))
+    scene.add(joints.Revolute(scene.ground, body.at((1e-19, 0.0, 3e-19)), axis=(0, 1, 0), name="axle"))
+    assert velocity_defects(scene) == []
+    body.velocity = np.array([0.1, 0.0, 0.0])
+    assert [defect.owner for defect in velocity_defects(scene)] == ["axle"]
+
+
 def test_what_is_left_is_told_per_joint() -> None:
     """The point of the body at the hinge moves with v + omega x ARM; a turn across the axis is left over whole."""
     omega = np.array([1.0, -3.0, 0.5])

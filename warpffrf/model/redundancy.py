@@ -41,6 +41,7 @@ NEARBY = 0.03  # rad, or of L: how far poses are moved to tell a singular pose f
 NEARBY_POSES = 2
 CLOSED = 1e-10  # of L and rad: defect of a pose that Gauss-Newton has closed; it converges quadratically
 CLOSING_STEPS = 12
+ROUND_OFF_ARM = 1e-9  # of a body's radius of gyration: arms below are round-off of coordinates, no length of a scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,11 +134,18 @@ def marker_pose(scene: Scene, pose: Pose, port: Any, marker: Marker) -> tuple[np
 
 
 def scene_length(scene: Scene) -> float:
-    """A length [m] of the scene: the largest distance of a joint from a body it holds, or 1 m where all are zero."""
+    """A length [m] of the scene: the largest distance of a joint from a body it holds; where all are zero, or
+    round-off, the largest radius of gyration, and 1 m of bodies without any."""
     arms = [np.linalg.norm(m.point) for joint in scene.joints for m in joint.frames()]
     arms += [np.linalg.norm(body.center_of_mass) for body in scene.bodies]
     longest = float(max(arms, default=0.0))
-    return longest if longest > 0.0 else 1.0
+    size = max(
+        (float(np.sqrt(max(0.5 * np.trace(b.inertia), 0.0) / b.mass)) for b in scene.bodies if b.mass > 0.0),
+        default=0.0,
+    )
+    if longest > ROUND_OFF_ARM * size:
+        return longest
+    return size if size > 0.0 else 1.0
 
 
 def constraint_jacobian(
