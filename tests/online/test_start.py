@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.model import forces, joints, signals
+from warpffrf.model import forces, joints, signals, surfaces
 from warpffrf.model import rotation as rot
+from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
@@ -177,3 +178,28 @@ def test_undamped_reactions_are_pointed_out() -> None:
     scene.add(joints.Spherical(scene.ground, body.at((-1.0, 0.0, 0.0)), name="ball"))
     assert any("hardly damps" in n for n in first_row(scene, integrator=GeneralizedAlpha(1.0)).notes)
     assert not any("hardly damps" in n for n in first_row(scene, integrator=GeneralizedAlpha(0.9)).notes)
+
+
+@pytest.mark.parametrize("partner", ["ground", "cup", "another"])
+def test_contact_forces_of_the_first_row_are_those_of_its_pose(plain_body: ReducedBody, partner: str) -> None:
+    """A roller turns on a fixed axle, pressed on a partner below: the force of the first row is along the normal, and
+    the partner feels its opposite. (The step that finds the pressures turns the roller by omega h, 2e-5 here.)"""
+    across = (0.0, 1.0, 0.0)
+    scene = Scene(gravity=(0.0, 0.0, 0.0))
+    roller = scene.add_body(plain_body, name="roller", angular_velocity=(0.0, 200.0, 0.0))
+    radius = plain_body.contact_surfaces["rim"].shape.radius
+    deep = 2e-3 * radius
+    if partner == "another":
+        other = scene.add_body(plain_body, name="other", position=(0.0, 0.0, deep - 2.0 * radius))
+        scene.add(joints.Fixed(scene.ground, other["bore"]))
+        port = other["rim"]
+    else:
+        plane = surfaces.Plane(origin=(0.0, 0.0, deep - radius), outward=(0.0, 0.0, 1.0), direction=across)
+        bore = surfaces.Bore(radius=3.0 * radius, axis_point=(0.0, 0.0, 2.0 * radius + deep), axis_direction=across)
+        port = scene.ground.surface(plane if partner == "ground" else bore, name="face")
+    scene.add(Contact(roller["rim"], port, name="pair", overlap=1.0))
+    scene.add(joints.Revolute(scene.ground, roller["bore"], axis=across))
+    found = first_row(scene).contacts["pair"]
+    size = np.linalg.norm(found.force[0])
+    assert size > 0.0 and abs(found.force[0, 1]) < 1e-9 * size
+    assert np.abs(found.force[0] + found.force_second[0]).max() < 1e-12 * size

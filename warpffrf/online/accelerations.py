@@ -45,6 +45,9 @@ def refine(engine: Any, given: Mapping[str, np.ndarray]) -> bool:
     settle: the values of START then stay.
     """
     refined = [_World(engine, w).refine(given) for w in range(engine.worlds)]
+    if engine.compiled.model.pair_count:  # START left gaps and forces of the end of its tiny step, turned by omega h
+        engine.control(RUN=1, MOVED=1, ITERATION=0)
+        engine.graph.contact.locate()
     engine.control(RUN=0, MOVED=0)
     return all(refined)
 
