@@ -16,6 +16,7 @@ import warp as wp
 from warpffrf_kernels import control as k
 from warpffrf_kernels.contact_compliance import add_outer, outer_row
 from warpffrf_kernels.friction_geometry import cell_at
+from warpffrf_kernels.friction_normal import RENEWED
 from warpffrf_kernels.friction_shares import line_of, response_at
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
@@ -360,12 +361,13 @@ def condense_cells(
     G: wp.array3d(dtype=real),
     L: wp.array3d(dtype=real),
     V: wp.array(dtype=real),
+    answer_state: wp.array2d(dtype=int),
     K: wp.array3d(dtype=real),
 ):
-    """Per world: G + L H L^T over all slots, where there are fresh ones."""
+    """Per world: G + L V' over all slots where V' is new, with which the pressures answer (`friction_normal`)."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0 or ctl[w, k.FRESH_CELLS] == ctl[w, k.CELLS]:
+    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0 or answer_state[w, RENEWED] == 0:
         return
     count = 2 * ctl[w, k.CELLS]
     i = int(0)

@@ -17,6 +17,7 @@ from warpffrf_kernels import (
     friction_forces,
     friction_geometry,
     friction_keep,
+    friction_normal,
     friction_problem,
     friction_shares,
     friction_solve,
@@ -29,6 +30,7 @@ from warpffrf.online.launcher import Launcher
 MODULES = (
     friction_geometry, friction_shares, friction_bounds, friction_fields, friction_forces, friction_compliance,
     friction_problem, friction_solve, friction_keep, friction_advance,
+    friction_normal,
 )  # fmt: skip
 
 
@@ -137,9 +139,16 @@ class FrictionGraph(Launcher):
             [M, s.ctl, x.axes, x.r1, x.cell_wrench, x.cell_slot, x.cell_J, x.C_receptance, x.inverse_transposed],
             [x.cell_L, x.cell_V],
         )  # fmt: skip
+        answer = [x.cell_answer, x.answer_order, x.answer_state]
         self.block(
-            friction_compliance.condense_cells, (W,), [M, s.ctl, x.cell_slot, x.cell_G, x.cell_L, x.cell_V], [x.cell_K]
-        )
+            friction_normal.answer_tractions, (W,),
+            [M, s.ctl, s.active, x.slot_mode, x.order, x.factor, x.L, x.V, x.cell_V],
+            [*answer, x.cell_motion, x.cell_held],
+        )  # fmt: skip
+        self.block(
+            friction_compliance.condense_cells, (W,),
+            [M, s.ctl, x.cell_slot, x.cell_G, x.cell_L, x.cell_held, x.answer_state], [x.cell_K],
+        )  # fmt: skip
         self.block(
             friction_problem.drive_modes, (W,),
             [M, s.ctl, s.active, x.slot_mode, x.J, s.pressure, x.base, x.modal_residual], [x.modal_drive],
@@ -158,8 +167,12 @@ class FrictionGraph(Launcher):
              x.cell_order, x.cell_sliding, x.cell_outcome, x.cell_solution, x.cell_work],
         )  # fmt: skip
         self.block(
-            friction_problem.take_tractions, (W,), [M, s.ctl, x.cell_slot, x.cell_tau, x.cell_base, x.cell_V],
+            friction_problem.take_tractions, (W,), [M, s.ctl, x.cell_slot, x.cell_tau, x.cell_base, x.cell_held],
             [x.z, s.traction],
+        )  # fmt: skip
+        self.block(
+            friction_normal.press_with_tractions, (W,),
+            [M, s.ctl, x.slot_mode, *answer, x.cell_V, x.cell_tau, x.cell_base], [x.cell_moved, s.pressure],
         )  # fmt: skip
 
     def push_modes(self) -> None:
