@@ -165,8 +165,9 @@ def test_contact_border(body_maker) -> None:
         Contact(lower["rim"], upper["bore"])
     with pytest.raises(InputError, match="capacity"):
         Contact(lower["rim"], upper["rim"], capacity=0)
-    with pytest.raises(InputError, match="used by contact 'lower-upper' already"):
-        scene.add(Contact(third["rim"], upper["rim"]))
+    scene.add(Contact(third["rim"], upper["rim"]))
+    with pytest.raises(InputError, match="in contact already, as 'lower-upper'"):
+        scene.add(Contact(upper["rim"], lower["rim"]))
 
 
 def test_names_and_ownership(body_maker) -> None:
