@@ -5,7 +5,12 @@ if it opened or closed a contact or is part of an impact (contact and motion exc
 `numerical + contact grid` of the ledger changed by no more than `energy_tolerance` of the energy at hand. Otherwise it
 is halved (levels are powers of two of the user's step, so time stays exact). Contact opens or closes where the force of
 a pair vanishes on one side of the step only; the algorithmic accelerations then restart from the true ones. A rejected
-attempt leaves multipliers and the contact as it found them.
+attempt leaves multipliers and the contact (`keep_contact`) as it found them.
+
+Scenes with dynamic local modes repeat an attempt in which contact is not calm, or the integrator gains more than the
+energy tolerance, at the same step with a contact force that keeps no memory, and go on like that until it is calm:
+`sudden`. Such steps count as parts of an impact while anything touches. In every scene, all impacts together may gain
+MOST_GAINED: each of them half of what is left of that, if this is less than the energy tolerance.
 """
 
 import warp as wp
@@ -14,6 +19,7 @@ from warpffrf_kernels import control as k
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.motion import algorithmic, rule_of
 from warpffrf_kernels.scalars import MODULE_OPTIONS, quat, real, vec3
+from warpffrf_kernels.sudden import mode_share, outer_share, push_on
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -21,6 +27,12 @@ wp.set_module_options(MODULE_OPTIONS)
 QUIET = wp.constant(wp.float64(0.125))
 # of the energy at hand, exchanged between motion and contact: such a step is part of an impact
 SWUNG = wp.constant(wp.float64(0.01))
+# rad: of the highest mode, a step that resolves all modes
+RESOLVED = wp.constant(wp.float64(0.1))
+# of the energy at hand, gained in all impacts together: a step may gain half of what is left of it, ...
+MOST_GAINED = wp.constant(wp.float64(0.01))
+# ... but this part of the energy tolerance always, or steps would be halved for round-off
+LEAST_GAIN = wp.constant(wp.float64(0.0625))
 
 
 @wp.kernel
@@ -29,6 +41,7 @@ def decide(
     energy: wp.array3d(dtype=real),
     dx: wp.array2d(dtype=vec3),
     pair_force: wp.array4d(dtype=real),
+    restless: wp.array2d(dtype=int),
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
 ):
@@ -43,6 +56,8 @@ def decide(
     if not wp.isfinite(total):
         ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_FINITE
     event = int(0)
+    calm = int(1)
+    touching = int(0)
     pair = int(0)
     while pair < model.pair_count:
         before = real(0.0)
@@ -52,6 +67,10 @@ def decide(
             after += wp.abs(pair_force[w, pair, 1, c])
         if (before > real(0.0)) != (after > real(0.0)):
             event = int(1)
+        if wp.max(before, after) > real(0.0):
+            touching = int(1)
+        if model.dynamic_count > 0 and restless[w, pair] != 0:
+            calm = int(0)
         pair += 1
     ctl[w, k.EVENT] = event
     dynamic = ctl[w, k.MODE] == k.DYNAMIC
@@ -66,15 +85,35 @@ def decide(
     swung = real(0.0)
     if stored * moving < real(0.0):  # both grow where a load presses what a drive speeds up
         swung = wp.min(wp.abs(stored), wp.abs(moving))
+    integrated = energy[w, 1, k.NUMERICAL] - energy[w, 0, k.NUMERICAL]
     impact = event != 0 or swung > SWUNG * hand
+    if not impact and ctl[w, k.SUDDEN] == k.IMPULSIVE and touching != 0:
+        impact = True
+        defect = integrated
     if dynamic and ctl[w, k.FAILURE] == 0 and impact:
-        if wp.abs(defect) > model.energy_tolerance * hand:
+        left = wp.max(real(0.5) * (MOST_GAINED - clk[w, k.GAINED]), LEAST_GAIN * model.energy_tolerance)
+        lost = defect < -model.energy_tolerance * hand
+        if ctl[w, k.SUDDEN] == k.IMPULSIVE and clk[w, k.H] * model.top_frequency <= RESOLVED:
+            lost = False  # it is the motion of the faces: see `sudden`
+        if lost or defect > wp.min(model.energy_tolerance, left) * hand:
             ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ENERGY
     if dynamic and clk[w, k.ERROR] > real(1.0):
         ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ACCURACY
     failure = ctl[w, k.FAILURE]
+    bearable = (failure | k.ENERGY | k.ACCURACY) == (k.ENERGY | k.ACCURACY)
+    if (
+        dynamic
+        and model.dynamic_count > 0
+        and bearable
+        and ctl[w, k.SUDDEN] == k.SMOOTH
+        and (calm == 0 or (touching != 0 and integrated > model.energy_tolerance * hand))
+    ):
+        ctl[w, k.SUDDEN] = k.WANTED
+        ctl[w, k.REPEATED] = ctl[w, k.REPEATED] + 1
+        ctl[w, k.ACTIVE] = ctl[w, k.TOUCHED]
+        return
     deep = ctl[w, k.LEVEL] >= model.max_level
-    if deep and failure != 0 and (failure | k.ENERGY | k.ACCURACY) == (k.ENERGY | k.ACCURACY):
+    if deep and failure != 0 and bearable:
         ctl[w, k.COARSE] = ctl[w, k.COARSE] + failure / k.ACCURACY
         failure = 0  # as fine as allowed: the ledger and the report show what is left
     if (failure & k.ROOM) != 0:  # the same attempt comes again, with more room
@@ -111,6 +150,10 @@ def decide(
         if ctl[w, k.MODE] != k.STATIC:
             clk[w, k.TIME] = clk[w, k.START_TIME]
         return
+    if ctl[w, k.SUDDEN] == k.IMPULSIVE and calm != 0 and touching != 0:
+        ctl[w, k.SUDDEN] = k.CALMED
+    if impact and hand > real(0.0):
+        clk[w, k.GAINED] = wp.max(clk[w, k.GAINED] + defect / hand, real(0.0))
     ctl[w, k.SUB] = ctl[w, k.SUB] + 1
     if ctl[w, k.LEVEL] > 0:
         quiet = event == 0 and wp.abs(defect) <= QUIET * model.energy_tolerance * hand
@@ -135,6 +178,7 @@ def decide(
 
 @wp.kernel
 def keep_bodies(
+    models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     r1: wp.array2d(dtype=vec3),
     p1: wp.array2d(dtype=quat),
@@ -145,6 +189,7 @@ def keep_bodies(
     dx: wp.array2d(dtype=vec3),
     psi: wp.array2d(dtype=vec3),
     clk: wp.array2d(dtype=real),
+    pair_force: wp.array4d(dtype=real),
     r: wp.array2d(dtype=vec3),
     p: wp.array2d(dtype=quat),
     v: wp.array2d(dtype=vec3),
@@ -155,23 +200,36 @@ def keep_bodies(
     omega_alg: wp.array2d(dtype=vec3),
 ):
     w, lane = wp.tid()
+    model = models[0]
     if ctl[w, k.ACCEPT] == 0:
         return
     b = lane
     while b < r.shape[1]:
         mode = ctl[w, k.MODE]
+        acc = v1_rate[w, b]
+        spin_rate = omega1_rate[w, b]
         if mode == k.DYNAMIC or mode == k.STATIC:
             r[w, b] = r1[w, b]
             p[w, b] = p1[w, b]
         h = clk[w, k.H]
         a_t = algorithmic(clk, w, k.ALPHA_M, dx[w, b], v[w, b], v_alg[w, b])
         a_r = algorithmic(clk, w, k.ALPHA_M, psi[w, b], omega[w, b], omega_alg[w, b])
-        if mode == k.START or ctl[w, k.EVENT] != 0:
-            a_t = v1_rate[w, b]
-            a_r = omega1_rate[w, b]
+        if mode == k.DYNAMIC and ctl[w, k.SUDDEN] != k.SMOOTH and b < model.body_count:  # see `sudden`
+            f, t = push_on(model, pair_force, w, 1, b)
+            push = f / model.mass[b]
+            twist = wp.inverse(model.inertia[b]) * t
+            part = outer_share(model, clk, w)
+            a_t -= part * push
+            a_r -= part * twist
+            if ctl[w, k.SUDDEN] == k.CALMED:
+                acc += push
+                spin_rate += twist
+        if mode == k.START or ctl[w, k.EVENT] != 0 or ctl[w, k.SUDDEN] == k.CALMED:
+            a_t = acc
+            a_r = spin_rate
         if mode == k.DYNAMIC or mode == k.START:
-            v_rate[w, b] = v1_rate[w, b]
-            omega_rate[w, b] = omega1_rate[w, b]
+            v_rate[w, b] = acc
+            omega_rate[w, b] = spin_rate
             v_alg[w, b] = a_t
             omega_alg[w, b] = a_r
         if mode == k.DYNAMIC or mode == k.PROJECT:
@@ -214,10 +272,15 @@ def keep_modes(
         if rule == 1:
             at = int(k.LOCAL)
         a = algorithmic(clk, w, at, vec3(dq[w, n]), vec3(qd[w, n]), vec3(qd_alg[w, n]))[0]
-        if mode == k.START or ctl[w, k.EVENT] != 0 or rule == 2:
-            a = qd1_rate[w, n]
+        rate = qd1_rate[w, n]
+        if mode == k.DYNAMIC and ctl[w, k.SUDDEN] != k.SMOOTH:
+            a -= mode_share(model, ctl, clk, w, n) * modal_load[w, 1, n]
+            if ctl[w, k.SUDDEN] == k.CALMED:
+                rate += modal_load[w, 1, n]
+        if mode == k.START or ctl[w, k.EVENT] != 0 or rule == 2 or ctl[w, k.SUDDEN] == k.CALMED:
+            a = rate
         if mode == k.DYNAMIC or mode == k.START:
-            qd_rate[w, n] = qd1_rate[w, n]
+            qd_rate[w, n] = rate
             qd_alg[w, n] = a
         if mode == k.DYNAMIC or mode == k.PROJECT:
             qd[w, n] = qd1[w, n]
@@ -229,8 +292,8 @@ def keep_modes(
 @wp.kernel
 def keep_rest(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
     coordinate: wp.array2d(dtype=real),
+    ctl: wp.array2d(dtype=int),
     lam: wp.array2d(dtype=real),
     lam0: wp.array2d(dtype=real),
     stretch: wp.array2d(dtype=real),
@@ -259,6 +322,8 @@ def keep_rest(
         row += 1
     if not accept:
         return
+    if ctl[w, k.SUDDEN] == k.CALMED:
+        ctl[w, k.SUDDEN] = k.SMOOTH
     i = int(0)
     while i < model.force_count:
         applied[w, 0, i] = applied[w, 1, i]
@@ -279,54 +344,6 @@ def keep_rest(
         pair += 1
     for line in range(k.LINES):
         energy[w, 0, line] = energy[w, 1, line]
-
-
-@wp.kernel
-def remember_contact(
-    ctl: wp.array2d(dtype=int),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    patch_offset: wp.array2d(dtype=real),
-    active_before: wp.array3d(dtype=int),
-    pressure_before: wp.array3d(dtype=real),
-    offset_before: wp.array2d(dtype=real),
-):
-    """Per (world, pair), lanes over hats: the active set and the pressures before an attempt."""
-    w, pair, lane = wp.tid()
-    if ctl[w, k.ATTEMPT] == 0:
-        return
-    m = lane
-    while m < active.shape[2]:
-        active_before[w, pair, m] = active[w, pair, m]
-        pressure_before[w, pair, m] = pressure[w, pair, m]
-        m += wp.block_dim()
-    if lane == 0:
-        offset_before[w, pair] = patch_offset[w, pair]
-
-
-@wp.kernel
-def restore_contact(
-    ctl: wp.array2d(dtype=int),
-    active_before: wp.array3d(dtype=int),
-    pressure_before: wp.array3d(dtype=real),
-    offset_before: wp.array2d(dtype=real),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    patch_offset: wp.array2d(dtype=real),
-):
-    """Per (world, pair), lanes over hats: a rejected attempt leaves the contact as it found it, so that the halved one
-    begins from a set that was right.
-    """
-    w, pair, lane = wp.tid()
-    if ctl[w, k.ATTEMPT] == 0 or ctl[w, k.ACCEPT] != 0:
-        return
-    m = lane
-    while m < active.shape[2]:
-        active[w, pair, m] = active_before[w, pair, m]
-        pressure[w, pair, m] = pressure_before[w, pair, m]
-        m += wp.block_dim()
-    if lane == 0:
-        patch_offset[w, pair] = offset_before[w, pair]
 
 
 @wp.kernel

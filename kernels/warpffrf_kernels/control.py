@@ -45,7 +45,9 @@ FRESH_CELLS = wp.constant(36)  # first cell slot not yet assembled
 STALE = wp.constant(37)  # 1 when every cell slot is to be assembled anew
 SOLVES = wp.constant(38)  # factorisations of stick and slip so far
 FACTORED = wp.constant(39)  # free coordinates of the factorisation of stick and slip at hand, 0 without
-CTL = 40
+SUDDEN = wp.constant(40)  # how contact acts on this step and the next: see `sudden`
+REPEATED = wp.constant(41)  # attempts repeated with sudden contact
+CTL = 42
 
 # --- reals
 START_TIME = wp.constant(0)
@@ -63,7 +65,8 @@ MOVE = wp.constant(11)  # largest displacement of a static step [m]
 DONE_STEP = wp.constant(12)  # size of the last accepted step
 ERROR = wp.constant(13)  # local error of the attempt over the accuracy asked for
 LOCAL = wp.constant(14)  # ALPHA_M to VEL of the local modes that step by themselves
-CLK = 20
+GAINED = wp.constant(20)  # energy gained in impacts so far, each over the energy at hand, losses taken off
+CLK = 21
 
 # --- values
 DYNAMIC = wp.constant(0)
@@ -82,6 +85,12 @@ INDEFINITE = wp.constant(128)
 STENCIL = wp.constant(256)
 ACCURACY = wp.constant(512)
 ROOM = wp.constant(1024)  # more slots are in play than there is room for: `Engine` makes more and tries again
+
+# --- values of SUDDEN
+SMOOTH = wp.constant(0)
+IMPULSIVE = wp.constant(1)  # accelerations are kept without the contact force
+CALMED = wp.constant(2)  # the last such step, between its acceptance and what is kept of it
+WANTED = wp.constant(3)  # the attempt is to be repeated like that
 
 # --- constraint row kinds
 TRANSLATION = wp.constant(0)

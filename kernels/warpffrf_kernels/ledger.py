@@ -6,7 +6,8 @@ books
     work of forces    sum (F_0 + F_1)/2 . (x_1 - x_0)           drive   -(lambda_0 + lambda_1)/2 (s_1 - s_0)
     damping           h/2 (d_0 + d_1), d the power of dampers and modal damping
     friction          sum tau_1 . S: the tractions at the end of the step times the slip over it, never positive
-    contact grid      dE_contact + (work of the contact wrench on bodies and modes, trapezoidal) - friction
+    contact grid      dE_contact + (work of the contact wrench on bodies and modes, trapezoidal; in
+                      impulsive steps, `sudden`, of the wrench at the end) - friction
     numerical         what is left of dE: negative where the integrator dissipates.
 """
 
@@ -48,6 +49,19 @@ def generalise_contact(
         pair_force[w, pair, 1, 3 + i] = t_a[i]
         pair_force[w, pair, 1, 6 + i] = -f[i]
         pair_force[w, pair, 1, 9 + i] = t_b[i]
+
+
+@wp.func
+def mean_load(sudden: bool, before: real, after: real) -> real:
+    """Load over a step: the mean of both ends, and where contact is sudden the one at the end (`sudden`)."""
+    if sudden:
+        return after
+    return real(0.5) * (before + after)
+
+
+@wp.func
+def mean_force(sudden: bool, pair_force: wp.array4d(dtype=real), w: int, pair: int, c: int) -> real:
+    return mean_load(sudden, pair_force[w, pair, 0, c], pair_force[w, pair, 1, c])
 
 
 @wp.kernel
@@ -94,6 +108,7 @@ def balance_energy(
     force_work = real(0.0)
     drive_work = real(0.0)
     contact_work = real(0.0)
+    sudden = ctl[w, k.SUDDEN] == k.IMPULSIVE and ctl[w, k.MODE] == k.DYNAMIC
     b = int(0)
     while b < model.body_count:
         kinetic += half * model.mass[b] * wp.dot(v1[w, b], v1[w, b])
@@ -108,7 +123,7 @@ def balance_energy(
         kinetic += half * qd1[w, n] * qd1[w, n]
         strain += half * model.stiffness[n] * q1[w, n] * q1[w, n]
         damping += half * h * model.damping[n] * (qd[w, n] * qd[w, n] + qd1[w, n] * qd1[w, n])
-        contact_work += half * (modal_load[w, 0, n] + modal_load[w, 1, n]) * dq[w, n]
+        contact_work += mean_load(sudden, modal_load[w, 0, n], modal_load[w, 1, n]) * dq[w, n]
         force_work += half * (load_on_modes[w, 0, n] + load_on_modes[w, 1, n]) * dq[w, n]
         n += 1
     row = int(0)
@@ -138,11 +153,11 @@ def balance_energy(
         A = model.surface_body[model.pair_first[pair]]
         B = model.surface_body[model.pair_second[pair]]
         for c in range(3):
-            contact_work += half * (pair_force[w, pair, 0, c] + pair_force[w, pair, 1, c]) * dx[w, A][c]
-            contact_work += half * (pair_force[w, pair, 0, 3 + c] + pair_force[w, pair, 1, 3 + c]) * psi[w, A][c]
+            contact_work += mean_force(sudden, pair_force, w, pair, c) * dx[w, A][c]
+            contact_work += mean_force(sudden, pair_force, w, pair, 3 + c) * psi[w, A][c]
             if B >= 0:
-                contact_work += half * (pair_force[w, pair, 0, 6 + c] + pair_force[w, pair, 1, 6 + c]) * dx[w, B][c]
-                contact_work += half * (pair_force[w, pair, 0, 9 + c] + pair_force[w, pair, 1, 9 + c]) * psi[w, B][c]
+                contact_work += mean_force(sudden, pair_force, w, pair, 6 + c) * dx[w, B][c]
+                contact_work += mean_force(sudden, pair_force, w, pair, 9 + c) * psi[w, B][c]
         pair += 1
     energy[w, 1, k.KINETIC] = kinetic
     energy[w, 1, k.STRAIN] = strain

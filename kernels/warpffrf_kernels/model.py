@@ -24,6 +24,9 @@ class Model:
     modal_start: wp.array(dtype=int)  # (bodies + 1,)
     stiffness: wp.array(dtype=real)  # (modes,) omega^2
     damping: wp.array(dtype=real)  # (modes,) 2 zeta omega
+    dynamic_count: int  # modes of kind 1 and 2
+    top_frequency: real  # rad/s, the highest of all modes
+    outer_frequency: real  # rad/s, the highest of kind 0
     mode_kind: wp.array(dtype=int)  # (modes,) 0 the outer integrator's, 1 HHT, 2 exact for a linear load
     mode_reach: wp.array(dtype=real)  # (modes,) largest displacement per unit coordinate, m
     # modes that carry inertia, see `inertia`: the first ones of a body

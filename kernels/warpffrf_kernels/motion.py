@@ -17,7 +17,8 @@ so that `a_1`, `v_1`, `vdot_1` are affine in `d` with slopes `1/(beta h^2)`, `VE
   (`warpffrf.online.accelerations` then takes out the round-off of its size).
 
 Modes of kind 1 (HHT) have coefficients of their own in a dynamic step, those of kind 2 the exact step for a linear load
-(`exact_step`), in which the load at the end plays the part of the residual and D that of the receptance.
+(`exact_step`), in which the load at the end plays the part of the residual and D that of the receptance. In impacts
+the load of contact keeps no memory: `sudden`.
 
 Balance of a body in the floating frame with origin in its centre of mass and constant inertia (linear momentum in world
 axes, angular in body axes): `m rddot = F`, `J wdot + w x J w = M`; a mode of unit mass: `qddot + 2 zeta omega qdot +
@@ -183,6 +184,20 @@ def exact_step(table: wp.array3d(dtype=real), w: int, m: int, q0: real, v0: real
     return held, table[w, m, 4], slid, table[w, m, 8]
 
 
+@wp.func
+def driven_step(
+    ctl: wp.array2d(dtype=int), table: wp.array3d(dtype=real), w: int, m: int, q0: real, v0: real, f0: real
+):
+    """`exact_step`, and where contact is sudden the same for the load f1 all through the step."""
+    held, D, slid, S = exact_step(table, w, m, q0, v0, f0)
+    if ctl[w, k.SUDDEN] == k.IMPULSIVE:
+        held -= table[w, m, 3] * f0
+        D += table[w, m, 3]
+        slid -= table[w, m, 7] * f0
+        S += table[w, m, 7]
+    return held, D, slid, S
+
+
 @wp.kernel
 def predict_bodies(
     ctl: wp.array2d(dtype=int),
@@ -234,7 +249,7 @@ def predict_modes(
             f0 = modal_load[w, 0, m]
             if exact[w, m, 0] != clk[w, k.H]:
                 write_exact(model.stiffness[m], model.damping[m], clk[w, k.H], exact, w, m)
-            held, D, slid, S = exact_step(exact, w, m, q[w, m], qd[w, m], f0)
+            held, D, slid, S = driven_step(ctl, exact, w, m, q[w, m], qd[w, m], f0)
             dq[w, m] = held + D * f0 - q[w, m]
         m += wp.block_dim()
 
@@ -335,7 +350,7 @@ def move_modes(
         stiffness = model.stiffness[m]
         q1[w, m] = q[w, m] + dq[w, m]
         if rule_of(model, ctl, clk, w, m) == 2:
-            held, D, slid, S = exact_step(exact, w, m, q[w, m], qd[w, m], modal_load[w, 0, m])
+            held, D, slid, S = driven_step(ctl, exact, w, m, q[w, m], qd[w, m], modal_load[w, 0, m])
             f1 = (q1[w, m] - held) / D
             qd1[w, m] = slid + S * f1
             qd1_rate[w, m] = f1 - c * qd1[w, m] - stiffness * q1[w, m]

@@ -1,4 +1,4 @@
-"""Case C8: two bars collide; the retained modes ring where nothing damps them."""
+"""Case C8: two bars collide, by treatment of the local modes; the retained modes ring where nothing damps them."""
 
 from __future__ import annotations
 
@@ -37,11 +37,13 @@ def test_a_bar_is_as_soft_as_a_rod() -> None:
     assert 2.0 / np.pi**2 * float(zeta(2.0, 1.0)) == pytest.approx(1.0 / 3.0)
 
 
+@pytest.mark.parametrize("local", ["quasi_static", "hht", "exponential"])
 @pytest.mark.parametrize("phase", [0.0, 0.37, 0.71])
 @pytest.mark.parametrize("modes", [20, 50])
-def test_st_venant(modes: int, phase: float) -> None:
-    """Quasi-static local modes and the default damping of the highest global ones."""
-    found = measured(collide(modes, phase=phase))
+def test_st_venant(modes: int, phase: float, local: str) -> None:
+    """The default damping of the highest global modes. (Dynamic local modes whose contact force kept its memory gained
+    more than twice the energy.)"""
+    found = measured(collide(modes, phase=phase, local=local))
     print(found)
     assert found.status == "completed"
     assert abs(found.duration) < TIME
@@ -52,10 +54,11 @@ def test_st_venant(modes: int, phase: float) -> None:
     assert found.gained < GAINED
 
 
-def test_nothing_damped_rings() -> None:
+@pytest.mark.parametrize("local", ["quasi_static", "hht"])
+def test_nothing_damped_rings(local: str) -> None:
     """Negative control: the same bars without modal damping keep their time and impulse, but not their plateau."""
-    found = measured(collide(20, damping=0.0))
+    found = measured(collide(20, damping=0.0, local=local))
     assert abs(found.duration) < TIME
     assert abs(found.impulse) < IMPULSE
-    assert found.rms > 0.3
+    assert found.rms > 2.0 * RMS[20]
     assert found.gained < GAINED

@@ -190,6 +190,10 @@ class _Compiler:
         w = np.concatenate(omega)
         m.stiffness, m.damping = self.array(w**2), self.array(2.0 * np.concatenate(ratios) * w)
         m.mode_kind = self.array(np.concatenate(kinds), int)
+        m.top_frequency = float(np.max(w, initial=0.0))
+        own = np.concatenate(kinds) != FOLLOWS
+        m.dynamic_count = int(np.count_nonzero(own))
+        m.outer_frequency = float(np.max(w[~own], initial=0.0))
         m.mode_reach = self.array(np.concatenate(reach))
         self.notes.extend(local.notes)
 

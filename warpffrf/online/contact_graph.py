@@ -16,6 +16,7 @@ from warpffrf_kernels import (
     contact_weights,
     contact_window,
     shared_surface,
+    sudden,
 )
 
 from warpffrf.online.compile_friction import has_friction
@@ -32,7 +33,7 @@ MODULES = (
 
 class ContactGraph(Launcher):
     """Records the kernels of all contact pairs: of the two families of geometry those that the scene has, and
-    `friction` those of the pairs that have any."""
+    `friction` those of the pairs that have any; `sudden`: whether contact can be impulsive (kernels `sudden`)."""
 
     def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments)
@@ -43,6 +44,7 @@ class ContactGraph(Launcher):
         self.friction = FrictionGraph(*arguments) if has_friction(self.compiled.scene) else None
         self.layer = LayerGraph(*arguments) if m.layer_count else None
         self.shared = serves_several(m)
+        self.sudden = m.pair_count > 0 and m.dynamic_count > 0
 
     def locate(self) -> None:
         """Windows, gaps and contact forces of the trial state."""
@@ -115,6 +117,11 @@ class ContactGraph(Launcher):
             [M, s.ctl, x.r1, x.axes, x.window, s.active, x.area, x.wrench, x.gap, x.opened, s.pressure, s.modal_load],
             [x.residual, x.modal_residual, x.pair_wrench, x.gap_defect, x.contact_energy],
         )  # fmt: skip
+        if self.sudden:
+            self.launch(
+                sudden.add_excess, W, [M, s.ctl, s.clk, x.r1, x.axes, x.pair_wrench, s.modal_load],
+                [x.residual, x.modal_residual],
+            )  # fmt: skip
 
         if self.friction:
             self.friction.add()
@@ -174,6 +181,12 @@ class ContactGraph(Launcher):
     def _assemble(self) -> None:
         """G of the active hats, and what contact sees of it with the outer coordinates condensed."""
         M, s, x, W = self.compiled.models, self.state, self.work, self.worlds
+        receptance, inverse = x.receptance, x.inverse_transposed
+        if self.sudden:
+            receptance, inverse = x.contact_receptance, x.contact_inverse
+            self.block(
+                sudden.weigh_answers, (W,), [M, s.ctl, s.clk, x.receptance, x.inverse_transposed], [receptance, inverse]
+            )
         self.launch(contact_compliance.take_slots, W, [M, s.active], [s.ctl, x.phase, x.slot_of, x.slot_mode])
         self.block(
             contact_compliance.respond, (W,),
@@ -184,11 +197,11 @@ class ContactGraph(Launcher):
         )
         self.block(
             contact_assembly.assemble, (W,),
-            [M, s.ctl, x.center, x.slot_mode, x.stencil, x.stencil_at, x.T, x.J, x.receptance], [x.scaled_modes, x.G],
+            [M, s.ctl, x.center, x.slot_mode, x.stencil, x.stencil_at, x.T, x.J, receptance], [x.scaled_modes, x.G],
         )  # fmt: skip
         self.block(
             contact_compliance.outer_rows, (W,),
-            [M, s.ctl, x.axes, x.r1, x.wrench, x.slot_mode, x.J, x.C_receptance, x.inverse_transposed], [x.L, x.V],
+            [M, s.ctl, x.axes, x.r1, x.wrench, x.slot_mode, x.J, x.C_receptance, inverse], [x.L, x.V],
         )  # fmt: skip
         self.block(contact_compliance.condense_contact, (W,), [M, s.ctl, x.slot_mode, x.G, x.L, x.V], [x.condensed])
         if self.layer:

@@ -19,6 +19,7 @@ from warpffrf_kernels import (
     forces,
     inertia,
     interfaces,
+    keep_contact,
     ledger,
     motion,
     outer,
@@ -26,6 +27,7 @@ from warpffrf_kernels import (
     rows,
     sparse_outer,
     stiffen,
+    sudden,
 )
 from warpffrf_kernels.scalars import BLOCK
 
@@ -36,7 +38,8 @@ from warpffrf.online.outer_pattern import on_device, pattern_of
 from warpffrf.online.state import State, Work
 
 OWN_MODULES = (
-    accuracy, balance, commit, forces, inertia, interfaces, ledger, motion, outer, record, rows, sparse_outer, stiffen,
+    accuracy, balance, commit, forces, inertia, interfaces, keep_contact, ledger, motion, outer, record, rows,
+    sparse_outer, stiffen, sudden,
 )  # fmt: skip
 
 
@@ -99,12 +102,21 @@ class StepGraph(Launcher):
             )  # fmt: skip
         if P:
             before = [x.active_before, x.pressure_before, x.offset_before]
-            self.block(commit.remember_contact, (W, P), [s.ctl, s.active, s.pressure, s.patch_offset], before)
+            self.block(keep_contact.remember_contact, (W, P), [s.ctl, s.active, s.pressure, s.patch_offset], before)
         friction, layer = self.contact.friction, self.contact.layer
         if friction:
             friction.remember()
         x.running.fill_(1)
         wp.capture_while(x.running, self.iterate)
+        if layer:
+            layer.measure()
+        if P:
+            self.launch(ledger.generalise_contact, (W, P), [M, s.ctl, x.r1, x.axes, x.pair_wrench], [s.pair_force])
+        if self.contact.sudden:
+            self.block(
+                sudden.free_rates, (W,), [M, s.ctl, s.clk, s.pair_force, s.modal_load],
+                [x.v1, x.v1_rate, x.omega1, x.omega1_rate, x.qd1, x.qd1_rate],
+            )  # fmt: skip
         if self.projected:
             self._project_velocities()
         if self.adaptive:
@@ -113,10 +125,6 @@ class StepGraph(Launcher):
                 [M, s.ctl, x.accuracy, s.v_rate, x.v1_rate, s.omega_rate, x.omega1_rate, s.qd_rate, x.qd1_rate],
                 [s.clk],
             )  # fmt: skip
-        if layer:
-            layer.measure()
-        if P:
-            self.launch(ledger.generalise_contact, (W, P), [M, s.ctl, x.r1, x.axes, x.pair_wrench], [s.pair_force])
         self.launch(
             ledger.balance_energy, W,
             [M, s.ctl, s.clk, x.r1, x.v1, x.omega1, x.dx, x.psi, x.q1, s.qd, x.qd1, x.dq, s.lam0, s.lam,
@@ -126,16 +134,26 @@ class StepGraph(Launcher):
         )  # fmt: skip
         if layer:
             layer.book()
-        self.launch(commit.decide, W, [M, s.energy, x.dx, s.pair_force], [s.ctl, s.clk])
+        if self.contact.sudden:
+            self.launch(
+                sudden.find_restless, (W, P), [M, s.ctl, x.area, s.pressure, x.pressure_before, s.patch_offset,
+                 x.offset_before], [x.restless],
+            )  # fmt: skip
+        self.launch(commit.decide, W, [M, s.energy, x.dx, s.pair_force, x.restless], [s.ctl, s.clk])
+        if self.contact.sudden:
+            self.block(
+                sudden.forget_contact, (W,), [M, s.pair_force, s.modal_load],
+                [s.ctl, s.v_rate, s.v_alg, s.omega_rate, s.omega_alg, s.qd_rate, s.qd_alg],
+            )  # fmt: skip
         if P:
-            self.block(commit.restore_contact, (W, P), [s.ctl, *before], [s.active, s.pressure, s.patch_offset])
+            self.block(keep_contact.restore_contact, (W, P), [s.ctl, *before], [s.active, s.pressure, s.patch_offset])
         if friction:
             friction.keep()
         if layer:
             layer.keep()
         self.block(
             commit.keep_bodies, (W,),
-            [s.ctl, x.r1, x.p1, x.v1, x.v1_rate, x.omega1, x.omega1_rate, x.dx, x.psi, s.clk],
+            [M, s.ctl, x.r1, x.p1, x.v1, x.v1_rate, x.omega1, x.omega1_rate, x.dx, x.psi, s.clk, s.pair_force],
             [s.r, s.p, s.v, s.v_rate, s.v_alg, s.omega, s.omega_rate, s.omega_alg],
         )  # fmt: skip
         if Q:
@@ -149,9 +167,9 @@ class StepGraph(Launcher):
                 [s.v_alg, s.omega_alg, s.qd_alg],
             )  # fmt: skip
         self.launch(
-            commit.keep_rest, W, [M, s.ctl, x.coordinate],
-            [s.lam, s.lam0, s.stretch, s.drive_rate, s.applied, s.applied_at, s.load, s.load_on_modes, s.pair_force,
-             s.energy],
+            commit.keep_rest, W, [M, x.coordinate],
+            [s.ctl, s.lam, s.lam0, s.stretch, s.drive_rate, s.applied, s.applied_at, s.load, s.load_on_modes,
+             s.pair_force, s.energy],
         )  # fmt: skip
         self.record()
         self.launch(commit.count_attempts, 1, [s.ctl], [x.budget, x.more])
@@ -170,7 +188,7 @@ class StepGraph(Launcher):
             record.record, W,
             [M, s.clk, s.r, s.p, s.v, s.omega, s.v_rate, s.omega_rate, s.q, s.qd, s.qd_rate, s.lam, x.coordinate,
              x.row_wrench, x.center, x.station, s.active, x.pair_wrench,
-             x.second_wrench, s.pressure, x.second_load, s.energy], [s.ctl, x.ring],
+             x.second_wrench, s.pressure, x.second_load, s.energy, s.pair_force, s.modal_load], [s.ctl, x.ring],
         )  # fmt: skip
 
     def evaluate(self, contact: bool = True) -> None:
@@ -306,6 +324,12 @@ class StepGraph(Launcher):
              x.modal_residual, z],
             [x.modal_step],
         )  # fmt: skip
+        if self.contact.sudden:
+            self.block(
+                sudden.push_suddenly, (self.worlds,),
+                [M, s.ctl, s.active, x.slot_mode, x.J, s.pressure, x.base, x.receptance, x.contact_receptance],
+                [x.modal_push, x.modal_step],
+            )  # fmt: skip
 
     def _add_inertia(self) -> None:
         M, s, x, W = self.compiled.models, self.state, self.work, self.worlds

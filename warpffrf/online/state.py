@@ -92,6 +92,8 @@ class Work:
             "v1": (VEC3, B), "v1_rate": (VEC3, B), "omega1": (VEC3, B), "omega1_rate": (VEC3, B),
             "q1": (REAL, Q), "qd1": (REAL, Q), "qd1_rate": (REAL, Q),
             "residual": (REAL, 6 * B), "modal_residual": (REAL, Q), "receptance": (REAL, Q),
+            "restless": (INT, P),
+            "contact_receptance": (REAL, Q if m.dynamic_count else 0),
             "exact": (REAL, Q if compiled.local.exact else 0, 9),
             "C": (REAL, rows, 6 * B), "C_modal": (REAL, rows, Q), "coordinate": (REAL, rows), "defect": (REAL, rows),
             "softness": (REAL, rows), "missed": (REAL, rows), "row_wrench": (REAL, rows, 6),
@@ -129,6 +131,7 @@ class Work:
             "T": S * m.node_capacity, "second_field": P * m.node_capacity, "second_step": P * m.node_capacity,
             "C_receptance": rows * Q, "first_local": P * m.mode_capacity, "second_local": P * m.node_capacity,
             **friction_runs(m),
+            "contact_inverse": N * N if m.dynamic_count else 0, "modal_push": Q if m.dynamic_count else 0,
             "flexibility": 36 * m.group_count, "slope": compiled.interface_modes.size,
         }  # fmt: skip
         for name, size in flat.items():
