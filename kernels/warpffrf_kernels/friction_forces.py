@@ -156,6 +156,7 @@ def add_friction(
     cell_area: wp.array3d(dtype=real),
     cell_wrench: wp.array4d(dtype=real),
     bound: wp.array3d(dtype=real),
+    late: wp.array3d(dtype=real),
     traction: wp.array3d(dtype=real),
     slip: wp.array3d(dtype=real),
     elastic_local: wp.array3d(dtype=real),
@@ -211,9 +212,10 @@ def add_friction(
                     friction_work[w, pair, 0] = friction_work[w, pair, 0] + area * wp.min(
                         t_1 * s_1 + t_2 * s_2, real(0.0)
                     )
-                    c = cell_softness(model, A, m % rows, area)
-                    y_1 = t_1 - (s_1 + creep_softness(model, clk, w, pair, b) * t_1) / c
-                    y_2 = t_2 - (s_2 + creep_softness(model, clk, w, pair, b) * t_2) / c
+                    soft = creep_softness(model, clk, w, pair, b) + late[w, pair, m]
+                    c = cell_softness(model, A, m % rows, area) + late[w, pair, m]
+                    y_1 = t_1 - (s_1 + soft * t_1) / c
+                    y_2 = t_2 - (s_2 + soft * t_2) / c
                     size = wp.sqrt(y_1 * y_1 + y_2 * y_2)
                     cell_state[w, pair, m] = STICK
                     if size > b:

@@ -102,6 +102,7 @@ def pose_tractions(
     cell_slot: wp.array3d(dtype=int),
     cell_area: wp.array3d(dtype=real),
     bound: wp.array3d(dtype=real),
+    late: wp.array3d(dtype=real),
     traction: wp.array3d(dtype=real),
     traction_base: wp.array3d(dtype=real),
     slip: wp.array3d(dtype=real),
@@ -139,7 +140,7 @@ def pose_tractions(
         radius[w, i] = b
         softness[w, i] = real(0.0)
         if b > real(0.0):
-            softness[w, i] = area * creep_softness(model, clk, w, pair, b)
+            softness[w, i] = area * (creep_softness(model, clk, w, pair, b) + late[w, pair, m])
         second = vec3(real(0.0), real(0.0), real(0.0))
         if model.surface_shear[model.pair_second[pair]] >= 0:
             second = on_shares(model, w, pair, m, cell_turn, share, share_at, second_shift)

@@ -6,7 +6,8 @@ With r(tau) = r_0 + K tau the weak slips that the tractions lead to, K symmetric
     |tau_i| <= b_i,     r_i = 0 where |tau_i| < b_i,     r_i = -lambda_i tau_i, lambda_i >= 0 where |tau_i| = b_i,
 
 the conditions of the strictly convex problem min tau.K tau/2 + r_0.tau over discs: its solution exists and is the only
-one (Panagiotopoulos; Kalker's tangential problem). The regularised law adds `area h v_slip/b_i` to the diagonal.
+one (Panagiotopoulos; Kalker's tangential problem). The regularised law adds `area h v_slip/b_i` to the diagonal, a cell
+that the patch has reached during the step its softness (`friction_bounds`).
 
 A few sweeps of projected Gauss-Seidel over 2 x 2 blocks, which decrease the objective always, find who sticks; a
 semismooth Newton method then has quadratic convergence. With y_i = tau_i - r_i/c (c the block's stiffness) a cell

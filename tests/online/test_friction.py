@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,8 @@ LOAD = 300e3  # N on a width of 10 mm: a half-width of 2.9 mm, four to five colu
 OMEGA = 10.0  # rad/s
 STEP = 5e-4  # s: a twelfth of the way through the patch
 CONVERGED = 1e-7  # tractions are converged to this part of the largest bound: so much slip is left where they stick
+SAMPLES = 40  # of a cell, the same number on both sides of its node: exact for what is linear there
+LATE = 5e-6  # of the traction: elastic softness of a cell just reached beside the law's own, 5e-15 to 5e-9 m/Pa
 SECOND_ORDER = 5e-3  # (a/R)^2: the tractions are tangents of a patch that is an arc
 
 
@@ -60,6 +64,23 @@ def rubbing(result: wf.Result) -> FrictionHistory:
     return found
 
 
+def bounding(body, pressure: np.ndarray) -> np.ndarray:
+    """Half the way from the coefficients (columns, rows) of the hats to the means of the hats over the cells, in each
+    direction: the means by sampling."""
+    z = body.contact_surfaces["rim"].grid.z
+    edges = np.concatenate([z[:1], 0.5 * (z[1:] + z[:-1]), z[-1:]])
+    places = np.arange(len(pressure), dtype=float)
+    found = pressure.copy()
+    for k, (low, high) in enumerate(pairwise(edges)):
+        t = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
+        found[:, k] += 0.5 * (np.mean([np.interp(t, z, row) for row in pressure], axis=1) - pressure[:, k])
+    for j in range(len(pressure)):
+        x = j - 0.5 + (np.arange(SAMPLES) + 0.5) / SAMPLES
+        for k in range(len(z)):
+            found[j, k] += 0.5 * (np.interp(x, places, pressure[:, k]).mean() - pressure[j, k])
+    return found
+
+
 def test_gross_sliding_transmits_the_coefficient_times_the_load(body) -> None:
     result = run(rollers(body, MU, 0.2), 20)
     contact = result.history.contacts["pair"]
@@ -97,7 +118,7 @@ def test_tractions_stay_within_the_bounds_and_against_the_slip(body) -> None:
     result = run(rollers(body, MU, 8e-3), 40)
     contact = result.history.contacts["pair"]
     friction = rubbing(result)
-    bound = MU * contact.pressure[-1]
+    bound = MU * bounding(body, contact.pressure[-1])
     size = np.linalg.norm(friction.traction[-1], axis=0)
     assert np.all(size <= bound * (1.0 + 1e-9))
     sliding = friction.state[-1] == 2
@@ -118,9 +139,9 @@ def test_the_regularised_law_is_viscous_below_its_velocity(body) -> None:
     result = run(rollers(body, wf.laws.RegularisedCoulomb(MU, speed), 0.2), 20)
     contact = result.history.contacts["pair"]
     friction = rubbing(result)
-    bound = MU * contact.pressure[-1]
+    bound = MU * bounding(body, contact.pressure[-1])
     expected = -bound * friction.slip_velocity[-1] / speed
-    np.testing.assert_allclose(friction.traction[-1], expected, atol=1e-8 * np.abs(expected).max())
+    np.testing.assert_allclose(friction.traction[-1], expected, rtol=LATE, atol=1e-8 * np.abs(expected).max())
     assert np.abs(expected).max() > 0.0 and not np.any(friction.state == 2)
 
 

@@ -9,9 +9,9 @@ from warpffrf.study.carter import SHARES
 from warpffrf.study.carter_rollers import roll, rolling_body
 from warpffrf.study.rollers import PAIR
 
-FORCE = 0.03  # promised of the rollers
+FORCE = 0.02  # 3 % is promised; docs/studies/carter_rollers.md has 1.5 % at most
 STEADY = 0.01  # of the creepage, between the last two crossings
-QUICK_FORCE = 0.05  # 8 cells, five crossings: first order in cell and step, see docs/studies/carter_rollers.md
+QUICK_FORCE = 0.03  # 8 cells, five crossings: some of the transient is left
 
 
 @pytest.mark.slow

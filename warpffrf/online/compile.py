@@ -71,13 +71,14 @@ class CompiledScene:
     local: LocalPlan
     inertia: InertiaPlan
     slot_limit: int  # the most slots that the capacities of the contacts allow
+    cell_margin: int  # cells with friction that may be loaded beside those of the slots
     notes: list[str]
 
     def enlarge(self, slots: int) -> None:
         """Room for `slots` hats in play, and cells where there is friction; scratch arrays are to be made anew."""
         m = self.model
         m.slot_capacity = slots
-        m.cell_capacity = slots if m.cell_capacity else 0
+        m.cell_capacity = slots + self.cell_margin if m.cell_capacity else 0
         self.models = wp.array([m], dtype=Model, device=self.device)
 
 
@@ -89,7 +90,7 @@ class _Compiler:
         self.signals: list[tuple[np.ndarray, np.ndarray]] = []
         self.interfaces: dict[tuple[int, str], int] = {}
         self.notes: list[str] = []
-        self.slot_limit = 0
+        self.slot_limit = self.cell_margin = 0
         self.joint_table = JointTable()
         self.force_table = ForceTable()
         self.surfaces: list[tuple[Any, Any]] = []  # (body, ContactSurface), two for each pair
@@ -171,7 +172,8 @@ class _Compiler:
         m.energy_tolerance = settings.energy_tolerance
         return CompiledScene(
             scene, m, wp.array([m], dtype=Model, device=self.device), self.device, self.joint_table, self.force_table,
-            len(self.rows), modal_start, modes, stiffened, self.local, self.inertia, self.slot_limit, self.notes,
+            len(self.rows), modal_start, modes, stiffened, self.local, self.inertia, self.slot_limit,
+            self.cell_margin, self.notes,
         )  # fmt: skip
 
     def _modes(self, m: Any) -> None:

@@ -39,7 +39,8 @@ def fill_friction(compiler: Any, m: Any) -> None:
     m.pair_friction = compiler.array([c.friction.coefficient for c in contacts])
     m.pair_slip_velocity = compiler.array([c.friction.slip_velocity for c in contacts])
     present = has_friction(compiler.scene)
-    m.cell_capacity = m.slot_capacity if present else 0  # a cell is loaded where its hat is
+    compiler.cell_margin = _cells_beside(compiler, m) if present else 0
+    m.cell_capacity = m.slot_capacity + compiler.cell_margin if present else 0
     shear, tt, nt, tn = [], [], [], []
     modes: list[np.ndarray] = []
     tables: list[np.ndarray] = []
@@ -90,6 +91,17 @@ def fill_friction(compiler: Any, m: Any) -> None:
     m.surface_tt, m.surface_nt, m.surface_tn = (compiler.array(starts, int) for starts in (tt, nt, tn))
     m.mode_tangent = compiler.array(np.concatenate(none + modes))
     m.tangential = compiler.array(np.concatenate(none + tables))
+
+
+def _cells_beside(compiler: Any, m: Any) -> int:
+    """Most cells that are loaded beside those where hats are (`friction_bounds`): a patch of n hats in r rows and c
+    columns has at most 2 (c + r) neighbours."""
+    beside = 0
+    for i, contact in enumerate(compiler.scene.contacts):
+        rows = compiler.surfaces[2 * i][1].grid.rows
+        hats = m.mode_capacity if contact.capacity is None else contact.capacity
+        beside += 2 * (min(hats, m.window_columns) + min(hats, rows))
+    return beside
 
 
 def _weak(surface: Any, lags_nt: np.ndarray) -> np.ndarray:

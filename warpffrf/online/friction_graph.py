@@ -17,6 +17,7 @@ from warpffrf_kernels import (
     friction_forces,
     friction_geometry,
     friction_keep,
+    friction_late,
     friction_normal,
     friction_problem,
     friction_shares,
@@ -28,9 +29,8 @@ from warpffrf.online.compile_shared import serves_several
 from warpffrf.online.launcher import Launcher
 
 MODULES = (
-    friction_geometry, friction_shares, friction_bounds, friction_fields, friction_forces, friction_compliance,
-    friction_problem, friction_solve, friction_keep, friction_advance,
-    friction_normal,
+    friction_geometry, friction_shares, friction_bounds, friction_late, friction_fields, friction_forces,
+    friction_compliance, friction_normal, friction_problem, friction_solve, friction_keep, friction_advance,
 )  # fmt: skip
 
 
@@ -109,8 +109,8 @@ class FrictionGraph(Launcher):
         M, s, x, W = self.compiled.models, self.state, self.work, self.worlds
         self.launch(
             friction_forces.add_friction, W,
-            [M, s.ctl, s.clk, x.r1, x.axes, x.window, x.cell_area, x.cell_wrench, x.bound, s.traction, x.slip,
-             x.elastic_local],
+            [M, s.ctl, s.clk, x.r1, x.axes, x.window, x.cell_area, x.cell_wrench, x.bound, x.late, s.traction,
+             x.slip, x.elastic_local],
             [x.residual, x.pair_wrench, x.normal_wrench, x.gap_defect, x.contact_energy, x.friction_work,
              x.cell_state, x.traction_base],
         )  # fmt: skip
@@ -155,9 +155,9 @@ class FrictionGraph(Launcher):
         )  # fmt: skip
         self.block(
             friction_problem.pose_tractions, (W,),
-            [M, s.ctl, s.clk, x.cell_slot, x.cell_area, x.bound, s.traction, x.traction_base, x.slip, x.cell_turn,
-             x.share, x.share_at, x.first_shift, x.second_shift, x.cell_K, x.cell_L, x.cell_J, x.receptance.flatten(),
-             x.modal_drive, x.z],
+            [M, s.ctl, s.clk, x.cell_slot, x.cell_area, x.bound, x.late, s.traction, x.traction_base, x.slip,
+             x.cell_turn, x.share, x.share_at, x.first_shift, x.second_shift, x.cell_K, x.cell_L, x.cell_J,
+             x.receptance.flatten(), x.modal_drive, x.z],
             [x.cell_base, x.cell_right, x.cell_radius, x.cell_softness, x.cell_tau],
         )  # fmt: skip
         self.block(
@@ -205,6 +205,7 @@ class FrictionGraph(Launcher):
             [s.traction, s.friction_offset, s.elastic_before, s.history_center, s.contact_normal,
              x.friction_record],
         )  # fmt: skip
+        self.block(friction_late.keep_pressed, (W, P), [M, s.ctl, x.window, s.active, s.pressure], [s.pressed_before])
 
     def record(self) -> None:
         """Write the accepted tractions to the end of the ring's row; before `record.record`, which counts it."""
@@ -231,7 +232,11 @@ class FrictionGraph(Launcher):
 
     def _bounds(self, clip: int) -> None:
         M, s, x, W, P = self.compiled.models, self.state, self.work, self.worlds, self.compiled.model.pair_count
+        loads = [x.window, s.active, s.pressure, x.cell_area, x.area]
+        self.block(friction_bounds.bound_cells, (W, P), [M, s.ctl, *loads, clip], [x.bound, s.traction])
         self.block(
-            friction_bounds.bound_cells, (W, P), [M, s.ctl, x.window, s.active, s.pressure, x.cell_area, x.area, clip],
-            [x.bound, s.traction],
+            friction_late.soften_late, (W, P),
+            [M, s.ctl, x.center, x.phase, x.nearest, s.history_center, s.history_phase, s.contact_normal,
+             s.pressed_before, *loads, x.share, x.share_at, clip, x.bound],
+            [x.late],
         )  # fmt: skip

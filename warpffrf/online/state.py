@@ -46,6 +46,7 @@ class State:
     friction_offset: wp.array  # (W, pairs) as patch_offset, where the tractions were found
     elastic_before: wp.array  # (W, pairs, 2 cells) m, elastic slip at the end of the last step
     history_center: wp.array  # (W, pairs) grid column of its window's centre
+    pressed_before: wp.array  # (W, pairs, cells of the window) 1 where the last step left a node under pressure
     history_phase: wp.array  # (W, pairs) columns: nearest place, or line of centres, at the end of the last step
     history_z: wp.array  # (W, pairs) m, z of that place on the first surface, of pairs whose gaps are taken at points
     most_advanced: wp.array  # (W, pairs) columns that the patch advanced at most in a step since the last saved row
@@ -163,7 +164,7 @@ def friction_table(m: Any) -> dict[str, tuple]:
     return {
         "cell_area": (REAL, P, C), "cell_place": (REAL, P, C, 2), "cell_turn": (REAL, P, C, 4),
         "cell_wrench": (REAL, P, 2 * C, 6), "rigid_slip": (REAL, P, 2 * C), "slip": (REAL, P, 2 * C),
-        "share": (REAL, P, C, shares), "share_at": (INT, P, C, 2), "bound": (REAL, P, C),
+        "share": (REAL, P, C, shares), "share_at": (INT, P, C, 2), "bound": (REAL, P, C), "late": (REAL, P, C),
         "pressure_change": (REAL, P, C), "load_change": (REAL, P, m.node_capacity if F else 0),
         "second_force": (REAL, P, 2 * m.node_capacity if F else 0), "elastic": (REAL, P, 2 * C),
         "elastic_local": (REAL, P, 2 * C), "traction_base": (REAL, P, 2 * C), "traction_before": (REAL, P, 2 * C),
@@ -233,7 +234,7 @@ def initial_state(compiled: CompiledScene, worlds: int) -> State:
         "active": (INT, P, m.mode_capacity), "pressure": (REAL, P, m.mode_capacity), "patch_offset": (REAL, P),
         "traction": (REAL, P, cells), "friction_offset": (REAL, P), "elastic_before": (REAL, P, cells),
         "history_center": (INT, P), "history_phase": (REAL, P), "history_z": (REAL, P), "most_advanced": (REAL, P),
-        "contact_normal": (VEC3, P), "energy": (REAL, 2, k.LINES),
+        "pressed_before": (INT, P, cells // 2), "contact_normal": (VEC3, P), "energy": (REAL, 2, k.LINES),
         "pair_force": (REAL, P, 2, 12), "modal_load": (REAL, 2, Q), "applied": (VEC3, 2, F), "applied_at": (VEC3, 2, F),
         "load": (REAL, 2, 6 * B), "load_on_modes": (REAL, 2, Q), "stretch": (REAL, rows),
         "drive_rate": (REAL, 2, rows), "ctl": (INT, k.CTL), "clk": (REAL, k.CLK),

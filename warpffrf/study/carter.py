@@ -32,7 +32,7 @@ LINE = LineContact(1e5, 0.025, contact_modulus(STEEL, STEEL))  # case C1
 POINT = PointContact(100.0, 0.01, contact_modulus(STEEL))  # case C3
 SHARES = (0.25, 0.5, 0.75, 0.99)  # Q/(mu P) of case C6
 CELLS = STEPS = (8, 16, 32)
-PHASES = (0.0, 0.25, 0.5, 0.75)
+PHASES = (0.0, 0.25, 0.5, 0.75, 0.9)
 CROSSINGS = 10.0
 MADE = "Made by `python -m warpffrf.study.carter`; do not edit.\n"
 
@@ -49,11 +49,11 @@ class Settled:
 
 
 def settled(
-    share: float, cells: float, steps: int, *, phase: float = 0.0, carried: bool = False, depth: float = 10.0
+    share: float, cells: float, steps: int, *, phase: float = 0.0, carried: bool = False, late: bool = True
 ) -> Settled:
-    """Rolling at Carter's creepage for Q/(mu P) = share."""
+    """Rolling at Carter's creepage for Q/(mu P) = share; phase, carried, late: of `Rolling`."""
     exact = CarterRolling.from_share(LINE, FRICTION, share)
-    rolling = Rolling(LINE, FRICTION, cells, depth=depth, phase=phase, carried=carried)
+    rolling = Rolling(LINE, FRICTION, cells, phase=phase, carried=carried, late=late)
     found = settle(rolling, exact.creepage, steps=steps, crossings=CROSSINGS)
     x, w = rolling.centers[rolling.stick], rolling.width
     if not len(x):
@@ -73,24 +73,22 @@ def creepage_error(share: float, cells: float, steps: int) -> float:
 
 
 def law_rows() -> list[list[str]]:
-    """Cells by steps."""
-    return [
-        [str(cells), str(steps), f"{2 * cells / steps:g}", *(f"{settled(q, cells, steps).error:+.2%}" for q in SHARES)]
-        for cells in CELLS
-        for steps in STEPS
-    ]
-
-
-def phase_rows() -> list[list[str]]:
-    """Over the phase, and cells that travel."""
+    """Cells by steps; the cells travel, so that a fraction of a cell a step passes through the phases."""
     rows = []
-    for cells, steps in ((8, 16), (16, 64), (32, 128)):
+    for cells in CELLS:
+        for steps in STEPS:
+            found = [settled(q, cells, steps, carried=True).error for q in SHARES]
+            rows.append([str(cells), str(steps), f"{2 * cells / steps:g}", *(f"{e:+.2%}" for e in found)])
+    return rows
+
+
+def phase_rows(late: bool) -> list[list[str]]:
+    """Over the phase, at whole cells a step, with and without the softness of cells that the patch reaches."""
+    rows = []
+    for cells, steps in ((8, 16), (8, 8), (16, 32)):
         for p in PHASES:
-            found = [settled(q, cells, steps, phase=p).error for q in SHARES]
-            rows.append([str(cells), f"{p:g}", str(steps), *(f"{e:+.2%}" for e in found)])
-    for steps in (15, 17):
-        found = [settled(q, 8, steps, carried=True).error for q in SHARES]
-        rows.append(["8", "travels", str(steps), *(f"{e:+.2%}" for e in found)])
+            found = [settled(q, cells, steps, phase=p, late=late).error for q in SHARES]
+            rows.append([str(cells), f"{2 * cells / steps:g}", f"{p:g}", *(f"{e:+.2%}" for e in found)])
     return rows
 
 
@@ -132,8 +130,10 @@ def point_rows() -> list[list[str]]:
     """Mindlin's circle."""
     exact = MindlinPoint(POINT, FRICTION, tangential_compliance(STEEL))
     return [
-        _mindlin_row(point_patch(POINT, FRICTION, cells, STEEL), exact, 0.5, cells, 6) for cells in (4, 8, 12)
-    ]  # fmt: skip
+        _mindlin_row(point_patch(POINT, FRICTION, cells, STEEL), exact, q, cells, 6)
+        for cells in (6, 8, 10, 12)
+        for q in (0.5, 0.75)
+    ]
 
 
 def mindlin_errors(
@@ -161,30 +161,32 @@ def page() -> str:
     return f"""# Friction in cells beside Carter, Cattaneo and Mindlin
 
 {MADE}
-A reference of the friction law without bodies: exact elastic half-plane and half-space, Hertz's pressure given,
-traction constant in cells, bound and slip at their centres, one convex program a step (`friction_program.py`).
-Steel on steel, C1 of the verification cases (a = {LINE.half_width * 1e3:.4f} mm, R = 25 mm), μ = {FRICTION:g}.
+A reference of the friction law without bodies: exact elastic half-plane and half-space, Hertz's contact with its
+pressure in hats, traction constant in cells, slip in the mean over them, bounds half the way from the node to the mean
+of the pressure over the cell, one convex program a step (`friction_program.py`). Steel on steel, C1 of the verification
+cases (a = {LINE.half_width * 1e3:.4f} mm, R = 25 mm), μ = {FRICTION:g}.
 
 ## Carter: error of Q at his creepage
 
-After {CROSSINGS:g} crossings of the patch, mean over the last; Q over μ times the sum of the cells' pressures, a centre
-in the middle of the patch, a point at the depth 10 a fixed. Cells per half-width, steps per crossing, cells advanced
-per step.
+After {CROSSINGS:g} crossings of the patch, mean over the last; a point at the depth 10 a fixed; cells travel with the
+material. Cells per half-width, steps per crossing, cells advanced per step.
 
 {table(["cells", "steps", "cells/step", *shares], law_rows())}
-The error is of first order in the advance per step (material that enters during the step is charged with creep and
-elastic displacement since before it entered) and in the cell. The second has either sign, by where the first centre
-outside the leading edge lies (phase of the cells against the patch, in cells; at 0 a centre is in the middle). Cells
-that travel with the material pass through all phases unless the advance is a whole number of cells.
+A cell that the patch reaches during a step resists by what is left of the step then (`half_plane_rolling.py`): what is
+left of the error hardly depends on the step up to two cells, nor on where the cells lie against the patch. Here they
+stand with it, at a phase in cells (at 0 a centre is in the middle).
 
-{table(["cells", "phase", "steps", *shares], phase_rows())}
+{table(["cells", "cells/step", "phase", *shares], phase_rows(True))}
+The same with such cells charged with the whole step:
+
+{table(["cells", "cells/step", "phase", *shares], phase_rows(False))}
 Prescribed Q, 8 cells and 16 steps: error of the creepage.
 
 {table(["Q/μP", "creepage"], forced)}
 ## Stick zone
 
 It touches the leading edge. Its ends against Carter's, in cells, one cell advanced per step: the leading end against
-a, the trailing end against a - 2 c.
+a (the cell beside the patch has a small bound and sticks), the trailing end against a - 2 c.
 
 {table(["cells", "Q/μP", "cells in 2 c", "leading end", "trailing end"], stick_rows())}
 ## Transient
@@ -202,7 +204,7 @@ in the cycle, against the closed forms. *Line*, like steels:
 *Point*, case C3 (steel sphere on a rigid plane), both components of traction:
 
 {table(mindlin, point_rows())}
-The loss is made in a slip zone of width a - c: it wants four cells there.
+The loss is made in a slip zone of width a - c: of two cells there it has some percent.
 """
 
 

@@ -5,7 +5,7 @@ of it differs from Hertz, Cattaneo, Mindlin and Carter by its contact alone. It 
 and inertia mean nothing.
 
 Normal: `C_ij = int psi_i K psi_j`, exact for hats (`half_space`); the body keeps D = M^-1 C M^-1, of which M D M is
-used. Tangential: displacement at the centre of a cell by uniform tractions on cells (`influence`), per force.
+used. Tangential: mean displacement of a cell by uniform tractions on cells (`influence`), per force, as of every body.
 
 *Half-plane*: two rows of nodes at the ends of the width, each a half-plane of its own under half of the load: with an
 even load they move alike. *Coupling* between normal and tangential, which like bodies do not have against each other
@@ -23,7 +23,7 @@ from warpffrf.model.surfaces import Plane
 from warpffrf.model.tangential import Tangential
 from warpffrf.study.closed_forms import contact_modulus
 from warpffrf.study.half_space import plane_table, space_table, toeplitz
-from warpffrf.study.influence import influence_2d, influence_3d
+from warpffrf.study.influence import mean_2d, mean_3d
 
 Array = np.ndarray
 FACE, HOLD = "face", "hold"  # names of surface and interface
@@ -36,7 +36,7 @@ def half_plane(columns: int, pitch: float, width: float, material: Material, dep
     against a point at `depth` [m], above columns * pitch."""
     modulus = contact_modulus(material)
     hats = toeplitz(plane_table("hats", pitch, columns, depth)) / modulus
-    cells = influence_2d(columns, pitch, modulus, depth) / (pitch * 0.5 * width)
+    cells = mean_2d(columns, pitch, modulus, depth) / (pitch * 0.5 * width)
     tangential = np.einsum("de,ij,kl->dikejl", np.eye(2), cells, np.eye(2))
     return _body(
         _grid(columns, pitch, np.array([-0.5, 0.5]) * width), np.kron(hats, 0.5 * width * np.eye(2)), tangential
@@ -49,7 +49,7 @@ def half_space(columns: int, rows: int, pitch: float, material: Material) -> Red
     centers = np.stack(np.meshgrid(grid.theta, grid.z, indexing="ij"), axis=-1).reshape(-1, 2)
     size = (pitch, pitch)
     hats = toeplitz(space_table("hats", size, (columns, rows))) / contact_modulus(material)
-    cells = influence_3d(centers, size, material) / pitch**2
+    cells = mean_3d(centers, size, material) / pitch**2
     n = len(centers)
     return _body(grid, hats, cells.reshape(n, 2, n, 2).transpose(1, 0, 3, 2))
 

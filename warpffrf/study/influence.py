@@ -1,4 +1,5 @@
-r"""What constant tractions on cells move on an elastic half-plane and half-space: exact, at the centres of cells.
+r"""What constant tractions on cells move on an elastic half-plane and half-space: exact, at the centres of cells and
+in the mean over cells.
 
 Half-plane in plane strain (K. L. Johnson, Contact Mechanics, 1985, section 2.4), z into the body, traction q along x
 and pressure p along z; L is the depth of the point that counts as fixed:
@@ -17,11 +18,21 @@ Over a rectangle they are differences over its corners of
 
     1/r: X ln(Y + r) + Y ln(X + r),   X^2/r^3: Y ln(X + r),   X Y/r^3: -r,   X/r^2: (Y/2) ln(X^2 + Y^2) + X atan(Y/X).
 
+*Mean over a cell* like the loaded one: integrated once more, second differences of the step of a cell in each
+direction, of (what is linear in a coordinate drops out)
+
+    ln|x|: x^2 (ln|x| - 3/2)/2,     1/r: (X Y^2 ln(X + r) + X^2 Y ln(Y + r))/2 - r^3/6,
+    X^2/r^3: X Y^2 ln(X + r)/2 + X^2 r/2 - r^3/3,     X Y/r^3: -(2 X Y r + X^3 ln(Y + r) + Y^3 ln(X + r))/6.
+
+Means are symmetric in the loaded and the seen cell, and what a reduced body knows of cells.
+
 Two bodies that press on each other see opposite tractions: *relative* displacements add the direct terms, with
 1/E* = sum (1 - nu^2)/E, and subtract the coupling between normal and tangential, which vanishes for like bodies.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 
@@ -55,6 +66,25 @@ def influence_2d(count: int, width: float, modulus: float, depth: float) -> Arra
     w = require_number(width, "width of a strip", positive=True)
     offset = w * np.subtract.outer(np.arange(n), np.arange(n))
     return strip_displacement(offset, w, modulus, depth)
+
+
+def strip_mean(x: Array, width: float, modulus: float, depth: float) -> Array:
+    """Mean relative displacement [m/Pa] over a strip of `width` about x [m] by a unit traction on the strip
+    |x| < width/2, along that traction; modulus E* [Pa], depth L [m]."""
+
+    def F(t: Array) -> Array:
+        safe = np.where(t == 0.0, 1.0, np.abs(t))
+        return 0.5 * t * t * (np.log(safe / depth) - 1.5)
+
+    x = np.asarray(x, dtype=float)
+    return -2.0 / (np.pi * modulus * width) * (F(x + width) - 2.0 * F(x) + F(x - width))
+
+
+def mean_2d(count: int, width: float, modulus: float, depth: float) -> Array:
+    """G (count, count) [m/Pa]: as `influence_2d`, mean relative displacement over strip i."""
+    n = require_count(count, "count of strips", 1)
+    w = require_number(width, "width of a strip", positive=True)
+    return strip_mean(w * np.subtract.outer(np.arange(n), np.arange(n)), w, modulus, depth)
 
 
 def coupling_2d(count: int, width: float, first: Material, second: Material | None = None) -> Array:
@@ -92,6 +122,31 @@ def _rectangle(X: Array, Y: Array, size: tuple[float, float], kind: str) -> Arra
     return total
 
 
+def _mean_rectangle(X: Array, Y: Array, size: tuple[float, float], kind: str) -> Array:
+    """Mean over a rectangle about (X, Y) of the integrals of `_rectangle`; X and Y whole numbers of `size`."""
+
+    def log(
+        s: Array, t: Array
+    ) -> Array:  # ln(s + r) less ln|t|, whose terms drop out; 0 where a factor t^2 makes it so
+        return np.where(t == 0.0, 0.0, np.arcsinh(s / np.where(t == 0.0, 1.0, np.abs(t))))
+
+    total = np.zeros(np.broadcast(X, Y).shape)
+    for i, a in zip((-1, 0, 1), (1.0, -2.0, 1.0), strict=True):
+        for j, b in zip((-1, 0, 1), (1.0, -2.0, 1.0), strict=True):
+            # exact zeros where sides meet
+            x = size[0] * np.rint(X / size[0] + i)
+            y = size[1] * np.rint(Y / size[1] + j)
+            r = np.hypot(x, y)
+            if kind == "1/r":
+                value = 0.5 * (x * y * y * log(x, y) + x * x * y * log(y, x)) - r**3 / 6.0
+            elif kind == "xx":
+                value = 0.5 * (x * y * y * log(x, y) + x * x * r) - r**3 / 3.0
+            else:
+                value = -(2.0 * x * y * r + x**3 * log(y, x) + y**3 * log(x, y)) / 6.0
+            total += a * b * value
+    return total / (size[0] * size[1])
+
+
 def _cells(centers: Array) -> tuple[Array, Array]:
     """Differences (n, n) of the coordinates of seen and loaded cells, centers (n, 2)."""
     x, y = np.asarray(centers, dtype=float).T
@@ -104,10 +159,22 @@ def influence_3d(centers: Array, size: tuple[float, float], first: Material, sec
 
     centers (n, 2) [m] of cells on one regular grid, size (2,) [m] of a cell.
     """
+    return _tangential(_rectangle, centers, size, first, second)
+
+
+def mean_3d(centers: Array, size: tuple[float, float], first: Material, second: Material | None = None) -> Array:
+    """G (2 n, 2 n) [m/Pa]: as `influence_3d`, mean relative displacements over the cells."""
+    return _tangential(_mean_rectangle, centers, size, first, second)
+
+
+def _tangential(
+    seen: Callable[..., Array], centers: Array, size: tuple[float, float], first: Material, second: Material | None
+) -> Array:
+    """Cerruti's part of the module with the integrals of `seen`."""
     X, Y = _cells(centers)
     turned = (size[1], size[0])
-    direct, xy = _rectangle(X, Y, size, "1/r"), _rectangle(X, Y, size, "xy")
-    xx, yy = _rectangle(X, Y, size, "xx"), _rectangle(Y, X, turned, "xx")
+    direct, xy = seen(X, Y, size, "1/r"), seen(X, Y, size, "xy")
+    xx, yy = seen(X, Y, size, "xx"), seen(Y, X, turned, "xx")
     n = len(X)
     total = np.zeros((n, 2, n, 2))
     for m in [first] if second is None else [first, second]:

@@ -1,9 +1,9 @@
 r"""Tangential loading of a standing patch in cells, on the half-plane and the half-space: cases C4 and C5.
 
-Hertz's pressure stands; the far parts of the two bodies are shifted against each other by increments D (n cells,
-tractions constant on each, bound mu p and slip at the centre):
+Hertz's contact stands, its pressure in hats (`hat_pressures`); the far parts of the two bodies are shifted against each
+other by increments D (n cells, tractions constant on each, bounds of `bounding`, means over the cells):
 
-    s_i = u_new(x_i) - u_old(x_i) - D,      u = G tau,
+    s_i = u_new,i - u_old,i - D,      u = G tau,
 
 one `solve` of the friction program each. A given force is found by its shift. Half-space: both components of
 traction, so that slip may turn off the direction of the shift, which Cattaneo and Mindlin leave out.
@@ -20,9 +20,11 @@ from warpffrf.model.material import Material
 from warpffrf.study.closed_forms import LineContact, PointContact
 from warpffrf.study.friction_program import solve
 from warpffrf.study.half_plane_rolling import STICK
-from warpffrf.study.influence import influence_2d, influence_3d
+from warpffrf.study.hat_pressures import bounding, line_pressures, point_pressures
+from warpffrf.study.influence import mean_2d, mean_3d
 
 Array = np.ndarray
+BEYOND = 3  # columns outside Hertz's patch, so that the outermost carry nothing
 FORCE_ERROR = 1e-9  # of a prescribed force, over mu P
 
 
@@ -89,25 +91,26 @@ class Patch:
 
 def line_patch(contact: LineContact, friction: float, cells: int, depth: float = 10.0) -> Patch:
     """Half-plane, like materials: `cells` in a half-width, one in the middle; depth L in half-widths."""
-    w = contact.half_width / cells
-    x = w * np.arange(-cells, cells + 1)
-    G = influence_2d(len(x), w, contact.modulus, depth * contact.half_width)
-    return Patch(x[:, None], G, friction * contact.pressure(x), w)
+    w, depth = contact.half_width / cells, depth * contact.half_width
+    x = w * np.arange(-cells - BEYOND, cells + BEYOND + 1)
+    bound = friction * bounding(line_pressures(contact, x, depth))
+    on = bound > 0.0
+    return Patch(x[on][:, None], mean_2d(int(on.sum()), w, contact.modulus, depth), bound[on], w)
 
 
 def point_patch(
-    contact: PointContact, friction: float, cells: int, first: Material, second: Material | None = None
+    contact: PointContact, friction: float, cells: float, first: Material, second: Material | None = None
 ) -> Patch:
-    """Half-space in square cells, `cells` in a radius; only cells with their centre in the patch. `second` None: rigid.
+    """Half-space in square cells, `cells` in a radius; only cells with a bound. `second` None: rigid.
 
     The pressure is Hertz's also between unlike materials: its coupling with the tractions is left out, as in C4.
     """
-    w = contact.half_width / cells
-    k = w * np.arange(-cells, cells + 1)
-    centers = np.stack(np.meshgrid(k, k, indexing="ij"), axis=-1).reshape(-1, 2)
-    r = np.linalg.norm(centers, axis=1)
-    centers, r = centers[r < contact.half_width], r[r < contact.half_width]
-    return Patch(centers, influence_3d(centers, (w, w), first, second), friction * contact.pressure(r), w * w)
+    w, n = contact.half_width / cells, int(np.ceil(cells)) + BEYOND
+    k = w * np.arange(-n, n + 1)
+    nodes = np.stack(np.meshgrid(k, k, indexing="ij"), axis=-1)
+    bound = friction * bounding(point_pressures(contact, nodes))
+    on = bound > 0.0
+    return Patch(nodes[on], mean_3d(nodes[on], (w, w), first, second), bound[on], w * w)
 
 
 def cycle_loss(patch: Patch, peak: float, steps: int) -> float:
