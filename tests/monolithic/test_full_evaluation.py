@@ -83,7 +83,7 @@ def test_what_it_needs(roller) -> None:
     with pytest.raises(InputError, match="use method='monolithic'"):
         run(scene, 1e-3, step=1e-4, progress=False)
     scene.contacts[0]._friction = Coulomb(0.1)  # past the check that the bodies have tangential modes
-    with pytest.raises(InputError, match="has no friction"):
+    with pytest.raises(InputError, match="friction needs tangential modes, body 'lower'"):
         monolithic.run(scene, 1e-3, step=1e-4, progress=False)
     scene.contacts[0].friction = Coulomb(0.0)
     scene.contacts[0]._evaluation = "hyper"  # past the check that the first body has points

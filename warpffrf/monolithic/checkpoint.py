@@ -11,6 +11,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.monolithic.state import State
 
 MARK = "monolithic_"  # in front of every name: a checkpoint of the separated solver is none of these
+YOUNGER = ("nodes", "lost")  # fields that files of before the law at nodes of true shapes lack
 
 
 def to_arrays(state: State) -> dict[str, np.ndarray]:
@@ -37,6 +38,8 @@ def time_of(checkpoint: Mapping[str, np.ndarray]) -> float:
 def from_arrays(checkpoint: Mapping[str, np.ndarray]) -> State:
     """The state of a checkpoint of `to_arrays`. Raises `InputError` for one that lacks arrays or holds NaN."""
     names = [f.name for f in fields(State) if f.name != "active"]
+    younger = [name for name in YOUNGER if MARK + name not in checkpoint]
+    names = [name for name in names if name not in younger]
     missing = [name for name in (*names, "active", "pairs") if MARK + name not in checkpoint]
     if missing:
         raise InputError(f"simulate: the checkpoint lacks {', '.join(missing)}; run it again, or start from 'initial'")

@@ -52,6 +52,7 @@ class PairData:
     columns: np.ndarray
     layer: float  # Pa/m; 0: none (E = 0)
     half: int = FIRST_HALF
+    rigid: int = RIGID  # of its unknowns are rigid
 
 
 def pair_data(

@@ -106,12 +106,16 @@ def on_body(force: np.ndarray, A: np.ndarray, center: np.ndarray) -> tuple[np.nd
 
 
 def contact_arrays(rows: list[ContactRow], bodies: Any, A: Any, grids: Any) -> dict[str, np.ndarray]:
-    """Fields of `history.ContactForces` that a pair's rows hold; bodies, their A (T, 3, 3) and grids: first, second."""
+    """Fields of `history.ContactForces` that a pair's rows hold; bodies, their A (T, 3, 3) and grids: first, second (of
+    a rigid one None)."""
     forces = np.array([r.force for r in rows]).reshape(-1, 12)
     force, torque = on_body(forces[:, :6], A[0], bodies[0].center_of_mass)
-    force_second, torque_second = on_body(forces[:, 6:], A[1], bodies[1].center_of_mass)
+    center_second = getattr(bodies[1], "center_of_mass", np.zeros(3))  # of the ground its origin
+    force_second, torque_second = on_body(forces[:, 6:], A[1], center_second)
     first, center, pressure = joined([r.pressure for r in rows], grids[0].rows)
-    first_second, _, load = joined([r.second for r in rows], grids[1].rows)
+    first_second, load = np.zeros(len(rows), dtype=int), np.zeros((len(rows), 0, 0))
+    if grids[1] is not None:
+        first_second, _, load = joined([r.second for r in rows], grids[1].rows)
     return {
         "force": force, "torque": torque, "force_second": force_second, "torque_second": torque_second,
         "first_column": first, "center_column": center, "pressure": pressure, "first_column_second": first_second,

@@ -41,13 +41,15 @@ class ContactForces:
     active: np.ndarray  # (T,) int, carrying tests
     pressures: list[dict[int, float]]  # multiplier by number of the test: Pa of a hat, N of a node
     local: tuple[np.ndarray, np.ndarray]  # local coordinates (T, n) of both surfaces
+    friction: dict[str, np.ndarray] | None = None  # fields of `warpffrf.online.history.FrictionHistory`
 
 
 @dataclass
 class MonolithicHistory:
-    """A monolithic run. `energy` has "kinetic", "strain", "contact", "potential" [J]. `spring_rows` (T, coordinates,
-    7): value, force and torque on the second body of every coordinate of every spring law, in the order of the forces.
-    `dropped`: rows of joints that were left out as redundant."""
+    """A monolithic run. `energy` has "kinetic", "strain", "contact", "potential" [J], and with the law at nodes of true
+    shapes "friction" (cumulative work, not positive) and "layer" (cumulative loss of layers). `spring_rows` (T,
+    coordinates, 7): value, force and torque on the second body of every coordinate of every spring law, in the order of
+    the forces. `dropped`: rows of joints that were left out as redundant."""
 
     scene: object
     time: np.ndarray

@@ -9,6 +9,7 @@ constraints by h^2. A contact enters by its gradients G (k, size), forces F (k, 
     full       K dense, factored by LAPACK (LU) in each iteration
     modified   the same factor kept over iterations and steps until convergence slows
     low_rank   local coordinates are diagonal in K and condensed, only rigid coordinates, modes and rows are dense
+               (and, for the law at nodes, Woodbury's identity with the nodes that carry)
 
 Law "hats": F^T is solved for, the Schur complement `G K^-1 F^T + E` of the active tests (tens) gives ds; exact, and
 needed for E = 0. Law "nodes": full and modified add the contact stiffness `F^T E^-1 G` to K before factoring, the
@@ -23,8 +24,6 @@ import numpy as np
 from scipy.linalg import blas as _blas
 from scipy.linalg import lapack as _lapack
 
-from warpffrf.monolithic.contact import PairState
-from warpffrf.monolithic.contact_frame import RIGID
 from warpffrf.monolithic.equations import Balance
 from warpffrf.monolithic.state import Layout
 
@@ -48,14 +47,14 @@ class Solver(Protocol):
 def dense_jacobian(
     layout: Layout,
     balance: Balance,
-    turnings: list[tuple[PairState, np.ndarray]],
+    turnings: list[tuple[Any, np.ndarray]],
     stiffness: list[Any],
     buffer: np.ndarray | None = None,
 ) -> np.ndarray:
     """K (size, size), Fortran order, in `buffer` if given.
 
-    `turnings`: per pair the derivative (columns, 12) of the contact forces by the rigid coordinates; `stiffness`:
-    (columns, F, G, E) of contacts to be added.
+    `turnings`: per pair its state and the derivative (columns, rigid) of the contact forces by the rigid coordinates;
+    `stiffness`: (columns, F, G, E) of contacts to be added.
     """
     n, c, o = layout.size, layout.coordinates, layout.outer
     K = np.zeros((n, n), order="F") if buffer is None else buffer
@@ -67,7 +66,7 @@ def dense_jacobian(
     K[local, local] = balance.diagonal
     for state, turning in turnings:
         at = state.data.columns
-        K[np.ix_(at, at[:RIGID])] -= turning
+        K[np.ix_(at, at[: turning.shape[1]])] -= turning
     for at, F, G, E in stiffness:
         _add(K, at, blas.dgemm(1.0, F.T, (G / E[:, None]).T, trans_b=True))
     return K
@@ -107,7 +106,7 @@ class Dense:
 class LowRank:
     """K with the diagonal of the local coordinates condensed."""
 
-    def __init__(self, layout: Layout, balance: Balance, turnings: list[tuple[PairState, np.ndarray]]) -> None:
+    def __init__(self, layout: Layout, balance: Balance, turnings: list[tuple[Any, np.ndarray]]) -> None:
         self.layout = layout
         o, c = layout.outer, layout.coordinates
         K = np.asfortranarray(balance.outer.copy())
@@ -115,8 +114,9 @@ class LowRank:
         for state, turning in turnings:
             at = state.data.columns
             outer = at < o
-            K[np.ix_(at[outer], at[:RIGID])] -= turning[outer]
-            self.beside.append((at[~outer] - o, at[:RIGID], -turning[~outer]))
+            rigid = at[: turning.shape[1]]
+            K[np.ix_(at[outer], rigid)] -= turning[outer]
+            self.beside.append((at[~outer] - o, rigid, -turning[~outer]))
         self.outer = Dense(K, o)
         self.diagonal = balance.diagonal
         self.at = np.concatenate([np.arange(o), np.arange(c, layout.size)])
@@ -131,6 +131,37 @@ class LowRank:
             local[rows] -= block @ out[rigid]
         out[o:c] = (local.T / self.diagonal).T
         return out
+
+
+class Woodbury:
+    """K + sum L^T W of a factored K, W = -M R of contacts that have a stiffness and no multipliers.
+
+    `(K + L^T W)^-1 r = y - X w`, `y = K^-1 r`, `X = K^-1 L^T`, `(1 + W X) w = W y`.
+    """
+
+    def __init__(self, solver: Solver, size: int, stiffness: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> None:
+        self.solver = solver
+        count = sum(len(L) for _, L, _ in stiffness)
+        loads, self.weights, row = np.zeros((size, count), order="F"), np.zeros((count, size)), 0
+        for at, L, W in stiffness:
+            loads[at, row : row + len(L)] = L.T
+            self.weights[row : row + len(W), at] = W
+            row += len(L)
+        self.responses = solver.solve(loads)
+        small = np.eye(count) + self.weights @ self.responses
+        self.factor, self.pivots, info = lapack.dgetrf(small)
+        if not np.all(np.isfinite(self.factor)):
+            raise FloatingPointError("a number beyond all bounds in the stiffness of a contact")
+        if info != 0:
+            raise SingularError
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        """(K + L^T W)^-1 times `right` (size,)."""
+        y = self.solver.solve(right)
+        w, info = lapack.dgetrs(self.factor, self.pivots, self.weights @ y)
+        if info != 0:
+            raise SingularError
+        return y - self.responses @ w
 
 
 def _scales(K: np.ndarray, coordinates: int) -> np.ndarray:

@@ -15,15 +15,27 @@ from __future__ import annotations
 
 import time as clock
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, lu_factor, lu_solve
 
-from warpffrf.monolithic.contact import MARGIN, PairData, PairState, pair_state
+from warpffrf.monolithic.contact_window import windowed
 from warpffrf.monolithic.description import SceneData
 from warpffrf.monolithic.equations import Balance, Increment, LocalData, Trial, advance, balance, predicted
 from warpffrf.monolithic.integrator import Formula
 from warpffrf.monolithic.linear import Dense, LowRank, SingularError, Solver, dense_jacobian
+from warpffrf.monolithic.node_newton import MAX_ITERATIONS as LONGEST
+from warpffrf.monolithic.node_newton import (
+    Halving,
+    add_stiffness,
+    cut_short,
+    node_pair_state,
+    size_of,
+    stiffness_of,
+    with_constants,
+)
+from warpffrf.monolithic.node_pair import ITERATE
 from warpffrf.monolithic.state import Layout, State
 
 MAX_ITERATIONS = 25  # Newton is quadratic; semismooth and modified iterations take some more
@@ -59,15 +71,22 @@ class System:
     data: SceneData
     layout: Layout
     local: LocalData
-    pairs: list[PairData]
-    surfaces: list[tuple[int, int]]
+    pairs: list[Any]  # `contact.PairData`, or of the law at nodes of any surface all `node_pair.NodePairData`
+    surfaces: list[tuple[int, int | None]]
     variant: str
     assembled: bool  # contact stiffness goes into K
     tolerance: float
+    nodal: bool = False  # pairs are `NodePairData`
     counters: Counters = field(default_factory=Counters)
     kept: Solver | None = None
     kept_for: tuple = ()
     buffer: np.ndarray | None = None  # of K and, in its place, of its factor
+
+    def local_slices(self, pair: int) -> tuple[slice | None, slice | None]:
+        """Where in `q` the local coordinates of both sides of a pair are; None of a rigid one."""
+        starts, counts = self.layout.local_start, self.layout.local_count
+        a, b = (None if s is None else slice(starts[s], starts[s] + counts[s]) for s in self.surfaces[pair])
+        return a, b
 
 
 @dataclass(eq=False)
@@ -76,7 +95,7 @@ class Evaluation:
 
     trial: Trial
     balance: Balance
-    pairs: list[PairState]
+    pairs: list[Any]
     pressures: list[np.ndarray]  # multipliers (n,) of each pair's tests
     residual: np.ndarray  # with contact forces
 
@@ -93,7 +112,7 @@ class Solution:
 
 
 def evaluate(
-    system: System, state: State, formula: Formula, x: Increment, time: float, carried: list[dict[int, float]]
+    system: System, state: State, formula: Formula, x: Increment, time: float, carried: list[Any]
 ) -> Evaluation:
     """Residuals at the end of the step for increments x and multipliers `carried` (by number of the test)."""
     layout, begin = system.layout, clock.perf_counter()
@@ -104,7 +123,13 @@ def evaluate(
     pairs, pressures = [], []
     begin = clock.perf_counter()
     for n, data in enumerate(system.pairs):
-        pair, s = _window(system, n, data, trial, carried[n])
+        if system.nodal:
+            pair = node_pair_state(data, layout, trial, state, formula, system.local_slices(n), carried[n])
+            residual[data.columns] -= pair.total()
+            pairs.append(pair)
+            pressures.append(pair.force)
+            continue
+        pair, s = windowed(system, n, data, trial, carried[n])
         if system.assembled:
             s = np.where(pair.area > 0.0, np.maximum(-pair.gap / pair.softness, 0.0), 0.0)
         active = np.flatnonzero(s)
@@ -116,54 +141,24 @@ def evaluate(
     return Evaluation(trial, found, pairs, pressures, residual)
 
 
-def _window(
-    system: System, n: int, data: PairData, trial: Trial, carried: dict[int, float]
-) -> tuple[PairState, np.ndarray]:
-    """The pair with all tests that carry inside its window, MARGIN columns from the ends."""
-    layout = system.layout
-    q_a, q_b = (_coordinates(layout, trial, side.body, surface) for side, surface in zip(
-        (data.a, data.b), system.surfaces[n], strict=True
-    ))  # fmt: skip
-    while True:
-        pair = pair_state(data, trial.r, trial.A, q_a, q_b)
-        place = {int(k): i for i, k in enumerate(pair.number)}
-        s = np.zeros(len(pair.number))
-        known = True
-        for number, value in carried.items():
-            at = place.get(number)
-            if at is None:
-                known = False
-                continue
-            s[at] = value
-        at = np.flatnonzero(s > 0.0)
-        if system.assembled:
-            at = np.flatnonzero(pair.gap < 0.0)
-        x = pair.points.column
-        middle = 0.5 * float(pair.frame.x_a[0] + pair.frame.x_a[-1])
-        reach = float(np.abs(x[at] - middle).max(initial=0.0))
-        quarter = int(0.5 * np.pi / data.a.grid.pitch) - 2
-        if (known and reach + MARGIN <= data.half) or data.half >= quarter:
-            return pair, s
-        data.half = max(2 * data.half, int(reach) + MARGIN) if known else 2 * data.half
-
-
-def _coordinates(layout: Layout, trial: Trial, body: int, surface: int) -> np.ndarray:
-    start = layout.local_start[surface]
-    return np.concatenate([trial.q[layout.body_modes(body)], trial.q[start : start + layout.local_count[surface]]])
-
-
 def imbalance(system: System, formula: Formula, x: Increment, e: Evaluation) -> float:
     """The largest residual as a fraction, see the module."""
     layout, r, trial = system.layout, e.residual, e.trial
     force, depth, worst = max(e.balance.force, NO_FORCE), 0.0, 0.0
-    modal, closure = NO_FORCE, 0.0
+    modal, closure, unlike = NO_FORCE, 0.0, 0.0
     for pair, s in zip(e.pairs, e.pressures, strict=True):
         active = np.flatnonzero(s > 0.0)
         if not len(active):
             continue
-        load = pair.force(active, s[active])
+        load = pair.total() if system.nodal else pair.force(active, s[active])
         force = max(force, float(np.linalg.norm(load[:3])))
-        modal = max(modal, float(np.abs(load[12:]).max(initial=0.0)))
+        modal = max(modal, float(np.abs(load[pair.data.rigid :]).max(initial=0.0)))
+        if system.nodal:
+            extent = float(np.abs(trial.r).max())
+            closure = max(closure, EPSILON * extent * float(np.abs(pair.stiffness[:, 0, 0]).sum()))
+            depth = max(depth, float(np.abs(pair.rigid_gap[active]).max()))
+            unlike += pair.off
+            continue
         if system.assembled:  # round-off of the places of nodes, times the stiffness of the layer
             extent = float(np.abs(trial.r).max())
             closure = max(closure, EPSILON * extent * float(np.sum(1.0 / pair.softness[active])))
@@ -178,7 +173,7 @@ def imbalance(system: System, formula: Formula, x: Increment, e: Evaluation) -> 
     length = 1.0
     if depth > 0.0:
         length = max(depth, SHORT * max(1.0, float(np.abs(trial.r).max())))
-    worst = worst / min(length, 1.0) if depth > 0.0 else 0.0
+    worst = max(worst / min(length, 1.0) if depth > 0.0 else 0.0, unlike / force)
     defects = np.abs(r[layout.coordinates :])
     worst = max(worst, float(defects.max(initial=0.0)) / min(length, 1.0))
     acc = formula.acc
@@ -204,20 +199,30 @@ def imbalance(system: System, formula: Formula, x: Increment, e: Evaluation) -> 
 
 def solve_step(system: System, state: State, formula: Formula, time: float) -> Solution:
     """The state at `time`, from `state`."""
+    layout = system.layout
     x = predicted(state, formula)
-    carried = [dict(p) for p in state.active]
+    carried: list[Any] = [dict(p) for p in state.active]
+    if system.nodal:
+        carried = [state.nodes[data.rows][:, ITERATE] for data in system.pairs]
     factorisations, before = 0, np.inf
+    most = LONGEST if system.nodal else MAX_ITERATIONS
+    halving = Halving()
     key = (formula.h, formula.coefficients)
     if system.kept_for != key:
         system.kept, system.kept_for = None, key
-    for iteration in range(MAX_ITERATIONS + 1):
+    for iteration in range(most + 1):
         e = evaluate(system, state, formula, x, time, carried)
+        size = size_of(e.balance, e.residual, layout) if system.nodal else 0.0
+        while system.nodal and (shorter := halving.shortened(iteration, size, layout)) is not None:
+            x, carried = shorter
+            e = evaluate(system, state, formula, x, time, carried)
+            size = size_of(e.balance, e.residual, layout)
         off = imbalance(system, formula, x, e)
         if not np.isfinite(off):
             return Solution(x, None, iteration, factorisations, "not_finite")
         if iteration > 0 and off <= system.tolerance and _complementary(system, e):
             return Solution(x, e, iteration, factorisations)
-        if iteration == MAX_ITERATIONS:
+        if iteration == most:
             break
         try:
             renew = system.variant != "modified" or system.kept is None or off > SLOW * before
@@ -237,8 +242,11 @@ def solve_step(system: System, state: State, formula: Formula, time: float) -> S
         if not settled:
             return Solution(x, None, iteration, factorisations, "cycling")
         before = off
-        x.add(z, system.layout, e.trial.T_inverse)
-    return Solution(x, None, MAX_ITERATIONS, factorisations, "not_converged")
+        if system.nodal:
+            z, carried = cut_short(e.pairs, z)
+            halving.keep(x, z, e, carried, size)
+        x.add(z, layout, e.trial.T_inverse)
+    return Solution(x, None, most, factorisations, "not_converged")
 
 
 def _complementary(system: System, e: Evaluation) -> bool:
@@ -266,7 +274,7 @@ def _renewed(system: System, e: Evaluation, *, settle: bool) -> tuple[np.ndarray
         system.kept = solver = _factor(system, e, sets)
         system.counters.spend("factor", begin)
         begin = clock.perf_counter()
-        if not system.assembled:
+        if system.nodal or not system.assembled:
             found = *_correction(system, e, solver), count
             system.counters.spend("solve", begin)
             return found
@@ -286,6 +294,12 @@ def _renewed(system: System, e: Evaluation, *, settle: bool) -> tuple[np.ndarray
 
 def _factor(system: System, e: Evaluation, sets: list[np.ndarray]) -> Solver:
     turnings, stiffness = [], []
+    if system.nodal:
+        turnings = [(pair, pair.tangent.turning()) for pair in e.pairs if len(pair.active)]
+        if system.variant == "low_rank":
+            return add_stiffness(LowRank(system.layout, e.balance, turnings), system.layout.size, e.pairs)
+        stiffness = [found for pair in e.pairs if (found := stiffness_of(pair)) is not None]
+        return _dense(system, e, turnings, stiffness)
     for pair, s, on in zip(e.pairs, e.pressures, sets, strict=True):
         active = np.flatnonzero(s > 0.0)
         if len(active):
@@ -296,6 +310,10 @@ def _factor(system: System, e: Evaluation, sets: list[np.ndarray]) -> Solver:
             stiffness.append((pair.data.columns, force, gradient, pair.softness[carrying]))
     if system.variant == "low_rank":
         return LowRank(system.layout, e.balance, turnings)
+    return _dense(system, e, turnings, stiffness)
+
+
+def _dense(system: System, e: Evaluation, turnings: list[Any], stiffness: list[Any]) -> Solver:
     n = system.layout.size
     if system.buffer is None or system.buffer.shape != (n, n):
         system.buffer = np.zeros((n, n), order="F")
@@ -305,7 +323,7 @@ def _factor(system: System, e: Evaluation, sets: list[np.ndarray]) -> Solver:
 
 def _correction(system: System, e: Evaluation, solver: Solver) -> tuple[np.ndarray, list[dict[int, float]], bool]:
     """Changes (size,) of the unknowns, the new multipliers, and whether the active set has settled."""
-    free = solver.solve(-e.residual)
+    free = solver.solve(-(with_constants(e.residual, e.pairs) if system.nodal else e.residual))
     if system.assembled or not e.pairs:
         return free, [{} for _ in e.pairs], True
     size = system.layout.size

@@ -1,5 +1,10 @@
-"""Contacts that the monolithic reference does not have: friction, rigid partners, and shapes other than (crowned)
-cylinders with the material inside."""
+"""Which contacts of the monolithic reference go which way, and what it does not have.
+
+Evaluation "full" has the law at the FE nodes of the first surface: for pairs of outside cylinders and crowned cylinders
+of flexible bodies with a linear layer along the line of centres (`contact`), as the separated solver takes their gaps,
+for all others by the true shapes (`node_pair`). Without it, hats or nodes of a unilateral pair are on the line of
+centres only.
+"""
 
 from __future__ import annotations
 
@@ -10,21 +15,38 @@ from warpffrf.model.errors import InputError
 SHAPES = ("cylinder", "crowned_cylinder")
 
 
-def refuse_contacts(scene: Any) -> None:
-    """Raises `InputError` naming the contact and the cure, method "separated"."""
+def needs_nodes(scene: Any) -> bool:
+    """Whether contacts of evaluation "full" have anything that the line of centres does not: friction, a rigid
+    partner, another shape, or a layer that is no straight line. Then all of them go by the true shapes."""
+    return any(_beyond(contact) is not None for contact in scene.contacts)
+
+
+def refuse_contacts(scene: Any, full: bool) -> None:
+    """Raises `InputError` naming the contact and the cure: evaluation "full" (`full`), or method "separated"."""
     for contact in scene.contacts:
         label = f"contact {contact.name!r}"
-        friction = getattr(contact, "friction", 0.0)
-        if getattr(friction, "coefficient", friction) > 0.0:
-            raise InputError(f"{label}: method 'monolithic' has no friction; use friction=0.0, or method 'separated'")
-        for port in (contact.a, contact.b):
-            if getattr(port, "rigid", False):
-                raise InputError(
-                    f"{label}: method 'monolithic' has contact between flexible bodies only, {port.label} is rigid; "
-                    "use method 'separated'"
-                )
-            if port.surface.shape.kind not in SHAPES:
-                raise InputError(
-                    f"{label}: method 'monolithic' has contact of cylinders and crowned cylinders only, {port.label} "
-                    f"is a {port.surface.shape.kind}; use method 'separated'"
-                )
+        beyond = _beyond(contact)
+        if not full and beyond is not None and contact.law.curve is None:
+            raise InputError(
+                f"{label}: method 'monolithic' has {beyond} with the law at nodes only; use evaluation='full' and a "
+                "law with a stiffness, laws.LinearLayer(stiffness), or method 'separated'"
+            )
+        if full and contact.friction.coefficient > 0.0:
+            for port in (contact.a, contact.b):
+                if not port.rigid and port.surface.tangential is None:
+                    raise InputError(
+                        f"{label}: friction needs tangential modes, body {port.body.name!r} was reduced without them; "
+                        "reduce(..., tangential=True)"
+                    )
+
+
+def _beyond(contact: Any) -> str | None:
+    """What of `contact` is not on the line of centres, in words."""
+    if contact.friction.coefficient > 0.0:
+        return "friction"
+    if contact.b.rigid:
+        return f"a rigid partner, {contact.b.label},"
+    for port in (contact.a, contact.b):
+        if port.surface.shape.kind not in SHAPES:
+            return f"a {port.surface.shape.kind}, {port.label},"
+    return None if contact.law.curve is None else f"a {contact.law.kind}"

@@ -14,16 +14,18 @@ from warpffrf.model.evaluations import all_full
 from warpffrf.model.progress import Progress
 from warpffrf.model.step_count import step_count
 from warpffrf.monolithic.contact import pair_data
-from warpffrf.monolithic.contact_record import ContactRow, contact_arrays, contact_row
+from warpffrf.monolithic.contact_record import ContactRow, contact_arrays, contact_row, joined
 from warpffrf.monolithic.description import describe_scene
 from warpffrf.monolithic.equations import LocalData
 from warpffrf.monolithic.history import BodyMotion, ContactForces, MonolithicHistory
 from warpffrf.monolithic.integrator import REST, Formula, coefficients_of
 from warpffrf.monolithic.local_coordinates import TREATMENTS, local_coordinates
 from warpffrf.monolithic.newton import Evaluation, Solution, System, solve_step
-from warpffrf.monolithic.refusals import refuse_contacts
+from warpffrf.monolithic.node_build import memory, node_pairs
+from warpffrf.monolithic.node_record import FrictionRow, friction_arrays, node_row
+from warpffrf.monolithic.refusals import needs_nodes, refuse_contacts
 from warpffrf.monolithic.settings import TOLERANCE, Monolithic, contact_layers
-from warpffrf.monolithic.start import begin
+from warpffrf.monolithic.start import begin, standing
 from warpffrf.monolithic.state import State, initial_state, layout_of
 
 log = logging.getLogger("warpffrf")
@@ -47,34 +49,45 @@ def build(
     local_modes: dict[tuple[str, str], Any] | None = None,
     local_damping: float = 0.0,
     layer_stiffness: float | None = None,
+    stick_stiffness: float | None = None,
     tolerance: float = TOLERANCE,
 ) -> tuple[System, State]:
     """The system of equations of `scene` and its initial state; arguments and errors as for `run`."""
-    Monolithic(variant, law, layer_stiffness, tolerance)  # raises InputError
+    Monolithic(variant, law, layer_stiffness, tolerance, stick_stiffness)  # raises InputError
     if local not in TREATMENTS:
         known = ", ".join(map(repr, TREATMENTS))
         raise InputError(f"method 'monolithic': local must be one of {known}, got {local!r}")
     zeta = require_number(local_damping, "method 'monolithic': local_damping", non_negative=True)
     data = describe_scene(scene)
-    refuse_contacts(scene)
     full = all_full(scene)
+    refuse_contacts(scene, full)
     law, layers = contact_layers(scene, full, law, layer_stiffness)
-    coordinates, surfaces = [], []
+    nodal = full and needs_nodes(scene)
+    coordinates: list[Any] = []
+    surfaces: list[tuple[int, int | None]] = []
     for contact in scene.contacts:
+        rough, numbers = contact.friction.coefficient > 0.0, []
         for port in (contact.a, contact.b):
+            numbers.append(None if port.rigid else len(coordinates))
+            if port.rigid:
+                continue
             given = (local_modes or {}).get((port.body.name, port.name))
-            coordinates.append(local_coordinates(port.surface, local, given, zeta, port.label))
-        surfaces.append((len(coordinates) - 2, len(coordinates) - 1))
+            coordinates.append(local_coordinates(port.surface, local, given, zeta, port.label, friction=rough))
+        surfaces.append((numbers[0], numbers[1]))
     layout = layout_of(data, [c.count for c in coordinates])
     empty = [np.zeros(0)]
     parts = [np.concatenate(empty + [getattr(c, x) for c in coordinates]) for x in ("mass", "damping", "stiffness")]
-    pairs = [
-        pair_data(contact, layout, pair, (coordinates[pair[0]], coordinates[pair[1]]), law, layer)
-        for contact, pair, layer in zip(scene.contacts, surfaces, layers, strict=True)
-    ]
+    local_data, first = LocalData(*parts), initial_state(scene, data, layout, len(scene.contacts))
+    if nodal:
+        pairs: list[Any] = list(node_pairs(scene, layout, surfaces, coordinates, stick_stiffness))
+        first.nodes = memory(pairs)
+        return System(data, layout, local_data, pairs, surfaces, variant, True, tolerance, nodal=True), first
+    pairs = []
+    for contact, (i, j), layer in zip(scene.contacts, surfaces, layers, strict=True):
+        if j is not None:  # rigid partners have been refused, or have the law at nodes
+            pairs.append(pair_data(contact, layout, (i, j), (coordinates[i], coordinates[j]), law, layer))
     assembled = law == "nodes" and variant != "low_rank"
-    system = System(data, layout, LocalData(*parts), pairs, surfaces, variant, assembled, tolerance)
-    return system, initial_state(scene, data, layout, len(pairs))
+    return System(data, layout, local_data, pairs, surfaces, variant, assembled, tolerance), first
 
 
 def run(
@@ -90,6 +103,7 @@ def run(
     local_modes: dict[tuple[str, str], Any] | None = None,
     local_damping: float = 0.0,
     layer_stiffness: float | None = None,
+    stick_stiffness: float | None = None,
     save_every: int = 1,
     tolerance: float = TOLERANCE,
     progress: bool = True,
@@ -99,7 +113,8 @@ def run(
     start: "initial", "equilibrium", or the history of an earlier run. integrator: see `coefficients_of`; None is HHT
     with alpha = -0.3. variant: "full", "modified" or "low_rank" (`linear`). law: "hats", the weak unilateral law of the
     separated solver, or "nodes", a layer of `layer_stiffness` [Pa/m] at every node of the first surface (`contact`);
-    contacts of evaluation "full" are "nodes" with the layer of their own law.
+    contacts of evaluation "full" are nodes with the layer of their own law and with friction, for which
+    `stick_stiffness` [Pa/m] is that of nodes that stick (`node_friction`).
     local: "quasi_static" or "hht", with the modes `local_modes` by (body, surface) and their damping ratio
     `local_damping`. tolerance: of the residuals, as fractions. Inertia "auto" of a body means all terms it has.
 
@@ -112,7 +127,7 @@ def run(
     entered = clock.perf_counter()
     system, state = build(
         scene, variant=variant, law=law, local=local, local_modes=local_modes, local_damping=local_damping,
-        layer_stiffness=layer_stiffness, tolerance=tolerance,
+        layer_stiffness=layer_stiffness, stick_stiffness=stick_stiffness, tolerance=tolerance,
     )  # fmt: skip
     built = clock.perf_counter()
     records = _Records(scene, system)
@@ -139,9 +154,10 @@ def run(
 def _begin(system: System, state: State, start: Any, records: _Records) -> tuple[str, str]:
     """Bring `state` to where the run starts, and save it."""
     if isinstance(start, MonolithicHistory):
-        if start.final is None or len(start.final.q) != len(state.q) or len(start.final.r) != len(state.r):
+        final = start.final
+        if final is None or any(len(getattr(final, x)) != len(getattr(state, x)) for x in ("q", "r", "nodes")):
             raise InputError("simulate: start is the history of another scene, or of other local coordinates")
-        _assign(state, start.final)
+        _assign(state, final)
         return "completed", ""
     if start not in ("initial", "equilibrium"):
         raise InputError(f"simulate: start must be 'initial', 'equilibrium' or a history, got {start!r}")
@@ -157,6 +173,8 @@ def _begin(system: System, state: State, start: Any, records: _Records) -> tuple
         return solution.failure, "start: " + MESSAGES[solution.failure]
     _keep_rest(system, state, solution)
     _still(system, state)
+    if system.nodal:
+        state.nodes = standing(system, state)
     records.save(state, solution, 0.0)
     return "completed", ""
 
@@ -244,6 +262,13 @@ def _keep_rest(system: System, state: State, solution: Solution) -> None:
         return
     state.lam = solution.increment.lam.copy()
     state.stretch = evaluation.balance.stretch
+    if system.nodal:
+        state.nodes = state.nodes.copy()  # the evaluation still looks at what was before
+        for pair in evaluation.pairs:
+            state.nodes[pair.data.rows] = pair.remembered()
+            state.lost += (pair.friction_lost, pair.layer_lost)
+        state.active = [{int(t): float(s[t]) for t in np.flatnonzero(s > 0.0)} for s in evaluation.pressures]
+        return
     state.active = [
         {int(pair.number[t]): float(s[t]) for t in np.flatnonzero(s > 0.0)}
         for pair, s in zip(evaluation.pairs, evaluation.pressures, strict=True)
@@ -266,6 +291,7 @@ class _Records:
         self.reactions: list[np.ndarray] = []
         self.springs: list[np.ndarray] = []
         self.contacts: list[list[ContactRow]] = []
+        self.friction: list[list[FrictionRow | None]] = []
 
     def save(self, state: State, solution: Solution, step: float) -> None:
         """Append the accepted state."""
@@ -274,9 +300,18 @@ class _Records:
             return
         self.states.append(state.copy())
         self.rows.append((step, solution.iterations, solution.factorisations))
-        self.energy.append(evaluation.balance.energy)
+        energy = dict(evaluation.balance.energy)
+        if self.system.nodal:
+            energy["contact"] += sum(pair.stored for pair in evaluation.pairs)
+            energy |= {"friction": -float(state.lost[0]), "layer": float(state.lost[1])}
+        self.energy.append(energy)
         self.reactions.append(-solution.increment.lam[:, None] * evaluation.balance.wrenches)
         self.springs.append(evaluation.balance.springs)
+        if self.system.nodal:
+            found = [node_row(pair) for pair in evaluation.pairs]
+            self.contacts.append([row for row, _ in found])
+            self.friction.append([rub for _, rub in found])
+            return
         self.contacts.append(
             [contact_row(*found) for found in zip(evaluation.pairs, evaluation.pressures, strict=True)]
         )
@@ -307,20 +342,28 @@ class _Records:
         contacts = {}
         for n, data in enumerate(system.pairs):
             sides = (data.a, data.b)
-            owners = tuple(self.scene.bodies[side.body] for side in sides)
-            A = tuple(np.array([rot.matrix(x) for x in p[:, side.body]]).reshape(-1, 3, 3) for side in sides)
+            grounds = [side.body < 0 for side in sides]
+            owners = tuple(
+                self.scene.ground if ground else self.scene.bodies[side.body]
+                for side, ground in zip(sides, grounds, strict=True)
+            )
+            A = tuple(
+                np.tile(np.eye(3), (len(states), 1, 1)) if ground
+                else np.array([rot.matrix(x) for x in p[:, side.body]]).reshape(-1, 3, 3)
+                for side, ground in zip(sides, grounds, strict=True)
+            )  # fmt: skip
             found = contact_arrays([x[n] for x in self.contacts], owners, A, [side.grid for side in sides])
-            local = [
-                q[:, system.layout.local_start[s] : system.layout.local_start[s] + system.layout.local_count[s]]
-                for s in system.surfaces[n]
-            ]
+            local = [np.zeros((len(states), 0)) if s is None else q[:, s] for s in system.local_slices(n)]
+            rub = None
+            if system.nodal and data.rough:
+                rub = friction_arrays([x[n] for x in self.friction], joined, data.a.grid.rows)
             contacts[data.name] = ContactForces(
-                **found, active=np.array([len(s.active[n]) for s in states], dtype=int),
+                **found, friction=rub, active=np.array([len(s.active[n]) for s in states], dtype=int),
                 pressures=[s.active[n] for s in states], local=(local[0], local[1]),
             )  # fmt: skip
         numbers = np.array(self.rows).reshape(-1, 3)
         springs = np.array(self.springs).reshape(len(states), len(final.stretch), 7)
-        lines = ("kinetic", "strain", "contact", "potential")
+        lines = ("kinetic", "strain", "contact", "potential", *(("friction", "layer") if system.nodal else ()))
         return MonolithicHistory(
             self.scene, np.array([s.time for s in states]), numbers[:, 0], bodies, reactions, contacts,
             {line: np.array([e[line] for e in self.energy]) for line in lines},

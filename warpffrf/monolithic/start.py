@@ -21,6 +21,7 @@ from warpffrf.model.rotation import matrix
 from warpffrf.monolithic.equations import Balance, Increment, Trial, balance, row_curvature
 from warpffrf.monolithic.integrator import BEGIN, PROJECT, Formula
 from warpffrf.monolithic.newton import Evaluation, Solution, System, solve_step
+from warpffrf.monolithic.node_newton import node_pair_state
 from warpffrf.monolithic.rotation import tangent_inverse
 from warpffrf.monolithic.state import State
 
@@ -66,6 +67,15 @@ def begin(system: System, state: State) -> Solution:
     for name, rate in (("v_alg", state.v_rate), ("w_alg", state.w_rate), ("q_alg", state.qdd)):
         setattr(state, name, rate.copy())
     return solution
+
+
+def standing(system: System, state: State) -> np.ndarray:
+    """What nodes remember (`State.nodes`) of the start itself, not of the end of a tiny step."""
+    found, trial = state.nodes.copy(), _at_rest(state, False)
+    for n, data in enumerate(system.pairs):
+        pair = node_pair_state(data, system.layout, trial, state, Formula(BEGIN, START_STEP), system.local_slices(n))
+        found[data.rows] = pair.remembered()
+    return found
 
 
 def _at_rest(state: State, rates: bool) -> Trial:
@@ -116,7 +126,7 @@ def _refined(system: System, state: State, given: State, evaluation: Evaluation)
     for pair, s in zip(evaluation.pairs, evaluation.pressures, strict=True):
         active = np.flatnonzero(s > 0.0)
         if len(active):
-            force[pair.data.columns] += pair.force(active, s[active])
+            force[pair.data.columns] += pair.total() if system.nodal else pair.force(active, s[active])
     gamma = row_curvature(data, layout, _at_rest(state, False), V)
     solved = _constrained(M, C, force[:o], rate2 - gamma)
     if solved is None:

@@ -18,7 +18,8 @@ class State:
     r (B, 3) m: centres of mass; p (B, 4): quaternions (x, y, z, w); v, v_rate, v_alg (B, 3) world axes; w, w_rate,
     w_alg (B, 3) body axes; q, qd, qdd, q_alg (n,): global modes of all bodies, then all local coordinates; lam (rows,):
     multipliers of the rigid rows; stretch: last values of all spring coordinates, which count turns; active (per pair):
-    contact pressures by number of hat or node.
+    contact pressures by number of hat or node; nodes (all nodes of pairs of evaluation "full", k): what the law at
+    nodes remembers (`node_pair`); lost (2,) [J]: by friction and by layers, so far.
     """
 
     time: float
@@ -37,6 +38,8 @@ class State:
     lam: np.ndarray
     stretch: np.ndarray
     active: list[dict[int, float]] = field(default_factory=list)
+    nodes: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
+    lost: np.ndarray = field(default_factory=lambda: np.zeros(2))
 
     def copy(self) -> State:
         """An independent copy."""

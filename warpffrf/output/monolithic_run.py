@@ -24,7 +24,14 @@ from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.monolithic.checkpoint import from_arrays, is_monolithic, time_of, to_arrays
 from warpffrf.online.compile_forces import ForceTable
-from warpffrf.online.history import ENERGY_LINES, BodyHistory, ContactHistory, History, JointHistory
+from warpffrf.online.history import (
+    ENERGY_LINES,
+    BodyHistory,
+    ContactHistory,
+    FrictionHistory,
+    History,
+    JointHistory,
+)
 from warpffrf.online.joint_motion import coordinates, half_turn_notes, left_out_notes
 from warpffrf.online.local_dynamics import LocalPlan, as_local_dynamics
 from warpffrf.online.sensors import force_histories, sensor_histories
@@ -85,7 +92,7 @@ def run_monolithic(
         scene, duration, step=step, start=_continued(start) if isinstance(start, History) else start,
         integrator=integrator, variant=options.variant, law=options.law, local="hht" if dynamic else "quasi_static",
         local_modes=modes, local_damping=treatment.ratio, layer_stiffness=options.layer_stiffness,
-        save_every=save_every, tolerance=options.tolerance, progress=progress,
+        stick_stiffness=options.stick_stiffness, save_every=save_every, tolerance=options.tolerance, progress=progress,
     )  # fmt: skip
     notes = [*plan.notes, NO_LEDGER]
     if modes and monolithic.coefficients_of(integrator) != treatment.coefficients:
@@ -144,7 +151,11 @@ def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History
     laws = _Laws(scene)
     forces = force_histories(laws, time, found.spring_rows, bodies)
     contacts = {
-        name: ContactHistory(**{field: getattr(c, field) for field in CONTACT_FIELDS}, active_modes=c.active)
+        name: ContactHistory(
+            **{field: getattr(c, field) for field in CONTACT_FIELDS},
+            active_modes=c.active,
+            friction=None if c.friction is None else FrictionHistory(**c.friction),
+        )
         for name, c in found.contacts.items()
     }
     missing = np.full(T, np.nan)
@@ -172,6 +183,13 @@ def same_windows(histories: list[History]) -> list[History]:
                 columns = max(getattr(h.contacts[name], field).shape[1] for h in histories)
                 values = getattr(contact, field)
                 wide[field] = np.pad(values, ((0, 0), (0, columns - values.shape[1]), (0, 0)))
+            if contact.friction is not None:
+                rub = contact.friction
+                beside = wide["pressure"].shape[1] - rub.state.shape[1]
+                ends = ((0, 0), (0, beside), (0, 0))
+                fields = {"state": np.pad(rub.state, ends)}
+                fields |= {x: np.pad(getattr(rub, x), ((0, 0), *ends)) for x in ("traction", "slip_velocity")}
+                wide["friction"] = replace(rub, **fields)
             contacts[name] = replace(contact, **wide)
         found.append(replace(history, contacts=contacts))
     return found
