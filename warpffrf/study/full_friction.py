@@ -205,7 +205,8 @@ Q = 0.5 μP, errors against Cattaneo and Mindlin at the first peak, and of the w
 ## Rolled along
 
 A cell a step, ten crossings, the creepage of Q = 0.5 μP: error of Q against Carter at the creepage found, and that
-over the one asked for. Both are of first order in cell and step.
+over the one asked for. `full` is of first order in cell and step; cells of `semi` that the patch reaches during a step
+resist what is left of it (see [carter](carter.md)).
 
 {table(["cells", "evaluation", "Q", "creepage"], rolls)}"""
 
