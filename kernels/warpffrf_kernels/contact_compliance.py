@@ -20,6 +20,15 @@ from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, syn
 wp.set_module_options(MODULE_OPTIONS)
 
 
+@wp.func
+def short_of(model: Model) -> int:
+    """What an attempt fails of that runs out of slots: the host's room, where the capacities of the contacts allow
+    more, else these: then a smaller step may do, whose iterations do not overshoot."""
+    if model.slot_capacity < model.slot_limit:
+        return int(k.ROOM)
+    return int(k.CAPACITY)
+
+
 @wp.kernel
 def take_slots(
     models: wp.array(dtype=Model),
@@ -70,7 +79,7 @@ def take_slots(
             m += 1
         pair += 1
     if count > model.slot_capacity:
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ROOM
+        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | short_of(model)
         ctl[w, k.SPARE] = wp.max(ctl[w, k.SPARE], count)
         ctl[w, k.RUN] = 0
         count = model.slot_capacity

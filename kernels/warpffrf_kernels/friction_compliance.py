@@ -14,7 +14,7 @@ changes by next to nothing within a step.
 import warp as wp
 
 from warpffrf_kernels import control as k
-from warpffrf_kernels.contact_compliance import add_outer, outer_row
+from warpffrf_kernels.contact_compliance import add_outer, outer_row, short_of
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.friction_normal import RENEWED
 from warpffrf_kernels.friction_shares import line_of, response_at
@@ -69,7 +69,7 @@ def take_cells(
     if count > ctl[w, k.FRESH_CELLS]:
         ctl[w, k.FACTORED] = 0  # the numbers of the slots are new
     if count > model.cell_capacity:
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ROOM
+        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | short_of(model)
         ctl[w, k.SPARE] = wp.max(ctl[w, k.SPARE], count)
         ctl[w, k.RUN] = 0
         count = model.cell_capacity

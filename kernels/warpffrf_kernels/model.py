@@ -17,6 +17,7 @@ class Model:
     outer_count: int  # row_offset + row_count
     pair_count: int
     slot_capacity: int  # rows of G
+    slot_limit: int  # the most that the capacities of the contacts allow
     gravity: vec3
     # bodies
     mass: wp.array(dtype=real)  # (bodies,) kg

@@ -70,7 +70,6 @@ class CompiledScene:
     stiffened: bool  # loads at interfaces stiffen a body
     local: LocalPlan
     inertia: InertiaPlan
-    slot_limit: int  # the most slots that the capacities of the contacts allow
     cell_margin: int  # cells with friction that may be loaded beside those of the slots
     notes: list[str]
 
@@ -90,7 +89,7 @@ class _Compiler:
         self.signals: list[tuple[np.ndarray, np.ndarray]] = []
         self.interfaces: dict[tuple[int, str], int] = {}
         self.notes: list[str] = []
-        self.slot_limit = self.cell_margin = 0
+        self.cell_margin = 0
         self.joint_table = JointTable()
         self.force_table = ForceTable()
         self.surfaces: list[tuple[Any, Any]] = []  # (body, ContactSurface), two for each pair
@@ -172,8 +171,8 @@ class _Compiler:
         m.energy_tolerance = settings.energy_tolerance
         return CompiledScene(
             scene, m, wp.array([m], dtype=Model, device=self.device), self.device, self.joint_table, self.force_table,
-            len(self.rows), modal_start, modes, stiffened, self.local, self.inertia, self.slot_limit,
-            self.cell_margin, self.notes,
+            len(self.rows), modal_start, modes, stiffened, self.local, self.inertia, self.cell_margin,
+            self.notes,
         )  # fmt: skip
 
     def _modes(self, m: Any) -> None:

@@ -79,7 +79,7 @@ def fill_pairs(compiler: Any, m: Any) -> None:
     m.second_half_window, m.second_columns = second_half, 2 * second_half + 1
     m.node_capacity = m.second_columns * second_rows
     m.pair_modes = pair_modes
-    m.slot_capacity, compiler.slot_limit = slots, limit
+    m.slot_capacity, m.slot_limit = slots, limit
     m.coupled_capacity = max([len(c) for c in coupled], default=1)
     if m.coupled_capacity > k.MOST_COUPLED_COLUMNS:
         raise InputError(

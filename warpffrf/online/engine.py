@@ -98,24 +98,36 @@ class Engine:
             projected=integrator.project_velocities, adaptive=self._accuracy is not None,
         )  # fmt: skip
 
-    def _make_room(self) -> bool:
-        """More slots where an attempt ran short of them; False where no world did, or none is left to give: the
-        capacities of the contacts say how many (then the status says so)."""
+    def make_room(self, slots: int) -> None:
+        """Room for `slots` hats in play at least, up to what the capacities of the contacts allow.
+
+        Scratch arrays are made anew; what they hold stays, but for the matrices of the hats: a world that is not short
+        may still have to be recorded from them.
+        """
+        m = self.compiled.model
+        slots = min(slots, m.slot_limit)
+        if slots <= m.slot_capacity:
+            return
+        self.drain()
+        before = vars(self.work)
+        self.compiled.enlarge(slots)
+        self._allocate()
+        for name, array in vars(self.work).items():
+            if name in before and before[name].shape == array.shape:
+                wp.copy(array, before[name])
+
+    def _relieve(self) -> bool:
+        """More room where an attempt ran short of it, so that it can come again; False where none did."""
         status = self.word("STATUS")
         short = (status & int(k.ROOM)) != 0
         if not np.any(short):
             return False
-        self.drain()
-        have, limit = self.compiled.model.slot_capacity, self.compiled.slot_limit
+        self.make_room(max(ROOM_GROWTH * self.compiled.model.slot_capacity, int(self.word("SPARE")[short].max())))
         words = self.state.ctl.numpy().copy()
-        words[short, int(k.STATUS)] = 0 if have < limit else int(k.CAPACITY)
-        if have < limit:
-            words[short, int(k.SPARE)] = 0
-            wanted = max(ROOM_GROWTH * have, int(self.word("SPARE").max()))
-            self.compiled.enlarge(min(wanted, limit))
-            self._allocate()
+        for word in (k.STATUS, k.SPARE):
+            words[short, int(word)] = 0
         self.state.ctl.assign(words)
-        return have < limit
+        return True
 
     # --- control words, all worlds alike
 
@@ -143,7 +155,7 @@ class Engine:
         """Run the graph, with more room where an attempt asks for it, and drain the ring; returns the wall time [s]."""
         begin = time.perf_counter()
         self.graph.replay(attempts)
-        while self._make_room():
+        while self._relieve():
             self.graph.replay(attempts)
         seconds = time.perf_counter() - begin
         self.seconds_in_graph += seconds

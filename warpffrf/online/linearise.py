@@ -190,6 +190,7 @@ def linearise(engine: Engine) -> Linearisation:
     The state must be balanced (multipliers, pressures and accelerations those of its positions and velocities).
     """
     kept = engine.state.to_numpy()
+    engine.make_room(int(np.count_nonzero(kept["active"], axis=(1, 2)).max()))  # probes run without the engine's loop
     try:
         return _linearise(_Probe(engine))
     finally:

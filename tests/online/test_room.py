@@ -1,0 +1,84 @@
+"""Room for hats in play: what runs short of it comes again with more, and only what the user's capacity forbids fails."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path as FilePath
+
+import numpy as np
+import pytest
+from warpffrf_kernels import control as k
+
+from warpffrf.model import forces, joints, surfaces
+from warpffrf.model.contact import Contact
+from warpffrf.model.scene import Scene
+from warpffrf.online import Engine, compile_contact, find_equilibrium, run
+from warpffrf.online.eigenmodes import find_modes
+
+sys.path.insert(0, str(FilePath(__file__).parent))
+from made_bodies import made_body
+
+LOAD = 1e7  # N: ten hats under each ball
+STEP = 1e-4
+
+
+def plate_on_balls(
+    places: tuple[float, ...], *, load: float = 0.0, height: float = 0.0, speed: float = 0.0, capacity: int | None = None
+) -> Scene:
+    """A plate on a vertical guide, 15 by 7 hats below, `height` above rigid balls at `places` along it [m]."""
+    plane = surfaces.Plane(origin=(0.0, 0.0, -0.02), outward=(0.0, 0.0, -1.0), direction=(0.0, 1.0, 0.0))
+    body = made_body(plane, np.linspace(-6e-3, 6e-3, 7), pitch=2e-3, columns=15)
+    scene = Scene()
+    plate = scene.add_body(body, name="plate", position=(0.0, 0.0, height), velocity=(0.0, 0.0, -speed))
+    scene.add(joints.Prismatic(scene.ground, plate["hold"], axis=(0, 0, 1), name="guide"))
+    scene.add(forces.PointForce(plate["hold"], (0.0, 0.0, -load)))
+    for i, x in enumerate(places):
+        ball = surfaces.Sphere(radius=0.06, axis_point=(x, 0.0, -0.08), axis_direction=(0.0, 1.0, 0.0))
+        port = scene.ground.surface(ball, name=f"ball {i}")
+        scene.add(Contact(plate["face"], port, name=f"pair {i}", overlap=1.0, capacity=capacity))
+    return scene
+
+
+@pytest.fixture
+def little(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Room for one hat of each pair, to begin with."""
+    monkeypatch.setattr(compile_contact, "LEAST_SLOTS", 1)
+    monkeypatch.setattr(compile_contact, "USUAL_PATCH", 10**6)
+
+
+def test_modes_about_a_given_state_have_room_for_its_patch(little: None) -> None:
+    """The engine that linearises has made no step in which its room could have grown."""
+    scene = plate_on_balls((-7e-3, 6e-3), load=LOAD)
+    rest = find_equilibrium(scene)
+    assert all(np.count_nonzero(pair.pressure) > 3 for pair in rest.contacts.values())
+    about, own = find_modes(scene, 4, about=rest), find_modes(scene, 4)
+    np.testing.assert_allclose(about.eigenvalues, own.eigenvalues, rtol=1e-9)
+
+
+def test_an_iteration_that_overshoots_the_capacity_is_no_failure() -> None:
+    """A plate that drops on a ball with a step that does not resolve it: the first iterate closes far more hats than
+    any state does. A capacity that holds these states is enough; the step is halved."""
+    told = run(plate_on_balls((0.0,), height=2e-5, speed=5.0, capacity=8), 10 * STEP, step=STEP, progress=False)
+    free = run(plate_on_balls((0.0,), height=2e-5, speed=5.0), 10 * STEP, step=STEP, progress=False)
+    assert told.status == free.status == "completed", told.message
+    np.testing.assert_allclose(told.bodies["plate"].position, free.bodies["plate"].position, rtol=1e-9, atol=1e-12)
+
+
+def test_a_world_that_is_not_short_keeps_what_is_recorded_of_it(little: None) -> None:
+    """Two worlds, a small patch in one, one in the other for which room is made at the start: the first row of each is
+    that of the world alone."""
+    scene = plate_on_balls((0.0,), height=-3e-4)
+    heights = (-3e-5, -2e-3)
+    engine = Engine(scene, worlds=2)
+    alone = [Engine(scene) for _ in heights]
+    for e, own in ((engine, heights), *((e, (height,)) for e, height in zip(alone, heights, strict=True))):
+        r = e.state.r.numpy().copy()
+        r[:, 0, 2] += np.asarray(own) + 3e-4
+        e.state.r.assign(r)
+        e.start()
+        e.enter(k.DYNAMIC, STEP, target=0)
+        e.save_now()
+        assert not np.any(e.word("STATUS"))
+    assert alone[0].compiled.model.slot_capacity < alone[1].compiled.model.slot_capacity
+    for w, e in enumerate(alone):
+        np.testing.assert_array_equal(engine.rows[w][0], e.rows[0][0])
