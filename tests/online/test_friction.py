@@ -9,6 +9,7 @@ import pytest
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
+from warpffrf.model.local_modes import dynamic_modes
 from warpffrf.online.history import FrictionHistory
 
 MU = 0.3
@@ -202,14 +203,24 @@ def test_friction_needs_tangential_modes() -> None:
 
 
 def test_friction_with_dynamic_local_modes_is_refused() -> None:
+    """Also where only bodies that do not rub have any: an impulsive step is one of the whole scene."""
     mesh = wf.mesh.roller(0.05, 0.015, 0.01, sectors=48, layers=2, axial=1, grading=1.5, order=1)
-    dynamic = wf.reduce(
-        mesh, wf.Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
-        modes=0, tangential=True, local_dynamics=True, cache=False, progress=False,
+    soft, stiff = (
+        wf.reduce(
+            mesh, wf.Material(E, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
+            modes=0, tangential=True, local_dynamics=True, cache=False, progress=False,
+        )
+        for E in (210e9, 2100e9)
     )  # fmt: skip
-    scene = rollers(dynamic, 0.1, 0.0)
     with pytest.raises(InputError, match="local='quasi_static'"):
-        wf.simulate(scene, STEP, step=STEP, local="hht", progress=False)
+        wf.simulate(rollers(soft, 0.1, 0.0), STEP, step=STEP, local="hht", progress=False)
+    between = 2.0 * dynamic_modes(soft.contact_surfaces["rim"]).omega[0] / (2.0 * np.pi)  # Hz: below all of the stiff
+    scene = rollers(stiff, 0.1, 0.0)
+    pair = [scene.add_body(soft, name=name, position=(1.0, 0.0, z)) for name, z in (("c", 0.0), ("d", 0.1))]
+    scene.add(wf.Contact(pair[0]["rim"], pair[1]["rim"], name="smooth"))
+    with pytest.raises(InputError, match="'pair': friction needs quasi-static local modes in the whole scene"):
+        local = wf.LocalDynamics("hht", max_frequency=between)
+        wf.simulate(scene, STEP, step=STEP, local=local, progress=False)
 
 
 def test_a_run_says_that_friction_does_not_act_in_the_equilibrium(body) -> None:

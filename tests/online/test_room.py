@@ -1,4 +1,4 @@
-"""Room for hats in play: what runs short of it comes again with more, and only what the user's capacity forbids fails."""
+"""Room for hats in play: what is short of it comes again with more; only what the capacity forbids fails."""
 
 from __future__ import annotations
 
@@ -23,7 +23,12 @@ STEP = 1e-4
 
 
 def plate_on_balls(
-    places: tuple[float, ...], *, load: float = 0.0, height: float = 0.0, speed: float = 0.0, capacity: int | None = None
+    places: tuple[float, ...],
+    *,
+    load: float = 0.0,
+    height: float = 0.0,
+    speed: float = 0.0,
+    capacity: int | None = None,
 ) -> Scene:
     """A plate on a vertical guide, 15 by 7 hats below, `height` above rigid balls at `places` along it [m]."""
     plane = surfaces.Plane(origin=(0.0, 0.0, -0.02), outward=(0.0, 0.0, -1.0), direction=(0.0, 1.0, 0.0))

@@ -39,6 +39,12 @@ def fill_friction(compiler: Any, m: Any) -> None:
     m.pair_friction = compiler.array([c.friction.coefficient for c in contacts])
     m.pair_slip_velocity = compiler.array([c.friction.slip_velocity for c in contacts])
     present = has_friction(compiler.scene)
+    if present and m.dynamic_count:  # `sudden` takes normal forces out of the accelerations of all bodies, not these
+        rubbing_pair = next(c for c in contacts if c.friction.coefficient > 0.0)
+        raise InputError(
+            f"contact {rubbing_pair.name!r}: friction needs quasi-static local modes in the whole scene, and "
+            f"{m.dynamic_count} of it have inertia; use local='quasi_static'"
+        )
     compiler.cell_margin = _cells_beside(compiler, m) if present else 0
     m.cell_capacity = m.slot_capacity + compiler.cell_margin if present else 0
     shear, tt, nt, tn = [], [], [], []
@@ -51,7 +57,7 @@ def fill_friction(compiler: Any, m: Any) -> None:
     z_start = m.surface_z_start.numpy()
     area = np.zeros(m.surface_z.shape[0])
     for number, (_, surface) in enumerate(compiler.surfaces):
-        contact, side = contacts[number // 2], number % 2
+        side = number % 2
         # what others rub on a surface that it shares is felt by a pair without friction too
         used = surface.grid is not None and any(rubbing[s // 2] for s in [number, *found[number]])
         if not used:
@@ -59,12 +65,6 @@ def fill_friction(compiler: Any, m: Any) -> None:
                 starts.append(value)
             continue
         tangential = surface.tangential
-        if tangential.mode_tangent.shape[-1] != surface.mode_normal.shape[-1]:
-            raise InputError(
-                f"contact {contact.name!r}: friction needs quasi-static local modes, those of "
-                f"{contact.ports[side].label} "
-                "have no tangential displacement when they carry inertia; use local='quasi_static'"
-            )
         cells = tangential.grid
         area[z_start[number] : z_start[number] + cells.rows] = cells.pitch * np.diag(cells.gram_z(surface.shape))
         key = (compiler.places[number], side)

@@ -195,7 +195,7 @@ def _finish(
     engine: Engine, begin: float, built: float, notes: list[str], prefix: str, rejected_before: int = 0
 ) -> History:
     """The History of what was saved; `rejected_before`: attempts that an earlier run, which is continued, rejected."""
-    bits = int(engine.word("STATUS")[0])
+    bits = int(engine.word("STATUS")[0]) & ~int(k.ROOM)  # ROOM is left where the user interrupts
     status, message = describe(bits, int(engine.word("SPARE")[0]))
     owner = blame(engine, bits) if bits else ""
     message += f" ({owner})" if owner else ""
