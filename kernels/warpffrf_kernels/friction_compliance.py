@@ -5,10 +5,10 @@ In the weak slip S_k = area_k s_k and the tractions tau_l, two directions each, 
     K = area_k [D_tt^A]_kl area_l + (area Q o) D_tt^B (area Q o)^T + J sigma^-1 J^T + L H L^T,
     J_k = area_k [Phi_tA, -Q o Phi_tB]_k,      L = [dS/d(rigid), -J sigma^-1 C^T],
 
-as `contact_compliance` does for the pressures: symmetric, and positive definite where the cells are no finer than the
-mesh. G of a slot stays assembled until the grids move
-against each other; the rest is made when there are fresh ones, after the active set of the pressures has settled: H
-changes by next to nothing within a step.
+as `contact_compliance` does for the pressures, H L^T less what the pressures answer (`friction_normal`): symmetric, and
+positive definite where the cells are no finer than the mesh. The first three terms stay assembled until the grids move
+against each other; the last is made where cells or the active set of the pressures are new, after that set has settled:
+H changes by next to nothing within a step. Cells of different pairs feel each other through the last term only.
 """
 
 import warp as wp
