@@ -87,3 +87,20 @@ def test_a_world_that_is_not_short_keeps_what_is_recorded_of_it(little: None) ->
     assert alone[0].compiled.model.slot_capacity < alone[1].compiled.model.slot_capacity
     for w, e in enumerate(alone):
         np.testing.assert_array_equal(engine.rows[w][0], e.rows[0][0])
+
+
+def test_a_run_without_memory_for_more_keeps_what_it_has(little: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The plate falls on the balls; there is no memory for more hats than one of each pair."""
+    plain = Engine._allocate
+
+    def refused(self: Engine) -> None:
+        if hasattr(self, "no_room"):  # not the first time
+            raise MemoryError
+        plain(self)
+
+    monkeypatch.setattr(Engine, "_allocate", refused)
+    history = run(
+        plate_on_balls((-7e-3, 6e-3), height=1e-4, speed=1.0, load=LOAD), 20 * STEP, step=STEP, progress=False
+    )
+    assert history.status == "memory" and "no memory for" in history.message and "traction_spacing" in history.message
+    assert len(history.time) >= 1 and np.all(np.isfinite(history.bodies["plate"].position))

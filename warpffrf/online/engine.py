@@ -80,6 +80,7 @@ class Engine:
         self.state: State = initial_state(self.compiled, worlds)
         self._integrator, self._accuracy = integrator or GeneralizedAlpha(), accuracy
         self._allocate()
+        self.no_room = 0  # hats in play that there was no memory for
         self.rows: list[list[np.ndarray]] = [[] for _ in range(worlds)]
         self.drained = np.zeros(worlds, dtype=int)
         self.seconds_in_graph = 0.0
@@ -102,16 +103,23 @@ class Engine:
         """Room for `slots` hats in play at least, up to what the capacities of the contacts allow.
 
         Scratch arrays are made anew; what they hold stays, but for the matrices of the hats: a world that is not short
-        may still have to be recorded from them.
+        may still have to be recorded from them. Where the memory does not suffice, all stays as it is and `no_room`
+        says how many were wanted.
         """
         m = self.compiled.model
         slots = min(slots, m.slot_limit)
         if slots <= m.slot_capacity:
             return
         self.drain()
+        kept = (m.slot_capacity, m.cell_capacity), self.compiled.models, self.work, self.graph
         before = vars(self.work)
-        self.compiled.enlarge(slots)
-        self._allocate()
+        try:
+            self.compiled.enlarge(slots)
+            self._allocate()
+        except (InputError, MemoryError, RuntimeError):
+            (m.slot_capacity, m.cell_capacity), self.compiled.models, self.work, self.graph = kept
+            self.no_room = slots
+            return
         for name, array in vars(self.work).items():
             if name in before and before[name].shape == array.shape:
                 wp.copy(array, before[name])
@@ -122,7 +130,11 @@ class Engine:
         short = (status & int(k.ROOM)) != 0
         if not np.any(short):
             return False
+        if self.no_room:
+            return False
         self.make_room(max(ROOM_GROWTH * self.compiled.model.slot_capacity, int(self.word("SPARE")[short].max())))
+        if self.no_room:
+            return False
         words = self.state.ctl.numpy().copy()
         for word in (k.STATUS, k.SPARE):
             words[short, int(word)] = 0

@@ -41,6 +41,11 @@ MESSAGES = {
         "the active set of contact cycles; reduce step, or coarsen the contact grid (traction_spacing)",
     ),
     k.CAPACITY: ("capacity", "window overflow, raise capacity of the contact to >= {capacity}"),
+    k.ROOM: (
+        "memory",
+        "there is no memory for {capacity} active stress modes at once; coarsen the contact grids (traction_spacing), "
+        "give the contacts a capacity, or run fewer worlds",
+    ),
     k.NOT_FINITE: ("not_finite", "a NaN or infinite number arose; look for extreme loads, masses or stiffnesses"),
     k.SINGULAR: (
         "singular",
@@ -195,8 +200,10 @@ def _finish(
     engine: Engine, begin: float, built: float, notes: list[str], prefix: str, rejected_before: int = 0
 ) -> History:
     """The History of what was saved; `rejected_before`: attempts that an earlier run, which is continued, rejected."""
-    bits = int(engine.word("STATUS")[0]) & ~int(k.ROOM)  # ROOM is left where the user interrupts
-    status, message = describe(bits, int(engine.word("SPARE")[0]))
+    bits = int(engine.word("STATUS")[0])
+    if not engine.no_room:
+        bits &= ~int(k.ROOM)  # left where the user interrupts
+    status, message = describe(bits, engine.no_room or int(engine.word("SPARE")[0]))
     owner = blame(engine, bits) if bits else ""
     message += f" ({owner})" if owner else ""
     if prefix.startswith("equilibrium") and status == "completed" and not engine.rows[0]:
