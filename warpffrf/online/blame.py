@@ -61,7 +61,7 @@ def _array(owner: Any, name: str, world: int) -> np.ndarray:
     return np.asarray(getattr(owner, name).numpy()[world], dtype=np.float64)
 
 
-def _largest_force(engine: Any, world: int) -> float:
+def largest_force(engine: Any, world: int) -> float:
     """The largest of weight, inertia force, multiplier of a length, and contact force [N]."""
     m, work, state = engine.compiled.model, engine.work, engine.state
     B, R, P = m.body_count, m.row_count, m.pair_count
@@ -78,7 +78,7 @@ def _bodies(engine: Any, world: int) -> list[Residual]:
     m, work, found = engine.compiled.model, engine.work, []
     residual = _array(work, "residual", world)[: 6 * m.body_count].reshape(-1, 6)
     mass, inertia = m.mass.numpy(), m.inertia.numpy()
-    scale = _largest_force(engine, world)
+    scale = largest_force(engine, world)
     modal = np.abs(_array(work, "modal_residual", world)[: m.modal_count])
     elastic = np.abs(m.stiffness.numpy()[: m.modal_count] * _array(work, "q1", world)[: m.modal_count])
     loads = np.concatenate([elastic, np.abs(_array(work, "qd1_rate", world)[: m.modal_count])])
@@ -106,7 +106,7 @@ def _rows(engine: Any, world: int) -> list[Residual]:
     m, work, found = engine.compiled.model, engine.work, []
     defect, softness = (_array(work, name, world)[: m.row_count] for name in ("defect", "softness"))
     kinds, rigid = m.row_kind.numpy(), m.row_rigid.numpy()
-    scale = _largest_force(engine, world)
+    scale = largest_force(engine, world)
     for row, owner in enumerate(row_owners(engine)):
         if not np.isfinite(defect[row]):
             found.append(Residual(np.inf, f"{owner} is not finite"))

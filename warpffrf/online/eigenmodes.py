@@ -189,6 +189,7 @@ def _prepare(engine: Engine, about: Any, notes: list[str]) -> str:
                 f"eigenmodes: no equilibrium was found ({why}); add a spring, joint or contact that carries the load, "
                 "or use about='initial', or the Result of a run"
             )
+        notes.extend(engine.start_notes)
         return "equilibrium"
     if isinstance(about, str) and about == "initial":
         engine.initial_rates()

@@ -112,6 +112,7 @@ class LocalPlan:
                     plan._add(port)
                 else:
                     plan.notes.append(f"contact surface {port.label}: the inertia of its local modes is neglected")
+        plan.notes = list(dict.fromkeys(plan.notes))  # a surface that serves several pairs is told once
         if any(plan.count(body) for body in plan.modes):
             plan.notes.append("pictures and stresses show dynamic local modes as if at rest under the pressure")
         return plan

@@ -34,6 +34,7 @@ log = logging.getLogger("warpffrf")
 
 MOST_UNDAMPED = 0.95  # spectral radius at infinity up to which an alternation of reactions grows less than tenfold
 VELOCITY_JUMP = 1e-6  # of the largest velocity: rounding of a signal's coefficients
+STATIC_CURE = "; hold what turns or slides freely (a weak spring will do), or begin with a smaller load"
 MESSAGES = {
     k.NOT_CONVERGED: ("not_converged", "the Newton iteration did not converge; reduce step"),
     k.CYCLING: (
@@ -193,7 +194,7 @@ def find_equilibrium(scene: Any, *, device: str = "cpu", settings: Settings | No
     _check_load_paths(scene)
     if engine.settle():
         engine.save_now()
-    return _finish(engine, begin, built, list(engine.compiled.notes), "equilibrium: ")
+    return _finish(engine, begin, built, [*engine.compiled.notes, *engine.start_notes], "equilibrium: ")
 
 
 def _finish(
@@ -204,9 +205,12 @@ def _finish(
     if not engine.no_room:
         bits &= ~int(k.ROOM)  # left where the user interrupts
     status, message = describe(bits, engine.no_room or int(engine.word("SPARE")[0]))
+    at_rest = prefix.startswith("equilibrium")
+    if at_rest and bits:
+        message = message.replace("; reduce step", STATIC_CURE)
     owner = blame(engine, bits) if bits else ""
     message += f" ({owner})" if owner else ""
-    if prefix.startswith("equilibrium") and status == "completed" and not engine.rows[0]:
+    if at_rest and status == "completed" and not engine.rows[0]:
         status, message = "no_equilibrium", _no_load_path(engine)
     history = history_from_rows(engine.compiled, engine.rows[0])
     history.status, history.message = status, (prefix + message if message else "")
@@ -231,7 +235,7 @@ def _finish(
             "pressure is cut there; give the body a larger contact surface"
         )
     halved = int(engine.word("REJECTED")[0]) - rejected_before
-    if halved:
+    if halved and not at_rest:
         reasons = [text for bit, (text, _) in MESSAGES.items() if int(engine.word("REASON")[0]) & int(bit)]
         notes.append(f"{halved} steps were halved ({', '.join(reasons)})")
     repeated = int(engine.word("REPEATED")[0])

@@ -1,0 +1,57 @@
+"""Equilibrium of bodies that are free to turn: what the grids leave of a torque that is zero keeps none from rest."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from warpffrf.model import forces, joints, surfaces
+from warpffrf.model.contact import Contact
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.scene import Scene
+from warpffrf.online import find_equilibrium
+
+LOAD, ANGLE = 200e3, 0.1  # N; rad, no multiple of half a column: the grid is not symmetric about the line of centres
+
+
+def free_roller(body: ReducedBody, *, pull: float = 0.0, held: float = 0.0) -> Scene:
+    """A roller that turns freely on the axle of a slide, pressed on a plane at ANGLE; pull [N]: along the axle."""
+    scene = Scene(gravity=(0, 0, 0))
+    radius = body.contact_surfaces["rim"].shape.radius
+    up = np.array([np.sin(ANGLE), 0.0, np.cos(ANGLE)])
+    floor = scene.ground.surface(surfaces.Plane(origin=(0, 0, 0), outward=tuple(up)), name="floor")
+    roller = scene.add_body(body, name="roller", position=tuple(radius * up))
+    slide = scene.add_rigid_body(1.0, (1e-3, 1e-3, 1e-3), name="slide", position=tuple(radius * up)).at((0, 0, 0))
+    scene.add(joints.Prismatic(scene.ground, slide, axis=tuple(up), name="guide"))
+    kind = joints.Cylindrical if pull else joints.Revolute
+    axle = scene.add(kind(slide, roller["bore"], axis=(0, 1, 0), name="axle"))
+    scene.add(forces.PointForce(slide, tuple(-LOAD * up), name="press"))
+    if pull:
+        scene.add(forces.PointForce(roller["bore"], (0.0, pull, 0.0), name="pull"))
+    if held:
+        scene.add(forces.JointSpringDamper(axle, held, name="spring"))
+    scene.add(Contact(roller["rim"], floor, name="pair"))
+    return scene
+
+
+def test_a_roller_free_on_its_axle_comes_to_rest_with_a_note(plain_body: ReducedBody) -> None:
+    rest = find_equilibrium(free_roller(plain_body))
+    assert rest.status == "completed", rest.message
+    up = np.array([np.sin(ANGLE), 0.0, np.cos(ANGLE)])
+    assert rest.contacts["pair"].force[0] @ up == pytest.approx(LOAD, rel=1e-8)
+    notes = [note for note in rest.notes if note.startswith("equilibrium: body 'roller'")]
+    assert len(notes) == 1 and "creeps" in notes[0] and "spring" in notes[0]
+
+
+def test_a_roller_held_by_a_weak_spring_needs_no_note_and_presses_alike(plain_body: ReducedBody) -> None:
+    held, free = (find_equilibrium(free_roller(plain_body, held=stiffness)) for stiffness in (10.0, 0.0))
+    assert held.status == "completed", held.message
+    assert not any("creeps" in note for note in held.notes)
+    assert free.contacts["pair"].approach[0] == pytest.approx(held.contacts["pair"].approach[0], rel=1e-4)
+
+
+def test_a_roller_that_is_pulled_off_is_refused(plain_body: ReducedBody) -> None:
+    """A ten-thousandth of the load, along an axle on which it slides without friction: no load path, no rest."""
+    history = find_equilibrium(free_roller(plain_body, pull=1e-4 * LOAD))
+    assert history.status != "completed"
+    assert "roller" in history.message or "reduce step" not in history.message
