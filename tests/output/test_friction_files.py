@@ -64,6 +64,8 @@ def test_a_pair_with_and_one_without_friction(body, tmp_path: Path) -> None:
     history.contacts = {"plain": other.contacts["plain"], **history.contacts}
     loaded = Result.load(Result(history).save(tmp_path / "run.h5"))
     assert [loaded.contact(n).has_friction for n in loaded.contact_names] == [False, True]
+    title = loaded.plot("summary").get_suptitle()  # the panels show one pair each: which is said
+    assert "pair 'plain', the first of 2" in title and "friction of 'lower-upper'" in title
     power = loaded.contact("lower-upper").friction.power
     assert np.array_equal(power, history.contacts["lower-upper"].friction.power)  # type: ignore[union-attr]
     data = Result(history).to_xarray()

@@ -211,6 +211,10 @@ def summary_figure(result: Any) -> Any:
     for n, kind in enumerate(kinds):
         drawn[kind](result, figure.add_subplot(rows, columns, n + 1))
     end = f"{result.time[-1] * 1e3:.4g} ms, {len(result.time)} saved rows, status: {result.status}"
+    if len(result.contact_names) > 1:
+        end += f"; patches of pair {result.contact_names[0]!r}, the first of {len(result.contact_names)}"
+        with_friction = [name for name in result.contact_names if result.contact(name).has_friction]
+        end += f", friction of {with_friction[0]!r}" if with_friction else ""
     figure.suptitle(end, fontsize=11)
     return figure
 
