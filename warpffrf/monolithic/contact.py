@@ -54,6 +54,14 @@ class PairData:
     half: int = FIRST_HALF
     rigid: int = RIGID  # of its unknowns are rigid
 
+    @property
+    def widest(self) -> int:
+        """Columns on each side of the line of centres that have B's section opposite: a quarter turn, less where B is
+        the smaller of the two."""
+        small = float(np.min(self.b.shape.radius_at(self.b.grid.z)))
+        large = float(np.max(self.a.shape.radius_at(self.a.grid.z)))
+        return max(int(np.arcsin(min(small / large, 1.0)) / self.a.grid.pitch) - 2, 1)
+
 
 def pair_data(
     contact: Any,
@@ -179,8 +187,7 @@ def pair_state(
     frame = stations(a, b, tests.z, r[a.body], A[a.body], r[b.body], A[b.body])
     middle = 0.5 * float(frame.x_a[0] + frame.x_a[-1])
     grid_a, grid_b, shape_a, shape_b = a.grid, b.grid, a.shape, b.shape
-    quarter = max(int(0.5 * np.pi / grid_a.pitch) - 2, 1)
-    points = tests.points(middle, min(data.half, quarter), frame.faces)
+    points = tests.points(middle, min(data.half, data.widest), frame.faces)
     s = points.station
     xi = (points.x - frame.x_a[s]) * grid_a.pitch
     R = shape_a.radius_at(tests.z)[s]

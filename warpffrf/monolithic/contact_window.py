@@ -36,8 +36,7 @@ def windowed(
         x = pair.points.column
         middle = 0.5 * float(pair.frame.x_a[0] + pair.frame.x_a[-1])
         reach = float(np.abs(x[at] - middle).max(initial=0.0))
-        quarter = int(0.5 * np.pi / data.a.grid.pitch) - 2
-        if (known and reach + MARGIN <= data.half) or data.half >= quarter:
+        if (known and reach + MARGIN <= data.half) or data.half >= data.widest:
             return pair, s
         data.half = max(2 * data.half, int(reach) + MARGIN) if known else 2 * data.half
 

@@ -63,17 +63,7 @@ def build(
     refuse_contacts(scene, full)
     law, layers = contact_layers(scene, full, law, layer_stiffness)
     nodal = full and needs_nodes(scene)
-    coordinates: list[Any] = []
-    surfaces: list[tuple[int, int | None]] = []
-    for contact in scene.contacts:
-        rough, numbers = contact.friction.coefficient > 0.0, []
-        for port in (contact.a, contact.b):
-            numbers.append(None if port.rigid else len(coordinates))
-            if port.rigid:
-                continue
-            given = (local_modes or {}).get((port.body.name, port.name))
-            coordinates.append(local_coordinates(port.surface, local, given, zeta, port.label, friction=rough))
-        surfaces.append((numbers[0], numbers[1]))
+    coordinates, surfaces = _local_systems(scene, local, local_modes or {}, zeta)
     layout = layout_of(data, [c.count for c in coordinates])
     empty = [np.zeros(0)]
     parts = [np.concatenate(empty + [getattr(c, x) for c in coordinates]) for x in ("mass", "damping", "stiffness")]
@@ -88,6 +78,23 @@ def build(
             pairs.append(pair_data(contact, layout, (i, j), (coordinates[i], coordinates[j]), law, layer))
     assembled = law == "nodes" and variant != "low_rank"
     return System(data, layout, local_data, pairs, surfaces, variant, assembled, tolerance), first
+
+
+def _local_systems(scene: Any, local: str, given: dict, zeta: float) -> tuple[list[Any], list[tuple[int, int | None]]]:
+    """Local coordinates of every surface in contact, one system a surface however many pairs it serves, so that each
+    of them feels the loads of the others; and per pair the numbers of its two surfaces, None of a rigid one."""
+    ports = [port for contact in scene.contacts for port in (contact.a, contact.b)]
+    rough = {(p.body.index, p.name) for c in scene.contacts if c.friction.coefficient > 0.0 for p in (c.a, c.b)}
+    number: dict[tuple[int, str], int] = {}
+    found: list[Any] = []
+    for port in ports:
+        place = (port.body.index, port.name)
+        if not port.rigid and place not in number:
+            number[place] = len(found)
+            modes = given.get((port.body.name, port.name))
+            found.append(local_coordinates(port.surface, local, modes, zeta, port.label, friction=place in rough))
+    of = [None if port.rigid else number[port.body.index, port.name] for port in ports]
+    return found, [(a, b) for a, b in zip(of[::2], of[1::2], strict=True) if a is not None]
 
 
 def run(
