@@ -110,9 +110,10 @@ class LocalPlan:
                     continue  # a rigid surface has no modes
                 if options.treatment != "quasi_static":
                     plan._add(port)
-                else:
-                    plan.notes.append(f"contact surface {port.label}: the inertia of its local modes is neglected")
-        plan.notes = list(dict.fromkeys(plan.notes))  # a surface that serves several pairs is told once
+                    continue
+                note = f"contact surface {port.label}: the inertia of its local modes is neglected"
+                if note not in plan.notes:  # one of several pairs on it has said so
+                    plan.notes.append(note)
         if any(plan.count(body) for body in plan.modes):
             plan.notes.append("pictures and stresses show dynamic local modes as if at rest under the pressure")
         return plan
