@@ -1,11 +1,8 @@
-"""Rows of the local compliance G assembled: within a pair, and between pairs that load the same body or surface.
+"""Rows of the local compliance G assembled: within a pair, and between pairs that load the same body.
 
 Within a pair G_ij is as in `contact_compliance`. Two hats i and j of different pairs feel each other through the global
-modes of a body that both pairs load, J_i sigma^-1 J_j^T over the modes of that body, and, where a surface s serves both
-pairs, through its local modes: psi_i^s D_s psi_j^s with psi^s the load of a hat on that surface. A hat of a first grid
-is looked up in the weak tables of `shared_surface`; that of a second grid acts there with its whole load at the node
-nearest to its middle. The patches of two pairs lie apart, so that this is off by the square of a hat over their
-distance; the gaps themselves are exact (`shared_surface`), G only steers the iteration.
+modes of a body that both pairs load, J_i sigma^-1 J_j^T over the modes of that body, and, where a surface serves both
+pairs, through its local modes, which `shared_assembly` adds.
 """
 
 import warp as wp
@@ -84,16 +81,12 @@ def couple(
 # Entries of row `slot` of G with the slots before it that belong to other pairs, and their mirror; after `couple`,
 # whose row of J sigma^-1 is still in `scratch`. Native like `couple`.
 @wp.func_native("""
-    const int cap = model.slot_capacity, width = model.pair_modes, P = model.pair_count;
-    const int SC = model.stencil_columns, SR = model.stencil_rows;
+    const int cap = model.slot_capacity, width = model.pair_modes;
     const int* const slots = slot_mode.data + (size_t)w * cap * 2;
     const double* scaled = scratch.data + (size_t)w * width;
-    // a hat on its two surfaces: column over full turns, row, and how much of the table's entry it takes
-    int column[2][2], row[2][2]; double part[2][2];
     for (int j = WP_TILE_THREAD_IDX; j < slot; j += WP_TILE_BLOCK_DIM) {
         if (slots[2 * j] == slots[2 * slot]) continue;
         double g = 0.0;
-        bool placed = false;
         for (int a = 0, at_a = 0; a < 2; ++a) {
             const int sa = 2 * slots[2 * slot] + a, count = model.surface_modal_count.data[sa];
             for (int b = 0, at_b = 0; b < 2; ++b) {
@@ -101,41 +94,6 @@ def couple(
                 if (model.surface_body.data[sa] >= 0 && model.surface_body.data[sa] == model.surface_body.data[sb]) {
                     const double *p = scaled + at_a, *q = J.data + ((size_t)w * cap + j) * width + at_b;
                     for (int n = 0; n < count; ++n) g += p[n] * q[n];
-                    for (int n = model.neighbour_start.data[sa]; n < model.neighbour_start.data[sa + 1]; ++n) {
-                        if (model.neighbour.data[n] != sb) continue;
-                        for (int e = 0; e < 2 && !placed; ++e) {  // of hat i and of hat j
-                            const int pair = slots[2 * (e ? j : slot)], m = slots[2 * (e ? j : slot) + 1];
-                            const int rows = model.surface_rows.data[2 * pair];
-                            const int* c = center.data + ((size_t)w * P + pair) * 3;
-                            column[e][0] = c[0] - model.half_window + m / rows; row[e][0] = m % rows; part[e][0] = 1.0;
-                            const size_t mode = (size_t)(w * P + pair) * model.mode_capacity + m;
-                            const double* l = stencil.data + mode * SC * SR;
-                            double sum = 0.0, x = 0.0, y = 0.0;
-                            for (int u = 0; u < SC; ++u) for (int v = 0; v < SR; ++v) {
-                                sum += l[u * SR + v]; x += u * l[u * SR + v]; y += v * l[u * SR + v];
-                            }
-                            part[e][1] = sum;
-                            const double middle = sum > 0.0 ? 1.0 / sum : 0.0;
-                            column[e][1] = c[1] - model.second_half_window + stencil_at.data[mode * 2]
-                                           + (int)(x * middle + 0.5);
-                            row[e][1] = stencil_at.data[mode * 2 + 1] + (int)(y * middle + 0.5);
-                        }
-                        placed = true;
-                        const int turn = model.surface_turn.data[sa], block = model.surface_block.data[sa];
-                        const int rows = model.surface_rows.data[sa], reach = model.surface_reach.data[sa];
-                        const int target = column[0][a];
-                        int source = column[1][b];
-                        if (turn > 0) {  // the way round that is shorter
-                            int d = (((source - target) % turn) + turn) % turn;
-                            if (2 * d > turn) d -= turn;
-                            source = target + d;
-                        } else if (source < 0 || source >= block || target < 0 || target >= block) continue;
-                        const int own = ((source % block) + block) % block;
-                        const size_t at = ((size_t)own * rows + row[1][b]) * (block + 2 * reach)
-                                          + target - (source - own) + reach;
-                        g += part[0][a] * part[1][b]
-                             * model.shared_compliance.data[model.neighbour_table.data[n] + at * rows + row[0][a]];
-                    }
                 }
                 at_b += model.surface_modal_count.data[sb];
             }
@@ -148,10 +106,7 @@ def couple_others(
     model: Model,
     w: int,
     slot: int,
-    center: wp.array3d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
     J: wp.array(dtype=real),
     scratch: wp.array(dtype=real),
     G: wp.array3d(dtype=real),
@@ -185,5 +140,5 @@ def assemble(
             T, J, receptance, scratch, G,
         )  # fmt: skip
         if model.pair_count > 1:
-            couple_others(model, w, slot, center, slot_mode, stencil, stencil_at, J, scratch, G)
+            couple_others(model, w, slot, slot_mode, J, scratch, G)
         slot += 1

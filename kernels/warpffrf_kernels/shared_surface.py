@@ -15,8 +15,8 @@ picked by `neighbour_table`; those of the tangential part are the surfaces' own 
 `surface_tn`), whose weak side is that of the surface number they belong to. Columns count over full turns, so a source
 is moved by whole turns to where it is nearest to the window; on a turn the tables hold half of it to either side.
 
-The part of the others does not enter the matrix of the tractions, and approximately that of the pressures
-(`contact_assembly`): the Newton iteration takes it in from one pass to the next.
+The part of the others enters the matrix of the pressures (`shared_assembly`), but not that of the tractions: the Newton
+iteration takes it in from one pass to the next.
 """
 
 import warp as wp

@@ -15,6 +15,7 @@ from warpffrf_kernels import (
     contact_solve,
     contact_weights,
     contact_window,
+    shared_assembly,
     shared_surface,
     sudden,
 )
@@ -27,7 +28,7 @@ from warpffrf.online.layer_graph import LayerGraph
 
 MODULES = (
     contact_geometry, contact_weights, contact_window, contact_few, contact_place, contact_points, contact_compliance,
-    contact_assembly, contact_fields, contact_solve, shared_surface,
+    contact_assembly, contact_fields, contact_solve, shared_surface, shared_assembly,
 )  # fmt: skip
 
 
@@ -199,6 +200,11 @@ class ContactGraph(Launcher):
             contact_assembly.assemble, (W,),
             [M, s.ctl, x.center, x.slot_mode, x.stencil, x.stencil_at, x.T, x.J, receptance], [x.scaled_modes, x.G],
         )  # fmt: skip
+        if self.shared:
+            self.block(
+                shared_assembly.assemble_shared, (W,),
+                [M, s.ctl, x.center, x.second_window, x.slot_mode, x.stencil, x.stencil_at], [x.shared_field, x.G],
+            )  # fmt: skip
         self.block(
             contact_compliance.outer_rows, (W,),
             [M, s.ctl, x.axes, x.r1, x.wrench, x.slot_mode, x.J, x.C_receptance, inverse], [x.L, x.V],

@@ -131,7 +131,7 @@ class Work:
             "J": S * m.pair_modes, "scaled_modes": m.pair_modes,
             "T": S * m.node_capacity, "second_field": P * m.node_capacity, "second_step": P * m.node_capacity,
             "C_receptance": rows * Q, "first_local": P * m.mode_capacity, "second_local": P * m.node_capacity,
-            **friction_runs(m),
+            "shared_field": max(m.mode_capacity, m.node_capacity), **friction_runs(m),
             "contact_inverse": N * N if m.dynamic_count else 0, "modal_push": Q if m.dynamic_count else 0,
             "flexibility": 36 * m.group_count, "slope": compiled.interface_modes.size,
         }  # fmt: skip
