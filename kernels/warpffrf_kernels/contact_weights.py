@@ -106,20 +106,17 @@ def keep_hat(
     area: wp.array3d(dtype=real),
 ):
     """Area 0 for a hat beyond the end of an arc, or so far round the bodies that nothing of the second window is
-    opposite. One that overlaps there, or whose stencil is too small (`beyond`), is needed: the attempt fails."""
+    opposite, or that the places opposite spread beyond its stencil (`beyond`). One that overlaps there may be needed:
+    the attempt fails."""
     A = model.pair_first[pair]
     absolute = center[w, pair, 0] + m / rows - model.half_window
     if model.surface_periodic[A] == 0 and (absolute < 0 or absolute >= model.surface_columns[A]):
         area[w, pair, m] = real(0.0)
-    needed = area[w, pair, m] > real(0.0)
     reached = stencil_at[w, pair, m, 0]
-    if reached < 0 or reached + model.stencil_columns > model.second_columns:
+    if reached < 0 or reached + model.stencil_columns > model.second_columns or beyond != 0:
+        if area[w, pair, m] > real(0.0) and weak_gap[w, pair, m] <= real(0.0):
+            ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.STENCIL
         area[w, pair, m] = real(0.0)
-        needed = needed and weak_gap[w, pair, m] <= real(0.0)
-    elif beyond == 0:
-        needed = False
-    if needed:
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.STENCIL
 
 
 @wp.kernel

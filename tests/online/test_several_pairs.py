@@ -9,7 +9,8 @@ from warpffrf.model import forces, joints
 from warpffrf.model.contact import Contact
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.online import Engine, find_equilibrium, run
+from warpffrf.online import Engine, Settings, find_equilibrium, run
+from warpffrf.study.rollers import PAIR, Path, StaticPath, prescribed_pair, roller_body
 
 GRAVITY = 9.81
 
@@ -74,3 +75,19 @@ def test_an_impact_is_noticed_while_another_pair_is_in_contact(plain_body: Reduc
     speed = history.bodies["dropped above"].velocity[:, 2]
     assert hits.any() or (np.diff(speed) > 0.05).any()  # it lands within the run
     assert any("energy" in note for note in history.notes), history.notes
+
+
+def test_a_coarse_large_roller_first_on_a_small_one(plain_body: ReducedBody) -> None:
+    """Hats at the edge of its window face a small roller's flank, spread over many of its columns: they are far from
+    the patch, and no reason to fail. The force is that of gaps taken at points."""
+    small = roller_body(
+        96, layers=5, axial=3, grading=1.2, order=1, outer_radius=0.012, inner_radius=0.004, max_frequency=15e3,
+        cache=False,
+    )  # fmt: skip
+    force = []
+    for points in (False, True):
+        scene = prescribed_pair(plain_body, small, Path.of([200e-6], 0.01, 0.02))
+        found = StaticPath(scene, settings=Settings(force_points=points)).solve(1)
+        assert found.status == "completed", found.message
+        force.append(float(np.linalg.norm(found.contacts[PAIR].force[0])))
+    assert force[0] == pytest.approx(force[1], rel=0.02)  # (half-width/radius)^2 of the small one, 2 mm of 12 mm
