@@ -94,6 +94,7 @@ def test_a_ball_on_a_rigid_plane_pushed_aside(ball: ReducedBody, monkeypatch: py
             progress=False, method=Monolithic("low_rank") if evaluation == "full" else "separated",
         )  # fmt: skip
         assert result.status == "completed", result.message
+        assert any("does not act in the equilibrium" in note for note in result.history.notes), evaluation
         record = result.history.contacts[contact.name]
         assert record.force[-1, 2] == pytest.approx(ball_on_plane.LOAD, rel=1e-5)
         assert record.force[-1, 0] == pytest.approx(-ball_on_plane.PUSH, rel=1e-3)

@@ -78,3 +78,11 @@ def as_friction(value: Any, label: str) -> Coulomb | RegularisedCoulomb:
         names = ", ".join(f"laws.{law.__name__}" for law in FRICTION_LAWS.values())
         raise InputError(f"{label}: friction must be a coefficient or one of {names}, got {value!r}")
     return Coulomb(require_number(value, f"{label}: friction", non_negative=True))
+
+
+def friction_notes(scene: Any, state: str) -> list[str]:
+    """A note for every pair whose friction a static `state` (words for the reader) leaves out."""
+    rubbing = [repr(contact.name) for contact in scene.contacts if contact.friction.coefficient > 0.0]
+    if not rubbing:
+        return []
+    return [f"friction of {', '.join(rubbing)} does not act in {state}: it has no slip to answer"]

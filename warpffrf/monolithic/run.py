@@ -11,6 +11,7 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.evaluations import all_full
+from warpffrf.model.friction import friction_notes
 from warpffrf.model.progress import Progress
 from warpffrf.model.step_count import step_count
 from warpffrf.monolithic.contact import pair_data
@@ -154,7 +155,8 @@ def run(
         "loop_seconds": spent.seconds.pop("loop", 0.0),
         **{f"{part}_seconds": value for part, value in spent.seconds.items()},
     }
-    history.notes = [*system.data.notes, *uneven]
+    resting = friction_notes(scene, "the equilibrium that the run starts from") if start == "equilibrium" else []
+    history.notes = [*system.data.notes, *uneven, *resting]
     return history
 
 

@@ -25,14 +25,6 @@ def has_friction(scene: Any) -> bool:
     return any(contact.friction.coefficient > 0.0 for contact in scene.contacts)
 
 
-def friction_notes(scene: Any, state: str) -> list[str]:
-    """A note for every pair whose friction a static `state` (words for the reader) leaves out."""
-    rubbing = [repr(contact.name) for contact in scene.contacts if contact.friction.coefficient > 0.0]
-    if not rubbing:
-        return []
-    return [f"friction of {', '.join(rubbing)} does not act in {state}: it has no slip to answer"]
-
-
 def fill_friction(compiler: Any, m: Any) -> None:
     """Friction fields of the model; after `fill_pairs` and `fill_surfaces`."""
     contacts = compiler.scene.contacts

@@ -28,8 +28,8 @@ import scipy.linalg
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_count
+from warpffrf.model.friction import friction_notes
 from warpffrf.online.checkpoint import is_dynamic, restore
-from warpffrf.online.compile_friction import friction_notes
 from warpffrf.online.engine import Engine
 from warpffrf.online.history import History
 from warpffrf.online.linearise import Linearisation, linearise

@@ -11,6 +11,7 @@ from warpffrf_kernels import control as k
 
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.friction import friction_notes
 from warpffrf.model.integrators import CHECK_INTEGRATORS, GeneralizedAlpha, roots_at_infinity
 from warpffrf.model.overlap import refuse_overlap
 from warpffrf.model.progress import Progress
@@ -20,7 +21,6 @@ from warpffrf.online.blame import blame
 from warpffrf.online.check_run import run_check
 from warpffrf.online.checkpoint import is_dynamic, restore, time_of
 from warpffrf.online.compile_contact import LINE_OF_CENTRES
-from warpffrf.online.compile_friction import friction_notes
 from warpffrf.online.contact_notes import contact_notes, energy_notes, overlap_notes
 from warpffrf.online.engine import Engine
 from warpffrf.online.history import History
