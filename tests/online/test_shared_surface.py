@@ -314,3 +314,18 @@ def test_two_surfaces_of_one_body_are_named(rubbing_body: ReducedBody) -> None:
         plane = surfaces.Plane(origin=(0.0, 0.0, height), outward=(0.0, 0.0, -np.sign(height)))
         scene.add(Contact(body[name], scene.ground.surface(plane, name=f"under {name}"), name=name))
     assert any("'body': its contact surfaces other, rim" in note for note in Engine(scene).compiled.notes)
+
+
+def test_a_pair_that_never_touches_does_not_keep_the_others_from_rest(
+    plain_body: ReducedBody, other_body: ReducedBody
+) -> None:
+    """The outer rollers of a stack as a third pair, a roller's diameter apart: the first step of the equilibrium, long
+    and with nothing closed, would carry one through the other."""
+    scene, _ = stack(plain_body, other_body, plain_body, middle_first=(False, False))
+    alone = find_equilibrium(scene)
+    scene.add(Contact(scene.body("below")["rim"], scene.body("above")["rim"], name="far"))
+    rest = find_equilibrium(scene)
+    assert rest.status == "completed", rest.message
+    assert np.all(rest.contacts["far"].force == 0.0)
+    for name in ("low", "high"):
+        np.testing.assert_allclose(rest.contacts[name].force, alone.contacts[name].force, atol=1e-8 * LOAD)

@@ -24,7 +24,8 @@ from warpffrf.online.state import State, Work, initial_state
 STATIC_STEPS = 60  # proximal steps of an equilibrium at most
 STATIC_GROWTH = 10.0  # of the proximal step from one to the next
 STATIC_FIRST = 1e-3  # s: moves a body by F/m * 1e-6 at first
-# layers that hardly hold at touch: a body that would sink too deep at first begins again with a shorter step
+# layers that hardly hold at touch, pairs far apart that seem to close: a body that would go too far at first begins
+# again with a shorter step
 STATIC_RETREATS, STATIC_RETREAT = 2, 1000.0
 STATIC_LAST = (
     1.0  # s: 1 kg then weighs 1 N/m, far below any spring that carries a load; larger ill-conditions the joints
@@ -207,7 +208,8 @@ class Engine:
         self.rates_to_zero()
         tau, longest = STATIC_FIRST, STATIC_LAST
         before = np.full(self.worlds, np.inf)
-        retreats = STATIC_RETREATS if self.compiled.model.layer_count else 0
+        m = self.compiled.model
+        retreats = STATIC_RETREATS if m.layer_count or m.pair_count > 1 else 0
         settled = balanced = False
         for _ in range(STATIC_STEPS):
             words = self.state.ctl.numpy().copy()
