@@ -14,6 +14,7 @@ from rubbing_run import MU, make_rubbing_history
 from shape_runs import on_the_floor
 from synthetic_run import COLUMNS, ROWS, STEPS, WINDOW, R, make_history
 
+from warpffrf.model.errors import InputError
 from warpffrf.online.history import FrictionHistory
 from warpffrf.output.fields import FRICTION_DERIVED, FRICTION_FIELDS
 from warpffrf.output.grid_places import rotate
@@ -66,6 +67,12 @@ def test_a_pair_with_and_one_without_friction(body, tmp_path: Path) -> None:
     assert [loaded.contact(n).has_friction for n in loaded.contact_names] == [False, True]
     title = loaded.plot("summary").get_suptitle()  # the panels show one pair each: which is said
     assert "pair 'plain', the first of 2" in title and "friction of 'lower-upper'" in title
+    assert "pair 'lower-upper'" in loaded.plot("summary", contact="lower-upper").get_suptitle()
+    assert [line.get_label() for line in loaded.plot("force", contact="lower-upper").lines] == ["lower-upper"]
+    with pytest.raises(InputError, match="no contact called 'other'; it has: 'plain', 'lower-upper'"):
+        loaded.plot("patch", contact="other")
+    with pytest.raises(InputError, match="no contact pair of the run has friction"):
+        loaded.plot("traction", contact="plain")
     power = loaded.contact("lower-upper").friction.power
     assert np.array_equal(power, history.contacts["lower-upper"].friction.power)  # type: ignore[union-attr]
     data = Result(history).to_xarray()

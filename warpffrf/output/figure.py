@@ -22,6 +22,17 @@ SECTIONS = {"point": "Across the patch through its centre"}  # of other kinds at
 PROFILE, REFERENCE = "#1b6ca8", "#d1495b"
 
 
+class OfPair:
+    """A result as if it had one contact pair, `name`."""
+
+    def __init__(self, result: Any, name: str) -> None:
+        result.contact(name)  # refuses a name that there is not
+        self._result, self.contact_names = result, [name]
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._result, name)
+
+
 def _contact(result: Any) -> Any:
     if not result.contact_names:
         raise InputError("plot: the scene has no contact pair; only 'energy' can be drawn")
@@ -175,11 +186,14 @@ PLOTS: dict[str, Callable[[Any, Any], None]] = {
 }
 
 
-def plot(result: Any, kind: str, ax: Any = None) -> Any:
+def plot(result: Any, kind: str, ax: Any = None, contact: str | None = None) -> Any:
     """Draw `kind` on `ax` (a new one when None) and return the axes; "summary" returns a whole Figure.
 
-    Raises `InputError` for an unknown kind, a run without rows, and plots of friction of a run without friction.
+    contact: name of the pair to draw, the first one if None. Raises `InputError` for an unknown kind or pair, a run
+    without rows, and plots of friction of a run without friction.
     """
+    if contact is not None:
+        result = OfPair(result, contact)
     known = {**PLOTS, **FRICTION_PLOTS}
     if kind != "summary" and kind not in known:
         raise InputError(f"plot: unknown kind '{kind}'; known: {', '.join(known)}, summary")
@@ -211,6 +225,8 @@ def summary_figure(result: Any) -> Any:
     for n, kind in enumerate(kinds):
         drawn[kind](result, figure.add_subplot(rows, columns, n + 1))
     end = f"{result.time[-1] * 1e3:.4g} ms, {len(result.time)} saved rows, status: {result.status}"
+    if isinstance(result, OfPair):
+        end += f"; pair {result.contact_names[0]!r}"
     if len(result.contact_names) > 1:
         end += f"; patches of pair {result.contact_names[0]!r}, the first of {len(result.contact_names)}"
         with_friction = [name for name in result.contact_names if result.contact(name).has_friction]

@@ -153,15 +153,16 @@ class Result:
         end = f"{self.time[-1]:.6g} s" if len(self.time) else "no step saved"
         return f"Result(status={self.status!r}, rows={len(self.time)}, end={end}, contacts={self.contact_names})"
 
-    def plot(self, kind: str = "summary", ax: Any = None) -> Any:
+    def plot(self, kind: str = "summary", ax: Any = None, contact: str | None = None) -> Any:
         """Draw one kind of plot on the matplotlib axes `ax` (a new one when None) and return it; "summary"
         returns a Figure.
 
-        Kinds: see `warpffrf.output.figure.PLOTS`. Raises InputError for an unknown kind.
+        contact: the pair whose patch is drawn, by name; the first one (with friction, where that is drawn) if None.
+        Kinds: see `warpffrf.output.figure.PLOTS`. Raises InputError for an unknown kind or pair.
         """
         from warpffrf.output import figure
 
-        return figure.plot(self, kind, ax)
+        return figure.plot(self, kind, ax, contact)
 
     def to_xarray(self) -> Any:
         """An `xarray.Dataset` with the names, units and frames of the results file; needs the optional
