@@ -299,7 +299,7 @@ def test_room_for_hats_grows_without_a_trace(rubbing_body: ReducedBody, monkeypa
         assert np.array_equal(plain.contacts[name].pressure, grown.contacts[name].pressure)
         assert np.array_equal(plain.contacts[name].force, grown.contacts[name].force)
     for contact in scene.contacts:
-        contact.capacity = 3
+        contact.capacity = 1
     short = run(scene, STEP, step=STEP, start="equilibrium", progress=False)
     assert short.status == "capacity" and "raise capacity" in short.message
 
