@@ -10,8 +10,6 @@ from warpffrf.online.compliance_tables import hat_gram, response_table
 
 SPARE = 2  # columns that a window may have moved since the sources were counted
 
-Place = tuple[int, str]  # body index and name of a surface
-
 
 def neighbours(compiler: Any) -> list[list[int]]:
     """Of every surface number (two for each pair) those that are the same flexible surface in other pairs."""
