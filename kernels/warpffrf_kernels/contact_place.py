@@ -1,22 +1,22 @@
 """Where two surfaces of any shape are nearest, for the pairs whose gaps are taken at points (`contact_points`).
 
-With x_A(theta, z) a point of A's true surface and d_B the signed distance from B's, the gap is g = d_B(x_A). Of every
-section z of A that looks nearest, the angle (of a plane the place) where g is least is the root of
+With x_A(theta, z) a point of A's true surface and d_B the signed distance from B's, the gap is g = d_B(x_A). In a
+section z of A its minima by the angle (of a plane by the place) are roots of
 
-    dg/dtheta = grad d_B . dx_A/dtheta,
+    dg/dtheta = grad d_B . dx_A/dtheta.
 
-found by secants over half a column: first from the best of SCAN angles in three sections, then, within a step, from
-the last place; a secant that leaves the bracket is replaced by halving it. A gap that is the same everywhere (plane on
-plane) leaves the place where it is. The place sets the windows and is the *phase* of A's grid; the opposite place on B,
-its row, and how B's columns turn along A's width are those of B's. Nothing else depends on it: a place that is a little
-off only moves the window.
+A step begins with a look all around: in three sections every minimum among SCAN angles is followed by secants over half
+a column, and a secant that leaves the bracket is replaced by halving it. From the least of them the nearest place of all
+is found by Newton's method along the chart, with differences of the gradient for the second derivatives; directions
+that the gap does not curve in are held back by REGULAR, and steps end at the edges of A's grid. (Its gap is recorded as
+the approach.) Within a step the place is followed by secants in its section. A gap that is the same everywhere (plane on
+plane) leaves it in the middle.
 
-A pair whose first grid is an arc of no more columns than the window looks at the whole arc, and its window never moves.
-Columns that overlap apart from the nearest run (a second patch) are kept inside the window (`touched`).
-
-The smallest gap of all, which is recorded as the approach, is found from there by Newton's method along the chart, with
-differences of the gradient for the second derivatives; directions that the gap does not curve in are held back by
-REGULAR, and steps end at the edges of A's grid.
+The place is the middle of what is looked at, whether anything touches or not: a pair that has come apart is looked for
+where it will meet again, to a fraction of a column. It is also the *phase* of A's grid; the opposite place on B, its row,
+and how B's columns turn along A's width are those of B's. Other minima that overlap (a second patch) are kept inside the
+window too (`touched`). A pair whose first grid is an arc of no more columns than the window looks at the whole arc, and
+its window never moves.
 """
 
 import math
@@ -52,6 +52,10 @@ HALVINGS = wp.constant(6)
 EDGE_STEP = wp.constant(wp.float64(1.0e-3))  # of A's width: step of the differences along it
 REGULAR = wp.constant(wp.float64(1.0e-6))  # of the curvature at hand, and of 1/width
 FLAT = wp.constant(wp.float64(1.0e-13))  # m a column: a change of slope by less is round-off
+BEYOND = wp.constant(wp.float64(1.0e300))  # m: the gap beyond the end of an arc
+NOWHERE = wp.constant(-(2**30))  # column of a place that there is not
+MOST_OVERLAPS = wp.constant(12)  # minima of the gap that overlap, in all sections: two surfaces of revolution have two
+Columns = wp.types.vector(length=12, dtype=wp.float64)
 
 
 @wp.struct
@@ -159,6 +163,72 @@ def settle(model: Model, A: int, B: int, view: View, start: real, z: real) -> re
 
 
 @wp.func
+def least_place(model: Model, A: int, B: int, view: View, column: real, z_start: real) -> vec3:
+    """Smallest gap [m] about a column and axial position of A, over the extent of A's grid, and its column and z."""
+    pitch = model.surface_pitch[A]
+    low = model.surface_z[model.surface_z_start[A]]
+    high = model.surface_z[model.surface_z_start[A] + model.surface_rows[A] - 1]
+    z = z_start
+    theta = model.surface_theta[A] + column * pitch
+    best = gap_at(model, A, B, view, theta, z)
+    looks = int(LOOKS)
+    i = int(0)
+    while i < looks:
+        at = low + (high - low) * real(i) / real(looks - 1)
+        g = gap_at(model, A, B, view, theta, at)
+        if g < best - TIE:
+            best = g
+            z = at
+        i += 1
+    x = column
+    step = int(0)
+    while step < STEPS:
+        R = radius_of(model, A, z)
+        dz = EDGE_STEP * (high - low)
+        if z + dz > high:
+            dz = -dz
+        here = slopes(model, A, B, view, x, z) / R
+        by_x = slopes(model, A, B, view, x + real(0.5), z) / R
+        by_z = slopes(model, A, B, view, x, z + dz) / R
+        # gradient and second derivatives by arc length around and by z
+        h_aa = (by_x[0] - here[0]) / (real(0.5) * pitch * R)
+        h_zz = (by_z[1] - here[1]) * R / dz
+        h_az = (by_z[0] - here[0]) / dz
+        least = REGULAR * (wp.abs(h_aa) + wp.abs(h_zz)) + REGULAR / (high - low)
+        h_aa = wp.max(h_aa, least)
+        h_zz = wp.max(h_zz, least)
+        bound = real(0.9) * wp.sqrt(h_aa * h_zz)
+        h_az = wp.clamp(h_az, -bound, bound)
+        g_a = here[0]
+        g_z = here[1] * R
+        if (z <= low and g_z > real(0.0)) or (z >= high and g_z < real(0.0)):
+            g_z = real(0.0)
+            h_az = real(0.0)
+        determinant = h_aa * h_zz - h_az * h_az
+        move_a = -(h_zz * g_a - h_az * g_z) / determinant
+        move_z = -(h_aa * g_z - h_az * g_a) / determinant
+        share = real(1.0)
+        tries = int(0)
+        while tries < HALVINGS:
+            x_to = x + share * wp.clamp(move_a / (R * pitch), -real(8.0), real(8.0))
+            if model.surface_periodic[A] == 0:
+                x_to = wp.clamp(x_to, real(0.0), real(model.surface_columns[A] - 1))
+            z_to = wp.clamp(z + share * move_z, low, high)
+            g = gap_at(model, A, B, view, model.surface_theta[A] + x_to * pitch, z_to)
+            tries += 1
+            share *= real(0.5)
+            if g < best:
+                best = g
+                x = x_to
+                z = z_to
+                tries = HALVINGS + 1
+        step += 1
+        if tries == HALVINGS:
+            step = STEPS
+    return vec3(best, x, z)
+
+
+@wp.func
 def scan(
     model: Model,
     w: int,
@@ -169,55 +239,66 @@ def scan(
     nearest: wp.array3d(dtype=real),
     touched: wp.array3d(dtype=int),
 ):
-    """The first look: column and z of the least gap, and the columns that overlap apart from those around it."""
-    last = real(model.surface_columns[A] - 1)
-    middle = real(0.5) * last
+    """The first look: the nearest place, and the columns of other minima that overlap."""
+    around = model.surface_periodic[A] != 0
     spacing = spacing_of(model, A)
-    best = real(1.0e300)
-    at = int(0)
+    pitch = model.surface_pitch[A]
+    theta = model.surface_theta[A]
+    x_at = real(0.5) * real(model.surface_columns[A] - 1)
     z_at = section_of(model, A, 0)
-    overlapping = int(0)  # a bit for each angle
+    first = real(0.0)
+    if around:
+        first = x_at - spacing * real(SCAN / 2)
+    best = gap_at(model, A, B, view, theta + x_at * pitch, z_at)
+    overlaps = Columns()
+    count = int(0)
+    section = int(0)
+    while section < SECTIONS:
+        z = section_of(model, A, section)
+        before = BEYOND
+        here = BEYOND
+        if around:
+            before = gap_at(model, A, B, view, theta + (first - spacing) * pitch, z)
+        i = int(0)
+        while i <= SCAN:
+            after = BEYOND
+            if around or i < SCAN:
+                after = gap_at(model, A, B, view, theta + (first + spacing * real(i)) * pitch, z)
+            if i > 0:
+                if here < before - TIE and here <= after:
+                    x = settle(model, A, B, view, first + spacing * real(i - 1), z)
+                    g = gap_at(model, A, B, view, theta + x * pitch, z)
+                    if g < best - TIE:
+                        best = g
+                        x_at = x
+                        z_at = z
+                    if g < real(0.0) and count < MOST_OVERLAPS:
+                        overlaps[count] = x
+                        count += 1
+                before = here
+            here = after
+            i += 1
+        section += 1
+    place = least_place(model, A, B, view, x_at, z_at)
+    x_at = place[1]
+    low = int(NOWHERE)
+    high = int(NOWHERE)
     i = int(0)
-    while i < SCAN:  # from the middle outwards: 0, 1, -1, 2, -2, ...
-        place = (i + 1) / 2
-        if i % 2 == 0:
-            place = -place
-        x = middle + spacing * real(place)
-        if model.surface_periodic[A] == 0:
-            x = wp.clamp(x, real(0.0), last)
-        section = int(0)
-        while section < SECTIONS:
-            z = section_of(model, A, section)
-            g = gap_at(model, A, B, view, model.surface_theta[A] + x * model.surface_pitch[A], z)
-            if g < best - TIE:
-                best = g
-                at = place
-                z_at = z
-            if g < real(0.0):
-                overlapping = overlapping | (1 << (place + SCAN / 2))
-            section += 1
+    while i < count:
+        away = overlaps[i] - x_at
+        if around:
+            away = wrap(away, TWO_PI / pitch, real(0.0))
+        column = int(wp.floor(x_at + away + real(0.5)))
+        if low == NOWHERE:
+            low = column
+            high = column
+        low = wp.min(low, column)
+        high = wp.max(high, column)
         i += 1
-    x_at = middle + spacing * real(at)
-    if model.surface_periodic[A] == 0:
-        x_at = wp.clamp(x_at, real(0.0), last)
     nearest[w, pair, 0] = x_at
-    nearest[w, pair, 1] = z_at
-    for side in range(2):
-        way = 2 * side - 1
-        far = int(0)
-        apart = int(0)
-        n = int(1)
-        while n < SCAN / 2:
-            place = at + way * n
-            if model.surface_periodic[A] != 0:
-                place = (place + SCAN + SCAN / 2 - 1) % SCAN - SCAN / 2 + 1
-            if place > -SCAN / 2 and place <= SCAN / 2 and (overlapping >> (place + SCAN / 2)) % 2 == 1:
-                if apart == 1:
-                    far = n
-            else:
-                apart = int(1)
-            n += 1
-        touched[w, pair, side] = int(wp.floor(x_at + spacing * real(way * far) + real(0.5)))
+    nearest[w, pair, 1] = place[2]
+    touched[w, pair, 0] = low
+    touched[w, pair, 1] = high
 
 
 @wp.kernel
@@ -235,7 +316,7 @@ def locate_points(
 
     phase: column on A and B twice (as of the first and last station there), in use then new; then B's row and the
     columns by which B's chart turns along A's width, in use then new. nearest: column of A, z [m]. touched: lowest and
-    highest column that the first look found to be the nearest, or a patch apart from it.
+    highest column of the minima of the gap that overlap, NOWHERE without.
     """
     w, pair = wp.tid()
     model = models[0]
@@ -298,72 +379,6 @@ def locate_points(
         ctl[w, k.RECENTER] = 1
 
 
-@wp.func
-def smallest_gap(model: Model, A: int, B: int, view: View, column: real, z_start: real) -> real:
-    """Smallest gap [m] about a column and axial position of A, over the extent of A's grid."""
-    pitch = model.surface_pitch[A]
-    low = model.surface_z[model.surface_z_start[A]]
-    high = model.surface_z[model.surface_z_start[A] + model.surface_rows[A] - 1]
-    z = z_start
-    theta = model.surface_theta[A] + column * pitch
-    best = gap_at(model, A, B, view, theta, z)
-    looks = int(LOOKS)
-    i = int(0)
-    while i < looks:
-        at = low + (high - low) * real(i) / real(looks - 1)
-        g = gap_at(model, A, B, view, theta, at)
-        if g < best - TIE:
-            best = g
-            z = at
-        i += 1
-    x = column
-    step = int(0)
-    while step < STEPS:
-        R = radius_of(model, A, z)
-        dz = EDGE_STEP * (high - low)
-        if z + dz > high:
-            dz = -dz
-        here = slopes(model, A, B, view, x, z) / R
-        by_x = slopes(model, A, B, view, x + real(0.5), z) / R
-        by_z = slopes(model, A, B, view, x, z + dz) / R
-        # gradient and second derivatives by arc length around and by z
-        h_aa = (by_x[0] - here[0]) / (real(0.5) * pitch * R)
-        h_zz = (by_z[1] - here[1]) * R / dz
-        h_az = (by_z[0] - here[0]) / dz
-        least = REGULAR * (wp.abs(h_aa) + wp.abs(h_zz)) + REGULAR / (high - low)
-        h_aa = wp.max(h_aa, least)
-        h_zz = wp.max(h_zz, least)
-        bound = real(0.9) * wp.sqrt(h_aa * h_zz)
-        h_az = wp.clamp(h_az, -bound, bound)
-        g_a = here[0]
-        g_z = here[1] * R
-        if (z <= low and g_z > real(0.0)) or (z >= high and g_z < real(0.0)):
-            g_z = real(0.0)
-            h_az = real(0.0)
-        determinant = h_aa * h_zz - h_az * h_az
-        move_a = -(h_zz * g_a - h_az * g_z) / determinant
-        move_z = -(h_aa * g_z - h_az * g_a) / determinant
-        share = real(1.0)
-        tries = int(0)
-        while tries < HALVINGS:
-            x_to = x + share * wp.clamp(move_a / (R * pitch), -real(8.0), real(8.0))
-            if model.surface_periodic[A] == 0:
-                x_to = wp.clamp(x_to, real(0.0), real(model.surface_columns[A] - 1))
-            z_to = wp.clamp(z + share * move_z, low, high)
-            g = gap_at(model, A, B, view, model.surface_theta[A] + x_to * pitch, z_to)
-            tries += 1
-            share *= real(0.5)
-            if g < best:
-                best = g
-                x = x_to
-                z = z_to
-                tries = HALVINGS + 1
-        step += 1
-        if tries == HALVINGS:
-            step = STEPS
-    return best
-
-
 @wp.kernel
 def measure_approach(
     models: wp.array(dtype=Model),
@@ -381,8 +396,8 @@ def measure_approach(
         return
     A = model.pair_first[pair]
     view = view_of(model, w, pair, r1, axes)
-    gap = smallest_gap(model, A, model.pair_second[pair], view, nearest[w, pair, 0], nearest[w, pair, 1])
+    place = least_place(model, A, model.pair_second[pair], view, nearest[w, pair, 0], nearest[w, pair, 1])
     for end in range(2):
         s = end * ((model.surface_rows[A] - 1) * model.z_points - 1)
-        station[w, pair, s, 0] = gap
+        station[w, pair, s, 0] = place[0]
         station[w, pair, s, 1] = nearest[w, pair, 0]

@@ -7,6 +7,7 @@ is looked at are the active columns and MARGIN more on each side, at most the wi
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.contact_place import NOWHERE
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
 
@@ -20,6 +21,7 @@ def open_window(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     phase: wp.array3d(dtype=real),
+    nearest: wp.array3d(dtype=real),
     touched: wp.array3d(dtype=int),
     center: wp.array3d(dtype=int),
     station: wp.array4d(dtype=real),
@@ -29,7 +31,8 @@ def open_window(
     window: wp.array3d(dtype=int),
 ):
     """Per (world, pair): the active set of the last attempt put where the patch is now, and the columns to look at: the
-    active ones, those of `touched` (family 1) and MARGIN more on each side, relative to the centre column.
+    active ones, those where the surfaces are nearest (on the line of centres at both ends of the width, at points
+    `nearest` and `touched`) and MARGIN more on each side, relative to the centre column.
 
     A pair whose sampled gaps would only have been shifted (`locate`) is sampled again where another pair had its
     windows laid anew: its own may have grown.
@@ -77,13 +80,22 @@ def open_window(
             high = o
             found = int(1)
         m += 1
+    one = phase[w, pair, 4]
+    other = phase[w, pair, 6]
     if model.pair_family[pair] == 1:
-        first = wp.clamp(touched[w, pair, 0] - center[w, pair, 0], -H, H)
-        last = wp.clamp(touched[w, pair, 1] - center[w, pair, 0], -H, H)
-        if found == 0:
-            low = first
-            high = last
-        low = wp.min(low, first)
-        high = wp.max(high, last)
+        one = nearest[w, pair, 0]
+        other = one
+    first = int(wp.floor(wp.min(one, other) + real(0.5)))
+    last = int(wp.floor(wp.max(one, other) + real(0.5)))
+    if model.pair_family[pair] == 1 and touched[w, pair, 0] != NOWHERE:
+        first = wp.min(first, touched[w, pair, 0])
+        last = wp.max(last, touched[w, pair, 1])
+    first = wp.clamp(first - center[w, pair, 0], -H, H)
+    last = wp.clamp(last - center[w, pair, 0], -H, H)
+    if found == 0:
+        low = first
+        high = last
+    low = wp.min(low, first)
+    high = wp.max(high, last)
     window[w, pair, 0] = wp.max(low - MARGIN, -H)
     window[w, pair, 1] = wp.min(high + MARGIN, H)

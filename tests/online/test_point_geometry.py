@@ -112,8 +112,9 @@ def frame_at(shape: Any, grid: Any, theta: float, z: float) -> tuple[np.ndarray,
     return x, np.stack([t, np.cross(n, t), n], axis=1)
 
 
-def touching(case: Case) -> Scene:
-    """The two in contact, DEPTH deep, at a place of the first that lies between its columns; anywhere in the world."""
+def touching(case: Case, column: float | None = None, depth: float = DEPTH) -> Scene:
+    """The two in contact, `depth` deep, at a grid column of the first (near the middle of the grid, between two
+    columns); anywhere in the world."""
     scene = Scene()
     turn = unit((0.3, -0.2, 0.5, 0.7))
     body = scene.add_body(flexible(case.first, case, 1), name="A", position=(0.11, -0.07, 0.05), rotation=turn)
@@ -123,7 +124,7 @@ def touching(case: Case) -> Scene:
     else:
         other = scene.add_body(flexible(case.second, case, 2), name="B")
     grid = body["face"].surface.grid
-    around = grid.theta_start + (0.5 * (grid.columns - 1) + 0.37) * grid.pitch
+    around = grid.theta_start + (0.5 * (grid.columns - 1) + 0.37 if column is None else column) * grid.pitch
     x_a, F_a = frame_at(SHAPES[case.first], grid, around, case.place)
     shape = SHAPES[case.second]
     grid_b = other["face"].surface.grid
@@ -138,7 +139,7 @@ def touching(case: Case) -> Scene:
     tilt = rot.matrix(unit((0.5 * case.tilt, 0.3 * case.tilt, 0.0, 1.0)))
     R = rot.matrix(body.rotation) @ onto @ tilt @ F_b.T
     other.rotation = rot.quaternion(R)
-    overlap = DEPTH * rot.matrix(body.rotation) @ F_a[:, 2]
+    overlap = depth * rot.matrix(body.rotation) @ F_a[:, 2]
     other.position = body.to_world(x_a) - overlap - R @ x_b
     scene.add(Contact(body["face"], other["face"], name="pair", overlap=1.0))
     return scene
@@ -219,3 +220,40 @@ def test_the_nearest_place_is_found(name: str) -> None:
     assert smallest <= min(everywhere) + 1e-11
     assert smallest == pytest.approx(min(everywhere), abs=2e-6)
     assert smallest <= -DEPTH + 1e-11
+
+
+APART = 1e-6  # m
+SIDES = 7  # columns on the first grid, most of them two columns from the nearest of the angles first looked at
+
+
+@pytest.mark.parametrize("name", list(CASES))
+def test_a_pair_that_is_open_is_looked_for_where_it_is_nearest(name: str) -> None:
+    """At any angle, nothing active: the window's middle is the nearest place of the whole grid, to a column."""
+    case = CASES[name]
+    scene, engine = evaluated.__wrapped__(name)  # one of its own, since poses change
+    grid = scene.bodies[0]["face"].surface.grid
+    poses = {key: getattr(engine.state, key).numpy().copy() for key in ("r", "p")}
+    inside = 0.0 if grid.periodic else 3.0  # columns from the ends of an arc
+    for column in np.linspace(inside, grid.columns - 1 - inside, SIDES) + (1.79 if grid.periodic else 0.0):
+        placed = touching(case, float(column), -APART)
+        A, B = placed.bodies
+        poses["r"][0] = [A.to_world(A.center_of_mass), B.to_world(B.center_of_mass)]
+        poses["p"][0] = [A.rotation, B.rotation]
+        for key, array in poses.items():
+            getattr(engine.state, key).assign(array)
+        engine.state.active.zero_()
+        engine.control(MODE=int(k.STATIC), RUN=1, MOVED=1, REASSEMBLE=1, REFRESH=1, ITERATION=0, FAILURE=0)
+        engine.graph.evaluate()
+        center, window = engine.work.center.numpy()[0, 0, 0], engine.work.window.numpy()[0, 0]
+        theta = grid.theta_start + np.arange(grid.columns) * grid.pitch
+        sections = np.linspace(grid.z[0], grid.z[-1], 17)
+        points = np.array([surface_point(SHAPES[case.first], grid, t, z)[0] for t in theta for z in sections])
+        gaps = SHAPES[case.second].chart(B.to_user(A.to_world(points)))[2].reshape(grid.columns, -1).min(axis=1)
+        nearest = engine.work.nearest.numpy()[0, 0, 0]
+        away = np.abs(nearest - np.arange(grid.columns))
+        if grid.periodic:
+            away = np.minimum(away % grid.columns, -away % grid.columns)
+        assert gaps[away <= 1.0].min() <= gaps.min() + 1e-12  # round-off of a place between two columns
+        assert window[0] + center <= nearest <= window[1] + center
+        if grid.periodic:  # the window of a short arc is that of the arc
+            assert abs(0.5 * (window[0] + window[1]) + center - nearest) <= 1.0

@@ -61,7 +61,7 @@ class ContactGraph(Launcher):
                 [s.ctl, x.phase, x.center, x.nearest, x.touched],
             )  # fmt: skip
         self.launch(
-            contact_window.open_window, (W, P), [M, s.ctl, x.phase, x.touched],
+            contact_window.open_window, (W, P), [M, s.ctl, x.phase, x.nearest, x.touched],
             [x.center, x.station, s.active, s.pressure, s.patch_offset, x.window],
         )  # fmt: skip
         weak = [x.weak_gap, x.area, x.wrench, x.stencil, x.stencil_at]
