@@ -33,6 +33,9 @@ RESOLVED = wp.constant(wp.float64(0.1))
 MOST_GAINED = wp.constant(wp.float64(0.01))
 # ... but this part of the energy tolerance always, or steps would be halved for round-off
 LEAST_GAIN = wp.constant(wp.float64(0.0625))
+# of the largest change of an energy: a static step that rises by more goes towards a maximum; below, changes cancel and
+# the grids of contact show
+UPHILL = wp.constant(wp.float64(1.0e-2))
 
 
 @wp.kernel
@@ -97,6 +100,8 @@ def decide(
             lost = False  # it is the motion of the faces: see `sudden`
         if lost or defect > wp.min(model.energy_tolerance, left) * hand:
             ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ENERGY
+    if ctl[w, k.MODE] == k.STATIC and ctl[w, k.DOWNHILL] != 0 and clk[w, k.RISE] > UPHILL:
+        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ENERGY
     if dynamic and clk[w, k.ERROR] > real(1.0):
         ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ACCURACY
     failure = ctl[w, k.FAILURE]

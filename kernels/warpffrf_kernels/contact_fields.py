@@ -335,6 +335,7 @@ def add_contact(
     wrench: wp.array4d(dtype=real),
     gap: wp.array3d(dtype=real),
     opened: wp.array3d(dtype=real),
+    more_wrench: wp.array4d(dtype=real),
     pressure: wp.array3d(dtype=real),
     modal_load: wp.array3d(dtype=real),
     residual: wp.array2d(dtype=real),
@@ -362,7 +363,10 @@ def add_contact(
             if active[w, pair, m] != 0 and area[w, pair, m] > real(0.0):
                 s = pressure[w, pair, m]
                 for i in range(6):
-                    pair_wrench[w, pair, i] = pair_wrench[w, pair, i] + s * wrench[w, pair, m, i]
+                    whole = wrench[w, pair, m, i]
+                    if model.pair_family[pair] == 1:
+                        whole += more_wrench[w, pair, m, i]
+                    pair_wrench[w, pair, i] = pair_wrench[w, pair, i] + s * whole
                 energy += real(0.5) * s * (opened[w, pair, m] - gap[w, pair, m])
                 worst = wp.max(worst, wp.abs(opened[w, pair, m]) / area[w, pair, m])
                 depth = wp.max(depth, wp.abs(gap[w, pair, m]) / area[w, pair, m])

@@ -6,17 +6,17 @@ section z of A its minima by the angle (of a plane by the place) are roots of
     dg/dtheta = grad d_B . dx_A/dtheta.
 
 A step begins with a look all around: in three sections every minimum among SCAN angles is followed by secants over half
-a column, and a secant that leaves the bracket is replaced by halving it. From the least of them the nearest place of all
-is found by Newton's method along the chart, with differences of the gradient for the second derivatives; directions
+a column, and a secant that leaves the bracket is replaced by halving it. From the least of them the nearest place of
+all is found by Newton's method along the chart, with differences of the gradient for the second derivatives; directions
 that the gap does not curve in are held back by REGULAR, and steps end at the edges of A's grid. (Its gap is recorded as
-the approach.) Within a step the place is followed by secants in its section. A gap that is the same everywhere (plane on
-plane) leaves it in the middle.
+the approach.) Within a step the place is followed by secants in its section. A gap that is the same everywhere (plane
+on plane) leaves it in the middle.
 
 The place is the middle of what is looked at, whether anything touches or not: a pair that has come apart is looked for
-where it will meet again, to a fraction of a column. It is also the *phase* of A's grid; the opposite place on B, its row,
-and how B's columns turn along A's width are those of B's. Other minima that overlap (a second patch) are kept inside the
-window too (`touched`). A pair whose first grid is an arc of no more columns than the window looks at the whole arc, and
-its window never moves.
+where it will meet again, to a fraction of a column. It is also the *phase* of A's grid; the opposite place on B, its
+row, and how B's columns turn along A's width are those of B's. Other minima that overlap (a second patch) are kept
+inside the window too (`touched`). A pair whose first grid is an arc of no more columns than the window looks at the
+whole arc, and its window never moves.
 """
 
 import math

@@ -6,19 +6,14 @@ from B's true surface and psi_i A's hats
 
     g_i = sum_k w_k psi_i(x_k) d_B(x_k),          l_i[node] = sum_k w_k psi_i(x_k) psi^B_node(foot of x_k on B),
 
-weak gap and load of B's hats under a unit pressure hat. Moving A by dx changes d_B by grad d_B . dx, the normal of B at
-the foot, away from B. A unit pressure therefore does
+weak gap and load of B's hats under a unit pressure hat. A unit pressure hat also does
 
-    on A: the force f dA at x_k,       on B: -f dA at the same x_k,       f = grad d_B - (grad d_B . e_theta) e_theta,
-    F_i = sum_k w_k psi_i f_k,         M_i = sum_k w_k psi_i (x_k - r_A) x f_k:
+    F_i = sum_k w_k psi_i f_k,         M_i = sum_k w_k psi_i m_k         on A, the opposite at the same points on B,
 
-action equals reaction exactly, and F_i, M_i are the gradient of g_i by the motion of A relative to B, so that the
-contact gives back the energy that it was given, also where a patch slides over an edge. One component is left out, that
-along e_theta, around A's axis: f lies in the plane of A's meridian, and the torque of frictionless contact about A's
-axis is zero exactly. (The two normals differ by the angle between the surfaces. What the component would do is hold A
-back where its grid yields more and push it where it yields less: as in `contact_geometry`, the phase of A's grid is a
-parameter, and the energy gained or lost by turning it is the grid defect of the ledger.) A plane has no axis, and
-nothing is left out.
+f_k, m_k the wrench of a unit pressure at x_k: its direction is grad d_B, the normal of B at the foot, less what would
+turn either body about its own axle (`contact_wrench`). Action equals reaction exactly, and F_i, M_i are the gradient of
+g_i by the motion of A relative to B, so that the contact gives back the energy that it was given, also where a patch
+slides over an edge. What the energy changes when the patch moves over A's grid is the grid defect of the ledger.
 
 Points whose foot lies beside B's grid face nothing and count neither in gap, area, force nor load: a patch that runs
 off an edge ends there. A rigid B has no edges, no grid and no load.
@@ -29,13 +24,16 @@ import warp as wp
 from warpffrf_kernels import control as k
 from warpffrf_kernels.contact_geometry import row_below, wrap
 from warpffrf_kernels.contact_place import TWO_PI, view_of
+from warpffrf_kernels.contact_wrench import Held, point_wrench
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.surface import CENTRE, axes_of, meridian_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
-LINE = 10  # numbers of a point: gap, column and row on B, weight, f and its moment (both in A's surface frame)
+# numbers of a point: gap, column and row on B, weight; force and moment about A's centre of mass, in A's surface frame,
+# as the linear systems take them, and what the true ones have beside (`contact_wrench`)
+LINE = 16
 
 
 @wp.kernel
@@ -46,10 +44,12 @@ def sample_points(
     axes: wp.array2d(dtype=mat33),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
+    held: wp.array3d(dtype=Held),
+    held_ball: wp.array2d(dtype=mat33),
     point_line: wp.array3d(dtype=real),
 ):
     """Per (world, pair of family 1), lanes over points of the window: gap, place on B's grid, weight (0 where B ends),
-    and the direction f of the pressure with its moment about A's centre of mass."""
+    and the wrench of a unit pressure."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_family[pair] != 1:
@@ -93,13 +93,11 @@ def sample_points(
         s = model.point_sine[start + p]
         z = model.point_z[start + p]
         x = vec3(real(0.0), sine + s, z)
-        around = vec3(real(0.0), real(0.0), real(0.0))
         if planar == 0:
             R = model.point_radius[start + p]
             u = cosine * c - sine * s
             v = sine * c + cosine * s
             x = vec3(R * u, R * v, z)
-            around = vec3(-v, u, real(0.0))
         weight = model.point_weight[start + p]
         y = view.at + view.turn * x
         g = y[0]
@@ -113,7 +111,9 @@ def sample_points(
             scale = side_b * foot[2] / wp.max(rho, CENTRE)
             f = vec3(scale * y[0], scale * y[1], side_b * foot[3])
         f = wp.transpose(view.turn) * f
-        f -= wp.dot(f, around) * around
+        unit = point_wrench(model, A, x, f, held[w, pair, p], held_ball[w, pair])
+        m = unit.moment + wp.cross(arm_a, unit.force)
+        more = unit.more_moment + wp.cross(arm_a, unit.more_force)
         column_b = real(0.0)
         row_b = real(0.0)
         if rigid == 0:
@@ -130,19 +130,20 @@ def sample_points(
             below = model.surface_z[z0 + row]
             row_b = real(row) + (foot_z - below) / (model.surface_z[z0 + row + 1] - below)
             row_b = wp.clamp(row_b, real(0.0), real(rows_b - 1))
-        m = wp.cross(x + arm_a, f)
         i = (strip * count + p) * LINE
         point_line[w, pair, i] = g
         point_line[w, pair, i + 1] = column_b
         point_line[w, pair, i + 2] = row_b
         point_line[w, pair, i + 3] = weight
-        for q in range(3):
-            point_line[w, pair, i + 4 + q] = f[q]
-            point_line[w, pair, i + 7 + q] = m[q]
+        for axis in range(3):
+            point_line[w, pair, i + 4 + axis] = unit.force[axis]
+            point_line[w, pair, i + 7 + axis] = m[axis]
+            point_line[w, pair, i + 10 + axis] = unit.more_force[axis]
+            point_line[w, pair, i + 13 + axis] = more[axis]
         e += wp.block_dim()
 
 
-# Weak gap, area, gradient and stencil of one hat: the sum over the points of its (up to) four cells. Returns 1 if the
+# Weak gap, area, wrench and stencil of one hat: the sum over the points of its (up to) four cells. Returns 1 if the
 # stencil has no room for all of B's nodes. Native like `contact_weights.sum_hat`.
 @wp.func_native("""
     const int start = model.pair_point_start.data[pair], count = model.pair_point_count.data[pair];
@@ -152,19 +153,20 @@ def sample_points(
     const int column = m / rows, row = m % rows;
     const int* begin = model.point_row_at.data + model.pair_row_start.data[pair];
     const int from = begin[row > 0 ? row - 1 : 0], to = begin[row + 1 < rows ? row + 1 : rows - 1];
-    const double* line = point_line.data + p0 * (model.window_columns + 1) * model.most_points * 10;
+    const double* line = point_line.data + p0 * (model.window_columns + 1) * model.most_points * 16;
     double* l = stencil.data + hat * SC * SR;
     double* f = wrench.data + hat * 6;
+    double* more = more_wrench.data + hat * 6;
     for (int e = 0; e < SC * SR; ++e) l[e] = 0.0;
-    double sum[6] = {0.0};
+    double sum[12] = {0.0};
     double total = 0.0, size = 0.0, lowest_c = 1e300, lowest_r = 1e300;
     for (int t = 0; t < 2; ++t) for (int p = from; p < to; ++p) {
-        const double* q = line + (size_t)((column + t) * count + p) * 10;
+        const double* q = line + (size_t)((column + t) * count + p) * 16;
         if (q[3] == 0.0) continue;
         const double x = model.point_x.data[start + p], zeta = model.point_zeta.data[start + p];
         const double psi = q[3] * (t ? 1.0 - x : x) * (model.point_row.data[start + p] == row ? 1.0 - zeta : zeta);
         total += psi * q[0]; size += psi;
-        for (int c = 0; c < 6; ++c) sum[c] += psi * q[4 + c];
+        for (int c = 0; c < 12; ++c) sum[c] += psi * q[4 + c];
         if (q[1] < lowest_c) lowest_c = q[1];
         if (q[2] < lowest_r) lowest_r = q[2];
     }
@@ -172,6 +174,7 @@ def sample_points(
     for (int i = 0; i < 3; ++i) for (int c = 0; c < 2; ++c) {
         const double* v = sum + 3 * c;
         f[3 * c + i] = turn.data[i][0] * v[0] + turn.data[i][1] * v[1] + turn.data[i][2] * v[2];
+        more[3 * c + i] = turn.data[i][0] * v[6] + turn.data[i][1] * v[7] + turn.data[i][2] * v[8];
     }
     stencil_at.data[2 * hat] = model.second_half_window; stencil_at.data[2 * hat + 1] = 0;
     if (rigid || size == 0.0) return 0;
@@ -179,7 +182,7 @@ def sample_points(
     const int orow = (int)::floor(lowest_r) > last ? last : (int)::floor(lowest_r);
     int beyond = 0;
     for (int t = 0; t < 2; ++t) for (int p = from; p < to; ++p) {
-        const double* q = line + (size_t)((column + t) * count + p) * 10;
+        const double* q = line + (size_t)((column + t) * count + p) * 16;
         if (q[3] == 0.0) continue;
         const double x = model.point_x.data[start + p], zeta = model.point_zeta.data[start + p];
         const double psi = q[3] * (t ? 1.0 - x : x) * (model.point_row.data[start + p] == row ? 1.0 - zeta : zeta);
@@ -208,6 +211,7 @@ def sum_points(
     weak_gap: wp.array3d(dtype=real),
     area: wp.array3d(dtype=real),
     wrench: wp.array4d(dtype=real),
+    more_wrench: wp.array4d(dtype=real),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
 ) -> int: ...
@@ -224,6 +228,7 @@ def weigh_points(
     weak_gap: wp.array3d(dtype=real),
     area: wp.array3d(dtype=real),
     wrench: wp.array4d(dtype=real),
+    more_wrench: wp.array4d(dtype=real),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
 ):
@@ -243,7 +248,7 @@ def weigh_points(
     while m < end:
         beyond = sum_points(
             model, w, pair, m, rows, model.surface_rows[B], model.surface_rigid[B], origin, turn, point_line,
-            weak_gap, area, wrench, stencil, stencil_at,
+            weak_gap, area, wrench, more_wrench, stencil, stencil_at,
         )  # fmt: skip
         absolute = center[w, pair, 0] + m / rows - H
         dropped = int(0)
@@ -318,10 +323,10 @@ def sum_points_second(
                         load += psi * pressure[w, pair, m]
             if load != real(0.0):
                 load *= point_line[w, pair, i + 3]
-                force += load * vec3(point_line[w, pair, i + 4], point_line[w, pair, i + 5], point_line[w, pair, i + 6])
-                moment += load * vec3(
-                    point_line[w, pair, i + 7], point_line[w, pair, i + 8], point_line[w, pair, i + 9]
-                )
+                for axis in range(3):
+                    j = i + 4 + axis
+                    force[axis] += load * (point_line[w, pair, j] + point_line[w, pair, j + 6])
+                    moment[axis] += load * (point_line[w, pair, j + 3] + point_line[w, pair, j + 9])
             p += 1
         strip += 1
     turn = axes_of(axes, w, model.surface_body[A]) * model.surface_frame[A]

@@ -47,7 +47,8 @@ SOLVES = wp.constant(38)  # factorisations of stick and slip so far
 FACTORED = wp.constant(39)  # free coordinates of the factorisation of stick and slip at hand, 0 without
 SUDDEN = wp.constant(40)  # how contact acts on this step and the next: see `sudden`
 REPEATED = wp.constant(41)  # attempts repeated with sudden contact
-CTL = 42
+DOWNHILL = wp.constant(42)  # 1 when a static step must not end higher than it began
+CTL = 43
 
 # --- reals
 START_TIME = wp.constant(0)
@@ -66,7 +67,8 @@ DONE_STEP = wp.constant(12)  # size of the last accepted step
 ERROR = wp.constant(13)  # local error of the attempt over the accuracy asked for
 LOCAL = wp.constant(14)  # ALPHA_M to VEL of the local modes that step by themselves
 GAINED = wp.constant(20)  # energy gained in impacts so far, each over the energy at hand, losses taken off
-CLK = 21
+RISE = wp.constant(21)  # what a static step gained in energy, over the largest change of a line of it
+CLK = 22
 
 # --- values
 DYNAMIC = wp.constant(0)

@@ -186,9 +186,10 @@ def apply_loads(
     modal_residual: wp.array(dtype=real),
     load: wp.array3d(dtype=real),
     load_on_modes: wp.array(dtype=real),
+    applied_torque: wp.array2d(dtype=vec3),
 ):
     """Per world: point torques and body loads as generalised forces (force in world axes, torque in body axes, modal),
-    subtracted from the residuals and kept for the ledger.
+    subtracted from the residuals and kept for the ledger; `applied_torque`: each by itself, body axes.
     """
     w = wp.tid()
     model = models[0]
@@ -214,6 +215,7 @@ def apply_loads(
         )
         if model.torque_in_body[i] == 0:
             torque = wp.transpose(axes[w, b]) * torque
+        applied_torque[w, i] = torque
         for c in range(3):
             load[w, 1, 6 * b + 3 + c] = load[w, 1, 6 * b + 3 + c] + torque[c]
         interface = model.torque_interface[i]

@@ -9,6 +9,9 @@ books
     contact grid      dE_contact + (work of the contact wrench on bodies and modes, trapezoidal; in
                       impulsive steps, `sudden`, of the wrench at the end) - friction
     numerical         what is left of dE: negative where the integrator dissipates.
+
+A proximal step towards a static state must not end higher than it began, dE no more than the work of forces: Newton's
+method would go to a maximum as well as to a minimum.
 """
 
 import warp as wp
@@ -20,6 +23,8 @@ from warpffrf_kernels.rows import evaluate_signal
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
+
+UNSEEN = wp.constant(wp.float64(1.0e-8))  # of the energies: what joints work that close to the tolerance of 1e-9
 
 
 @wp.kernel
@@ -68,7 +73,6 @@ def mean_force(sudden: bool, pair_force: wp.array4d(dtype=real), w: int, pair: i
 def balance_energy(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
     r1: wp.array2d(dtype=vec3),
     v1: wp.array2d(dtype=vec3),
     omega1: wp.array2d(dtype=vec3),
@@ -92,9 +96,11 @@ def balance_energy(
     contact_energy: wp.array2d(dtype=real),
     extra_energy: wp.array2d(dtype=real),
     friction_work: wp.array3d(dtype=real),
+    clk: wp.array2d(dtype=real),
     energy: wp.array3d(dtype=real),
 ):
-    """Per world: the ledger of the trial state, energy[w, 1], from that of the accepted one, energy[w, 0]."""
+    """Per world: the ledger of the trial state, energy[w, 1], from that of the accepted one, energy[w, 0]; of a static
+    step whether it went downhill, `RISE`."""
     w = wp.tid()
     model = models[0]
     if ctl[w, k.ATTEMPT] == 0:
@@ -107,6 +113,7 @@ def balance_energy(
     damping = real(0.0)
     force_work = real(0.0)
     drive_work = real(0.0)
+    held_work = real(0.0)
     contact_work = real(0.0)
     sudden = ctl[w, k.SUDDEN] == k.IMPULSIVE and ctl[w, k.MODE] == k.DYNAMIC
     b = int(0)
@@ -134,7 +141,9 @@ def balance_energy(
             d0 = drive_rate[w, 0, row]
             d1 = drive_rate[w, 1, row]
             damping += half * h * model.row_damping[row] * (d0 * d0 + d1 * d1)
-        elif model.row_signal[row] >= 0:
+        else:
+            held_work -= half * (lam0[w, row] + lam[w, row]) * (coordinate[w, row] - stretch[w, row])
+        if model.row_rigid[row] != 0 and model.row_signal[row] >= 0:
             s0 = evaluate_signal(model, model.row_signal[row], clk[w, k.TIME], 0)
             s1 = evaluate_signal(model, model.row_signal[row], clk[w, k.NEXT_TIME], 0)
             drive_work -= half * (lam0[w, row] + lam[w, row]) * (s1 - s0)
@@ -172,6 +181,14 @@ def balance_energy(
         pair += 1
     grid = contact_energy[w, 0] - energy[w, 0, k.CONTACT] + contact_work - friction
     numerical = total - before - force_work - drive_work + damping - grid - friction
+    clk[w, k.RISE] = real(0.0)
+    if ctl[w, k.MODE] == k.STATIC and ctl[w, k.STEPS] > 0:
+        largest = wp.max(wp.abs(strain - energy[w, 0, k.STRAIN]), wp.abs(potential - energy[w, 0, k.POTENTIAL]))
+        largest = wp.max(largest, wp.max(wp.abs(contact_energy[w, 0] - energy[w, 0, k.CONTACT]), wp.abs(force_work)))
+        stored = strain + contact_energy[w, 0] + potential - energy[w, 0, k.STRAIN] - energy[w, 0, k.CONTACT]
+        stored -= energy[w, 0, k.POTENTIAL] + force_work + held_work
+        if stored > UNSEEN * (wp.abs(strain) + wp.abs(potential) + wp.abs(contact_energy[w, 0])):
+            clk[w, k.RISE] = stored / largest
     if ctl[w, k.MODE] != k.DYNAMIC:  # a start or a static step opens the books
         force_work = real(0.0)
         drive_work = real(0.0)

@@ -10,7 +10,8 @@ kinds of coordinates
 so that `a_1`, `v_1`, `vdot_1` are affine in `d` with slopes `1/(beta h^2)`, `VEL = gamma/(beta h)` and
 `ACC = (1 - alpha_m)/(beta h^2 (1 - alpha_f))`. Three other uses of the same formulas:
 
-* STATIC (beta = 1, gamma = 0, alphas 0, all rates zero): `vdot_1 = d/h^2`, a proximal step towards the static state.
+* STATIC (beta = 1, gamma = 0, alphas 0, all rates zero): `vdot_1 = d/h^2`, a proximal step towards the static state;
+  motions that are to stay where they are get an inertia of their own (`hold_motions`).
 * PROJECT (beta = gamma = 1, alphas 0): one tiny implicit Euler step; its velocity is the given one made consistent with
   joints and drives, in the mass metric.
 * START (beta = 1/2, gamma = 1, alphas 0): one tiny step of constant acceleration gives `vdot`, `lambda` and pressures
@@ -319,6 +320,62 @@ def move_bodies(
                 tangent[w, o + 3 + i, o + 3 + j] = S[i, j]
             tangent[w, o + i, o + i] = m * clk[w, k.ACC]
         b += wp.block_dim()
+
+
+@wp.kernel
+def hold_motions(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+    hold: wp.array3d(dtype=real),
+    hold_count: wp.array(dtype=int),
+    residual: wp.array2d(dtype=real),
+):
+    """Per world, in static steps: the force n (n.d) of each held motion n."""
+    w = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.MODE] != k.STATIC:
+        return
+    h = int(0)
+    while h < hold_count[w]:
+        along = real(0.0)
+        b = int(0)
+        while b < model.body_count:
+            for c in range(3):
+                along += hold[w, h, 6 * b + c] * dx[w, b][c] + hold[w, h, 6 * b + 3 + c] * psi[w, b][c]
+            b += 1
+        i = int(0)
+        while i < 6 * model.body_count:
+            residual[w, i] = residual[w, i] + hold[w, h, i] * along
+            i += 1
+        h += 1
+
+
+@wp.kernel
+def add_held(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    hold: wp.array3d(dtype=real),
+    hold_count: wp.array(dtype=int),
+    tangent: wp.array3d(dtype=real),
+):
+    """Per world, lanes over rows, in static steps: n n^T of each held motion n in the outer matrix."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.REFRESH] == 0 or ctl[w, k.MODE] != k.STATIC:
+        return
+    i = lane
+    while i < 6 * model.body_count:
+        h = int(0)
+        while h < hold_count[w]:
+            if hold[w, h, i] != real(0.0):
+                j = int(0)
+                while j < 6 * model.body_count:
+                    tangent[w, i, j] = tangent[w, i, j] + hold[w, h, i] * hold[w, h, j]
+                    j += 1
+            h += 1
+        i += wp.block_dim()
 
 
 @wp.kernel

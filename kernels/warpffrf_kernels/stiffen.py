@@ -1,13 +1,16 @@
-"""How the forces of rows turn and shift with the bodies: their geometric stiffness.
+"""How the forces of rows, and applied forces, turn and shift with bodies and modes: their geometric stiffness.
 
-A row pulls on body b with P = lambda f at x_b and the couple Q = lambda t, on body a with the opposite. With d_b =
-x_b - r_b, d_a = x_a - r_a, c_a = x_b - r_a, what the residuals contain is
+A row pulls on marker b with the force P = lambda f at x_b and the couple Q = lambda t, on marker a with the opposite at
+the same place. With d_b = x_b - r_b, c_a = x_b - r_a, c = x_b - x_a the residuals of rigid coordinates and modes
+contain
 
-    b:  P,    A_b^T M_b,   M_b = d_b x P + Q;          a:  -P,   A_a^T M_a,   M_a = -(c_a x P + Q).
+    b:   P,   A_b^T M_b,   M_b = d_b x P + Q,          B_b^T (A_b^T P, A_b^T Q),
+    a:  -P,   A_a^T M_a,   M_a = -(c_a x P + Q),      -B_a^T (A_a^T P, A_a^T (c x P + Q)),
 
-For small motions dr, dTheta (world axes) and fixed lambda
+B the motion, translation at the marker's point and rotation, by the modes (body axes). A coordinate moves the markers'
+points by dx, turns them by dT and the bodies by dTheta. For fixed lambda
 
-    dP = P_a dTheta_a + P_b dTheta_b + P_x (dx_b - dx_a),    dx = dr + dTheta x d,    dQ = Q_a dTheta_a + Q_b dTheta_b,
+    dP = P_a dT_a + P_x (dx_b - dx_a),      dQ = Q_a dT_a + Q_b dT_b,
 
     TRANSLATION, BUSHING   f turns with a:            P_a = -P^,  BUSHING also Q_a = Q_b = -Q^/2 (to first order in phi)
     DISTANCE               f = (x_b - x_a)/l:         P_x = lambda (1 - f f^T)/l
@@ -15,15 +18,20 @@ For small motions dr, dTheta (world axes) and fixed lambda
     ANGLE, SECOND_ANGLE    t = e x n/N, n = (q.e) p - (p.e) q, N = (p.e)^2 + (q.e)^2, e turning with one body, p and q
                            with the other, d(p.e) = (dTheta_e - dTheta_pq).(e x p), likewise q
 
-and dM_b = dd_b x P + d_b x dP + dQ, dM_a = -(dc_a x P + c_a x dP + dQ), d(A^T M) = A^T (dM - dTheta x M). The residual
-does not depend on any of this, only how fast it is brought to zero: without it a static state under a load whose arm
-moves was found with a contraction of (geometric over elastic stiffness), 0.3 for a soft mount. Modes are left out.
+and d(A^T v) = A^T (dv + v x dTheta). An applied force F is half a row: the residual has -F at its place, dF = 0, or
+dTheta x F where it turns with the body; a torque likewise. What B itself changes by with the modes is in
+`inertia.couple_modes`, for rows, and here for applied forces.
+
+The residual does not depend on any of this, only how fast it is brought to zero: without it a static state under a load
+whose arm moves was found with a contraction of (geometric over elastic stiffness), 0.3 for a soft mount. The part by
+modes is taken in static steps, of the modes that are unknowns of the outer system: in a step in time inertia outweighs
+it.
 """
 
 import warp as wp
 
 from warpffrf_kernels import control as k
-from warpffrf_kernels.interfaces import arm_on_interface, axes_on_interface
+from warpffrf_kernels.interfaces import arm_on_interface, axes_on_interface, line_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.rotation import hat
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
@@ -31,11 +39,164 @@ from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
 wp.set_module_options(MODULE_OPTIONS)
 
 
+@wp.struct
+class Change:
+    """What one coordinate does to a marker and its body: `point` dx, `marker` dT, `body` dTheta, `origin` dr; world."""
+
+    point: vec3
+    marker: vec3
+    body: vec3
+    origin: vec3
+
+
+@wp.struct
+class Pull:
+    """A row's force and couple on its second marker, and their derivatives."""
+
+    P: vec3
+    Q: vec3
+    P_a: mat33
+    P_x: mat33
+    Q_a: mat33
+    Q_b: mat33
+
+
 @wp.func
-def add_block(tangent: wp.array3d(dtype=real), w: int, row: int, column: int, block: mat33):
+def modes_here(model: Model, ctl: wp.array2d(dtype=int), w: int, body: int, interface: int) -> int:
+    """Modes of a body that are unknowns of the outer system and move an interface, in static steps."""
+    if ctl[w, k.MODE] != k.STATIC or body < 0 or interface < 0:
+        return 0
+    return model.inertia_count[body]
+
+
+@wp.func
+def mode_slope(model: Model, slope: wp.array(dtype=real), w: int, interface: int, i: int, lever: vec3):
+    """Translation of the place at `lever` from the interface's point, and rotation, by mode i; body axes."""
+    at = line_of(model, w, interface) + i
+    width = model.interface_width
+    turn = vec3(slope[at + 3 * width], slope[at + 4 * width], slope[at + 5 * width])
+    return vec3(slope[at], slope[at + width], slope[at + 2 * width]) + wp.cross(turn, lever), turn
+
+
+@wp.func
+def change_by(
+    model: Model,
+    slope: wp.array(dtype=real),
+    w: int,
+    interface: int,
+    A: mat33,
+    d: vec3,
+    lever: vec3,
+    coordinate: int,
+) -> Change:
+    """Of coordinate 0 to 2 (translation), 3 to 5 (turn about the body's axes) or 6 + i (mode i) of the marker's
+    body."""
+    out = Change()
+    if coordinate < 3:
+        out.origin[coordinate] = real(1.0)
+        out.point = out.origin
+    elif coordinate < 6:
+        out.body = vec3(A[0, coordinate - 3], A[1, coordinate - 3], A[2, coordinate - 3])
+        out.marker = out.body
+        out.point = wp.cross(out.body, d)
+    else:
+        move, turn = mode_slope(model, slope, w, interface, coordinate - 6, lever)
+        out.point = A * move
+        out.marker = A * turn
+    return out
+
+
+@wp.func
+def column_of(model: Model, body: int, coordinate: int) -> int:
+    """Outer column of a coordinate of `change_by`."""
+    if coordinate < 6:
+        return 6 * body + coordinate
+    return 6 * model.body_count + model.dense_start[body] + coordinate - 6
+
+
+@wp.func
+def add_change(
+    model: Model,
+    slope: wp.array(dtype=real),
+    w: int,
+    body: int,
+    interface: int,
+    modes: int,
+    A: mat33,
+    lever: vec3,
+    turned: vec3,
+    P: vec3,
+    dP: vec3,
+    M: vec3,
+    dM: vec3,
+    N: vec3,
+    dN: vec3,
+    column: int,
+    tangent: wp.array3d(dtype=real),
+):
+    """Adds to a column what a body's residuals change by: force P, moment M about its origin, couple N at the marker
+    (all world axes) and their changes; the body turns by `turned`."""
+    moment = wp.transpose(A) * (dM + wp.cross(M, turned))
+    row = 6 * body
     for i in range(3):
-        for j in range(3):
-            tangent[w, row + i, column + j] = tangent[w, row + i, column + j] + block[i, j]
+        tangent[w, row + i, column] = tangent[w, row + i, column] + dP[i]
+        tangent[w, row + 3 + i, column] = tangent[w, row + 3 + i, column] + moment[i]
+    if modes > 0:
+        f = wp.transpose(A) * (dP + wp.cross(P, turned))
+        t = wp.transpose(A) * (dN + wp.cross(N, turned))
+        i = int(0)
+        while i < modes:
+            move, turn = mode_slope(model, slope, w, interface, i, lever)
+            at = column_of(model, body, 6 + i)
+            tangent[w, at, column] = tangent[w, at, column] + wp.dot(move, f) + wp.dot(turn, t)
+            i += 1
+
+
+@wp.func
+def pull_of(kind: int, pull: real, f: vec3, t: vec3, R_a: mat33, R_b: mat33, i: int, j: int, length: real) -> Pull:
+    """Of a row of multiplier `pull` and wrench (f, t) on markers with the axes R_a, R_b."""
+    out = Pull()
+    out.P = pull * f
+    out.Q = pull * t
+    if kind == k.TRANSLATION or kind == k.BUSHING:
+        out.P_a = -hat(out.P)
+    if kind == k.BUSHING:
+        out.Q_a = real(-0.5) * hat(out.Q)
+        out.Q_b = out.Q_a
+    if kind == k.DISTANCE:
+        one = wp.identity(n=3, dtype=real)
+        out.P_x = (pull / wp.max(length, real(1.0e-300))) * (one - wp.outer(f, f))
+    if kind == k.DIRECTION:
+        U = hat(vec3(R_a[0, i], R_a[1, i], R_a[2, i]))
+        W = hat(vec3(R_b[0, j], R_b[1, j], R_b[2, j]))
+        out.Q_a = -pull * (W * U)
+        out.Q_b = pull * (U * W)
+    if kind == k.ANGLE or kind == k.SECOND_ANGLE:
+        held = R_a
+        turned = R_b
+        sign = real(1.0)
+        if kind == k.SECOND_ANGLE:
+            held = R_b
+            turned = R_a
+            sign = real(-1.0)
+        q = vec3(held[0, j], held[1, j], held[2, j])
+        p = sign * wp.cross(vec3(held[0, i], held[1, i], held[2, i]), q)
+        e = vec3(turned[0, j], turned[1, j], turned[2, j])
+        along_p = wp.dot(p, e)
+        along_q = wp.dot(q, e)
+        N = along_p * along_p + along_q * along_q
+        n = along_q * p - along_p * q
+        u = wp.cross(e, n) / N
+        steep = hat(e) * (wp.outer(p, wp.cross(e, q)) - wp.outer(q, wp.cross(e, p)))
+        steep = steep - wp.outer(u, real(2.0) * (along_p * wp.cross(e, p) + along_q * wp.cross(e, q)))
+        by_turned = (sign * pull / N) * (hat(n) * hat(e) + steep)
+        by_held = (sign * pull / N) * (-(hat(e) * hat(n)) - steep)
+        out.Q_a = by_held
+        out.Q_b = by_turned
+        if kind == k.SECOND_ANGLE:
+            out.Q_a = by_turned
+            out.Q_b = by_held
+    return out
 
 
 @wp.kernel
@@ -44,12 +205,13 @@ def stiffen(
     ctl: wp.array2d(dtype=int),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
+    slope: wp.array(dtype=real),
     motion: wp.array3d(dtype=real),
     lam: wp.array2d(dtype=real),
     row_wrench: wp.array3d(dtype=real),
     tangent: wp.array3d(dtype=real),
 ):
-    """Per world: add the geometric stiffness of all rows to the rigid blocks of the outer matrix."""
+    """Per world: add the geometric stiffness of all rows to the outer matrix."""
     w = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.REFRESH] == 0:
@@ -57,8 +219,7 @@ def stiffen(
     one = wp.identity(n=3, dtype=real)
     row = int(0)
     while row < model.row_count:
-        pull = lam[w, row]
-        if pull != real(0.0):
+        if lam[w, row] != real(0.0):
             a = model.row_a[row]
             b = model.row_b[row]
             body_a = model.marker_body[a]
@@ -73,102 +234,148 @@ def stiffen(
             if body_b >= 0:
                 A_b = axes[w, body_b]
                 r_b = r1[w, body_b]
+            f_a = model.marker_interface[a]
+            f_b = model.marker_interface[b]
+            lever_a = vec3(real(0.0))
+            lever_b = vec3(real(0.0))
+            if f_a >= 0:
+                lever_a = model.marker_point[a] - model.interface_point[f_a]
+            if f_b >= 0:
+                lever_b = model.marker_point[b] - model.interface_point[f_b]
             d_a = A_a * arm_on_interface(model, a, motion, w)
             d_b = A_b * arm_on_interface(model, b, motion, w)
-            f = vec3(row_wrench[w, row, 0], row_wrench[w, row, 1], row_wrench[w, row, 2])
-            P = pull * f
-            Q = pull * vec3(row_wrench[w, row, 3], row_wrench[w, row, 4], row_wrench[w, row, 5])
             c_a = r_b + d_b - r_a
-            kind = model.row_kind[row]
-            P_a = mat33(real(0.0))
-            P_x = mat33(real(0.0))
-            Q_a = mat33(real(0.0))
-            Q_b = mat33(real(0.0))
-            if kind == k.TRANSLATION or kind == k.BUSHING:
-                P_a = -hat(P)
-            if kind == k.BUSHING:
-                Q_a = real(-0.5) * hat(Q)
-                Q_b = Q_a
-            if kind == k.DISTANCE:
-                length = wp.max(wp.length(c_a - d_a), real(1.0e-300))
-                P_x = (pull / length) * (one - wp.outer(f, f))
-            if kind == k.DIRECTION:
-                R_a = A_a * axes_on_interface(model, a, motion, w)
-                R_b = A_b * axes_on_interface(model, b, motion, w)
-                i = model.row_i[row]
-                j = model.row_j[row]
-                U = hat(vec3(R_a[0, i], R_a[1, i], R_a[2, i]))
-                W = hat(vec3(R_b[0, j], R_b[1, j], R_b[2, j]))
-                Q_a = -pull * (W * U)
-                Q_b = pull * (U * W)
-            if kind == k.ANGLE or kind == k.SECOND_ANGLE:
-                held = A_a * axes_on_interface(model, a, motion, w)
-                turned = A_b * axes_on_interface(model, b, motion, w)
-                sign = real(1.0)
-                if kind == k.SECOND_ANGLE:
-                    held = A_b * axes_on_interface(model, b, motion, w)
-                    turned = A_a * axes_on_interface(model, a, motion, w)
-                    sign = real(-1.0)
-                i = model.row_i[row]
-                j = model.row_j[row]
-                q = vec3(held[0, j], held[1, j], held[2, j])
-                p = sign * wp.cross(vec3(held[0, i], held[1, i], held[2, i]), q)
-                e = vec3(turned[0, j], turned[1, j], turned[2, j])
-                along_p = wp.dot(p, e)
-                along_q = wp.dot(q, e)
-                N = along_p * along_p + along_q * along_q
-                n = along_q * p - along_p * q
-                t = wp.cross(e, n) / N
-                steep = hat(e) * (wp.outer(p, wp.cross(e, q)) - wp.outer(q, wp.cross(e, p)))
-                steep = steep - wp.outer(t, real(2.0) * (along_p * wp.cross(e, p) + along_q * wp.cross(e, q)))
-                by_turned = (sign * pull / N) * (hat(n) * hat(e) + steep)
-                by_held = (sign * pull / N) * (-(hat(e) * hat(n)) - steep)
-                Q_a = by_held
-                Q_b = by_turned
-                if kind == k.SECOND_ANGLE:
-                    Q_a = by_turned
-                    Q_b = by_held
-            M_a = -(wp.cross(c_a, P) + Q)
-            M_b = wp.cross(d_b, P) + Q
-            for column in range(4):  # dr_a, dTheta_a, dr_b, dTheta_b
+            c = c_a - d_a
+            f = vec3(row_wrench[w, row, 0], row_wrench[w, row, 1], row_wrench[w, row, 2])
+            t = vec3(row_wrench[w, row, 3], row_wrench[w, row, 4], row_wrench[w, row, 5])
+            p = pull_of(
+                model.row_kind[row], lam[w, row], f, t, A_a * axes_on_interface(model, a, motion, w),
+                A_b * axes_on_interface(model, b, motion, w), model.row_i[row], model.row_j[row], wp.length(c),
+            )  # fmt: skip
+            modes_a = modes_here(model, ctl, w, body_a, f_a)
+            modes_b = modes_here(model, ctl, w, body_b, f_b)
+            for side in range(2):
                 body = body_a
-                if column > 1:
+                modes = modes_a
+                if side == 1:
                     body = body_b
-                if body >= 0:
-                    dP = mat33(real(0.0))
-                    dQ = mat33(real(0.0))
-                    dd_b = mat33(real(0.0))
-                    dc_a = mat33(real(0.0))
-                    own_a = mat33(real(0.0))  # of A^T on the body that turns
-                    own_b = mat33(real(0.0))
-                    turn = one
-                    if column == 0:
-                        dP = -P_x
-                        dc_a = -one
-                    if column == 1:
-                        dP = P_a + P_x * hat(d_a)
-                        dQ = Q_a
-                        own_a = hat(M_a)
-                        turn = A_a
-                    if column == 2:
-                        dP = P_x
-                        dc_a = one
-                    if column == 3:
-                        dP = -(P_x * hat(d_b))
-                        dQ = Q_b
-                        dd_b = -hat(d_b)
-                        dc_a = dd_b
-                        own_b = hat(M_b)
-                        turn = A_b
-                    at = 6 * body
-                    if column == 1 or column == 3:
-                        at = at + 3
+                    modes = modes_b
+                coordinate = int(0)
+                while body >= 0 and coordinate < 6 + modes:
+                    by_a = Change()
+                    by_b = Change()
+                    if side == 0:
+                        by_a = change_by(model, slope, w, f_a, A_a, d_a, lever_a, coordinate)
+                    else:
+                        by_b = change_by(model, slope, w, f_b, A_b, d_b, lever_b, coordinate)
+                    column = column_of(model, body, coordinate)
+                    dP = p.P_a * by_a.marker + p.P_x * (by_b.point - by_a.point)
+                    dQ = p.Q_a * by_a.marker + p.Q_b * by_b.marker
                     if body_b >= 0:
-                        moment = hat(d_b) * dP - hat(P) * dd_b + dQ + own_b
-                        add_block(tangent, w, 6 * body_b, at, dP * turn)
-                        add_block(tangent, w, 6 * body_b + 3, at, wp.transpose(A_b) * moment * turn)
+                        M = wp.cross(d_b, p.P) + p.Q
+                        dM = wp.cross(by_b.point - by_b.origin, p.P) + wp.cross(d_b, dP) + dQ
+                        add_change(
+                            model, slope, w, body_b, f_b, modes_b, A_b, lever_b, by_b.body, p.P, dP, M, dM, p.Q, dQ,
+                            column, tangent,
+                        )  # fmt: skip
                     if body_a >= 0:
-                        moment = hat(P) * dc_a - hat(c_a) * dP - dQ + own_a
-                        add_block(tangent, w, 6 * body_a, at, -(dP * turn))
-                        add_block(tangent, w, 6 * body_a + 3, at, wp.transpose(A_a) * moment * turn)
+                        M = -(wp.cross(c_a, p.P) + p.Q)
+                        dM = -(wp.cross(by_b.point - by_a.origin, p.P) + wp.cross(c_a, dP) + dQ)
+                        N = -(wp.cross(c, p.P) + p.Q)
+                        dN = -(wp.cross(by_b.point - by_a.point, p.P) + wp.cross(c, dP) + dQ)
+                        add_change(
+                            model, slope, w, body_a, f_a, modes_a, A_a, lever_a, by_a.body, -p.P, -dP, M, dM, N, dN,
+                            column, tangent,
+                        )  # fmt: skip
+                    coordinate += 1
         row += 1
+
+
+@wp.kernel
+def stiffen_applied(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    axes: wp.array2d(dtype=mat33),
+    slope: wp.array(dtype=real),
+    motion: wp.array3d(dtype=real),
+    applied: wp.array3d(dtype=vec3),
+    applied_torque: wp.array2d(dtype=vec3),
+    tangent: wp.array3d(dtype=real),
+):
+    """Per world, in static steps: add the geometric stiffness of the point forces and torques to the outer matrix."""
+    w = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.REFRESH] == 0 or ctl[w, k.MODE] != k.STATIC:
+        return
+    none = vec3(real(0.0))
+    i = int(0)
+    while i < model.force_count + model.torque_count:
+        F = none
+        T = none
+        body = int(0)
+        interface = int(-1)
+        follows = int(0)
+        arm = none
+        lever = none
+        if i < model.force_count:
+            body = model.force_body[i]
+            interface = model.force_interface[i]
+            follows = model.force_in_body[i]
+            F = applied[w, 1, i]
+            arm = model.force_point[i]
+            if interface >= 0:
+                lever = arm - model.interface_point[interface]
+                turn = vec3(motion[w, interface, 3], motion[w, interface, 4], motion[w, interface, 5])
+                arm += vec3(motion[w, interface, 0], motion[w, interface, 1], motion[w, interface, 2])
+                arm += wp.cross(turn, lever)
+        else:
+            at = i - model.force_count
+            body = model.torque_body[at]
+            interface = model.torque_interface[at]
+            follows = model.torque_in_body[at]
+            T = axes[w, body] * applied_torque[w, at]
+        A = axes[w, body]
+        d = A * arm
+        modes = modes_here(model, ctl, w, body, interface)
+        coordinate = int(0)
+        while coordinate < 6 + modes:
+            by = change_by(model, slope, w, interface, A, d, lever, coordinate)
+            dF = none
+            dT = none
+            if follows != 0:
+                dF = wp.cross(by.body, F)
+                dT = wp.cross(by.body, T)
+            M = wp.cross(d, F) + T
+            dM = wp.cross(by.point - by.origin, F) + wp.cross(d, dF) + dT
+            add_change(
+                model, slope, w, body, interface, modes, A, lever, by.body, -F, -dF, -M, -dM, -T, -dT,
+                column_of(model, body, coordinate), tangent,
+            )  # fmt: skip
+            coordinate += 1
+        if modes > 0 and model.interface_stiffening_start[interface] >= 0:
+            bend_modes(model, w, body, interface, wp.transpose(A) * F, lever, wp.transpose(A) * T, tangent)
+        i += 1
+
+
+@wp.func
+def bend_modes(
+    model: Model, w: int, body: int, interface: int, f: vec3, lever: vec3, torque: vec3, tangent: wp.array3d(dtype=real)
+):
+    """What B of an interface changes by with the modes, times a force at `lever` and a torque there (body axes)."""
+    count = model.inertia_count[body]
+    t = wp.cross(lever, f) + torque
+    first = model.interface_stiffening_start[interface]
+    i = int(0)
+    while i < count:
+        row = column_of(model, body, 6 + i)
+        j = int(0)
+        while j < count:
+            total = real(0.0)
+            for c in range(3):
+                at = first + (c * count + i) * count + j
+                total += f[c] * model.interface_stiffening[at]
+                total += t[c] * model.interface_stiffening[at + 3 * count * count]
+            column = column_of(model, body, 6 + j)
+            tangent[w, row, column] = tangent[w, row, column] + total
+            j += 1
+        i += 1

@@ -22,9 +22,10 @@ profile, counted away from the axis. With d = rho - R_0 it is
 
 exactly: the arc's centre lies at radius R_0 - Rc, and (h - |Rc|)(h + |Rc|) is free of cancellation. Of a point beyond
 the centre of a hollow arc (sign(Rc) (d + Rc) < 0, side sign(Rc) = -1) the foot is the nearer end of the half circle.
-Other profiles need the foot, the root of f(z) = zeta - z + (rho - R) R', by Newton's method; the distance
-(rho - R - (zeta - z) R')/sqrt(1 + R'^2) errs by the square of what the foot is off. The gradient of the distance is the
-normal at the foot.
+Other profiles need the foot, the root of f(z) = zeta - z + (rho - R) R', by Newton's method; the distance (rho - R -
+(zeta - z) R')/sqrt(1 + R'^2) errs by the square of what the foot is off. The gradient of the distance is the normal n
+at the foot. It turns with the point: around the axis by n_rho/rho, along the meridian by kappa/(1 + kappa d), the
+curvature of the surface that lies parallel through the point (kappa that of the foot, d the distance).
 """
 
 import warp as wp
@@ -38,6 +39,7 @@ FOOT_STEPS = wp.constant(12)  # of Newton's method for a foot; four do where the
 FOOT_TOLERANCE = wp.constant(wp.float64(1.0e-9))  # of the radius: the distance errs by its square
 STEEPEST = wp.constant(wp.float64(1.0e-6))  # of an arc's radius: least height over its ends, where the slope diverges
 LEAST_BEND = wp.constant(wp.float64(0.25))  # of 1 + R'^2: Newton's slope is kept off zero, also past the evolute
+EVOLUTE = wp.constant(wp.float64(1.0e-12))  # of 1 + kappa d: nearer to the evolute the normal has no direction
 CENTRE = wp.constant(wp.float64(1.0e-14))  # m: closer to an arc's centre there is no direction
 
 
@@ -211,6 +213,34 @@ def gradient_of(model: Model, s: int, x: vec3) -> vec3:
         return vec3(real(0.0), real(0.0), side * foot[3])
     scale = side * foot[2] / rho
     return vec3(scale * x[0], scale * x[1], side * foot[3])
+
+
+@wp.func
+def gradient_slope_of(model: Model, s: int, x: vec3) -> mat33:
+    """Derivative [1/m] of `gradient_of` by x: symmetric, and 0 along the normal. On the axis it has no part around."""
+    if model.surface_planar[s] != 0:
+        return mat33()
+    rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])
+    if rho < CENTRE:
+        return mat33()
+    foot = meridian_of(model, s, rho, x[2])
+    side = model.surface_side[s]
+    radial = vec3(x[0] / rho, x[1] / rho, real(0.0))
+    around = vec3(-radial[1], radial[0], real(0.0))
+    along = foot[2] * vec3(real(0.0), real(0.0), real(1.0)) - foot[3] * radial
+    crown = model.surface_crown[s]
+    kappa = real(0.0)
+    if model.surface_table_count[s] == 0 and model.surface_tangent[s] == real(0.0):
+        if crown != real(0.0):
+            kappa = real(1.0) / crown
+    else:
+        p = profile_of(model, s, foot[0])
+        square = real(1.0) + p[1] * p[1]
+        kappa = -p[2] / (square * wp.sqrt(square))
+    scale = real(1.0) + kappa * foot[1]
+    scale = wp.sign(scale) * wp.max(wp.abs(scale), EVOLUTE)
+    bend = side * kappa / scale
+    return side * foot[2] / rho * wp.outer(around, around) + bend * wp.outer(along, along)
 
 
 @wp.func

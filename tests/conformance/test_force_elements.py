@@ -176,7 +176,7 @@ def test_geometric_stiffness_agrees_with_differences(name: str) -> None:
             expected[:, 6 * body + c] = (sides[0] - sides[1]) / (2.0 * STEP)
     evaluate(r, A)
     x.tangent.zero_()
-    inputs = [m.models, s.ctl, x.r1, x.axes, x.interface_motion, s.lam, x.row_wrench]
+    inputs = [m.models, s.ctl, x.r1, x.axes, x.slope, x.interface_motion, s.lam, x.row_wrench]
     wp.launch(stiffen.stiffen, dim=1, inputs=inputs, outputs=[x.tangent], device="cpu")
     found = x.tangent.numpy()[0][:12, :12]
     tolerance = 1e-3 if "bushing" in name else 1e-8

@@ -12,6 +12,7 @@ from warpffrf_kernels import control as k
 
 import warpffrf as wf
 from warpffrf.online import Engine, Settings
+from warpffrf.online.settle import settle
 
 ROUND_OFF = 1e-9  # of the largest entry: a solve with the pressures' matrix, of condition 1e4 and more
 SYMMETRIC = 1e-7  # of the same: H of bodies that turn is symmetric to about 1e-9
@@ -48,7 +49,7 @@ def rolling(body: wf.ReducedBody, creepage: float = 2e-3) -> wf.Scene:
 def stopped(body: wf.ReducedBody) -> Engine:
     """After two steps, with one more iteration on the accepted state."""
     engine = Engine(rolling(body), settings=Settings())
-    assert engine.settle()
+    assert settle(engine)
     engine.initial_rates()
     engine.start()
     engine.control(EVERY=1)

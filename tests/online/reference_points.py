@@ -10,6 +10,9 @@ from typing import Any
 
 import numpy as np
 from reference_contact import Pose, Problem, full_gram, gauss, hats_along
+from scipy.optimize import minimize_scalar
+
+SWEEPS = 4  # over column and z: they hardly depend on each other
 
 
 def around(grid: Any, x: float) -> list[tuple[int, float]]:
@@ -44,11 +47,98 @@ def opposite(surface: Any, x: np.ndarray) -> tuple[float, float, float, np.ndarr
     return theta, z, distance, normal
 
 
+def skew(a: np.ndarray) -> np.ndarray:
+    """The matrix of a x."""
+    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
+
+
+def normal_slope(surface: Any, B: Pose, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Normal of B at the foot of the point x [m, world], and its derivative by x [1/m]: principal curvatures kappa of
+    the parallel surface, kappa/(1 + kappa d)."""
+    shape = surface.shape
+    theta, z, d = (float(v) for v in shape.chart(B.rotation.T @ (x - B.origin)))
+    n = B.rotation @ shape.normal(theta, z)
+    H = np.zeros((3, 3))
+    tangents = (shape.around(np.array(theta)), shape.along(np.array(theta), np.array(z)))
+    for tangent, kappa in zip(tangents, shape.curvatures(np.array(theta), np.array(z)), strict=True):
+        b = B.rotation @ np.asarray(tangent).reshape(3)
+        H += float(kappa) / (1.0 + float(kappa) * d) * np.outer(b, b)
+    return n, H
+
+
+def contact_frame(first: Any, second: Any, A: Pose, B: Pose, column: float, z: float) -> tuple[np.ndarray, np.ndarray]:
+    """How a point of A's section z held in the frame of the contact is turned about A's axis (of a sphere: its centre)
+    by the motion of A against B: (n, 3) by translations and (n, 3) by turns about A's user origin, one line an axis of
+    turning that leaves A where it is (all three of a sphere), world axes; and these axes (n, 3)."""
+    shape = first.shape
+    profile = shape.profile()
+    if profile.planar:
+        return np.zeros((0, 6)), np.zeros((0, 3))
+    center = A.origin + A.rotation @ shape.axis_point
+    if profile.crown == profile.radius and not len(profile.coefficients):
+        n, H = normal_slope(second, B, center)
+        e = -n
+        by = np.zeros((3, 6))
+        by[:, :3] = -np.cross(e, H.T).T  # -e x H tau
+        if not second.shape.profile().planar:
+            axis = B.rotation @ second.shape.e_a
+            out = center - (B.origin + B.rotation @ second.shape.axis_point)
+            radial = out - (out @ axis) * axis
+            by[:, :3] += np.outer(e, np.cross(axis, radial)) * (e @ axis) / (radial @ radial)
+        by[:, 3:] = -np.eye(3) + by[:, :3] @ -skew(center - A.origin)
+        return by, np.eye(3)
+    g = first.grid
+    x, _, _, around = surface_point(shape, g, g.theta_start + column * g.pitch, z)
+    x, around, axis = A.origin + A.rotation @ x, A.rotation @ around, A.rotation @ shape.e_a
+    n, H = normal_slope(second, B, x)
+    arm = x - center
+    outward = arm - (arm @ axis) * axis
+    N = around @ H @ around * np.linalg.norm(outward) - n @ outward / np.linalg.norm(outward)
+    by = np.zeros((1, 6))
+    by[0, :3] = -H @ around / N
+    # h changes by (H (w x (x - O_A))).e + n.(w x e)
+    by[0, 3:] = -(np.cross(x - A.origin, H @ around) + np.cross(around, n)) / N
+    return by, axis[None]
+
+
+def nearest_place(first: Any, second: Any, A: Pose, B: Pose) -> np.ndarray:
+    """Column and z [m] of the smallest gap of the whole grid."""
+    grid = first.grid
+
+    def gap(place: np.ndarray) -> float:
+        x = surface_point(first.shape, grid, grid.theta_start + place[0] * grid.pitch, float(place[1]))[0]
+        return float(second.shape.chart(B.rotation.T @ (A.origin + A.rotation @ x - B.origin))[2])
+
+    looks = [np.array([c, z]) for c in np.arange(0, grid.columns, 0.5) for z in np.linspace(grid.z[0], grid.z[-1], 9)]
+    best = min(looks, key=gap)
+    for _ in range(SWEEPS):  # in turn, each to round-off of a minimum
+        for i, (low, high) in enumerate(((best[0] - 1.0, best[0] + 1.0), (grid.z[0], grid.z[-1]))):
+
+            def along(value: float, axis: int = i, at: np.ndarray = best) -> float:
+                return gap(np.where(np.arange(2) == axis, value, at))
+
+            found: Any = minimize_scalar(along, bounds=(low, high), method="bounded", options={"xatol": 1e-12})
+            if found.fun < gap(best):
+                best = np.where(np.arange(2) == i, found.x, best)
+    return best
+
+
 def point_problem(
-    first: Any, second: Any, A: Pose, B: Pose, columns: np.ndarray, *, theta_points: int, z_points: int
+    first: Any,
+    second: Any,
+    A: Pose,
+    B: Pose,
+    columns: np.ndarray,
+    place: np.ndarray | None = None,
+    *,
+    theta_points: int,
+    z_points: int,
 ) -> Problem:
-    """The problem on the hats of the grid `columns` (consecutive, not wrapped) of the surface `first`; `second` may be
-    rigid. `load` has no columns then."""
+    """The problem on the hats of the grid `columns` (consecutive, not wrapped) of the surface `first`, nearest at
+    `place` (column, z), looked for where not given; `second` may be rigid. `load` has no columns then. `wrench` about
+    A's user origin."""
+    place = nearest_place(first, second, A, B) if place is None else place
+    center = A.origin + A.rotation @ first.shape.axis_point
     ga, gb = first.grid, second.grid
     rows, n, first_column = ga.rows, len(columns) * ga.rows, int(columns[0])
     gap, area, wrench = np.zeros(n), np.zeros(n), np.zeros((n, 6))
@@ -61,11 +151,13 @@ def point_problem(
                     dz = ga.z[k + 1] - ga.z[k]
                     z = ga.z[k] + xz[qz] * dz
                     theta = ga.theta_start + (j + xt[qt]) * ga.pitch
-                    x, _, measure, turning = surface_point(first.shape, ga, theta, z)
-                    x, turning = A.origin + A.rotation @ x, A.rotation @ turning
+                    x, _, measure, _ = surface_point(first.shape, ga, theta, z)
+                    x = A.origin + A.rotation @ x
                     theta_b, z_b, distance, normal = opposite(second, B.rotation.T @ (x - B.origin))
                     f = B.rotation @ normal
-                    f = f - (f @ turning) * turning
+                    unit = np.concatenate([f, np.cross(x - A.origin, f)])
+                    by, axes = contact_frame(first, second, A, B, float(place[0]), z)
+                    unit += (axes @ np.cross(x - center, f)) @ by
                     on_b = []
                     if gb is not None:
                         if not gb.z[0] <= z_b <= gb.z[-1]:
@@ -89,8 +181,7 @@ def point_problem(
                             w = q * value * along
                             gap[i] += w * distance
                             area[i] += w
-                            wrench[i, :3] += w * f
-                            wrench[i, 3:] += w * np.cross(x - A.origin, f)
+                            wrench[i] += w * unit
                             for node, part in on_b:
                                 load[i, node] += w * part
     index = np.array([(c % ga.columns if ga.periodic else c, r) for c in columns for r in range(rows)])

@@ -21,6 +21,7 @@ from warpffrf.offline.contact.training import all_points
 from warpffrf.online import Engine, Settings, run
 from warpffrf.online.sampling_check import check_sampling
 from warpffrf.online.sampling_rules import on_stations
+from warpffrf.online.settle import settle
 from warpffrf.study.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
 
 WANTED = 0.01
@@ -161,7 +162,7 @@ def test_against_a_rigid_partner(plain_body, shape: str) -> None:
 def test_the_tangent_in_the_stress_modes_is_symmetric_and_definite(pair) -> None:
     first, second, _ = pair
     engine = Engine(pressing(first, second, "hyper"))
-    assert engine.settle()
+    assert settle(engine)
     active = int(np.count_nonzero(engine.state.active.numpy()))
     slots = int(np.count_nonzero(engine.work.slot_of.numpy()[0] >= 0))
     assert active >= 4 and slots >= active

@@ -20,6 +20,7 @@ from warpffrf.online.contact_rules import gauss_rule
 from warpffrf.online.layer_arrays import layer_points, slot_flexibility
 from warpffrf.online.sampling_check import check_sampling
 from warpffrf.online.sampling_rules import chosen_rule
+from warpffrf.online.settle import settle
 from warpffrf.study.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
 
 WANTED = 0.01
@@ -126,7 +127,7 @@ def test_the_tangent_of_few_points_is_symmetric_and_not_negative(few: ReducedBod
     sampling = few.contact_surfaces["rim"].sampling
     assert sampling is not None
     assert layer_points(model) == (model.window_columns + 1) * sampling.count
-    assert engine.settle()
+    assert settle(engine)
     slots = int(np.count_nonzero(engine.work.slot_of.numpy()[0] >= 0))
     assert slots >= 4
     E = slot_flexibility(model, engine.work, slots)

@@ -26,6 +26,7 @@ from reference_points import point_problem, surface_point
 SETTINGS = Settings(window_strain=0.5, force_points=True)
 UP, ALONG = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
 DEPTH = 300e-6  # m: hats of a ball average over some millimetres, and are to overlap too
+NO_TORQUE = 1e-12  # of force times radius: round-off of positions of 0.1 m
 AGREE = 1e-12  # of the largest entry: sums of a hundred terms, positions of 0.1 m
 
 
@@ -168,7 +169,8 @@ def test_fields_of_a_pose(name: str) -> None:
     center, window = work.center.numpy()[0, 0], work.window.numpy()[0, 0]
     columns = center[0] + np.arange(window[0], window[1] + 1)
     poses = [Pose(b.position, rot.matrix(b.rotation), np.zeros(MODES)) for b in (A, B)]
-    problem = point_problem(first, second, poses[0], poses[1], columns, theta_points=3, z_points=2)
+    place = work.nearest.numpy()[0, 0]
+    problem = point_problem(first, second, poses[0], poses[1], columns, place, theta_points=3, z_points=2)
     at = slice((window[0] + m.half_window) * rows_a, (window[1] + m.half_window + 1) * rows_a)
     found = {key: getattr(work, key).numpy()[0, 0, at] for key in ("weak_gap", "area", "wrench", "stencil")}
     used = found["area"] > 0.0
@@ -176,10 +178,11 @@ def test_fields_of_a_pose(name: str) -> None:
     scale = problem.area.max()
     assert np.abs(found["area"] - problem.area).max() < AGREE * scale
     assert np.abs(found["weak_gap"] - problem.gap)[used].max() < AGREE * scale * 1e-3  # of gaps of a millimetre
+    wrench = found["wrench"] + work.more_wrench.numpy()[0, 0, at]
     # moments about the user origin
     arm = poses[0].rotation @ A.center_of_mass
-    moment = found["wrench"][:, 3:] + np.cross(arm, found["wrench"][:, :3])
-    assert np.abs(found["wrench"][:, :3] - problem.wrench[:, :3])[used].max() < AGREE * scale
+    moment = wrench[:, 3:] + np.cross(arm, wrench[:, :3])
+    assert np.abs(wrench[:, :3] - problem.wrench[:, :3])[used].max() < AGREE * scale
     assert np.abs(moment - problem.wrench[:, 3:])[used].max() < AGREE * scale
     if case.rigid:
         assert not np.any(found["stencil"])
@@ -257,3 +260,28 @@ def test_a_pair_that_is_open_is_looked_for_where_it_is_nearest(name: str) -> Non
         assert window[0] + center <= nearest <= window[1] + center
         if grid.periodic:  # the window of a short arc is that of the arc
             assert abs(0.5 * (window[0] + window[1]) + center - nearest) <= 1.0
+
+
+@pytest.mark.parametrize("name", list(CASES))
+def test_no_pressure_turns_a_body_about_its_own_axle(name: str) -> None:
+    """Of every hat by itself, on and off the line of centres: the wrench has no moment about either body's axis, of a
+    ball none about its centre."""
+    case = CASES[name]
+    scene, engine = evaluated(name)
+    A, B = scene.bodies
+    m, work = engine.compiled.model, engine.work
+    rows, window = A["face"].surface.grid.rows, work.window.numpy()[0, 0]
+    at = slice((window[0] + m.half_window) * rows, (window[1] + m.half_window + 1) * rows)
+    wrench = work.wrench.numpy()[0, 0, at] + work.more_wrench.numpy()[0, 0, at]
+    wrench = wrench[work.area.numpy()[0, 0, at] > 0.0]
+    origin = A.to_world(A.center_of_mass)
+    largest = np.linalg.norm(wrench[:, :3], axis=1).max()
+    for body, shape in ((A, SHAPES[case.first]), (B, SHAPES[case.second])):
+        profile = shape.profile()
+        if profile.planar:
+            continue
+        center = body.to_world(shape.axis_point)
+        moment = wrench[:, 3:] + np.cross(origin - center, wrench[:, :3])
+        axes = np.eye(3) if isinstance(shape, surfaces.Sphere | surfaces.Cup) else np.atleast_2d(shape.e_a)
+        about = moment @ (rot.matrix(body.rotation) @ axes.T)
+        assert np.abs(about).max() < NO_TORQUE * largest * profile.radius

@@ -21,6 +21,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import Engine, Settings, compile_contact, find_equilibrium, run
+from warpffrf.online.settle import settle
 
 sys.path.insert(0, str(FilePath(__file__).parent))
 from made_bodies import made_body
@@ -211,7 +212,7 @@ def test_cells_and_gaps_move_by_the_loads_of_both_pairs(
     dense operators of whole surfaces under the loads of all pairs."""
     scene = train(rubbing_body, middle_first, friction)
     engine = Engine(scene)
-    assert engine.settle()
+    assert settle(engine)
     engine.initial_rates()
     engine.start()
     engine.control(EVERY=1)

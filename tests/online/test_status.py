@@ -14,6 +14,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.graph import StepGraph
 from warpffrf.online.run import MESSAGES, describe
+from warpffrf.online.settle import settle
 from warpffrf.study.rollers import PAIR, guided_pair, roller_body
 
 LOAD = 200e3  # N: some columns of hats
@@ -22,7 +23,7 @@ LOAD = 200e3  # N: some columns of hats
 def stepping_engine(scene: Scene, worlds: int, step: float = 1e-4, steps: int = 20) -> Engine:
     """An engine in its static state, ready for `steps` dynamic steps."""
     engine = Engine(scene, worlds=worlds)
-    assert engine.settle()
+    assert settle(engine)
     engine.initial_rates()
     engine.start()
     engine.control(MODE=int(k.DYNAMIC), STEP=0, SUB=0, LEVEL=0, EVERY=1, TARGET=steps)

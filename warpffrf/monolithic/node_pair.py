@@ -7,9 +7,9 @@ laws (`layer_slopes`, `node_friction`) at the gap and the slip of `node_gap`. Vi
     A    -a p u_A-row + sum_i a tau_i (u_A,i-row)          on the coordinates of A (modes and local coordinates)
     B    -a p N Phi_B  - sum_ij a tau_i c_ij N Psi_B,j     c_ij = C t_i . b_j
 
-with f = n - (n.e_theta) e_theta in A's axes, n the normal of B at the foot: as in the separated solver's family of
-points the part around A's axis is left out, so that frictionless contact does not turn A about it (of a plane nothing
-is left out). Force and opposite force act along one line through one point: action equals reaction exactly.
+with f = n the normal of B at the foot, in A's axes. Force and opposite force act along one line through one point:
+action equals reaction exactly. What a normal force would turn a body of revolution by about its own axle is taken back,
+with opposite wrenches on both (`node_frame`).
 
 phi = a (p, tau_1, tau_2) depends on the node's gap and slips alone, M = dphi/d(g, s) (3, 3) with dtau/dp dp/dg in its
 first column: not symmetric. How gaps, slips and forces follow the unknowns is in `node_tangent`.
@@ -25,6 +25,7 @@ import numpy as np
 
 from warpffrf.model.friction import Coulomb
 from warpffrf.monolithic.layer_slopes import followed, layer_pressure
+from warpffrf.monolithic.node_frame import Extra, Poses
 from warpffrf.monolithic.node_friction import NodeTraction, node_traction
 from warpffrf.monolithic.node_gap import RIGID, Opposite, hats_at, leaning, opposite, tangents_at
 from warpffrf.monolithic.node_surface import NodeSide, PartnerSide
@@ -198,11 +199,27 @@ class NodePairState:
     def lines(self) -> np.ndarray:
         """f, t_1, t_2 (3, k, 3) of the active nodes in A's axes."""
         a, at = self.data.a, self.active
-        f = self.over.normal[at] @ self.over.C
-        if not a.planar:
-            e = a.tangent[0, at]
-            f = f - np.einsum("ki,ki->k", f, e)[:, None] * e
-        return np.concatenate([f[None], a.tangent[:, at]])
+        return np.concatenate([(self.over.normal[at] @ self.over.C)[None], a.tangent[:, at]])
+
+    @cached_property
+    def extra(self) -> Extra | None:
+        """What the normal forces do beside forces along the normals; None of a plane, which turns with its nodes."""
+        if self.data.a.shape.profile().planar or not len(self.active):
+            return None
+        nearest = int(self.active[np.argmin(self.over.d[self.active])])
+        return Extra(self.data.a, self.data.b, self.active, nearest)
+
+    @property
+    def poses(self) -> Poses:
+        """Of both bodies."""
+        return Poses(self.sight.r_a, self.sight.A_a, self.sight.r_b, self.sight.A_b)
+
+    @cached_property
+    def extra_rows(self) -> np.ndarray:
+        """Generalised force (k, 12) that a unit normal force of each active node adds."""
+        if self.extra is None:
+            return np.zeros((len(self.active), RIGID))
+        return self.extra.rows(self.poses)
 
     def wrench(self) -> np.ndarray:
         """Generalised force (12,) on the rigid coordinates of A and of B (of the ground about its origin)."""
@@ -213,7 +230,7 @@ class NodePairState:
         out[3:6] = np.cross(self.data.a.place[at], F).sum(axis=0)
         out[6:9] = -out[:3]
         out[9:] = -np.cross(self.over.y[at], on_b).sum(axis=0)
-        return out
+        return out + self.loads[:, 0] @ self.extra_rows
 
     def second_loads(self) -> np.ndarray:
         """Loads (3, hats of B) [N] on B's hats along its normal (positive inwards) and tangents."""

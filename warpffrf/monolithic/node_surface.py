@@ -22,12 +22,13 @@ AT_END = 1e-6  # of a grid spacing: nodes on the outermost lines of a grid lie o
 
 @dataclass(frozen=True, eq=False)
 class NodeSide:
-    """The nodes of a first surface: places (n, 3) [m], normals and tangents e_theta, t_z (n, 3), shares (n,) [m2] of
-    the area, grid columns x (n,), values `hats` (n, hats) there, and displacements (3, n, columns of A) along normal
-    and tangents per coordinate, the last two zero without friction. `planar`: nothing is left out of the normal force
-    around the axis (`node_gap`); `turn`: columns of a full turn, 0 on an arc."""
+    """The nodes of a first surface: centre of mass (3,) in the body's user frame, places (n, 3) [m], normals and
+    tangents e_theta, t_z (n, 3), shares (n,) [m2] of the area, grid columns x (n,), values `hats` (n, hats) there, and
+    displacements (3, n, columns of A) along normal and tangents per coordinate, the last two zero without friction.
+    `turn`: columns of a full turn, 0 on an arc."""
 
     body: int
+    center: np.ndarray
     grid: Any
     shape: Any
     place: np.ndarray
@@ -38,8 +39,12 @@ class NodeSide:
     z: np.ndarray
     hats: Any
     field: np.ndarray
-    planar: bool
     turn: float
+
+    @property
+    def axis_point(self) -> np.ndarray:
+        """The origin of the shape's axis (3,) [m] about the centre of mass."""
+        return self.shape.axis_point - self.center
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,8 +93,9 @@ def node_side(port: Any, local: LocalCoordinates, friction: bool, label: str) ->
     hats = _hat_values(grid, x, z)
     field = np.stack([hats @ f for f in _fields(surface, local, friction)])
     return NodeSide(
-        port.body.index, grid, shape, shape.point(theta, z) - port.body.center_of_mass, shape.normal(theta, z),
-        np.stack([shape.around(theta), shape.along(theta, z)]), share, x, z, hats, field, planar,
+        port.body.index, np.asarray(port.body.center_of_mass), grid, shape,
+        shape.point(theta, z) - port.body.center_of_mass, shape.normal(theta, z),
+        np.stack([shape.around(theta), shape.along(theta, z)]), share, x, z, hats, field,
         full if grid.periodic else 0.0,
     )  # fmt: skip
 

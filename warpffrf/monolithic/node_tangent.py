@@ -6,9 +6,8 @@ one along each tangent), R (m k, columns) the gradients of gap and slips, and ph
     d(force) = L^T M R dz + (dL)^T phi,
 
 the second part, by rigid coordinates, is `turning`. On the coordinates of both bodies L and R are the same but for
-the lean of slips; on the rigid ones they are not: the force leaves out what `node_pair` says, and how the place on B's
-hats moves. With C = A_B^T
-A_A, tangents t of A and what a force F in A's axes is on both bodies,
+the lean of slips; on the rigid ones they are not: the force has what `node_frame` adds, and leaves out how the place on
+B's hats moves. With C = A_B^T A_A, tangents t of A and what a force F in A's axes is on both bodies,
 
     d(C t) = C (dtheta_A x t) - dtheta_B x C t,      d(C^T n) = C^T (dn + dtheta_B x n) - dtheta_A x C^T n,
     (A_A F, X x F, -A_A F, -y x C F).
@@ -54,6 +53,7 @@ class NodeTangent:
             load[c, :, 3:6] = np.cross(a.place[at], lines[c])
             load[c, :, 6:9] = -load[c, :, :3]
             load[c, :, 9:] = -np.cross(pair.over.y[at], lines[c] @ C.T)
+        load[0] += pair.extra_rows
         gradient[0] = np.einsum("ki,kic->kc", pair.over.normal[at], moves.y)
         own = [-a.field[0][at]] + [a.field[i][at] for i in range(1, parts)]
         by_a = np.concatenate(own)
@@ -93,9 +93,6 @@ class NodeTangent:
         dm = np.einsum("xi,kic->kxc", C.T, moves.normal)
         dm[:, :, 3:6] += hat(m)
         dm[:, :, 9:] += -C.T @ hat(pair.over.normal[at])
-        if not a.planar:
-            e = a.tangent[0, at]
-            dm = dm - e[:, :, None] * np.einsum("ki,kic->kc", e, dm)[:, None, :]
         dF = phi[:, 0, None, None] * dm
         world = np.einsum("xi,kic->kxc", A_a, dF)
         world[:, :, 3:6] += -A_a @ hat(F)
@@ -109,6 +106,8 @@ class NodeTangent:
         out[6:9] = -out[:3]
         out[9:] = np.einsum("kxi,kic->xc", hat(on_b), moves.y) - np.einsum("kxi,kic->xc", hat(pair.over.y[at]), d_on_b)
         rigid = pair.data.rigid
+        if pair.extra is not None:
+            out[:, :rigid] += pair.extra.slope(pair.poses, phi[:, 0], rigid)
         by_b = np.zeros((b.field.shape[2], RIGID))
         if pair.over.cells is not None and k:
             by_b = self._second_turning(phi, lines)

@@ -15,6 +15,7 @@ from warpffrf_kernels import (
     contact_solve,
     contact_weights,
     contact_window,
+    contact_wrench,
     shared_assembly,
     shared_surface,
     sudden,
@@ -27,8 +28,8 @@ from warpffrf.online.launcher import Launcher
 from warpffrf.online.layer_graph import LayerGraph
 
 MODULES = (
-    contact_geometry, contact_weights, contact_window, contact_few, contact_place, contact_points, contact_compliance,
-    contact_assembly, contact_fields, contact_solve, shared_surface, shared_assembly,
+    contact_geometry, contact_weights, contact_window, contact_few, contact_place, contact_points, contact_wrench,
+    contact_compliance, contact_assembly, contact_fields, contact_solve, shared_surface, shared_assembly,
 )  # fmt: skip
 
 
@@ -75,11 +76,16 @@ class ContactGraph(Launcher):
             )  # fmt: skip
         if 1 in self.families:
             self.block(
-                contact_points.sample_points, (W, P), [M, s.ctl, x.r1, x.axes, x.center, x.window], [x.point_line]
+                contact_wrench.hold_contact_frame, (W, P), [M, s.ctl, x.r1, x.axes, x.nearest], [x.held, x.held_ball]
             )
             self.block(
-                contact_points.weigh_points, (W, P), [M, x.axes, x.center, x.window, x.point_line], [s.ctl, *weak]
-            )
+                contact_points.sample_points, (W, P),
+                [M, s.ctl, x.r1, x.axes, x.center, x.window, x.held, x.held_ball], [x.point_line],
+            )  # fmt: skip
+            self.block(
+                contact_points.weigh_points, (W, P), [M, x.axes, x.center, x.window, x.point_line],
+                [s.ctl, x.weak_gap, x.area, x.wrench, x.more_wrench, x.stencil, x.stencil_at],
+            )  # fmt: skip
         if self.few:
             self._look_at_few(weak)
         self.block(
@@ -115,7 +121,8 @@ class ContactGraph(Launcher):
             self.friction.slide()
         self.launch(
             contact_fields.add_contact, W,
-            [M, s.ctl, x.r1, x.axes, x.window, s.active, x.area, x.wrench, x.gap, x.opened, s.pressure, s.modal_load],
+            [M, s.ctl, x.r1, x.axes, x.window, s.active, x.area, x.wrench, x.gap, x.opened, x.more_wrench,
+             s.pressure, s.modal_load],
             [x.residual, x.modal_residual, x.pair_wrench, x.gap_defect, x.contact_energy],
         )  # fmt: skip
         if self.sudden:

@@ -45,7 +45,7 @@ class Extent:
         profile = surface.shape.profile()
         at = float(surface.shape.radius_at(axial))
         curvature = 0.0 if profile.planar else profile.side / at
-        sphere = not profile.planar and profile.crown == profile.radius and not len(profile.coefficients)
+        sphere = profile.spherical
         if surface.grid is None:
             return cls(curvature, at, np.inf, np.inf, np.inf, sphere)
         z = np.asarray(surface.grid.z)

@@ -35,6 +35,7 @@ from warpffrf.online.history import History
 from warpffrf.online.linearise import Linearisation, linearise
 from warpffrf.online.run import describe
 from warpffrf.online.settings import Settings
+from warpffrf.online.settle import settle
 
 Array = np.ndarray
 RANK = 1e-10  # of the largest singular value: rows that hold nothing; the compiler has taken dependent rows out
@@ -182,7 +183,7 @@ def _scaled(Y: Array, M: Array) -> Array:
 def _prepare(engine: Engine, about: Any, notes: list[str]) -> str:
     """Bring the engine to the state that `about` means; says in words which it is."""
     if about is None:
-        if not engine.settle():
+        if not settle(engine):
             bits = int(engine.word("STATUS")[0])
             why = describe(bits, int(engine.word("SPARE")[0]))[1] if bits else "a body does not come to rest"
             raise InputError(

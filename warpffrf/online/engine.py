@@ -16,22 +16,10 @@ from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.online.compile import compile_scene
 from warpffrf.online.graph import StepGraph
 from warpffrf.online.local_dynamics import LocalDynamics
-from warpffrf.online.rest import creeping_note, left_over
 from warpffrf.online.settings import Settings
 from warpffrf.online.start import start
 from warpffrf.online.state import State, Work, initial_state
 
-STATIC_STEPS = 60  # proximal steps of an equilibrium at most
-STATIC_GROWTH = 10.0  # of the proximal step from one to the next
-STATIC_FIRST = 1e-3  # s: moves a body by F/m * 1e-6 at first
-# layers that hardly hold at touch, pairs far apart that seem to close: a body that would go too far at first begins
-# again with a shorter step
-STATIC_RETREATS, STATIC_RETREAT = 2, 1000.0
-STATIC_LAST = (
-    1.0  # s: 1 kg then weighs 1 N/m, far below any spring that carries a load; larger ill-conditions the joints
-)
-STATIC_TOLERANCE = 1e-12  # m, movement of the last proximal step: round-off of positions of order 1 m times 1e4
-STATIC_CREEP = 0.5  # of the movement of the step before: what tends to rest moves less from one long step to the next
 ROOM_GROWTH = 2  # of the slots, each time they are too few
 REALS = {
     "START_TIME", "USER_STEP", "TIME", "H", "NEXT_TIME", "ALPHA_M", "ALPHA_F", "BETA", "GAMMA", "ACC", "VEL",
@@ -88,6 +76,7 @@ class Engine:
         self.drained = np.zeros(worlds, dtype=int)
         self.seconds_in_graph = 0.0
         self.start_notes: list[str] = []
+        self.not_at_rest = ""  # why `settle` found no static state, where it knows
 
     def _allocate(self) -> None:
         """Scratch arrays and the graph that works on them."""
@@ -199,55 +188,6 @@ class Engine:
         """One proximal step of size tau [s] towards the static state; rates must be zero."""
         self.enter(k.STATIC, tau)
         self.replay(1)
-
-    def settle(self) -> bool:
-        """Bring every world to its static state at the present time by proximal steps of growing size; True on
-        success. A scene in which a body creeps although its forces balance, to the tolerance of Newton's method, is at
-        rest too, with a note in `start_notes` (`warpffrf.online.rest`).
-        """
-        self.rates_to_zero()
-        tau, longest = STATIC_FIRST, STATIC_LAST
-        before = np.full(self.worlds, np.inf)
-        m = self.compiled.model
-        retreats = STATIC_RETREATS if m.layer_count or m.pair_count > 1 else 0
-        settled = balanced = False
-        for _ in range(STATIC_STEPS):
-            words = self.state.ctl.numpy().copy()
-            self.static_step(tau)
-            status = self.word("STATUS")
-            if np.any(status):
-                # a step so long that round-off spoils it, or that carries off what turns freely: a shorter one from the
-                # same state balances the forces too, and leaves the contact of that state behind
-                shorter = tau > STATIC_FIRST and not np.any(status & ~int(k.NOT_CONVERGED))
-                if retreats == 0 and not (settled or balanced or shorter):
-                    return False
-                self.state.ctl.assign(words)
-                if retreats > 0 and not (settled or balanced):
-                    retreats, tau = retreats - 1, tau / STATIC_RETREAT
-                else:
-                    tau = longest = tau / STATIC_GROWTH
-                    before = np.zeros(self.worlds)
-                continue
-            settled = bool(np.all(self.word("MOVE") <= STATIC_TOLERANCE))
-            balanced = self._balanced()
-            creeping = balanced and bool(np.any(self.word("MOVE") > STATIC_CREEP * before))
-            if tau >= longest and (creeping or (settled and (balanced or tau >= STATIC_LAST))):
-                return self._at_rest(creeping=not settled)
-            if tau >= STATIC_LAST:
-                before = self.word("MOVE").copy()
-            tau = min(tau * STATIC_GROWTH, longest)
-        return balanced and self._at_rest(creeping=True)
-
-    def _balanced(self) -> bool:
-        """True where the last proximal step left less over of the forces than Newton's method may."""
-        allowed = self.compiled.model.residual_tolerance
-        return all(left_over(self, world)[0] <= allowed for world in range(self.worlds))
-
-    def _at_rest(self, *, creeping: bool) -> bool:
-        """True, with a note of what creeps."""
-        if creeping:
-            self.start_notes.append(creeping_note(self))
-        return True
 
     def start(self) -> None:
         """Velocities, accelerations and multipliers that agree with joints and drives; opens the ledger

@@ -127,10 +127,10 @@ class StepGraph(Launcher):
             )  # fmt: skip
         self.launch(
             ledger.balance_energy, W,
-            [M, s.ctl, s.clk, x.r1, x.v1, x.omega1, x.dx, x.psi, x.q1, s.qd, x.qd1, x.dq, s.lam0, s.lam,
+            [M, s.ctl, x.r1, x.v1, x.omega1, x.dx, x.psi, x.q1, s.qd, x.qd1, x.dq, s.lam0, s.lam,
              x.coordinate, s.stretch, s.drive_rate, s.applied, s.applied_at, s.load, s.load_on_modes,
              s.pair_force, s.modal_load, x.contact_energy, x.extra_energy, x.friction_work],
-            [s.energy],
+            [s.clk, s.energy],
         )  # fmt: skip
         if layer:
             layer.book()
@@ -201,6 +201,8 @@ class StepGraph(Launcher):
             [M, s.ctl, s.clk, s.r, s.p, s.v, s.v_rate, s.v_alg, s.omega, s.omega_rate, s.omega_alg, x.dx, x.psi],
             [x.r1, x.p1, x.axes, x.v1, x.v1_rate, x.omega1, x.omega1_rate, x.residual, x.tangent, x.psi_inverse],
         )  # fmt: skip
+        if P:
+            self.launch(motion.hold_motions, W, [M, s.ctl, x.dx, x.psi, x.hold, x.hold_count], [x.residual])
         if Q:
             self.block(
                 motion.move_modes, (W,), [M, s.ctl, s.clk, s.q, s.qd, s.qd_rate, s.qd_alg, s.modal_load, x.exact,
@@ -219,7 +221,7 @@ class StepGraph(Launcher):
         if m.torque_count + m.load_count:
             self.launch(
                 forces.apply_loads, W, [M, s.ctl, s.clk, x.axes, x.slope],
-                [x.residual, x.modal_residual.flatten(), s.load, s.load_on_modes.flatten()],
+                [x.residual, x.modal_residual.flatten(), s.load, s.load_on_modes.flatten(), x.applied_torque],
             )  # fmt: skip
         if R:
             self.block(
@@ -270,8 +272,16 @@ class StepGraph(Launcher):
             )  # fmt: skip
         if m.row_count:
             self.launch(
-                stiffen.stiffen, W, [M, s.ctl, x.r1, x.axes, x.interface_motion, s.lam, x.row_wrench], [x.tangent]
-            )
+                stiffen.stiffen, W, [M, s.ctl, x.r1, x.axes, x.slope, x.interface_motion, s.lam, x.row_wrench],
+                [x.tangent],
+            )  # fmt: skip
+        if m.pair_count:
+            self.block(motion.add_held, (W,), [M, s.ctl, x.hold, x.hold_count], [x.tangent])
+        if m.force_count + m.torque_count:
+            self.launch(
+                stiffen.stiffen_applied, W,
+                [M, s.ctl, x.axes, x.slope, x.interface_motion, s.applied, x.applied_torque], [x.tangent],
+            )  # fmt: skip
 
     def iterate(self) -> None:
         """One Newton iteration: the linearised step, and the increments with it where the active set has settled."""

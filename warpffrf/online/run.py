@@ -29,12 +29,16 @@ from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
 from warpffrf.online.record import history_from_rows
 from warpffrf.online.sampling_check import sampling_notes
 from warpffrf.online.settings import Settings
+from warpffrf.online.settle import settle
 
 log = logging.getLogger("warpffrf")
 
 MOST_UNDAMPED = 0.95  # spectral radius at infinity up to which an alternation of reactions grows less than tenfold
 VELOCITY_JUMP = 1e-6  # of the largest velocity: rounding of a signal's coefficients
 STATIC_CURE = "; hold what turns or slides freely (a weak spring will do), or begin with a smaller load"
+UPHILL = "every step from here leads uphill; begin from another pose, or with a smaller load"
+NO_LOAD_PATH = "a mechanism with no load path; add a joint, a spring, a drive or a contact that carries the load"
+RUNS_AWAY = int(k.NOT_CONVERGED | k.SINGULAR | k.NOT_FINITE | k.ENERGY)  # how a body that nothing holds fails
 MESSAGES = {
     k.NOT_CONVERGED: ("not_converged", "the Newton iteration did not converge; reduce step"),
     k.CYCLING: (
@@ -145,7 +149,7 @@ def run(
             notes.extend(overlap_notes(scene))
         if start == "equilibrium" or at_rest:
             notes.extend(friction_notes(scene, "the equilibrium that the run starts from"))
-        if start == "equilibrium" and not engine.settle():
+        if start == "equilibrium" and not settle(engine):
             return _finish(engine, begin, built, notes, "equilibrium: ")
         engine.initial_rates()
         engine.start()
@@ -192,7 +196,7 @@ def find_equilibrium(scene: Any, *, device: str = "cpu", settings: Settings | No
     engine = Engine(scene, device=device, settings=settings)
     built = time.perf_counter()
     _check_load_paths(scene)
-    if engine.settle():
+    if settle(engine):
         engine.save_now()
     return _finish(engine, begin, built, [*engine.compiled.notes, *engine.start_notes], "equilibrium: ")
 
@@ -207,10 +211,12 @@ def _finish(
     status, message = describe(bits, engine.no_room or int(engine.word("SPARE")[0]))
     at_rest = prefix.startswith("equilibrium")
     if at_rest and bits:
-        message = message.replace("; reduce step", STATIC_CURE)
+        message = UPHILL if bits & int(k.ENERGY) else message.replace("; reduce step", STATIC_CURE)
     owner = blame(engine, bits) if bits else ""
     message += f" ({owner})" if owner else ""
-    if at_rest and status == "completed" and not engine.rows[0]:
+    if at_rest and engine.not_at_rest and not bits & ~RUNS_AWAY:
+        status, message = "no_equilibrium", f"{engine.not_at_rest}: {NO_LOAD_PATH}"
+    elif at_rest and status == "completed" and not engine.rows[0]:
         status, message = "no_equilibrium", _no_load_path(engine)
     history = history_from_rows(engine.compiled, engine.rows[0])
     history.status, history.message = status, (prefix + message if message else "")
@@ -317,8 +323,4 @@ def _no_load_path(engine: Engine) -> str:
     """Name the body that did not come to rest."""
     moves = np.linalg.norm(engine.work.dx.numpy()[0], axis=-1)
     body = engine.scene.bodies[int(np.argmax(moves))]
-    return (
-        f"body {body.name!r} does not come to rest ({moves.max():.3g} m in the last step): "
-        "a mechanism with no load path; "
-        "add a joint, a spring, a drive or a contact that carries the load"
-    )
+    return f"body {body.name!r} does not come to rest ({moves.max():.3g} m in the last step): {NO_LOAD_PATH}"

@@ -9,6 +9,7 @@ import numpy as np
 import warp as wp
 from warpffrf_kernels import control as k
 from warpffrf_kernels.contact_points import LINE
+from warpffrf_kernels.contact_wrench import Held
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
@@ -97,6 +98,7 @@ class Work:
             "contact_receptance": (REAL, Q if m.dynamic_count else 0),
             "exact": (REAL, Q if compiled.local.exact else 0, 9),
             "C": (REAL, rows, 6 * B), "C_modal": (REAL, rows, Q), "coordinate": (REAL, rows), "defect": (REAL, rows),
+            "applied_torque": (VEC3, m.torque_count),
             "softness": (REAL, rows), "missed": (REAL, rows), "row_wrench": (REAL, rows, 6),
             "tangent": (REAL, N, N), "rhs": (REAL, N), "scaling": (REAL, N), "pivots": (INT, N),
             "elimination": (REAL, N, N),
@@ -112,7 +114,9 @@ class Work:
             "gap": (REAL, P, m.mode_capacity), "opened": (REAL, P, m.mode_capacity), "base": (REAL, P, m.mode_capacity),
             "active_before": (INT, P, m.mode_capacity), "pressure_before": (REAL, P, m.mode_capacity),
             "offset_before": (REAL, P),
-            "wrench": (REAL, P, m.mode_capacity, 6), "proposed": (INT, P, m.mode_capacity),
+            "wrench": (REAL, P, m.mode_capacity, 6), "held": (Held, P, m.most_points), "held_ball": (MAT33, P),
+            "more_wrench": (REAL, P, m.mode_capacity if m.most_points else 0, 6),
+            "proposed": (INT, P, m.mode_capacity),
             "stencil": (REAL, P, m.mode_capacity, m.stencil_columns * m.stencil_rows),
             "stencil_at": (INT, P, m.mode_capacity, 2),
             "first_field": (REAL, P, m.mode_capacity), "first_step": (REAL, P, m.mode_capacity),
@@ -121,6 +125,7 @@ class Work:
             "L": (REAL, S, m.coupled_capacity), "right": (REAL, S), "order": (INT, S),
             "factor": (REAL, S, S + 1), "solution": (REAL, S),
             "second_load": (REAL, P, m.node_capacity), "second_wrench": (REAL, P, 6),
+            "hold": (REAL, B if P else 0, 6 * B), "hold_count": (INT,),
             "ring": (REAL, ring_rows, ring_width(m)),
         }  # fmt: skip
         table |= friction_table(m) | layer_arrays(m)

@@ -58,6 +58,11 @@ class SurfaceProfile:
         return 1.0 / self.crown if self.crown else 0.0
 
     @property
+    def spherical(self) -> bool:
+        """True of a ball and a cup: an arc about the origin."""
+        return not self.planar and self.crown == self.radius and not self.tangent and not len(self.coefficients)
+
+    @property
     def closed(self) -> bool:
         """True where the foot of a point has a closed formula: a line or an arc."""
         return not len(self.breaks) and not (self.tangent and self.crown)

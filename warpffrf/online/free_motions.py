@@ -1,0 +1,184 @@
+r"""Rigid motions of the bodies that neither joints, springs nor closed contacts resist, and holding them in a static
+state.
+
+With C the gradients of all rows that hold (joints, drives, springs), L those of the weak gaps of the hats under
+pressure, by the rigid coordinates z, a motion is free where C z = 0 and L z = 0: a roller about its axle, whatever it
+is pressed on, a ball about any line, a body that slides along a plane. They are the right singular vectors of (C, L),
+lines of length one in coordinates weighed by mass, with singular values below FREE.
+
+Held, a free motion n gets the inertia n n^T m/HOLD^2 in proximal steps (kernels `motion`), beside which it stays where
+it is. What acts along it must be next to nothing: a load that drives it finds no equilibrium, and is not held.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from warpffrf.online.blame import largest_force
+
+# of a line of length one: the modes move an axle off the axis of the rim by a hundred-thousandth of its radius
+FREE = 1e-5
+TURNED = 1e-5  # of the largest force, at the radius of gyration: what the same offset makes of it
+PULLED = 1e-8  # of the largest force, along a free translation: ten times what Newton's method may leave over
+HOLD = 1e-6  # s: a force F on a mass m moves it by F/m 1e-12 in a step
+TAKES_PART = 0.1  # of a body's share in a motion, its square between 0 and 1
+MOST_NAMED = 4
+SLIDES = 0.5  # of a body's share: whether it slides or turns
+STANDS = 1e-6  # of a motion's square: what of it slides when it turns about an axle a little off the centre of mass
+
+
+class FreeMotions:
+    """Those of the worlds of an engine at the state of its last evaluation."""
+
+    def __init__(self, engine: Any) -> None:
+        self.engine = engine
+        self.found: list[np.ndarray] = [np.zeros((0, 6 * len(engine.scene.bodies)))] * engine.worlds
+        self.driven = ""  # a clause, where a load drives a free motion
+
+    @property
+    def possible(self) -> bool:
+        """Scenes without contact have no grids that drive what is free, and their outer matrix no room for holding
+        it."""
+        return self.engine.compiled.model.pair_count > 0 and len(self.engine.scene.bodies) > 0
+
+    def look(self) -> None:
+        """Find the free motions at the state of the last step."""
+        self.driven = ""
+        if not self.possible:
+            return
+        for world in range(self.engine.worlds):
+            weight = self._weight(world)
+            motions = free_motions(self.engine, world, weight)
+            scale = np.sqrt((motions**2) @ np.repeat(self._mass(), 6))
+            force = np.abs(motions @ (self._forces(world) / weight)) * scale
+            sliding = np.array([np.sum(n.reshape(-1, 6)[:, :3] ** 2) for n in motions])
+            allowed = np.where(sliding > STANDS, PULLED, TURNED) * largest_force(self.engine, world)
+            self.found[world] = motions[force <= allowed][: len(self.engine.scene.bodies)]
+            if np.any(force > allowed):
+                worst = int(np.argmax(force / allowed))
+                self.driven = self._driven(world, motions[worst], float(force[worst]))
+
+    def hold(self) -> None:
+        """Hold what `look` found from the next step on."""
+        if not self.possible:
+            return
+        work = self.engine.work
+        vectors, count = work.hold.numpy().copy(), work.hold_count.numpy().copy()
+        for world, motions in enumerate(self.found):
+            vectors[world, : len(motions)] = motions * self._weight(world) / HOLD
+            count[world] = len(motions)
+        work.hold.assign(vectors)
+        work.hold_count.assign(count)
+
+    def release(self) -> None:
+        """Hold nothing any more."""
+        if self.possible:
+            self.engine.work.hold_count.zero_()
+
+    def notes(self) -> list[str]:
+        """What was left where it is, one line."""
+        bodies = self.engine.scene.bodies
+        clauses: dict[str, list[str]] = {}
+        for world in range(self.engine.worlds):
+            weight = self._weight(world)
+            for b, body in enumerate(bodies):
+                part = self.found[world][:, 6 * b : 6 * b + 6]
+                share, directions = np.linalg.eigh(part.T @ part)
+                for value, y in zip(share, directions.T, strict=True):
+                    if value > TAKES_PART:
+                        clause = self._clause(world, b, y, weight[6 * b : 6 * b + 6])
+                        names = clauses.setdefault(clause, [])
+                        if body.name not in names:
+                            names.append(body.name)
+        return [
+            f"equilibrium: {_named(names)} free to {clause}, and left where "
+            f"{'it is' if len(names) == 1 else 'they are'}"
+            for clause, names in clauses.items()
+        ]  # fmt: skip
+
+    def _driven(self, world: int, motion: np.ndarray, force: float) -> str:
+        parts = motion.reshape(-1, 6)
+        b = int(np.argmax(np.sum(parts**2, axis=1)))
+        weight = self._weight(world)[6 * b : 6 * b + 6]
+        clause = self._clause(world, b, parts[b] / np.linalg.norm(parts[b]), weight)
+        amount = f"{force:.3g} N" if clause.startswith("slide") else f"{force * weight[3] / weight[0]:.3g} N m"
+        return f"body {self.engine.scene.bodies[b].name!r} is free to {clause}, and {amount} drive it there"
+
+    def _clause(self, world: int, b: int, y: np.ndarray, weight: np.ndarray) -> str:
+        axes = np.asarray(self.engine.work.axes.numpy()[world][b])
+        slides = float(y[:3] @ y[:3]) > SLIDES
+        direction = (y / weight)[:3] if slides else axes @ (y / weight)[3:]
+        direction = direction / np.linalg.norm(direction)
+        direction = np.round(direction * np.sign(direction[np.argmax(np.abs(direction))]), 2) + 0.0
+        return f"{'slide along' if slides else 'turn about'} ({', '.join(f'{c:g}' for c in direction)})"
+
+    def _mass(self) -> np.ndarray:
+        return np.asarray(self.engine.compiled.model.mass.numpy()[: len(self.engine.scene.bodies)])
+
+    def _weight(self, world: int) -> np.ndarray:
+        """Root of mass, and of the mean moment of inertia (6 bodies,)."""
+        mass = self._mass()
+        inertia = self.engine.compiled.model.inertia.numpy()[: len(mass)]
+        turning = np.sqrt(np.trace(inertia, axis1=1, axis2=2) / 3.0)
+        return np.repeat(np.stack([np.sqrt(mass), turning], axis=1), 3, axis=1).ravel()
+
+    def _forces(self, world: int) -> np.ndarray:
+        """What the last proximal step left over: force, torque in body axes (6 bodies,); with that which holds."""
+        engine, mass = self.engine, self._mass()
+        n = len(mass)
+        inertia = engine.compiled.model.inertia.numpy()[:n]
+        rate, turn = (np.asarray(a.numpy()[world][:n]) for a in (engine.work.v1_rate, engine.work.omega1_rate))
+        own = np.hstack([mass[:, None] * rate, np.einsum("bij,bj->bi", inertia, turn)]).ravel()
+        count = int(engine.work.hold_count.numpy()[world])
+        held = engine.work.hold.numpy()[world, :count, : 6 * n]
+        step = np.hstack([np.asarray(a.numpy()[world][:n]) for a in (engine.work.dx, engine.work.psi)]).ravel()
+        return own + held.T @ (held @ step)
+
+
+def free_motions(engine: Any, world: int, weight: np.ndarray) -> np.ndarray:
+    """Orthonormal lines (n, 6 bodies) in coordinates times `weight`: displacement in world, turn in body axes."""
+    m, work = engine.compiled.model, engine.work
+    size = len(weight)
+    rows = np.asarray(work.C.numpy()[world][: m.row_count, :size])
+    holds = (m.row_rigid.numpy()[: m.row_count] != 0) | (m.row_stiffness.numpy()[: m.row_count] > 0.0)
+    for start, sprung in zip(m.group_start.numpy()[: m.group_count], m.group_sprung.numpy(), strict=False):
+        holds[start : start + sprung] = True
+    lines = np.vstack([rows[holds], _gap_gradients(engine, world, size)]) / weight
+    length = np.linalg.norm(lines, axis=1, keepdims=True)
+    lines = lines[length[:, 0] > 0.0] / length[length[:, 0] > 0.0]
+    _, values, vectors = np.linalg.svd(lines, full_matrices=True)
+    rank = int(np.count_nonzero(values > FREE))
+    return vectors[rank:]
+
+
+def _gap_gradients(engine: Any, world: int, size: int) -> np.ndarray:
+    """Of the hats under pressure, by the rigid coordinates (hats, size)."""
+    m, work = engine.compiled.model, engine.work
+    active = (engine.state.active.numpy()[world] != 0) & (work.area.numpy()[world] > 0.0)
+    wrench = work.wrench.numpy()[world]
+    families = m.pair_family.numpy()
+    axes, r = work.axes.numpy()[world], work.r1.numpy()[world]
+    lines = []
+    for pair in range(m.pair_count):
+        at = active[pair, : wrench.shape[1]]
+        own = wrench[pair][at]
+        if families[pair] == 1:
+            own = own + work.more_wrench.numpy()[world, pair][at]
+        line = np.zeros((len(own), size))
+        A, B = (int(m.surface_body.numpy()[s.numpy()[pair]]) for s in (m.pair_first, m.pair_second))
+        force, moment = own[:, :3], own[:, 3:]
+        line[:, 6 * A : 6 * A + 6] = np.hstack([force, moment @ axes[A]])
+        if B >= 0:
+            about_b = moment + np.cross(r[A] - r[B], force)
+            line[:, 6 * B : 6 * B + 6] -= np.hstack([force, about_b @ axes[B]])
+        lines.append(line)
+    return np.vstack(lines)
+
+
+def _named(names: list[str]) -> str:
+    quoted = [repr(name) for name in names[:MOST_NAMED]]
+    if len(names) > MOST_NAMED:
+        quoted.append(f"and {len(names) - MOST_NAMED} more")
+    return f"body {quoted[0]} is" if len(names) == 1 else f"bodies {', '.join(quoted)} are"

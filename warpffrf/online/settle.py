@@ -1,0 +1,103 @@
+"""The static state of a scene, found by proximal steps on the device.
+
+A proximal step of size tau [s] balances `M d/tau^2 = F` at its end, d the displacement: a step of implicit motion
+without velocity. A short one goes down the slope of the energy, a long one is Newton's step. So tau grows while steps
+converge, and an iteration that fails, or a step that ends higher than it began (`kernels commit`), is taken again with
+a shorter one; once the scene has come much nearer to rest, longer ones are tried again.
+
+Motions that nothing resists (`warpffrf.online.free_motions`) are held where they are as soon as the rest is known to
+within the tolerance of Newton's method: round-off, and what the grids leave of torques that are zero, would carry them
+off.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from warpffrf_kernels import control as k
+
+from warpffrf.online.free_motions import FreeMotions
+from warpffrf.online.rest import creeping_note, left_over
+
+MOST_STEPS = 150  # a snap-through takes about a hundred
+GROWTH = 10.0  # of the proximal step from one to the next, ...
+CAREFUL = 2.0  # ... below one that failed
+FIRST = 1e-3  # s: moves a body by F/m * 1e-6 at first
+LEAST = 1e-7  # s: a step that fails even so is no matter of its size
+# layers that hardly hold at touch, pairs far apart that seem to close: a body that would go too far at first begins
+# again with a shorter step
+RETREATS, RETREAT = 2, 1000.0
+LAST = 1.0  # s: 1 kg then weighs 1 N/m, far below any spring that carries a load; larger ill-conditions the joints
+TOLERANCE = 1e-12  # m, movement of the last proximal step: round-off of positions of order 1 m times 1e4
+CREEP = 0.5  # of the movement of the step before: what tends to rest moves less from one long step to the next
+NEARLY = 1e-3  # of the largest force left over: contact has closed, and what is free can be told
+
+
+def settle(engine: Any) -> bool:
+    """Bring every world of `engine` to its static state at the present time; True on success.
+
+    A scene in which a body creeps although its forces balance, to the tolerance of Newton's method, is at rest too.
+    What creeps, and what is free and was left where it is, is named in `engine.start_notes`.
+    """
+    engine.rates_to_zero()
+    free = FreeMotions(engine)
+    engine.control(DOWNHILL=1)
+    try:
+        at_rest = _stepped(engine, free)
+        engine.not_at_rest = "" if at_rest else free.driven
+        return at_rest
+    finally:
+        engine.control(DOWNHILL=0)
+        free.release()
+
+
+def _stepped(engine: Any, free: FreeMotions) -> bool:
+    """The steps of `settle`."""
+    model = engine.compiled.model
+    tau, too_long = FIRST, np.inf
+    before = moved = failed_at = np.full(engine.worlds, np.inf)
+    retreats = RETREATS if model.layer_count or model.pair_count > 1 else 0
+    settled = balanced = False
+    for _ in range(MOST_STEPS):
+        words = engine.state.ctl.numpy().copy()
+        engine.static_step(tau)
+        status = engine.word("STATUS")
+        if np.any(status):
+            can_be_shorter = not np.any(status & ~int(k.NOT_CONVERGED | k.ENERGY)) and tau > LEAST
+            if retreats == 0 and not (settled or balanced or can_be_shorter):
+                return False
+            engine.state.ctl.assign(words)
+            if retreats > 0 and not (settled or balanced):
+                retreats, tau = retreats - 1, tau / RETREAT
+            else:
+                too_long, failed_at, tau = tau, moved, tau / GROWTH
+                before = np.zeros(engine.worlds)
+            continue
+        moved = engine.word("MOVE")
+        left = np.array([left_over(engine, world)[0] for world in range(engine.worlds)])
+        free.look()
+        if np.all(left <= NEARLY):
+            free.hold()
+            engine.control(DOWNHILL=0)  # from here on energies differ by no more than the grids of contact make of them
+        if np.all(moved <= failed_at / GROWTH):
+            too_long, before = np.inf, np.full(engine.worlds, np.inf)
+        longer = [min(tau * growth, LAST) for growth in (GROWTH, CAREFUL, 1.0)]
+        longer = next(t for t in longer if t < too_long)
+        settled = bool(np.all(moved <= TOLERANCE))
+        balanced = bool(np.all(left <= model.residual_tolerance))
+        creeping = balanced and bool(np.any(moved > CREEP * before))
+        if longer == tau and (creeping or (settled and (balanced or tau >= LAST))):
+            return _at_rest(engine, free, creeping=not settled)
+        if tau >= LAST:
+            before = moved
+        tau = longer
+    return balanced and _at_rest(engine, free, creeping=True)
+
+
+def _at_rest(engine: Any, free: FreeMotions, *, creeping: bool) -> bool:
+    """True, with notes of what is free and what creeps."""
+    engine.start_notes.extend(free.notes())
+    if creeping:
+        engine.start_notes.append(creeping_note(engine))
+    return True
