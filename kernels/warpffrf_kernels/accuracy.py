@@ -180,11 +180,10 @@ def correct_algorithmic(
     omega_alg: wp.array2d(dtype=vec3),
     qd_alg: wp.array2d(dtype=real),
 ):
-    """One block per world: the algorithmic accelerations of an accepted step, as its projected velocities have them.
-    Where an event has restarted them from the true ones they are right already."""
+    """One block per world: the algorithmic accelerations of an accepted step, as its projected velocities have them."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.ACCEPT] == 0 or ctl[w, k.MODE] != k.DYNAMIC or wanted[w] == 0 or ctl[w, k.EVENT] != 0:
+    if ctl[w, k.ACCEPT] == 0 or ctl[w, k.MODE] != k.DYNAMIC or wanted[w] == 0:
         return
     share = real(1.0) / (clk[w, k.GAMMA] * clk[w, k.H])
     b = lane

@@ -163,6 +163,6 @@ def balance(
         ctl[w, k.REFRESH] = 1
     if worst <= model.residual_tolerance and (ctl[w, k.REASSEMBLE] == 0 or model.pair_count == 0):
         ctl[w, k.RUN] = 0
-    elif ctl[w, k.ITERATION] >= model.max_iterations:
+    elif ctl[w, k.ITERATION] >= model.max_iterations * (1 + ctl[w, k.ROUND]):
         ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_CONVERGED
         ctl[w, k.RUN] = 0

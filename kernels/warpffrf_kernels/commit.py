@@ -1,25 +1,28 @@
 """End of an attempt: acceptance, step size, and what is kept of it or restored.
 
-A step is accepted when its Newton loop converged, everything is finite, its local error is allowed (`accuracy`), and,
-if it opened or closed a contact or is part of an impact (contact and motion exchange much of their energy in it),
-`numerical + contact grid` of the ledger changed by no more than `energy_tolerance` of the energy at hand. Otherwise it
-is halved (levels are powers of two of the user's step, so time stays exact). Contact opens or closes where the force of
-a pair vanishes on one side of the step only; the algorithmic accelerations then restart from the true ones. A rejected
-attempt leaves multipliers and the contact (`keep_contact`) as it found them.
+A step is accepted when its Newton loop converged, everything is finite, and its local error is allowed (`accuracy`).
+Otherwise it is halved (levels are powers of two of the user's step, so time stays exact), and doubled again when it
+goes well. A rejected attempt leaves multipliers and the contact (`keep_contact`) as it found them. An attempt in which
+a pair opens, or creates energy, is repeated at the same step with that pair impulsive (`impulsive_contact`).
 
-Scenes with dynamic local modes repeat an attempt in which contact is not calm, or the integrator gains more than the
-energy tolerance, at the same step with a contact force that keeps no memory, and go on like that until it is calm:
-`sudden`. Such steps count as parts of an impact while anything touches. In every scene, all impacts together may gain
-MOST_GAINED: each of them half of what is left of that, if this is less than the energy tolerance.
+In scenes with dynamic local modes an attempt in which contact is not calm, or the integrator gains more than the energy
+tolerance, is repeated with all pairs impulsive, and so on until it is calm.
+
+What the *integrator* gains of stiff modes that an impact has struck is limited by halving: steps that open or close a
+contact, are part of an impact (contact and motion exchange much of their energy in it), are impulsive while anything
+touches, or come next to such a step at its size or halved, may gain `energy_tolerance` of the energy at hand each, and
+all together MOST_GAINED, each of them half of what is left of that, if this is less. With dynamic local modes, where no
+pair is judged, what contact gains or loses counts as well.
 """
 
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.impulsive_contact import is_closed
+from warpffrf_kernels.impulsive_means import REFUSED
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.motion import algorithmic, rule_of
 from warpffrf_kernels.scalars import MODULE_OPTIONS, quat, real, vec3
-from warpffrf_kernels.sudden import mode_share, outer_share, push_on
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -45,6 +48,8 @@ def decide(
     dx: wp.array2d(dtype=vec3),
     pair_force: wp.array4d(dtype=real),
     restless: wp.array2d(dtype=int),
+    wanted: wp.array2d(dtype=int),
+    impulsive: wp.array2d(dtype=int),
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
 ):
@@ -59,21 +64,26 @@ def decide(
     if not wp.isfinite(total):
         ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_FINITE
     event = int(0)
+    impulse = int(0)
+    again = int(0)
     calm = int(1)
     touching = int(0)
     pair = int(0)
     while pair < model.pair_count:
-        before = real(0.0)
-        after = real(0.0)
-        for c in range(3):
-            before += wp.abs(pair_force[w, pair, 0, c])
-            after += wp.abs(pair_force[w, pair, 1, c])
-        if (before > real(0.0)) != (after > real(0.0)):
+        before = is_closed(pair_force, w, pair, 0)
+        after = is_closed(pair_force, w, pair, 1)
+        if before != after:
             event = int(1)
-        if wp.max(before, after) > real(0.0):
+        if before or after:
             touching = int(1)
+            if impulsive[w, pair] != 0:
+                impulse = int(1)
         if model.dynamic_count > 0 and restless[w, pair] != 0:
             calm = int(0)
+        if wanted[w, pair] == REFUSED:
+            ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ENERGY
+        elif wanted[w, pair] != 0:
+            again = int(1)
         pair += 1
     ctl[w, k.EVENT] = event
     dynamic = ctl[w, k.MODE] == k.DYNAMIC
@@ -89,15 +99,17 @@ def decide(
     if stored * moving < real(0.0):  # both grow where a load presses what a drive speeds up
         swung = wp.min(wp.abs(stored), wp.abs(moving))
     integrated = energy[w, 1, k.NUMERICAL] - energy[w, 0, k.NUMERICAL]
-    impact = event != 0 or swung > SWUNG * hand
+    impact = event != 0 or swung > SWUNG * hand or ctl[w, k.SHAKEN] != 0
     if not impact and ctl[w, k.SUDDEN] == k.IMPULSIVE and touching != 0:
         impact = True
         defect = integrated
+    if model.dynamic_count == 0:  # contact is judged pair by pair
+        defect = integrated
     if dynamic and ctl[w, k.FAILURE] == 0 and impact:
         left = wp.max(real(0.5) * (MOST_GAINED - clk[w, k.GAINED]), LEAST_GAIN * model.energy_tolerance)
-        lost = defect < -model.energy_tolerance * hand
+        lost = model.dynamic_count > 0 and defect < -model.energy_tolerance * hand
         if ctl[w, k.SUDDEN] == k.IMPULSIVE and clk[w, k.H] * model.top_frequency <= RESOLVED:
-            lost = False  # it is the motion of the faces: see `sudden`
+            lost = False  # it is the motion of the faces: see `impulsive_contact`
         if lost or defect > wp.min(model.energy_tolerance, left) * hand:
             ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ENERGY
     if ctl[w, k.MODE] == k.STATIC and ctl[w, k.DOWNHILL] != 0 and clk[w, k.RISE] > UPHILL:
@@ -113,10 +125,20 @@ def decide(
         and ctl[w, k.SUDDEN] == k.SMOOTH
         and (calm == 0 or (touching != 0 and integrated > model.energy_tolerance * hand))
     ):
-        ctl[w, k.SUDDEN] = k.WANTED
+        ctl[w, k.SUDDEN] = k.IMPULSIVE
         ctl[w, k.REPEATED] = ctl[w, k.REPEATED] + 1
         ctl[w, k.ACTIVE] = ctl[w, k.TOUCHED]
         return
+    if dynamic and bearable and again != 0:
+        pair = int(0)
+        while pair < model.pair_count:
+            impulsive[w, pair] = wp.max(impulsive[w, pair], wanted[w, pair])
+            pair += 1
+        ctl[w, k.AGAIN] = 1
+        ctl[w, k.REPEATED] = ctl[w, k.REPEATED] + 1
+        ctl[w, k.ACTIVE] = ctl[w, k.TOUCHED]
+        return
+    ctl[w, k.AGAIN] = 0
     deep = ctl[w, k.LEVEL] >= model.max_level
     if deep and failure != 0 and bearable:
         ctl[w, k.COARSE] = ctl[w, k.COARSE] + failure / k.ACCURACY
@@ -138,6 +160,10 @@ def decide(
         ctl[w, k.ACTIVE] = ctl[w, k.TOUCHED]
         return
     ctl[w, k.ACCEPT] = 1
+    if dynamic:
+        ctl[w, k.IMPULSES] = ctl[w, k.IMPULSES] + impulse
+        if model.dynamic_count == 0 and (impulse != 0 or ctl[w, k.LEVEL] == 0):
+            ctl[w, k.SHAKEN] = impulse
     ctl[w, k.STEPS] = ctl[w, k.STEPS] + 1
     ctl[w, k.ITERATIONS] = ctl[w, k.ITERATIONS] + ctl[w, k.ITERATION]
     ctl[w, k.PENDING] = ctl[w, k.PENDING] + ctl[w, k.ITERATION]
@@ -156,14 +182,12 @@ def decide(
             clk[w, k.TIME] = clk[w, k.START_TIME]
         return
     if ctl[w, k.SUDDEN] == k.IMPULSIVE and calm != 0 and touching != 0:
-        ctl[w, k.SUDDEN] = k.CALMED
+        ctl[w, k.SUDDEN] = k.SMOOTH
     if impact and hand > real(0.0):
         clk[w, k.GAINED] = wp.max(clk[w, k.GAINED] + defect / hand, real(0.0))
     ctl[w, k.SUB] = ctl[w, k.SUB] + 1
     if ctl[w, k.LEVEL] > 0:
         quiet = event == 0 and wp.abs(defect) <= QUIET * model.energy_tolerance * hand
-        if energy[w, 1, k.FRICTION] != energy[w, 0, k.FRICTION]:  # which loses a little more than it shows
-            quiet = event == 0 and defect <= QUIET * model.energy_tolerance * hand
         if clk[w, k.ERROR] > real(0.0):  # a step that is halved for its error alone
             quiet = event == 0 and clk[w, k.ERROR] <= real(0.5) * QUIET  # doubled it would be half of what is allowed
         if quiet and ctl[w, k.SUB] % 2 == 0:  # one level at a time
@@ -194,7 +218,10 @@ def keep_bodies(
     dx: wp.array2d(dtype=vec3),
     psi: wp.array2d(dtype=vec3),
     clk: wp.array2d(dtype=real),
-    pair_force: wp.array4d(dtype=real),
+    v_alg0: wp.array2d(dtype=vec3),
+    omega_alg0: wp.array2d(dtype=vec3),
+    v_rest: wp.array2d(dtype=vec3),
+    omega_rest: wp.array2d(dtype=vec3),
     r: wp.array2d(dtype=vec3),
     p: wp.array2d(dtype=quat),
     v: wp.array2d(dtype=vec3),
@@ -217,19 +244,12 @@ def keep_bodies(
             r[w, b] = r1[w, b]
             p[w, b] = p1[w, b]
         h = clk[w, k.H]
-        a_t = algorithmic(clk, w, k.ALPHA_M, dx[w, b], v[w, b], v_alg[w, b])
-        a_r = algorithmic(clk, w, k.ALPHA_M, psi[w, b], omega[w, b], omega_alg[w, b])
-        if mode == k.DYNAMIC and ctl[w, k.SUDDEN] != k.SMOOTH and b < model.body_count:  # see `sudden`
-            f, t = push_on(model, pair_force, w, 1, b)
-            push = f / model.mass[b]
-            twist = wp.inverse(model.inertia[b]) * t
-            part = outer_share(model, clk, w)
-            a_t -= part * push
-            a_r -= part * twist
-            if ctl[w, k.SUDDEN] == k.CALMED:
-                acc += push
-                spin_rate += twist
-        if mode == k.START or ctl[w, k.EVENT] != 0 or ctl[w, k.SUDDEN] == k.CALMED:
+        a_t = algorithmic(clk, w, k.ALPHA_M, dx[w, b], v[w, b], v_alg0[w, b])
+        a_r = algorithmic(clk, w, k.ALPHA_M, psi[w, b], omega[w, b], omega_alg0[w, b])
+        if mode == k.DYNAMIC and model.pair_count > 0:
+            a_t += v_rest[w, b]
+            a_r += omega_rest[w, b]
+        if mode == k.START:
             a_t = acc
             a_r = spin_rate
         if mode == k.DYNAMIC or mode == k.START:
@@ -255,6 +275,8 @@ def keep_modes(
     qd1: wp.array2d(dtype=real),
     qd1_rate: wp.array2d(dtype=real),
     dq: wp.array2d(dtype=real),
+    qd_alg0: wp.array2d(dtype=real),
+    qd_rest: wp.array2d(dtype=real),
     q: wp.array2d(dtype=real),
     qd: wp.array2d(dtype=real),
     qd_rate: wp.array2d(dtype=real),
@@ -276,13 +298,11 @@ def keep_modes(
         at = int(k.ALPHA_M)
         if rule == 1:
             at = int(k.LOCAL)
-        a = algorithmic(clk, w, at, vec3(dq[w, n]), vec3(qd[w, n]), vec3(qd_alg[w, n]))[0]
+        a = algorithmic(clk, w, at, vec3(dq[w, n]), vec3(qd[w, n]), vec3(qd_alg0[w, n]))[0]
         rate = qd1_rate[w, n]
-        if mode == k.DYNAMIC and ctl[w, k.SUDDEN] != k.SMOOTH:
-            a -= mode_share(model, ctl, clk, w, n) * modal_load[w, 1, n]
-            if ctl[w, k.SUDDEN] == k.CALMED:
-                rate += modal_load[w, 1, n]
-        if mode == k.START or ctl[w, k.EVENT] != 0 or rule == 2 or ctl[w, k.SUDDEN] == k.CALMED:
+        if mode == k.DYNAMIC and model.pair_count > 0:
+            a += qd_rest[w, n]
+        if mode == k.START or rule == 2:
             a = rate
         if mode == k.DYNAMIC or mode == k.START:
             qd_rate[w, n] = rate
@@ -307,7 +327,6 @@ def keep_rest(
     applied_at: wp.array3d(dtype=vec3),
     load: wp.array3d(dtype=real),
     load_on_modes: wp.array3d(dtype=real),
-    pair_force: wp.array4d(dtype=real),
     energy: wp.array3d(dtype=real),
 ):
     """Per world: what is left to take over, or to restore after a rejection."""
@@ -327,8 +346,6 @@ def keep_rest(
         row += 1
     if not accept:
         return
-    if ctl[w, k.SUDDEN] == k.CALMED:
-        ctl[w, k.SUDDEN] = k.SMOOTH
     i = int(0)
     while i < model.force_count:
         applied[w, 0, i] = applied[w, 1, i]
@@ -342,11 +359,6 @@ def keep_rest(
     while i < model.modal_count:
         load_on_modes[w, 0, i] = load_on_modes[w, 1, i]
         i += 1
-    pair = int(0)
-    while pair < model.pair_count:
-        for c in range(12):
-            pair_force[w, pair, 0, c] = pair_force[w, pair, 1, c]
-        pair += 1
     for line in range(k.LINES):
         energy[w, 0, line] = energy[w, 1, line]
 

@@ -63,6 +63,9 @@ def take_slots(
         ctl[w, k.RECENTER] = 0
     count = ctl[w, k.SLOTS]
     ctl[w, k.FRESH] = count
+    if ctl[w, k.REWEIGHED] != 0:
+        ctl[w, k.FRESH] = 0
+        ctl[w, k.REWEIGHED] = 0
     number = int(0)
     pair = int(0)
     while pair < model.pair_count:
@@ -177,9 +180,11 @@ def modal_rows(
     slot_mode: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
+    weight: wp.array2d(dtype=real),
     J: wp.array(dtype=real),
 ):
-    """Per world: gradient of the weak gap of the fresh slots by the global modes of A, then of B."""
+    """Per world: gradient of the weak gap of the fresh slots by the global modes of A, then of B, times the weight of
+    the pair."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0:
@@ -201,20 +206,19 @@ def modal_rows(
         column = m / model.surface_rows[A]
         node = node_of(model, A, center[w, pair, 0] + column - model.half_window, m - column * model.surface_rows[A])
         if node >= 0:
-            axpy(modes_a, real(-1.0), model.mode_moment, model.surface_mode_start[A] + node * modes_a, J, start)
+            at = model.surface_mode_start[A] + node * modes_a
+            axpy(modes_a, -weight[w, pair], model.mode_moment, at, J, start)
         base = center[w, pair, 1] - model.second_half_window + stencil_at[w, pair, m, 0]
         c = int(0)
         while c < model.stencil_columns:
             r = int(0)
             while r < model.stencil_rows:
-                weight = stencil[w, pair, m, c * model.stencil_rows + r]
-                if weight != real(0.0):
+                part = weight[w, pair] * stencil[w, pair, m, c * model.stencil_rows + r]
+                if part != real(0.0):
                     node = node_of(model, B, base + c, stencil_at[w, pair, m, 1] + r)
                     if node >= 0:
-                        axpy(
-                            modes_b, -weight, model.mode_normal, model.surface_mode_start[B] + node * modes_b,
-                            J, start + modes_a,
-                        )  # fmt: skip
+                        at = model.surface_mode_start[B] + node * modes_b
+                        axpy(modes_b, -part, model.mode_normal, at, J, start + modes_a)
                 r += 1
             c += 1
         slot += 1
@@ -231,6 +235,7 @@ def outer_row(
     t: vec3,
     axes: wp.array2d(dtype=mat33),
     r1: wp.array2d(dtype=vec3),
+    weight: wp.array2d(dtype=real),
     J: wp.array(dtype=real),
     start: int,
     C_receptance: wp.array(dtype=real),
@@ -241,20 +246,22 @@ def outer_row(
 ):
     """Line `row` of L, [d/d(rigid), -J sigma^-1 C_modal^T] over the columns in `coupled` of the pair, and V = H L from
     `begin` on: of a quantity with the gradient (f, t) by the motion of A relative to B, and J (from `start`) by the
-    modes."""
+    modes, times the weight of the pair, which J has already."""
     A = model.surface_body[model.pair_first[pair]]
     B = model.surface_body[model.pair_second[pair]]
     if lane == 0:
-        t_a = wp.transpose(axes[w, A]) * t
+        push = weight[w, pair] * f
+        turn = weight[w, pair] * t
+        t_a = wp.transpose(axes[w, A]) * turn
         for i in range(3):
-            L[w, row, i] = f[i]
+            L[w, row, i] = push[i]
             L[w, row, 3 + i] = t_a[i]
             L[w, row, 6 + i] = real(0.0)  # the ground does not move
             L[w, row, 9 + i] = real(0.0)
         if B >= 0:
-            t_b = wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f))
+            t_b = wp.transpose(axes[w, B]) * (turn + wp.cross(r1[w, A] - r1[w, B], push))
             for i in range(3):
-                L[w, row, 6 + i] = -f[i]
+                L[w, row, 6 + i] = -push[i]
                 L[w, row, 9 + i] = -t_b[i]
     first_a = model.surface_modal_start[model.pair_first[pair]]
     count_a = model.surface_modal_count[model.pair_first[pair]]
@@ -295,6 +302,7 @@ def outer_rows(
     axes: wp.array2d(dtype=mat33),
     r1: wp.array2d(dtype=vec3),
     wrench: wp.array4d(dtype=real),
+    weight: wp.array2d(dtype=real),
     slot_mode: wp.array3d(dtype=int),
     J: wp.array(dtype=real),
     C_receptance: wp.array(dtype=real),
@@ -302,8 +310,8 @@ def outer_rows(
     L: wp.array3d(dtype=real),
     V: wp.array(dtype=real),
 ):
-    """Per world: gradient L of the gap by the outer coordinates, and V = H L (`outer_row`); for all slots when H is
-    new, else for the fresh ones."""
+    """Per world: gradient L of the gap by the outer coordinates times the weight of the pair, and V = H L
+    (`outer_row`); for all slots when H is new, else for the fresh ones."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0:
@@ -318,8 +326,8 @@ def outer_rows(
         t = vec3(wrench[w, pair, m, 3], wrench[w, pair, m, 4], wrench[w, pair, m, 5])
         line = w * model.slot_capacity + slot
         outer_row(
-            model, w, pair, slot, lane, f, t, axes, r1, J, line * model.pair_modes, C_receptance, inverse_transposed,
-            line * model.outer_count, L, V,
+            model, w, pair, slot, lane, f, t, axes, r1, weight, J, line * model.pair_modes, C_receptance,
+            inverse_transposed, line * model.outer_count, L, V,
         )  # fmt: skip
         slot += 1
 

@@ -10,7 +10,7 @@ import warp as wp
 from warpffrf_kernels import control as k
 from warpffrf_kernels.contact_compliance import node_of, table_row
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, sync, vec3
+from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, real, sync
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -267,6 +267,12 @@ def local_fields(
         i += 1
 
 
+@wp.func
+def modal_line(model: Model, w: int, pair: int) -> int:
+    """Where the trial loads of a pair on the modes of its bodies begin, flat."""
+    return ((w * model.pair_count + pair) * 2 + 1) * model.pair_modes
+
+
 @wp.kernel
 def load_modes(
     models: wp.array(dtype=Model),
@@ -277,58 +283,52 @@ def load_modes(
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
     second_load: wp.array(dtype=real),
-    modal_load: wp.array(dtype=real),
+    pair_modal: wp.array(dtype=real),
 ):
-    """Per world: load of the contact pressures on the global modes, at the present position of the grids."""
-    w, lane = wp.tid()
+    """Per (world, pair): load of the contact pressures on the modes of A, then of B, at the present position of the
+    grids."""
+    w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
-    trial = (2 * w + 1) * model.modal_count
+    trial = modal_line(model, w, pair)
     i = lane
-    while i < model.modal_count:
-        modal_load[trial + i] = real(0.0)
+    while i < model.pair_modes:
+        pair_modal[trial + i] = real(0.0)
         i += wp.block_dim()
     sync()
-    pair = int(0)
-    while pair < model.pair_count:
-        A = model.pair_first[pair]
-        rows = model.surface_rows[A]
-        start = model.surface_modal_start[A]
-        modes = model.surface_modal_count[A]
-        m = (window[w, pair, 0] + model.half_window) * rows
-        while m < (window[w, pair, 1] + model.half_window + 1) * rows:
-            if active[w, pair, m] != 0:
-                column = m / rows
-                node = node_of(model, A, center[w, pair, 0] + column - model.half_window, m - column * rows)
-                if node >= 0:
-                    at = model.surface_mode_start[A] + node * modes
-                    axpy(modes, -pressure[w, pair, m], model.mode_moment, at, modal_load, trial + start)
-            m += 1
-        B = model.pair_second[pair]
-        rows = model.surface_rows[B]
-        start = model.surface_modal_start[B]
-        modes = model.surface_modal_count[B]
-        base = (w * model.pair_count + pair) * model.node_capacity
-        i = second_window[w, pair, 0] * rows
-        while i < (second_window[w, pair, 1] + 1) * rows:
-            f = second_load[base + i]
-            if f != real(0.0):
-                column = i / rows
-                node = node_of(model, B, center[w, pair, 1] + column - model.second_half_window, i - column * rows)
-                if node >= 0:
-                    at = model.surface_mode_start[B] + node * modes
-                    axpy(modes, -f, model.mode_normal, at, modal_load, trial + start)
-            i += 1
-        pair += 1
+    A = model.pair_first[pair]
+    rows = model.surface_rows[A]
+    modes_a = model.surface_modal_count[A]
+    m = (window[w, pair, 0] + model.half_window) * rows
+    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+        if active[w, pair, m] != 0:
+            column = m / rows
+            node = node_of(model, A, center[w, pair, 0] + column - model.half_window, m - column * rows)
+            if node >= 0:
+                at = model.surface_mode_start[A] + node * modes_a
+                axpy(modes_a, -pressure[w, pair, m], model.mode_moment, at, pair_modal, trial)
+        m += 1
+    B = model.pair_second[pair]
+    rows = model.surface_rows[B]
+    modes = model.surface_modal_count[B]
+    base = (w * model.pair_count + pair) * model.node_capacity
+    i = second_window[w, pair, 0] * rows
+    while i < (second_window[w, pair, 1] + 1) * rows:
+        f = second_load[base + i]
+        if f != real(0.0):
+            column = i / rows
+            node = node_of(model, B, center[w, pair, 1] + column - model.second_half_window, i - column * rows)
+            if node >= 0:
+                at = model.surface_mode_start[B] + node * modes
+                axpy(modes, -f, model.mode_normal, at, pair_modal, trial + modes_a)
+        i += 1
 
 
 @wp.kernel
-def add_contact(
+def sum_contact(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
     window: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
     area: wp.array3d(dtype=real),
@@ -337,24 +337,21 @@ def add_contact(
     opened: wp.array3d(dtype=real),
     more_wrench: wp.array4d(dtype=real),
     pressure: wp.array3d(dtype=real),
-    modal_load: wp.array3d(dtype=real),
-    residual: wp.array2d(dtype=real),
-    modal_residual: wp.array2d(dtype=real),
     pair_wrench: wp.array3d(dtype=real),
     gap_defect: wp.array2d(dtype=real),
-    contact_energy: wp.array2d(dtype=real),
+    pair_energy: wp.array3d(dtype=real),
 ):
-    """Per world: subtract the contact forces from the residuals; contact wrench on A of every pair, what active gaps
-    are left open (a fraction of the penetration, and the penetration), and the contact energy s.G.s/2."""
+    """Per world: contact wrench on A of every pair, its contact energy s.G.s/2, and what active gaps are left open (a
+    fraction of the penetration, and the penetration)."""
     w = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
     worst = real(0.0)
     depth = real(0.0)
-    energy = real(0.0)
     pair = int(0)
     while pair < model.pair_count:
+        energy = real(0.0)
         for i in range(6):
             pair_wrench[w, pair, i] = real(0.0)
         rows = model.surface_rows[model.pair_first[pair]]
@@ -371,27 +368,10 @@ def add_contact(
                 worst = wp.max(worst, wp.abs(opened[w, pair, m]) / area[w, pair, m])
                 depth = wp.max(depth, wp.abs(gap[w, pair, m]) / area[w, pair, m])
             m += 1
-        A = model.surface_body[model.pair_first[pair]]
-        B = model.surface_body[model.pair_second[pair]]
-        f = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
-        t = vec3(pair_wrench[w, pair, 3], pair_wrench[w, pair, 4], pair_wrench[w, pair, 5])
-        t_a = wp.transpose(axes[w, A]) * t
-        for i in range(3):
-            residual[w, 6 * A + i] = residual[w, 6 * A + i] - f[i]
-            residual[w, 6 * A + 3 + i] = residual[w, 6 * A + 3 + i] - t_a[i]
-        if B >= 0:
-            t_b = wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f))
-            for i in range(3):
-                residual[w, 6 * B + i] = residual[w, 6 * B + i] + f[i]
-                residual[w, 6 * B + 3 + i] = residual[w, 6 * B + 3 + i] + t_b[i]
+        pair_energy[w, pair, 1] = energy
         pair += 1
-    n = int(0)
-    while n < model.modal_count:
-        modal_residual[w, n] = modal_residual[w, n] - modal_load[w, 1, n]
-        n += 1
     gap_defect[w, 0] = real(0.0)
     gap_defect[w, 1] = real(0.0)
     if depth > real(0.0):
         gap_defect[w, 1] = wp.max(depth, SHALLOW)
         gap_defect[w, 0] = worst / gap_defect[w, 1]
-    contact_energy[w, 0] = energy

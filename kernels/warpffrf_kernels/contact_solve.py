@@ -5,6 +5,7 @@ in, the linearised system of `outer` reads, for the change ds of the pressures o
 
     (G + L H L^T) ds = -(opened + L H rhs - J sigma^-1 r_m),
 
+L and J times the weight of their pair (`impulsive_contact`), 1 where it is not impulsive, `opened` and ds too:
 symmetric positive definite, factored by a right-looking Cholesky with rank-4 row updates (contiguous, vectorises), the
 right-hand side riding along. Pressures that leave the set change by -base, which goes to the right-hand side.
 Everything is counted from the present state, so that G, L, J and H may be those of a position a small fraction of a
@@ -110,6 +111,7 @@ def solve_pressures(
     base: wp.array3d(dtype=real),
     slot_mode: wp.array3d(dtype=int),
     condensed: wp.array3d(dtype=real),
+    weight: wp.array2d(dtype=real),
     J: wp.array(dtype=real),
     L: wp.array3d(dtype=real),
     V: wp.array(dtype=real),
@@ -151,11 +153,12 @@ def solve_pressures(
     while i < count:
         a = order[w, i]
         pair = slot_mode[w, a, 0]
-        total = -opened[w, pair, slot_mode[w, a, 1]]
+        total = -weight[w, pair] * opened[w, pair, slot_mode[w, a, 1]]
         e = int(1)
         while e <= left:
             slot = order[w, model.slot_capacity - e]
-            total += condensed[w, a, slot] * base[w, slot_mode[w, slot, 0], slot_mode[w, slot, 1]]
+            other = slot_mode[w, slot, 0]
+            total += condensed[w, a, slot] * weight[w, other] * base[w, other, slot_mode[w, slot, 1]]
             e += 1
         c = int(0)
         while c < model.coupled_count[pair]:
@@ -180,7 +183,7 @@ def solve_pressures(
     while i < count:
         pair = slot_mode[w, order[w, i], 0]
         m = slot_mode[w, order[w, i], 1]
-        pressure[w, pair, m] = base[w, pair, m] + solution[w, i]
+        pressure[w, pair, m] = base[w, pair, m] + solution[w, i] / weight[w, pair]
         i += wp.block_dim()
     N = model.outer_count
     c = lane
@@ -199,7 +202,7 @@ def solve_pressures(
         pair = slot_mode[w, slot, 0]
         m = slot_mode[w, slot, 1]
         if active[w, pair, m] == 0 and base[w, pair, m] != real(0.0):
-            axpy(N, -base[w, pair, m], V, (w * model.slot_capacity + slot) * N, z, w * N)
+            axpy(N, -weight[w, pair] * base[w, pair, m], V, (w * model.slot_capacity + slot) * N, z, w * N)
         slot += 1
 
 
@@ -209,6 +212,7 @@ def modal_increments(
     ctl: wp.array2d(dtype=int),
     active: wp.array3d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
+    weight: wp.array2d(dtype=real),
     J: wp.array(dtype=real),
     pressure: wp.array3d(dtype=real),
     base: wp.array3d(dtype=real),
@@ -231,9 +235,9 @@ def modal_increments(
     sync()
     slot = int(0)
     while slot < ctl[w, k.SLOTS]:
-        change = change_of(w, slot, slot_mode, active, pressure, base)
+        pair = slot_mode[w, slot, 0]
+        change = weight[w, pair] * change_of(w, slot, slot_mode, active, pressure, base)
         if change != real(0.0):
-            pair = slot_mode[w, slot, 0]
             start = (w * model.slot_capacity + slot) * model.pair_modes
             A = model.pair_first[pair]
             B = model.pair_second[pair]

@@ -45,10 +45,16 @@ FRESH_CELLS = wp.constant(36)  # first cell slot not yet assembled
 STALE = wp.constant(37)  # 1 when every cell slot is to be assembled anew
 SOLVES = wp.constant(38)  # factorisations of stick and slip so far
 FACTORED = wp.constant(39)  # free coordinates of the factorisation of stick and slip at hand, 0 without
-SUDDEN = wp.constant(40)  # how contact acts on this step and the next: see `sudden`
-REPEATED = wp.constant(41)  # attempts repeated with sudden contact
+SUDDEN = wp.constant(40)  # how contact acts on dynamic local modes in this step and the next: see `impulsive_contact`
+REPEATED = wp.constant(41)  # attempts repeated because of what contact did in them
 DOWNHILL = wp.constant(42)  # 1 when a static step must not end higher than it began
-CTL = 43
+AGAIN = wp.constant(43)  # 1 when the attempt repeats one with more impulsive pairs
+ROUND = wp.constant(44)  # rounds of the mean forces of impulsive pairs in this attempt
+EVEN = wp.constant(45)  # 1 when these means give back the energy of their pairs
+REWEIGHED = wp.constant(46)  # 1 when their weights have changed since the rows of G were assembled
+IMPULSES = wp.constant(47)  # accepted steps in which a pair was impulsive and touched
+SHAKEN = wp.constant(48)  # 1 when the step before was impulsive, or halved after one that was
+CTL = 49
 
 # --- reals
 START_TIME = wp.constant(0)
@@ -90,9 +96,7 @@ ROOM = wp.constant(1024)  # more slots are in play than there is room for: `Engi
 
 # --- values of SUDDEN
 SMOOTH = wp.constant(0)
-IMPULSIVE = wp.constant(1)  # accelerations are kept without the contact force
-CALMED = wp.constant(2)  # the last such step, between its acceptance and what is kept of it
-WANTED = wp.constant(3)  # the attempt is to be repeated like that
+IMPULSIVE = wp.constant(1)  # its force keeps no memory
 
 # --- constraint row kinds
 TRANSLATION = wp.constant(0)

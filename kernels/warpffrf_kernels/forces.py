@@ -143,7 +143,6 @@ def group_energy(
     h: real,
     coordinate: wp.array2d(dtype=real),
     stretch: wp.array2d(dtype=real),
-    drive_rate: wp.array3d(dtype=real),
 ) -> vec3:
     """Stored energy of all groups, what their dampers took in the step, and the work of the skew parts."""
     half = real(0.5)
@@ -165,8 +164,7 @@ def group_energy(
                 other = coordinate[w, first + j] - model.row_reference[first + j]
                 before = stretch[w, first + j] - model.row_reference[first + j]
                 stored += half * K * c * other
-                for side in range(2):
-                    taken += half * h * D * drive_rate[w, side, first + i] * drive_rate[w, side, first + j]
+                taken += D * step * (coordinate[w, first + j] - stretch[w, first + j]) / h
                 skew = half * (K - model.group_stiffness[g, j, i])
                 worked -= half * skew * (before + other) * step
                 j += 1

@@ -86,9 +86,11 @@ def cell_modes(
     cell_turn: wp.array4d(dtype=real),
     share: wp.array4d(dtype=real),
     share_at: wp.array4d(dtype=int),
+    weight: wp.array2d(dtype=real),
     cell_J: wp.array(dtype=real),
 ):
-    """Per world: gradient J of the weak slip of the fresh slots by the global modes of A, then of B."""
+    """Per world: gradient J of the weak slip of the fresh slots by the global modes of A, then of B, times the weight
+    of the pair."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
@@ -100,7 +102,7 @@ def cell_modes(
         A = model.pair_first[pair]
         B = model.pair_second[pair]
         rows = model.surface_rows[A]
-        area = cell_area[w, pair, m]
+        area = weight[w, pair] * cell_area[w, pair, m]
         modes_a = model.surface_modal_count[A]
         start = (w * model.cell_capacity + slot) * 2 * model.pair_modes
         i = lane
@@ -324,6 +326,7 @@ def outer_cells(
     axes: wp.array2d(dtype=mat33),
     r1: wp.array2d(dtype=vec3),
     cell_wrench: wp.array4d(dtype=real),
+    weight: wp.array2d(dtype=real),
     cell_slot: wp.array3d(dtype=int),
     cell_J: wp.array(dtype=real),
     C_receptance: wp.array(dtype=real),
@@ -331,7 +334,8 @@ def outer_cells(
     cell_L: wp.array3d(dtype=real),
     cell_V: wp.array(dtype=real),
 ):
-    """Per world: gradient L of the weak slip by the coupled outer columns, and V = H L, where there are fresh slots."""
+    """Per world: gradient L of the weak slip by the coupled outer columns times the weight of the pair, and V = H L,
+    where there are fresh slots."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0 or ctl[w, k.FRESH_CELLS] == ctl[w, k.CELLS]:
@@ -347,7 +351,7 @@ def outer_cells(
             row = 2 * slot + d
             line = w * 2 * model.cell_capacity + row
             outer_row(
-                model, w, pair, row, lane, f, t, axes, r1, cell_J, line * model.pair_modes, C_receptance,
+                model, w, pair, row, lane, f, t, axes, r1, weight, cell_J, line * model.pair_modes, C_receptance,
                 inverse_transposed, line * model.outer_count, cell_L, cell_V,
             )  # fmt: skip
         slot += 1

@@ -10,11 +10,11 @@ the part of e that the local modes have.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.contact_fields import modal_line
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.friction_shares import line_of, response_at
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, vec3
-from warpffrf_kernels.surface import axes_of, origin_of
+from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, real, sync
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -89,46 +89,47 @@ def load_tractions(
     cell_area: wp.array3d(dtype=real),
     traction: wp.array3d(dtype=real),
     second_force: wp.array3d(dtype=real),
-    modal_load: wp.array(dtype=real),
+    friction_modal: wp.array(dtype=real),
 ):
-    """Per world: adds the load of the tractions on the global modes (after `contact_fields.load_modes`)."""
-    w, lane = wp.tid()
+    """Per (world, pair): load of the tractions on the modes of A, then of B."""
+    w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
-    trial = (2 * w + 1) * model.modal_count
-    pair = int(0)
-    while pair < model.pair_count:
-        if model.pair_friction[pair] > real(0.0):
-            A = model.pair_first[pair]
-            rows = model.surface_rows[A]
-            start = model.surface_modal_start[A]
-            modes = model.surface_modal_count[A]
-            m = (window[w, pair, 0] + model.half_window) * rows
-            while m < (window[w, pair, 1] + model.half_window + 1) * rows:
-                for d in range(2):
-                    f = cell_area[w, pair, m] * traction[w, pair, cell_at(rows, m, d)]
-                    line = line_of(model, A, center[w, pair, 0] + m / rows - model.half_window, d * rows + m % rows)
-                    if f != real(0.0) and line >= 0:
-                        at = model.surface_shear[A] + line * modes
-                        axpy(modes, f, model.mode_tangent, at, modal_load, trial + start)
-                m += 1
-            B = model.pair_second[pair]
-            if model.surface_shear[B] >= 0:
-                rows_b = model.surface_rows[B]
-                start = model.surface_modal_start[B]
-                modes = model.surface_modal_count[B]
-                i = int(0)
-                while i < 2 * model.second_columns * rows_b:
-                    f = second_force[w, pair, i]
-                    if f != real(0.0):
-                        column = center[w, pair, 1] - model.second_half_window + i / (2 * rows_b)
-                        line = line_of(model, B, column, i % (2 * rows_b))
-                        if line >= 0:
-                            at = model.surface_shear[B] + line * modes
-                            axpy(modes, f, model.mode_tangent, at, modal_load, trial + start)
-                    i += 1
-        pair += 1
+    trial = modal_line(model, w, pair)
+    i = lane
+    while i < model.pair_modes:
+        friction_modal[trial + i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    if model.pair_friction[pair] == real(0.0):
+        return
+    A = model.pair_first[pair]
+    rows = model.surface_rows[A]
+    modes_a = model.surface_modal_count[A]
+    m = (window[w, pair, 0] + model.half_window) * rows
+    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+        for d in range(2):
+            f = cell_area[w, pair, m] * traction[w, pair, cell_at(rows, m, d)]
+            line = line_of(model, A, center[w, pair, 0] + m / rows - model.half_window, d * rows + m % rows)
+            if f != real(0.0) and line >= 0:
+                at = model.surface_shear[A] + line * modes_a
+                axpy(modes_a, f, model.mode_tangent, at, friction_modal, trial)
+        m += 1
+    B = model.pair_second[pair]
+    if model.surface_shear[B] >= 0:
+        rows_b = model.surface_rows[B]
+        modes = model.surface_modal_count[B]
+        i = int(0)
+        while i < 2 * model.second_columns * rows_b:
+            f = second_force[w, pair, i]
+            if f != real(0.0):
+                column = center[w, pair, 1] - model.second_half_window + i / (2 * rows_b)
+                line = line_of(model, B, column, i % (2 * rows_b))
+                if line >= 0:
+                    at = model.surface_shear[B] + line * modes
+                    axpy(modes, f, model.mode_tangent, at, friction_modal, trial + modes_a)
+            i += 1
 
 
 @wp.func
@@ -150,8 +151,6 @@ def add_friction(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
     window: wp.array3d(dtype=int),
     cell_area: wp.array3d(dtype=real),
     cell_wrench: wp.array4d(dtype=real),
@@ -160,17 +159,16 @@ def add_friction(
     traction: wp.array3d(dtype=real),
     slip: wp.array3d(dtype=real),
     elastic_local: wp.array3d(dtype=real),
-    residual: wp.array2d(dtype=real),
     pair_wrench: wp.array3d(dtype=real),
     normal_wrench: wp.array3d(dtype=real),
     gap_defect: wp.array2d(dtype=real),
-    contact_energy: wp.array2d(dtype=real),
+    elastic_energy: wp.array3d(dtype=real),
     friction_work: wp.array3d(dtype=real),
     cell_state: wp.array3d(dtype=int),
     traction_base: wp.array3d(dtype=real),
 ):
-    """Per world: subtract the friction forces from the residuals; wrench, energy and work of every pair, and by how
-    much the tractions are not those of their slip, as a fraction of the largest bound (after `add_contact`).
+    """Per world: wrench, elastic energy and work of the tractions of every pair, and by how much they are not those of
+    their slip, as a fraction of the largest bound.
 
     A traction is right where it is the projection of tau - slip/c on the disc of its bound, for any c > 0.
     """
@@ -178,10 +176,10 @@ def add_friction(
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
         return
-    energy = real(0.0)
     worst = real(0.0)
     pair = int(0)
     while pair < model.pair_count:
+        energy = real(0.0)
         for i in range(6):
             normal_wrench[w, pair, i] = pair_wrench[w, pair, i]
         friction_work[w, pair, 0] = real(0.0)
@@ -226,27 +224,6 @@ def add_friction(
                 m += 1
             if largest > real(0.0):
                 worst = wp.max(worst, defect / largest)
-            a = model.surface_body[A]
-            b_body = model.surface_body[model.pair_second[pair]]
-            f = vec3(
-                pair_wrench[w, pair, 0] - normal_wrench[w, pair, 0],
-                pair_wrench[w, pair, 1] - normal_wrench[w, pair, 1],
-                pair_wrench[w, pair, 2] - normal_wrench[w, pair, 2],
-            )
-            t = vec3(
-                pair_wrench[w, pair, 3] - normal_wrench[w, pair, 3],
-                pair_wrench[w, pair, 4] - normal_wrench[w, pair, 4],
-                pair_wrench[w, pair, 5] - normal_wrench[w, pair, 5],
-            )
-            t_a = wp.transpose(axes[w, a]) * t
-            for i in range(3):
-                residual[w, 6 * a + i] = residual[w, 6 * a + i] - f[i]
-                residual[w, 6 * a + 3 + i] = residual[w, 6 * a + 3 + i] - t_a[i]
-            if b_body >= 0:
-                t_b = wp.transpose(axes_of(axes, w, b_body)) * (t + wp.cross(r1[w, a] - origin_of(r1, w, b_body), f))
-                for i in range(3):
-                    residual[w, 6 * b_body + i] = residual[w, 6 * b_body + i] + f[i]
-                    residual[w, 6 * b_body + 3 + i] = residual[w, 6 * b_body + 3 + i] + t_b[i]
+        elastic_energy[w, pair, 1] = energy
         pair += 1
-    contact_energy[w, 0] = contact_energy[w, 0] + energy
     gap_defect[w, 0] = wp.max(gap_defect[w, 0], worst / TRACTION_SLACK)

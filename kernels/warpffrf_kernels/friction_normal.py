@@ -166,6 +166,7 @@ def press_with_tractions(
     answer_order: wp.array2d(dtype=int),
     answer_state: wp.array2d(dtype=int),
     cell_V: wp.array(dtype=real),
+    weight: wp.array2d(dtype=real),
     tau: wp.array2d(dtype=real),
     base: wp.array2d(dtype=real),
     moved: wp.array(dtype=real),
@@ -195,5 +196,5 @@ def press_with_tractions(
         pair = slot_mode[w, slot, 0]
         m = slot_mode[w, slot, 1]
         change = -dot(N, answer, (w * model.slot_capacity + a) * N, moved, w * N)
-        pressure[w, pair, m] = wp.max(pressure[w, pair, m] + change, real(0.0))
+        pressure[w, pair, m] = wp.max(pressure[w, pair, m] + change / weight[w, pair], real(0.0))
         a += wp.block_dim()

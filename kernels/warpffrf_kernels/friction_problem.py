@@ -5,7 +5,8 @@ With the pressures just solved for, the weak slips of all cell slots are r_0 + K
     r_0 = S + dS(ds) + L z + J sigma^-1 (-r_m + J_n^T ds) - K tau_base:
 
 S the slip of the present state, dS what the change ds of the pressures does to it through the local modes, z the outer
-increments with those pressures, r_m the residual of the global modes and J_n the gradient of the gaps by them.
+increments with those pressures, r_m the residual of the global modes and J_n the gradient of the gaps by them. Slips,
+tractions and discs are times the weight of their pair here (`impulsive_contact`), as L, J and J_n are.
 """
 
 import warp as wp
@@ -27,6 +28,7 @@ def drive_modes(
     ctl: wp.array2d(dtype=int),
     active: wp.array3d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
+    weight: wp.array2d(dtype=real),
     J: wp.array(dtype=real),
     pressure: wp.array3d(dtype=real),
     base: wp.array3d(dtype=real),
@@ -46,9 +48,9 @@ def drive_modes(
     sync()
     slot = int(0)
     while slot < ctl[w, k.SLOTS]:
-        change = change_of(w, slot, slot_mode, active, pressure, base)
+        pair = slot_mode[w, slot, 0]
+        change = weight[w, pair] * change_of(w, slot, slot_mode, active, pressure, base)
         if change != real(0.0):
-            pair = slot_mode[w, slot, 0]
             start = (w * model.slot_capacity + slot) * model.pair_modes
             for side in range(2):
                 surface = model.pair_first[pair]
@@ -100,6 +102,7 @@ def pose_tractions(
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
     cell_slot: wp.array3d(dtype=int),
+    weight: wp.array2d(dtype=real),
     cell_area: wp.array3d(dtype=real),
     bound: wp.array3d(dtype=real),
     late: wp.array3d(dtype=real),
@@ -137,7 +140,8 @@ def pose_tractions(
         rows = model.surface_rows[model.pair_first[pair]]
         area = cell_area[w, pair, m]
         b = bound[w, pair, m]
-        radius[w, i] = b
+        scale = weight[w, pair]
+        radius[w, i] = scale * b
         softness[w, i] = real(0.0)
         if b > real(0.0):
             softness[w, i] = area * (creep_softness(model, clk, w, pair, b) + late[w, pair, m])
@@ -147,10 +151,10 @@ def pose_tractions(
         for d in range(2):
             row = 2 * i + d
             at = cell_at(rows, m, d)
-            base[w, row] = traction_base[w, pair, at]
-            tau[w, row] = traction[w, pair, at]
+            base[w, row] = scale * traction_base[w, pair, at]
+            tau[w, row] = scale * traction[w, pair, at]
             moved = first_shift[(w * model.pair_count + pair) * 2 * model.mode_capacity + at] - second[d]
-            value = area * (slip[w, pair, at] + moved) + gathered(model, w, pair, row, L, z)
+            value = scale * area * (slip[w, pair, at] + moved) + gathered(model, w, pair, row, L, z)
             line = (w * model.cell_capacity + i) * 2 * model.pair_modes + d * model.pair_modes
             for side in range(2):
                 surface = model.pair_first[pair]
@@ -171,6 +175,7 @@ def take_tractions(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     cell_slot: wp.array3d(dtype=int),
+    weight: wp.array2d(dtype=real),
     tau: wp.array2d(dtype=real),
     base: wp.array2d(dtype=real),
     V: wp.array(dtype=real),
@@ -188,7 +193,8 @@ def take_tractions(
         pair = cell_slot[w, i / 2, 0]
         m = cell_slot[w, i / 2, 1]
         if lane == 0:
-            traction[w, pair, cell_at(model.surface_rows[model.pair_first[pair]], m, i % 2)] = tau[w, i]
+            rows = model.surface_rows[model.pair_first[pair]]
+            traction[w, pair, cell_at(rows, m, i % 2)] = tau[w, i] / weight[w, pair]
         change = tau[w, i] - base[w, i]
         if change != real(0.0):
             axpy(N, change, V, (w * 2 * model.cell_capacity + i) * N, z, w * N)

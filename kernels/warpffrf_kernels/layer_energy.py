@@ -1,10 +1,10 @@
 r"""What layers between surfaces hold and lose (`contact_layer`), and what damped ones remember.
 
 Energy. The contact energy gets int W(d) dA (in place of s.(E s)/2 that the solve's own sum counts), and a damped layer
-loses the work of its drag p - P_elastic(d), taken like that of all forces with the mean of both ends of the step,
-int (drag_0 + drag_1)/2 (d_1 - d_0) dA, nowhere below zero; the drag has the sign of the rate, also where the pressure
-is cut at zero: a surface that comes back slower than it is freed loses what is left in it. It is booked with the
-damping.
+loses the work of its drag p - P_elastic(d), taken like that of all forces with the mean of both ends of the step (of an
+impulsive pair that of `impulsive_contact`), int (drag_0 + drag_1)/2 (d_1 - d_0) dA, nowhere below zero; the drag has
+the sign of the rate, also where the pressure is cut at zero: a surface that comes back slower than it is freed loses
+what is left in it. It is booked with the damping.
 
 Rates. A damped layer needs the depth of every point at the last accepted state. It is kept with the cell, that is with
 the material of the first surface, and looked up from the present position of the window. Where nothing presses, the
@@ -19,6 +19,8 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.contact_layer import cell_exists, corner_of, hat_value, linear_yield, rate_of
+from warpffrf_kernels.impulsive_contact import mean_of
+from warpffrf_kernels.impulsive_means import has_converged
 from warpffrf_kernels.layer_laws import CHI, CONSTANT, layer_depth, layer_energy, layer_pressure
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
@@ -43,22 +45,27 @@ def add_layer_energy(
     tangent: wp.array4d(dtype=real),
     past: wp.array3d(dtype=real),
     past_drag: wp.array3d(dtype=real),
+    impulsive: wp.array2d(dtype=int),
+    theta: wp.array2d(dtype=real),
     depth_now: wp.array3d(dtype=real),
     drag_now: wp.array3d(dtype=real),
-    loss: wp.array2d(dtype=real),
-    contact_energy: wp.array2d(dtype=real),
+    pair_loss: wp.array2d(dtype=real),
+    pair_energy: wp.array3d(dtype=real),
 ):
-    """Per world, one lane, after the Newton loop: the energy of the layers in place of what `add_contact` counted for
-    them, depths and drags of damped ones, and what these lose in the step, `loss` [J]."""
+    """Per world, one lane, where the iteration has converged: the energy of the layers in place of what `sum_contact`
+    counted for them, depths and drags of damped ones, and what these lose in the step [J]."""
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.ATTEMPT] == 0:
+    if not has_converged(ctl, w):
         return
-    energy = real(0.0)
-    lost = real(0.0)
     pair = int(0)
     while pair < model.pair_count:
         if model.layer_kind[pair] != CONSTANT:
+            energy = real(0.0)
+            lost = real(0.0)
+            part = real(0.5)
+            if impulsive[w, pair] != 0:
+                part = theta[w, pair]
             A = model.pair_first[pair]
             rows = model.surface_rows[A]
             start = model.layer_point_start[pair]
@@ -108,26 +115,12 @@ def add_layer_energy(
                     if rate > real(0.0):
                         elastic = layer_pressure(model, pair, d, real(0.0), real(0.0))
                         drag_now[w, pair, q] = p - elastic[0]
-                        mean = real(0.5) * (past_drag[w, pair, q] + p - elastic[0])
+                        mean = mean_of(part, past_drag[w, pair, q], p - elastic[0])
                         lost += dA * wp.max(mean * (d - past[w, pair, q]), real(0.0))  # below where the rate turns
                 q += 1
+            pair_energy[w, pair, 1] = pair_energy[w, pair, 1] + energy
+            pair_loss[w, pair] = lost
         pair += 1
-    contact_energy[w, 0] = contact_energy[w, 0] + energy
-    loss[w, 0] = lost
-
-
-@wp.kernel
-def book_layer_loss(
-    ctl: wp.array2d(dtype=int),
-    loss: wp.array2d(dtype=real),
-    energy: wp.array3d(dtype=real),
-):
-    """Per world: what damped layers lose in the attempt, booked as damping instead of as a defect of the grid."""
-    w = wp.tid()
-    if ctl[w, k.ATTEMPT] == 0 or ctl[w, k.MODE] != k.DYNAMIC:
-        return
-    energy[w, 1, k.DAMPING] = energy[w, 1, k.DAMPING] + loss[w, 0]
-    energy[w, 1, k.CONTACT_GRID] = energy[w, 1, k.CONTACT_GRID] + loss[w, 0]
 
 
 @wp.kernel

@@ -18,8 +18,8 @@ so that `a_1`, `v_1`, `vdot_1` are affine in `d` with slopes `1/(beta h^2)`, `VE
   (`warpffrf.online.accelerations` then takes out the round-off of its size).
 
 Modes of kind 1 (HHT) have coefficients of their own in a dynamic step, those of kind 2 the exact step for a linear load
-(`exact_step`), in which the load at the end plays the part of the residual and D that of the receptance. In impacts
-the load of contact keeps no memory: `sudden`.
+(`exact_step`), in which the load at the end plays the part of the residual and D that of the receptance. The
+load of contact keeps no memory where it is impulsive: `impulsive_contact`.
 
 Balance of a body in the floating frame with origin in its centre of mass and constant inertia (linear momentum in world
 axes, angular in body axes): `m rddot = F`, `J wdot + w x J w = M`; a mode of unit mass: `qddot + 2 zeta omega qdot +
@@ -79,6 +79,11 @@ def begin_step(
         af = coefficients[w, 1]
         beta = coefficients[w, 2]
         gamma = coefficients[w, 3]
+        if ctl[w, k.AGAIN] != 0:  # the trapezoidal rule
+            am = real(0.0)
+            af = real(0.0)
+            beta = real(0.25)
+            gamma = real(0.5)
         clk[w, k.NEXT_TIME] = clk[w, k.START_TIME] + h_user * (
             real(ctl[w, k.STEP]) + real(ctl[w, k.SUB] + 1) * fraction
         )
@@ -189,7 +194,7 @@ def exact_step(table: wp.array3d(dtype=real), w: int, m: int, q0: real, v0: real
 def driven_step(
     ctl: wp.array2d(dtype=int), table: wp.array3d(dtype=real), w: int, m: int, q0: real, v0: real, f0: real
 ):
-    """`exact_step`, and where contact is sudden the same for the load f1 all through the step."""
+    """`exact_step`, and where contact is impulsive the same for the load f1 all through the step."""
     held, D, slid, S = exact_step(table, w, m, q0, v0, f0)
     if ctl[w, k.SUDDEN] == k.IMPULSIVE:
         held -= table[w, m, 3] * f0
@@ -213,7 +218,7 @@ def predict_bodies(
     psi: wp.array2d(dtype=vec3),
 ):
     w, lane = wp.tid()
-    if ctl[w, k.RUN] == 0:
+    if ctl[w, k.RUN] == 0 or ctl[w, k.AGAIN] != 0:  # an attempt that repeats one starts from where that has led
         return
     b = lane
     while b < v.shape[1]:
@@ -244,8 +249,9 @@ def predict_modes(
         at = int(k.ALPHA_M)
         if rule_of(model, ctl, clk, w, m) == 1:
             at = int(k.LOCAL)
-        p = predicted(clk, w, at, vec3(qd[w, m]), vec3(qd_rate[w, m]), vec3(qd_alg[w, m]))
-        dq[w, m] = p[0]
+        if ctl[w, k.AGAIN] == 0:
+            p = predicted(clk, w, at, vec3(qd[w, m]), vec3(qd_rate[w, m]), vec3(qd_alg[w, m]))
+            dq[w, m] = p[0]
         if rule_of(model, ctl, clk, w, m) == 2:  # the load of before, kept
             f0 = modal_load[w, 0, m]
             if exact[w, m, 0] != clk[w, k.H]:

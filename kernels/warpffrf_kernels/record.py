@@ -6,7 +6,6 @@ from warpffrf_kernels import control as k
 from warpffrf_kernels.contact_geometry import slope_at
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
-from warpffrf_kernels.sudden import push_on
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -92,8 +91,6 @@ def record(
     pressure: wp.array3d(dtype=real),
     second_load: wp.array3d(dtype=real),
     energy: wp.array3d(dtype=real),
-    pair_force: wp.array4d(dtype=real),
-    modal_load: wp.array3d(dtype=real),
     ctl: wp.array2d(dtype=int),
     ring: wp.array3d(dtype=real),
 ):
@@ -115,18 +112,12 @@ def record(
     o = int(4 + k.LINES)
     b = int(0)
     while b < model.body_count:
-        acc = v_rate[w, b]
-        spin_rate = omega_rate[w, b]
-        if ctl[w, k.SUDDEN] == k.IMPULSIVE:  # accelerations are kept without the contact force
-            f, t = push_on(model, pair_force, w, 0, b)
-            acc += f / model.mass[b]
-            spin_rate += wp.inverse(model.inertia[b]) * t
         for i in range(3):
             ring[w, at, o + i] = r[w, b][i]
             ring[w, at, o + 7 + i] = v[w, b][i]
             ring[w, at, o + 10 + i] = omega[w, b][i]
-            ring[w, at, o + 13 + i] = acc[i]
-            ring[w, at, o + 16 + i] = spin_rate[i]
+            ring[w, at, o + 13 + i] = v_rate[w, b][i]
+            ring[w, at, o + 16 + i] = omega_rate[w, b][i]
         for i in range(4):
             ring[w, at, o + 3 + i] = p[w, b][i]
         o += 19
@@ -135,10 +126,7 @@ def record(
     while n < model.modal_count:
         ring[w, at, o + n] = q[w, n]
         ring[w, at, o + model.modal_count + n] = qd[w, n]
-        rate = qd_rate[w, n]
-        if ctl[w, k.SUDDEN] == k.IMPULSIVE:
-            rate += modal_load[w, 0, n]
-        ring[w, at, o + 2 * model.modal_count + n] = rate
+        ring[w, at, o + 2 * model.modal_count + n] = qd_rate[w, n]
         n += 1
     o += 3 * model.modal_count
     row = int(0)

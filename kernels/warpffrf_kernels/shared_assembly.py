@@ -78,6 +78,7 @@ def assemble_shared(
     slot_mode: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
+    weight: wp.array2d(dtype=real),
     field: wp.array(dtype=real),
     G: wp.array3d(dtype=real),
 ):
@@ -97,6 +98,7 @@ def assemble_shared(
             while n < model.neighbour_start[surface + 1]:
                 reads = model.neighbour[n]
                 other = reads / 2
+                ratio = wp.min(weight[w, pair], weight[w, other]) / wp.max(weight[w, pair], weight[w, other])
                 rows = model.surface_rows[reads]
                 low = int(0)
                 columns = model.window_columns
@@ -122,13 +124,14 @@ def assemble_shared(
                         else:
                             e = int(0)
                             while e < model.stencil_columns * model.stencil_rows:
-                                weight = stencil[w, other, hat, e]
-                                if weight != real(0.0):
+                                part = stencil[w, other, hat, e]
+                                if part != real(0.0):
                                     column = stencil_at[w, other, hat, 0] + e / model.stencil_rows - low
                                     row = stencil_at[w, other, hat, 1] + e % model.stencil_rows
                                     if column >= 0 and column < columns:
-                                        g += weight * field[start + column * rows + row]
+                                        g += part * field[start + column * rows + row]
                                 e += 1
+                        g = g * ratio
                         G[w, slot, j] = G[w, slot, j] + g
                         G[w, j, slot] = G[w, j, slot] + g
                     j += wp.block_dim()

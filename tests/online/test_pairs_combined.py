@@ -149,7 +149,9 @@ def test_three_free_bodies_collide(
     energy = np.sum([history.energy[name] for name in ("kinetic", "strain", "contact")], axis=0)
     assert energy.max() < (1.0 + GAINED) * energy[0]
     assert np.diff(history.energy["friction"]).max() <= 0.0
-    assert (history.counters["repeated_steps"] > 0) == (local != "quasi_static")
+    assert history.counters["impulsive_steps"] > 0 and (
+        history.counters["repeated_steps"] > 0 or local == "quasi_static"
+    )
 
 
 RUNS: dict[str, dict[str, Any]] = {
@@ -231,7 +233,7 @@ def test_patches_beside_each_other(middle_first: tuple[bool, bool], apart: float
     assert rest.status == "completed", rest.message
     for contact in rest.contacts.values():
         assert np.linalg.norm(contact.force[0]) == pytest.approx(LIGHT, rel=1e-6)
-    history = run(scene, 2e-4, step=1e-5, settings=Settings(energy_tolerance=1e9), progress=False)
+    history = run(scene, 2e-4, step=2e-6, settings=Settings(energy_tolerance=1e9), progress=False)
     assert history.status == "completed", history.message
     assert history.counters["mean_iterations"] < 4.5 and history.counters["rejected_steps"] == 0
 

@@ -62,11 +62,13 @@ def test_modes_about_a_given_state_have_room_for_its_patch(little: None) -> None
 
 def test_an_iteration_that_overshoots_the_capacity_is_no_failure() -> None:
     """A plate that drops on a ball with a step that does not resolve it: the first iterate closes far more hats than
-    any state does. A capacity that holds these states is enough; the step is halved."""
+    any state does. A capacity that holds these states is enough: the step is halved, and the plate leaves as fast."""
     told = run(plate_on_balls((0.0,), height=2e-5, speed=5.0, capacity=8), 10 * STEP, step=STEP, progress=False)
     free = run(plate_on_balls((0.0,), height=2e-5, speed=5.0), 10 * STEP, step=STEP, progress=False)
     assert told.status == free.status == "completed", told.message
-    np.testing.assert_allclose(told.bodies["plate"].position, free.bodies["plate"].position, rtol=1e-9, atol=1e-12)
+    assert told.counters["rejected_steps"] > 0
+    speed = [np.linalg.norm(h.bodies["plate"].velocity[-1]) for h in (told, free)]
+    assert speed[0] == pytest.approx(speed[1], rel=0.01) == pytest.approx(5.0, rel=0.01)  # modes keep the rest
 
 
 def test_a_world_that_is_not_short_keeps_what_is_recorded_of_it(little: None) -> None:

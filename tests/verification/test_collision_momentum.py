@@ -19,7 +19,7 @@ from warpffrf.output.simulate import simulate
 STEEL = Material(210e9, 0.3, 7800.0, name="steel")
 RADIUS, SPEED, SPIN = 0.01, 0.5, 80.0  # m, m/s, rad/s
 EXACT = 1e-10  # promised
-SECOND_ORDER = 1e-6  # of the angular momentum: a step of 2 us turns and shifts bodies, second order in the step
+SECOND_ORDER = 2e-6  # of the angular momentum: a step of 2 us turns and shifts bodies, second order in the step
 QUARTER = (0.0, np.sin(0.25 * np.pi), 0.0, np.cos(0.25 * np.pi))  # turns +x to -z
 
 
@@ -65,8 +65,9 @@ def momentum(result: Result) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_momentum_is_kept(bodies: tuple[ReducedBody, ReducedBody]) -> None:
-    """Linear momentum to round-off, angular momentum but for the order of the integrator."""
-    drifts = []
+    """Linear momentum to round-off, angular momentum but for the order of the integrator. The ledger books friction by
+    its forces at the ends of the steps, of first order in the step."""
+    drifts, rises = [], []
     for step in (2e-6, 1e-6):
         result = collide(bodies, step, 1.2e-4)
         c = result.history.contacts["pair"]
@@ -83,6 +84,7 @@ def test_momentum_is_kept(bodies: tuple[ReducedBody, ReducedBody]) -> None:
         assert np.all(np.diff(result.energy["friction"]) <= 1e-15)
         ledger = result.energy["numerical"] + result.energy["contact_grid"]
         kinetic = 0.5 * bodies[0].mass * SPEED**2
-        assert np.max(ledger - np.minimum.accumulate(ledger)) < 0.01 * kinetic
-    print(f"angular momentum {drifts}")
-    assert max(drifts) < SECOND_ORDER
+        rises.append(np.max(ledger - np.minimum.accumulate(ledger)) / kinetic)
+    print(f"angular momentum {drifts}, ledger {rises}")
+    assert drifts[0] < SECOND_ORDER and drifts[1] < 0.3 * drifts[0]
+    assert rises[0] < 0.05 and rises[1] < 0.6 * rises[0]

@@ -107,6 +107,7 @@ class _World:
         rigid = shift[: 6 * self.bodies].reshape(-1, 6)
         for name, part in (("dx", rigid[:, :3]), ("psi", rigid[:, 3:]), ("dq", shift[6 * self.bodies :])):
             self._put(engine.work, name, part)
+        engine.graph.stand_still()
         engine.graph.evaluate(contact=False)
 
     def _gradient(self) -> np.ndarray:
@@ -122,7 +123,9 @@ class _World:
         modal = work.modal_residual.numpy()[w, : self.modes].astype(np.float64)
         m = self.engine.compiled.model
         if m.pair_count:
-            wrench, body = state.pair_force.numpy()[w, :, 0], m.surface_body.numpy()
+            wrench, body = state.pair_force.numpy()[w, : m.pair_count, 0], m.surface_body.numpy()
+            if m.cell_capacity:
+                wrench = wrench + state.friction_force.numpy()[w, : m.pair_count, 0]
             for pair in range(m.pair_count):
                 for side, surface in enumerate((m.pair_first.numpy()[pair], m.pair_second.numpy()[pair])):
                     if body[surface] < 0:

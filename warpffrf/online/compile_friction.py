@@ -31,7 +31,7 @@ def fill_friction(compiler: Any, m: Any) -> None:
     m.pair_friction = compiler.array([c.friction.coefficient for c in contacts])
     m.pair_slip_velocity = compiler.array([c.friction.slip_velocity for c in contacts])
     present = has_friction(compiler.scene)
-    if present and m.dynamic_count:  # `sudden` takes normal forces out of the accelerations of all bodies, not these
+    if present and m.dynamic_count:  # tangential compliances are those of static local modes
         rubbing_pair = next(c for c in contacts if c.friction.coefficient > 0.0)
         raise InputError(
             f"contact {rubbing_pair.name!r}: friction needs quasi-static local modes in the whole scene, and "

@@ -16,9 +16,10 @@ from warpffrf_kernels import (
     contact_weights,
     contact_window,
     contact_wrench,
+    impulsive_contact,
+    impulsive_means,
     shared_assembly,
     shared_surface,
-    sudden,
 )
 
 from warpffrf.online.compile_friction import has_friction
@@ -29,13 +30,14 @@ from warpffrf.online.layer_graph import LayerGraph
 
 MODULES = (
     contact_geometry, contact_weights, contact_window, contact_few, contact_place, contact_points, contact_wrench,
-    contact_compliance, contact_assembly, contact_fields, contact_solve, shared_surface, shared_assembly,
+    contact_compliance, contact_assembly, contact_fields, contact_solve, impulsive_contact, impulsive_means,
+    shared_surface, shared_assembly,
 )  # fmt: skip
 
 
 class ContactGraph(Launcher):
     """Records the kernels of all contact pairs: of the two families of geometry those that the scene has, and
-    `friction` those of the pairs that have any; `sudden`: whether contact can be impulsive (kernels `sudden`)."""
+    `friction` those of the pairs that have any."""
 
     def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments)
@@ -46,7 +48,7 @@ class ContactGraph(Launcher):
         self.friction = FrictionGraph(*arguments) if has_friction(self.compiled.scene) else None
         self.layer = LayerGraph(*arguments) if m.layer_count else None
         self.shared = serves_several(m)
-        self.sudden = m.pair_count > 0 and m.dynamic_count > 0
+        self.local_inertia = m.dynamic_count > 0
 
     def locate(self) -> None:
         """Windows, gaps and contact forces of the trial state."""
@@ -113,26 +115,88 @@ class ContactGraph(Launcher):
              x.first_local, x.second_local, s.active, s.pressure], [x.gap, x.opened, x.base],
         )  # fmt: skip
         self.block(
-            contact_fields.load_modes, (W,),
+            contact_fields.load_modes, (W, P),
             [M, s.ctl, x.center, x.window, x.second_window, s.active, s.pressure, x.second_load.flatten()],
-            [s.modal_load.flatten()],
+            [s.pair_modal.flatten()],
         )  # fmt: skip
         if self.friction:
             self.friction.slide()
         self.launch(
-            contact_fields.add_contact, W,
-            [M, s.ctl, x.r1, x.axes, x.window, s.active, x.area, x.wrench, x.gap, x.opened, x.more_wrench,
-             s.pressure, s.modal_load],
-            [x.residual, x.modal_residual, x.pair_wrench, x.gap_defect, x.contact_energy],
+            contact_fields.sum_contact, W,
+            [M, s.ctl, x.window, s.active, x.area, x.wrench, x.gap, x.opened, x.more_wrench, s.pressure],
+            [x.pair_wrench, x.gap_defect, s.pair_energy],
         )  # fmt: skip
-        if self.sudden:
-            self.launch(
-                sudden.add_excess, W, [M, s.ctl, s.clk, x.r1, x.axes, x.pair_wrench, s.modal_load],
-                [x.residual, x.modal_residual],
-            )  # fmt: skip
-
         if self.friction:
             self.friction.add()
+        self.block(
+            impulsive_contact.push_bodies, (W,),
+            [M, s.ctl, s.clk, x.r1, x.axes, x.pair_wrench, x.normal_wrench, s.impulsive, x.theta, s.pair_modal,
+             s.friction_modal],
+            [s.pair_force, s.friction_force, s.modal_load, x.residual, x.modal_residual],
+        )  # fmt: skip
+
+    def begin(self) -> None:
+        """Which pairs the attempt takes as impulsive, and the accelerations of its beginning without them."""
+        M, s, x = self.compiled.models, self.state, self.work
+        self.block(
+            impulsive_contact.begin_contact, (self.worlds,),
+            [M, s.clk, s.v_rate, s.v_alg, s.omega_rate, s.omega_alg, s.qd_rate, s.qd_alg, *self._forces(),
+             *self._memory()],
+            [s.ctl, s.impulsive, x.theta, x.bracket, x.weight, x.v_rate0, x.v_alg0, x.omega_rate0, x.omega_alg0,
+             x.qd_rate0, x.qd_alg0],
+        )  # fmt: skip
+
+    def balance_means(self) -> None:
+        """After `balance`: mean forces of impulsive pairs that give back their energy, where it has converged."""
+        M, s, x = self.compiled.models, self.state, self.work
+        if self.layer:
+            self.layer.measure()
+        self.launch(
+            impulsive_means.balance_means, self.worlds,
+            [M, s.clk, s.v, s.omega, s.qd, x.dx, x.psi, x.dq, *self._forces(), s.pair_energy, x.pair_loss,
+             s.impulsive],
+            [s.ctl, x.theta, x.bracket, x.weight, x.residual, x.modal_residual],
+        )  # fmt: skip
+
+    def finish(self) -> None:
+        """After the Newton loop: impulsive pairs in the velocities and accelerations."""
+        M, s, x = self.compiled.models, self.state, self.work
+        self.block(
+            impulsive_contact.finish_rates, (self.worlds,),
+            [M, s.ctl, s.clk, s.impulsive, x.theta, *self._forces(), *self._memory()],
+            [x.v1, x.v1_rate, x.omega1, x.omega1_rate, x.qd1, x.qd1_rate, x.v_rest, x.omega_rest, x.qd_rest],
+        )  # fmt: skip
+
+    def judge(self) -> None:
+        """What the pairs make of the energy in the attempt, and which are to be impulsive in another one."""
+        M, s, x, W, P = self.compiled.models, self.state, self.work, self.worlds, self.compiled.model.pair_count
+        self.launch(
+            impulsive_means.judge_pairs, (W, P),
+            [M, s.ctl, s.clk, s.impulsive, x.theta, *self._forces(), *self._memory(), s.pair_energy, s.elastic_energy,
+             x.pair_loss, x.friction_work, x.dx, x.psi, x.dq, s.v, s.omega, s.qd],
+            [x.wanted, x.created_now],
+        )  # fmt: skip
+        if self.local_inertia:
+            self.launch(
+                impulsive_means.find_restless, (W, P),
+                [M, s.ctl, x.area, s.pressure, x.pressure_before, s.patch_offset, x.offset_before], [x.restless],
+            )  # fmt: skip
+
+    def keep(self) -> None:
+        """After the decision: forces and energies of the pairs, and what the integrator remembers of them."""
+        M, s, x, W, P = self.compiled.models, self.state, self.work, self.worlds, self.compiled.model.pair_count
+        self.block(
+            impulsive_contact.keep_memory, (W, P), [M, s.ctl, s.clk, s.impulsive, x.created_now],
+            [*self._forces(), s.pair_energy, s.elastic_energy, *self._memory(), s.created],
+        )  # fmt: skip
+
+    def _forces(self) -> list[Any]:
+        s = self.state
+        return [s.pair_force, s.pair_modal, s.friction_force, s.friction_modal]
+
+    def _memory(self) -> list[Any]:
+        s = self.state
+        return [s.memory, s.modal_memory, s.friction_memory, s.modal_friction_memory]
 
     def _look_at_few(self, weak: list[Any]) -> None:
         """Weak gaps of the pairs on the line of centres that have a list of points."""
@@ -166,7 +230,7 @@ class ContactGraph(Launcher):
         M, s, x, W = self.compiled.models, self.state, self.work, self.worlds
         self.block(
             contact_solve.solve_pressures, (W,),
-            [M, s.active, x.opened, x.base, x.slot_mode, x.condensed, x.J, x.L, x.V,
+            [M, s.active, x.opened, x.base, x.slot_mode, x.condensed, x.weight, x.J, x.L, x.V,
              x.receptance.flatten(), x.modal_residual.flatten(), x.z_free],
             [s.ctl, x.right, x.order, x.factor, x.solution, s.pressure, x.z],
         )  # fmt: skip
@@ -189,11 +253,11 @@ class ContactGraph(Launcher):
     def _assemble(self) -> None:
         """G of the active hats, and what contact sees of it with the outer coordinates condensed."""
         M, s, x, W = self.compiled.models, self.state, self.work, self.worlds
-        receptance, inverse = x.receptance, x.inverse_transposed
-        if self.sudden:
-            receptance, inverse = x.contact_receptance, x.contact_inverse
+        receptance = x.receptance
+        if self.local_inertia:
+            receptance = x.contact_receptance
             self.block(
-                sudden.weigh_answers, (W,), [M, s.ctl, s.clk, x.receptance, x.inverse_transposed], [receptance, inverse]
+                impulsive_contact.compare_receptances, (W,), [M, s.ctl, s.clk, x.receptance], [x.contact_receptance]
             )
         self.launch(contact_compliance.take_slots, W, [M, s.active], [s.ctl, x.phase, x.slot_of, x.slot_mode])
         self.block(
@@ -201,8 +265,9 @@ class ContactGraph(Launcher):
             [M, s.ctl, x.center, x.second_window, x.slot_mode, x.stencil, x.stencil_at], [x.T],
         )  # fmt: skip
         self.block(
-            contact_compliance.modal_rows, (W,), [M, s.ctl, x.center, x.slot_mode, x.stencil, x.stencil_at], [x.J]
-        )
+            contact_compliance.modal_rows, (W,), [M, s.ctl, x.center, x.slot_mode, x.stencil, x.stencil_at, x.weight],
+            [x.J],
+        )  # fmt: skip
         self.block(
             contact_assembly.assemble, (W,),
             [M, s.ctl, x.center, x.slot_mode, x.stencil, x.stencil_at, x.T, x.J, receptance], [x.scaled_modes, x.G],
@@ -210,11 +275,13 @@ class ContactGraph(Launcher):
         if self.shared:
             self.block(
                 shared_assembly.assemble_shared, (W,),
-                [M, s.ctl, x.center, x.second_window, x.slot_mode, x.stencil, x.stencil_at], [x.shared_field, x.G],
+                [M, s.ctl, x.center, x.second_window, x.slot_mode, x.stencil, x.stencil_at, x.weight],
+                [x.shared_field, x.G],
             )  # fmt: skip
         self.block(
             contact_compliance.outer_rows, (W,),
-            [M, s.ctl, x.axes, x.r1, x.wrench, x.slot_mode, x.J, x.C_receptance, inverse], [x.L, x.V],
+            [M, s.ctl, x.axes, x.r1, x.wrench, x.weight, x.slot_mode, x.J, x.C_receptance, x.inverse_transposed],
+            [x.L, x.V],
         )  # fmt: skip
         self.block(contact_compliance.condense_contact, (W,), [M, s.ctl, x.slot_mode, x.G, x.L, x.V], [x.condensed])
         if self.layer:

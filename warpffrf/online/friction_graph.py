@@ -86,7 +86,7 @@ class FrictionGraph(Launcher):
         )  # fmt: skip
 
     def slide(self) -> None:
-        """Slip of the step, and the loads of the tractions on the modes; before `contact_fields.add_contact`."""
+        """Slip of the step, and the loads of the tractions on the modes; before `contact_fields.sum_contact`."""
         M, s, x, W, P = self.compiled.models, self.state, self.work, self.worlds, self.compiled.model.pair_count
         self._press(x.base, x.second_load, of_state=1)
         self.block(
@@ -100,19 +100,19 @@ class FrictionGraph(Launcher):
             [M, s.ctl, x.center, x.window, x.rigid_slip, x.elastic, s.elastic_before, s.history_center], [x.slip],
         )  # fmt: skip
         self.block(
-            friction_forces.load_tractions, (W,),
-            [M, s.ctl, x.center, x.window, x.cell_area, s.traction, x.second_force], [s.modal_load.flatten()],
+            friction_forces.load_tractions, (W, P),
+            [M, s.ctl, x.center, x.window, x.cell_area, s.traction, x.second_force], [s.friction_modal.flatten()],
         )  # fmt: skip
 
     def add(self) -> None:
-        """Friction forces on the bodies; after `contact_fields.add_contact`."""
+        """Friction forces of the pairs; after `contact_fields.sum_contact`."""
         M, s, x, W = self.compiled.models, self.state, self.work, self.worlds
         self.launch(
             friction_forces.add_friction, W,
-            [M, s.ctl, s.clk, x.r1, x.axes, x.window, x.cell_area, x.cell_wrench, x.bound, x.late, s.traction,
-             x.slip, x.elastic_local],
-            [x.residual, x.pair_wrench, x.normal_wrench, x.gap_defect, x.contact_energy, x.friction_work,
-             x.cell_state, x.traction_base],
+            [M, s.ctl, s.clk, x.window, x.cell_area, x.cell_wrench, x.bound, x.late, s.traction, x.slip,
+             x.elastic_local],
+            [x.pair_wrench, x.normal_wrench, x.gap_defect, s.elastic_energy, x.friction_work, x.cell_state,
+             x.traction_base],
         )  # fmt: skip
 
     def solve(self) -> None:
@@ -128,7 +128,9 @@ class FrictionGraph(Launcher):
         self._press(x.pressure_change, x.load_change, of_state=0)
         self.launch(friction_compliance.take_cells, W, [M, x.bound], [s.ctl, x.cell_slot_of, x.cell_slot])
         shares = [x.cell_area, x.cell_turn, x.share, x.share_at]
-        self.block(friction_compliance.cell_modes, (W,), [M, s.ctl, x.center, x.cell_slot, *shares], [x.cell_J])
+        self.block(
+            friction_compliance.cell_modes, (W,), [M, s.ctl, x.center, x.cell_slot, *shares, x.weight], [x.cell_J]
+        )
         self.block(
             friction_compliance.assemble_cells, (W,),
             [M, s.ctl, x.center, x.second_window, x.cell_slot, *shares, x.cell_J, x.receptance],
@@ -136,7 +138,8 @@ class FrictionGraph(Launcher):
         )  # fmt: skip
         self.block(
             friction_compliance.outer_cells, (W,),
-            [M, s.ctl, x.axes, x.r1, x.cell_wrench, x.cell_slot, x.cell_J, x.C_receptance, x.inverse_transposed],
+            [M, s.ctl, x.axes, x.r1, x.cell_wrench, x.weight, x.cell_slot, x.cell_J, x.C_receptance,
+             x.inverse_transposed],
             [x.cell_L, x.cell_V],
         )  # fmt: skip
         answer = [x.cell_answer, x.answer_order, x.answer_state]
@@ -151,11 +154,11 @@ class FrictionGraph(Launcher):
         )  # fmt: skip
         self.block(
             friction_problem.drive_modes, (W,),
-            [M, s.ctl, s.active, x.slot_mode, x.J, s.pressure, x.base, x.modal_residual], [x.modal_drive],
+            [M, s.ctl, s.active, x.slot_mode, x.weight, x.J, s.pressure, x.base, x.modal_residual], [x.modal_drive],
         )  # fmt: skip
         self.block(
             friction_problem.pose_tractions, (W,),
-            [M, s.ctl, s.clk, x.cell_slot, x.cell_area, x.bound, x.late, s.traction, x.traction_base, x.slip,
+            [M, s.ctl, s.clk, x.cell_slot, x.weight, x.cell_area, x.bound, x.late, s.traction, x.traction_base, x.slip,
              x.cell_turn, x.share, x.share_at, x.first_shift, x.second_shift, x.cell_K, x.cell_L, x.cell_J,
              x.receptance.flatten(), x.modal_drive, x.z],
             [x.cell_base, x.cell_right, x.cell_radius, x.cell_softness, x.cell_tau],
@@ -167,12 +170,13 @@ class FrictionGraph(Launcher):
              x.cell_order, x.cell_sliding, x.cell_outcome, x.cell_solution, x.cell_work],
         )  # fmt: skip
         self.block(
-            friction_problem.take_tractions, (W,), [M, s.ctl, x.cell_slot, x.cell_tau, x.cell_base, x.cell_held],
+            friction_problem.take_tractions, (W,),
+            [M, s.ctl, x.cell_slot, x.weight, x.cell_tau, x.cell_base, x.cell_held],
             [x.z, s.traction],
         )  # fmt: skip
         self.block(
             friction_normal.press_with_tractions, (W,),
-            [M, s.ctl, x.slot_mode, *answer, x.cell_V, x.cell_tau, x.cell_base], [x.cell_moved, s.pressure],
+            [M, s.ctl, x.slot_mode, *answer, x.cell_V, x.weight, x.cell_tau, x.cell_base], [x.cell_moved, s.pressure],
         )  # fmt: skip
 
     def push_modes(self) -> None:

@@ -17,6 +17,7 @@ from warpffrf_kernels import (
     commit,
     contact_solve,
     forces,
+    impulsive_contact,
     inertia,
     interfaces,
     keep_contact,
@@ -27,7 +28,6 @@ from warpffrf_kernels import (
     rows,
     sparse_outer,
     stiffen,
-    sudden,
 )
 from warpffrf_kernels.scalars import BLOCK
 
@@ -39,8 +39,11 @@ from warpffrf.online.state import State, Work
 
 OWN_MODULES = (
     accuracy, balance, commit, forces, inertia, interfaces, keep_contact, ledger, motion, outer, record, rows,
-    sparse_outer, stiffen, sudden,
+    sparse_outer, stiffen,
 )  # fmt: skip
+
+
+STARTING = ("v_rate", "v_alg", "omega_rate", "omega_alg", "qd_rate", "qd_alg")
 
 
 class StepGraph(Launcher):
@@ -58,6 +61,10 @@ class StepGraph(Launcher):
     ) -> None:
         super().__init__(compiled, state, work, worlds)
         self.contact = contact_graph.ContactGraph(compiled, state, work, worlds)
+        # what an attempt starts from: without contact the accelerations as they are
+        self.v_rate0, self.v_alg0, self.omega_rate0, self.omega_alg0, self.qd_rate0, self.qd_alg0 = (
+            getattr(work, name + "0") if compiled.model.pair_count else getattr(state, name) for name in STARTING
+        )
         self.projected, self.adaptive = projected and compiled.model.row_count > 0, adaptive
         # None: the outer matrix is inverted, as contact and the projection of velocities need it
         self.pattern = None if self.projected else pattern_of(compiled)
@@ -91,13 +98,15 @@ class StepGraph(Launcher):
         m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
         Q, P = m.modal_count, m.pair_count
         self.launch(motion.begin_step, W, [x.coefficients, x.local_coefficients], [s.ctl, s.clk])
+        if P:
+            self.contact.begin()
         self.block(
             motion.predict_bodies, (W,),
-            [s.ctl, s.clk, s.v, s.v_rate, s.v_alg, s.omega, s.omega_rate, s.omega_alg], [x.dx, x.psi],
+            [s.ctl, s.clk, s.v, self.v_rate0, self.v_alg0, s.omega, self.omega_rate0, self.omega_alg0], [x.dx, x.psi],
         )  # fmt: skip
         if Q:
             self.block(
-                motion.predict_modes, (W,), [M, s.ctl, s.clk, s.q, s.qd, s.qd_rate, s.qd_alg, s.modal_load],
+                motion.predict_modes, (W,), [M, s.ctl, s.clk, s.q, s.qd, self.qd_rate0, self.qd_alg0, s.modal_load],
                 [x.dq, x.exact],
             )  # fmt: skip
         if P:
@@ -108,15 +117,8 @@ class StepGraph(Launcher):
             friction.remember()
         x.running.fill_(1)
         wp.capture_while(x.running, self.iterate)
-        if layer:
-            layer.measure()
         if P:
-            self.launch(ledger.generalise_contact, (W, P), [M, s.ctl, x.r1, x.axes, x.pair_wrench], [s.pair_force])
-        if self.contact.sudden:
-            self.block(
-                sudden.free_rates, (W,), [M, s.ctl, s.clk, s.pair_force, s.modal_load],
-                [x.v1, x.v1_rate, x.omega1, x.omega1_rate, x.qd1, x.qd1_rate],
-            )  # fmt: skip
+            self.contact.finish()
         if self.projected:
             self._project_velocities()
         if self.adaptive:
@@ -127,25 +129,19 @@ class StepGraph(Launcher):
             )  # fmt: skip
         self.launch(
             ledger.balance_energy, W,
-            [M, s.ctl, x.r1, x.v1, x.omega1, x.dx, x.psi, x.q1, s.qd, x.qd1, x.dq, s.lam0, s.lam,
-             x.coordinate, s.stretch, s.drive_rate, s.applied, s.applied_at, s.load, s.load_on_modes,
-             s.pair_force, s.modal_load, x.contact_energy, x.extra_energy, x.friction_work],
+            [M, s.ctl, x.r1, x.v1, x.omega1, x.dx, x.psi, x.q1, x.qd1, x.dq, s.lam0, s.lam,
+             x.coordinate, s.stretch, s.applied, s.applied_at, s.load, s.load_on_modes,
+             s.impulsive, x.theta, s.pair_force, s.pair_modal, s.friction_force, s.friction_modal, s.pair_energy,
+             s.elastic_energy, x.pair_loss, x.extra_energy, x.friction_work],
             [s.clk, s.energy],
         )  # fmt: skip
-        if layer:
-            layer.book()
-        if self.contact.sudden:
-            self.launch(
-                sudden.find_restless, (W, P), [M, s.ctl, x.area, s.pressure, x.pressure_before, s.patch_offset,
-                 x.offset_before], [x.restless],
-            )  # fmt: skip
-        self.launch(commit.decide, W, [M, s.energy, x.dx, s.pair_force, x.restless], [s.ctl, s.clk])
-        if self.contact.sudden:
-            self.block(
-                sudden.forget_contact, (W,), [M, s.pair_force, s.modal_load],
-                [s.ctl, s.v_rate, s.v_alg, s.omega_rate, s.omega_alg, s.qd_rate, s.qd_alg],
-            )  # fmt: skip
         if P:
+            self.contact.judge()
+        self.launch(
+            commit.decide, W, [M, s.energy, x.dx, s.pair_force, x.restless, x.wanted], [s.impulsive, s.ctl, s.clk]
+        )
+        if P:
+            self.contact.keep()
             self.block(keep_contact.restore_contact, (W, P), [s.ctl, *before], [s.active, s.pressure, s.patch_offset])
         if friction:
             friction.keep()
@@ -153,12 +149,13 @@ class StepGraph(Launcher):
             layer.keep()
         self.block(
             commit.keep_bodies, (W,),
-            [M, s.ctl, x.r1, x.p1, x.v1, x.v1_rate, x.omega1, x.omega1_rate, x.dx, x.psi, s.clk, s.pair_force],
+            [M, s.ctl, x.r1, x.p1, x.v1, x.v1_rate, x.omega1, x.omega1_rate, x.dx, x.psi, s.clk, self.v_alg0,
+             self.omega_alg0, x.v_rest, x.omega_rest],
             [s.r, s.p, s.v, s.v_rate, s.v_alg, s.omega, s.omega_rate, s.omega_alg],
         )  # fmt: skip
         if Q:
             self.block(
-                commit.keep_modes, (W,), [M, s.ctl, s.clk, x.q1, x.qd1, x.qd1_rate, x.dq],
+                commit.keep_modes, (W,), [M, s.ctl, s.clk, x.q1, x.qd1, x.qd1_rate, x.dq, self.qd_alg0, x.qd_rest],
                 [s.q, s.qd, s.qd_rate, s.qd_alg, s.modal_load],
             )  # fmt: skip
         if self.projected:
@@ -169,7 +166,7 @@ class StepGraph(Launcher):
         self.launch(
             commit.keep_rest, W, [M, x.coordinate],
             [s.ctl, s.lam, s.lam0, s.stretch, s.drive_rate, s.applied, s.applied_at, s.load, s.load_on_modes,
-             s.pair_force, s.energy],
+             s.energy],
         )  # fmt: skip
         self.record()
         self.launch(commit.count_attempts, 1, [s.ctl], [x.budget, x.more])
@@ -188,8 +185,17 @@ class StepGraph(Launcher):
             record.record, W,
             [M, s.clk, s.r, s.p, s.v, s.omega, s.v_rate, s.omega_rate, s.q, s.qd, s.qd_rate, s.lam, x.coordinate,
              x.row_wrench, x.center, x.station, s.active, x.pair_wrench,
-             x.second_wrench, s.pressure, x.second_load, s.energy, s.pair_force, s.modal_load], [s.ctl, x.ring],
+             x.second_wrench, s.pressure, x.second_load, s.energy], [s.ctl, x.ring],
         )  # fmt: skip
+
+    def stand_still(self) -> None:
+        """Before an `evaluate` that is no part of an attempt: accelerations as they are, no pair impulsive."""
+        s, x = self.state, self.work
+        if self.compiled.model.pair_count:
+            for name in STARTING:
+                wp.copy(getattr(x, name + "0"), getattr(s, name))
+            s.impulsive.zero_()
+            x.weight.fill_(1.0)
 
     def evaluate(self, contact: bool = True) -> None:
         """Trial state of the increments, its unbalanced forces and rows, the diagonal of the tangent, and, with
@@ -198,15 +204,16 @@ class StepGraph(Launcher):
         Q, P, R = m.modal_count, m.pair_count, m.row_count
         self.block(
             motion.move_bodies, (W,),
-            [M, s.ctl, s.clk, s.r, s.p, s.v, s.v_rate, s.v_alg, s.omega, s.omega_rate, s.omega_alg, x.dx, x.psi],
+            [M, s.ctl, s.clk, s.r, s.p, s.v, self.v_rate0, self.v_alg0, s.omega, self.omega_rate0, self.omega_alg0,
+             x.dx, x.psi],
             [x.r1, x.p1, x.axes, x.v1, x.v1_rate, x.omega1, x.omega1_rate, x.residual, x.tangent, x.psi_inverse],
         )  # fmt: skip
         if P:
             self.launch(motion.hold_motions, W, [M, s.ctl, x.dx, x.psi, x.hold, x.hold_count], [x.residual])
         if Q:
             self.block(
-                motion.move_modes, (W,), [M, s.ctl, s.clk, s.q, s.qd, s.qd_rate, s.qd_alg, s.modal_load, x.exact,
-                 x.dq],
+                motion.move_modes, (W,),
+                [M, s.ctl, s.clk, s.q, s.qd, self.qd_rate0, self.qd_alg0, s.modal_load, x.exact, x.dq],
                 [x.q1, x.qd1, x.qd1_rate, x.modal_residual, x.receptance],
             )  # fmt: skip
         if m.dense_count:
@@ -295,6 +302,8 @@ class StepGraph(Launcher):
              s.modal_load, x.q1, x.qd1_rate, x.dq, x.residual],
             [s.ctl, x.residual_history],
         )  # fmt: skip
+        if P:
+            self.contact.balance_means()
         self.assemble()
         if self.pattern is None:
             self.block(
@@ -330,14 +339,15 @@ class StepGraph(Launcher):
         M, s, x = self.compiled.models, self.state, self.work
         self.block(
             contact_solve.modal_increments, (self.worlds,),
-            [M, s.ctl, s.active, x.slot_mode, x.J, s.pressure, x.base, x.C_modal.flatten(), x.receptance,
+            [M, s.ctl, s.active, x.slot_mode, x.weight, x.J, s.pressure, x.base, x.C_modal.flatten(), x.receptance,
              x.modal_residual, z],
             [x.modal_step],
         )  # fmt: skip
-        if self.contact.sudden:
+        if self.contact.local_inertia:
             self.block(
-                sudden.push_suddenly, (self.worlds,),
-                [M, s.ctl, s.active, x.slot_mode, x.J, s.pressure, x.base, x.receptance, x.contact_receptance],
+                impulsive_contact.push_further, (self.worlds,),
+                [M, s.ctl, s.active, x.slot_mode, x.J, s.pressure, x.base, x.weight, x.receptance,
+                 x.contact_receptance],
                 [x.modal_push, x.modal_step],
             )  # fmt: skip
 

@@ -32,7 +32,7 @@ def layer_arrays(m: Any) -> dict[str, tuple[Any, ...]]:
         )
     }
     at_hats = {name: (wp.float64, P, hats) for name in ("layer_support", "layer_offset")}
-    return {**at_points, **at_hats, "layer_tangent": (wp.float64, P, hats, 9), "layer_loss": (wp.float64, 1)}
+    return {**at_points, **at_hats, "layer_tangent": (wp.float64, P, hats, 9)}
 
 
 def slot_flexibility(m: Any, work: Any, count: int) -> np.ndarray:

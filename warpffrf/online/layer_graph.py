@@ -47,20 +47,14 @@ class LayerGraph(Launcher):
         )  # fmt: skip
 
     def measure(self) -> None:
-        """After the Newton loop: the energy of the layers, and what damped ones lose."""
+        """After `balance`: the energy of the layers where the iteration has converged, and what damped ones lose."""
         s, x = self.state, self.work
         self.launch(
             layer_energy.add_layer_energy, self.worlds,
             [self.compiled.models, s.ctl, s.clk, x.center, x.window, s.active, s.pressure, x.area, x.opened,
-             x.layer_offset, x.layer_tangent, x.layer_past, x.layer_past_drag],
-            [x.layer_now, x.layer_drag_now, x.layer_loss, x.contact_energy],
+             x.layer_offset, x.layer_tangent, x.layer_past, x.layer_past_drag, s.impulsive, x.theta],
+            [x.layer_now, x.layer_drag_now, x.pair_loss, s.pair_energy],
         )  # fmt: skip
-
-    def book(self) -> None:
-        """After the ledger of the rest: the losses."""
-        self.launch(
-            layer_energy.book_layer_loss, self.worlds, [self.state.ctl, self.work.layer_loss], [self.state.energy]
-        )
 
     def keep(self) -> None:
         """Depths of damped layers after an accepted step."""

@@ -146,6 +146,7 @@ class _Probe:
             self._put(angular, rigid[:, 3:], base["v"])
             if self.modes:
                 self._put(modal, values[6 * B :], base["qd"])
+        self.engine.graph.stand_still()
         self.engine.graph.iterate()
 
     def forces(self, dx: Array, dv: Array, da: Array) -> Array:

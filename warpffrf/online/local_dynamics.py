@@ -14,7 +14,7 @@ the outer integrator. Exponential, for q'' + 2 zeta omega q' + omega^2 q = f0 + 
 q1 = A q0 + B q0' + C f0 + D f1; D is the receptance. It serves modes that the step does not resolve, omega h >= pi;
 below, together with contact, it would be unstable (`warpffrf_kernels.motion.rule_of`), and those modes step by HHT. At
 exactly undamped modes it is marginal, hence their default damping. Impacts on these modes are stepped without a memory
-of the contact force, see `warpffrf_kernels.sudden`.
+of the contact force, see `warpffrf_kernels.impulsive_means`.
 """
 
 from __future__ import annotations

@@ -156,7 +156,7 @@ def run(
         notes.extend(engine.start_notes)
         if np.any(engine.word("STATUS")):
             return _finish(engine, begin, built, notes, "start: ")
-        engine.control(REJECTED=0, REPEATED=0, STEPS=0, ITERATIONS=0, WORST=0, PENDING=0, PENDING_SOLVES=0)
+        engine.control(REJECTED=0, REPEATED=0, IMPULSES=0, STEPS=0, ITERATIONS=0, WORST=0, PENDING=0, PENDING_SOLVES=0)
         engine.enter(k.DYNAMIC, step, target=0)
         engine.save_now()
         first_step = 0
@@ -230,6 +230,7 @@ def _finish(
         "seconds_in_graph": engine.seconds_in_graph,
         "coarse_steps": int(engine.word("COARSE")[0]),
         "repeated_steps": int(engine.word("REPEATED")[0]),
+        "impulsive_steps": int(engine.word("IMPULSES")[0]),
         "outer_columns": engine.compiled.model.outer_count + engine.compiled.model.modal_count,
     }
     if engine.graph.pattern is not None:
@@ -245,7 +246,7 @@ def _finish(
         reasons = [text for bit, (text, _) in MESSAGES.items() if int(engine.word("REASON")[0]) & int(bit)]
         notes.append(f"{halved} steps were halved ({', '.join(reasons)})")
     repeated = int(engine.word("REPEATED")[0])
-    if repeated:
+    if repeated and engine.compiled.model.dynamic_count:
         notes.append(
             f"{repeated} steps were repeated with a contact force that keeps no memory: impacts on local modes with "
             "inertia, in which the faces lose their own kinetic energy"

@@ -53,7 +53,18 @@ class State:
     most_advanced: wp.array  # (W, pairs) columns that the patch advanced at most in a step since the last saved row
     contact_normal: wp.array  # (W, pairs) unit vector of the normal force on the second body, zero without contact
     energy: wp.array  # (W, 2, lines): accepted, trial
-    pair_force: wp.array  # (W, pairs, 2, 12): accepted, trial
+    pair_force: wp.array  # (W, pairs, 2, 12): accepted, trial, by the pressures, see `impulsive_contact`
+    pair_modal: wp.array  # (W, pairs, 2, modes of both bodies) the same on the modes
+    memory: wp.array  # (W, pairs, 1, 12) what the algorithmic accelerations have of it
+    modal_memory: wp.array  # (W, pairs, 1, modes of both bodies)
+    friction_force: wp.array  # as pair_force and so on, of the tractions
+    friction_modal: wp.array
+    friction_memory: wp.array
+    modal_friction_memory: wp.array
+    pair_energy: wp.array  # (W, pairs, 2) J, contact energy
+    elastic_energy: wp.array  # (W, pairs, 2) J, that of the tractions
+    created: wp.array  # (W, pairs) J, energy that the pair has made so far, see `impulsive_means.judge_pairs`
+    impulsive: wp.array  # (W, pairs) 1 where the attempt takes the pair as impulsive
     modal_load: wp.array  # (W, 2, modes)
     applied: wp.array  # (W, 2, forces)
     applied_at: wp.array
@@ -94,7 +105,12 @@ class Work:
             "v1": (VEC3, B), "v1_rate": (VEC3, B), "omega1": (VEC3, B), "omega1_rate": (VEC3, B),
             "q1": (REAL, Q), "qd1": (REAL, Q), "qd1_rate": (REAL, Q),
             "residual": (REAL, 6 * B), "modal_residual": (REAL, Q), "receptance": (REAL, Q),
-            "restless": (INT, P),
+            "restless": (INT, P), "theta": (REAL, P), "bracket": (REAL, P, 7), "weight": (REAL, P), "wanted": (INT, P),
+            "created_now": (REAL, P), "pair_loss": (REAL, P),
+            "v_rate0": (VEC3, B if P else 0), "v_alg0": (VEC3, B if P else 0), "v_rest": (VEC3, B if P else 0),
+            "omega_rate0": (VEC3, B if P else 0), "omega_alg0": (VEC3, B if P else 0),
+            "omega_rest": (VEC3, B if P else 0), "qd_rate0": (REAL, Q if P else 0), "qd_alg0": (REAL, Q if P else 0),
+            "qd_rest": (REAL, Q if P else 0),
             "contact_receptance": (REAL, Q if m.dynamic_count else 0),
             "exact": (REAL, Q if compiled.local.exact else 0, 9),
             "C": (REAL, rows, 6 * B), "C_modal": (REAL, rows, Q), "coordinate": (REAL, rows), "defect": (REAL, rows),
@@ -102,7 +118,7 @@ class Work:
             "softness": (REAL, rows), "missed": (REAL, rows), "row_wrench": (REAL, rows, 6),
             "tangent": (REAL, N, N), "rhs": (REAL, N), "scaling": (REAL, N), "pivots": (INT, N),
             "elimination": (REAL, N, N),
-            "residual_history": (REAL, RESIDUALS_KEPT), "gap_defect": (REAL, 2), "contact_energy": (REAL, 1),
+            "residual_history": (REAL, RESIDUALS_KEPT), "gap_defect": (REAL, 2),
             "pair_wrench": (REAL, P, 6), "phase": (REAL, P, 12), "center": (INT, P, 3),
             "nearest": (REAL, P, 2), "touched": (INT, P, 2),
             "point_line": (REAL, P, (m.window_columns + 1) * m.most_points * LINE),
@@ -137,7 +153,7 @@ class Work:
             "T": S * m.node_capacity, "second_field": P * m.node_capacity, "second_step": P * m.node_capacity,
             "C_receptance": rows * Q, "first_local": P * m.mode_capacity, "second_local": P * m.node_capacity,
             "shared_field": max(m.mode_capacity, m.node_capacity), **friction_runs(m),
-            "contact_inverse": N * N if m.dynamic_count else 0, "modal_push": Q if m.dynamic_count else 0,
+            "modal_push": Q if m.dynamic_count else 0,
             "flexibility": 36 * m.group_count, "slope": compiled.interface_modes.size,
         }  # fmt: skip
         for name, size in flat.items():
@@ -231,6 +247,7 @@ def initial_state(compiled: CompiledScene, worlds: int) -> State:
     m, W, scene = compiled.model, worlds, compiled.scene
     P, rows, B, Q, F = m.pair_count, m.row_count, m.body_count, m.modal_count, m.force_count
     cells = 2 * m.mode_capacity if m.cell_capacity else 0
+    rubbing, modes = P if m.cell_capacity else 0, m.pair_modes
     table = {
         "r": (VEC3, B), "p": (QUAT, B), "v": (VEC3, B), "v_rate": (VEC3, B), "v_alg": (VEC3, B),
         "omega": (VEC3, B), "omega_rate": (VEC3, B), "omega_alg": (VEC3, B),
@@ -240,7 +257,12 @@ def initial_state(compiled: CompiledScene, worlds: int) -> State:
         "traction": (REAL, P, cells), "friction_offset": (REAL, P), "elastic_before": (REAL, P, cells),
         "history_center": (INT, P), "history_phase": (REAL, P), "history_z": (REAL, P), "most_advanced": (REAL, P),
         "pressed_before": (INT, P, cells // 2), "contact_normal": (VEC3, P), "energy": (REAL, 2, k.LINES),
-        "pair_force": (REAL, P, 2, 12), "modal_load": (REAL, 2, Q), "applied": (VEC3, 2, F), "applied_at": (VEC3, 2, F),
+        "pair_force": (REAL, P, 2, 12), "pair_modal": (REAL, P, 2, modes), "memory": (REAL, P, 1, 12),
+        "modal_memory": (REAL, P, 1, modes), "friction_force": (REAL, rubbing, 2, 12),
+        "friction_modal": (REAL, rubbing, 2, modes), "friction_memory": (REAL, rubbing, 1, 12),
+        "modal_friction_memory": (REAL, rubbing, 1, modes), "pair_energy": (REAL, P, 2),
+        "elastic_energy": (REAL, P, 2), "created": (REAL, P), "impulsive": (INT, P), "modal_load": (REAL, 2, Q),
+        "applied": (VEC3, 2, F), "applied_at": (VEC3, 2, F),
         "load": (REAL, 2, 6 * B), "load_on_modes": (REAL, 2, Q), "stretch": (REAL, rows),
         "drive_rate": (REAL, 2, rows), "ctl": (INT, k.CTL), "clk": (REAL, k.CLK),
         "layer_depth": (REAL, P, layer_points(m)), "layer_drag": (REAL, P, layer_points(m)), "layer_column": (INT, P),

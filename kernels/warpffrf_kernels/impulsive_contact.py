@@ -1,0 +1,723 @@
+r"""Contact that opens, closes or rebounds within a step: impulsive steps of a pair, in which its force keeps no memory.
+
+The integrators of `motion` remember forces, in a_0 and vdot_0: of a force f that acts at the end of one step only,
+
+    v_1 = v_0 + gamma h f/m,      v_2 = v_1 + (1 - gamma) h f/m,
+
+the second part comes after contact has opened. A body that meets a stiff partner with speed V after the part t of a
+step needs f/m = V (1 - t)/(beta h) to be there at its end; both parts are up to V/beta, 4 V for the trapezoidal rule,
+where 2 V is all that an elastic impact takes. Generalized-alpha (rho 0.8) multiplies the energy of an unresolved impact
+by up to 8.5, whatever the step. So a pair whose contact does not go on through a step takes it as an *impulsive* one
+(after Kane, Repetto, Ortiz and Marsden 1999; like schemes that keep impulses out of the recursion of generalized-alpha,
+Bruels, Acary and Cardona 2014): a mean f of its force acts all through it and stays out of the accelerations. With a
+and vdot without it, w = M^-1 f,
+
+    d = h v_0 + h^2 ((1/2 - beta) a_0 + beta a_1 + b w),
+    v_1 = v_0 + h ((1 - gamma) a_0 + gamma a_1 + w),           M vdot_1 = F_1, the pair left out.
+
+With f_0 and f_1 the pair's generalised forces at both ends of the step, friction among them,
+
+    f = (1 - theta) f_0 + theta f_1;
+
+`impulsive_means` says which theta gives back the energy that contact takes, and when a step is impulsive. Next to such
+a step the pair goes on as usual, of second order and damped as the integrator damps: its part of the accelerations is
+known as f_0 and the *memory* of it, generalized-alpha's filter of the pair's force,
+
+    (1 - alpha_m) m_1 + alpha_m m_0 = (1 - alpha_f) f_1 + alpha_f f_0,
+
+so that it can be taken out (`begin_contact`) and put in again (`finish_rates`) without a trace.
+
+b is 1/2: the impulse f h does the work f.(v_0 + v_1) h/2 = f.d on the motion that it is part of. All other forces of a
+step that is taken again as an impulsive one act by the trapezoidal rule (alphas 0, beta 1/4, gamma 1/2, from the true
+accelerations): what holds a body against the impulse, a joint or a stiff mode, then acts as the impulse does, and v_1 =
+2 d/h - v_0. With the weights of generalized-alpha it would be left with the velocity h (1 - gamma/(2 beta)) w, and a
+force that a load pushes up slowly would end too high by (2 gamma - 1) of its rise.
+
+In scenes with dynamic local modes, where theta is 1 and steps keep their rule, b is a little more: 1/2 keeps what is
+pressed at rest, a_0 = a_1 = -w, d = v_1 = 0, and makes v_1 = -v_0 where a rigid surface holds a face; beta/gamma damps
+that alternation, v_1 = -(gamma/beta - 1) v_0, and gives what is pressed the velocity -h (b - 1/2) w. Hence, omega that
+of a local mode, and for bodies and global modes that of the highest global mode,
+
+    b = 1/2 + (beta/gamma - 1/2)/(1 + (omega h)^2).
+
+**In the unknowns of `motion`** the above is: its formulas, with a_0 and vdot_0 freed of contact, and a contact force in
+the balance that is multiplied by
+
+    kappa = (1 - alpha_m)/(1 - alpha_f) b/beta - c h (1 - gamma b/beta),
+
+c the damping; the formulas' vdot^, a^ and v^ are vdot_1 + (1 - alpha_m)/(1 - alpha_f) (b/beta) w, a_1 + (b/beta) w, and
+v_1 - h (1 - gamma b/beta) w. Joints' dampers and gyroscopic forces see v^. A mode with the exact step takes the
+constant load all through the step, kappa = 1, which does exactly the work of it.
+
+In the linear systems an end force f_1 moves what it acts on as kappa theta f_1 would. With D = diag(kappa theta) over
+the hats of impulsive pairs, 1 of others, the contact matrix G + B D, B = L H L^T + J sigma^-1 J^T, becomes symmetric in
+D^(1/2) ds, rows times D^(1/2): G + D^(1/2) B D^(1/2). So L, V and J sigma^-1 carry the *weight* (kappa theta)^(1/2) of
+their pair, as do gaps, slips, bounds and tractions where they meet them; the local part G needs none but between pairs
+that differ.
+"""
+
+import warp as wp
+
+from warpffrf_kernels import control as k
+from warpffrf_kernels.contact_solve import change_of
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.motion import rule_of
+from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.func
+def share(c: wp.array2d(dtype=real), w: int, at: int, stiffness: real) -> real:
+    """b over beta, of coordinates with omega^2 = stiffness and the coefficients from column `at` on."""
+    excess = c[w, at + 2] / c[w, at + 3] - real(0.5)
+    b = real(0.5) + excess / (real(1.0) + stiffness * c[w, k.H] * c[w, k.H])
+    return b / c[w, at + 2]
+
+
+@wp.func
+def outer_share(model: Model, c: wp.array2d(dtype=real), w: int) -> real:
+    """b over beta of bodies and global modes."""
+    if model.dynamic_count == 0:
+        return real(0.5) / c[w, k.BETA]
+    return share(c, w, k.ALPHA_M, model.outer_frequency * model.outer_frequency)
+
+
+@wp.func
+def kappa_of(c: wp.array2d(dtype=real), w: int, at: int, part: real) -> real:
+    """kappa, of b/beta = part."""
+    return (real(1.0) - c[w, at]) / (real(1.0) - c[w, at + 1]) * part
+
+
+@wp.func
+def slip_of(c: wp.array2d(dtype=real), w: int, at: int, part: real) -> real:
+    """What the velocity has above the formula's, over w [s]."""
+    return c[w, k.H] * (real(1.0) - c[w, at + 3] * part)
+
+
+@wp.func
+def outer_kappa(model: Model, c: wp.array2d(dtype=real), w: int) -> real:
+    """kappa of bodies."""
+    return kappa_of(c, w, k.ALPHA_M, outer_share(model, c, w))
+
+
+@wp.func
+def mode_share(model: Model, ctl: wp.array2d(dtype=int), clk: wp.array2d(dtype=real), w: int, m: int) -> real:
+    """b over beta of mode m; 0 where it steps exactly and needs none."""
+    rule = rule_of(model, ctl, clk, w, m)
+    part = real(0.0)
+    if rule == 0:
+        part = outer_share(model, clk, w)
+    if rule == 1:
+        part = share(clk, w, k.LOCAL, model.stiffness[m])
+    return part
+
+
+@wp.func
+def columns_of(model: Model, ctl: wp.array2d(dtype=int), clk: wp.array2d(dtype=real), w: int, m: int) -> int:
+    """Where the coefficients of mode m begin; -1 where it steps exactly."""
+    rule = rule_of(model, ctl, clk, w, m)
+    at = int(k.ALPHA_M)
+    if rule == 1:
+        at = int(k.LOCAL)
+    if rule == 2:
+        at = -1
+    return at
+
+
+@wp.func
+def mode_kappa(model: Model, ctl: wp.array2d(dtype=int), clk: wp.array2d(dtype=real), w: int, m: int) -> real:
+    """kappa of mode m, less what its damper makes of the velocity."""
+    at = columns_of(model, ctl, clk, w, m)
+    if at < 0:
+        return real(1.0)
+    part = mode_share(model, ctl, clk, w, m)
+    return kappa_of(clk, w, at, part) - model.damping[m] * slip_of(clk, w, at, part)
+
+
+# --- forces of pairs, on bodies and modes
+
+
+@wp.func
+def force_on(model: Model, force: wp.array4d(dtype=real), w: int, pair: int, side: int, b: int):
+    """Force (world axes) and torque (body axes) of a pair on body b, entry `side` of `force` (W, P, sides, 12)."""
+    f = vec3(real(0.0), real(0.0), real(0.0))
+    t = vec3(real(0.0), real(0.0), real(0.0))
+    for i in range(2):
+        surface = model.pair_first[pair]
+        if i == 1:
+            surface = model.pair_second[pair]
+        if model.surface_body[surface] == b:
+            for c in range(3):
+                f[c] = f[c] + force[w, pair, side, 6 * i + c]
+                t[c] = t[c] + force[w, pair, side, 6 * i + 3 + c]
+    return f, t
+
+
+@wp.func
+def modal_place(model: Model, pair: int, n: int) -> int:
+    """Where mode n of all modes stands among those of a pair's two bodies; -1 where it is of neither."""
+    A = model.pair_first[pair]
+    count = model.surface_modal_count[A]
+    at = n - model.surface_modal_start[A]
+    if at >= 0 and at < count:
+        return at
+    B = model.pair_second[pair]
+    at = n - model.surface_modal_start[B]
+    if at >= 0 and at < model.surface_modal_count[B]:
+        return count + at
+    return -1
+
+
+@wp.func
+def is_closed(pair_force: wp.array4d(dtype=real), w: int, pair: int, side: int) -> bool:
+    """Whether a pair has a normal force at the beginning (0) or the end (1) of the attempt."""
+    size = real(0.0)
+    for c in range(3):
+        size += wp.abs(pair_force[w, pair, side, c])
+    return size > real(0.0)
+
+
+@wp.func
+def filtered(c: wp.array2d(dtype=real), w: int, at: int, before: real, after: real, memory: real) -> real:
+    """Memory at the end of a usual step, with the coefficients from column `at` on; of a mode that steps exactly (at <
+    0) it is the force."""
+    if at < 0:
+        return after
+    am = c[w, at]
+    af = c[w, at + 1]
+    return ((real(1.0) - af) * after + af * before - am * memory) / (real(1.0) - am)
+
+
+@wp.func
+def memory_after(
+    model: Model,
+    clk: wp.array2d(dtype=real),
+    w: int,
+    pair: int,
+    at: int,
+    impulsive: wp.array2d(dtype=int),
+    pair_force: wp.array4d(dtype=real),
+    before: real,
+    after: real,
+    memory: real,
+) -> real:
+    """Memory of a component of a pair's force at the end of the attempt. After an impulsive step it is the force there,
+    and what generalized-alpha is ahead of it by where contact goes on."""
+    if impulsive[w, pair] == 0:
+        return filtered(clk, w, at, before, after, memory)
+    if not is_closed(pair_force, w, pair, 1):
+        return real(0.0)
+    ahead = real(0.0)
+    if model.dynamic_count == 0 and is_closed(pair_force, w, pair, 0):
+        ahead = (clk[w, at] - clk[w, at + 1]) * (after - before)
+    return after + ahead
+
+
+# --- the beginning of an attempt
+
+
+@wp.kernel
+def begin_contact(
+    models: wp.array(dtype=Model),
+    clk: wp.array2d(dtype=real),
+    v_rate: wp.array2d(dtype=vec3),
+    v_alg: wp.array2d(dtype=vec3),
+    omega_rate: wp.array2d(dtype=vec3),
+    omega_alg: wp.array2d(dtype=vec3),
+    qd_rate: wp.array2d(dtype=real),
+    qd_alg: wp.array2d(dtype=real),
+    pair_force: wp.array4d(dtype=real),
+    pair_modal: wp.array4d(dtype=real),
+    friction_force: wp.array4d(dtype=real),
+    friction_modal: wp.array4d(dtype=real),
+    memory: wp.array4d(dtype=real),
+    modal_memory: wp.array4d(dtype=real),
+    friction_memory: wp.array4d(dtype=real),
+    modal_friction_memory: wp.array4d(dtype=real),
+    ctl: wp.array2d(dtype=int),
+    impulsive: wp.array2d(dtype=int),
+    theta: wp.array2d(dtype=real),
+    bracket: wp.array3d(dtype=real),
+    weight: wp.array2d(dtype=real),
+    v_rate0: wp.array2d(dtype=vec3),
+    v_alg0: wp.array2d(dtype=vec3),
+    omega_rate0: wp.array2d(dtype=vec3),
+    omega_alg0: wp.array2d(dtype=vec3),
+    qd_rate0: wp.array2d(dtype=real),
+    qd_alg0: wp.array2d(dtype=real),
+):
+    """Per world: which pairs are impulsive in this attempt, and the accelerations of its beginning without them."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0:
+        return
+    if lane == 0:
+        ctl[w, k.ROUND] = 0
+        ctl[w, k.EVEN] = 0
+        ctl[w, k.REWEIGHED] = 0
+        pair = int(0)
+        while pair < model.pair_count:
+            kind = int(0)
+            if ctl[w, k.MODE] == k.DYNAMIC:
+                if model.dynamic_count > 0:
+                    if ctl[w, k.SUDDEN] == k.IMPULSIVE:
+                        kind = 1
+                elif ctl[w, k.AGAIN] != 0:
+                    kind = impulsive[w, pair]
+                elif not is_closed(pair_force, w, pair, 0):
+                    kind = 1
+            impulsive[w, pair] = kind
+            if model.dynamic_count > 0:
+                theta[w, pair] = real(1.0)
+            elif ctl[w, k.AGAIN] == 0:
+                theta[w, pair] = real(0.5)
+            bracket[w, pair, 0] = real(0.0)
+            bracket[w, pair, 1] = real(1.0)
+            bracket[w, pair, 2] = real(0.0)
+            bracket[w, pair, 3] = real(0.0)
+            bracket[w, pair, 4] = real(-1.0)
+            bracket[w, pair, 5] = real(-1.0)
+            weight[w, pair] = real(1.0)
+            if kind != 0:
+                weight[w, pair] = wp.sqrt(outer_kappa(model, clk, w) * theta[w, pair])
+            pair += 1
+    sync()
+    rubs = model.cell_capacity > 0
+    b = lane
+    while b < model.body_count:
+        f = vec3(real(0.0), real(0.0), real(0.0))
+        t = f
+        m_f = f
+        m_t = f
+        pair = int(0)
+        while pair < model.pair_count:
+            if impulsive[w, pair] != 0:
+                f_p, t_p = force_on(model, pair_force, w, pair, 0, b)
+                f += f_p
+                t += t_p
+                f_p, t_p = force_on(model, memory, w, pair, 0, b)
+                m_f += f_p
+                m_t += t_p
+                if rubs:
+                    f_p, t_p = force_on(model, friction_force, w, pair, 0, b)
+                    f += f_p
+                    t += t_p
+                    f_p, t_p = force_on(model, friction_memory, w, pair, 0, b)
+                    m_f += f_p
+                    m_t += t_p
+            pair += 1
+        soft = wp.inverse(model.inertia[b])
+        v_rate0[w, b] = v_rate[w, b] - f / model.mass[b]
+        omega_rate0[w, b] = omega_rate[w, b] - soft * t
+        if ctl[w, k.AGAIN] == 0:
+            v_alg0[w, b] = v_alg[w, b] - m_f / model.mass[b]
+            omega_alg0[w, b] = omega_alg[w, b] - soft * m_t
+        else:
+            v_alg0[w, b] = v_rate0[w, b]
+            omega_alg0[w, b] = omega_rate0[w, b]
+        b += wp.block_dim()
+    n = lane
+    while n < model.modal_count:
+        f_n = real(0.0)
+        m_n = real(0.0)
+        pair = int(0)
+        while pair < model.pair_count:
+            at = modal_place(model, pair, n)
+            if impulsive[w, pair] != 0 and at >= 0:
+                f_n += pair_modal[w, pair, 0, at]
+                m_n += modal_memory[w, pair, 0, at]
+                if rubs:
+                    f_n += friction_modal[w, pair, 0, at]
+                    m_n += modal_friction_memory[w, pair, 0, at]
+            pair += 1
+        qd_rate0[w, n] = qd_rate[w, n] - f_n
+        if ctl[w, k.AGAIN] == 0:
+            qd_alg0[w, n] = qd_alg[w, n] - m_n
+        else:
+            qd_alg0[w, n] = qd_rate0[w, n]
+        n += wp.block_dim()
+
+
+# --- within the Newton loop
+
+
+@wp.func
+def mean_of(theta: real, before: real, after: real) -> real:
+    return before + theta * (after - before)
+
+
+@wp.kernel
+def push_bodies(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    clk: wp.array2d(dtype=real),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    pair_wrench: wp.array3d(dtype=real),
+    normal_wrench: wp.array3d(dtype=real),
+    impulsive: wp.array2d(dtype=int),
+    theta: wp.array2d(dtype=real),
+    pair_modal: wp.array4d(dtype=real),
+    friction_modal: wp.array4d(dtype=real),
+    pair_force: wp.array4d(dtype=real),
+    friction_force: wp.array4d(dtype=real),
+    modal_load: wp.array3d(dtype=real),
+    residual: wp.array2d(dtype=real),
+    modal_residual: wp.array2d(dtype=real),
+):
+    """Per world: contact forces (world axes) and torques (body axes) of the trial state on A, then on B, normal ones
+    and friction, and what of them acts in the step, off the residuals."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+        return
+    rubs = model.cell_capacity > 0
+    if lane == 0:
+        kappa = outer_kappa(model, clk, w)
+        pair = int(0)
+        while pair < model.pair_count:
+            A = model.surface_body[model.pair_first[pair]]
+            B = model.surface_body[model.pair_second[pair]]
+            for part in range(2):
+                if part == 0 or rubs:
+                    f = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
+                    t = vec3(pair_wrench[w, pair, 3], pair_wrench[w, pair, 4], pair_wrench[w, pair, 5])
+                    if rubs:
+                        f_n = vec3(normal_wrench[w, pair, 0], normal_wrench[w, pair, 1], normal_wrench[w, pair, 2])
+                        t_n = vec3(normal_wrench[w, pair, 3], normal_wrench[w, pair, 4], normal_wrench[w, pair, 5])
+                        if part == 0:
+                            f = f_n
+                            t = t_n
+                        else:
+                            f -= f_n
+                            t -= t_n
+                    t_a = wp.transpose(axes[w, A]) * t
+                    t_b = vec3(real(0.0), real(0.0), real(0.0))  # on the ground it does nothing
+                    if B >= 0:
+                        t_b = -(wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f)))
+                    for i in range(3):
+                        if part == 0:
+                            pair_force[w, pair, 1, i] = f[i]
+                            pair_force[w, pair, 1, 3 + i] = t_a[i]
+                            pair_force[w, pair, 1, 6 + i] = -f[i]
+                            pair_force[w, pair, 1, 9 + i] = t_b[i]
+                        else:
+                            friction_force[w, pair, 1, i] = f[i]
+                            friction_force[w, pair, 1, 3 + i] = t_a[i]
+                            friction_force[w, pair, 1, 6 + i] = -f[i]
+                            friction_force[w, pair, 1, 9 + i] = t_b[i]
+            for i in range(12):
+                before = pair_force[w, pair, 0, i]
+                after = pair_force[w, pair, 1, i]
+                if rubs:
+                    before += friction_force[w, pair, 0, i]
+                    after += friction_force[w, pair, 1, i]
+                force = after
+                if impulsive[w, pair] != 0:
+                    force = kappa * mean_of(theta[w, pair], before, after)
+                body = A
+                if i >= 6:
+                    body = B
+                if body >= 0:
+                    at = 6 * body + i % 6
+                    residual[w, at] = residual[w, at] - force
+            pair += 1
+    n = lane
+    while n < model.modal_count:
+        load = real(0.0)
+        acts = real(0.0)
+        kappa = mode_kappa(model, ctl, clk, w, n)
+        pair = int(0)
+        while pair < model.pair_count:
+            at = modal_place(model, pair, n)
+            if at >= 0:
+                before = pair_modal[w, pair, 0, at]
+                after = pair_modal[w, pair, 1, at]
+                if rubs:
+                    before += friction_modal[w, pair, 0, at]
+                    after += friction_modal[w, pair, 1, at]
+                load += after
+                force = after
+                if impulsive[w, pair] != 0:
+                    force = kappa * mean_of(theta[w, pair], before, after)
+                acts += force
+            pair += 1
+        modal_load[w, 1, n] = load
+        modal_residual[w, n] = modal_residual[w, n] - acts
+        n += wp.block_dim()
+
+
+@wp.kernel
+def compare_receptances(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    clk: wp.array2d(dtype=real),
+    receptance: wp.array2d(dtype=real),
+    contact_receptance: wp.array2d(dtype=real),
+):
+    """Per world: kappa sigma^-1 of the modes over kappa of bodies, the answer to a contact force without its pair's
+    weight; of scenes with dynamic local modes, which have a kappa of their own."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+        return
+    n = lane
+    while n < model.modal_count:
+        factor = real(1.0)
+        if ctl[w, k.MODE] == k.DYNAMIC and ctl[w, k.SUDDEN] == k.IMPULSIVE:
+            factor = mode_kappa(model, ctl, clk, w, n) / outer_kappa(model, clk, w)
+        contact_receptance[w, n] = factor * receptance[w, n]
+        n += wp.block_dim()
+
+
+@wp.kernel
+def push_further(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    active: wp.array3d(dtype=int),
+    slot_mode: wp.array3d(dtype=int),
+    J: wp.array(dtype=real),
+    pressure: wp.array3d(dtype=real),
+    base: wp.array3d(dtype=real),
+    weight: wp.array2d(dtype=real),
+    receptance: wp.array2d(dtype=real),
+    contact_receptance: wp.array2d(dtype=real),
+    push: wp.array(dtype=real),
+    modal_step: wp.array(dtype=real),
+):
+    """Per world, lanes over modes: what the modal increments lack of `contact_receptance`. Modes that carry inertia
+    terms have it from the outer system (their receptance is 0)."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.SUDDEN] != k.IMPULSIVE or ctl[w, k.MODE] != k.DYNAMIC:
+        return
+    first = w * model.modal_count
+    n = lane
+    while n < model.modal_count:
+        push[first + n] = real(0.0)
+        n += wp.block_dim()
+    sync()
+    slot = int(0)
+    while slot < ctl[w, k.SLOTS]:
+        pair = slot_mode[w, slot, 0]
+        change = weight[w, pair] * change_of(w, slot, slot_mode, active, pressure, base)
+        if change != real(0.0):
+            start = (w * model.slot_capacity + slot) * model.pair_modes
+            A = model.pair_first[pair]
+            B = model.pair_second[pair]
+            modes_a = model.surface_modal_count[A]
+            axpy(modes_a, change, J, start, push, first + model.surface_modal_start[A])
+            at = first + model.surface_modal_start[B]
+            axpy(model.surface_modal_count[B], change, J, start + modes_a, push, at)
+        slot += 1
+    sync()
+    n = lane
+    while n < model.modal_count:
+        excess = contact_receptance[w, n] - receptance[w, n]
+        modal_step[first + n] = modal_step[first + n] + excess * push[first + n]
+        n += wp.block_dim()
+
+
+# --- the end of an attempt
+
+
+@wp.kernel
+def finish_rates(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    clk: wp.array2d(dtype=real),
+    impulsive: wp.array2d(dtype=int),
+    theta: wp.array2d(dtype=real),
+    pair_force: wp.array4d(dtype=real),
+    pair_modal: wp.array4d(dtype=real),
+    friction_force: wp.array4d(dtype=real),
+    friction_modal: wp.array4d(dtype=real),
+    memory: wp.array4d(dtype=real),
+    modal_memory: wp.array4d(dtype=real),
+    friction_memory: wp.array4d(dtype=real),
+    modal_friction_memory: wp.array4d(dtype=real),
+    v1: wp.array2d(dtype=vec3),
+    v1_rate: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    omega1_rate: wp.array2d(dtype=vec3),
+    qd1: wp.array2d(dtype=real),
+    qd1_rate: wp.array2d(dtype=real),
+    v_rest: wp.array2d(dtype=vec3),
+    omega_rest: wp.array2d(dtype=vec3),
+    qd_rest: wp.array2d(dtype=real),
+):
+    """Per world: velocities and accelerations of an attempt with the impulsive pairs in them, and `rest`, what its
+    algorithmic accelerations have beside the formula's."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.ATTEMPT] == 0 or ctl[w, k.MODE] != k.DYNAMIC:
+        return
+    rubs = model.cell_capacity > 0
+    part = outer_share(model, clk, w)
+    kappa = kappa_of(clk, w, k.ALPHA_M, part)
+    slip = slip_of(clk, w, k.ALPHA_M, part)
+    zero = vec3(real(0.0), real(0.0), real(0.0))
+    b = lane
+    while b < model.body_count:
+        f = zero  # the mean
+        t = zero
+        f_1 = zero  # at the end
+        t_1 = zero
+        f_m = zero  # remembered
+        t_m = zero
+        pair = int(0)
+        while pair < model.pair_count:
+            if impulsive[w, pair] != 0:
+                for i in range(2):
+                    surface = model.pair_first[pair]
+                    if i == 1:
+                        surface = model.pair_second[pair]
+                    if model.surface_body[surface] == b:
+                        for c in range(6):
+                            o = 6 * i + c
+                            before = pair_force[w, pair, 0, o]
+                            after = pair_force[w, pair, 1, o]
+                            remembered = memory[w, pair, 0, o]
+                            if rubs:
+                                before += friction_force[w, pair, 0, o]
+                                after += friction_force[w, pair, 1, o]
+                                remembered += friction_memory[w, pair, 0, o]
+                            at = int(k.ALPHA_M)
+                            kept = memory_after(
+                                model, clk, w, pair, at, impulsive, pair_force, before, after, remembered
+                            )
+                            mean = mean_of(theta[w, pair], before, after)
+                            if c < 3:
+                                f[c] = f[c] + mean
+                                f_1[c] = f_1[c] + after
+                                f_m[c] = f_m[c] + kept
+                            else:
+                                t[c - 3] = t[c - 3] + mean
+                                t_1[c - 3] = t_1[c - 3] + after
+                                t_m[c - 3] = t_m[c - 3] + kept
+            pair += 1
+        ease = real(1.0) / model.mass[b]
+        soft = wp.inverse(model.inertia[b])
+        v1[w, b] = v1[w, b] + slip * ease * f
+        omega1[w, b] = omega1[w, b] + slip * (soft * t)
+        v1_rate[w, b] = v1_rate[w, b] + ease * (f_1 - kappa * f)
+        omega1_rate[w, b] = omega1_rate[w, b] + soft * (t_1 - kappa * t)
+        v_rest[w, b] = ease * (f_m - part * f)
+        omega_rest[w, b] = soft * (t_m - part * t)
+        b += wp.block_dim()
+    n = lane
+    while n < model.modal_count:
+        of_mode = mode_share(model, ctl, clk, w, n)
+        at = columns_of(model, ctl, clk, w, n)
+        rest = real(0.0)
+        pair = int(0)
+        while pair < model.pair_count:
+            i = modal_place(model, pair, n)
+            if impulsive[w, pair] != 0 and i >= 0 and at >= 0:  # an exact step needs no correction
+                before = pair_modal[w, pair, 0, i]
+                after = pair_modal[w, pair, 1, i]
+                remembered = modal_memory[w, pair, 0, i]
+                if rubs:
+                    before += friction_modal[w, pair, 0, i]
+                    after += friction_modal[w, pair, 1, i]
+                    remembered += modal_friction_memory[w, pair, 0, i]
+                mean = mean_of(theta[w, pair], before, after)
+                kept = memory_after(model, clk, w, pair, at, impulsive, pair_force, before, after, remembered)
+                qd1[w, n] = qd1[w, n] + slip_of(clk, w, at, of_mode) * mean
+                qd1_rate[w, n] = qd1_rate[w, n] + after - kappa_of(clk, w, at, of_mode) * mean
+                rest += kept - of_mode * mean
+            pair += 1
+        qd_rest[w, n] = rest
+        n += wp.block_dim()
+
+
+@wp.func
+def keep_forces(
+    model: Model,
+    ctl: wp.array2d(dtype=int),
+    clk: wp.array2d(dtype=real),
+    w: int,
+    pair: int,
+    lane: int,
+    impulsive: wp.array2d(dtype=int),
+    pair_force: wp.array4d(dtype=real),
+    force: wp.array4d(dtype=real),
+    modal: wp.array4d(dtype=real),
+    memory: wp.array4d(dtype=real),
+    modal_memory: wp.array4d(dtype=real),
+):
+    """Memory of the forces of a pair, and its accepted loads of the modes; `pair_force` says what is closed."""
+    dynamic = ctl[w, k.MODE] == k.DYNAMIC
+    i = lane
+    while i < 12:
+        kept = force[w, pair, 1, i]  # a start, whose algorithmic accelerations are the true ones
+        if dynamic:
+            kept = memory_after(
+                model, clk, w, pair, k.ALPHA_M, impulsive, pair_force, force[w, pair, 0, i], kept,
+                memory[w, pair, 0, i],
+            )  # fmt: skip
+        memory[w, pair, 0, i] = kept
+        i += wp.block_dim()
+    at = int(0)
+    for side in range(2):
+        surface = model.pair_first[pair]
+        if side == 1:
+            surface = model.pair_second[pair]
+        n = lane
+        while n < model.surface_modal_count[surface]:
+            o = at + n
+            kept = modal[w, pair, 1, o]
+            if dynamic:
+                columns = columns_of(model, ctl, clk, w, model.surface_modal_start[surface] + n)
+                kept = memory_after(
+                    model, clk, w, pair, columns, impulsive, pair_force, modal[w, pair, 0, o], kept,
+                    modal_memory[w, pair, 0, o],
+                )  # fmt: skip
+            modal_memory[w, pair, 0, o] = kept
+            modal[w, pair, 0, o] = modal[w, pair, 1, o]
+            n += wp.block_dim()
+        at += model.surface_modal_count[surface]
+
+
+@wp.kernel
+def keep_memory(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    clk: wp.array2d(dtype=real),
+    impulsive: wp.array2d(dtype=int),
+    created: wp.array2d(dtype=real),
+    pair_force: wp.array4d(dtype=real),
+    pair_modal: wp.array4d(dtype=real),
+    friction_force: wp.array4d(dtype=real),
+    friction_modal: wp.array4d(dtype=real),
+    pair_energy: wp.array3d(dtype=real),
+    elastic_energy: wp.array3d(dtype=real),
+    memory: wp.array4d(dtype=real),
+    modal_memory: wp.array4d(dtype=real),
+    friction_memory: wp.array4d(dtype=real),
+    modal_friction_memory: wp.array4d(dtype=real),
+    created_so_far: wp.array2d(dtype=real),
+):
+    """Per (world, pair), lanes over the modes of its bodies: forces, energies and memory of an accepted attempt."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.ACCEPT] == 0 or ctl[w, k.MODE] == k.PROJECT:
+        return
+    dynamic = ctl[w, k.MODE] == k.DYNAMIC
+    keep_forces(model, ctl, clk, w, pair, lane, impulsive, pair_force, pair_force, pair_modal, memory, modal_memory)
+    if model.cell_capacity > 0:
+        keep_forces(
+            model, ctl, clk, w, pair, lane, impulsive, pair_force, friction_force, friction_modal, friction_memory,
+            modal_friction_memory,
+        )  # fmt: skip
+    sync()
+    if lane == 0:
+        for i in range(12):
+            pair_force[w, pair, 0, i] = pair_force[w, pair, 1, i]
+            if model.cell_capacity > 0:
+                friction_force[w, pair, 0, i] = friction_force[w, pair, 1, i]
+        pair_energy[w, pair, 0] = pair_energy[w, pair, 1]
+        elastic_energy[w, pair, 0] = elastic_energy[w, pair, 1]
+        if dynamic:
+            created_so_far[w, pair] = created_so_far[w, pair] + created[w, pair]

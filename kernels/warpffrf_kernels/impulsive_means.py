@@ -1,0 +1,576 @@
+r"""Means of impulsive pairs: the theta with which contact gives back its energy, and the pairs that are impulsive.
+
+**The mean.** The force of an impulsive pair (`impulsive_contact`) acts through the step as its mean (1 - theta) f_0 +
+theta f_1. With d the motion in the step, W = f.d of the normal forces, and E the energy of the pair's contact,
+
+    created = (1 - theta) W_0 + theta W_1 + E_1 - E_0 + what a damped layer takes = 0,
+
+a discrete gradient of E. E is a convex function of the gaps, f its negative gradient, so that E_1 - E_0 lies between
+-W_0 and -W_1: theta is in [0, 1]. While the active set stays it is 1/2; a spring that closes after the part 1 - rho of
+the motion has rho/2. Contact gives back what it was given, at any step and any stiffness, pair by pair, however light a
+body is beside others: a bounce that takes a step or less ends with the velocity that momentum and energy say, halving
+nothing. Friction acts through the same mean and is none of the balance; it takes what it takes.
+
+theta is found in rounds: the Newton loop converges with one, then the next is chosen (`balance_means`), where the pair
+*swings*: takes up or gives back more than SWING of its contact energy. Elsewhere theta stays 1/2: there E also changes
+because the patch moves over the grids, which no mean of forces makes good. A step that must end takes the end of its
+bracket on which energy is lost.
+
+**When.** A pair is impulsive in a step that it begins open: without forces at its beginning there is nothing to forget,
+and where it stays open both kinds of step are the same. A step in which it swings, or in which the memory of its force
+does more work than the trapezoidal rule by OWN of the pair's own energy (contact energy, or kinetic energy along the
+force), is taken again as an impulsive one (`judge_pairs`). One that swings and creates more than OWN all the same is
+refused, and halved.
+
+**Local modes with inertia** leave contact next to no compliance (D_rest), and what stops a face in a step would chatter
+on it. There theta is 1, the force at the end: E is convex, so that nothing is gained and a face may lose all of its own
+kinetic energy, which is less the more modes there are. Scenes that have such modes take all pairs as impulsive
+together, from the repetition of a step in which the forces of the hats change by more than CALM of their sum, or in
+which the integrator gains more than the energy tolerance, until contact is calm (`find_restless`); the gate of `commit`
+holds for both.
+"""
+
+import warp as wp
+
+from warpffrf_kernels import control as k
+from warpffrf_kernels.impulsive_contact import (
+    filtered,
+    is_closed,
+    mean_of,
+    modal_place,
+    mode_kappa,
+    outer_kappa,
+)
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.scalars import MODULE_OPTIONS, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+# of the larger contact force: a step in which the forces of the hats change by more does not resolve them
+CALM = wp.constant(wp.float64(0.5))
+# of a pair's own energy: what a step in which it stays closed may create; more than the grids of a patch of a few
+# columns do
+OWN = wp.constant(wp.float64(1.0e-2))
+# of the larger contact energy: what a pair takes up or gives back by more than that is no matter of the grids
+SWING = wp.constant(wp.float64(0.5))
+# of a pair's own energy: what the mean force of an impulsive step may create, round-off, and what it may lose
+CREATED = wp.constant(wp.float64(1.0e-8))
+LOST = wp.constant(wp.float64(2.0e-5))
+MOST_ROUNDS = wp.constant(12)  # of theta; then the end of the bracket that loses
+REFUSED = wp.constant(2)  # of `wanted`: an attempt that creates energy in spite of all
+LEAST_WEIGHT = wp.constant(wp.float64(1.0e-4))  # of a pair that closes as the step ends
+
+
+@wp.func
+def pair_work(
+    model: Model,
+    w: int,
+    pair: int,
+    side: int,
+    force: wp.array4d(dtype=real),
+    modal: wp.array4d(dtype=real),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+    dq: wp.array2d(dtype=real),
+) -> real:
+    """f.d of a pair: work [J] on increments, or power on rates."""
+    return body_work(model, w, pair, side, force, dx, psi) + modal_work(model, w, pair, side, modal, dq)
+
+
+@wp.func
+def body_work(
+    model: Model,
+    w: int,
+    pair: int,
+    side: int,
+    force: wp.array4d(dtype=real),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+) -> real:
+    total = real(0.0)
+    for i in range(2):
+        surface = model.pair_first[pair]
+        if i == 1:
+            surface = model.pair_second[pair]
+        b = model.surface_body[surface]
+        if b >= 0:
+            for c in range(3):
+                total += force[w, pair, side, 6 * i + c] * dx[w, b][c]
+                total += force[w, pair, side, 6 * i + 3 + c] * psi[w, b][c]
+    return total
+
+
+@wp.func
+def modal_work(
+    model: Model, w: int, pair: int, side: int, modal: wp.array4d(dtype=real), dq: wp.array2d(dtype=real)
+) -> real:
+    total = real(0.0)
+    at = int(0)
+    for i in range(2):
+        surface = model.pair_first[pair]
+        if i == 1:
+            surface = model.pair_second[pair]
+        n = int(0)
+        while n < model.surface_modal_count[surface]:
+            total += modal[w, pair, side, at + n] * dq[w, model.surface_modal_start[surface] + n]
+            n += 1
+        at += model.surface_modal_count[surface]
+    return total
+
+
+@wp.func
+def body_mobility(model: Model, w: int, pair: int, side: int, force: wp.array4d(dtype=real)) -> real:
+    """f.M^-1 f of a pair on rigid bodies [N2/kg]."""
+    total = real(0.0)
+    for i in range(2):
+        surface = model.pair_first[pair]
+        if i == 1:
+            surface = model.pair_second[pair]
+        b = model.surface_body[surface]
+        if b >= 0:
+            o = 6 * i
+            f = vec3(force[w, pair, side, o], force[w, pair, side, o + 1], force[w, pair, side, o + 2])
+            t = vec3(force[w, pair, side, o + 3], force[w, pair, side, o + 4], force[w, pair, side, o + 5])
+            total += wp.dot(f, f) / model.mass[b] + wp.dot(t, wp.inverse(model.inertia[b]) * t)
+    return total
+
+
+@wp.func
+def modal_mobility(model: Model, w: int, pair: int, side: int, modal: wp.array4d(dtype=real)) -> real:
+    """f.M^-1 f of a pair on the modes, whose mass is 1 [N2/kg]."""
+    count = model.surface_modal_count[model.pair_first[pair]] + model.surface_modal_count[model.pair_second[pair]]
+    total = real(0.0)
+    n = int(0)
+    while n < count:
+        total += modal[w, pair, side, n] * modal[w, pair, side, n]
+        n += 1
+    return total
+
+
+@wp.func
+def kinetic_along(
+    model: Model,
+    w: int,
+    pair: int,
+    force: wp.array4d(dtype=real),
+    modal: wp.array4d(dtype=real),
+    v: wp.array2d(dtype=vec3),
+    omega: wp.array2d(dtype=vec3),
+    qd: wp.array2d(dtype=real),
+) -> real:
+    """Kinetic energy [J] of the motion along the force of a pair, before or after the attempt, of the bodies alone or
+    with their modes, the largest: against stiff modes the motion of the bodies is little of a force on both."""
+    energy = real(0.0)
+    for side in range(2):
+        power = body_work(model, w, pair, side, force, v, omega)
+        mobility = body_mobility(model, w, pair, side, force)
+        if mobility > real(0.0):
+            energy = wp.max(energy, real(0.5) * power * power / mobility)
+        power += modal_work(model, w, pair, side, modal, qd)
+        mobility += modal_mobility(model, w, pair, side, modal)
+        if mobility > real(0.0):
+            energy = wp.max(energy, real(0.5) * power * power / mobility)
+    return energy
+
+
+@wp.func
+def own_energy(
+    model: Model,
+    w: int,
+    pair: int,
+    pair_energy: wp.array3d(dtype=real),
+    force: wp.array4d(dtype=real),
+    modal: wp.array4d(dtype=real),
+    v: wp.array2d(dtype=vec3),
+    omega: wp.array2d(dtype=vec3),
+    qd: wp.array2d(dtype=real),
+) -> real:
+    """Of a pair: contact energy, or the kinetic energy along its force with which the step begins, the largest."""
+    approach = kinetic_along(model, w, pair, force, modal, v, omega, qd)
+    return wp.max(approach, wp.max(pair_energy[w, pair, 0], pair_energy[w, pair, 1]))
+
+
+@wp.func
+def swings(pair_energy: wp.array3d(dtype=real), w: int, pair: int) -> bool:
+    """Whether a pair takes up or gives back most of its contact energy in the attempt."""
+    before = pair_energy[w, pair, 0]
+    after = pair_energy[w, pair, 1]
+    return wp.abs(after - before) > SWING * wp.max(before, after)
+
+
+@wp.func
+def has_converged(ctl: wp.array2d(dtype=int), w: int) -> bool:
+    """Whether the iteration of a world has just converged, with means of impulsive pairs that may have to be found."""
+    return ctl[w, k.ATTEMPT] != 0 and ctl[w, k.RUN] == 0 and ctl[w, k.FAILURE] == 0 and ctl[w, k.EVEN] == 0
+
+
+@wp.kernel
+def balance_means(
+    models: wp.array(dtype=Model),
+    clk: wp.array2d(dtype=real),
+    v: wp.array2d(dtype=vec3),
+    omega: wp.array2d(dtype=vec3),
+    qd: wp.array2d(dtype=real),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+    dq: wp.array2d(dtype=real),
+    pair_force: wp.array4d(dtype=real),
+    pair_modal: wp.array4d(dtype=real),
+    friction_force: wp.array4d(dtype=real),
+    friction_modal: wp.array4d(dtype=real),
+    pair_energy: wp.array3d(dtype=real),
+    pair_loss: wp.array2d(dtype=real),
+    impulsive: wp.array2d(dtype=int),
+    ctl: wp.array2d(dtype=int),
+    theta: wp.array2d(dtype=real),
+    bracket: wp.array3d(dtype=real),
+    weight: wp.array2d(dtype=real),
+    residual: wp.array2d(dtype=real),
+    modal_residual: wp.array2d(dtype=real),
+):
+    """Per world whose iteration has just converged: theta of the impulsive pairs that do not give back their energy,
+    and another round of the loop with them. `pair_loss`: what a damped layer takes.
+
+    bracket: the lower and the upper end, what the pair creates with the one (positive) and the other (negative), 0
+    where it is not known.
+    """
+    w = wp.tid()
+    model = models[0]
+    if not has_converged(ctl, w):
+        return
+    if ctl[w, k.MODE] != k.DYNAMIC or model.dynamic_count > 0 or ctl[w, k.ROUND] > MOST_ROUNDS:
+        ctl[w, k.EVEN] = 1
+        return
+    rubs = model.cell_capacity > 0
+    kappa = outer_kappa(model, clk, w)
+    changed = int(0)
+    pair = int(0)
+    while pair < model.pair_count:
+        if impulsive[w, pair] != 0 and swings(pair_energy, w, pair):
+            before = pair_work(model, w, pair, 0, pair_force, pair_modal, dx, psi, dq)
+            after = pair_work(model, w, pair, 1, pair_force, pair_modal, dx, psi, dq)
+            stored = pair_energy[w, pair, 1] - pair_energy[w, pair, 0] + pair_loss[w, pair]
+            at = theta[w, pair]
+            created = mean_of(at, before, after) + stored
+            own = own_energy(model, w, pair, pair_energy, pair_force, pair_modal, v, omega, qd)
+            to = at
+            if created > CREATED * own or created < -LOST * own:
+                side = int(0)
+                if created < real(0.0):
+                    side = 1
+                narrow(bracket, w, pair, side, at, created)
+                force = real(0.0)
+                ease = real(0.5) * clk[w, k.H] * clk[w, k.H]
+                if pair_energy[w, pair, 0] == real(0.0):
+                    force = wp.sqrt(
+                        body_mobility(model, w, pair, 1, pair_force) + modal_mobility(model, w, pair, 1, pair_modal)
+                    )
+                elif pair_energy[w, pair, 1] == real(0.0):
+                    force = wp.sqrt(
+                        body_mobility(model, w, pair, 0, pair_force) + modal_mobility(model, w, pair, 0, pair_modal)
+                    )
+                to = next_theta(bracket, w, pair, at, force, before, after, stored, ease)
+            if ctl[w, k.ROUND] == MOST_ROUNDS:
+                to = at
+                if created > CREATED * own:
+                    to = bracket[w, pair, 1]
+            if to != at:
+                changed = int(1)
+                theta[w, pair] = to
+                weight[w, pair] = wp.max(wp.sqrt(kappa * to), LEAST_WEIGHT)
+                # what the balance sees of it
+                for side in range(2):
+                    surface = model.pair_first[pair]
+                    if side == 1:
+                        surface = model.pair_second[pair]
+                    b = model.surface_body[surface]
+                    if b >= 0:
+                        for c in range(6):
+                            i = 6 * side + c
+                            change = pair_force[w, pair, 1, i] - pair_force[w, pair, 0, i]
+                            if rubs:
+                                change += friction_force[w, pair, 1, i] - friction_force[w, pair, 0, i]
+                            residual[w, 6 * b + c] = residual[w, 6 * b + c] - kappa * (to - at) * change
+                    n = int(0)
+                    while n < model.surface_modal_count[surface]:
+                        m = model.surface_modal_start[surface] + n
+                        i = modal_place(model, pair, m)
+                        change = pair_modal[w, pair, 1, i] - pair_modal[w, pair, 0, i]
+                        if rubs:
+                            change += friction_modal[w, pair, 1, i] - friction_modal[w, pair, 0, i]
+                        own_kappa = mode_kappa(model, ctl, clk, w, m)
+                        modal_residual[w, m] = modal_residual[w, m] - own_kappa * (to - at) * change
+                        n += 1
+        pair += 1
+    if changed == 0:
+        ctl[w, k.EVEN] = 1
+        return
+    ctl[w, k.ROUND] = ctl[w, k.ROUND] + 1
+    ctl[w, k.RUN] = 1
+    ctl[w, k.REWEIGHED] = 1
+    ctl[w, k.STALE] = 1
+
+
+@wp.func
+def narrow(bracket: wp.array3d(dtype=real), w: int, pair: int, side: int, at: real, excess: real):
+    """Put one end of the bracket there. Where the same end moves twice running, what the other one is known to make is
+    scaled, so that it moves too (Anderson and Bjoerck 1973)."""
+    if bracket[w, pair, 4] == real(side) and bracket[w, pair, 2 + side] != real(0.0):
+        scale = real(1.0) - excess / bracket[w, pair, 2 + side]
+        if scale <= real(0.0):
+            scale = real(0.5)
+        bracket[w, pair, 3 - side] = scale * bracket[w, pair, 3 - side]
+    bracket[w, pair, side] = at
+    bracket[w, pair, 2 + side] = excess
+    bracket[w, pair, 4] = real(side)
+
+
+@wp.func
+def next_theta(
+    bracket: wp.array3d(dtype=real),
+    w: int,
+    pair: int,
+    at: real,
+    force: real,
+    before: real,
+    after: real,
+    stored: real,
+    ease: real,
+) -> real:
+    """Between the ends of the bracket: where a spring between two masses would give back its energy, else by what the
+    ends make; where one of them is not known yet, by `after - before`, W_1 - W_0, what a spring that stays closed makes
+    of a change of theta, be it the motion or the mean force that is given.
+
+    With F the size of the force that changes (M^-1 the metric), d the motion along it and x F the mean, a motion
+    without contact loses or gains c x F, c = h^2/2 (`ease`) where no joint holds the bodies, in the second round from
+    what has changed. A spring of stiffness k = F/delta that closes (x = theta, E_1 = F delta/2) stores x F d where c k
+    (d - delta) x^2 + (d + c x_0 F) x = (delta + c x_0 F)/2, x_0 its present value; one that opens (x = 1 - theta) has
+    given E_0 where c F x^2 + (d - c x_0 F) x = E_0/F.
+    """
+    low = bracket[w, pair, 0]
+    high = bracket[w, pair, 1]
+    gain = bracket[w, pair, 2]
+    loss = bracket[w, pair, 3]
+    to = real(0.5) * (low + high)
+    if gain > real(0.0) and loss < real(0.0):
+        to = low + (high - low) * gain / (gain - loss)
+    elif force == real(0.0) and after < before:
+        guess = at - (mean_of(at, before, after) + stored) / (after - before)
+        if guess > low and guess < high:
+            to = guess
+    if force > real(0.0):
+        done = before + after
+        opens = done > real(0.0)
+        x = at
+        if opens:
+            x = real(1.0) - at
+        d = wp.abs(done) / force
+        c = ease
+        known = bracket[w, pair, 5]
+        if known >= real(0.0) and x * force != known:
+            found = wp.abs((d - bracket[w, pair, 6]) / (x * force - known))
+            if found > real(0.0):
+                c = found
+        bracket[w, pair, 5] = x * force
+        bracket[w, pair, 6] = d
+        moved = c * x * force
+        by_spring = real(-1.0)
+        if opens:
+            by_spring = real(1.0) - root(c * force, d - moved, wp.abs(stored) / force)
+        else:
+            deep = real(2.0) * stored / force
+            stiff = force * force / (real(2.0) * stored)
+            by_spring = root(c * stiff * wp.max(d - deep, real(0.0)), d + moved, real(0.5) * (deep + moved))
+        if by_spring > low and by_spring < high:
+            to = by_spring
+    return to
+
+
+@wp.func
+def root(a: real, b: real, c: real) -> real:
+    """The positive x of a x^2 + b x = c, for a >= 0 and c > 0."""
+    under = wp.sqrt(b * b + real(4.0) * a * c)
+    if b > real(0.0):
+        return real(2.0) * c / (b + under)
+    return (under - b) / (real(2.0) * a)
+
+
+@wp.func
+def mean_through(
+    ctl: wp.array2d(dtype=int),
+    clk: wp.array2d(dtype=real),
+    w: int,
+    pair: int,
+    impulsive: wp.array2d(dtype=int),
+    theta: wp.array2d(dtype=real),
+    before: real,
+    after: real,
+    memory: real,
+) -> real:
+    """What a component of a pair's force is through the attempt for velocities, impulse over h."""
+    if impulsive[w, pair] != 0:
+        return mean_of(theta[w, pair], before, after)
+    if ctl[w, k.AGAIN] != 0:
+        return mean_of(clk[w, k.GAMMA], before, after)
+    return mean_of(clk[w, k.GAMMA], memory, filtered(clk, w, k.ALPHA_M, before, after, memory))
+
+
+@wp.func
+def mean_work(
+    model: Model,
+    ctl: wp.array2d(dtype=int),
+    clk: wp.array2d(dtype=real),
+    w: int,
+    pair: int,
+    impulsive: wp.array2d(dtype=int),
+    theta: wp.array2d(dtype=real),
+    force: wp.array4d(dtype=real),
+    modal: wp.array4d(dtype=real),
+    memory: wp.array4d(dtype=real),
+    modal_memory: wp.array4d(dtype=real),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+    dq: wp.array2d(dtype=real),
+) -> real:
+    """Work on the increments of what a pair's force is through the attempt."""
+    total = real(0.0)
+    at = int(0)
+    for i in range(2):
+        surface = model.pair_first[pair]
+        if i == 1:
+            surface = model.pair_second[pair]
+        b = model.surface_body[surface]
+        if b >= 0:
+            for c in range(6):
+                o = 6 * i + c
+                mean = mean_through(
+                    ctl,
+                    clk,
+                    w,
+                    pair,
+                    impulsive,
+                    theta,
+                    force[w, pair, 0, o],
+                    force[w, pair, 1, o],
+                    memory[w, pair, 0, o],
+                )
+                if c < 3:
+                    total += mean * dx[w, b][c]
+                else:
+                    total += mean * psi[w, b][c - 3]
+            n = int(0)
+            while n < model.surface_modal_count[surface]:
+                o = at + n
+                mean = mean_through(
+                    ctl, clk, w, pair, impulsive, theta, modal[w, pair, 0, o], modal[w, pair, 1, o],
+                    modal_memory[w, pair, 0, o],
+                )  # fmt: skip
+                total += mean * dq[w, model.surface_modal_start[surface] + n]
+                n += 1
+        at += model.surface_modal_count[surface]
+    return total
+
+
+@wp.kernel
+def judge_pairs(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    clk: wp.array2d(dtype=real),
+    impulsive: wp.array2d(dtype=int),
+    theta: wp.array2d(dtype=real),
+    pair_force: wp.array4d(dtype=real),
+    pair_modal: wp.array4d(dtype=real),
+    friction_force: wp.array4d(dtype=real),
+    friction_modal: wp.array4d(dtype=real),
+    memory: wp.array4d(dtype=real),
+    modal_memory: wp.array4d(dtype=real),
+    friction_memory: wp.array4d(dtype=real),
+    modal_friction_memory: wp.array4d(dtype=real),
+    pair_energy: wp.array3d(dtype=real),
+    elastic_energy: wp.array3d(dtype=real),
+    pair_loss: wp.array2d(dtype=real),
+    friction_work: wp.array3d(dtype=real),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+    dq: wp.array2d(dtype=real),
+    v: wp.array2d(dtype=vec3),
+    omega: wp.array2d(dtype=vec3),
+    qd: wp.array2d(dtype=real),
+    wanted: wp.array2d(dtype=int),
+    created: wp.array2d(dtype=real),
+):
+    """Per (world, pair): the energy that its contact creates in the attempt, and whether it is to be taken again as
+    impulsive: where it was not, and opens or swings, or its memory creates more than OWN of its own energy.
+
+    Created is the work of what the force is through the step, what the contact energy changes by, and what friction and
+    damped layers take. Local modes with inertia may step exactly, by other forces: nothing is judged there.
+    """
+    w, pair = wp.tid()
+    model = models[0]
+    wanted[w, pair] = 0
+    created[w, pair] = real(0.0)
+    if ctl[w, k.ATTEMPT] == 0 or ctl[w, k.MODE] != k.DYNAMIC or model.dynamic_count > 0:
+        return
+    if not is_closed(pair_force, w, pair, 0) and not is_closed(pair_force, w, pair, 1):
+        return
+    worked = mean_work(
+        model, ctl, clk, w, pair, impulsive, theta, pair_force, pair_modal, memory, modal_memory, dx, psi, dq
+    )
+    total = worked + pair_energy[w, pair, 1] - pair_energy[w, pair, 0] + pair_loss[w, pair]
+    own = own_energy(model, w, pair, pair_energy, pair_force, pair_modal, v, omega, qd)
+    swung = swings(pair_energy, w, pair)
+    if impulsive[w, pair] == 0:
+        before = pair_work(model, w, pair, 0, pair_force, pair_modal, dx, psi, dq)
+        after = pair_work(model, w, pair, 1, pair_force, pair_modal, dx, psi, dq)
+        if swung or worked - mean_of(real(0.5), before, after) > OWN * own:
+            wanted[w, pair] = 1
+    elif swung and ctl[w, k.AGAIN] == 0:
+        wanted[w, pair] = 1
+    elif swung and total > OWN * own:
+        wanted[w, pair] = REFUSED
+    if model.cell_capacity > 0:
+        total += mean_work(
+            model, ctl, clk, w, pair, impulsive, theta, friction_force, friction_modal, friction_memory,
+            modal_friction_memory, dx, psi, dq,
+        )  # fmt: skip
+        total += elastic_energy[w, pair, 1] - elastic_energy[w, pair, 0] - friction_work[w, pair, 0]
+    created[w, pair] = total
+
+
+@wp.kernel
+def find_restless(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    area: wp.array3d(dtype=real),
+    pressure: wp.array3d(dtype=real),
+    pressure_before: wp.array3d(dtype=real),
+    offset: wp.array2d(dtype=real),
+    offset_before: wp.array2d(dtype=real),
+    restless: wp.array2d(dtype=int),
+):
+    """Per (world, pair): 1 where the forces of the hats changed by more than CALM in the attempt, the sum of |change|.
+    Where the window was laid anew, the hats of before are those that `contact_geometry.open_window` put in their place.
+    """
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w, k.ATTEMPT] == 0:
+        return
+    shift = int(wp.floor(offset[w, pair] - offset_before[w, pair] + real(0.5)))
+    shift = shift * model.surface_rows[model.pair_first[pair]]
+    change = real(0.0)
+    before = real(0.0)
+    after = real(0.0)
+    m = int(0)
+    while m < model.mode_capacity:
+        weight = wp.max(area[w, pair, m], real(0.0))
+        p0 = real(0.0)
+        if m - shift >= 0 and m - shift < model.mode_capacity:
+            p0 = weight * pressure_before[w, pair, m - shift]
+        p1 = weight * pressure[w, pair, m]
+        change += wp.abs(p1 - p0)
+        before += p0
+        after += p1
+        m += 1
+    restless[w, pair] = 0
+    if change > CALM * wp.max(before, after):
+        restless[w, pair] = 1
