@@ -5,10 +5,11 @@ In the weak slip S_k = area_k s_k and the tractions tau_l, two directions each, 
     K = area_k [D_tt^A]_kl area_l + (area Q o) D_tt^B (area Q o)^T + J sigma^-1 J^T + L H L^T,
     J_k = area_k [Phi_tA, -Q o Phi_tB]_k,      L = [dS/d(rigid), -J sigma^-1 C^T],
 
-as `contact_compliance` does for the pressures, H L^T less what the pressures answer (`friction_normal`): symmetric, and
-positive definite where the cells are no finer than the mesh. The first three terms stay assembled until the grids move
-against each other; the last is made where cells or the active set of the pressures are new, after that set has settled:
-H changes by next to nothing within a step. Cells of different pairs feel each other through the last term only.
+as `contact_compliance` does for the pressures: symmetric, and positive definite where the cells are no finer than the
+mesh. The first three terms stay assembled until the grids move against each other; the last, less what the pressures
+answer (`friction_normal`), is made where cells or the active set of the pressures are new, after that set has settled:
+H changes by next to nothing within a step. Cells of different pairs feel each other through the last two terms, the
+modes of a body that both pairs load, and not through the local modes of a surface that serves both.
 """
 
 import warp as wp
@@ -201,6 +202,17 @@ def cell_modes(
                 for (int c = 0; c < 8; ++c) f += sum[c];
                 g[d][e] += f;
             }
+        } else for (int a = 0, at_a = 0; a < 2; ++a) {
+            const int sa = 2 * pair + a, count = model.surface_modal_count.data[sa];
+            for (int b = 0, at_b = 0; b < 2; ++b) {
+                const int sb = 2 * other[0] + b, body = model.surface_body.data[sa];
+                const double* q = cell_J.data + ((size_t)w * model.cell_capacity + j) * 2 * width + at_b;
+                if (body >= 0 && body == model.surface_body.data[sb])
+                    for (int d = 0; d < 2; ++d) for (int e = 0; e < 2; ++e) for (int n = 0; n < count; ++n)
+                        g[d][e] += scaled[d * width + at_a + n] * q[e * width + n];
+                at_b += model.surface_modal_count.data[sb];
+            }
+            at_a += count;
         }
         double* base = G.data + (size_t)w * cap * cap;
         for (int d = 0; d < 2; ++d) for (int e = 0; e < 2; ++e) {
@@ -368,7 +380,7 @@ def condense_cells(
     answer_state: wp.array2d(dtype=int),
     K: wp.array3d(dtype=real),
 ):
-    """Per world: G + L V' over all slots where V' is new, with which the pressures answer (`friction_normal`)."""
+    """Per world: G + L V over all slots, where the pressures' answer is to be taken off it anew (`friction_normal`)."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0 or answer_state[w, RENEWED] == 0:

@@ -1,6 +1,7 @@
 """The problem of stick and slip of a Newton iteration posed, and its solution given back to bodies and modes.
 
-With the pressures just solved for, the weak slips of all cell slots are r_0 + K tau, where
+With the pressures just solved for, and their answer to the tractions in K (`friction_normal`), the weak slips of all
+cell slots are r_0 + K tau, where
 
     r_0 = S + dS(ds) + L z + J sigma^-1 (-r_m + J_n^T ds) - K tau_base:
 
@@ -15,6 +16,7 @@ from warpffrf_kernels import control as k
 from warpffrf_kernels.contact_solve import change_of
 from warpffrf_kernels.friction_forces import creep_softness
 from warpffrf_kernels.friction_geometry import cell_at
+from warpffrf_kernels.friction_normal import OPEN
 from warpffrf_kernels.friction_shares import on_shares
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, real, sync, vec3, weighted
@@ -100,12 +102,9 @@ def subtract_product(
 def pose_tractions(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
     cell_slot: wp.array3d(dtype=int),
     weight: wp.array2d(dtype=real),
     cell_area: wp.array3d(dtype=real),
-    bound: wp.array3d(dtype=real),
-    late: wp.array3d(dtype=real),
     traction: wp.array3d(dtype=real),
     traction_base: wp.array3d(dtype=real),
     slip: wp.array3d(dtype=real),
@@ -122,12 +121,10 @@ def pose_tractions(
     z: wp.array(dtype=real),
     base: wp.array2d(dtype=real),
     right: wp.array2d(dtype=real),
-    radius: wp.array2d(dtype=real),
-    softness: wp.array2d(dtype=real),
     tau: wp.array2d(dtype=real),
 ):
-    """Per world: right-hand side r_0 = S + dS(ds) + L z + J sigma^-1 (modal drive) - K tau_base, discs and first guess
-    of all slots. dS: by the local modes under the change of the pressures, of which the shifts are."""
+    """Per world: right-hand side r_0 = S + dS(ds) + L z + J sigma^-1 (modal drive) - K tau_base, and first guess of all
+    slots. dS: by the local modes under the change of the pressures, of which the shifts are."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
@@ -139,12 +136,7 @@ def pose_tractions(
         m = cell_slot[w, i, 1]
         rows = model.surface_rows[model.pair_first[pair]]
         area = cell_area[w, pair, m]
-        b = bound[w, pair, m]
         scale = weight[w, pair]
-        radius[w, i] = scale * b
-        softness[w, i] = real(0.0)
-        if b > real(0.0):
-            softness[w, i] = area * (creep_softness(model, clk, w, pair, b) + late[w, pair, m])
         second = vec3(real(0.0), real(0.0), real(0.0))
         if model.surface_shear[model.pair_second[pair]] >= 0:
             second = on_shares(model, w, pair, m, cell_turn, share, share_at, second_shift)
@@ -168,6 +160,37 @@ def pose_tractions(
         i += wp.block_dim()
     sync()
     subtract_product(model, w, 2 * count, K, base, right)
+
+
+@wp.kernel
+def limit_tractions(
+    models: wp.array(dtype=Model),
+    ctl: wp.array2d(dtype=int),
+    clk: wp.array2d(dtype=real),
+    cell_slot: wp.array3d(dtype=int),
+    weight: wp.array2d(dtype=real),
+    cell_area: wp.array3d(dtype=real),
+    bound: wp.array3d(dtype=real),
+    late: wp.array3d(dtype=real),
+    answer_state: wp.array2d(dtype=int),
+    radius: wp.array2d(dtype=real),
+    softness: wp.array2d(dtype=real),
+):
+    """Per world: discs and softness of all slots, with the bounds of the pressures as they are in this round."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0 or answer_state[w, OPEN] == 0:
+        return
+    i = lane
+    while i < ctl[w, k.CELLS]:
+        pair = cell_slot[w, i, 0]
+        m = cell_slot[w, i, 1]
+        b = bound[w, pair, m]
+        radius[w, i] = weight[w, pair] * b
+        softness[w, i] = real(0.0)
+        if b > real(0.0):
+            softness[w, i] = cell_area[w, pair, m] * (creep_softness(model, clk, w, pair, b) + late[w, pair, m])
+        i += wp.block_dim()
 
 
 @wp.kernel

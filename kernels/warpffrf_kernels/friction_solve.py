@@ -13,7 +13,16 @@ A few sweeps of projected Gauss-Seidel over 2 x 2 blocks, which decrease the obj
 semismooth Newton method then has quadratic convergence. With y_i = tau_i - r_i/c (c the block's stiffness) a cell
 sticks where |y_i| <= b_i and is free in both directions. A sliding one is put on its circle, tau = b d + alpha t with
 d = y/|y| and t across it, and keeps the free coordinate alpha: t.r + lambda alpha = 0 with lambda = -r.d/b, so that the
-reduced matrix stays symmetric positive definite. Where Newton does not settle, sweeps are made again.
+reduced matrix stays symmetric positive definite.
+
+Where Newton does not settle, an interior-point method comes near the solution. It does on a body that turns freely,
+which all tractions move alike, by 1e4 times as much as what they do to each other: from all sliding one way Newton goes
+to all sliding the other. With c_i = (b_i^2 - |tau_i|^2)/2 > 0 and lambda_i > 0, a Newton step of
+
+    r + lambda tau = 0,      lambda_i c_i = mu,      (K + lambda + (lambda/c) tau tau^T) dtau = -r - (mu/c) tau,
+
+mu a tenth of the mean of lambda c, goes at most to where a cell would leave its disc, or its lambda be negative; some
+ten of them suffice from any start (the primal-dual method of convex programs). Sweeps are the last resort.
 """
 
 import warp as wp
@@ -27,9 +36,11 @@ wp.set_module_options(MODULE_OPTIONS)
 SLOW = wp.constant(wp.float64(0.1))  # of the defect before: an old factor that leaves more is formed anew
 SETTLED = wp.constant(wp.float64(1.0e-12))  # of the largest bound: below the tolerance of the outer iteration
 SWEEPS = wp.constant(3)  # of Gauss-Seidel before Newton
-MORE_SWEEPS = wp.constant(20)  # where Newton has not settled
+MORE_SWEEPS = wp.constant(20)  # where Newton has not settled from within either
 NEWTON = wp.constant(12)  # iterations between two rounds of sweeps
 ROUNDS = wp.constant(20)  # of sweeps and Newton iterations
+INTERIOR = wp.constant(60)  # steps of the interior-point method at most: 10 to 20 are needed
+NEAR = wp.constant(wp.float64(1.0e-6))  # of the largest bound, or SETTLED: where they end the first time, and again
 
 
 # One round of sweeps: every cell takes the traction that is best for it with the others held, the point of its disc
@@ -164,46 +175,10 @@ def judge_cells(
 ) -> real: ...
 
 
-# The reduced matrix of the free coordinates (two of a cell that sticks, the one across its direction of a cell that
-# slides) and its Cholesky factor. Returns their number, or -1 where the matrix is not definite.
+# Cholesky factor of the first m lines in `work`, upper triangle. Returns 1 where it is not definite.
 @wp.func_native("""
-    const int cap = 2 * model.cell_capacity, ld = cap, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
-    const double* A = K.data + (size_t)w * cap * cap;
-    const double* dir = direction.data + (size_t)w * cap;
-    double* held = frozen.data + (size_t)w * cap;
-    int* list = order.data + (size_t)w * cap;
-    int* kind = sliding.data + (size_t)w * 2 * model.cell_capacity;
-    double* U = work.data + (size_t)w * cap * ld;
-    const double* soft = softness.data + (size_t)w * model.cell_capacity;
-    int m = 0;
-    for (int i = 0; i < count; ++i) {  // every lane counts for itself, in the same order
-        if (kind[i] == 0) continue;
-        if (L == 0) { list[m] = 2 * i; if (kind[i] == 1) list[m + 1] = 2 * i + 1; }
-        m += kind[i] == 1 ? 2 : 1;
-    }
-    for (int i = L; i < count; i += NL) {
-        kind[model.cell_capacity + i] = kind[i]; held[2 * i] = dir[2 * i]; held[2 * i + 1] = dir[2 * i + 1];
-    }
-    WP_TILE_SYNC();
-    for (int u = L; u < m; u += NL) {
-        const int p = list[u], i = p / 2;
-        const int slide = kind[i] == 2, even = 2 * i;
-        const double *a0 = A + (size_t)(slide ? even : p) * cap, *a1 = A + (size_t)(even + 1) * cap;
-        const double t0 = slide ? -held[even + 1] : 1.0, t1 = slide ? held[even] : 0.0;
-        double* row = U + (size_t)u * ld;
-        for (int v = u; v < m; ++v) {
-            const int q = list[v], j = q / 2;
-            double g0, g1 = 0.0;
-            if (kind[j] == 2) {
-                const double c0 = -held[2 * j + 1], c1 = held[2 * j];
-                g0 = a0[2 * j] * c0 + a0[2 * j + 1] * c1;
-                if (slide) g1 = a1[2 * j] * c0 + a1[2 * j + 1] * c1;
-            } else { g0 = a0[q]; if (slide) g1 = a1[q]; }
-            row[v] = t0 * g0 + t1 * g1;
-        }
-        row[u] += soft[i] + (slide ? curvature.data[(size_t)w * model.cell_capacity + i] : 0.0);
-    }
-    WP_TILE_SYNC();
+    const int ld = 2 * model.cell_capacity, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
+    double* U = work.data + (size_t)w * ld * ld;
     int bad = 0;
     for (int p = 0; p < m; p += 4) {
         const int kb = m - p < 4 ? m - p : 4;
@@ -227,9 +202,54 @@ def judge_cells(
         }
         WP_TILE_SYNC();
     }
-    return bad ? -1 : m;
+    return bad;
 """)
-def factor_cells(
+def factor_lines(model: Model, w: int, m: int, work: wp.array3d(dtype=real)) -> int: ...
+
+
+# The reduced matrix of the free coordinates: two of a cell that sticks, the one across its direction of a cell that
+# slides. Returns their number.
+@wp.func_native("""
+    const int cap = 2 * model.cell_capacity, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
+    const double* A = K.data + (size_t)w * cap * cap;
+    const double* dir = direction.data + (size_t)w * cap;
+    double* held = frozen.data + (size_t)w * cap;
+    int* list = order.data + (size_t)w * cap;
+    int* kind = sliding.data + (size_t)w * 2 * model.cell_capacity;
+    double* U = work.data + (size_t)w * cap * cap;
+    const double* soft = softness.data + (size_t)w * model.cell_capacity;
+    int m = 0;
+    for (int i = 0; i < count; ++i) {  // every lane counts for itself, in the same order
+        if (kind[i] == 0) continue;
+        if (L == 0) { list[m] = 2 * i; if (kind[i] == 1) list[m + 1] = 2 * i + 1; }
+        m += kind[i] == 1 ? 2 : 1;
+    }
+    for (int i = L; i < count; i += NL) {
+        kind[model.cell_capacity + i] = kind[i]; held[2 * i] = dir[2 * i]; held[2 * i + 1] = dir[2 * i + 1];
+    }
+    WP_TILE_SYNC();
+    for (int u = L; u < m; u += NL) {
+        const int p = list[u], i = p / 2;
+        const int slide = kind[i] == 2, even = 2 * i;
+        const double *a0 = A + (size_t)(slide ? even : p) * cap, *a1 = A + (size_t)(even + 1) * cap;
+        const double t0 = slide ? -held[even + 1] : 1.0, t1 = slide ? held[even] : 0.0;
+        double* row = U + (size_t)u * cap;
+        for (int v = u; v < m; ++v) {
+            const int q = list[v], j = q / 2;
+            double g0, g1 = 0.0;
+            if (kind[j] == 2) {
+                const double c0 = -held[2 * j + 1], c1 = held[2 * j];
+                g0 = a0[2 * j] * c0 + a0[2 * j + 1] * c1;
+                if (slide) g1 = a1[2 * j] * c0 + a1[2 * j + 1] * c1;
+            } else { g0 = a0[q]; if (slide) g1 = a1[q]; }
+            row[v] = t0 * g0 + t1 * g1;
+        }
+        row[u] += soft[i] + (slide ? curvature.data[(size_t)w * model.cell_capacity + i] : 0.0);
+    }
+    WP_TILE_SYNC();
+    return m;
+""")
+def reduce_cells(
     model: Model,
     w: int,
     count: int,
@@ -296,6 +316,182 @@ def move_cells(
 ): ...
 
 
+# Start of the interior-point method: no tractions, slips as they are then, lambda the slope of the slip.
+@wp.func_native("""
+    const int cap = 2 * model.cell_capacity;
+    const double* A = K.data + (size_t)w * cap * cap;
+    const double* b = radius.data + (size_t)w * model.cell_capacity;
+    if (WP_TILE_THREAD_IDX == 0) for (int i = 0; i < count; ++i) {
+        const size_t p = (size_t)w * cap + 2 * i;
+        const double r0 = right.data[p], r1 = right.data[p + 1];
+        tau.data[p] = tau.data[p + 1] = 0.0; slip.data[p] = r0; slip.data[p + 1] = r1;
+        const double least = 1e-3 * A[(size_t)2 * i * cap + 2 * i];
+        const double slope = b[i] > 0.0 ? ::sqrt(r0 * r0 + r1 * r1) / b[i] : 0.0;
+        curvature.data[(size_t)w * model.cell_capacity + i] = slope > least ? slope : least;
+    }
+    WP_TILE_SYNC();
+""")
+def begin_inside(
+    model: Model,
+    w: int,
+    count: int,
+    K: wp.array3d(dtype=real),
+    right: wp.array2d(dtype=real),
+    radius: wp.array2d(dtype=real),
+    tau: wp.array2d(dtype=real),
+    slip: wp.array2d(dtype=real),
+    curvature: wp.array2d(dtype=real),
+): ...
+
+
+# The matrix of a step of the interior-point method, over both lines of all loaded cells. Returns their number.
+@wp.func_native("""
+    const int cap = 2 * model.cell_capacity, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
+    const double* A = K.data + (size_t)w * cap * cap;
+    const double* x = tau.data + (size_t)w * cap;
+    const double* b = radius.data + (size_t)w * model.cell_capacity;
+    int* list = order.data + (size_t)w * cap;
+    double* U = work.data + (size_t)w * cap * cap;
+    int m = 0;
+    for (int i = 0; i < count; ++i) if (b[i] > 0.0) {  // every lane counts for itself, in the same order
+        if (L == 0) { list[m] = 2 * i; list[m + 1] = 2 * i + 1; }
+        m += 2;
+    }
+    WP_TILE_SYNC();
+    for (int u = L; u < m; u += NL) {
+        const int p = list[u], i = p / 2;
+        const double lambda = curvature.data[(size_t)w * model.cell_capacity + i];
+        const double room = 0.5 * (b[i] * b[i] - x[2 * i] * x[2 * i] - x[2 * i + 1] * x[2 * i + 1]);
+        double* row = U + (size_t)u * cap;
+        for (int v = u; v < m; ++v) row[v] = A[(size_t)p * cap + list[v]];
+        row[u] += softness.data[(size_t)w * model.cell_capacity + i] + lambda + lambda / room * x[p] * x[p];
+        if (p % 2 == 0) row[u + 1] += lambda / room * x[p] * x[p + 1];
+    }
+    WP_TILE_SYNC();
+    return m;
+""")
+def fill_inside(
+    model: Model,
+    w: int,
+    count: int,
+    K: wp.array3d(dtype=real),
+    radius: wp.array2d(dtype=real),
+    softness: wp.array2d(dtype=real),
+    tau: wp.array2d(dtype=real),
+    curvature: wp.array2d(dtype=real),
+    order: wp.array2d(dtype=int),
+    work: wp.array3d(dtype=real),
+) -> int: ...
+
+
+# A step of the interior-point method with the factor at hand. Returns the defect of the tractions, as `judge_cells`. Of
+# one lane but for the slips.
+@wp.func_native("""
+    const int cap = 2 * model.cell_capacity, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM, n = 2 * count;
+    const double* A = K.data + (size_t)w * cap * cap;
+    const double* U = work.data + (size_t)w * cap * cap;
+    const double* b = radius.data + (size_t)w * model.cell_capacity;
+    const double* soft = softness.data + (size_t)w * model.cell_capacity;
+    double *x = tau.data + (size_t)w * cap, *r = slip.data + (size_t)w * cap, *y = solution.data + (size_t)w * cap;
+    double* lambda = curvature.data + (size_t)w * model.cell_capacity;
+    const int* list = order.data + (size_t)w * cap;
+    if (L == 0) {
+        double mu = 0.0;
+        for (int u = 0; u < m; u += 2) { const int p = list[u], i = p / 2;
+            mu += 0.5 * lambda[i] * (b[i] * b[i] - x[p] * x[p] - x[p + 1] * x[p + 1]); }
+        mu *= 0.1 * 2 / m;
+        for (int u = 0; u < m; ++u) { const int p = list[u], e = p - p % 2, i = p / 2;
+            y[u] = -r[p] - 2.0 * mu * x[p] / (b[i] * b[i] - x[e] * x[e] - x[e + 1] * x[e + 1]); }
+        for (int u = 0; u < m; ++u) { const double* row = U + (size_t)u * cap; const double v = y[u] / row[u]; y[u] = v;
+            for (int j = u + 1; j < m; ++j) y[j] -= row[j] * v; }
+        for (int u = m - 1; u >= 0; --u) { const double* row = U + (size_t)u * cap; double v = y[u];
+            for (int j = u + 1; j < m; ++j) v -= row[j] * y[j];
+            y[u] = v / row[u]; }
+        double step = 1.0;
+        for (int turn = 0; turn < 2; ++turn) for (int u = 0; u < m; u += 2) {  // how far, then the step
+            const int p = list[u], i = p / 2;
+            const double room = 0.5 * (b[i] * b[i] - x[p] * x[p] - x[p + 1] * x[p + 1]);
+            const double a = y[u] * y[u] + y[u + 1] * y[u + 1], along = x[p] * y[u] + x[p + 1] * y[u + 1];
+            const double rise = (mu - lambda[i] * room + lambda[i] * along) / room;
+            if (turn == 1) { x[p] += step * y[u]; x[p + 1] += step * y[u + 1]; lambda[i] += step * rise; continue; }
+            const double root = ::sqrt(along * along + 2.0 * a * room);  // a s^2/2 + along s = room, without cancelling
+            const double most = along > 0.0 ? 2.0 * room / (along + root) : a > 0.0 ? (root - along) / a : 1e30;
+            if (0.995 * most < step) step = 0.995 * most;
+            if (-rise * step > 0.995 * lambda[i]) step = -0.995 * lambda[i] / rise;
+        }
+    }
+    WP_TILE_SYNC();
+    for (int i = L; i < n; i += NL) {
+        const double* a = A + (size_t)i * cap; double s[8] = {0.0}; int j = 0;
+        for (; j + 7 < n; j += 8) for (int c = 0; c < 8; ++c) s[c] += a[j + c] * x[j + c];
+        double sum = right.data[(size_t)w * cap + i] + soft[i / 2] * x[i];
+        for (; j < n; ++j) sum += a[j] * x[j];
+        for (int c = 0; c < 8; ++c) sum += s[c];
+        r[i] = sum;
+    }
+    WP_TILE_SYNC();
+    double defect = 0.0, largest = 0.0;
+    for (int u = 0; u < m; u += 2) {
+        const int p = list[u], i = p / 2;
+        const double c = 0.5 * (A[(size_t)p * cap + p] + A[(size_t)(p + 1) * cap + p + 1]) + soft[i];
+        const double y0 = x[p] - r[p] / c, y1 = x[p + 1] - r[p + 1] / c, size = ::sqrt(y0 * y0 + y1 * y1);
+        const double part = size > b[i] ? b[i] / size : 1.0;
+        const double e0 = part * y0 - x[p], e1 = part * y1 - x[p + 1], e = ::sqrt(e0 * e0 + e1 * e1);
+        defect = defect > e ? defect : e; largest = largest > b[i] ? largest : b[i];
+    }
+    WP_TILE_SYNC();
+    return largest > 0.0 ? defect / largest : 0.0;
+""")
+def move_inside(
+    model: Model,
+    w: int,
+    count: int,
+    m: int,
+    K: wp.array3d(dtype=real),
+    right: wp.array2d(dtype=real),
+    radius: wp.array2d(dtype=real),
+    softness: wp.array2d(dtype=real),
+    order: wp.array2d(dtype=int),
+    work: wp.array3d(dtype=real),
+    solution: wp.array2d(dtype=real),
+    tau: wp.array2d(dtype=real),
+    slip: wp.array2d(dtype=real),
+    curvature: wp.array2d(dtype=real),
+) -> real: ...
+
+
+@wp.func
+def come_near(
+    model: Model,
+    w: int,
+    count: int,
+    wanted: real,
+    K: wp.array3d(dtype=real),
+    right: wp.array2d(dtype=real),
+    radius: wp.array2d(dtype=real),
+    softness: wp.array2d(dtype=real),
+    tau: wp.array2d(dtype=real),
+    slip: wp.array2d(dtype=real),
+    curvature: wp.array2d(dtype=real),
+    order: wp.array2d(dtype=int),
+    solution: wp.array2d(dtype=real),
+    work: wp.array3d(dtype=real),
+) -> int:
+    """Tractions near the solution, up to a defect of `wanted`, by the interior-point method; returns its steps."""
+    begin_inside(model, w, count, K, right, radius, tau, slip, curvature)
+    n = int(0)
+    defect = real(1.0)
+    while n < INTERIOR and defect > wanted:
+        m = fill_inside(model, w, count, K, radius, softness, tau, curvature, order, work)
+        n += 1
+        if factor_lines(model, w, m, work) != 0:
+            return n
+        defect = move_inside(
+            model, w, count, m, K, right, radius, softness, order, work, solution, tau, slip, curvature
+        )
+    return n
+
+
 @wp.kernel
 def solve_tractions(
     models: wp.array(dtype=Model),
@@ -337,22 +533,34 @@ def solve_tractions(
     )
     while turn < ROUNDS and defect > SETTLED:
         changed = int(outcome[w, 1]) % 2
-        poor = free == 0 or changed != 0
+        poor = free == 0 or changed != 0 or (n > 0 and defect > NEAR)  # all may slide to and fro
         if poor and n % NEWTON == 0:
-            sweeps = SWEEPS
-            if turn > 0:
-                sweeps = MORE_SWEEPS
-            sweep_cells(model, w, count, sweeps, K, right, radius, softness, tau)
+            if turn == 1 or turn == 2:
+                wanted = SETTLED
+                if turn == 1:
+                    wanted = NEAR
+                steps = come_near(
+                    model, w, count, wanted, K, right, radius, softness, tau, slip, curvature, order, solution, work
+                )
+                free = 0
+                if lane == 0:
+                    ctl[w, k.SOLVES] = ctl[w, k.SOLVES] + steps
+            else:
+                sweeps = SWEEPS
+                if turn > 0:
+                    sweeps = MORE_SWEEPS
+                sweep_cells(model, w, count, sweeps, K, right, radius, softness, tau)
             turn += 1
             defect = judge_cells(
                 model, w, count, K, right, radius, softness, tau, slip, jumps, direction, curvature, sliding, outcome
             )
             changed = int(outcome[w, 1]) % 2
         if free == 0 or changed != 0 or (before > real(0.0) and defect > SLOW * before):
-            free = factor_cells(model, w, count, K, softness, direction, curvature, frozen, order, sliding, work)
+            free = reduce_cells(model, w, count, K, softness, direction, curvature, frozen, order, sliding, work)
+            bad = factor_lines(model, w, free, work)
             if lane == 0:
                 ctl[w, k.SOLVES] = ctl[w, k.SOLVES] + 1
-            if free < 0:
+            if bad != 0:
                 if lane == 0:
                     ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.INDEFINITE
                     ctl[w, k.FACTORED] = 0

@@ -1,7 +1,7 @@
 """How pressures answer to tractions: the condensed operator against NumPy, and what it does to the iteration.
 
 The arrays are those of an engine inside a step: two rollers that roll on each other, the upper one in a light carriage
-that the load alone presses down.
+that the load alone presses down, or one roller on a plane, to which its tractions open gaps.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from warpffrf.online import Engine, Settings
 from warpffrf.online.settle import settle
 
 ROUND_OFF = 1e-9  # of the largest entry: a solve with the pressures' matrix, of condition 1e4 and more
-SYMMETRIC = 1e-7  # of the same: H of bodies that turn is symmetric to about 1e-9
 STEP, OMEGA, LOAD = 5e-4, 10.0, 300e3  # s, rad/s, N
 
 
@@ -45,10 +44,21 @@ def rolling(body: wf.ReducedBody, creepage: float = 2e-3) -> wf.Scene:
     return scene
 
 
-@pytest.fixture(scope="module")
-def stopped(body: wf.ReducedBody) -> Engine:
-    """After two steps, with one more iteration on the accepted state."""
-    engine = Engine(rolling(body), settings=Settings())
+def on_a_plane(body: wf.ReducedBody) -> wf.Scene:
+    scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
+    plane = scene.ground.surface(wf.surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1)), name="plane")
+    wheel = scene.add_body(
+        body, name="wheel", position=(0, 0, 0.05), velocity=(0.05 * OMEGA, 0.002, 0.0), angular_velocity=(0, OMEGA, 0)
+    )
+    scene.add(wf.forces.PointForce(wheel["bore"], (0.0, 0.0, -LOAD)))
+    scene.add(wf.Contact(wheel["rim"], plane, friction=0.3, name="pair"))
+    return scene
+
+
+@pytest.fixture(scope="module", params=[rolling, on_a_plane])
+def stopped(request: pytest.FixtureRequest, body: wf.ReducedBody) -> Engine:
+    """After two steps, with iterations on a third that make everything anew, the last where it has converged."""
+    engine = Engine(request.param(body), settings=Settings())
     assert settle(engine)
     engine.initial_rates()
     engine.start()
@@ -56,53 +66,78 @@ def stopped(body: wf.ReducedBody) -> Engine:
     engine.enter(k.DYNAMIC, STEP, target=2)
     engine.replay(8)
     assert engine.word("STATUS")[0] == 0 and engine.word("STEP")[0] == 2
-    engine.control(RUN=1, MOVED=1, REASSEMBLE=1, REFRESH=1, RECENTER=0, ITERATION=0, FAILURE=0)
-    engine.graph.iterate()
+    for _ in range(8):
+        engine.control(RUN=1, MOVED=1, REASSEMBLE=1, REFRESH=1, RECENTER=0, ITERATION=0, FAILURE=0)
+        engine.graph.iterate()
     assert engine.word("CHANGES")[0] == 0 and engine.word("CELLS")[0] > 5
     return engine
 
 
 def operators(engine: Engine) -> tuple[np.ndarray, ...]:
-    """G_c of the active slots, L_n and V_n of these, L and V of the cells' lines, all over the outer columns, and the
-    numbers of the active slots."""
+    """G_c of the active slots and L_n of these, in the order of the last solve; L, V and K without the answer of the
+    cells' lines; all over the outer columns."""
     m, x, state = engine.compiled.model, engine.work, engine.state
-    slots, lines = int(engine.word("SLOTS")[0]), 2 * int(engine.word("CELLS")[0])
-    N, width = m.outer_count, int(m.coupled_count.numpy()[0])
-    modes = x.slot_mode.numpy()[0, :slots, 1]
-    among = np.flatnonzero(state.active.numpy()[0, 0, modes])
-    columns = m.coupled.numpy()[0, :width]
-
-    def spread(L: np.ndarray) -> np.ndarray:
-        place = np.zeros((width, N))
-        place[np.arange(width), columns] = 1.0
-        return L[:, :width] @ place
-
-    V_n = x.V.numpy().reshape(-1, N)[among]
+    lines, N, width = 2 * int(engine.word("CELLS")[0]), m.outer_count, int(m.coupled_count.numpy()[0])
+    place = np.zeros((width, N))
+    place[np.arange(width), m.coupled.numpy()[0, :width]] = 1.0
+    n = int(x.answer_state.numpy()[0, 0])
+    order = x.order.numpy()[0, :n]
+    hats = x.slot_mode.numpy()[0, order, 1]
+    np.testing.assert_array_equal(np.sort(hats), np.flatnonzero(state.active.numpy()[0, 0]))
+    np.testing.assert_array_equal(hats, x.answer_hat.numpy()[0, :n])
     V = x.cell_V.numpy().reshape(-1, N)[:lines]
-    L_n, L = spread(x.L.numpy()[0, among]), spread(x.cell_L.numpy()[0, :lines])
-    return x.condensed.numpy()[0][np.ix_(among, among)], L_n, V_n, L, V, among
+    L_n, L = x.L.numpy()[0, order, :width] @ place, x.cell_L.numpy()[0, :lines, :width] @ place
+    K = np.triu(x.cell_G.numpy()[0, :lines, :lines] + V @ L.T)  # H of bodies that turn is not quite symmetric
+    K += np.triu(K, 1).T
+    return x.condensed.numpy()[0][np.ix_(order, order)], L_n, V, K, hats
+
+
+def coupling(engine: Engine) -> np.ndarray:
+    """N^T (active slots, lines of the cells) without the outer coordinates: how the gaps open with each traction by the
+    local modes, evaluated, and by the global ones."""
+    x, state, width = engine.work, engine.state, engine.compiled.model.pair_modes
+    n, cells = int(x.answer_state.numpy()[0, 0]), int(engine.word("CELLS")[0])
+    order = x.order.numpy()[0, :n]
+    hats = x.slot_mode.numpy()[0, order, 1]
+    rows = len(engine.scene.contacts[0].a.surface.grid.z)
+    kept, bound, number = state.traction.numpy().copy(), x.bound.numpy()[0, 0].copy(), x.cell_slot.numpy()[0, :cells, 1]
+    found = []
+    for m in number:
+        for d in range(2):
+            gaps = []
+            for size in (0.5, -0.5):  # within the bounds, which an evaluation cuts them to
+                trial = np.zeros_like(kept)
+                trial[0, 0, (m // rows) * 2 * rows + d * rows + m % rows] = size * bound[m]
+                state.traction.assign(trial)
+                engine.control(RUN=1, MOVED=1)
+                engine.graph.evaluate()
+                gaps.append(x.opened.numpy()[0, 0, hats])
+            found.append((gaps[0] - gaps[1]) / max(bound[m], np.finfo(float).tiny))
+    state.traction.assign(kept)
+    engine.control(RUN=1, MOVED=1)
+    engine.graph.evaluate()
+    J_n, J = x.J.numpy().reshape(-1, width)[order], x.cell_J.numpy().reshape(-1, width)[: 2 * cells]
+    return np.array(found).T + (J_n * x.receptance.numpy()[0, :width]) @ J.T
 
 
 def test_the_answer_of_the_pressures_is_condensed(stopped: Engine) -> None:
-    G_c, L_n, V_n, L, V, among = operators(stopped)
-    lines, N = V.shape
-    X = np.linalg.solve(G_c, L_n)
-    n = int(stopped.work.answer_state.numpy()[0, 0])
-    assert n == len(among) > 3
-    order = stopped.work.answer_order.numpy()[0, :n]
-    np.testing.assert_array_equal(np.sort(order), among)
-    held = stopped.work.cell_held.numpy().reshape(-1, N)[:lines]
-    expected = V - (V @ X.T) @ V_n
-    assert np.abs(held - expected).max() < ROUND_OFF * np.abs(V).max()
-    G = stopped.work.cell_G.numpy()[0, :lines, :lines]
-    K = stopped.work.cell_K.numpy()[0, :lines, :lines]
-    coupling = L @ V_n.T
-    schur = G + L @ V.T - coupling @ np.linalg.solve(G_c, coupling.T)
-    assert np.abs(K - schur).max() < SYMMETRIC * np.abs(G + L @ V.T).max()
+    G_c, L_n, V, K, hats = operators(stopped)
+    n, lines = len(hats), len(V)
+    assert n > 3
+    near, far = coupling(stopped), L_n @ V.T
+    loaded = np.repeat(stopped.work.bound.numpy()[0, 0, stopped.work.cell_slot.numpy()[0, : lines // 2, 1]] > 0.0, 2)
+    U = np.triu(stopped.work.factor.numpy()[0, :n, :n])
+    Y = stopped.work.cell_Y.numpy()[0, :n, :lines]
+    found, expected = (U.T @ Y)[:, loaded], (near + far)[:, loaded]
+    assert np.abs(found - expected).max() < ROUND_OFF * np.abs(expected).max()
+    assert np.abs(near[:, loaded]).max() > 1e-5 * np.abs(far).max()  # of like rollers next to nothing
+    held = stopped.work.cell_K.numpy()[0, :lines, :lines]
+    assert np.abs(held - (K - Y.T @ Y)).max() < ROUND_OFF * np.abs(K).max()
+    assert np.abs(Y.T @ Y - (U.T @ Y).T @ np.linalg.solve(G_c, U.T @ Y)).max() < ROUND_OFF * np.abs(K).max()
     # an energy still; and what each iteration would leave of an error in the tractions without the answer
-    values = np.linalg.eigvalsh(0.5 * (K + K.T))
-    assert values[0] > -SYMMETRIC * values[-1]
-    left = np.abs(np.linalg.eigvals(np.linalg.solve(G + L @ V.T, G + L @ V.T - K))).max()
+    values = np.linalg.eigvalsh(held)
+    assert values[0] > 0.0
+    left = np.abs(np.linalg.eigvals(np.linalg.solve(K, K - held))).max()
     assert 0.1 < left < 1.0
 
 

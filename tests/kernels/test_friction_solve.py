@@ -13,6 +13,7 @@ from warpffrf_kernels.scalars import BLOCK
 from warpffrf.study.friction_program import residual, solve
 
 SAME = 1e-10  # of the largest bound: both stop at 1e-12 of it, and the compliances' condition is below 100
+STIFF = 1e-8  # of the same, where one motion common to all raises the condition to 1e7
 
 
 def compliance(count: int, generator: np.random.Generator) -> np.ndarray:
@@ -70,6 +71,23 @@ def test_stick_and_slip_equal_the_convex_program(seed: int, load: float) -> None
     assert found < SAME
     slip = (K @ tau + right).reshape(-1, 2)
     assert np.all(np.sum(tau.reshape(-1, 2) * slip, axis=1) < SAME * bound.max())  # friction takes energy only
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("common", [30.0, 1e3, 1e5])
+def test_tractions_that_all_move_a_free_body(seed: int, common: float) -> None:
+    """Newton goes to and fro there, all cells sliding one way, then the other; the interior-point method does not."""
+    generator = np.random.default_rng(seed)
+    count = 24
+    along = np.tile([1.0, 0.0], count)
+    K = compliance(count, generator) + common * np.outer(along, along)
+    right, bound = 2.0 * generator.normal(size=2 * count), generator.uniform(0.2, 1.5, count)
+    tau, words = device_solve(K, right, bound, -np.repeat(bound, 2) * along)
+    assert words[int(k.FAILURE)] == 0 and words[int(k.SOLVES)] < 80
+    exact = solve(K, right.reshape(-1, 2), bound).ravel()
+    np.testing.assert_allclose(tau, exact, atol=STIFF * bound.max(), rtol=0.0)
+    stick = np.hypot(*tau.reshape(-1, 2).T) < (1.0 - STIFF) * bound
+    assert 0 < stick.sum() < count
 
 
 def test_a_warm_start_needs_no_factorisation_of_a_solved_problem() -> None:

@@ -1,14 +1,15 @@
 """The friction part of the step graph: slip and tractions of the trial state, and the solve for stick and slip.
 
 Recorded only for scenes with friction. `ContactGraph` calls the parts in the places named; within one Newton iteration
-the tractions are solved for after the pressures and their active set have settled, with bodies, modes and joints
-condensed into them, and what they do to the gaps is felt in the next.
+the tractions are solved for after the pressures and their active set have settled, with bodies, modes, joints and the
+pressures of that set condensed into them, and in rounds with the bounds, which follow the pressures.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
+import warp as wp
 from warpffrf_kernels import (
     friction_advance,
     friction_bounds,
@@ -125,7 +126,6 @@ class FrictionGraph(Launcher):
             [M, s.ctl, x.window, s.active, s.pressure, x.base, x.stencil, x.stencil_at],
             [x.pressure_change, x.load_change],
         )  # fmt: skip
-        self._press(x.pressure_change, x.load_change, of_state=0)
         self.launch(friction_compliance.take_cells, W, [M, x.bound], [s.ctl, x.cell_slot_of, x.cell_slot])
         shares = [x.cell_area, x.cell_turn, x.share, x.share_at]
         self.block(
@@ -142,26 +142,47 @@ class FrictionGraph(Launcher):
              x.inverse_transposed],
             [x.cell_L, x.cell_V],
         )  # fmt: skip
-        answer = [x.cell_answer, x.answer_order, x.answer_state]
         self.block(
             friction_normal.answer_tractions, (W,),
-            [M, s.ctl, s.active, x.slot_mode, x.order, x.factor, x.L, x.V, x.cell_V],
-            [*answer, x.cell_motion, x.cell_held],
+            [M, s.ctl, s.active, x.center, x.stencil, x.stencil_at, x.slot_mode, x.order, x.factor, x.J, x.L,
+             x.cell_slot, *shares, x.cell_J, x.cell_V, x.receptance],
+            [x.second_shift, x.cell_scaled, x.cell_Y, x.answer_hat, x.answer_state],
         )  # fmt: skip
         self.block(
             friction_compliance.condense_cells, (W,),
-            [M, s.ctl, x.cell_slot, x.cell_G, x.cell_L, x.cell_held, x.answer_state], [x.cell_K],
+            [M, s.ctl, x.cell_slot, x.cell_G, x.cell_L, x.cell_V, x.answer_state], [x.cell_K],
         )  # fmt: skip
+        self.block(friction_normal.condense_answer, (W,), [M, s.ctl, x.cell_Y, x.answer_state], [x.cell_K])
+        self._press(x.pressure_change, x.load_change, of_state=0)
         self.block(
             friction_problem.drive_modes, (W,),
             [M, s.ctl, s.active, x.slot_mode, x.weight, x.J, s.pressure, x.base, x.modal_residual], [x.modal_drive],
         )  # fmt: skip
         self.block(
             friction_problem.pose_tractions, (W,),
-            [M, s.ctl, s.clk, x.cell_slot, x.weight, x.cell_area, x.bound, x.late, s.traction, x.traction_base, x.slip,
-             x.cell_turn, x.share, x.share_at, x.first_shift, x.second_shift, x.cell_K, x.cell_L, x.cell_J,
-             x.receptance.flatten(), x.modal_drive, x.z],
-            [x.cell_base, x.cell_right, x.cell_radius, x.cell_softness, x.cell_tau],
+            [M, s.ctl, x.cell_slot, x.weight, x.cell_area, s.traction, x.traction_base, x.slip, x.cell_turn, x.share,
+             x.share_at, x.first_shift, x.second_shift, x.cell_K, x.cell_L, x.cell_J, x.receptance.flatten(),
+             x.modal_drive, x.z],
+            [x.cell_base, x.cell_right, x.cell_tau],
+        )  # fmt: skip
+        x.rubbing.fill_(1)
+        wp.capture_while(x.rubbing, self._rub)
+        self.block(
+            friction_problem.take_tractions, (W,),
+            [M, s.ctl, x.cell_slot, x.weight, x.cell_tau, x.cell_base, x.cell_V],
+            [x.z, s.traction],
+        )  # fmt: skip
+        self.block(
+            friction_normal.move_with_answer, (W,), [M, s.ctl, x.order, x.answer_state, x.V, x.answer_step], [x.z]
+        )
+
+    def _rub(self) -> None:
+        """A round of tractions for the present bounds, and of the pressures with their answer."""
+        M, s, x, W = self.compiled.models, self.state, self.work, self.worlds
+        self.block(
+            friction_problem.limit_tractions, (W,),
+            [M, s.ctl, s.clk, x.cell_slot, x.weight, x.cell_area, x.bound, x.late, x.answer_state],
+            [x.cell_radius, x.cell_softness],
         )  # fmt: skip
         self.block(
             friction_solve.solve_tractions, (W,),
@@ -170,14 +191,12 @@ class FrictionGraph(Launcher):
              x.cell_order, x.cell_sliding, x.cell_outcome, x.cell_solution, x.cell_work],
         )  # fmt: skip
         self.block(
-            friction_problem.take_tractions, (W,),
-            [M, s.ctl, x.cell_slot, x.weight, x.cell_tau, x.cell_base, x.cell_held],
-            [x.z, s.traction],
-        )  # fmt: skip
-        self.block(
             friction_normal.press_with_tractions, (W,),
-            [M, s.ctl, x.slot_mode, *answer, x.cell_V, x.weight, x.cell_tau, x.cell_base], [x.cell_moved, s.pressure],
+            [M, s.ctl, x.slot_mode, x.order, x.factor, x.solution, x.cell_Y, x.weight, x.cell_tau, x.cell_base, x.base],
+            [x.answer_step, s.pressure, x.answer_change, x.answer_state],
         )  # fmt: skip
+        self._bounds(clip=0)
+        self.launch(friction_normal.count_rounds, 1, [s.ctl, x.answer_state], [x.rubbing])
 
     def push_modes(self) -> None:
         """Increments of the modes by the tractions; after `contact_solve.modal_increments`."""

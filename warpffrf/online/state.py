@@ -159,6 +159,7 @@ class Work:
         for name, size in flat.items():
             setattr(self, name, zeros(REAL, (W * max(size, 1),), compiled.device))
         self.running = zeros(INT, (1,), compiled.device)
+        self.rubbing = zeros(INT, (1,), compiled.device)
         self.budget = zeros(INT, (1,), compiled.device)
         self.more = zeros(INT, (1,), compiled.device)
         self.coefficients = zeros(REAL, (W, 4), compiled.device)
@@ -198,7 +199,9 @@ def friction_table(m: Any) -> dict[str, tuple]:
         "cell_slip": (REAL, 2 * F), "cell_frozen": (REAL, 2 * F), "cell_jump": (REAL, 2 * F),
         "cell_direction": (REAL, 2 * F), "cell_curvature": (REAL, F), "cell_order": (INT, 2 * F),
         "cell_sliding": (INT, 2 * F), "cell_outcome": (REAL, 2), "cell_work": (REAL, 2 * F, 2 * F),
-        "cell_solution": (REAL, 2 * F), "answer_order": (INT, m.slot_capacity if F else 0), "answer_state": (INT, 2),
+        "cell_solution": (REAL, 2 * F), "cell_Y": (REAL, m.slot_capacity if F else 0, 2 * F),
+        "answer_hat": (INT, m.slot_capacity if F else 0), "answer_step": (REAL, m.slot_capacity if F else 0),
+        "answer_state": (INT, 4), "answer_change": (REAL, 1),
     }  # fmt: skip
 
 
@@ -212,8 +215,6 @@ def friction_runs(m: Any) -> dict[str, int]:
         "second_modal": 2 * P * m.node_capacity if F else 0,
         "cell_shift": 4 * m.node_capacity if F else 0, "cell_J": 2 * F * m.pair_modes,
         "cell_scaled": 2 * m.pair_modes, "cell_V": 2 * F * m.outer_count, "modal_drive": Q, "cell_push": Q,
-        "cell_held": 2 * F * m.outer_count, "cell_answer": m.slot_capacity * m.outer_count if F else 0,
-        "cell_moved": m.outer_count if F else 0, "cell_motion": m.outer_count**2 if F else 0,
     }  # fmt: skip
 
 
