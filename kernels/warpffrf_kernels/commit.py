@@ -19,7 +19,6 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.impulsive_contact import is_closed
-from warpffrf_kernels.impulsive_means import REFUSED
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.motion import algorithmic, rule_of
 from warpffrf_kernels.scalars import MODULE_OPTIONS, quat, real, vec3
@@ -80,9 +79,7 @@ def decide(
                 impulse = int(1)
         if model.dynamic_count > 0 and restless[w, pair] != 0:
             calm = int(0)
-        if wanted[w, pair] == REFUSED:
-            ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ENERGY
-        elif wanted[w, pair] != 0:
+        if wanted[w, pair] != 0:
             again = int(1)
         pair += 1
     ctl[w, k.EVENT] = event

@@ -54,7 +54,8 @@ EVEN = wp.constant(45)  # 1 when these means give back the energy of their pairs
 REWEIGHED = wp.constant(46)  # 1 when their weights have changed since the rows of G were assembled
 IMPULSES = wp.constant(47)  # accepted steps in which a pair was impulsive and touched
 SHAKEN = wp.constant(48)  # 1 when the step before was impulsive, or halved after one that was
-CTL = 49
+SPELL = wp.constant(49)  # steps in a row with a numerical line too high, see `energy_watch`
+CTL = 50
 
 # --- reals
 START_TIME = wp.constant(0)
@@ -74,7 +75,11 @@ ERROR = wp.constant(13)  # local error of the attempt over the accuracy asked fo
 LOCAL = wp.constant(14)  # ALPHA_M to VEL of the local modes that step by themselves
 GAINED = wp.constant(20)  # energy gained in impacts so far, each over the energy at hand, losses taken off
 RISE = wp.constant(21)  # what a static step gained in energy, over the largest change of a line of it
-CLK = 22
+MOST = wp.constant(22)  # largest energy of the run so far [J]: kinetic, strain, contact, works
+MADE = wp.constant(23)  # energy that came from nowhere, see `energy_watch`
+LEAST = wp.constant(24)  # least of what the pairs have made so far
+NOISE = wp.constant(25)  # of that: what is round-off
+CLK = 26
 
 # --- values
 DYNAMIC = wp.constant(0)
@@ -92,6 +97,7 @@ ENERGY = wp.constant(64)
 INDEFINITE = wp.constant(128)
 STENCIL = wp.constant(256)
 ACCURACY = wp.constant(512)
+GAIN = wp.constant(2048)  # more energy has come from nowhere than allowed, see `energy_watch`
 ROOM = wp.constant(1024)  # more slots are in play than there is room for: `Engine` makes more and tries again
 
 # --- values of SUDDEN

@@ -278,6 +278,7 @@ def begin_contact(
             bracket[w, pair, 3] = real(0.0)
             bracket[w, pair, 4] = real(-1.0)
             bracket[w, pair, 5] = real(-1.0)
+            bracket[w, pair, 7] = real(-1.0)
             weight[w, pair] = real(1.0)
             if kind != 0:
                 weight[w, pair] = wp.sqrt(outer_kappa(model, clk, w) * theta[w, pair])

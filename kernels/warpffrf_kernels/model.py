@@ -216,3 +216,4 @@ class Model:
     max_guarded: int
     max_level: int
     energy_tolerance: real
+    most_made: real  # of the largest energy of a run: what may come from nowhere; 0: any

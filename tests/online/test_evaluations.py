@@ -175,11 +175,12 @@ def test_the_tangent_in_the_stress_modes_is_symmetric_and_definite(pair) -> None
 def test_no_energy_is_gained_by_rolling_and_unloading(plain_body, other_body) -> None:
     """Pressed, rolled by several columns and lifted again: what the ledger cannot account for stays below the largest
     contact energy by as much as with all points."""
+    goes_on = Settings(most_made=0.0)  # whatever a grid of so few columns makes of the energy
     unaccounted, gained = [], []
     for evaluation in ("semi", "hyper"):
         down = signals.SmoothStep(80e3, 20e3, duration=2e-3, delay=1e-3)
         scene = evaluated(guided_pair(sampled(plain_body), other_body, load=down, speed=60.0, ramp=1e-3), evaluation)
-        history = run(scene, 4e-3, step=STEP, start="equilibrium", progress=False)
+        history = run(scene, 4e-3, step=STEP, start="equilibrium", progress=False, settings=goes_on)
         assert history.status == "completed", history.message
         contact = float(history.energy["contact"].max())
         unaccounted.append(np.abs(history.energy["contact_grid"]).max() / contact)

@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.online import find_equilibrium, run
+from warpffrf.online import Settings, find_equilibrium, run
 from warpffrf.study.impact import Drop, drop, ledger_rise
 from warpffrf.study.rollers import PAIR, guided_pair, roller_body
 
 RISE = 0.01  # of the energy at hand: the promise for the ledger
 BOUNCE = 0.03  # of the restitution with the finest step
+ENDS = 0.03  # of the energy at hand: 1 % and what a step of this grid makes
+GOES_ON = Settings(most_made=0.0)  # whatever a grid of one column across the patch makes of the energy
 FORCE = 0.01  # deviation from equilibrium over one revolution
 
 
@@ -82,7 +84,7 @@ def test_frictionless_contact_leaves_free_spins_alone(small_body: ReducedBody) -
     lower, upper = scene.body("lower"), scene.body("upper")
     lower.angular_velocity = np.array([0.0, 50.0, 0.0])
     upper.angular_velocity = np.array([0.0, -30.0, 0.0])
-    history = run(scene, 0.02, step=1e-4, progress=False)
+    history = run(scene, 0.02, step=1e-4, progress=False, settings=GOES_ON)
     assert history.status == "completed", history.message
     for name, speed in (("lower", 50.0), ("upper", -30.0)):
         assert np.abs(history.bodies[name].angular_velocity[:, 1] / speed - 1.0).max() < 1e-4
@@ -110,8 +112,25 @@ def test_force_returns_after_a_load_cycle(small_body: ReducedBody) -> None:
 
     load = signals.Table([0.0, 0.01, 0.02, 0.03], [5e3, 20e3, 20e3, 5e3], cubic=True, hold=True)
     scene = guided_pair(small_body, small_body, load=load, speed=30.0, ramp=0.005)
-    history = run(scene, 0.06, step=2e-5, start="equilibrium", progress=False)
+    history = run(scene, 0.06, step=2e-5, start="equilibrium", progress=False, settings=GOES_ON)
     assert history.status == "completed", history.message
     F = np.linalg.norm(history.contacts[PAIR].force, axis=1)
     bounces = F[-1250:]  # 0.2 elements per half-width: a coarse ripple, on which they bounce
     assert bounces.mean() == pytest.approx(F[0], rel=0.05)
+
+
+def test_a_run_that_makes_energy_ends(small_body: ReducedBody) -> None:
+    """One column across the patch, on which the rollers are pumped up: the run ends soon, names the pair, and says that
+    smaller steps were tried and are no cure; the finer grid that it asks for is one."""
+    from warpffrf.model import signals
+
+    load = signals.Table([0.0, 0.01, 0.02, 0.03], [5e3, 20e3, 20e3, 5e3], cubic=True, hold=True)
+    scene = guided_pair(small_body, small_body, load=load, speed=30.0, ramp=0.005)
+    history = run(scene, 0.06, step=1e-4, start="equilibrium", progress=False)
+    assert history.status == "energy"
+    for text in (f"contact {PAIR!r} makes energy", "tried", "do not help", "finer grid"):
+        assert text in history.message
+    energy = history.energy
+    hand = max(np.abs(values).max() for name, values in energy.items() if name != "potential")
+    made = energy["numerical"][-1] + energy["contact_grid"][-1] - energy["contact"][-1]  # what it holds may come back
+    assert 0.0 < made < ENDS * hand

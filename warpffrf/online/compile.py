@@ -169,6 +169,7 @@ class _Compiler:
         m.max_guarded = settings.max_guarded
         m.max_level = settings.max_level
         m.energy_tolerance = settings.energy_tolerance
+        m.most_made = settings.most_made
         return CompiledScene(
             scene, m, wp.array([m], dtype=Model, device=self.device), self.device, self.joint_table, self.force_table,
             len(self.rows), modal_start, modes, stiffened, self.local, self.inertia, self.cell_margin,

@@ -172,8 +172,8 @@ class ContactGraph(Launcher):
         M, s, x, W, P = self.compiled.models, self.state, self.work, self.worlds, self.compiled.model.pair_count
         self.launch(
             impulsive_means.judge_pairs, (W, P),
-            [M, s.ctl, s.clk, s.impulsive, x.theta, *self._forces(), *self._memory(), s.pair_energy, s.elastic_energy,
-             x.pair_loss, x.friction_work, x.dx, x.psi, x.dq, s.v, s.omega, s.qd],
+            [M, s.ctl, s.clk, s.impulsive, x.theta, s.pair_force, s.pair_modal, s.memory, s.modal_memory,
+             s.pair_energy, x.pair_loss, x.dx, x.psi, x.dq, s.v, s.omega, s.qd],
             [x.wanted, x.created_now],
         )  # fmt: skip
         if self.local_inertia:

@@ -23,7 +23,7 @@ from warpffrf.online.state import State, Work, initial_state
 ROOM_GROWTH = 2  # of the slots, each time they are too few
 REALS = {
     "START_TIME", "USER_STEP", "TIME", "H", "NEXT_TIME", "ALPHA_M", "ALPHA_F", "BETA", "GAMMA", "ACC", "VEL",
-    "MOVE", "DONE_STEP", "ERROR",
+    "MOVE", "DONE_STEP", "ERROR", "MOST", "MADE", "LEAST", "NOISE",
 }  # fmt: skip
 
 

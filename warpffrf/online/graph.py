@@ -16,6 +16,7 @@ from warpffrf_kernels import (
     balance,
     commit,
     contact_solve,
+    energy_watch,
     forces,
     impulsive_contact,
     inertia,
@@ -38,8 +39,8 @@ from warpffrf.online.outer_pattern import on_device, pattern_of
 from warpffrf.online.state import State, Work
 
 OWN_MODULES = (
-    accuracy, balance, commit, forces, inertia, interfaces, keep_contact, ledger, motion, outer, record, rows,
-    sparse_outer, stiffen,
+    accuracy, balance, commit, energy_watch, forces, inertia, interfaces, keep_contact, ledger, motion, outer, record,
+    rows, sparse_outer, stiffen,
 )  # fmt: skip
 
 
@@ -168,6 +169,7 @@ class StepGraph(Launcher):
             [s.ctl, s.lam, s.lam0, s.stretch, s.drive_rate, s.applied, s.applied_at, s.load, s.load_on_modes,
              s.energy],
         )  # fmt: skip
+        self.launch(energy_watch.watch_energy, W, [M, s.energy, s.pair_energy, s.created], [s.made, s.ctl, s.clk])
         self.record()
         self.launch(commit.count_attempts, 1, [s.ctl], [x.budget, x.more])
 

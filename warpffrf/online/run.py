@@ -22,6 +22,7 @@ from warpffrf.online.check_run import run_check
 from warpffrf.online.checkpoint import is_dynamic, restore, time_of
 from warpffrf.online.compile_contact import LINE_OF_CENTRES
 from warpffrf.online.contact_notes import contact_notes, energy_notes, overlap_notes
+from warpffrf.online.energy_watch import EnergyWatch
 from warpffrf.online.engine import Engine
 from warpffrf.online.history import History
 from warpffrf.online.indicator import indicator_lines, term_sizes, unheld_lines
@@ -66,6 +67,7 @@ MESSAGES = {
         "turned or tilted too far against each other for the window); lower the capacity of the contact, or swap its "
         "surfaces",
     ),
+    k.GAIN: ("energy", "energy came from nowhere; reduce step"),
     k.ENERGY: ("energy", "the energy ledger does not close at an impact; reduce step"),
     k.ACCURACY: ("accuracy", "the local error of a step exceeds the accuracy asked for; reduce step, or ask for less"),
 }
@@ -165,6 +167,8 @@ def run(
     loop = time.perf_counter()
     interrupted = False
     last_step = first_step + steps
+    watch = EnergyWatch(engine, step)
+    gain = ""
     bar = Progress("simulate", steps, enabled=progress)
     try:
         chunk = 4
@@ -178,11 +182,14 @@ def run(
             chunk = int(np.clip(rate * engine.settings.chunk_seconds, 1, engine.settings.ring_rows * save_every - 1))
             done = now
             bar.update(done - first_step)
+            if watch.look():
+                gain = watch.end()
     except KeyboardInterrupt:
         interrupted = True
         engine.drain()
     bar.close()
     history = _finish(engine, begin, built, notes, "", rejected)
+    history.message = gain or history.message
     history.counters["loop_seconds"] = time.perf_counter() - loop
     if interrupted and history.status == "completed":
         history.status, history.message = "interrupted", "interrupted by the user; results up to there are kept"

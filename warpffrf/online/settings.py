@@ -18,6 +18,7 @@ class Settings:
     max_level: int = 14  # a step may be halved this often (1/16384)
     # of the energy at hand, gained or lost when a contact opens or closes: 1 % after 40 events
     energy_tolerance: float = 2.5e-4
+    most_made: float = 0.01  # of the largest energy: a run ends that makes more from nowhere; 0: none does
     theta_points: int = 3  # Gauss points across a grid cell: the second grid's hats have kinks inside the cell
     z_points: int = 2  # Gauss points along a grid cell: exact for products of two linear hats
     window_strain: float = 0.07  # half of the default window over the pair's effective radius (Hertz: p0 = 0.035 E*)

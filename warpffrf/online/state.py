@@ -63,6 +63,7 @@ class State:
     modal_friction_memory: wp.array
     pair_energy: wp.array  # (W, pairs, 2) J, contact energy
     elastic_energy: wp.array  # (W, pairs, 2) J, that of the tractions
+    made: wp.array  # (W, pairs) J, what of `created` is beyond doubt, see `energy_watch`
     created: wp.array  # (W, pairs) J, energy that the pair has made so far, see `impulsive_means.judge_pairs`
     impulsive: wp.array  # (W, pairs) 1 where the attempt takes the pair as impulsive
     modal_load: wp.array  # (W, 2, modes)
@@ -105,7 +106,7 @@ class Work:
             "v1": (VEC3, B), "v1_rate": (VEC3, B), "omega1": (VEC3, B), "omega1_rate": (VEC3, B),
             "q1": (REAL, Q), "qd1": (REAL, Q), "qd1_rate": (REAL, Q),
             "residual": (REAL, 6 * B), "modal_residual": (REAL, Q), "receptance": (REAL, Q),
-            "restless": (INT, P), "theta": (REAL, P), "bracket": (REAL, P, 7), "weight": (REAL, P), "wanted": (INT, P),
+            "restless": (INT, P), "theta": (REAL, P), "bracket": (REAL, P, 9), "weight": (REAL, P), "wanted": (INT, P),
             "created_now": (REAL, P), "pair_loss": (REAL, P),
             "v_rate0": (VEC3, B if P else 0), "v_alg0": (VEC3, B if P else 0), "v_rest": (VEC3, B if P else 0),
             "omega_rate0": (VEC3, B if P else 0), "omega_alg0": (VEC3, B if P else 0),
@@ -262,7 +263,8 @@ def initial_state(compiled: CompiledScene, worlds: int) -> State:
         "modal_memory": (REAL, P, 1, modes), "friction_force": (REAL, rubbing, 2, 12),
         "friction_modal": (REAL, rubbing, 2, modes), "friction_memory": (REAL, rubbing, 1, 12),
         "modal_friction_memory": (REAL, rubbing, 1, modes), "pair_energy": (REAL, P, 2),
-        "elastic_energy": (REAL, P, 2), "created": (REAL, P), "impulsive": (INT, P), "modal_load": (REAL, 2, Q),
+        "elastic_energy": (REAL, P, 2), "created": (REAL, P),
+        "made": (REAL, P), "impulsive": (INT, P), "modal_load": (REAL, 2, Q),
         "applied": (VEC3, 2, F), "applied_at": (VEC3, 2, F),
         "load": (REAL, 2, 6 * B), "load_on_modes": (REAL, 2, Q), "stretch": (REAL, rows),
         "drive_rate": (REAL, 2, rows), "ctl": (INT, k.CTL), "clk": (REAL, k.CLK),
