@@ -16,16 +16,32 @@ wp.set_module_options(MODULE_OPTIONS)
 # residual below which the inverse of the last iteration serves once more
 REFRESH_ABOVE = wp.constant(wp.float64(1.0e-7))
 # of the coordinates: a joint defect is not measured against less, or round-off would exceed the tolerance
-SHORT = wp.constant(wp.float64(1.0e-6))
-ROUND_OFF = wp.constant(wp.float64(1.0e-6))  # times the residual tolerance: a few digits above machine precision
+SHORT = wp.constant(wp.float64(1.0e-5))
+# of accelerations, times the residual tolerance: a few digits above machine precision
+ROUND_OFF = wp.constant(wp.float64(1.0e-6))
 CANCELLED = wp.constant(wp.float64(1.0e-5))  # of a joint's force on the modes: round-off of its sums over the tolerance
-NO_FORCE = wp.constant(wp.float64(1.0e-20))  # N: what round-off leaves of forces where nothing acts, and below
+# of the force that moves a body by the scene's length in a step: below what round-off leaves where nothing acts
+NO_FORCE = wp.constant(wp.float64(1.0e-29))
+NONE = wp.constant(wp.float64(1.0e-300))  # keeps fractions finite where bodies have next to no mass
 
 
 @wp.func
 def gyration_of(J: mat33, mass: real) -> real:
     """Mean radius of gyration: a torque is measured by the force that it is there, also of a slender body."""
     return wp.sqrt(wp.trace(J) / (real(3.0) * mass))
+
+
+@wp.func
+def arm_of(model: Model, row: int) -> real:
+    """1 of a row that is a length, the scene's length [m] of one that is an angle: what makes the one of the other."""
+    kind = model.row_kind[row]
+    if kind == k.TRANSLATION or kind == k.DISTANCE:
+        return real(1.0)
+    if kind == k.BUSHING:
+        along = vec3(model.row_vector[row, 0], model.row_vector[row, 1], model.row_vector[row, 2])
+        if wp.length(along) > real(0.0):
+            return real(1.0)
+    return model.length
 
 
 @wp.kernel
@@ -61,18 +77,22 @@ def balance(
 
     The scale of forces is the largest of weight, inertia and gyroscopic force, multiplier and contact force, that of
     modal ones the largest contact load, elastic and inertia force; that of lengths the penetration where there is
-    contact, else 1 m (`gap_defect`: gaps left open as a fraction, penetration).
+    contact, else the scene's (`gap_defect`: gaps left open as a fraction, penetration).
     """
     w = wp.tid()
     model = models[0]
     if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.ITERATION] == 0:
         return
-    scale = NO_FORCE
+    scale = NONE
+    modal_scale = NONE
     b = int(0)
     while b < model.body_count:
         m = model.mass[b]
         J = model.inertia[b]
         gyration = gyration_of(J, m)
+        nothing = NO_FORCE * clk[w, k.ACC] * model.length
+        scale = wp.max(scale, m * nothing)
+        modal_scale = wp.max(modal_scale, wp.sqrt(m) * nothing)
         scale = wp.max(scale, m * (wp.length(model.gravity) + wp.length(v1_rate[w, b])))
         turning = wp.length(J * omega1_rate[w, b]) + wp.length(wp.cross(omega1[w, b], J * omega1[w, b]))
         scale = wp.max(scale, turning / gyration)
@@ -83,14 +103,14 @@ def balance(
             scale = wp.max(scale, wp.abs(load[w, 1, 6 * b + c]))
             scale = wp.max(scale, wp.abs(load[w, 1, 6 * b + 3 + c]) / gyration)
         b += 1
-    length = real(1.0)
+    extent = model.length
+    b = int(0)
+    while b < model.body_count:
+        extent = wp.max(extent, wp.length(r1[w, b]))
+        b += 1
+    length = model.length
     if gap_defect[w, 1] > real(0.0):
-        extent = real(1.0)
-        b = int(0)
-        while b < model.body_count:
-            extent = wp.max(extent, wp.length(r1[w, b]))
-            b += 1
-        length = wp.max(gap_defect[w, 1], SHORT * extent)
+        length = wp.min(length, wp.max(gap_defect[w, 1], SHORT * extent))
     worst = real(0.0)
     sum = gap_defect[w, 0]  # a largest value drops what is not a number, a sum keeps it
     row = int(0)
@@ -107,7 +127,7 @@ def balance(
                     gyration = gyration_of(model.inertia[b], model.mass[b])
                     scale = wp.max(scale, wp.abs(lam[w, row]) * wp.length(t) / gyration)
         if softness[w, row] == real(0.0):
-            worst = wp.max(worst, wp.abs(defect[w, row]) / wp.min(length, real(1.0)))
+            worst = wp.max(worst, wp.abs(defect[w, row]) * arm_of(model, row) / length)
         row += 1
     pair = int(0)
     while pair < model.pair_count:
@@ -117,7 +137,9 @@ def balance(
     row = int(0)
     while row < model.row_count:  # a spring's force against its law; a stretch of round-off size passes
         if softness[w, row] > real(0.0):
-            worst = wp.max(worst, wp.abs(defect[w, row]) / wp.max(scale * softness[w, row], ROUND_OFF))
+            arm = arm_of(model, row)
+            given = wp.max(scale * softness[w, row] * arm, SHORT * extent / arm)
+            worst = wp.max(worst, wp.abs(defect[w, row]) / given)
         sum += defect[w, row]
         row += 1
     b = int(0)
@@ -130,7 +152,6 @@ def balance(
         sum += wp.length(f) + wp.length(t)
         b += 1
     worst = wp.max(worst, gap_defect[w, 0])
-    modal_scale = NO_FORCE
     open_load = real(0.0)
     n = int(0)
     while n < model.modal_count:

@@ -14,7 +14,8 @@ from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, real, sync
 
 wp.set_module_options(MODULE_OPTIONS)
 
-SHALLOW = wp.constant(wp.float64(1.0e-6))  # m: smaller penetrations do not tighten the tolerance of gaps: round-off
+# of the scene's length: smaller penetrations do not tighten the tolerance of gaps, or it would be that of round-off
+SHALLOW = wp.constant(wp.float64(1.0e-5))
 
 
 @wp.kernel
@@ -373,5 +374,5 @@ def sum_contact(
     gap_defect[w, 0] = real(0.0)
     gap_defect[w, 1] = real(0.0)
     if depth > real(0.0):
-        gap_defect[w, 1] = wp.max(depth, SHALLOW)
+        gap_defect[w, 1] = wp.max(depth, SHALLOW * model.length)
         gap_defect[w, 0] = worst / gap_defect[w, 1]

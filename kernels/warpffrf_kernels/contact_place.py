@@ -43,7 +43,8 @@ wp.set_module_options(MODULE_OPTIONS)
 TWO_PI = wp.constant(wp.float64(2.0 * math.pi))
 SCAN = wp.constant(24)  # angles of the first look, 15 degrees apart: brackets the one minimum of a convex section
 SECTIONS = wp.constant(3)  # both ends and the middle
-TIE = wp.constant(wp.float64(1.0e-12))  # m: gaps that differ by less are the same, the middle one is taken
+# of the scene's length: gaps that differ by less are the same, the middle one is taken
+TIE = wp.constant(wp.float64(1.0e-11))
 SECANTS = wp.constant(40)  # halving 15 degrees so often leaves 1e-11; secants take five
 SETTLED = wp.constant(wp.float64(1.0e-9))  # columns
 LOOKS = wp.constant(9)  # sections that the smallest gap is looked for in first
@@ -51,7 +52,7 @@ STEPS = wp.constant(12)  # of Newton's method from there
 HALVINGS = wp.constant(6)
 EDGE_STEP = wp.constant(wp.float64(1.0e-3))  # of A's width: step of the differences along it
 REGULAR = wp.constant(wp.float64(1.0e-6))  # of the curvature at hand, and of 1/width
-FLAT = wp.constant(wp.float64(1.0e-13))  # m a column: a change of slope by less is round-off
+FLAT = wp.constant(wp.float64(1.0e-12))  # of the scene's length a column: a change of slope by less is round-off
 BEYOND = wp.constant(wp.float64(1.0e300))  # m: the gap beyond the end of an arc
 NOWHERE = wp.constant(-(2**30))  # column of a place that there is not
 MOST_OVERLAPS = wp.constant(12)  # minima of the gap that overlap, in all sections: two surfaces of revolution have two
@@ -132,6 +133,7 @@ def spacing_of(model: Model, A: int) -> real:
 def settle(model: Model, A: int, B: int, view: View, start: real, z: real) -> real:
     """Column of A nearest to the column `start` where the gap of the section z is least."""
     pitch = model.surface_pitch[A]
+    flat = FLAT * model.length
     last = real(model.surface_columns[A] - 1)
     around = model.surface_periodic[A] != 0
     farthest = wp.max(spacing_of(model, A), real(1.0))  # columns a step
@@ -143,13 +145,13 @@ def settle(model: Model, A: int, B: int, view: View, start: real, z: real) -> re
         slope = slopes(model, A, B, view, x, z)[0]
         turn = slopes(model, A, B, view, x + real(0.5), z)[0] - slope  # half a column on
         to = x
-        if wp.abs(slope) * pitch > FLAT or turn * pitch > FLAT:
+        if wp.abs(slope) * pitch > flat or turn * pitch > flat:
             if slope > real(0.0):
                 high = x
             else:
                 low = x
             to = x - wp.sign(slope) * farthest
-            if turn * pitch > FLAT:
+            if turn * pitch > flat:
                 to = x + wp.clamp(-real(0.5) * slope / turn, -farthest, farthest)
             if to < low or to > high:
                 to = real(0.5) * (low + high)
@@ -176,7 +178,7 @@ def least_place(model: Model, A: int, B: int, view: View, column: real, z_start:
     while i < looks:
         at = low + (high - low) * real(i) / real(looks - 1)
         g = gap_at(model, A, B, view, theta, at)
-        if g < best - TIE:
+        if g < best - TIE * model.length:
             best = g
             z = at
         i += 1
@@ -265,10 +267,10 @@ def scan(
             if around or i < SCAN:
                 after = gap_at(model, A, B, view, theta + (first + spacing * real(i)) * pitch, z)
             if i > 0:
-                if here < before - TIE and here <= after:
+                if here < before - TIE * model.length and here <= after:
                     x = settle(model, A, B, view, first + spacing * real(i - 1), z)
                     g = gap_at(model, A, B, view, theta + x * pitch, z)
-                    if g < best - TIE:
+                    if g < best - TIE * model.length:
                         best = g
                         x_at = x
                         z_at = z

@@ -27,7 +27,7 @@ from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, ve
 
 wp.set_module_options(MODULE_OPTIONS)
 
-GAP_TOLERANCE = wp.constant(wp.float64(1.0e-15))  # m: a mean gap of round-off size does not close
+GAP_TOLERANCE = wp.constant(wp.float64(1.0e-14))  # of the scene's length: a mean gap of round-off size does not close
 
 
 @wp.func
@@ -319,7 +319,7 @@ def correct_set(
             value = gap[w, pair, m] + wp.dot(f, move) + wp.dot(t, spin) - first_step[w, pair, m]
             value -= on_stencil(model, w, pair, m, rows_b, stencil, stencil_at, second_step)
             value += local_gap(model, w, pair, m, stencil, stencil_at, first_local, second_local)
-            if value < -GAP_TOLERANCE * area[w, pair, m]:
+            if value < -GAP_TOLERANCE * model.length * area[w, pair, m]:
                 new = int(1)
         proposed[w, pair, m] = new
         m += wp.block_dim()

@@ -27,7 +27,7 @@ from warpffrf_kernels.scalars import MODULE_OPTIONS, real
 
 wp.set_module_options(MODULE_OPTIONS)
 
-FAR = wp.constant(wp.float64(1.0))  # m: opening where nothing is opposite
+FAR = wp.constant(wp.float64(1.0e300))  # m: opening where nothing is opposite
 
 
 @wp.kernel

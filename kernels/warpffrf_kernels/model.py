@@ -19,6 +19,7 @@ class Model:
     slot_capacity: int  # rows of G
     slot_limit: int  # the most that the capacities of the contacts allow
     gravity: vec3
+    length: real  # m, of the scene: what lengths of round-off size are fractions of
     # bodies
     mass: wp.array(dtype=real)  # (bodies,) kg
     inertia: wp.array(dtype=mat33)  # (bodies,) kg m2, about the centre of mass, body axes

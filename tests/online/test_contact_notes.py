@@ -44,14 +44,16 @@ def test_an_overlap_at_the_start_is_named(coarse) -> None:
     assert "overlap of 2e-05 m" in said and "close_gap" in said
 
 
-def test_energy_from_nowhere_is_named() -> None:
+def test_energy_from_nowhere_and_energy_that_is_lost_are_named() -> None:
     rows = {name: np.zeros(4) for name in ("kinetic", "strain", "contact", "numerical", "contact_grid")}
     rows["kinetic"] += 1.0
-    assert energy_notes(rows) == []
-    rows["numerical"] = np.array([0.0, -0.02, 0.0, 0.0])  # falls, then rises by two per cent
-    assert "gained 0.02 J" in energy_notes(rows)[0]
+    assert energy_notes(rows, 0.0) == []
+    rows["numerical"] = np.array([0.0, -0.005, 0.015, 0.0])  # falls, then rises by two per cent
+    gained, taken = energy_notes(rows, 0.0)
+    assert "gained 0.02 J" in gained and "took 0.015 J" in taken
+    assert energy_notes(rows, 0.1) == []
     rows["numerical"] = np.array([0.0, -0.02, -0.04, -0.5])
-    assert energy_notes(rows) == []
+    assert [note.split(",")[0] for note in energy_notes(rows, 0.0)] == ["the integrator took 0.5 J"]
 
 
 def test_a_common_width_between_the_sampling_points_is_refused(coarse) -> None:

@@ -16,6 +16,7 @@ from warpffrf.offline import reduce
 
 STEEL = Material(210e9, 0.3, 7850.0)
 INNER, BORE, WIDTH, WALL = 0.020, 0.012, 0.012, 0.010  # m: radius of the raceway and of the shaft, width, outer ring
+WAY, HALVINGS = 0.5, 50  # rad, more than the shaft ever gives way sideways; halved to round-off
 LOAD, SPEED, RAMP = 10e3, 2.0 * np.pi * 1000.0 / 60.0, 0.05  # N, rad/s, s
 
 
@@ -99,7 +100,13 @@ def angles(bearing: Bearing) -> np.ndarray:
 
 
 def sjovall(psi: np.ndarray) -> np.ndarray:
-    """Roller loads (..., count) [N] at angles `psi` from the load without clearance: cos^(10/9) psi, line contact
-    (Sjoevall 1933)."""
-    shape = np.clip(np.cos(psi), 0.0, None) ** (10.0 / 9.0)
+    """Roller loads (..., count) [N] at angles `psi` from the load without clearance: cos^(10/9) (psi - phi), line
+    contact (Sjoevall 1933), where the shaft gives way at the angle phi from the load, so that nothing pushes it
+    sideways; phi is 0 where the rollers stand evenly about the load."""
+    low, high = np.full(psi.shape[:-1], -WAY), np.full(psi.shape[:-1], WAY)
+    for _ in range(HALVINGS):
+        phi = 0.5 * (low + high)
+        shape = np.clip(np.cos(psi - phi[..., None]), 0.0, None) ** (10.0 / 9.0)
+        pushed = np.sum(shape * np.sin(psi), axis=-1) > 0.0  # towards phi: it has gone too far
+        low, high = np.where(pushed, low, phi), np.where(pushed, phi, high)
     return LOAD * shape / np.sum(shape * np.cos(psi), axis=-1, keepdims=True)

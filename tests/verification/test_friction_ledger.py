@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from warpffrf.model import laws, surfaces
+from warpffrf.model import forces, joints, laws, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced_body import ReducedBody
@@ -20,6 +20,8 @@ from warpffrf.study.rollers import STEEL
 RADIUS, FRICTION = 0.05, 0.3
 GAINED = 0.01  # of the energy that arrives, in one impact
 SPEED, SPIN = 0.14, 4.0  # m/s, of a fall of 1 mm; rad/s
+PRESSED, MOVING = 2000.0, 1.0  # N; m/s, with which a block begins to slide
+STOPS = 4e-3  # of the stopping distance: half of a step halved six times, and elastic slip
 RUBBED = 1e-9  # of the energy: round-off of one step's friction work
 LAWS: list[Any] = [
     (laws.Unilateral(), laws.Coulomb(FRICTION)),
@@ -89,3 +91,27 @@ def test_a_strike_gains_nothing(body: ReducedBody, index: int) -> None:
 @pytest.mark.parametrize("index", range(len(LAWS)), ids=named)
 def test_a_strike_gains_nothing_at_more_steps(body: ReducedBody, index: int, step: float, phase: float) -> None:
     gains_nothing(body, index, step, phase)
+
+
+@pytest.mark.parametrize("step", [2e-4, 5e-5])
+def test_a_block_that_slides_at_the_start_stops_where_it_should(body: ReducedBody, step: float) -> None:
+    """From an equilibrium, at a velocity: friction acts from the start on, x = v^2/(2 a), a = mu N/m."""
+    scene = Scene(gravity=(0.0, 0.0, 0.0))
+    velocity = (MOVING, 0.0, 0.0)
+    block = scene.add_body(body, name="block", position=(0.0, 0.0, RADIUS), velocity=velocity)
+    slide = scene.add_rigid_body(1.0, (0.01,) * 3, name="slide", position=(0.0, 0.0, RADIUS), velocity=velocity)
+    center = slide.at((0.0, 0.0, 0.0))
+    scene.add(joints.Prismatic(scene.ground, center, axis=(1, 0, 0), name="along"))
+    scene.add(joints.Prismatic(center, block["bore"], axis=(0, 0, 1), name="down"))
+    scene.add(forces.PointForce(block["bore"], (0.0, 0.0, -PRESSED)))
+    floor = scene.ground.surface(surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1)), name="floor")
+    scene.add(Contact(block["rim"], floor, friction=FRICTION, name="pair"))
+    slowed = FRICTION * PRESSED / (1.0 + body.mass)
+    steps = int(np.ceil(1.5 * MOVING / slowed / step))
+    history = run(scene, steps * step, step=step, start="equilibrium", progress=False)
+    assert history.status == "completed", history.message
+    t = np.minimum(history.time, MOVING / slowed)
+    stops = MOVING**2 / (2.0 * slowed)
+    assert history.bodies["slide"].position[:, 0] == pytest.approx(
+        MOVING * t - 0.5 * slowed * t**2, rel=0.0, abs=STOPS * stops
+    )

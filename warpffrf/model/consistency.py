@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.joints.base import COINCIDENT
+from warpffrf.model.joints.base import coincident_within
 from warpffrf.model.redundancy import ConstraintRow, constraint_jacobian, constraint_rows, scene_length
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 TYPED = 1e-5  # of the largest velocity: rounding of velocities typed with six digits
 NO_INERTIA = 1e-14  # of the largest principal moment: round-off of a moment that is zero
-SAME_ANGLE = 1e-6  # rad: rounding of a typed angle, as COINCIDENT of a typed length
+SAME_ANGLE = 1e-6  # rad: rounding of a typed angle, as `coincident_within` of a typed length
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ def refuse_positions(scene: Scene) -> None:
         asked, there = float(drive.signal(0.0)), drive.joint.initial_value(drive.row)
         is_length = drive.row.is_length
         off = asked - there if is_length else float(np.angle(np.exp(1j * (asked - there))))
-        if abs(off) > (COINCIDENT if is_length else SAME_ANGLE):
+        if abs(off) > (coincident_within(*drive.joint.ports) if is_length else SAME_ANGLE):
             unit = "m" if is_length else "rad"
             raise InputError(
                 f"drive {drive.name!r}: it prescribes {drive.coordinate} = {asked:.6g} {unit} at t = 0, but joint "

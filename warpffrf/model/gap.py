@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 ZOOM_POINTS = (73, 33)  # grid around and along: 5 degrees first, enough to bracket the one minimum of convex surfaces
 ZOOM_FACTOR = 8.0  # each refinement shrinks the looked-at rectangle by this
 ZOOM_ROUNDS = 9  # 8^8 below the first spacing: the place to 1e-8 rad, the value to round-off
-CLOSE_TOLERANCE = 1e-13  # m; round-off of coordinates of order 0.1 to 1 m is 1e-16, times the condition of the distance
+CLOSE_TOLERANCE = 1e-12  # of the size of the surfaces: round-off of coordinates times the condition of the distance
 CLOSE_STEPS = 200  # chords need about ten; more where m bends, as past an edge
 FURTHER_STARTS = 12  # doublings of the reach: a direction at 0.02 degrees to a plane still gets free of it
 DIRECTION_DIGITS = 3  # of a direction that a message names: 0.03 degrees
@@ -194,12 +194,13 @@ def _beside(surface: Any, theta: np.ndarray, z: np.ndarray) -> np.ndarray:
     return beside | (np.abs(off) > half)
 
 
-def _trace(open_by: Callable[[float], float], s: float, sign: float, reach: float) -> float | None:
-    """First touch from the open place `s` towards `sign`, within `reach` [m]; None where there is none."""
+def _trace(open_by: Callable[[float], float], s: float, sign: float, reach: float, tolerance: float) -> float | None:
+    """First touch, to `tolerance` [m], from the open place `s` towards `sign`, within `reach` [m]; None where there is
+    none."""
     start, value = s, open_by(s)
     last, last_value = s, -np.inf
     for _ in range(CLOSE_STEPS):
-        if abs(value) <= CLOSE_TOLERANCE:
+        if abs(value) <= tolerance:
             return s
         step = value
         if 0.0 < value < last_value < np.inf:
@@ -209,18 +210,20 @@ def _trace(open_by: Callable[[float], float], s: float, sign: float, reach: floa
         if abs(ahead - start) > reach:
             return None
         value_ahead = open_by(ahead)
-        if value > 0.0 and value_ahead < -CLOSE_TOLERANCE:
-            return _between(open_by, s, value, ahead, value_ahead)
+        if value > 0.0 and value_ahead < -tolerance:
+            return _between(open_by, s, value, ahead, value_ahead, tolerance)
         last, last_value, s, value = s, value, ahead, value_ahead
     return None
 
 
-def _between(open_by: Callable[[float], float], a: float, value_a: float, b: float, value_b: float) -> float | None:
+def _between(
+    open_by: Callable[[float], float], a: float, value_a: float, b: float, value_b: float, tolerance: float
+) -> float | None:
     """Touch between the open place `a` and the closed place `b` (false position, Illinois)."""
     for _ in range(CLOSE_STEPS):
         s = b - value_b * (b - a) / (value_b - value_a)
         value = open_by(s)
-        if abs(value) <= CLOSE_TOLERANCE:
+        if abs(value) <= tolerance:
             return s
         if value * value_b < 0.0:
             a, value_a = b, value_b
@@ -238,10 +241,11 @@ def _from_outside(contact: Contact, direction: np.ndarray, gap: float) -> float 
     if contact.b.rigid:
         centers[1] = _abreast(contact.b, centers[0])
     # start where the bodies are apart for certain, and stop when they are on the other side
-    reach = sum(_extent(port) for port in contact.ports) + max(gap, 0.0)
+    size = sum(_extent(port) for port in contact.ports)
+    reach, tolerance = size + max(gap, 0.0), CLOSE_TOLERANCE * size
     beside = float((centers[0] - centers[1]) @ direction)
     if not contact.b.rigid:
-        return _trace(open_by, beside + reach, -1.0, 2.0 * reach)
+        return _trace(open_by, beside + reach, -1.0, 2.0 * reach, tolerance)
     for _ in range(FURTHER_STARTS):  # a plane at an angle to the direction has to move further
         if open_by(beside + reach) > 0.0:
             break
@@ -249,7 +253,7 @@ def _from_outside(contact: Contact, direction: np.ndarray, gap: float) -> float 
     else:
         return None
     apart = float(np.linalg.norm(centers[0] - centers[1]))
-    return _trace(open_by, beside + reach, -1.0, 2.0**FURTHER_STARTS * (reach + apart))
+    return _trace(open_by, beside + reach, -1.0, 2.0**FURTHER_STARTS * (reach + apart), tolerance)
 
 
 def _from_within(contact: Contact, direction: np.ndarray, gap: float) -> float | None:
@@ -258,13 +262,14 @@ def _from_within(contact: Contact, direction: np.ndarray, gap: float) -> float |
         found = facing_gap(contact, s * direction)
         return np.inf if found is None else found[0] - gap
 
-    reach = 2.0 * sum(_extent(port) for port in contact.ports) + abs(gap)
+    size = sum(_extent(port) for port in contact.ports)
+    reach, tolerance = 2.0 * size + abs(gap), CLOSE_TOLERANCE * size
     here = smallest_gap(contact)[0] - gap
-    if here >= -CLOSE_TOLERANCE:
-        towards = _trace(open_by, 0.0, 1.0, reach)
-        return _trace(open_by, 0.0, -1.0, reach) if towards is None else towards
+    if here >= -tolerance:
+        towards = _trace(open_by, 0.0, 1.0, reach, tolerance)
+        return _trace(open_by, 0.0, -1.0, reach, tolerance) if towards is None else towards
     start = _open_place(open_by, here)
-    return None if start is None else _trace(open_by, start, -float(np.sign(start)), reach)
+    return None if start is None else _trace(open_by, start, -float(np.sign(start)), reach, tolerance)
 
 
 def _open_place(open_by: Callable[[float], float], here: float) -> float | None:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
 
 OVERLAP_FRACTION = 1e-2  # of the smallest radius of curvature: three times what steel takes (above); 0.4 mm of 50 mm
-FLAT = 1e-9  # 1/m; a curvature below this is none
+FLAT = 1e-9  # of 1 over the width; a curvature below this is none
 
 
 def allowed_overlap(contact: Contact, theta: float, z: float) -> float:
@@ -31,9 +31,8 @@ def allowed_overlap(contact: Contact, theta: float, z: float) -> float:
     there = second.body.to_user(first.body.to_world(first.surface.shape.point(theta, z)))
     places = ((first.surface.shape, theta, z), (second.surface.shape, *second.surface.shape.chart(there)[:2]))
     curvature = max(float(np.max(np.abs(shape.curvatures(t, s)))) for shape, t, s in places)
-    if curvature > FLAT:
-        return OVERLAP_FRACTION / curvature
-    return OVERLAP_FRACTION * float(np.ptp(first.surface.grid.z))
+    width = float(np.ptp(first.surface.grid.z))
+    return OVERLAP_FRACTION / curvature if curvature * width > FLAT else OVERLAP_FRACTION * width
 
 
 def refuse_overlap(scene: Scene) -> None:

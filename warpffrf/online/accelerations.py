@@ -38,13 +38,14 @@ STENCIL = ((1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0))  # of the central
 
 def refine(engine: Any, given: Mapping[str, np.ndarray]) -> bool:
     """Give every world of `engine`, which has just made its START step, velocities that keep the rows, and the
-    accelerations and multipliers that go with them, to round-off.
+    accelerations and multipliers that go with them, to round-off, and open the ledger with the energies of that state.
 
     `given`: the velocities v, omega, qd (worlds, ...) before the start; the new ones differ from them least, in kinetic
     energy. Contact keeps the pressures that START has found. False where the pose is singular or the corrections do not
     settle: the values of START then stay.
     """
     refined = [_World(engine, w).refine(given) for w in range(engine.worlds)]
+    engine.graph.open_books()
     if engine.compiled.model.pair_count:  # START left gaps and forces of the end of its tiny step, turned by omega h
         engine.control(RUN=1, MOVED=1, ITERATION=0)
         engine.graph.contact.locate()

@@ -150,6 +150,7 @@ class _Compiler:
         m.outer_count = m.row_offset + m.row_count
         m.pair_count = len(scene.contacts)
         m.gravity = wp.vec3d(*scene.gravity)
+        m.length = self._length()
         m.mass = self.array([b.mass for b in bodies])
         m.inertia = self.array([b.inertia for b in bodies], wp.mat33d, (-1, 3, 3))
         m.modal_start = self.array(modal_start, int)
@@ -175,6 +176,13 @@ class _Compiler:
             len(self.rows), modal_start, modes, stiffened, self.local, self.inertia, self.cell_margin,
             self.notes,
         )  # fmt: skip
+
+    def _length(self) -> float:
+        """The length of the scene [m]: the farthest place of a body, its radius of gyration, and the longest arm of a
+        joint or spring."""
+        sizes = [float(np.sqrt(np.trace(b.inertia) / (3.0 * b.mass))) for b in self.scene.bodies if b.mass > 0.0]
+        places = [b.to_world(b.center_of_mass) for b in self.scene.bodies] + [marker[2] for marker in self.markers]
+        return max([*sizes, *(float(np.linalg.norm(place)) for place in places)]) or 1.0
 
     def _modes(self, m: Any) -> None:
         """Stiffness and damping of all modes: of each body the global ones, then its dynamic local ones."""

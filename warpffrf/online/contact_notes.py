@@ -25,7 +25,7 @@ from warpffrf.online.sensors import turned
 FEWEST_COLUMNS = 4  # across the largest patch: with fewer, peaks and half-widths are those of the grid
 CUT = 0.05  # of the load: hats that hang over the end of the second surface by more are worth a word
 GAINED = 0.01  # of the largest energy at hand: what a run may gain without a word
-NOTHING = 1e-9  # J: round-off of scenes in which nothing moves
+TAKEN = 0.01  # the same of what the integrator takes
 MOST_SKEW = 0.07  # rad: e^2/2 is 0.25 %; measured against gaps at points: force 0.1 %, peak pressure 0.2 % up to there
 SHALLOW = 1e-6  # of the radius: overlaps that round-off of positions makes
 
@@ -113,19 +113,28 @@ def overlap_notes(scene: Any) -> list[str]:
     return notes
 
 
-def energy_notes(energy: dict[str, np.ndarray]) -> list[str]:
-    """A note where the ledger shows energy that nothing supplied: numerical and contact-grid lines together rose by
-    more than `GAINED` of the largest of the other lines."""
+def energy_notes(energy: dict[str, np.ndarray], nothing: float) -> list[str]:
+    """Notes where the ledger shows energy that nothing supplied, or that the integrator took: numerical and
+    contact-grid lines together rose by more than `GAINED` of the largest of the other lines, the numerical one fell by
+    more than `TAKEN` of it. `nothing` [J] is no more than round-off."""
     if not len(energy["kinetic"]):
         return []
     lines = [np.abs(values) for name, values in energy.items() if name not in ("numerical", "contact_grid")]
     hand = float(np.max(lines)) if lines else 0.0
     defect = energy["numerical"] + energy["contact_grid"]
     gained = float(np.max(defect - np.minimum.accumulate(defect)))
-    if not gained > max(GAINED * hand, NOTHING):
-        return []
-    return [
-        f"the run gained {gained:.3g} J, {gained / max(hand, 1e-300):.1%} of the largest energy of the ledger, that "
-        "nothing supplied (ledger lines numerical and contact grid): use a smaller step, accuracy=, or initial "
-        "velocities that agree with the drives"
-    ]
+    taken = float(np.max(np.maximum.accumulate(energy["numerical"]) - energy["numerical"]))
+    notes = []
+    if gained > max(GAINED * hand, nothing):
+        notes.append(
+            f"the run gained {gained:.3g} J, {gained / max(hand, 1e-300):.1%} of the largest energy of the ledger, that "
+            "nothing supplied (ledger lines numerical and contact grid): use a smaller step, accuracy=, or initial "
+            "velocities that agree with the drives"
+        )
+    if taken > max(TAKEN * hand, nothing):
+        notes.append(
+            f"the integrator took {taken:.3g} J, {taken / max(hand, 1e-300):.1%} of the largest energy of the ledger "
+            "(ledger line numerical), from motions that the step does not resolve: use a smaller step, accuracy=, or "
+            "less numerical damping (rho_inf=)"
+        )
+    return notes

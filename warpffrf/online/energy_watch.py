@@ -21,6 +21,15 @@ FINER = (4, 16)  # steps that are tried are shorter by
 HELPS = 0.25  # of what was made: a step with which less is made is a cure
 
 
+def round_off_energy(engine: Any) -> float:
+    """What an energy [J] is no more than round-off below, of scenes in which nothing moves."""
+    state, scene = engine.state, engine.scene
+    weights = [body.mass * np.linalg.norm(scene.gravity) for body in scene.bodies]
+    forces = [weights, *(getattr(state, name).numpy() for name in ("load", "lam", "pair_force"))]
+    largest = max(float(np.abs(f).max(initial=0.0)) for f in forces)
+    return NOISE * largest * float(np.abs(state.r.numpy()).max(initial=0.0))
+
+
 class EnergyWatch:
     """Beside a run of steps of `step` [s]: `look` after each chunk, `end` where the device has stopped for a gain."""
 
@@ -37,7 +46,7 @@ class EnergyWatch:
             if time.perf_counter() - self.kept_at > KEPT_EVERY and self._made() < QUIET * self._allowed():
                 self._keep()
             return False
-        noise = NOISE * self._force_times_distance()
+        noise = round_off_energy(self.engine)
         if self._made() > noise:
             return True
         self.engine.clock(NOISE=noise)
@@ -49,13 +58,6 @@ class EnergyWatch:
 
     def _allowed(self) -> float:
         return self.engine.settings.most_made * float(self.engine.word("MOST")[0])
-
-    def _force_times_distance(self) -> float:
-        """Of the largest force and the largest distance in play [J]."""
-        state, scene = self.engine.state, self.engine.scene
-        weights = [body.mass * np.linalg.norm(scene.gravity) for body in scene.bodies]
-        forces = [weights, *(getattr(state, name).numpy() for name in ("load", "lam", "pair_force"))]
-        return max(np.abs(f).max(initial=0.0) for f in forces) * float(np.abs(state.r.numpy()).max(initial=0.0))
 
     def end(self) -> str:
         """Who has made energy, how much, and what smaller steps do over the stretch since the state kept last."""

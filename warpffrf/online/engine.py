@@ -189,10 +189,10 @@ class Engine:
         self.enter(k.STATIC, tau)
         self.replay(1)
 
-    def start(self) -> None:
-        """Velocities, accelerations and multipliers that agree with joints and drives; opens the ledger
-        (`warpffrf.online.start`). Velocities that had to change are noted in `start_notes`."""
-        self.start_notes.extend(start(self))
+    def start(self, step: float | None = None) -> None:
+        """Velocities, accelerations and multipliers that agree with joints and drives, for steps of `step` [s]; opens
+        the ledger (`warpffrf.online.start`). Velocities that had to change are noted in `start_notes`."""
+        self.start_notes.extend(start(self, step))
 
     def save_now(self) -> None:
         """Append the present state to the rows."""

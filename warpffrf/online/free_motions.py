@@ -6,8 +6,9 @@ pressure, by the rigid coordinates z, a motion is free where C z = 0 and L z = 0
 is pressed on, a ball about any line, a body that slides along a plane. They are the right singular vectors of (C, L),
 lines of length one in coordinates weighed by mass, with singular values below FREE.
 
-Held, a free motion n gets the inertia n n^T m/HOLD^2 in proximal steps (kernels `motion`), beside which it stays where
-it is. What acts along it must be next to nothing: a load that drives it finds no equilibrium, and is not held.
+Held, a free motion n gets the inertia n n^T m/(HOLD L)^2, L the length of the scene, in proximal steps (kernels
+`motion`), beside which it stays where it is. What acts along it must be next to nothing: a load that drives it finds no
+equilibrium, and is not held.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from warpffrf.online.blame import largest_force
 FREE = 1e-5
 TURNED = 1e-5  # of the largest force, at the radius of gyration: what the same offset makes of it
 PULLED = 1e-8  # of the largest force, along a free translation: ten times what Newton's method may leave over
-HOLD = 1e-6  # s: a force F on a mass m moves it by F/m 1e-12 in a step
+HOLD = 1e-5  # s/m: 1e-6 s for a scene of 0.1 m, in which a force F moves a mass m by F/m 1e-12 s2 a step
 TAKES_PART = 0.1  # of a body's share in a motion, its square between 0 and 1
 MOST_NAMED = 4
 SLIDES = 0.5  # of a body's share: whether it slides or turns
@@ -64,10 +65,10 @@ class FreeMotions:
         """Hold what `look` found from the next step on."""
         if not self.possible:
             return
-        work = self.engine.work
+        work, time = self.engine.work, HOLD * self.engine.compiled.model.length
         vectors, count = work.hold.numpy().copy(), work.hold_count.numpy().copy()
         for world, motions in enumerate(self.found):
-            vectors[world, : len(motions)] = motions * self._weight(world) / HOLD
+            vectors[world, : len(motions)] = motions * self._weight(world) / time
             count[world] = len(motions)
         work.hold.assign(vectors)
         work.hold_count.assign(count)

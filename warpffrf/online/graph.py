@@ -30,6 +30,7 @@ from warpffrf_kernels import (
     sparse_outer,
     stiffen,
 )
+from warpffrf_kernels import control as k
 from warpffrf_kernels.scalars import BLOCK
 
 from warpffrf.online import contact_graph, friction_graph, layer_graph
@@ -128,14 +129,7 @@ class StepGraph(Launcher):
                 [M, s.ctl, x.accuracy, s.v_rate, x.v1_rate, s.omega_rate, x.omega1_rate, s.qd_rate, x.qd1_rate],
                 [s.clk],
             )  # fmt: skip
-        self.launch(
-            ledger.balance_energy, W,
-            [M, s.ctl, x.r1, x.v1, x.omega1, x.dx, x.psi, x.q1, x.qd1, x.dq, s.lam0, s.lam,
-             x.coordinate, s.stretch, s.applied, s.applied_at, s.load, s.load_on_modes,
-             s.impulsive, x.theta, s.pair_force, s.pair_modal, s.friction_force, s.friction_modal, s.pair_energy,
-             s.elastic_energy, x.pair_loss, x.extra_energy, x.friction_work],
-            [s.clk, s.energy],
-        )  # fmt: skip
+        self._balance_energy()
         if P:
             self.contact.judge()
         self.launch(
@@ -189,6 +183,29 @@ class StepGraph(Launcher):
              x.row_wrench, x.center, x.station, s.active, x.pair_wrench,
              x.second_wrench, s.pressure, x.second_load, s.energy], [s.ctl, x.ring],
         )  # fmt: skip
+
+    def _balance_energy(self) -> None:
+        M, s, x = self.compiled.models, self.state, self.work
+        self.launch(
+            ledger.balance_energy, self.worlds,
+            [M, s.ctl, x.r1, x.v1, x.omega1, x.dx, x.psi, x.q1, x.qd1, x.dq, s.lam0, s.lam,
+             x.coordinate, s.stretch, s.applied, s.applied_at, s.load, s.load_on_modes,
+             s.impulsive, x.theta, s.pair_force, s.pair_modal, s.friction_force, s.friction_modal, s.pair_energy,
+             s.elastic_energy, x.pair_loss, x.extra_energy, x.friction_work],
+            [s.clk, s.energy],
+        )  # fmt: skip
+
+    def open_books(self) -> None:
+        """The energies of the state that was evaluated last, in every world, as the first of the ledger."""
+        words = self.state.ctl.numpy().copy()
+        words[:, int(k.ATTEMPT)] = 1
+        self.state.ctl.assign(words)
+        self._balance_energy()
+        words[:, int(k.ATTEMPT)] = 0
+        self.state.ctl.assign(words)
+        lines = self.state.energy.numpy().copy()
+        lines[:, 0] = lines[:, 1]
+        self.state.energy.assign(lines)
 
     def stand_still(self) -> None:
         """Before an `evaluate` that is no part of an attempt: accelerations as they are, no pair impulsive."""

@@ -22,7 +22,7 @@ from warpffrf.online.check_run import run_check
 from warpffrf.online.checkpoint import is_dynamic, restore, time_of
 from warpffrf.online.compile_contact import LINE_OF_CENTRES
 from warpffrf.online.contact_notes import contact_notes, energy_notes, overlap_notes
-from warpffrf.online.energy_watch import EnergyWatch
+from warpffrf.online.energy_watch import EnergyWatch, round_off_energy
 from warpffrf.online.engine import Engine
 from warpffrf.online.history import History
 from warpffrf.online.indicator import indicator_lines, term_sizes, unheld_lines
@@ -36,6 +36,9 @@ log = logging.getLogger("warpffrf")
 
 MOST_UNDAMPED = 0.95  # spectral radius at infinity up to which an alternation of reactions grows less than tenfold
 VELOCITY_JUMP = 1e-6  # of the largest velocity: rounding of a signal's coefficients
+# times that the first step is halved where there is friction: it acts only after the elastic slip, from the end of a
+# first step on, and motion at the start would go on for half a step without it
+RUB_IN = 6
 STATIC_CURE = "; hold what turns or slides freely (a weak spring will do), or begin with a smaller load"
 UPHILL = "every step from here leads uphill; begin from another pose, or with a smaller load"
 NO_LOAD_PATH = "a mechanism with no load path; add a joint, a spring, a drive or a contact that carries the load"
@@ -154,12 +157,14 @@ def run(
         if start == "equilibrium" and not settle(engine):
             return _finish(engine, begin, built, notes, "equilibrium: ")
         engine.initial_rates()
-        engine.start()
+        engine.start(step)
         notes.extend(engine.start_notes)
         if np.any(engine.word("STATUS")):
             return _finish(engine, begin, built, notes, "start: ")
         engine.control(REJECTED=0, REPEATED=0, IMPULSES=0, STEPS=0, ITERATIONS=0, WORST=0, PENDING=0, PENDING_SOLVES=0)
         engine.enter(k.DYNAMIC, step, target=0)
+        if engine.compiled.model.cell_capacity:
+            engine.control(LEVEL=min(RUB_IN, engine.settings.max_level))
         engine.save_now()
         first_step = 0
     engine.control(EVERY=save_every)
@@ -266,7 +271,13 @@ def _finish(
     families = engine.compiled.model.pair_family.numpy()
     on_axes = [c.name for c, f in zip(engine.scene.contacts, families, strict=False) if f == LINE_OF_CENTRES]
     contact = [*contact_notes(engine.scene, history, on_axes), *sampling_notes(engine.scene, history)]
-    history.notes = [*notes, *inertia, *contact, *energy_notes(history.energy), *history.notes]
+    history.notes = [
+        *notes,
+        *inertia,
+        *contact,
+        *energy_notes(history.energy, round_off_energy(engine)),
+        *history.notes,
+    ]
     history.checkpoint = engine.state.to_numpy()
     return history
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.forces import BodyLoad, SpringLaw
-from warpffrf.model.joints import COINCIDENT
+from warpffrf.model.joints import coincident_within
 from warpffrf.online.history import BodyHistory, ForceHistory, JointHistory, SensorHistory
 
 
@@ -155,7 +155,7 @@ def same_place(port: Any, point: Any, other: Any) -> bool:
     if name is not None or other_name is not None:
         return name == other_name
     here = point if port.point is None else port.point
-    return here is not None and float(np.linalg.norm(here - other.point)) <= COINCIDENT
+    return here is not None and float(np.linalg.norm(here - other.point)) <= coincident_within(port, other)
 
 
 _EVALUATE = {

@@ -24,5 +24,5 @@ class Settings:
     window_strain: float = 0.07  # half of the default window over the pair's effective radius (Hertz: p0 = 0.035 E*)
     force_points: bool = False  # gaps at points for every pair: to compare the two families of `contact_points`
     ring_rows: int = 512  # saved steps a chunk can hold
-    start_step: float = 1e-7  # s, size of the step that finds first accelerations and multipliers; `start` refines them
+    start_fraction: float = 1e-3  # of the user's step: the tiny steps of `start`, which refines what they find
     chunk_seconds: float = 0.05  # wall time of a replay, so that Ctrl-C and the progress bar stay quick

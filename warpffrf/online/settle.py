@@ -23,13 +23,16 @@ from warpffrf.online.rest import creeping_note, left_over
 MOST_STEPS = 150  # a snap-through takes about a hundred
 GROWTH = 10.0  # of the proximal step from one to the next, ...
 CAREFUL = 2.0  # ... below one that failed
-FIRST = 1e-3  # s: moves a body by F/m * 1e-6 at first
-LEAST = 1e-7  # s: a step that fails even so is no matter of its size
+# times are those that a length of the scene takes at some speed, as the times of its vibrations grow with its size
+FIRST = 1e-2  # s/m: 1 ms for a scene of 0.1 m, moves a body by F/m * 1e-6 s2 at first
+LEAST = 1e-6  # s/m: a step that fails even so is no matter of its size
 # layers that hardly hold at touch, pairs far apart that seem to close: a body that would go too far at first begins
 # again with a shorter step
 RETREATS, RETREAT = 2, 1000.0
-LAST = 1.0  # s: 1 kg then weighs 1 N/m, far below any spring that carries a load; larger ill-conditions the joints
-TOLERANCE = 1e-12  # m, movement of the last proximal step: round-off of positions of order 1 m times 1e4
+# s/m: 1 kg of a scene of 0.1 m then weighs 1 N/m, far below any spring that carries a load; larger ill-conditions the
+# joints
+LAST = 10.0
+TOLERANCE = 1e-11  # of the scene's length, movement of the last proximal step: round-off of positions times 1e5
 CREEP = 0.5  # of the movement of the step before: what tends to rest moves less from one long step to the next
 NEARLY = 1e-3  # of the largest force left over: contact has closed, and what is free can be told
 
@@ -55,7 +58,8 @@ def settle(engine: Any) -> bool:
 def _stepped(engine: Any, free: FreeMotions) -> bool:
     """The steps of `settle`."""
     model = engine.compiled.model
-    tau, too_long = FIRST, np.inf
+    least, tau, last = (time * model.length for time in (LEAST, FIRST, LAST))
+    too_long = np.inf
     before = moved = failed_at = np.full(engine.worlds, np.inf)
     retreats = RETREATS if model.layer_count or model.pair_count > 1 else 0
     settled = balanced = False
@@ -64,7 +68,7 @@ def _stepped(engine: Any, free: FreeMotions) -> bool:
         engine.static_step(tau)
         status = engine.word("STATUS")
         if np.any(status):
-            can_be_shorter = not np.any(status & ~int(k.NOT_CONVERGED | k.ENERGY)) and tau > LEAST
+            can_be_shorter = not np.any(status & ~int(k.NOT_CONVERGED | k.ENERGY)) and tau > least
             if retreats == 0 and not (settled or balanced or can_be_shorter):
                 return False
             engine.state.ctl.assign(words)
@@ -82,14 +86,14 @@ def _stepped(engine: Any, free: FreeMotions) -> bool:
             engine.control(DOWNHILL=0)  # from here on energies differ by no more than the grids of contact make of them
         if np.all(moved <= failed_at / GROWTH):
             too_long, before = np.inf, np.full(engine.worlds, np.inf)
-        longer = [min(tau * growth, LAST) for growth in (GROWTH, CAREFUL, 1.0)]
+        longer = [min(tau * growth, last) for growth in (GROWTH, CAREFUL, 1.0)]
         longer = next(t for t in longer if t < too_long)
-        settled = bool(np.all(moved <= TOLERANCE))
+        settled = bool(np.all(moved <= TOLERANCE * model.length))
         balanced = bool(np.all(left <= model.residual_tolerance))
         creeping = balanced and bool(np.any(moved > CREEP * before))
-        if longer == tau and (creeping or (settled and (balanced or tau >= LAST))):
+        if longer == tau and (creeping or (settled and (balanced or tau >= last))):
             return _at_rest(engine, free, creeping=not settled)
-        if tau >= LAST:
+        if tau >= last:
             before = moved
         tau = longer
     return balanced and _at_rest(engine, free, creeping=True)

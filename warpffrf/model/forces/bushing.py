@@ -22,7 +22,7 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Port, as_port
 from warpffrf.model.errors import InputError, require_array
 from warpffrf.model.forces.laws import Coordinate, SpringLaw, matrix_6x6, split_directions
-from warpffrf.model.joints import COINCIDENT
+from warpffrf.model.joints import coincident_within
 
 ORTHONORMAL = 1e-6  # entries of axes typed with six digits; further off is a mistake
 
@@ -57,7 +57,7 @@ class TwoPorts:
         if not given:
             raise InputError(f"{self.kind} {self.name!r}: neither port has a point; give point=(x, y, z)")
         distance = float(np.linalg.norm(given[0] - given[-1]))
-        if distance > COINCIDENT:
+        if distance > coincident_within(*self.ports):
             raise InputError(
                 f"{self.kind} {self.name!r}: its ports {self.a.label} and {self.b.label} are {distance:.3g} m apart; "
                 "move a body with scene.place(port, onto=port), or give point=(x, y, z)"

@@ -9,7 +9,7 @@ import numpy as np
 from warpffrf.model.bodies import Port, as_port
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.forces.laws import Coordinate, SpringLaw, scalar_law
-from warpffrf.model.joints import COINCIDENT
+from warpffrf.model.joints import coincident_within
 
 
 class SpringDamper:
@@ -58,7 +58,7 @@ class SpringDamper:
         Raises `InputError` where the ports coincide: the line between them then has no direction.
         """
         distance = float(np.linalg.norm(self.b.world_point() - self.a.world_point()))
-        if distance <= COINCIDENT:
+        if distance <= coincident_within(*self.ports):
             raise InputError(
                 f"spring {self.name!r}: its ports {self.a.label} and {self.b.label} coincide, the line of force has no "
                 "direction; move one, or use JointSpringDamper or Bushing"

@@ -18,7 +18,7 @@ scenes, the redundancy check, the record and the conformance tests read the tabl
 
 from __future__ import annotations
 
-from warpffrf.model.joints.base import COINCIDENT, Joint, Marker
+from warpffrf.model.joints.base import Joint, Marker, coincident_within
 from warpffrf.model.joints.cylindrical import Cylindrical
 from warpffrf.model.joints.distance import Distance
 from warpffrf.model.joints.drive import QUANTITIES, Drive
@@ -36,7 +36,6 @@ JOINT_KINDS: dict[str, type[Joint]] = {
 }
 
 __all__ = [
-    "COINCIDENT",
     "JOINT_KINDS",
     "QUANTITIES",
     "Cylindrical",
@@ -51,4 +50,5 @@ __all__ = [
     "Row",
     "Spherical",
     "Universal",
+    "coincident_within",
 ]

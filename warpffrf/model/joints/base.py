@@ -19,7 +19,9 @@ from warpffrf.model.errors import InputError, require_array, require_direction, 
 from warpffrf.model.joints.rows import Row
 from warpffrf.model.surface_fit import reference_direction
 
-COINCIDENT = 1e-6  # m; two ports further apart than this at the initial pose do not meet, closer is rounding of input
+# of the largest coordinate or size at hand (1 um at 0.1 m): two ports further apart than this at the initial pose do
+# not meet, closer is rounding of input
+COINCIDENT = 1e-5
 
 POINT = (Row("translation", 0), Row("translation", 1), Row("translation", 2))
 ON_AXIS = POINT[:2]
@@ -27,6 +29,18 @@ PARALLEL = (Row("direction", 2, 0), Row("direction", 2, 1))  # z axes: no rotati
 NO_SPIN = (Row("direction", 0, 1),)  # no rotation about z
 ALONG = Row("translation", 2)
 ABOUT = Row("angle", 2, 0)
+
+
+def coincident_within(*ports: Port) -> float:
+    """Distance [m] up to which ports are at one place: COINCIDENT of their coordinates, in the world and on the body,
+    or of a radius of gyration."""
+    sizes = [0.0]
+    for port in ports:
+        if port.point is not None:
+            sizes += [np.linalg.norm(port.point), np.linalg.norm(port.world_point())]
+        if port.body.index >= 0 and port.body.mass > 0.0:
+            sizes.append(np.sqrt(np.trace(port.body.inertia) / (3.0 * port.body.mass)))
+    return COINCIDENT * float(max(sizes))
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +116,7 @@ class Joint:
             raise InputError(f"joint {self.name!r}: neither port has a point; give point=(x, y, z)")
         if len(given) == 2:
             distance = self.mismatch(given[0] - given[1])
-            if distance > COINCIDENT:
+            if distance > coincident_within(self.a, self.b):
                 raise InputError(
                     f"joint {self.name!r}: its ports {self.a.label} and {self.b.label} are {distance:.3g} m apart; "
                     "move a body with scene.place(port, onto=port), or give point=(x, y, z)"

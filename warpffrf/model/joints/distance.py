@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.joints.base import COINCIDENT, Joint, Marker
+from warpffrf.model.joints.base import Joint, Marker, coincident_within
 from warpffrf.model.joints.rows import Row
 
 
@@ -32,7 +32,7 @@ class Distance(Joint):
     def initial_value(self, row: Row) -> float:
         """The initial length [m]; raises `InputError` where the ports coincide: the rod then has no direction."""
         length = float(np.linalg.norm(self.b.world_point() - self.a.world_point()))
-        if length <= COINCIDENT:
+        if length <= coincident_within(self.a, self.b):
             raise InputError(
                 f"{self.label}: its ports {self.a.label} and {self.b.label} coincide, the rod has no direction; use a "
                 "Spherical joint, or move one"
