@@ -65,6 +65,7 @@ def balance(
     gap_defect: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
     modal_load: wp.array3d(dtype=real),
+    pair_modal: wp.array4d(dtype=real),
     q1: wp.array2d(dtype=real),
     qd1_rate: wp.array2d(dtype=real),
     dq: wp.array2d(dtype=real),
@@ -76,8 +77,8 @@ def balance(
     as fractions.
 
     The scale of forces is the largest of weight, inertia and gyroscopic force, multiplier and contact force, that of
-    modal ones the largest contact load, elastic and inertia force; that of lengths the penetration where there is
-    contact, else the scene's (`gap_defect`: gaps left open as a fraction, penetration).
+    modal ones the largest contact load, of all pairs and of each, elastic and inertia force; that of lengths the
+    penetration where there is contact, else the scene's (`gap_defect`: gaps left open as a fraction, penetration).
     """
     w = wp.tid()
     model = models[0]
@@ -163,6 +164,13 @@ def balance(
         open_load = wp.max(open_load, wp.abs(modal_residual[w, n]))
         sum += modal_residual[w, n]
         n += 1
+    pair = int(0)
+    while pair < model.pair_count:  # loads of pairs that cancel each other on the modes leave round-off
+        n = int(0)
+        while n < model.pair_modes:
+            modal_scale = wp.max(modal_scale, wp.abs(pair_modal[w, pair, 1, n]))
+            n += 1
+        pair += 1
     row = int(0)
     while row < model.row_count:  # forces of joints that cancel each other on the modes leave round-off
         for side in range(2):

@@ -146,6 +146,6 @@ def test_a_light_carriage_does_not_slow_the_iteration_down(body: wf.ReducedBody)
     result = wf.simulate(rolling(body), 12 * STEP, step=STEP, start="equilibrium", progress=False)
     history = result.history
     assert history.status == "completed" and history.counters["rejected_steps"] == 0
-    assert history.iterations[1:].max() <= 6
+    assert history.counters["max_iterations"] <= 6
     pressure = history.contacts["pair"].pressure
     assert pressure.min() >= 0.0

@@ -11,7 +11,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import find_equilibrium
 
-STAYS = 1e-6  # rad, before the first step shows what is free
+STAYS = 1e-5  # rad, before the first step shows what is free
 LOAD, ANGLE = 200e3, 0.1  # N; rad, no multiple of half a column: the grid is not symmetric about the line of centres
 
 

@@ -21,6 +21,7 @@ found first (m is concave in s for a body within a convex hollow), and the searc
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,6 +42,23 @@ DIRECTION_DIGITS = 3  # of a direction that a message names: 0.03 degrees
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 GOLDEN_STEPS = 50  # 0.618^50 = 4e-11 of the bracket: a hollow that is open by less is full
 UPHILL_STEPS = 40  # doublings from the overlap: it is no larger than the bodies
+SAMPLES = (72, 5)  # places around and along: every 5 degrees
+
+Nearest = tuple[float, float, float]  # smallest gap [m] and its place theta, z on the first surface
+
+
+@dataclass(frozen=True)
+class GapSamples:
+    """Gaps (n,) [m] at world places (n, 3) of the first surface, and the second one's normals (n, 3) opposite."""
+
+    gap: np.ndarray
+    place: np.ndarray
+    normal: np.ndarray
+
+    def below(self, gap: float) -> GapSamples:
+        """Those with a gap of less than `gap` [m]."""
+        near = self.gap < gap
+        return GapSamples(self.gap[near], self.place[near], self.normal[near])
 
 
 def undeformed_gap(contact: Contact, theta: Any, z: Any, offset: Any = (0.0, 0.0, 0.0)) -> np.ndarray:
@@ -67,15 +85,26 @@ def smallest_gap(contact: Contact, offset: Any = (0.0, 0.0, 0.0)) -> tuple[float
     return found
 
 
-def facing_gap(contact: Contact, offset: Any = (0.0, 0.0, 0.0)) -> tuple[float, float, float] | None:
+def gap_samples(contact: Contact, nearest: Nearest) -> GapSamples:
+    """Gaps all over the part of the first surface that faces the second, at the initial pose, the smallest one too."""
+    (theta, half_theta), (z, half_z) = _first_patch(contact)
+    around, along = (
+        middle + half * np.linspace(-1.0, 1.0, count)
+        for middle, half, count in zip((theta, z), (half_theta, half_z), SAMPLES, strict=True)
+    )
+    place = np.array([*((t, s) for t in around for s in along), nearest[1:]])
+    gap, facing = _gap(contact, place[:, 0], place[:, 1], np.zeros(3))
+    place = place[use := facing & np.isfinite(gap)]
+    body, second = contact.b.body, contact.b.surface.shape
+    world = contact.a.body.to_world(contact.a.surface.shape.point(place[:, 0], place[:, 1]))
+    normal = body.to_world(second.normal(*second.chart(body.to_user(world))[:2])) - body.position
+    return GapSamples(gap[use], world, normal)
+
+
+def facing_gap(contact: Contact, offset: Any = (0.0, 0.0, 0.0)) -> Nearest | None:
     """As `smallest_gap`, None where the surfaces do not face each other."""
-    first = contact.a.surface
-    grid = first.grid
-    theta, z = 0.0, 0.5 * (grid.z[0] + grid.z[-1])
-    half_theta, half_z = np.pi, 0.5 * (grid.z[-1] - grid.z[0])
-    if not grid.periodic:
-        half_theta = 0.5 * grid.pitch * (grid.columns - 1)
-        theta = grid.theta_start + theta_offset(first) + half_theta
+    grid = contact.a.surface.grid
+    (theta, half_theta), (z, half_z) = _first_patch(contact)
     low, high = theta - half_theta, theta + half_theta
     best = np.nan
     for _ in range(ZOOM_ROUNDS):
@@ -146,6 +175,17 @@ def theta_offset(surface: Any) -> float:
     """Angle [rad] of the grid's theta = 0 in the chart of the shape; 0 of a plane."""
     shape, e_0 = surface.shape, surface.grid.e_0
     return float(np.arctan2(e_0 @ shape.e_1, e_0 @ shape.e_0))
+
+
+def _first_patch(contact: Contact) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Middle and half of the extent of the first surface's grid in its chart, in theta and in z."""
+    first = contact.a.surface
+    grid = first.grid
+    z = (0.5 * (grid.z[0] + grid.z[-1]), 0.5 * (grid.z[-1] - grid.z[0]))
+    if grid.periodic:
+        return (0.0, np.pi), z
+    half = 0.5 * grid.pitch * (grid.columns - 1)
+    return (grid.theta_start + theta_offset(first) + half, half), z
 
 
 def _inside(contact: Contact) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.gap import closing_direction, facing_gap, moved_body
+from warpffrf.model.wedge import Wedge, find_wedge
 
 if TYPE_CHECKING:
     from warpffrf.model.contact import Contact
@@ -38,10 +39,13 @@ def allowed_overlap(contact: Contact, theta: float, z: float) -> float:
 def refuse_overlap(scene: Scene) -> None:
     """Raises `InputError` for a pair whose surfaces overlap at the initial pose by more than is allowed, with the depth
     and the cure."""
+    gaps = {contact.name: facing_gap(contact) for contact in scene.contacts}
     for contact in scene.contacts:
-        gap, theta, z = facing_gap(contact) or (0.0, 0.0, 0.0)
+        gap, theta, z = gaps[contact.name] or (0.0, 0.0, 0.0)
         allowed = excessive_overlap(contact, gap, theta, z)
         if allowed is not None:
+            if (wedge := find_wedge(scene, gaps)) is not None and (said := excessive_wedge(wedge)):
+                raise InputError(said)
             along = closing_direction(contact, theta, z)
             cure = f" with scene.close_gap(pair, along={along})" if along else ""
             raise InputError(
@@ -49,6 +53,14 @@ def refuse_overlap(scene: Scene) -> None:
                 f"by {-gap:.3g} m, more than the {allowed:.3g} m that are allowed; move "
                 f"{moved_body(contact).name!r}{cure}, or allow it with Contact(..., overlap={-1.05 * gap:.2g})"
             )
+
+
+def excessive_wedge(wedge: Wedge) -> str:
+    """What is to be said of a wedge that is deeper than the overlap that its pairs allow; else ""."""
+    allowed = min(allowed_overlap(c, *near[1:]) for c in wedge.contacts if (near := facing_gap(c)) is not None)
+    if wedge.depth <= allowed:
+        return ""
+    return str(wedge) if wedge.all_round else f"{wedge}; {allowed:.3g} m are allowed, or Contact(..., overlap=)"
 
 
 def excessive_overlap(contact: Contact, gap: float, theta: float, z: float) -> float | None:

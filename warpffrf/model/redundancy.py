@@ -186,6 +186,15 @@ def constraint_jacobian(
     return J * factor, values, factor
 
 
+def held_motions(scene: Scene) -> np.ndarray:
+    """What joints and drives hold of rigid motions (rows, 6 bodies): translations of the user origins, and turns, these
+    counted in `scene_length`."""
+    starts = np.cumsum([0] + [6 + body.mode_count for body in scene.bodies])[:-1]
+    J, _, factor = constraint_jacobian(scene, constraint_rows(scene))
+    L = scene_length(scene)
+    return np.hstack([(J / factor)[:, s : s + 6] * np.repeat([1.0, 1.0 / L], 3) for s in starts])
+
+
 def find_redundancy(scene: Scene) -> Redundancy:
     """Which rows of the scene's joints and drives are redundant; see the module."""
     rows = constraint_rows(scene)

@@ -17,7 +17,9 @@ from warpffrf.model.consistency import velocity_defects
 from warpffrf.model.errors import InputError
 from warpffrf.model.gap import facing_gap
 from warpffrf.model.overlap import excessive_overlap
+from warpffrf.model.reach import out_of_reach
 from warpffrf.model.redundancy import find_redundancy
+from warpffrf.model.wedge import Wedge, find_wedge
 
 if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
@@ -41,6 +43,8 @@ class SceneCheck:
     refused_drives: tuple[str, ...] = ()  # drives of coordinates that joints fix already: such a scene cannot be run
     velocity_defects: tuple[str, ...] = ()  # joints and drives that the initial velocities contradict, and by how much
     overlaps: tuple[str, ...] = ()  # pairs that lie in one another by more than a run begins with, and by how much
+    wedge: Wedge | None = None  # pairs whose overlap no small motion opens, the deepest
+    out_of_reach: tuple[str, ...] = ()  # pairs that will hardly touch, and why
     singular_pose: bool = False  # the constraints lose rank at the initial pose only: a dead centre, a flat loop
 
     def __str__(self) -> str:
@@ -68,6 +72,9 @@ class SceneCheck:
             lines.append("the initial pose is singular (a dead centre or a flat loop): place the bodies off it")
         if self.overlaps:
             lines.append(f"overlap too much at the start: {', '.join(self.overlaps)}; simulate refuses that")
+        if self.wedge is not None:
+            lines.append(str(self.wedge))
+        lines += self.out_of_reach
         if self.velocity_defects:
             lines.append(f"initial velocities pull apart: {', '.join(self.velocity_defects)}")
         if self.unsupported:
@@ -99,6 +106,8 @@ def check_scene(scene: Scene) -> SceneCheck:
         refused_drives=tuple(str(row.drive.name) for row in found.dropped if row.drive is not None),
         velocity_defects=tuple(str(defect) for defect in velocity_defects(scene)),
         overlaps=tuple(_overlaps(scene, found_gaps)),
+        wedge=find_wedge(scene, found_gaps),
+        out_of_reach=tuple(out_of_reach(scene, found_gaps)),
         singular_pose=found.rank_here < found.rank,
     )
 

@@ -81,7 +81,8 @@ def _bodies(engine: Any, world: int) -> list[Residual]:
     scale = largest_force(engine, world)
     modal = np.abs(_array(work, "modal_residual", world)[: m.modal_count])
     elastic = np.abs(m.stiffness.numpy()[: m.modal_count] * _array(work, "q1", world)[: m.modal_count])
-    loads = np.concatenate([elastic, np.abs(_array(work, "qd1_rate", world)[: m.modal_count])])
+    pairs = np.abs(_array(engine.state, "pair_modal", world)[: m.pair_count, 1]).ravel()
+    loads = np.concatenate([elastic, np.abs(_array(work, "qd1_rate", world)[: m.modal_count]), pairs])
     modal_scale = float(max(loads[np.isfinite(loads)], default=0.0)) + NO_FORCE
     starts = engine.compiled.modal_start
     for i, body in enumerate(engine.scene.bodies):

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.gap import smallest_gap
+from warpffrf.model.gap import facing_gap, smallest_gap
+from warpffrf.model.reach import out_of_reach
 from warpffrf.online.border_notes import border_notes
 from warpffrf.online.compile_contact import SKEW
 from warpffrf.online.sensors import turned
@@ -26,6 +27,7 @@ FEWEST_COLUMNS = 4  # across the largest patch: with fewer, peaks and half-width
 CUT = 0.05  # of the load: hats that hang over the end of the second surface by more are worth a word
 GAINED = 0.01  # of the largest energy at hand: what a run may gain without a word
 TAKEN = 0.01  # the same of what the integrator takes
+UNLOADED = 1e-12  # of the largest contact force, and N: round-off of contacts that carry nothing
 MOST_SKEW = 0.07  # rad: e^2/2 is 0.25 %; measured against gaps at points: force 0.1 %, peak pressure 0.2 % up to there
 SHALLOW = 1e-6  # of the radius: overlaps that round-off of positions makes
 
@@ -33,15 +35,45 @@ SHALLOW = 1e-6  # of the radius: overlaps that round-off of positions makes
 def contact_notes(scene: Any, history: Any, on_axes: Collection[str] = ()) -> list[str]:
     """Notes on the patches of all pairs of a run; `on_axes`: names of those whose gaps are taken along the line of
     centres."""
-    notes = []
+    notes, untouched = [], []
+    largest = max((_largest(found) for found in history.contacts.values()), default=0.0)
     for contact in scene.contacts:
         found = history.contacts.get(contact.name)
-        if found is None or not np.any(found.pressure > 0.0):
+        if found is None or not len(found.approach):
+            continue
+        if _largest(found) <= UNLOADED * max(largest, 1.0):
+            untouched.append(contact)
             continue
         notes += _coarse(contact, found) + _cut(contact, found) + border_notes(contact, found, history.time)
         if contact.name in on_axes:
             notes += _skewed(contact, found, history)
-    return notes
+    return notes + _untouched(scene, history, untouched)
+
+
+def _largest(found: Any) -> float:
+    return float(np.linalg.norm(found.force, axis=1).max(initial=0.0))
+
+
+def _untouched(scene: Any, history: Any, contacts: list[Any]) -> list[str]:
+    """Of pairs without any load in a run: those that only touch or cannot, and overlaps that the grid does not see."""
+    notes, apart = [], []
+    for contact in contacts:
+        surface = contact.a.surface
+        if np.any(history.contacts[contact.name].pressure > 0.0):
+            notes.append(
+                f"contact {contact.name!r}: the surfaces touch without a load, nothing presses them together; a spring "
+                "with a preload, a force or gravity would"
+            )
+            continue
+        apart.append(contact)
+        radius, approach = float(surface.shape.radius), float(history.contacts[contact.name].approach[0])
+        if approach > SHALLOW * radius:
+            notes.append(
+                f"contact {contact.name!r}: an overlap of {approach:.3g} m without any pressure: the modes take it up, "
+                f"or it is too shallow for columns {surface.grid.pitch * radius:.2g} m apart; use a finer mesh "
+                "(half_width=)"
+            )
+    return notes + out_of_reach(scene, {c.name: facing_gap(c) for c in apart})
 
 
 def _skewed(contact: Any, found: Any, history: Any) -> list[str]:
@@ -127,9 +159,9 @@ def energy_notes(energy: dict[str, np.ndarray], nothing: float) -> list[str]:
     notes = []
     if gained > max(GAINED * hand, nothing):
         notes.append(
-            f"the run gained {gained:.3g} J, {gained / max(hand, 1e-300):.1%} of the largest energy of the ledger, that "
-            "nothing supplied (ledger lines numerical and contact grid): use a smaller step, accuracy=, or initial "
-            "velocities that agree with the drives"
+            f"the run gained {gained:.3g} J, {gained / max(hand, 1e-300):.1%} of the largest energy of the ledger, "
+            "that nothing supplied (ledger lines numerical and contact grid): use a smaller step, accuracy=, or "
+            "initial velocities that agree with the drives"
         )
     if taken > max(TAKEN * hand, nothing):
         notes.append(

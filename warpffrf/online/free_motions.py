@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.gap import facing_gap
 from warpffrf.online.blame import largest_force
 
 # of a line of length one: the modes move an axle off the axis of the rim by a hundred-thousandth of its radius
@@ -27,6 +28,8 @@ HOLD = 1e-5  # s/m: 1e-6 s for a scene of 0.1 m, in which a force F moves a mass
 TAKES_PART = 0.1  # of a body's share in a motion, its square between 0 and 1
 MOST_NAMED = 4
 SLIDES = 0.5  # of a body's share: whether it slides or turns
+SLIDE = "slide along"
+LOOK_AHEAD = 1e-3  # of a radius: a small motion that tells whether a gap closes
 STANDS = 1e-6  # of a motion's square: what of it slides when it turns about an axle a little off the centre of mass
 
 
@@ -36,7 +39,7 @@ class FreeMotions:
     def __init__(self, engine: Any) -> None:
         self.engine = engine
         self.found: list[np.ndarray] = [np.zeros((0, 6 * len(engine.scene.bodies)))] * engine.worlds
-        self.driven = ""  # a clause, where a load drives a free motion
+        self._drive: tuple[int, np.ndarray, float] | None = None  # world, motion, force of a load that drives one
 
     @property
     def possible(self) -> bool:
@@ -46,20 +49,21 @@ class FreeMotions:
 
     def look(self) -> None:
         """Find the free motions at the state of the last step."""
-        self.driven = ""
+        self._drive = None
         if not self.possible:
             return
         for world in range(self.engine.worlds):
             weight = self._weight(world)
             motions = free_motions(self.engine, world, weight)
             scale = np.sqrt((motions**2) @ np.repeat(self._mass(), 6))
-            force = np.abs(motions @ (self._forces(world) / weight)) * scale
+            along = (motions @ (self._forces(world) / weight)) * scale
+            force = np.abs(along)
             sliding = np.array([np.sum(n.reshape(-1, 6)[:, :3] ** 2) for n in motions])
             allowed = np.where(sliding > STANDS, PULLED, TURNED) * largest_force(self.engine, world)
             self.found[world] = motions[force <= allowed][: len(self.engine.scene.bodies)]
             if np.any(force > allowed):
                 worst = int(np.argmax(force / allowed))
-                self.driven = self._driven(world, motions[worst], float(force[worst]))
+                self._drive = (world, motions[worst] * np.sign(along[worst]), float(force[worst]))
 
     def hold(self) -> None:
         """Hold what `look` found from the next step on."""
@@ -93,19 +97,57 @@ class FreeMotions:
                         names = clauses.setdefault(clause, [])
                         if body.name not in names:
                             names.append(body.name)
-        return [
-            f"equilibrium: {_named(names)} free to {clause}, and left where "
-            f"{'it is' if len(names) == 1 else 'they are'}"
-            for clause, names in clauses.items()
-        ]  # fmt: skip
+        told = []
+        for clause, names in clauses.items():
+            left = "it is" if len(names) == 1 else "they are"
+            unpressed = self._unpressed(names) if clause.startswith(SLIDE) else ""
+            told.append(f"equilibrium: {_named(names)} free to {clause}, and left where {left}{unpressed}")
+        return told
 
-    def _driven(self, world: int, motion: np.ndarray, force: float) -> str:
+    def _unpressed(self, names: list[str]) -> str:
+        """Of bodies that slide freely: the contacts of those that touch nothing, and what would press them together."""
+        touching = self.engine.state.active.numpy().any(axis=(0, 2))
+        owners = [(c, t, {port.body.name for port in c.ports}) for c, t in zip(self._contacts, touching, strict=False)]
+        idle = {name for name in names if not any(t for _, t, bodies in owners if name in bodies)}
+        pairs = [c.name for c, _, bodies in owners if bodies & idle]
+        if not pairs:
+            return ""
+        joints = [str(j.name) for j in self.engine.scene.joints if any(port.body.name in idle for port in j.ports)]
+        spring = "a spring with a preload" + (f" along joint {_listed(joints)}" if joints else "")
+        return f": nothing presses on contact {_listed(pairs)}; {spring}, a force or gravity would"
+
+    @property
+    def _contacts(self) -> list[Any]:
+        return self.engine.scene.contacts
+
+    @property
+    def driven(self) -> str:
+        """A clause, where a load drives a free motion at the state of the last look; else ""."""
+        if self._drive is None:
+            return ""
+        world, motion, force = self._drive
         parts = motion.reshape(-1, 6)
         b = int(np.argmax(np.sum(parts**2, axis=1)))
         weight = self._weight(world)[6 * b : 6 * b + 6]
         clause = self._clause(world, b, parts[b] / np.linalg.norm(parts[b]), weight)
-        amount = f"{force:.3g} N" if clause.startswith("slide") else f"{force * weight[3] / weight[0]:.3g} N m"
-        return f"body {self.engine.scene.bodies[b].name!r} is free to {clause}, and {amount} drive it there"
+        amount = f"{force:.3g} N" if clause.startswith(SLIDE) else f"{force * weight[3] / weight[0]:.3g} N m"
+        body = self.engine.scene.bodies[b]
+        missed = self._missed(body, parts[b][:3]) if clause.startswith(SLIDE) else ""
+        return f"body {body.name!r} is free to {clause}, and {amount} drive it there{missed}"
+
+    def _missed(self, body: Any, direction: np.ndarray) -> str:
+        """The pairs of a body that do not stop it along `direction`: those that it leaves, and those that it passes."""
+        told = []
+        for contact in self._contacts:
+            side = {contact.b.body.name: 1.0, contact.a.body.name: -1.0}.get(body.name)
+            before = facing_gap(contact)
+            if side is None or before is None:
+                continue
+            step = side * LOOK_AHEAD * float(contact.a.surface.shape.radius) * direction / np.linalg.norm(direction)
+            after = facing_gap(contact, step)
+            leaves = after is None or after[0] > before[0]
+            told.append(f"{'away from' if leaves else 'past'} contact {contact.name!r}")
+        return f", {' and '.join(told)}" if told else ""
 
     def _clause(self, world: int, b: int, y: np.ndarray, weight: np.ndarray) -> str:
         axes = np.asarray(self.engine.work.axes.numpy()[world][b])
@@ -113,7 +155,7 @@ class FreeMotions:
         direction = (y / weight)[:3] if slides else axes @ (y / weight)[3:]
         direction = direction / np.linalg.norm(direction)
         direction = np.round(direction * np.sign(direction[np.argmax(np.abs(direction))]), 2) + 0.0
-        return f"{'slide along' if slides else 'turn about'} ({', '.join(f'{c:g}' for c in direction)})"
+        return f"{SLIDE if slides else 'turn about'} ({', '.join(f'{c:g}' for c in direction)})"
 
     def _mass(self) -> np.ndarray:
         return np.asarray(self.engine.compiled.model.mass.numpy()[: len(self.engine.scene.bodies)])
@@ -179,7 +221,11 @@ def _gap_gradients(engine: Any, world: int, size: int) -> np.ndarray:
 
 
 def _named(names: list[str]) -> str:
+    return f"body {_listed(names)} is" if len(names) == 1 else f"bodies {_listed(names)} are"
+
+
+def _listed(names: list[str]) -> str:
     quoted = [repr(name) for name in names[:MOST_NAMED]]
     if len(names) > MOST_NAMED:
         quoted.append(f"and {len(names) - MOST_NAMED} more")
-    return f"body {quoted[0]} is" if len(names) == 1 else f"bodies {', '.join(quoted)} are"
+    return ", ".join(quoted)

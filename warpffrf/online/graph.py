@@ -318,7 +318,7 @@ class StepGraph(Launcher):
             balance.balance, W,
             [M, s.clk, x.r1, x.v1_rate, x.omega1, x.omega1_rate, x.dx, x.psi, s.lam, x.defect, x.softness,
              x.row_wrench, x.row_pull, s.load, s.load_on_modes, x.pair_wrench, x.gap_defect, x.modal_residual,
-             s.modal_load, x.q1, x.qd1_rate, x.dq, x.residual],
+             s.modal_load, s.pair_modal, x.q1, x.qd1_rate, x.dq, x.residual],
             [s.ctl, x.residual_history],
         )  # fmt: skip
         if P:

@@ -13,10 +13,11 @@ from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, r
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.friction import friction_notes
 from warpffrf.model.integrators import CHECK_INTEGRATORS, GeneralizedAlpha, roots_at_infinity
-from warpffrf.model.overlap import refuse_overlap
+from warpffrf.model.overlap import excessive_wedge, refuse_overlap
 from warpffrf.model.progress import Progress
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
+from warpffrf.model.wedge import find_wedge
 from warpffrf.online.blame import blame
 from warpffrf.online.check_run import run_check
 from warpffrf.online.checkpoint import is_dynamic, restore, time_of
@@ -149,7 +150,7 @@ def run(
         engine.drained[:] = 0
     if not continued or at_rest:
         if start == "equilibrium":
-            _check_load_paths(scene)
+            notes.extend(_check_load_paths(scene))
         if start == "initial":
             notes.extend(overlap_notes(scene))
         if start == "equilibrium" or at_rest:
@@ -207,10 +208,10 @@ def find_equilibrium(scene: Any, *, device: str = "cpu", settings: Settings | No
     begin = time.perf_counter()
     engine = Engine(scene, device=device, settings=settings)
     built = time.perf_counter()
-    _check_load_paths(scene)
+    apart = _check_load_paths(scene)
     if settle(engine):
         engine.save_now()
-    return _finish(engine, begin, built, [*engine.compiled.notes, *engine.start_notes], "equilibrium: ")
+    return _finish(engine, begin, built, [*engine.compiled.notes, *apart, *engine.start_notes], "equilibrium: ")
 
 
 def _finish(
@@ -226,6 +227,9 @@ def _finish(
         message = UPHILL if bits & int(k.ENERGY) else message.replace("; reduce step", STATIC_CURE)
     owner = blame(engine, bits) if bits else ""
     message += f" ({owner})" if owner else ""
+    if bits and (wedge := find_wedge(engine.scene)) is not None:
+        said = message.split("; ")[0] if prefix else message
+        message = str(wedge) if wedge.all_round else f"{said}; {wedge}"
     if at_rest and engine.not_at_rest and not bits & ~RUNS_AWAY:
         status, message = "no_equilibrium", f"{engine.not_at_rest}: {NO_LOAD_PATH}"
     elif at_rest and status == "completed" and not engine.rows[0]:
@@ -271,13 +275,9 @@ def _finish(
     families = engine.compiled.model.pair_family.numpy()
     on_axes = [c.name for c, f in zip(engine.scene.contacts, families, strict=False) if f == LINE_OF_CENTRES]
     contact = [*contact_notes(engine.scene, history, on_axes), *sampling_notes(engine.scene, history)]
-    history.notes = [
-        *notes,
-        *inertia,
-        *contact,
-        *energy_notes(history.energy, round_off_energy(engine)),
-        *history.notes,
-    ]
+    contact = [note for note in contact if note not in notes]
+    energy = energy_notes(history.energy, round_off_energy(engine))
+    history.notes = [*notes, *inertia, *contact, *energy, *history.notes]
     history.checkpoint = engine.state.to_numpy()
     return history
 
@@ -318,13 +318,16 @@ def _check_velocity(drive: Any, began: float, end: float) -> None:
         )
 
 
-def _check_load_paths(scene: Any) -> None:
-    unsupported = scene.check().unsupported
-    if unsupported:
+def _check_load_paths(scene: Any) -> list[str]:
+    """Refuse bodies that nothing leads to the ground from; notes on pairs that wedge deeply, or will hardly touch."""
+    check = scene.check()
+    if unsupported := check.unsupported:
         raise InputError(
             f"equilibrium: a mechanism with no load path: no joint, spring or contact leads to the ground from "
             f"{', '.join(repr(name) for name in unsupported)}; add one, or start from 'initial'"
         )
+    wedged = "" if check.wedge is None else excessive_wedge(check.wedge)
+    return [note for note in (wedged, *check.out_of_reach) if note]
 
 
 def describe(bits: int, capacity: int) -> tuple[str, str]:
