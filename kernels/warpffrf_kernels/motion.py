@@ -79,11 +79,6 @@ def begin_step(
         af = coefficients[w, 1]
         beta = coefficients[w, 2]
         gamma = coefficients[w, 3]
-        if ctl[w, k.AGAIN] != 0:  # the trapezoidal rule
-            am = real(0.0)
-            af = real(0.0)
-            beta = real(0.25)
-            gamma = real(0.5)
         clk[w, k.NEXT_TIME] = clk[w, k.START_TIME] + h_user * (
             real(ctl[w, k.STEP]) + real(ctl[w, k.SUB] + 1) * fraction
         )
