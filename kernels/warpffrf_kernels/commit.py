@@ -3,7 +3,8 @@
 A step is accepted when its Newton loop converged, everything is finite, and its local error is allowed (`accuracy`).
 Otherwise it is halved (levels are powers of two of the user's step, so time stays exact), and doubled again when it
 goes well. A rejected attempt leaves multipliers and the contact (`keep_contact`) as it found them. An attempt in which
-a pair opens, or creates energy, is repeated at the same step with that pair impulsive (`impulsive_contact`).
+a pair swings, or its memory creates energy, is repeated at the same step with that pair impulsive
+(`impulsive_contact`).
 
 In scenes with dynamic local modes an attempt in which contact is not calm, or the integrator gains more than the energy
 tolerance, is repeated with all pairs impulsive, and so on until it is calm.
@@ -137,7 +138,7 @@ def decide(
         return
     ctl[w, k.AGAIN] = 0
     deep = ctl[w, k.LEVEL] >= model.max_level
-    if deep and failure != 0 and bearable:
+    if dynamic and deep and failure != 0 and bearable:
         ctl[w, k.COARSE] = ctl[w, k.COARSE] + failure / k.ACCURACY
         failure = 0  # as fine as allowed: the ledger and the report show what is left
     if (failure & k.ROOM) != 0:  # the same attempt comes again, with more room

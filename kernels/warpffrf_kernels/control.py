@@ -55,7 +55,8 @@ REWEIGHED = wp.constant(46)  # 1 when their weights have changed since the rows 
 IMPULSES = wp.constant(47)  # accepted steps in which a pair was impulsive and touched
 SHAKEN = wp.constant(48)  # 1 when the step before was impulsive, or halved after one that was
 SPELL = wp.constant(49)  # steps in a row with a numerical line too high, see `energy_watch`
-CTL = 50
+TRAPEZOIDAL = wp.constant(50)  # 1 when the attempt acts by the trapezoidal rule from true accelerations
+CTL = 51
 
 # --- reals
 START_TIME = wp.constant(0)
@@ -75,7 +76,7 @@ ERROR = wp.constant(13)  # local error of the attempt over the accuracy asked fo
 LOCAL = wp.constant(14)  # ALPHA_M to VEL of the local modes that step by themselves
 GAINED = wp.constant(20)  # energy gained in impacts so far, each over the energy at hand, losses taken off
 RISE = wp.constant(21)  # what a static step gained in energy, over the largest change of a line of it
-MOST = wp.constant(22)  # largest energy of the run so far [J]: kinetic, strain, contact, works
+MOST = wp.constant(22)  # largest energy of the run so far [J] of all lines but the potential
 MADE = wp.constant(23)  # energy that came from nowhere, see `energy_watch`
 LEAST = wp.constant(24)  # least of what the pairs have made so far
 NOISE = wp.constant(25)  # of that: what is round-off

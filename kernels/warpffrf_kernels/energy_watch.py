@@ -3,7 +3,7 @@
 Where a pair is open, all that its contact has taken is given back, and what it has `created`
 (`impulsive_means.judge_pairs`) it has made or lost. While it is closed its energy also changes with the phases of the
 grids, and most of that comes back: what it holds is left in doubt, and made is what it has given to the motion beyond.
-A run in which that has risen by more than `most_made` of the largest energy (kinetic, strain, contact, works) above its
+A run in which that has risen by more than `most_made` of the largest energy (of all lines but the potential) above its
 least ends there.
 
 The numerical line of the ledger is the error of the integrator. It goes up and down with the motion, and is as large as
@@ -52,13 +52,14 @@ def watch_energy(
         pair += 1
     clk[w, k.LEAST] = wp.min(clk[w, k.LEAST], by_pairs)
     rise = by_pairs - clk[w, k.LEAST]
-    all = by_pairs + energy[w, 0, k.NUMERICAL]
-    clk[w, k.MADE] = wp.max(rise, all)
+    total = by_pairs + energy[w, 0, k.NUMERICAL]
+    clk[w, k.MADE] = wp.max(rise, total)
     if model.most_made == real(0.0):
         return
     limit = wp.max(model.most_made * clk[w, k.MOST], clk[w, k.NOISE])
-    ctl[w, k.SPELL] = ctl[w, k.SPELL] + 1
-    if all <= limit:
+    if ctl[w, k.SUB] == 0:  # a whole step
+        ctl[w, k.SPELL] = ctl[w, k.SPELL] + 1
+    if total <= limit:
         ctl[w, k.SPELL] = 0
     if rise > limit or ctl[w, k.SPELL] > PATIENCE:
         ctl[w, k.STATUS] = ctl[w, k.STATUS] | k.GAIN

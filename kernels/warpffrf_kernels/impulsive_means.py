@@ -51,7 +51,7 @@ wp.set_module_options(MODULE_OPTIONS)
 CALM = wp.constant(wp.float64(0.5))
 # of a pair's own energy: what a step in which it stays closed may create; more than the grids of a patch of a few
 # columns do
-OWN = wp.constant(wp.float64(1.0e-2))
+OWN = wp.constant(wp.float64(2.0e-3))
 # of the larger contact energy: what a pair takes up or gives back by more than that is no matter of the grids
 SWING = wp.constant(wp.float64(0.5))
 # of a pair's own energy: what the mean force of an impulsive step is to lose, and may miss that by: it makes none
@@ -238,8 +238,8 @@ def balance_means(
     model = models[0]
     if not has_converged(ctl, w):
         return
-    # with local modes that have inertia theta is 1
-    if ctl[w, k.MODE] != k.DYNAMIC or model.dynamic_count > 0 or ctl[w, k.ROUND] > MOST_ROUNDS:
+    # an attempt that is not a repeated one is repeated where a pair swings
+    if ctl[w, k.MODE] != k.DYNAMIC or ctl[w, k.AGAIN] == 0 or ctl[w, k.ROUND] > MOST_ROUNDS:
         ctl[w, k.EVEN] = 1
         return
     rubs = model.cell_capacity > 0
@@ -409,6 +409,7 @@ def root(a: real, b: real, c: real) -> real:
 
 @wp.func
 def mean_through(
+    ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
     w: int,
     pair: int,
@@ -421,12 +422,15 @@ def mean_through(
     """What a component of a pair's force is through the attempt for velocities, impulse over h."""
     if impulsive[w, pair] != 0:
         return mean_of(theta[w, pair], before, after)
+    if ctl[w, k.TRAPEZOIDAL] != 0:
+        return mean_of(clk[w, k.GAMMA], before, after)
     return mean_of(clk[w, k.GAMMA], memory, filtered(clk, w, k.ALPHA_M, before, after, memory))
 
 
 @wp.func
 def mean_work(
     model: Model,
+    ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
     w: int,
     pair: int,
@@ -452,6 +456,7 @@ def mean_work(
             for c in range(6):
                 o = 6 * i + c
                 mean = mean_through(
+                    ctl,
                     clk,
                     w,
                     pair,
@@ -469,7 +474,7 @@ def mean_work(
             while n < model.surface_modal_count[surface]:
                 o = at + n
                 mean = mean_through(
-                    clk, w, pair, impulsive, theta, modal[w, pair, 0, o], modal[w, pair, 1, o],
+                    ctl, clk, w, pair, impulsive, theta, modal[w, pair, 0, o], modal[w, pair, 1, o],
                     modal_memory[w, pair, 0, o],
                 )  # fmt: skip
                 total += mean * dq[w, model.surface_modal_start[surface] + n]
@@ -514,7 +519,9 @@ def judge_pairs(
         return
     if not is_closed(pair_force, w, pair, 0) and not is_closed(pair_force, w, pair, 1):
         return
-    worked = mean_work(model, clk, w, pair, impulsive, theta, pair_force, pair_modal, memory, modal_memory, dx, psi, dq)
+    worked = mean_work(
+        model, ctl, clk, w, pair, impulsive, theta, pair_force, pair_modal, memory, modal_memory, dx, psi, dq
+    )
     total = worked + pair_energy[w, pair, 1] - pair_energy[w, pair, 0] + pair_loss[w, pair]
     own = own_energy(model, w, pair, pair_energy, pair_force, pair_modal, v, omega, qd)
     swung = swings(pair_energy, w, pair)
@@ -523,6 +530,8 @@ def judge_pairs(
         after = pair_work(model, w, pair, 1, pair_force, pair_modal, dx, psi, dq)
         if swung or worked - mean_of(real(0.5), before, after) > OWN * own:
             wanted[w, pair] = 1
+    elif swung and ctl[w, k.AGAIN] == 0:
+        wanted[w, pair] = 1
     created[w, pair] = total
 
 

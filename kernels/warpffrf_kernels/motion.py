@@ -40,6 +40,7 @@ UNRESOLVED = wp.constant(wp.float64(9.869604401089358))  # pi^2, of (omega h)^2
 
 @wp.kernel
 def begin_step(
+    models: wp.array(dtype=Model),
     coefficients: wp.array2d(dtype=real),
     local_coefficients: wp.array2d(dtype=real),
     ctl: wp.array2d(dtype=int),
@@ -74,11 +75,19 @@ def begin_step(
     beta = real(1.0)
     gamma = real(0.0)
     clk[w, k.NEXT_TIME] = clk[w, k.TIME]
+    ctl[w, k.TRAPEZOIDAL] = 0
     if ctl[w, k.MODE] == k.DYNAMIC:
         am = coefficients[w, 0]
         af = coefficients[w, 1]
         beta = coefficients[w, 2]
         gamma = coefficients[w, 3]
+        # see `impulsive_contact`
+        if ctl[w, k.AGAIN] != 0 and (ctl[w, k.SHAKEN] == 0 or models[0].layer_count > 0):
+            ctl[w, k.TRAPEZOIDAL] = 1
+            am = real(0.0)
+            af = real(0.0)
+            beta = real(0.25)
+            gamma = real(0.5)
         clk[w, k.NEXT_TIME] = clk[w, k.START_TIME] + h_user * (
             real(ctl[w, k.STEP]) + real(ctl[w, k.SUB] + 1) * fraction
         )

@@ -73,7 +73,9 @@ def restore(engine: Engine, checkpoint: Mapping[str, Any], step: float, label: s
     check_checkpoint(engine.state.to_numpy(), checkpoint, label)
     engine.state.assign(dict(checkpoint))
     engine.drained = engine.word("SAVED")
-    engine.control(STATUS=0, REASON=0)
+    if np.any(engine.word("STATUS") & int(k.GAIN)):  # what was made up to there is no reason to end again
+        engine.clock(LEAST=engine.state.made.numpy().sum(axis=1))
+    engine.control(STATUS=0, REASON=0, AGAIN=0, SPELL=0)  # an attempt that was to be repeated is made anew
     if np.isclose(engine.word("USER_STEP")[0], step, rtol=SAME_STEP):
         return int(engine.word("STEP")[0])
     # time is counted in steps from START_TIME: begin a new count here

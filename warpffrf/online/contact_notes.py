@@ -27,7 +27,7 @@ FEWEST_COLUMNS = 4  # across the largest patch: with fewer, peaks and half-width
 CUT = 0.05  # of the load: hats that hang over the end of the second surface by more are worth a word
 GAINED = 0.01  # of the largest energy at hand: what a run may gain without a word
 TAKEN = 0.01  # the same of what the integrator takes
-UNLOADED = 1e-12  # of the largest contact force, and N: round-off of contacts that carry nothing
+UNLOADED, TINY = 1e-12, 1e-15  # of the largest contact force, N: round-off of contacts that carry nothing
 MOST_SKEW = 0.07  # rad: e^2/2 is 0.25 %; measured against gaps at points: force 0.1 %, peak pressure 0.2 % up to there
 SHALLOW = 1e-6  # of the radius: overlaps that round-off of positions makes
 
@@ -41,7 +41,7 @@ def contact_notes(scene: Any, history: Any, on_axes: Collection[str] = ()) -> li
         found = history.contacts.get(contact.name)
         if found is None or not len(found.approach):
             continue
-        if _largest(found) <= UNLOADED * max(largest, 1.0):
+        if _largest(found) <= max(UNLOADED * largest, TINY):
             untouched.append(contact)
             continue
         notes += _coarse(contact, found) + _cut(contact, found) + border_notes(contact, found, history.time)
@@ -151,7 +151,8 @@ def energy_notes(energy: dict[str, np.ndarray], nothing: float) -> list[str]:
     more than `TAKEN` of it. `nothing` [J] is no more than round-off."""
     if not len(energy["kinetic"]):
         return []
-    lines = [np.abs(values) for name, values in energy.items() if name not in ("numerical", "contact_grid")]
+    left_out = ("potential", "numerical", "contact_grid")  # the zero of the potential is arbitrary
+    lines = [np.abs(values) for name, values in energy.items() if name not in left_out]
     hand = float(np.max(lines)) if lines else 0.0
     defect = energy["numerical"] + energy["contact_grid"]
     gained = float(np.max(defect - np.minimum.accumulate(defect)))

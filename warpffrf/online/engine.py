@@ -23,7 +23,7 @@ from warpffrf.online.state import State, Work, initial_state
 ROOM_GROWTH = 2  # of the slots, each time they are too few
 REALS = {
     "START_TIME", "USER_STEP", "TIME", "H", "NEXT_TIME", "ALPHA_M", "ALPHA_F", "BETA", "GAMMA", "ACC", "VEL",
-    "MOVE", "DONE_STEP", "ERROR", "MOST", "MADE", "LEAST", "NOISE",
+    "MOVE", "DONE_STEP", "ERROR", "GAINED", "RISE", "MOST", "MADE", "LEAST", "NOISE",
 }  # fmt: skip
 
 
@@ -142,7 +142,7 @@ class Engine:
             words[:, int(getattr(k, name))] = value
         self.state.ctl.assign(words)
 
-    def clock(self, **values: float) -> None:
+    def clock(self, **values: float | np.ndarray) -> None:
         """Set real control words by name."""
         words = self.state.clk.numpy().copy()
         for name, value in values.items():

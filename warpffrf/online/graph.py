@@ -99,7 +99,7 @@ class StepGraph(Launcher):
     def _attempt(self) -> None:
         m, M, s, x, W = self.compiled.model, self.compiled.models, self.state, self.work, self.worlds
         Q, P = m.modal_count, m.pair_count
-        self.launch(motion.begin_step, W, [x.coefficients, x.local_coefficients], [s.ctl, s.clk])
+        self.launch(motion.begin_step, W, [M, x.coefficients, x.local_coefficients], [s.ctl, s.clk])
         if P:
             self.contact.begin()
         self.block(

@@ -43,6 +43,7 @@ RUB_IN = 6
 STATIC_CURE = "; hold what turns or slides freely (a weak spring will do), or begin with a smaller load"
 UPHILL = "every step from here leads uphill; begin from another pose, or with a smaller load"
 NO_LOAD_PATH = "a mechanism with no load path; add a joint, a spring, a drive or a contact that carries the load"
+UNSOLVED = int(k.NOT_CONVERGED | k.CAPACITY | k.CYCLING | k.STENCIL)  # how contact that is wedged deeply fails
 RUNS_AWAY = int(k.NOT_CONVERGED | k.SINGULAR | k.NOT_FINITE | k.ENERGY)  # how a body that nothing holds fails
 MESSAGES = {
     k.NOT_CONVERGED: ("not_converged", "the Newton iteration did not converge; reduce step"),
@@ -227,7 +228,7 @@ def _finish(
         message = UPHILL if bits & int(k.ENERGY) else message.replace("; reduce step", STATIC_CURE)
     owner = blame(engine, bits) if bits else ""
     message += f" ({owner})" if owner else ""
-    if bits and (wedge := find_wedge(engine.scene)) is not None:
+    if (at_rest or bits & UNSOLVED) and bits and (wedge := find_wedge(engine.scene)) is not None:
         said = message.split("; ")[0] if prefix else message
         message = str(wedge) if wedge.all_round else f"{said}; {wedge}"
     if at_rest and engine.not_at_rest and not bits & ~RUNS_AWAY:

@@ -16,7 +16,8 @@ class Settings:
     max_inner: int = 40  # active-set corrections of one linearisation before the safeguard: more means that it cycles
     max_guarded: int = 400  # corrections one hat at a time after that: a window of hats, each changed a few times
     max_level: int = 14  # a step may be halved this often (1/16384)
-    # of the energy at hand, gained or lost when a contact opens or closes: 1 % after 40 events
+    # of the energy at hand, gained by the integrator in a step of an impact; with inertia of the local modes, gained or
+    # lost by contact and integrator
     energy_tolerance: float = 2.5e-4
     most_made: float = 0.01  # of the largest energy: a run ends that makes more from nowhere; 0: none does
     theta_points: int = 3  # Gauss points across a grid cell: the second grid's hats have kinks inside the cell
