@@ -57,3 +57,16 @@ def test_a_roller_that_is_pulled_off_is_refused(plain_body: ReducedBody) -> None
     history = find_equilibrium(free_roller(plain_body, pull=1e-4 * LOAD))
     assert history.status != "completed"
     assert "roller" in history.message or "reduce step" not in history.message
+
+
+def test_all_that_is_free_is_left_where_it_is(plain_body: ReducedBody) -> None:
+    """A roller that lies on a floor: two translations and two turns, more motions than bodies."""
+    scene = Scene(gravity=(0.0, 0.0, -9.81))
+    roller = scene.add_body(plain_body, name="roller", position=(0.0, 0.0, 0.05))
+    floor = scene.ground.surface(surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1)), name="floor")
+    scene.add(Contact(roller["rim"], floor, name="pair"))
+    rest = find_equilibrium(scene)
+    assert rest.status == "completed", rest.message
+    assert len([note for note in rest.notes if "left where it is" in note]) == 4
+    assert np.abs(rest.bodies["roller"].position[0, :2]).max() < STAYS
+    assert np.abs(rest.bodies["roller"].rotation[0][:3]).max() < STAYS

@@ -60,7 +60,7 @@ class FreeMotions:
             force = np.abs(along)
             sliding = np.array([np.sum(n.reshape(-1, 6)[:, :3] ** 2) for n in motions])
             allowed = np.where(sliding > STANDS, PULLED, TURNED) * largest_force(self.engine, world)
-            self.found[world] = motions[force <= allowed][: len(self.engine.scene.bodies)]
+            self.found[world] = motions[force <= allowed]
             if np.any(force > allowed):
                 worst = int(np.argmax(force / allowed))
                 self._drive = (world, motions[worst] * np.sign(along[worst]), float(force[worst]))

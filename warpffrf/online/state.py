@@ -142,7 +142,7 @@ class Work:
             "L": (REAL, S, m.coupled_capacity), "right": (REAL, S), "order": (INT, S),
             "factor": (REAL, S, S + 1), "solution": (REAL, S),
             "second_load": (REAL, P, m.node_capacity), "second_wrench": (REAL, P, 6),
-            "hold": (REAL, B if P else 0, 6 * B), "hold_count": (INT,),
+            "hold": (REAL, 6 * B if P else 0, 6 * B), "hold_count": (INT,),
             "ring": (REAL, ring_rows, ring_width(m)),
         }  # fmt: skip
         table |= friction_table(m) | layer_arrays(m)
