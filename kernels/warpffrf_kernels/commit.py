@@ -19,9 +19,9 @@ pair is judged, what contact gains or loses counts as well.
 import warp as wp
 
 from warpffrf_kernels import control as k
-from warpffrf_kernels.impulsive_contact import is_closed
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.motion import algorithmic, rule_of
+from warpffrf_kernels.pair_forces import is_closed
 from warpffrf_kernels.scalars import MODULE_OPTIONS, quat, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -83,7 +83,6 @@ def decide(
         if wanted[w, pair] != 0:
             again = int(1)
         pair += 1
-    ctl[w, k.EVENT] = event
     dynamic = ctl[w, k.MODE] == k.DYNAMIC
     defect = energy[w, 1, k.NUMERICAL] - energy[w, 0, k.NUMERICAL]
     defect += energy[w, 1, k.CONTACT_GRID] - energy[w, 0, k.CONTACT_GRID]

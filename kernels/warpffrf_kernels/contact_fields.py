@@ -10,6 +10,7 @@ import warp as wp
 from warpffrf_kernels import control as k
 from warpffrf_kernels.contact_compliance import node_of, table_row
 from warpffrf_kernels.model import Model
+from warpffrf_kernels.pair_forces import modal_line
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, real, sync
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -266,12 +267,6 @@ def local_fields(
             if at >= 0:
                 axpy(count_b, f, model.compliance, at, second_local, base_b + low * rows_b)
         i += 1
-
-
-@wp.func
-def modal_line(model: Model, w: int, pair: int) -> int:
-    """Where the trial loads of a pair on the modes of its bodies begin, flat."""
-    return ((w * model.pair_count + pair) * 2 + 1) * model.pair_modes
 
 
 @wp.kernel

@@ -23,6 +23,7 @@ from warpffrf_kernels.contact_fields import local_gap, on_stencil
 from warpffrf_kernels.contact_geometry import GUARD
 from warpffrf_kernels.interfaces import modal_line, side_of
 from warpffrf_kernels.model import Model
+from warpffrf_kernels.pair_forces import surface_of
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3, weighted
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -166,9 +167,7 @@ def solve_pressures(
             c += 1
         line = (w * model.slot_capacity + a) * model.pair_modes
         for side in range(2):
-            surface = model.pair_first[pair]
-            if side == 1:
-                surface = model.pair_second[pair]
+            surface = surface_of(model, pair, side)
             modes = w * model.modal_count + model.surface_modal_start[surface]
             n = model.surface_modal_count[surface]
             total += weighted(n, J, line, receptance, modes, modal_residual, modes)

@@ -10,10 +10,10 @@ the part of e that the local modes have.
 import warp as wp
 
 from warpffrf_kernels import control as k
-from warpffrf_kernels.contact_fields import modal_line
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.friction_shares import line_of, response_at
 from warpffrf_kernels.model import Model
+from warpffrf_kernels.pair_forces import modal_line
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, real, sync
 
 wp.set_module_options(MODULE_OPTIONS)

@@ -19,6 +19,7 @@ from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.friction_normal import OPEN
 from warpffrf_kernels.friction_shares import on_shares
 from warpffrf_kernels.model import Model
+from warpffrf_kernels.pair_forces import surface_of
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, real, sync, vec3, weighted
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -55,9 +56,7 @@ def drive_modes(
         if change != real(0.0):
             start = (w * model.slot_capacity + slot) * model.pair_modes
             for side in range(2):
-                surface = model.pair_first[pair]
-                if side == 1:
-                    surface = model.pair_second[pair]
+                surface = surface_of(model, pair, side)
                 modes = model.surface_modal_count[surface]
                 axpy(modes, change, J, start, modal_drive, first + model.surface_modal_start[surface])
                 start += modes
@@ -149,9 +148,7 @@ def pose_tractions(
             value = scale * area * (slip[w, pair, at] + moved) + gathered(model, w, pair, row, L, z)
             line = (w * model.cell_capacity + i) * 2 * model.pair_modes + d * model.pair_modes
             for side in range(2):
-                surface = model.pair_first[pair]
-                if side == 1:
-                    surface = model.pair_second[pair]
+                surface = surface_of(model, pair, side)
                 modes = w * model.modal_count + model.surface_modal_start[surface]
                 n = model.surface_modal_count[surface]
                 value += weighted(n, J, line, receptance, modes, modal_drive, modes)
@@ -255,9 +252,7 @@ def push_modes(
             pair = cell_slot[w, i / 2, 0]
             start = (w * model.cell_capacity + i / 2) * 2 * model.pair_modes + (i % 2) * model.pair_modes
             for side in range(2):
-                surface = model.pair_first[pair]
-                if side == 1:
-                    surface = model.pair_second[pair]
+                surface = surface_of(model, pair, side)
                 modes = model.surface_modal_count[surface]
                 axpy(modes, change, J, start, push, first + model.surface_modal_start[surface])
                 start += modes

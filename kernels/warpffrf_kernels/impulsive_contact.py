@@ -25,7 +25,7 @@ known as f_0 and the *memory* of it, generalized-alpha's filter of the pair's fo
 
     (1 - alpha_m) m_1 + alpha_m m_0 = (1 - alpha_f) f_1 + alpha_f f_0,
 
-so that it can be taken out (`begin_contact`) and put in again (`finish_rates`) without a trace.
+so that it can be taken out (`begin_contact`) and put in again (`impulsive_memory.finish_rates`) without a trace.
 
 b is 1/2: the impulse f h does the work f.(v_0 + v_1) h/2 = f.d on the motion that it is part of. In the first step of
 an impact all other forces act by the trapezoidal rule (alphas 0, beta 1/4, gamma 1/2, from the true accelerations):
@@ -33,8 +33,8 @@ what holds a body against the impulse, a joint or a stiff mode, then acts as the
 With the weights of generalized-alpha it would be left with the velocity h (1 - gamma/(2 beta)) w, and a force that a
 load pushes up slowly would end too high by (2 gamma - 1) of its rise. In impulsive steps that follow one upon the other
 they act as the integrator takes them, which is damped: by the trapezoidal rule what is stiff and not resolved would
-ring on from one step to the next, in a bearing whose idle rollers chatter by three per cent of the largest load. Scenes
-with layers keep the trapezoidal rule: the work of a damped one may be more than any mean of its force balances.
+ring on from one step to the next, as the loads of a bearing do whose idle rollers chatter. Scenes with layers keep the
+trapezoidal rule: the work of a damped one may be more than any mean of its force balances.
 
 In scenes with dynamic local modes, where theta is 1 and all steps keep their rule, b is a little more: 1/2 keeps what
 is pressed at rest, a_0 = a_1 = -w, d = v_1 = 0, and makes v_1 = -v_0 where a rigid surface holds a face; beta/gamma
@@ -65,9 +65,12 @@ from warpffrf_kernels import control as k
 from warpffrf_kernels.contact_solve import change_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.motion import rule_of
+from warpffrf_kernels.pair_forces import force_on, is_closed, mean_of, modal_place, whole
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
+
+LEAST_WEIGHT = wp.constant(wp.float64(1.0e-4))  # of a pair that closes as the step ends
 
 
 @wp.func
@@ -138,83 +141,10 @@ def mode_kappa(model: Model, ctl: wp.array2d(dtype=int), clk: wp.array2d(dtype=r
     return kappa_of(clk, w, at, part) - model.damping[m] * slip_of(clk, w, at, part)
 
 
-# --- forces of pairs, on bodies and modes
-
-
 @wp.func
-def force_on(model: Model, force: wp.array4d(dtype=real), w: int, pair: int, side: int, b: int):
-    """Force (world axes) and torque (body axes) of a pair on body b, entry `side` of `force` (W, P, sides, 12)."""
-    f = vec3(real(0.0), real(0.0), real(0.0))
-    t = vec3(real(0.0), real(0.0), real(0.0))
-    for i in range(2):
-        surface = model.pair_first[pair]
-        if i == 1:
-            surface = model.pair_second[pair]
-        if model.surface_body[surface] == b:
-            for c in range(3):
-                f[c] = f[c] + force[w, pair, side, 6 * i + c]
-                t[c] = t[c] + force[w, pair, side, 6 * i + 3 + c]
-    return f, t
-
-
-@wp.func
-def modal_place(model: Model, pair: int, n: int) -> int:
-    """Where mode n of all modes stands among those of a pair's two bodies; -1 where it is of neither."""
-    A = model.pair_first[pair]
-    count = model.surface_modal_count[A]
-    at = n - model.surface_modal_start[A]
-    if at >= 0 and at < count:
-        return at
-    B = model.pair_second[pair]
-    at = n - model.surface_modal_start[B]
-    if at >= 0 and at < model.surface_modal_count[B]:
-        return count + at
-    return -1
-
-
-@wp.func
-def is_closed(pair_force: wp.array4d(dtype=real), w: int, pair: int, side: int) -> bool:
-    """Whether a pair has a normal force at the beginning (0) or the end (1) of the attempt."""
-    size = real(0.0)
-    for c in range(3):
-        size += wp.abs(pair_force[w, pair, side, c])
-    return size > real(0.0)
-
-
-@wp.func
-def filtered(c: wp.array2d(dtype=real), w: int, at: int, before: real, after: real, memory: real) -> real:
-    """Memory at the end of a usual step, with the coefficients from column `at` on; of a mode that steps exactly (at <
-    0) it is the force."""
-    if at < 0:
-        return after
-    am = c[w, at]
-    af = c[w, at + 1]
-    return ((real(1.0) - af) * after + af * before - am * memory) / (real(1.0) - am)
-
-
-@wp.func
-def memory_after(
-    model: Model,
-    clk: wp.array2d(dtype=real),
-    w: int,
-    pair: int,
-    at: int,
-    impulsive: wp.array2d(dtype=int),
-    pair_force: wp.array4d(dtype=real),
-    before: real,
-    after: real,
-    memory: real,
-) -> real:
-    """Memory of a component of a pair's force at the end of the attempt. After an impulsive step it is the force there,
-    and what generalized-alpha is ahead of it by where contact goes on."""
-    if impulsive[w, pair] == 0:
-        return filtered(clk, w, at, before, after, memory)
-    if not is_closed(pair_force, w, pair, 1):
-        return real(0.0)
-    ahead = real(0.0)
-    if model.dynamic_count == 0 and is_closed(pair_force, w, pair, 0):
-        ahead = (clk[w, at] - clk[w, at + 1]) * (after - before)
-    return after + ahead
+def weight_of(kappa: real, theta: real) -> real:
+    """(kappa theta)^(1/2) of an impulsive pair."""
+    return wp.max(wp.sqrt(kappa * theta), LEAST_WEIGHT)
 
 
 # --- the beginning of an attempt
@@ -284,7 +214,7 @@ def begin_contact(
             bracket[w, pair, 7] = real(-1.0)
             weight[w, pair] = real(1.0)
             if kind != 0:
-                weight[w, pair] = wp.sqrt(outer_kappa(model, clk, w) * theta[w, pair])
+                weight[w, pair] = weight_of(outer_kappa(model, clk, w), theta[w, pair])
             pair += 1
     sync()
     rubs = model.cell_capacity > 0
@@ -329,11 +259,8 @@ def begin_contact(
         while pair < model.pair_count:
             at = modal_place(model, pair, n)
             if impulsive[w, pair] != 0 and at >= 0:
-                f_n += pair_modal[w, pair, 0, at]
-                m_n += modal_memory[w, pair, 0, at]
-                if rubs:
-                    f_n += friction_modal[w, pair, 0, at]
-                    m_n += modal_friction_memory[w, pair, 0, at]
+                f_n += whole(model, pair_modal, friction_modal, w, pair, 0, at)
+                m_n += whole(model, modal_memory, modal_friction_memory, w, pair, 0, at)
             pair += 1
         qd_rate0[w, n] = qd_rate[w, n] - f_n
         if ctl[w, k.TRAPEZOIDAL] == 0:
@@ -344,11 +271,6 @@ def begin_contact(
 
 
 # --- within the Newton loop
-
-
-@wp.func
-def mean_of(theta: real, before: real, after: real) -> real:
-    return before + theta * (after - before)
 
 
 @wp.kernel
@@ -412,11 +334,8 @@ def push_bodies(
                             friction_force[w, pair, 1, 6 + i] = -f[i]
                             friction_force[w, pair, 1, 9 + i] = t_b[i]
             for i in range(12):
-                before = pair_force[w, pair, 0, i]
-                after = pair_force[w, pair, 1, i]
-                if rubs:
-                    before += friction_force[w, pair, 0, i]
-                    after += friction_force[w, pair, 1, i]
+                before = whole(model, pair_force, friction_force, w, pair, 0, i)
+                after = whole(model, pair_force, friction_force, w, pair, 1, i)
                 force = after
                 if impulsive[w, pair] != 0:
                     force = kappa * mean_of(theta[w, pair], before, after)
@@ -436,11 +355,8 @@ def push_bodies(
         while pair < model.pair_count:
             at = modal_place(model, pair, n)
             if at >= 0:
-                before = pair_modal[w, pair, 0, at]
-                after = pair_modal[w, pair, 1, at]
-                if rubs:
-                    before += friction_modal[w, pair, 0, at]
-                    after += friction_modal[w, pair, 1, at]
+                before = whole(model, pair_modal, friction_modal, w, pair, 0, at)
+                after = whole(model, pair_modal, friction_modal, w, pair, 1, at)
                 load += after
                 force = after
                 if impulsive[w, pair] != 0:
@@ -521,207 +437,3 @@ def push_further(
         excess = contact_receptance[w, n] - receptance[w, n]
         modal_step[first + n] = modal_step[first + n] + excess * push[first + n]
         n += wp.block_dim()
-
-
-# --- the end of an attempt
-
-
-@wp.kernel
-def finish_rates(
-    models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
-    impulsive: wp.array2d(dtype=int),
-    theta: wp.array2d(dtype=real),
-    pair_force: wp.array4d(dtype=real),
-    pair_modal: wp.array4d(dtype=real),
-    friction_force: wp.array4d(dtype=real),
-    friction_modal: wp.array4d(dtype=real),
-    memory: wp.array4d(dtype=real),
-    modal_memory: wp.array4d(dtype=real),
-    friction_memory: wp.array4d(dtype=real),
-    modal_friction_memory: wp.array4d(dtype=real),
-    v1: wp.array2d(dtype=vec3),
-    v1_rate: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-    omega1_rate: wp.array2d(dtype=vec3),
-    qd1: wp.array2d(dtype=real),
-    qd1_rate: wp.array2d(dtype=real),
-    v_rest: wp.array2d(dtype=vec3),
-    omega_rest: wp.array2d(dtype=vec3),
-    qd_rest: wp.array2d(dtype=real),
-):
-    """Per world: velocities and accelerations of an attempt with the impulsive pairs in them, and `rest`, what its
-    algorithmic accelerations have beside the formula's."""
-    w, lane = wp.tid()
-    model = models[0]
-    if ctl[w, k.ATTEMPT] == 0 or ctl[w, k.MODE] != k.DYNAMIC:
-        return
-    rubs = model.cell_capacity > 0
-    part = outer_share(model, clk, w)
-    kappa = kappa_of(clk, w, k.ALPHA_M, part)
-    slip = slip_of(clk, w, k.ALPHA_M, part)
-    zero = vec3(real(0.0), real(0.0), real(0.0))
-    b = lane
-    while b < model.body_count:
-        f = zero  # the mean
-        t = zero
-        f_1 = zero  # at the end
-        t_1 = zero
-        f_m = zero  # remembered
-        t_m = zero
-        pair = int(0)
-        while pair < model.pair_count:
-            if impulsive[w, pair] != 0:
-                for i in range(2):
-                    surface = model.pair_first[pair]
-                    if i == 1:
-                        surface = model.pair_second[pair]
-                    if model.surface_body[surface] == b:
-                        for c in range(6):
-                            o = 6 * i + c
-                            before = pair_force[w, pair, 0, o]
-                            after = pair_force[w, pair, 1, o]
-                            remembered = memory[w, pair, 0, o]
-                            if rubs:
-                                before += friction_force[w, pair, 0, o]
-                                after += friction_force[w, pair, 1, o]
-                                remembered += friction_memory[w, pair, 0, o]
-                            at = int(k.ALPHA_M)
-                            kept = memory_after(
-                                model, clk, w, pair, at, impulsive, pair_force, before, after, remembered
-                            )
-                            mean = mean_of(theta[w, pair], before, after)
-                            if c < 3:
-                                f[c] = f[c] + mean
-                                f_1[c] = f_1[c] + after
-                                f_m[c] = f_m[c] + kept
-                            else:
-                                t[c - 3] = t[c - 3] + mean
-                                t_1[c - 3] = t_1[c - 3] + after
-                                t_m[c - 3] = t_m[c - 3] + kept
-            pair += 1
-        ease = real(1.0) / model.mass[b]
-        soft = wp.inverse(model.inertia[b])
-        v1[w, b] = v1[w, b] + slip * ease * f
-        omega1[w, b] = omega1[w, b] + slip * (soft * t)
-        v1_rate[w, b] = v1_rate[w, b] + ease * (f_1 - kappa * f)
-        omega1_rate[w, b] = omega1_rate[w, b] + soft * (t_1 - kappa * t)
-        v_rest[w, b] = ease * (f_m - part * f)
-        omega_rest[w, b] = soft * (t_m - part * t)
-        b += wp.block_dim()
-    n = lane
-    while n < model.modal_count:
-        of_mode = mode_share(model, ctl, clk, w, n)
-        at = columns_of(model, ctl, clk, w, n)
-        rest = real(0.0)
-        pair = int(0)
-        while pair < model.pair_count:
-            i = modal_place(model, pair, n)
-            if impulsive[w, pair] != 0 and i >= 0 and at >= 0:  # an exact step needs no correction
-                before = pair_modal[w, pair, 0, i]
-                after = pair_modal[w, pair, 1, i]
-                remembered = modal_memory[w, pair, 0, i]
-                if rubs:
-                    before += friction_modal[w, pair, 0, i]
-                    after += friction_modal[w, pair, 1, i]
-                    remembered += modal_friction_memory[w, pair, 0, i]
-                mean = mean_of(theta[w, pair], before, after)
-                kept = memory_after(model, clk, w, pair, at, impulsive, pair_force, before, after, remembered)
-                qd1[w, n] = qd1[w, n] + slip_of(clk, w, at, of_mode) * mean
-                qd1_rate[w, n] = qd1_rate[w, n] + after - kappa_of(clk, w, at, of_mode) * mean
-                rest += kept - of_mode * mean
-            pair += 1
-        qd_rest[w, n] = rest
-        n += wp.block_dim()
-
-
-@wp.func
-def keep_forces(
-    model: Model,
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
-    w: int,
-    pair: int,
-    lane: int,
-    impulsive: wp.array2d(dtype=int),
-    pair_force: wp.array4d(dtype=real),
-    force: wp.array4d(dtype=real),
-    modal: wp.array4d(dtype=real),
-    memory: wp.array4d(dtype=real),
-    modal_memory: wp.array4d(dtype=real),
-):
-    """Memory of the forces of a pair, and its accepted loads of the modes; `pair_force` says what is closed."""
-    dynamic = ctl[w, k.MODE] == k.DYNAMIC
-    i = lane
-    while i < 12:
-        kept = force[w, pair, 1, i]  # a start, whose algorithmic accelerations are the true ones
-        if dynamic:
-            kept = memory_after(
-                model, clk, w, pair, k.ALPHA_M, impulsive, pair_force, force[w, pair, 0, i], kept,
-                memory[w, pair, 0, i],
-            )  # fmt: skip
-        memory[w, pair, 0, i] = kept
-        i += wp.block_dim()
-    at = int(0)
-    for side in range(2):
-        surface = model.pair_first[pair]
-        if side == 1:
-            surface = model.pair_second[pair]
-        n = lane
-        while n < model.surface_modal_count[surface]:
-            o = at + n
-            kept = modal[w, pair, 1, o]
-            if dynamic:
-                columns = columns_of(model, ctl, clk, w, model.surface_modal_start[surface] + n)
-                kept = memory_after(
-                    model, clk, w, pair, columns, impulsive, pair_force, modal[w, pair, 0, o], kept,
-                    modal_memory[w, pair, 0, o],
-                )  # fmt: skip
-            modal_memory[w, pair, 0, o] = kept
-            modal[w, pair, 0, o] = modal[w, pair, 1, o]
-            n += wp.block_dim()
-        at += model.surface_modal_count[surface]
-
-
-@wp.kernel
-def keep_memory(
-    models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
-    impulsive: wp.array2d(dtype=int),
-    created: wp.array2d(dtype=real),
-    pair_force: wp.array4d(dtype=real),
-    pair_modal: wp.array4d(dtype=real),
-    friction_force: wp.array4d(dtype=real),
-    friction_modal: wp.array4d(dtype=real),
-    pair_energy: wp.array3d(dtype=real),
-    elastic_energy: wp.array3d(dtype=real),
-    memory: wp.array4d(dtype=real),
-    modal_memory: wp.array4d(dtype=real),
-    friction_memory: wp.array4d(dtype=real),
-    modal_friction_memory: wp.array4d(dtype=real),
-    created_so_far: wp.array2d(dtype=real),
-):
-    """Per (world, pair), lanes over the modes of its bodies: forces, energies and memory of an accepted attempt."""
-    w, pair, lane = wp.tid()
-    model = models[0]
-    if ctl[w, k.ACCEPT] == 0 or ctl[w, k.MODE] == k.PROJECT:
-        return
-    dynamic = ctl[w, k.MODE] == k.DYNAMIC
-    keep_forces(model, ctl, clk, w, pair, lane, impulsive, pair_force, pair_force, pair_modal, memory, modal_memory)
-    if model.cell_capacity > 0:
-        keep_forces(
-            model, ctl, clk, w, pair, lane, impulsive, pair_force, friction_force, friction_modal, friction_memory,
-            modal_friction_memory,
-        )  # fmt: skip
-    sync()
-    if lane == 0:
-        for i in range(12):
-            pair_force[w, pair, 0, i] = pair_force[w, pair, 1, i]
-            if model.cell_capacity > 0:
-                friction_force[w, pair, 0, i] = friction_force[w, pair, 1, i]
-        pair_energy[w, pair, 0] = pair_energy[w, pair, 1]
-        elastic_energy[w, pair, 0] = elastic_energy[w, pair, 1]
-        if dynamic:
-            created_so_far[w, pair] = created_so_far[w, pair] + created[w, pair]

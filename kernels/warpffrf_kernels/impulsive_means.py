@@ -34,15 +34,21 @@ holds for both.
 import warp as wp
 
 from warpffrf_kernels import control as k
-from warpffrf_kernels.impulsive_contact import (
-    filtered,
+from warpffrf_kernels.impulsive_contact import mode_kappa, outer_kappa, weight_of
+from warpffrf_kernels.impulsive_memory import filtered
+from warpffrf_kernels.model import Model
+from warpffrf_kernels.pair_forces import (
+    body_mobility,
+    body_work,
     is_closed,
     mean_of,
+    modal_mobility,
     modal_place,
-    mode_kappa,
-    outer_kappa,
+    modal_work,
+    pair_work,
+    surface_of,
+    whole,
 )
-from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -58,93 +64,6 @@ SWING = wp.constant(wp.float64(0.5))
 LOST = wp.constant(wp.float64(1.0e-4))
 MISSED = wp.constant(wp.float64(1.0001e-4))  # round-off apart
 MOST_ROUNDS = wp.constant(12)  # of theta; then the end of the bracket that loses
-LEAST_WEIGHT = wp.constant(wp.float64(1.0e-4))  # of a pair that closes as the step ends
-
-
-@wp.func
-def pair_work(
-    model: Model,
-    w: int,
-    pair: int,
-    side: int,
-    force: wp.array4d(dtype=real),
-    modal: wp.array4d(dtype=real),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-    dq: wp.array2d(dtype=real),
-) -> real:
-    """f.d of a pair: work [J] on increments, or power on rates."""
-    return body_work(model, w, pair, side, force, dx, psi) + modal_work(model, w, pair, side, modal, dq)
-
-
-@wp.func
-def body_work(
-    model: Model,
-    w: int,
-    pair: int,
-    side: int,
-    force: wp.array4d(dtype=real),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-) -> real:
-    total = real(0.0)
-    for i in range(2):
-        surface = model.pair_first[pair]
-        if i == 1:
-            surface = model.pair_second[pair]
-        b = model.surface_body[surface]
-        if b >= 0:
-            for c in range(3):
-                total += force[w, pair, side, 6 * i + c] * dx[w, b][c]
-                total += force[w, pair, side, 6 * i + 3 + c] * psi[w, b][c]
-    return total
-
-
-@wp.func
-def modal_work(
-    model: Model, w: int, pair: int, side: int, modal: wp.array4d(dtype=real), dq: wp.array2d(dtype=real)
-) -> real:
-    total = real(0.0)
-    at = int(0)
-    for i in range(2):
-        surface = model.pair_first[pair]
-        if i == 1:
-            surface = model.pair_second[pair]
-        n = int(0)
-        while n < model.surface_modal_count[surface]:
-            total += modal[w, pair, side, at + n] * dq[w, model.surface_modal_start[surface] + n]
-            n += 1
-        at += model.surface_modal_count[surface]
-    return total
-
-
-@wp.func
-def body_mobility(model: Model, w: int, pair: int, side: int, force: wp.array4d(dtype=real)) -> real:
-    """f.M^-1 f of a pair on rigid bodies [N2/kg]."""
-    total = real(0.0)
-    for i in range(2):
-        surface = model.pair_first[pair]
-        if i == 1:
-            surface = model.pair_second[pair]
-        b = model.surface_body[surface]
-        if b >= 0:
-            o = 6 * i
-            f = vec3(force[w, pair, side, o], force[w, pair, side, o + 1], force[w, pair, side, o + 2])
-            t = vec3(force[w, pair, side, o + 3], force[w, pair, side, o + 4], force[w, pair, side, o + 5])
-            total += wp.dot(f, f) / model.mass[b] + wp.dot(t, wp.inverse(model.inertia[b]) * t)
-    return total
-
-
-@wp.func
-def modal_mobility(model: Model, w: int, pair: int, side: int, modal: wp.array4d(dtype=real)) -> real:
-    """f.M^-1 f of a pair on the modes, whose mass is 1 [N2/kg]."""
-    count = model.surface_modal_count[model.pair_first[pair]] + model.surface_modal_count[model.pair_second[pair]]
-    total = real(0.0)
-    n = int(0)
-    while n < count:
-        total += modal[w, pair, side, n] * modal[w, pair, side, n]
-        n += 1
-    return total
 
 
 @wp.func
@@ -242,7 +161,6 @@ def balance_means(
     if ctl[w, k.MODE] != k.DYNAMIC or ctl[w, k.AGAIN] == 0 or ctl[w, k.ROUND] > MOST_ROUNDS:
         ctl[w, k.EVEN] = 1
         return
-    rubs = model.cell_capacity > 0
     kappa = outer_kappa(model, clk, w)
     changed = int(0)
     pair = int(0)
@@ -278,27 +196,23 @@ def balance_means(
             if to != at:
                 changed = int(1)
                 theta[w, pair] = to
-                weight[w, pair] = wp.max(wp.sqrt(kappa * to), LEAST_WEIGHT)
+                weight[w, pair] = weight_of(kappa, to)
                 # what the balance sees of it
                 for side in range(2):
-                    surface = model.pair_first[pair]
-                    if side == 1:
-                        surface = model.pair_second[pair]
+                    surface = surface_of(model, pair, side)
                     b = model.surface_body[surface]
                     if b >= 0:
                         for c in range(6):
                             i = 6 * side + c
-                            change = pair_force[w, pair, 1, i] - pair_force[w, pair, 0, i]
-                            if rubs:
-                                change += friction_force[w, pair, 1, i] - friction_force[w, pair, 0, i]
+                            change = whole(model, pair_force, friction_force, w, pair, 1, i)
+                            change -= whole(model, pair_force, friction_force, w, pair, 0, i)
                             residual[w, 6 * b + c] = residual[w, 6 * b + c] - kappa * (to - at) * change
                     n = int(0)
                     while n < model.surface_modal_count[surface]:
                         m = model.surface_modal_start[surface] + n
                         i = modal_place(model, pair, m)
-                        change = pair_modal[w, pair, 1, i] - pair_modal[w, pair, 0, i]
-                        if rubs:
-                            change += friction_modal[w, pair, 1, i] - friction_modal[w, pair, 0, i]
+                        change = whole(model, pair_modal, friction_modal, w, pair, 1, i)
+                        change -= whole(model, pair_modal, friction_modal, w, pair, 0, i)
                         own_kappa = mode_kappa(model, ctl, clk, w, m)
                         modal_residual[w, m] = modal_residual[w, m] - own_kappa * (to - at) * change
                         n += 1
@@ -407,82 +321,6 @@ def root(a: real, b: real, c: real) -> real:
     return (under - b) / (real(2.0) * a)
 
 
-@wp.func
-def mean_through(
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
-    w: int,
-    pair: int,
-    impulsive: wp.array2d(dtype=int),
-    theta: wp.array2d(dtype=real),
-    before: real,
-    after: real,
-    memory: real,
-) -> real:
-    """What a component of a pair's force is through the attempt for velocities, impulse over h."""
-    if impulsive[w, pair] != 0:
-        return mean_of(theta[w, pair], before, after)
-    if ctl[w, k.TRAPEZOIDAL] != 0:
-        return mean_of(clk[w, k.GAMMA], before, after)
-    return mean_of(clk[w, k.GAMMA], memory, filtered(clk, w, k.ALPHA_M, before, after, memory))
-
-
-@wp.func
-def mean_work(
-    model: Model,
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
-    w: int,
-    pair: int,
-    impulsive: wp.array2d(dtype=int),
-    theta: wp.array2d(dtype=real),
-    force: wp.array4d(dtype=real),
-    modal: wp.array4d(dtype=real),
-    memory: wp.array4d(dtype=real),
-    modal_memory: wp.array4d(dtype=real),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-    dq: wp.array2d(dtype=real),
-) -> real:
-    """Work on the increments of what a pair's force is through the attempt."""
-    total = real(0.0)
-    at = int(0)
-    for i in range(2):
-        surface = model.pair_first[pair]
-        if i == 1:
-            surface = model.pair_second[pair]
-        b = model.surface_body[surface]
-        if b >= 0:
-            for c in range(6):
-                o = 6 * i + c
-                mean = mean_through(
-                    ctl,
-                    clk,
-                    w,
-                    pair,
-                    impulsive,
-                    theta,
-                    force[w, pair, 0, o],
-                    force[w, pair, 1, o],
-                    memory[w, pair, 0, o],
-                )
-                if c < 3:
-                    total += mean * dx[w, b][c]
-                else:
-                    total += mean * psi[w, b][c - 3]
-            n = int(0)
-            while n < model.surface_modal_count[surface]:
-                o = at + n
-                mean = mean_through(
-                    ctl, clk, w, pair, impulsive, theta, modal[w, pair, 0, o], modal[w, pair, 1, o],
-                    modal_memory[w, pair, 0, o],
-                )  # fmt: skip
-                total += mean * dq[w, model.surface_modal_start[surface] + n]
-                n += 1
-        at += model.surface_modal_count[surface]
-    return total
-
-
 @wp.kernel
 def judge_pairs(
     models: wp.array(dtype=Model),
@@ -506,7 +344,7 @@ def judge_pairs(
     created: wp.array2d(dtype=real),
 ):
     """Per (world, pair): the energy that its contact creates in the attempt, and whether it is to be taken again as
-    impulsive: where it was not, and opens or swings, or its memory creates more than OWN of its own energy.
+    impulsive: where it swings and its mean was not looked for, or its memory creates more than OWN of its own energy.
 
     Created is the work of what the normal force is through the step, what the contact energy changes by, and what
     damped layers take. Local modes with inertia may step exactly, by other forces: nothing is judged there.
@@ -519,15 +357,19 @@ def judge_pairs(
         return
     if not is_closed(pair_force, w, pair, 0) and not is_closed(pair_force, w, pair, 1):
         return
-    worked = mean_work(
-        model, ctl, clk, w, pair, impulsive, theta, pair_force, pair_modal, memory, modal_memory, dx, psi, dq
-    )
+    before = pair_work(model, w, pair, 0, pair_force, pair_modal, dx, psi, dq)
+    after = pair_work(model, w, pair, 1, pair_force, pair_modal, dx, psi, dq)
+    worked = mean_of(clk[w, k.GAMMA], before, after)
+    if impulsive[w, pair] != 0:
+        worked = mean_of(theta[w, pair], before, after)
+    elif ctl[w, k.TRAPEZOIDAL] == 0:
+        recalled = pair_work(model, w, pair, 0, memory, modal_memory, dx, psi, dq)
+        ahead = filtered(clk, w, k.ALPHA_M, before, after, recalled)
+        worked = mean_of(clk[w, k.GAMMA], recalled, ahead)
     total = worked + pair_energy[w, pair, 1] - pair_energy[w, pair, 0] + pair_loss[w, pair]
     own = own_energy(model, w, pair, pair_energy, pair_force, pair_modal, v, omega, qd)
     swung = swings(pair_energy, w, pair)
     if impulsive[w, pair] == 0:
-        before = pair_work(model, w, pair, 0, pair_force, pair_modal, dx, psi, dq)
-        after = pair_work(model, w, pair, 1, pair_force, pair_modal, dx, psi, dq)
         if swung or worked - mean_of(real(0.5), before, after) > OWN * own:
             wanted[w, pair] = 1
     elif swung and ctl[w, k.AGAIN] == 0:

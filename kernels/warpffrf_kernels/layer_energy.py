@@ -19,10 +19,10 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.contact_layer import cell_exists, corner_of, hat_value, linear_yield, rate_of
-from warpffrf_kernels.impulsive_contact import mean_of
 from warpffrf_kernels.impulsive_means import has_converged
 from warpffrf_kernels.layer_laws import CHI, CONSTANT, layer_depth, layer_energy, layer_pressure
 from warpffrf_kernels.model import Model
+from warpffrf_kernels.pair_forces import mean_of
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
 
 wp.set_module_options(MODULE_OPTIONS)

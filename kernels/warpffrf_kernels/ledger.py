@@ -19,9 +19,8 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.forces import group_energy
-from warpffrf_kernels.impulsive_contact import mean_of
-from warpffrf_kernels.impulsive_means import pair_work
 from warpffrf_kernels.model import Model
+from warpffrf_kernels.pair_forces import mean_of, pair_work
 from warpffrf_kernels.rows import evaluate_signal
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real, vec3
 
@@ -150,6 +149,7 @@ def balance_energy(
     if ctl[w, k.MODE] == k.STATIC and ctl[w, k.STEPS] > 0:
         largest = wp.max(wp.abs(strain - energy[w, 0, k.STRAIN]), wp.abs(potential - energy[w, 0, k.POTENTIAL]))
         largest = wp.max(largest, wp.max(wp.abs(contact - energy[w, 0, k.CONTACT]), wp.abs(force_work)))
+        largest = wp.max(largest, wp.abs(held_work))
         stored = strain + contact + potential - energy[w, 0, k.STRAIN] - energy[w, 0, k.CONTACT]
         stored -= energy[w, 0, k.POTENTIAL] + force_work + held_work
         if stored > UNSEEN * (wp.abs(strain) + wp.abs(potential) + wp.abs(contact)):

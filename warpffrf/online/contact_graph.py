@@ -18,6 +18,7 @@ from warpffrf_kernels import (
     contact_wrench,
     impulsive_contact,
     impulsive_means,
+    impulsive_memory,
     shared_assembly,
     shared_surface,
 )
@@ -31,7 +32,7 @@ from warpffrf.online.layer_graph import LayerGraph
 MODULES = (
     contact_geometry, contact_weights, contact_window, contact_few, contact_place, contact_points, contact_wrench,
     contact_compliance, contact_assembly, contact_fields, contact_solve, impulsive_contact, impulsive_means,
-    shared_surface, shared_assembly,
+    impulsive_memory, shared_surface, shared_assembly,
 )  # fmt: skip
 
 
@@ -162,7 +163,7 @@ class ContactGraph(Launcher):
         """After the Newton loop: impulsive pairs in the velocities and accelerations."""
         M, s, x = self.compiled.models, self.state, self.work
         self.block(
-            impulsive_contact.finish_rates, (self.worlds,),
+            impulsive_memory.finish_rates, (self.worlds,),
             [M, s.ctl, s.clk, s.impulsive, x.theta, *self._forces(), *self._memory()],
             [x.v1, x.v1_rate, x.omega1, x.omega1_rate, x.qd1, x.qd1_rate, x.v_rest, x.omega_rest, x.qd_rest],
         )  # fmt: skip
@@ -186,7 +187,7 @@ class ContactGraph(Launcher):
         """After the decision: forces and energies of the pairs, and what the integrator remembers of them."""
         M, s, x, W, P = self.compiled.models, self.state, self.work, self.worlds, self.compiled.model.pair_count
         self.block(
-            impulsive_contact.keep_memory, (W, P), [M, s.ctl, s.clk, s.impulsive, x.created_now],
+            impulsive_memory.keep_memory, (W, P), [M, s.ctl, s.clk, s.impulsive, x.created_now],
             [*self._forces(), s.pair_energy, s.elastic_energy, *self._memory(), s.created],
         )  # fmt: skip
 

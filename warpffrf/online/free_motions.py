@@ -53,7 +53,7 @@ class FreeMotions:
         if not self.possible:
             return
         for world in range(self.engine.worlds):
-            weight = self._weight(world)
+            weight = self._weight()
             motions = free_motions(self.engine, world, weight)
             scale = np.sqrt((motions**2) @ np.repeat(self._mass(), 6))
             along = (motions @ (self._forces(world) / weight)) * scale
@@ -72,7 +72,7 @@ class FreeMotions:
         work, time = self.engine.work, HOLD * self.engine.compiled.model.length
         vectors, count = work.hold.numpy().copy(), work.hold_count.numpy().copy()
         for world, motions in enumerate(self.found):
-            vectors[world, : len(motions)] = motions * self._weight(world) / time
+            vectors[world, : len(motions)] = motions * self._weight() / time
             count[world] = len(motions)
         work.hold.assign(vectors)
         work.hold_count.assign(count)
@@ -87,7 +87,7 @@ class FreeMotions:
         bodies = self.engine.scene.bodies
         clauses: dict[str, list[str]] = {}
         for world in range(self.engine.worlds):
-            weight = self._weight(world)
+            weight = self._weight()
             for b, body in enumerate(bodies):
                 part = self.found[world][:, 6 * b : 6 * b + 6]
                 share, directions = np.linalg.eigh(part.T @ part)
@@ -128,7 +128,7 @@ class FreeMotions:
         world, motion, force = self._drive
         parts = motion.reshape(-1, 6)
         b = int(np.argmax(np.sum(parts**2, axis=1)))
-        weight = self._weight(world)[6 * b : 6 * b + 6]
+        weight = self._weight()[6 * b : 6 * b + 6]
         clause = self._clause(world, b, parts[b] / np.linalg.norm(parts[b]), weight)
         amount = f"{force:.3g} N" if clause.startswith(SLIDE) else f"{force * weight[3] / weight[0]:.3g} N m"
         body = self.engine.scene.bodies[b]
@@ -160,7 +160,7 @@ class FreeMotions:
     def _mass(self) -> np.ndarray:
         return np.asarray(self.engine.compiled.model.mass.numpy()[: len(self.engine.scene.bodies)])
 
-    def _weight(self, world: int) -> np.ndarray:
+    def _weight(self) -> np.ndarray:
         """Root of mass, and of the mean moment of inertia (6 bodies,)."""
         mass = self._mass()
         inertia = self.engine.compiled.model.inertia.numpy()[: len(mass)]
