@@ -205,6 +205,34 @@ def solve_pressures(
         slot += 1
 
 
+@wp.func
+def push_modes(
+    model: Model,
+    ctl: wp.array2d(dtype=int),
+    w: int,
+    slot_mode: wp.array3d(dtype=int),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    base: wp.array3d(dtype=real),
+    weight: wp.array2d(dtype=real),
+    J: wp.array(dtype=real),
+    push: wp.array(dtype=real),
+):
+    """Adds J^T ds, the weighted changes of all slots on the global modes, to `push` (W times modes)."""
+    slot = int(0)
+    while slot < ctl[w, k.SLOTS]:
+        pair = slot_mode[w, slot, 0]
+        change = weight[w, pair] * change_of(w, slot, slot_mode, active, pressure, base)
+        if change != real(0.0):
+            start = (w * model.slot_capacity + slot) * model.pair_modes
+            for side in range(2):
+                surface = surface_of(model, pair, side)
+                modes = model.surface_modal_count[surface]
+                axpy(modes, change, J, start, push, w * model.modal_count + model.surface_modal_start[surface])
+                start += modes
+        slot += 1
+
+
 @wp.kernel
 def modal_increments(
     models: wp.array(dtype=Model),
@@ -232,21 +260,7 @@ def modal_increments(
         modal_step[first + n] = -modal_residual[w, n]
         n += wp.block_dim()
     sync()
-    slot = int(0)
-    while slot < ctl[w, k.SLOTS]:
-        pair = slot_mode[w, slot, 0]
-        change = weight[w, pair] * change_of(w, slot, slot_mode, active, pressure, base)
-        if change != real(0.0):
-            start = (w * model.slot_capacity + slot) * model.pair_modes
-            A = model.pair_first[pair]
-            B = model.pair_second[pair]
-            modes_a = model.surface_modal_count[A]
-            axpy(modes_a, change, J, start, modal_step, first + model.surface_modal_start[A])
-            axpy(
-                model.surface_modal_count[B], change, J, start + modes_a,
-                modal_step, first + model.surface_modal_start[B],
-            )  # fmt: skip
-        slot += 1
+    push_modes(model, ctl, w, slot_mode, active, pressure, base, weight, J, modal_step)
     row = int(0)
     while row < model.row_count:
         for side in range(2):

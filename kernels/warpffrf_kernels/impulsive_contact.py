@@ -62,11 +62,11 @@ that differ.
 import warp as wp
 
 from warpffrf_kernels import control as k
-from warpffrf_kernels.contact_solve import change_of
+from warpffrf_kernels.contact_solve import push_modes
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.motion import rule_of
 from warpffrf_kernels.pair_forces import force_on, is_closed, mean_of, modal_place, whole
-from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
+from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -418,19 +418,7 @@ def push_further(
         push[first + n] = real(0.0)
         n += wp.block_dim()
     sync()
-    slot = int(0)
-    while slot < ctl[w, k.SLOTS]:
-        pair = slot_mode[w, slot, 0]
-        change = weight[w, pair] * change_of(w, slot, slot_mode, active, pressure, base)
-        if change != real(0.0):
-            start = (w * model.slot_capacity + slot) * model.pair_modes
-            A = model.pair_first[pair]
-            B = model.pair_second[pair]
-            modes_a = model.surface_modal_count[A]
-            axpy(modes_a, change, J, start, push, first + model.surface_modal_start[A])
-            at = first + model.surface_modal_start[B]
-            axpy(model.surface_modal_count[B], change, J, start + modes_a, push, at)
-        slot += 1
+    push_modes(model, ctl, w, slot_mode, active, pressure, base, weight, J, push)
     sync()
     n = lane
     while n < model.modal_count:
