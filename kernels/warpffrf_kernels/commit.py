@@ -13,7 +13,8 @@ What the *integrator* gains of stiff modes that an impact has struck is limited 
 contact, are part of an impact (contact and motion exchange much of their energy in it), are impulsive while anything
 touches, or come next to such a step at its size or halved, may gain `energy_tolerance` of the energy at hand each, and
 all together MOST_GAINED, each of them half of what is left of that, if this is less. With dynamic local modes, where no
-pair is judged, what contact gains or loses counts as well.
+pair is judged, what contact gains or loses counts as well. Elsewhere a step is halved in which impulsive pairs create
+more than `energy_tolerance` of the energy at hand, by whatever mean of their forces: contact came too suddenly for it.
 """
 
 import warp as wp
@@ -49,6 +50,7 @@ def decide(
     pair_force: wp.array4d(dtype=real),
     restless: wp.array2d(dtype=int),
     wanted: wp.array2d(dtype=int),
+    created: wp.array2d(dtype=real),
     impulsive: wp.array2d(dtype=int),
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
@@ -68,6 +70,7 @@ def decide(
     again = int(0)
     calm = int(1)
     touching = int(0)
+    made = real(0.0)
     pair = int(0)
     while pair < model.pair_count:
         before = is_closed(pair_force, w, pair, 0)
@@ -78,6 +81,7 @@ def decide(
             touching = int(1)
             if impulsive[w, pair] != 0:
                 impulse = int(1)
+                made += created[w, pair]
         if model.dynamic_count > 0 and restless[w, pair] != 0:
             calm = int(0)
         if wanted[w, pair] != 0:
@@ -109,6 +113,8 @@ def decide(
             lost = False  # it is the motion of the faces: see `impulsive_contact`
         if lost or defect > wp.min(model.energy_tolerance, left) * hand:
             ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ENERGY
+    if dynamic and ctl[w, k.AGAIN] != 0 and made > model.energy_tolerance * hand:  # no mean balances it
+        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ENERGY
     if ctl[w, k.MODE] == k.STATIC and ctl[w, k.DOWNHILL] != 0 and clk[w, k.RISE] > UPHILL:
         ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ENERGY
     if dynamic and clk[w, k.ERROR] > real(1.0):

@@ -133,7 +133,10 @@ class StepGraph(Launcher):
         if P:
             self.contact.judge()
         self.launch(
-            commit.decide, W, [M, s.energy, x.dx, s.pair_force, x.restless, x.wanted], [s.impulsive, s.ctl, s.clk]
+            commit.decide,
+            W,
+            [M, s.energy, x.dx, s.pair_force, x.restless, x.wanted, x.created_now],
+            [s.impulsive, s.ctl, s.clk],
         )
         if P:
             self.contact.keep()
