@@ -206,7 +206,7 @@ def solve_pressures(
 
 
 @wp.func
-def push_modes(
+def push_by_slots(
     model: Model,
     ctl: wp.array2d(dtype=int),
     w: int,
@@ -260,7 +260,7 @@ def modal_increments(
         modal_step[first + n] = -modal_residual[w, n]
         n += wp.block_dim()
     sync()
-    push_modes(model, ctl, w, slot_mode, active, pressure, base, weight, J, modal_step)
+    push_by_slots(model, ctl, w, slot_mode, active, pressure, base, weight, J, modal_step)
     row = int(0)
     while row < model.row_count:
         for side in range(2):

@@ -62,7 +62,7 @@ that differ.
 import warp as wp
 
 from warpffrf_kernels import control as k
-from warpffrf_kernels.contact_solve import push_modes
+from warpffrf_kernels.contact_solve import push_by_slots
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.motion import rule_of
 from warpffrf_kernels.pair_forces import force_on, is_closed, mean_of, modal_place, whole
@@ -418,7 +418,7 @@ def push_further(
         push[first + n] = real(0.0)
         n += wp.block_dim()
     sync()
-    push_modes(model, ctl, w, slot_mode, active, pressure, base, weight, J, push)
+    push_by_slots(model, ctl, w, slot_mode, active, pressure, base, weight, J, push)
     sync()
     n = lane
     while n < model.modal_count:

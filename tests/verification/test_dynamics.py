@@ -84,7 +84,7 @@ def test_frictionless_contact_leaves_free_spins_alone(small_body: ReducedBody) -
     lower, upper = scene.body("lower"), scene.body("upper")
     lower.angular_velocity = np.array([0.0, 50.0, 0.0])
     upper.angular_velocity = np.array([0.0, -30.0, 0.0])
-    history = run(scene, 0.02, step=1e-4, progress=False)
+    history = run(scene, 0.02, step=1e-4, start="equilibrium", progress=False)
     assert history.status == "completed", history.message
     for name, speed in (("lower", 50.0), ("upper", -30.0)):
         assert np.abs(history.bodies[name].angular_velocity[:, 1] / speed - 1.0).max() < 1e-4
