@@ -5,9 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import pytest
 
+from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.mesh.elements import cell_kind
+from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind
+
+STEEL, RUBBER = Material(210e9, 0.3, 7850.0), Material(5e6, 0.4999, 1100.0)
+_MIXED = [kind for kind in CELL_KINDS if cell_kind(kind).dilatation is not None]
+_CASES = [(kind, STEEL) for kind in CELL_KINDS] + [(kind, RUBBER) for kind in _MIXED]
+# every kind of cell in the displacement formulation, and those that have one in the mixed formulation
+each_formulation = pytest.mark.parametrize(
+    ("kind", "material"), _CASES, ids=[f"{kind}-{'mixed' if m.mixed else 'displacement'}" for kind, m in _CASES]
+)
 
 # corners of the lattice cell in VTK order, and how they form the cells of each domain
 CUTS = {

@@ -33,3 +33,13 @@ def test_elastic_constants_agree() -> None:
 def test_bad_numbers_are_refused_by_name(E, nu, rho, message) -> None:
     with pytest.raises(InputError, match=f"material 'stuff': {message}"):
         Material(E, nu, rho, name="stuff")
+
+
+def test_formulation_follows_poissons_ratio_unless_it_is_given() -> None:
+    assert [Material(5e6, nu, 1100.0).mixed for nu in (0.3, 0.45, 0.46, 0.49999)] == [False, False, True, True]
+    assert Material(5e6, 0.3, 1100.0, formulation="mixed").mixed
+    assert not Material(5e6, 0.49, 1100.0, formulation="displacement").mixed
+    with pytest.raises(
+        InputError, match="material 'stuff': formulation 'hybrid' does not exist; known: 'displacement', 'mixed'"
+    ):
+        Material(5e6, 0.49, 1100.0, name="stuff", formulation="hybrid")

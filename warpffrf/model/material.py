@@ -4,21 +4,28 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.errors import InputError, require_number, unknown_name
+
+NEARLY_INCOMPRESSIBLE = 0.45  # Poisson's ratio above which cells take the mixed formulation by themselves
+FORMULATIONS = ("displacement", "mixed")
 
 
 @dataclass(frozen=True)
 class Material:
     """Young's modulus E [Pa], Poisson ratio nu [-] in (-1, 0.5), density rho [kg/m3].
 
-    Raises `InputError` for E <= 0, density <= 0 and nu outside its range: at nu = 0.5 the material is incompressible
-    and the displacement formulation has no bulk modulus, E / (3 (1 - 2 nu)).
+    `formulation` of the cells made of it: "displacement", "mixed" (displacement and pressure, which does not lock where
+    the volume hardly changes, see `warpffrf.offline.fe.dilatation`), or None: mixed above `NEARLY_INCOMPRESSIBLE`.
+
+    Raises `InputError` for E <= 0, density <= 0, an unknown formulation and nu outside its range: at nu = 0.5 the
+    material is incompressible, and its bulk modulus E / (3 (1 - 2 nu)) infinite; 0.49999 can hardly be told from it.
     """
 
     youngs_modulus: float
     poisson_ratio: float
     density: float
     name: str = field(default="", kw_only=True)
+    formulation: str | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         label = f"material {self.name!r}" if self.name else "material"
@@ -27,6 +34,8 @@ class Material:
         rho = require_number(self.density, f"{label}: density", positive=True)
         if not -1.0 < nu < 0.5:
             raise InputError(f"{label}: poisson_ratio must lie between -1 and 0.5 (excluded), got {nu:g}")
+        if self.formulation not in (None, *FORMULATIONS):
+            raise unknown_name(f"{label}: formulation", str(self.formulation), FORMULATIONS)
         object.__setattr__(self, "youngs_modulus", E)
         object.__setattr__(self, "poisson_ratio", nu)
         object.__setattr__(self, "density", rho)
@@ -36,6 +45,11 @@ class Material:
         """Lame's constants lambda and mu [Pa]: E nu / ((1 + nu)(1 - 2 nu)) and E / (2 (1 + nu))."""
         E, nu = self.youngs_modulus, self.poisson_ratio
         return E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), E / (2.0 * (1.0 + nu))
+
+    @property
+    def mixed(self) -> bool:
+        """Whether cells take the mixed formulation."""
+        return self.formulation == "mixed" or (self.formulation is None and self.poisson_ratio > NEARLY_INCOMPRESSIBLE)
 
     @property
     def plane_strain_modulus(self) -> float:

@@ -26,6 +26,7 @@ from warpffrf.offline.contact.grid_rule import GridChoice
 from warpffrf.offline.contact.independence import INDEPENDENCE, check_compliance, eigenvalue_ratio, held_nodes
 from warpffrf.offline.contact.traction_fields import ContactFacets
 from warpffrf.offline.cyclic.path import axes_of, reduce_cyclic
+from warpffrf.offline.fe.dilatation import formulation_notes
 from warpffrf.offline.fe.materials import Assignment, assign, facet_material, other_material
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.general.path import reduce_general
@@ -187,6 +188,9 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
     product = _product(mesh, assignment, settings, joints, choice, expected, recovery, checkpoint, stages)
 
     report = _report(product, choice, given, settings, stages)
+    formulations, locking = formulation_notes(assignment, bool(settings.stress))
+    report["notes"] += formulations
+    report["warnings"] += locking
     report["notes"] += _not_used(settings, cyclic)
     if settings.stiffening and given.cyclic is not None:
         report["notes"].append("stiffening=True: the periodic body was reduced on the general path")

@@ -224,5 +224,5 @@ def _count(modes: Any, name: str) -> int:
 def _numbers(material: Material | Mapping[str, Material] | None) -> Any:
     """What of a material decides numbers: not its name."""
     if isinstance(material, Material):
-        return [material.youngs_modulus, material.poisson_ratio, material.density]
+        return [material.youngs_modulus, material.poisson_ratio, material.density, material.mixed]
     return None if material is None else {name: _numbers(one) for name, one in material.items()}

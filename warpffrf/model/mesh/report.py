@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from warpffrf.model.mesh.data import Mesh
 
 USUAL_SIZE = (1e-3, 10.0)  # m; outside it the length unit of a file was probably wrong
-SOUND_SPEEDS = (100.0, 20_000.0)  # m/s, bar waves: soft rubber 100 or less, diamond 18 km/s
+SOUND_SPEEDS = (20.0, 20_000.0)  # m/s, bar waves: soft rubber (0.5 MPa) 21, diamond 18 km/s
 DENSITIES = (5.0, 23_000.0)  # kg/m3: polymer foam, osmium
 BOX_DENSITY = 0.1  # kg/m3, mass over the volume of the bounding box: a steel frame filling 1e-4 of its box has 0.8
 SLENDER_CELL = 1000.0  # aspect ratio; graded contact meshes reach some hundreds on purpose, beyond is no design

@@ -19,6 +19,7 @@ import scipy.sparse as sp
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import determinants
+from warpffrf.offline.fe.dilatation import is_mixed, projected_dilatation
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.fe.reference import MASS_DEGREE, STIFFNESS_DEGREE, rule
 
@@ -74,7 +75,12 @@ def _stiffness(x: np.ndarray, kind: str, material: Material) -> np.ndarray:
     flat = slopes.reshape(e, q, 3 * k)
     g = np.matmul((flat * weight[..., None]).transpose(0, 2, 1), flat).reshape(e, k, 3, k, 3)
     trace = np.einsum("eaibi->eab", g)
-    K = lam * g + mu * g.transpose(0, 1, 4, 3, 2)
+    K = mu * g.transpose(0, 1, 4, 3, 2)
+    if is_mixed(kind, material):
+        D = projected_dilatation(x, kind, rule(kind, STIFFNESS_DEGREE[kind]).values).reshape(e, q, 3 * k)
+        K += lam * np.matmul((D * weight[..., None]).transpose(0, 2, 1), D).reshape(e, k, 3, k, 3)
+    else:
+        K += lam * g
     for i in range(3):
         K[:, :, i, :, i] += mu * trace
     return K.reshape(e, 3 * k, 3 * k)

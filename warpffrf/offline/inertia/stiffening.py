@@ -34,7 +34,9 @@ from warpffrf.model.inertia import PRODUCTS, GeometricStiffness
 from warpffrf.model.mesh import Mesh
 from warpffrf.offline.elastic import ElasticModel
 from warpffrf.offline.fe.assembly import CHUNK_BYTES, Sparse, physical_gradients, scatter
+from warpffrf.offline.fe.dilatation import is_mixed, projected_dilatation
 from warpffrf.offline.fe.materials import Assignment
+from warpffrf.offline.fe.reference import STIFFNESS_DEGREE, rule
 from warpffrf.offline.inertia.invariants import turned
 from warpffrf.offline.interfaces.system import InterfaceSystem
 
@@ -95,7 +97,11 @@ def prestress_stiffness(
                 slopes, weight = physical_gradients(points[part], kind)
                 u = static.reshape(n, 3, count)[part]
                 gradient = np.einsum("eacl,eqad->eqcdl", u, slopes, optimize=True)
-                sigma = stress(gradient, *material.lame) * weight[:, :, None, None, None]
+                dilatation = None
+                if is_mixed(kind, material):
+                    D = projected_dilatation(points[part], kind, rule(kind, STIFFNESS_DEGREE[kind]).values)
+                    dilatation = np.einsum("eacl,eqac->eql", u, D, optimize=True)
+                sigma = stress(gradient, *material.lame, dilatation) * weight[:, :, None, None, None]
                 for load in range(count):
                     pulled = np.matmul(slopes, sigma[..., load])
                     local = np.matmul(pulled.transpose(0, 2, 1, 3).reshape(*part.shape, -1), _across(slopes))
@@ -110,10 +116,11 @@ def _across(slopes: Array) -> Array:
     return slopes.transpose(0, 1, 3, 2).reshape(e, 3 * q, a)
 
 
-def stress(gradient: Array, lam: float, mu: float) -> Array:
-    """Stress (..., 3, 3, l) [Pa] of displacement gradients (..., 3, 3, l), isotropic with Lame's `lam`, `mu` [Pa]."""
+def stress(gradient: Array, lam: float, mu: float, dilatation: Array | None = None) -> Array:
+    """Stress (..., 3, 3, l) [Pa] of displacement gradients (..., 3, 3, l), isotropic with Lame's `lam`, `mu` [Pa];
+    `dilatation` (..., l): where it is not their trace."""
     sigma = mu * (gradient + gradient.swapaxes(-3, -2))
-    trace = np.einsum("...iil->...l", gradient)
+    trace = np.einsum("...iil->...l", gradient) if dilatation is None else dilatation
     for i in range(3):
         sigma[..., i, i, :] += lam * trace
     return sigma

@@ -14,6 +14,9 @@ one: the unit of averaging is a (node, material) pair, here a *slot*. The recove
     wedge15              3 points of the triangle, 2 along the axis, linear times linear;
     tet4 the centre, constant;     tet10 4 points, linear.
 
+Of a mixed material the trace is not that of e but the projected dilatation (`offline.fe.dilatation`) at the nodes of
+the cell: lambda times it is the cell's own pressure, where lambda tr(e) wavers by as much as lambda exceeds mu.
+
 **Traction.** On a surface with unit normal n the traction `t = sigma n` is known, and finite elements miss it: it is
 the derivative across the surface that is poor there, not those along it. With e_ab the strains in the surface and
 `t_n = n.t`, the normal strain follows from Hooke's law, `e_nn = (t_n - lambda (e_11 + e_22))/(lambda + 2 mu)`, and
@@ -42,6 +45,7 @@ from warpffrf.model.mesh.elements.domains import powers_up_to
 from warpffrf.model.mesh.elements.kinds import monomials
 from warpffrf.model.stress_field import from_tensor
 from warpffrf.offline.fe.assembly import CHUNK_BYTES, Sparse
+from warpffrf.offline.fe.dilatation import is_mixed, projected_dilatation
 from warpffrf.offline.fe.materials import Assignment
 
 Array = np.ndarray
@@ -96,8 +100,9 @@ def nodal_stress(points: Array, cells: Mapping[str, Array], assignment: Assignme
     """
     n, count = len(points), len(slots)
     gradient = [sp.csr_matrix((count, n)) for _ in range(3)]
+    excess = [sp.csr_matrix((count, n)) for _ in range(3)]  # of the projected dilatation over the trace of the strain
     shared = np.zeros(count)
-    for g in range(len(assignment.materials)):
+    for g, material in enumerate(assignment.materials):
         slot_of = np.full(n, -1)
         mine = slots.material == g
         slot_of[slots.node[mine]] = np.flatnonzero(mine)
@@ -116,22 +121,28 @@ def nodal_stress(points: Array, cells: Mapping[str, Array], assignment: Assignme
                 shared += np.bincount(slot[cell, a], minlength=count)
                 rows = np.repeat(slot[cell, a], part.shape[1])
                 columns = part[cell].ravel()
-                for i in range(3):
-                    data = at_nodes[cell, a, :, i].ravel()
-                    gradient[i] = gradient[i] + sp.csr_matrix((data, (rows, columns)), shape=(count, n))
+                parts = [(gradient, at_nodes)]
+                if is_mixed(kind, material):
+                    parts.append((excess, projected_dilatation(points[part], kind, np.eye(part.shape[1])) - at_nodes))
+                for total, values in parts:
+                    for i in range(3):
+                        data = values[cell, a, :, i].ravel()
+                        total[i] = total[i] + sp.csr_matrix((data, (rows, columns)), shape=(count, n))
     mean = sp.diags(1.0 / np.maximum(shared, 1.0))
     lame = np.array([m.lame for m in assignment.materials])[slots.material]
-    return _hooke([sp.csr_matrix(mean @ g) for g in gradient], lame)
+    gradient = [sp.csr_matrix(mean @ g) for g in gradient]
+    return _hooke(gradient, [sp.csr_matrix(g + mean @ e) for g, e in zip(gradient, excess, strict=True)], lame)
 
 
-def _hooke(gradient: list[Sparse], lame: Array) -> Sparse:
-    """csr (6 K, 3 n) from the derivatives along x, y, z, each (K, n), and (lambda, mu) (K, 2)."""
+def _hooke(gradient: list[Sparse], dilatation: list[Sparse], lame: Array) -> Sparse:
+    """csr (6 K, 3 n) from the derivatives along x, y, z, each (K, n), the dilatation of displacements along x, y, z,
+    each (K, n), and (lambda, mu) (K, 2)."""
     count, n = gradient[0].shape
     lam, mu = sp.diags(lame[:, 0]), sp.diags(lame[:, 1])
     zero = sp.csr_matrix((count, n))
     blocks = []
     for i in range(3):
-        blocks.append([lam @ gradient[j] + (2.0 * mu @ gradient[i] if i == j else zero) for j in range(3)])
+        blocks.append([lam @ dilatation[j] + (2.0 * mu @ gradient[i] if i == j else zero) for j in range(3)])
     for i, j in ((0, 1), (1, 2), (2, 0)):
         row = [zero, zero, zero]
         row[i], row[j] = mu @ gradient[j], mu @ gradient[i]

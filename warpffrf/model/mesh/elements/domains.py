@@ -28,6 +28,10 @@ def powers_up_to(*degrees: int) -> Array:
     return np.array(np.meshgrid(*[np.arange(d + 1) for d in degrees], indexing="ij")).reshape(len(degrees), -1).T
 
 
+CONSTANT = np.zeros((1, 3), dtype=int)  # exponents of a constant, and of a linear function
+LINEAR = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
+
+
 def hex_rule(points: int) -> tuple[Array, Array]:
     """Gauss rule with `points` a direction on [-1, 1]^3."""
     x, w = gauss(points)

@@ -6,7 +6,7 @@ Its functions span all products of powers up to 2 with at most one square (super
 
 import numpy as np
 
-from warpffrf.model.mesh.elements.domains import HEX_CORNERS, HEX_EDGES, HEX_FACES, hex_rule, powers_up_to
+from warpffrf.model.mesh.elements.domains import HEX_CORNERS, HEX_EDGES, HEX_FACES, LINEAR, hex_rule, powers_up_to
 from warpffrf.model.mesh.elements.kinds import CellKind, complete_faces, means
 
 _NODES = np.concatenate([HEX_CORNERS, means(HEX_CORNERS, HEX_EDGES)])
@@ -20,4 +20,5 @@ CELL = CellKind(
     8,
     {"quad8": complete_faces(_NODES, HEX_FACES, edges=True, center=False)},
     *hex_rule(3),  # det J has degree 5 in each variable at most
+    LINEAR,
 )

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from warpffrf.model.mesh.elements.domains import HEX_CORNERS, HEX_EDGES, HEX_FACES, hex_rule, powers_up_to
+from warpffrf.model.mesh.elements.domains import HEX_CORNERS, HEX_EDGES, HEX_FACES, LINEAR, hex_rule, powers_up_to
 from warpffrf.model.mesh.elements.kinds import CellKind, complete_faces, means
 
 _NODES = np.concatenate([HEX_CORNERS, means(HEX_CORNERS, HEX_EDGES), means(HEX_CORNERS, HEX_FACES), np.zeros((1, 3))])
@@ -15,4 +15,5 @@ CELL = CellKind(
     8,
     {"quad9": complete_faces(_NODES, HEX_FACES, edges=True, center=True)},
     *hex_rule(3),  # det J has degree 5 in each variable
+    LINEAR,
 )

@@ -55,12 +55,14 @@ class FacetKind(Lagrange):
 
 @dataclass(frozen=True, eq=False)
 class CellKind(Lagrange):
-    """A kind of volume cell: its `faces` {facet kind: (f, kf) local node numbers, outward}, and a quadrature rule
-    exact for its volume."""
+    """A kind of volume cell: its `faces` {facet kind: (f, kf) local node numbers, outward}, a quadrature rule exact for
+    its volume, and the exponents of the polynomial in which the dilatation of a nearly incompressible material is
+    taken, None where there is none (`warpffrf.offline.fe.dilatation`)."""
 
     faces: dict[str, Array]
     quadrature_points: Array  # (q, 3)
     quadrature_weights: Array  # (q,)
+    dilatation: Array | None = None  # (m, 3)
 
     def jacobians(self, coordinates: Array, xi: Array) -> Array:
         """Determinants (m, q) of dx/dxi for cells with node `coordinates` (m, k, 3) at points `xi` (q, 3)."""

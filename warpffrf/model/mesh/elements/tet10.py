@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from warpffrf.model.mesh.elements.domains import TET_CORNERS, TET_EDGES, TET_FACES, powers_up_to, tet_rule
+from warpffrf.model.mesh.elements.domains import CONSTANT, TET_CORNERS, TET_EDGES, TET_FACES, powers_up_to, tet_rule
 from warpffrf.model.mesh.elements.kinds import CellKind, complete_faces, means
 
 _NODES = np.concatenate([TET_CORNERS, means(TET_CORNERS, TET_EDGES)])
@@ -16,4 +16,5 @@ CELL = CellKind(
     4,
     {"tri6": complete_faces(_NODES, TET_FACES, edges=True, center=False)},
     *tet_rule(3),  # exact for the cubic det J
+    CONSTANT,
 )

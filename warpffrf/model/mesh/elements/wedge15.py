@@ -8,6 +8,7 @@ in the plane.
 import numpy as np
 
 from warpffrf.model.mesh.elements.domains import (
+    CONSTANT,
     WEDGE_CORNERS,
     WEDGE_EDGES,
     WEDGE_QUADS,
@@ -32,4 +33,5 @@ CELL = CellKind(
         "quad8": complete_faces(_NODES, WEDGE_QUADS, edges=True, center=False),
     },
     *wedge_rule(4),  # det J has degree 6 in the plane at most (Duffy: 2 points - 2), 5 along the axis
+    CONSTANT,
 )

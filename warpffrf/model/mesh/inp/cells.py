@@ -30,7 +30,7 @@ _SHELL_KINDS = {3: "tri3", 4: "quad4", 6: "tri6", 8: "quad8"}
 _FORMULATIONS = {
     "R": "are integrated fully",
     "I": "have no incompatible modes here",
-    "H": "are not hybrid here",
+    "H": "are hybrid where the material asks for it",
     "M": "are not modified here",
     "S": "have the usual stress points here",
     "T": "have no temperatures here",

@@ -1,0 +1,80 @@
+"""A rubber cover, nearly incompressible, against an independent plane-strain solution with displacement and pressure.
+
+The gap of contact is taken along the undeformed normal on both sides; the deformed one takes some 2 % off the load.
+"""
+
+from __future__ import annotations
+
+import pytest
+from plane_strain_cover import pressed_cover
+
+from warpffrf.model import joints, surfaces
+from warpffrf.model.contact import Contact
+from warpffrf.model.material import Material
+from warpffrf.model.mesh import roller
+from warpffrf.model.scene import Scene
+from warpffrf.offline import reduce
+from warpffrf.output.simulate import equilibrium
+
+RADIUS, CORE, WIDTH, APPROACH = 0.05, 0.045, 0.1, 1e-4  # m
+LOAD, PEAK = 0.02, 0.03  # promised, of the line load at mid-width and the peak pressure
+CELLS = (120, 8)  # of the reference
+MESHES = {  # cells along the axis: the stiff middle and the soft ends are within a few thicknesses of each other
+    "hex8, 240": {"order": 1, "sectors": 240, "layers": 8, "axial": 24},
+    "hex8, 480": {"order": 1, "sectors": 480, "layers": 8, "axial": 24},
+    "hex27, 240": {"order": 2, "sectors": 240, "layers": 4, "axial": 12},
+    "hex27, 480": {"order": 2, "sectors": 480, "layers": 4, "axial": 12},
+}
+
+
+def rubber(nu: float, formulation: str | None = None) -> Material:
+    return Material(5e6, nu, 1100.0, name="rubber", formulation=formulation)
+
+
+def pressed(mesh: str, material: Material) -> tuple[float, float]:
+    """Line load [N/m] at mid-width and peak pressure [Pa]."""
+    body = reduce(
+        roller(RADIUS, CORE, WIDTH, grading=1.0, **MESHES[mesh]), material, interfaces={"bore": "rigid"},
+        contact={"rim": surfaces.Cylinder()}, modes=0, cache=False, progress=False,
+    )  # fmt: skip
+    assert any("mixed" in note for note in body.report["notes"]) == material.mixed
+    scene = Scene()
+    plane = scene.ground.surface(surfaces.Plane(origin=(0, 0, -RADIUS), outward=(0, 0, 1)), name="plane")
+    roll = scene.add_body(body, name="roll", position=(0.0, 0.0, -APPROACH))
+    scene.add(Contact(roll["rim"], plane, name="nip", overlap=1e-3))
+    scene.add(joints.Fixed(scene.ground, roll["bore"]))
+    nip = equilibrium(scene).contact("nip")
+    return float(nip.line_load[-1]), float(nip.peak_pressure[-1])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("nu", [0.49, 0.4999])
+def test_the_reference_has_converged(nu: float) -> None:
+    coarse, fine = (pressed_cover(RADIUS, CORE, rubber(nu), APPROACH, *cells) for cells in (CELLS, (240, 12)))
+    assert coarse == pytest.approx(fine, rel=1e-3)
+
+
+@pytest.mark.parametrize("mesh", ["hex8, 240", "hex27, 240"])
+def test_cells_do_not_lock(mesh: str) -> None:
+    assert_close(mesh, 0.4999)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("nu", [0.49, 0.499, 0.4999, 0.49999])
+@pytest.mark.parametrize("mesh", list(MESHES))
+def test_cells_do_not_lock_at_any_ratio(mesh: str, nu: float) -> None:
+    assert_close(mesh, nu)
+
+
+def assert_close(mesh: str, nu: float) -> None:
+    load, peak = pressed(mesh, rubber(nu))
+    line, highest = pressed_cover(RADIUS, CORE, rubber(nu), APPROACH, *CELLS)
+    print(f"{mesh}, nu {nu}: load {load / line - 1.0:+.2%}, peak {peak / highest - 1.0:+.2%}")
+    assert load == pytest.approx(line, rel=LOAD)
+    assert peak == pytest.approx(highest, rel=PEAK)
+
+
+def test_cells_lock_without_it() -> None:
+    """What the mixed formulation is for, and what is said to who forbids it."""
+    load, _ = pressed("hex8, 240", rubber(0.4999, "displacement"))
+    assert load > 3.0 * pressed_cover(RADIUS, CORE, rubber(0.4999), APPROACH, *CELLS)[0]
