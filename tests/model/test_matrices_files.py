@@ -168,6 +168,11 @@ def test_missing_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         ("a.mtx", "3,8,3,8,2.0\n", "dof 8 of node 3 is no displacement"),
         ("a.mtx", "%%MatrixMarket matrix coordinate real general\n3 3 2\n1 1 1.0\n", "as Matrix Market"),
         ("a.mtx", "%%MatrixMarket matrix coordinate real general\n2 3 1\n1 1 1.0\n", r"\(2, 3\), not square"),
+        (
+            "a.mtx",
+            "%%MatrixMarket matrix coordinate real general\n% note\n2 2 1\n1 1 1.5X6\n",
+            "line 4 holds '1 1 1.5X6'",
+        ),
         ("a.sti", "1 1 1.0\n", r"a\.dof does not exist"),
         ("a.txt", "1 1 1.0\n", "unknown format '.txt'"),
     ],
@@ -213,3 +218,15 @@ def test_a_whole_matrix_is_not_completed_twice() -> None:
     same(completed(sp.diags_array(A.diagonal())), sp.diags_array(A.diagonal()).tocsr())
     unsymmetric = sp.csr_matrix(np.array([[2.0, 1.0, 3.0], [1.0, 2.0, 0.0], [0.0, 0.0, 2.0]]))
     same(completed(unsymmetric), unsymmetric)  # a partner is there: not one triangle, the check of symmetry sees it
+
+
+@pytest.mark.parametrize("exponent", ["e", "E", "d", "D"])
+@pytest.mark.parametrize("sign", ["", "+", "-"])
+def test_exponents_of_every_program(tmp_path: Path, exponent: str, sign: str) -> None:
+    """Fortran writes 1.5D6; read as 1.5 it would be a wrong matrix that looks right."""
+    head = "%%MatrixMarket matrix coordinate real general\n% made by Dora\n2 2 2\n"
+    text = f"{head}1 1 1.5{exponent}{sign}6\n2 2 -2.{exponent}01\n"
+    (tmp_path / "a.mtx").write_text(text)
+    np.testing.assert_array_equal(
+        read_matrix(tmp_path / "a.mtx").matrix.toarray(), np.diag([float(f"1.5e{sign}6"), -20.0])
+    )

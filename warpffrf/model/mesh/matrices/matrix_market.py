@@ -1,13 +1,22 @@
-"""Matrix Market files, coordinate or array (Boisvert, Pozo, Remington 1996, NISTIR 5935), through SciPy."""
+"""Matrix Market files, coordinate or array (Boisvert, Pozo, Remington 1996, NISTIR 5935), through SciPy.
+
+SciPy's reader ends a number at the first character that it does not know, and reads Fortran's 1.5D6 as 1.5. So these
+exponents are written as 1.5e6 for it, and a file with any other character among its numbers is refused.
+"""
 
 from __future__ import annotations
 
+import io
+import re
 from pathlib import Path
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.matrices.files import FileMatrix
 
 BANNER = b"%%matrixmarket"  # in small letters, as it is compared
+_FORTRAN = re.compile(rb"(?<=[0-9.])[dD](?=[+-]?[0-9])")
+_FOREIGN = re.compile(rb"[^0-9eE+\-.\s]")
+_COMMENTS = re.compile(rb"(?:\s*%[^\n]*\n)*")
 
 
 def read(file: Path, name: str | None, role: str) -> FileMatrix:
@@ -15,10 +24,28 @@ def read(file: Path, name: str | None, role: str) -> FileMatrix:
     import scipy.sparse as sp
     from scipy.io import mmread
 
+    text = _plain(file)
     try:
-        matrix = mmread(file)
+        matrix = mmread(io.BytesIO(text))
     except Exception as error:  # the reader raises what its parser meets: ValueError, OverflowError, IndexError
         raise InputError(
             f"matrix file {file.name}: cannot be read as Matrix Market ({error}); export it again"
         ) from None
     return FileMatrix(sp.csr_matrix(matrix), None, file.name)
+
+
+def _plain(file: Path) -> bytes:
+    """The file with exponents as SciPy reads them; raises `InputError` for what is no number."""
+    text = file.read_bytes()
+    head = re.match(_COMMENTS, text)
+    start = head.end() if head else 0
+    numbers = _FORTRAN.sub(b"e", text[start:])
+    foreign = _FOREIGN.search(numbers)
+    if foreign:
+        line = text[:start].count(b"\n") + numbers[: foreign.start()].count(b"\n") + 1
+        said = numbers[: foreign.end() + 20].splitlines()[line - text[:start].count(b"\n") - 1]
+        raise InputError(
+            f"matrix file {file.name}: line {line} holds {said.decode(errors='replace')[:60]!r}, which is not a row of "
+            "numbers; export it again"
+        )
+    return text[:start] + numbers
