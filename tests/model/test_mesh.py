@@ -256,6 +256,11 @@ def test_bad_geometry_is_found() -> None:
     )
     with pytest.raises(InputError, match="2 disconnected parts"):
         apart.check()
+    twice = np.concatenate([mesh.single[1], mesh.single[1][[3]]])
+    with pytest.raises(
+        InputError, match=f"1 cell.* corners of another one, the first are number 3 and {len(twice) - 1}"
+    ):
+        wfmesh.Mesh(mesh.points, {"hex8": twice}).check()
     with pytest.raises(InputError, match="belong to no cell"):
         wfmesh.Mesh(np.concatenate([mesh.points, [[1.0, 1.0, 1.0]]]), {"hex8": mesh.single[1]}).check()
 

@@ -151,6 +151,11 @@ def test_include(read: Read, tmp_path: Path) -> None:
         ("CPYRAM,1,1,1,2,3,4,5\n", "pyramids are not supported"),
         ("GRDSET,,3\n", "default coordinate system"),
         ("+A,1,2\n", "line 1: a continuation without a card"),
+        (
+            grids(CUBE) + "GRID,20,,9.,0.,0.\n" + cube(),
+            "line 9: GRID: grid point 20 is given already, at another place",
+        ),
+        (grids(CUBE) + cube() + cube(), "line 11: CHEXA: element 1 is given already"),
     ],
 )
 def test_bad_decks(read: Read, text: str, message: str) -> None:

@@ -1,4 +1,4 @@
-"""Geometric checks of a mesh: orientation of the cells, unused nodes, one connected part.
+"""Geometric checks of a mesh: orientation of the cells, none twice, unused nodes, one connected part.
 
 A cell is *inverted* where det(dx/dxi) <= 0. The determinant is looked at in the cell's own nodes: there it is smallest
 for the linear cells (a hexahedron's is multilinear, so extreme at corners), and a bad edge node of a quadratic cell
@@ -50,6 +50,32 @@ def check_orientation(
                 f"{smallest[first]:.3g} m3; repair the mesh or the node order of its cells"
             )
         start += len(nodes)
+
+
+def check_distinct(cells: Mapping[str, np.ndarray], labels: np.ndarray | None = None, what: str = "number") -> None:
+    """Raise `InputError` where two cells have the same corners: both would carry, and weigh, in the same place.
+
+    `labels` and `what` as in `check_orientation`.
+    """
+    rows, numbers = [], []
+    widest = max(cell_kind(kind).corner_count for kind in cells)
+    start = 0
+    for kind, nodes in cells.items():
+        corners = np.sort(nodes[:, : cell_kind(kind).corner_count], axis=1)
+        rows.append(np.pad(corners, ((0, 0), (0, widest - corners.shape[1])), constant_values=-1))
+        numbers.append(np.arange(start, start + len(nodes)))
+        start += len(nodes)
+    corners, number = np.concatenate(rows), np.concatenate(numbers)
+    order = np.lexsort(corners.T)
+    same = np.flatnonzero(np.all(corners[order[1:]] == corners[order[:-1]], axis=1))
+    if len(same):
+        first, second = sorted(number[order[same[0] : same[0] + 2]])
+        if labels is not None:
+            first, second = labels[first], labels[second]
+        raise InputError(
+            f"mesh: {len(same)} cell(s) stand on the corners of another one, the first are {what} {first} and "
+            f"{second}; remove one of each two"
+        )
 
 
 def check_used(node_count: int, cells: Mapping[str, np.ndarray]) -> None:

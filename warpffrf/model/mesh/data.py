@@ -16,7 +16,7 @@ from warpffrf.model.errors import InputError, require_array, require_count, requ
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import periodicity, pyvista_export
 from warpffrf.model.mesh import select as selection
-from warpffrf.model.mesh.checks import check_connected, check_orientation, check_used
+from warpffrf.model.mesh.checks import check_connected, check_distinct, check_orientation, check_used
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.facets import FacetSet, node_numbers, outer_faces
 from warpffrf.model.mesh.report import MeshReport
@@ -241,9 +241,11 @@ class Mesh:
         return total
 
     def check(self) -> Mesh:
-        """Raise `InputError` for inverted cells, unused nodes or disconnected parts; else return the mesh itself."""
+        """Raise `InputError` for inverted cells, two cells in one place, unused nodes or disconnected parts;
+        else return the mesh itself."""
         if self.cells:
             check_orientation(self.points, self.cells)
+            check_distinct(self.cells)
             check_used(len(self.points), self.cells)
             check_connected(len(self.points), self.cells)
         return self

@@ -103,6 +103,7 @@ class _Deck:
     grids: dict[int, tuple[int, tuple[float, float, float], _Card]] = field(default_factory=dict)
     systems: dict[int, _Card] = field(default_factory=dict)
     cells: dict[str, list[tuple[int, list[int], _Card]]] = field(default_factory=dict)  # by kind: property, nodes
+    elements: set[int] = field(default_factory=set)  # their numbers
     solids: dict[int, _Card] = field(default_factory=dict)  # PSOLID by property
     materials: dict[int, _Card] = field(default_factory=dict)  # MAT1
     ignored: Counter[str] = field(default_factory=Counter)
@@ -145,7 +146,12 @@ def _take(deck: _Deck, card: _Card) -> None:
     name = card.name
     if name == "GRID":
         x = (card.real(3, 0.0), card.real(4, 0.0), card.real(5, 0.0))
-        deck.grids[card.integer(1)] = (card.integer(2, 0), x, card)
+        grid = card.integer(2, 0), x, card
+        known = deck.grids.setdefault(card.integer(1), grid)
+        if known[:2] != grid[:2]:
+            raise card.fault(
+                f"grid point {card.integer(1)} is given already, at another place; give one of them another number"
+            )
     elif name in _SOLIDS:
         linear, quadratic, order = _SOLIDS[name]
         corners = _CORNERS[name]
@@ -174,6 +180,9 @@ def _take(deck: _Deck, card: _Card) -> None:
 
 
 def _add(deck: _Deck, kind: str, card: _Card, fields: list[int]) -> None:
+    if card.integer(1) in deck.elements:
+        raise card.fault(f"element {card.integer(1)} is given already; give one of them another number")
+    deck.elements.add(card.integer(1))
     nodes = [card.integer(i) for i in fields]
     deck.cells.setdefault(kind, []).append((card.integer(2, card.integer(1)), nodes, card))
 

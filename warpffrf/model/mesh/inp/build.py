@@ -6,7 +6,7 @@ from collections import Counter
 from pathlib import Path
 
 from warpffrf.model.errors import InputError, unknown_name
-from warpffrf.model.mesh.checks import check_connected, check_orientation
+from warpffrf.model.mesh.checks import check_connected, check_distinct, check_orientation
 from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.inp.parse import parse
 from warpffrf.model.mesh.inp.sections import materials_of, sections_of
@@ -67,6 +67,7 @@ def read_inp(path: str | Path, *, length_unit: str, part: int | str | None = Non
     try:
         # what mesh.check() does, with the deck's numbers; nodes without cells are left out already
         check_orientation(mesh.points, mesh.cells, solid.cell_labels, "element")
+        check_distinct(mesh.cells, solid.cell_labels, "element")
         check_connected(len(mesh.points), mesh.cells)
         return mesh
     except InputError as error:
