@@ -27,6 +27,7 @@ from warpffrf.model.reduced_body import (
     Recovery,
     ReducedBody,
 )
+from warpffrf.model.reduced_body_check import check_body
 from warpffrf.model.sampling import Sampling
 from warpffrf.model.stress_field import StressField
 from warpffrf.model.tangential import Tangential
@@ -312,7 +313,9 @@ def read_reduced_body(path: Path) -> ReducedBody:
             expected = file.attrs["content_hash"]
         if _digest(arrays, facts) != expected:
             raise InputError(f"reduced body: {path} is damaged (content hash differs); {cure}")
-        return _restore(arrays, facts, report, provenance)
+        body = _restore(arrays, facts, report, provenance)
+        check_body(body)
+        return body
     except InputError:
         raise
     except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:

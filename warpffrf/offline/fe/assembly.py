@@ -21,7 +21,7 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import determinants
 from warpffrf.offline.fe.dilatation import is_mixed, projected_dilatation
 from warpffrf.offline.fe.materials import Assignment
-from warpffrf.offline.fe.reference import MASS_DEGREE, STIFFNESS_DEGREE, rule
+from warpffrf.offline.fe.reference import MASS_DEGREE, STIFFNESS_DEGREE, physical_gradients, rule
 
 Sparse = Any  # a scipy.sparse csr matrix; the stubs of scipy lose its type on every product and slice
 CHUNK_BYTES = 1 << 26  # element matrices worked on together: 64 MiB keeps the peak far below that of a factorisation
@@ -59,13 +59,6 @@ def scatter(local: np.ndarray, dofs: np.ndarray, size: int) -> Sparse:
     rows = np.repeat(dofs, k, axis=1).ravel().astype(np.int32)
     columns = np.tile(dofs, (1, k)).ravel().astype(np.int32)
     return sp.coo_matrix((local.ravel(), (rows, columns)), shape=(size, size)).tocsr()
-
-
-def physical_gradients(x: np.ndarray, kind: str) -> tuple[np.ndarray, np.ndarray]:
-    """dN_a/dx_i (e, q, k, 3) and volumes (e, q) at the stiffness points of cells with node coordinates x (e, k, 3)."""
-    r = rule(kind, STIFFNESS_DEGREE[kind])
-    J = np.einsum("eai,qaj->eqij", x, r.gradients)
-    return np.einsum("qaj,eqji->eqai", r.gradients, np.linalg.inv(J)), determinants(J) * r.weights
 
 
 def _stiffness(x: np.ndarray, kind: str, material: Material) -> np.ndarray:

@@ -25,10 +25,10 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.material import NEARLY_INCOMPRESSIBLE, Material
-from warpffrf.model.mesh.elements import cell_kind, determinants
+from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.elements.kinds import monomials
 from warpffrf.offline.fe.materials import Assignment
-from warpffrf.offline.fe.reference import STIFFNESS_DEGREE, rule
+from warpffrf.offline.fe.reference import STIFFNESS_DEGREE, physical_gradients, rule
 
 Array = np.ndarray
 WAVERING = "tet10"  # displacements converge, the mean stress hardly: measured 41 % off where hex20 cells are 6 %
@@ -74,9 +74,7 @@ def projected_dilatation(x: Array, kind: str, values: Array) -> Array:
     """P div u at reference points with shape functions `values` (p, k), per nodal displacement: (e, p, k, 3) [1/m],
     of cells with node coordinates x (e, k, 3) [m]."""
     r = rule(kind, STIFFNESS_DEGREE[kind])
-    J = np.einsum("eai,qaj->eqij", x, r.gradients)
-    slopes = np.einsum("qaj,eqji->eqai", r.gradients, np.linalg.inv(J))
-    weight = determinants(J) * r.weights
+    slopes, weight = physical_gradients(x, kind)
     psi = _pressures(x, kind, r.values)
     H = np.einsum("eqm,eqn,eq->emn", psi, psi, weight)
     b = np.einsum("eqm,eqac,eq->emac", psi, slopes, weight, optimize=True)

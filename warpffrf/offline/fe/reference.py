@@ -12,7 +12,7 @@ from functools import cache
 
 import numpy as np
 
-from warpffrf.model.mesh.elements import FACET_KINDS, cell_kind, facet_kind
+from warpffrf.model.mesh.elements import FACET_KINDS, cell_kind, determinants, facet_kind
 
 # Polynomial degree that the rule integrates exactly, per kind: stiffness and mass. Degrees count per direction for
 # quadrilaterals, hexahedra and the axis of wedges. Stiffness: full integration. Mass: hex8 and hex20 by 2 x 2 x 2 and
@@ -45,6 +45,13 @@ def rule(kind: str, degree: int, pieces: int = 1) -> Rule:
         X, W = 2.0 * X - 1.0, W * 2.0 ** len(X)
     values, gradients = element.shape(X.T)
     return Rule(values, gradients, W)
+
+
+def physical_gradients(x: np.ndarray, kind: str) -> tuple[np.ndarray, np.ndarray]:
+    """dN_a/dx_i (e, q, k, 3) and volumes (e, q) at the stiffness points of cells with node coordinates x (e, k, 3)."""
+    r = rule(kind, STIFFNESS_DEGREE[kind])
+    J = np.einsum("eai,qaj->eqij", x, r.gradients)
+    return np.einsum("qaj,eqji->eqai", r.gradients, np.linalg.inv(J)), determinants(J) * r.weights
 
 
 def _points(domain: str, degree: int) -> tuple[np.ndarray, np.ndarray]:

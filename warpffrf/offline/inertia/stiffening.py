@@ -33,10 +33,10 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.inertia import PRODUCTS, GeometricStiffness
 from warpffrf.model.mesh import Mesh
 from warpffrf.offline.elastic import ElasticModel
-from warpffrf.offline.fe.assembly import CHUNK_BYTES, Sparse, physical_gradients, scatter
+from warpffrf.offline.fe.assembly import CHUNK_BYTES, Sparse, scatter
 from warpffrf.offline.fe.dilatation import is_mixed, projected_dilatation
 from warpffrf.offline.fe.materials import Assignment
-from warpffrf.offline.fe.reference import STIFFNESS_DEGREE, rule
+from warpffrf.offline.fe.reference import STIFFNESS_DEGREE, physical_gradients, rule
 from warpffrf.offline.inertia.invariants import turned
 from warpffrf.offline.interfaces.system import InterfaceSystem
 
