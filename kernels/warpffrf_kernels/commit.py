@@ -204,7 +204,7 @@ def decide(
     if ctl[w, k.SUB] >= whole:
         ctl[w, k.SUB] = 0
         ctl[w, k.STEP] = ctl[w, k.STEP] + 1
-        if ctl[w, k.STEP] % ctl[w, k.EVERY] == 0 or ctl[w, k.STEP] == ctl[w, k.LAST]:
+        if ctl[w, k.STEP] % ctl[w, k.EVERY] == 0:
             ctl[w, k.RECORD] = 1
 
 

@@ -25,7 +25,6 @@ SAVED = wp.constant(16)  # rows written to the ring
 REJECTED = wp.constant(17)  # rejected attempts so far
 WORST = wp.constant(18)  # largest number of iterations of an accepted step
 TOUCHED = wp.constant(19)  # active modes before the attempt, restored when it is rejected
-LAST = wp.constant(20)  # user step with which a run ends: saved in any case
 ITERATIONS = wp.constant(21)  # Newton iterations, all accepted steps
 STEPS = wp.constant(22)  # accepted steps
 REASON = wp.constant(23)  # failure bits of all rejected attempts

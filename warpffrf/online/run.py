@@ -169,11 +169,11 @@ def run(
             engine.control(LEVEL=min(RUB_IN, engine.settings.max_level))
         engine.save_now()
         first_step = 0
-    last_step = first_step + steps
-    engine.control(EVERY=save_every, LAST=last_step)
+    engine.control(EVERY=save_every)
     engine.seconds_in_graph = 0.0
     loop = time.perf_counter()
     interrupted = False
+    last_step = first_step + steps
     watch = EnergyWatch(engine, step)
     gain = ""
     bar = Progress("simulate", steps, enabled=progress)
