@@ -13,7 +13,7 @@ tractions and discs are times the weight of their pair here (`impulsive_contact`
 import warp as wp
 
 from warpffrf_kernels import control as k
-from warpffrf_kernels.contact_solve import change_of
+from warpffrf_kernels.contact_solve import push_by_slots
 from warpffrf_kernels.friction_forces import creep_softness
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.friction_normal import OPEN
@@ -49,18 +49,7 @@ def drive_modes(
         modal_drive[first + n] = -modal_residual[w, n]
         n += wp.block_dim()
     sync()
-    slot = int(0)
-    while slot < ctl[w, k.SLOTS]:
-        pair = slot_mode[w, slot, 0]
-        change = weight[w, pair] * change_of(w, slot, slot_mode, active, pressure, base)
-        if change != real(0.0):
-            start = (w * model.slot_capacity + slot) * model.pair_modes
-            for side in range(2):
-                surface = surface_of(model, pair, side)
-                modes = model.surface_modal_count[surface]
-                axpy(modes, change, J, start, modal_drive, first + model.surface_modal_start[surface])
-                start += modes
-        slot += 1
+    push_by_slots(model, ctl, w, slot_mode, active, pressure, base, weight, J, modal_drive)
 
 
 # Line `row` of L times the entries of z in its columns.

@@ -30,8 +30,15 @@ def test_the_mixed_formulation_is_named(kind: str) -> None:
 @pytest.mark.parametrize("kind", ["wedge6", "tet4"])
 def test_cells_that_lock_are_named(kind: str) -> None:
     notes, (warning,) = said(kind, rubber())
-    assert not notes and f"{kind} cells without mixed formulation lock" in warning
-    assert "hex8, hex20, hex27, wedge15 or tet10" in warning
+    assert not notes and f"{kind} cells have no mixed formulation and lock" in warning
+    assert "hex8, hex20, hex27, wedge15, tet10 cells have one" in warning
+
+
+def test_a_mixed_formulation_that_is_not_there() -> None:
+    """Asked for where nothing would lock."""
+    steel = Material(210e9, 0.3, 7850.0, name="rubber", formulation="mixed")
+    notes, (warning,) = said("tet4", steel)
+    assert not notes and "tet4 cells have no mixed formulation and take that of displacement alone" in warning
 
 
 def test_who_forbids_it_is_told() -> None:

@@ -6,6 +6,7 @@ distorted cell each, steel, mm and tonnes.
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -171,7 +172,7 @@ def test_missing_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         (
             "a.mtx",
             "%%MatrixMarket matrix coordinate real general\n% note\n2 2 1\n1 1 1.5X6\n",
-            "line 4 holds '1 1 1.5X6'",
+            "line 4 holds '1.5X6'",
         ),
         ("a.sti", "1 1 1.0\n", r"a\.dof does not exist"),
         ("a.txt", "1 1 1.0\n", "unknown format '.txt'"),
@@ -230,3 +231,19 @@ def test_exponents_of_every_program(tmp_path: Path, exponent: str, sign: str) ->
     np.testing.assert_array_equal(
         read_matrix(tmp_path / "a.mtx").matrix.toarray(), np.diag([float(f"1.5e{sign}6"), -20.0])
     )
+
+
+def test_an_exponent_without_letter(tmp_path: Path) -> None:
+    """With three digits Fortran's E format has no room for the letter."""
+    text = "%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 1.5-106\n2 2 -.25+100\n"
+    (tmp_path / "a.mtx").write_text(text)
+    np.testing.assert_array_equal(read_matrix(tmp_path / "a.mtx").matrix.toarray(), np.diag([1.5e-106, -0.25e100]))
+
+
+@pytest.mark.parametrize("word", ["1.5.2", "1..5", "1e", "1.5e6e2", "1-106", "--1", ".", "nan", "1,5", "1.5D"])
+def test_what_is_no_number(tmp_path: Path, word: str) -> None:
+    """SciPy reads most of these up to the first character that it does not know."""
+    text = f"%%MatrixMarket matrix coordinate real general\n% made by Dora\n2 2 2\n1 1 1.0\n2 2 {word}\n"
+    (tmp_path / "a.mtx").write_text(text)
+    with pytest.raises(InputError, match=rf"a\.mtx: line 5 holds '{re.escape(word)}', which is not a number"):
+        read_matrix(tmp_path / "a.mtx")

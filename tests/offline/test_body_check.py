@@ -12,6 +12,7 @@ import pytest
 
 from warpffrf.model import surfaces
 from warpffrf.model.errors import InputError
+from warpffrf.model.local_modes import LocalMass
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced_body import ReducedBody
@@ -37,10 +38,23 @@ def spoilt(array: np.ndarray) -> np.ndarray:
     return array
 
 
+def shorter(mass: LocalMass | None) -> LocalMass:
+    assert mass is not None
+    return replace(mass, overlap=mass.overlap[:, 1:])
+
+
 WRONG: dict[str, tuple[Callable[[ReducedBody], ReducedBody], str]] = {
     "NaN": (
         lambda b: with_rim(b, mode_normal=spoilt(b.contact_surfaces["rim"].mode_normal)),
         "contact_surfaces/rim/mode_normal holds NaN",
+    ),
+    "NaN that no shape is known of": (
+        lambda b: with_rim(b, recovery=replace((r := b.contact_surfaces["rim"].recovery), transfer=spoilt(r.transfer))),
+        "body.h5: contact_surfaces/rim/recovery/transfer holds NaN",
+    ),
+    "an overlap of other modes": (
+        lambda b: with_rim(b, local_mass=shorter(b.contact_surfaces["rim"].local_mass)),
+        "contact_surfaces/rim/local_mass/overlap must have shape",
     ),
     "a sector less": (
         lambda b: with_rim(b, lags=b.contact_surfaces["rim"].lags[:-1]),

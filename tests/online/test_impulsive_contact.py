@@ -152,14 +152,9 @@ def test_impacts_together_gain_a_hundredth() -> None:
         state.pair_force.assign(force)
         engine.control(EVERY=1, ATTEMPT=1, ACCEPT=0, FAILURE=0, LEVEL=0, SUB=0, STATUS=0)
         inputs = [
-            engine.compiled.models,
-            state.energy,
-            work.dx,
-            state.pair_force,
-            work.restless,
-            work.wanted,
+            engine.compiled.models, state.energy, work.dx, state.pair_force, work.restless, work.wanted,
             work.created_now,
-        ]
+        ]  # fmt: skip
         wp.launch(decide, dim=1, inputs=inputs, outputs=[state.impulsive, state.ctl, state.clk], device="cpu")
         return bool(engine.word("ACCEPT")[0])
 

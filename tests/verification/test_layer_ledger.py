@@ -75,6 +75,11 @@ def test_a_fall_gains_nothing(body: ReducedBody, index: int, step: float, phase:
     gains_nothing(body, LAWS[index], step, phase)
 
 
+def test_a_fall_whose_impact_no_mean_balances(body: ReducedBody) -> None:
+    """No mean of the force gives back the energy of this one: the step is halved."""
+    gains_nothing(body, laws.ExponentialAsperities(1e7, 1e-6), 3e-4, 0.31)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("phase", [0.03, 0.31, 0.87])
 @pytest.mark.parametrize("step", [1e-6, 3e-6, 1e-5, 3e-5, 3e-4])

@@ -314,7 +314,10 @@ def read_reduced_body(path: Path) -> ReducedBody:
         if _digest(arrays, facts) != expected:
             raise InputError(f"reduced body: {path} is damaged (content hash differs); {cure}")
         body = _restore(arrays, facts, report, provenance)
-        check_body(body)
+        try:
+            check_body(body, arrays)
+        except InputError as error:
+            raise InputError(f"reduced body: {path}: {error}; {cure}") from None
         return body
     except InputError:
         raise

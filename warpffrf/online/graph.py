@@ -133,11 +133,9 @@ class StepGraph(Launcher):
         if P:
             self.contact.judge()
         self.launch(
-            commit.decide,
-            W,
-            [M, s.energy, x.dx, s.pair_force, x.restless, x.wanted, x.created_now],
+            commit.decide, W, [M, s.energy, x.dx, s.pair_force, x.restless, x.wanted, x.created_now],
             [s.impulsive, s.ctl, s.clk],
-        )
+        )  # fmt: skip
         if P:
             self.contact.keep()
             self.block(keep_contact.restore_contact, (W, P), [s.ctl, *before], [s.active, s.pressure, s.patch_offset])

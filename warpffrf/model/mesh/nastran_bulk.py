@@ -145,13 +145,12 @@ def read_bulk(path: Path, length_unit: str) -> RawMesh:
 def _take(deck: _Deck, card: _Card) -> None:
     name = card.name
     if name == "GRID":
+        number = card.integer(1)
         x = (card.real(3, 0.0), card.real(4, 0.0), card.real(5, 0.0))
         grid = card.integer(2, 0), x, card
-        known = deck.grids.setdefault(card.integer(1), grid)
+        known = deck.grids.setdefault(number, grid)
         if known[:2] != grid[:2]:
-            raise card.fault(
-                f"grid point {card.integer(1)} is given already, at another place; give one of them another number"
-            )
+            raise card.fault(f"grid point {number} is given already, at another place; give one of them another number")
     elif name in _SOLIDS:
         linear, quadratic, order = _SOLIDS[name]
         corners = _CORNERS[name]
@@ -180,11 +179,12 @@ def _take(deck: _Deck, card: _Card) -> None:
 
 
 def _add(deck: _Deck, kind: str, card: _Card, fields: list[int]) -> None:
-    if card.integer(1) in deck.elements:
-        raise card.fault(f"element {card.integer(1)} is given already; give one of them another number")
-    deck.elements.add(card.integer(1))
+    number = card.integer(1)
+    if number in deck.elements:
+        raise card.fault(f"element {number} is given already; give one of them another number")
+    deck.elements.add(number)
     nodes = [card.integer(i) for i in fields]
-    deck.cells.setdefault(kind, []).append((card.integer(2, card.integer(1)), nodes, card))
+    deck.cells.setdefault(kind, []).append((card.integer(2, number), nodes, card))
 
 
 class _Systems:

@@ -21,7 +21,7 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import determinants
 from warpffrf.offline.fe.dilatation import is_mixed, projected_dilatation
 from warpffrf.offline.fe.materials import Assignment
-from warpffrf.offline.fe.reference import MASS_DEGREE, STIFFNESS_DEGREE, physical_gradients, rule
+from warpffrf.offline.fe.reference import MASS_DEGREE, physical_gradients, rule
 
 Sparse = Any  # a scipy.sparse csr matrix; the stubs of scipy lose its type on every product and slice
 CHUNK_BYTES = 1 << 26  # element matrices worked on together: 64 MiB keeps the peak far below that of a factorisation
@@ -70,7 +70,7 @@ def _stiffness(x: np.ndarray, kind: str, material: Material) -> np.ndarray:
     trace = np.einsum("eaibi->eab", g)
     K = mu * g.transpose(0, 1, 4, 3, 2)
     if is_mixed(kind, material):
-        D = projected_dilatation(x, kind, rule(kind, STIFFNESS_DEGREE[kind]).values).reshape(e, q, 3 * k)
+        D = projected_dilatation(x, kind).reshape(e, q, 3 * k)
         K += lam * np.matmul((D * weight[..., None]).transpose(0, 2, 1), D).reshape(e, k, 3, k, 3)
     else:
         K += lam * g

@@ -16,8 +16,8 @@ Where div u lies in the span of psi, P changes nothing: constant strain is exact
 place relative to the middle of the cell, not in the reference coordinates, so that this holds for cells of any shape
 (Arnold, Boffi and Falk 2002, Math. Comput. 71, 909). The polynomial of each kind of cell is its `CellKind.dilatation`:
 a constant of trilinear hexahedra, quadratic wedges and quadratic tetrahedra, linear of quadratic hexahedra. Of linear
-tetrahedra and wedges there is none: with a constant they have two to six times as many pressures as a mesh has nodes to
-bear them, and lock all the same (measured of wedges: not better than without); quadratic wedges lock with a linear one.
+tetrahedra and wedges there is none: a mesh of them has two to six times as many cells as nodes, so that with a constant
+pressure of each cell there are more conditions than can be borne, and they lock all the same.
 """
 
 from __future__ import annotations
@@ -25,18 +25,19 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.material import NEARLY_INCOMPRESSIBLE, Material
-from warpffrf.model.mesh.elements import cell_kind
+from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind
 from warpffrf.model.mesh.elements.kinds import monomials
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.fe.reference import STIFFNESS_DEGREE, physical_gradients, rule
 
 Array = np.ndarray
+PROJECTED = tuple(kind for kind in CELL_KINDS if cell_kind(kind).dilatation is not None)
 WAVERING = "tet10"  # displacements converge, the mean stress hardly: measured 41 % off where hex20 cells are 6 %
 
 
 def is_mixed(kind: str, material: Material) -> bool:
     """Whether cells of `kind` made of `material` take the projected dilatation."""
-    return material.mixed and cell_kind(kind).dilatation is not None
+    return material.mixed and kind in PROJECTED
 
 
 def formulation_notes(assignment: Assignment, stresses: bool) -> tuple[list[str], list[str]]:
@@ -44,36 +45,39 @@ def formulation_notes(assignment: Assignment, stresses: bool) -> tuple[list[str]
     `stresses`, where these are wanted, waver."""
     notes, warnings = [], []
     for i, material in enumerate(assignment.materials):
-        cells = {kind: int(np.sum(number == i)) for kind, number in assignment.of_cell.items()}
         label = f"material {material.name!r}" if material.name else "material"
+        ratio = f"at Poisson's ratio {material.poisson_ratio:g}"
         nearly = material.poisson_ratio > NEARLY_INCOMPRESSIBLE
-        mixed = [f"{n} {kind}" for kind, n in cells.items() if n and is_mixed(kind, material)]
-        locking = [f"{n} {kind}" for kind, n in cells.items() if n and nearly and not is_mixed(kind, material)]
-        if mixed:
+        count = {kind: int(np.sum(number == i)) for kind, number in assignment.of_cell.items()}
+        able = [f"{n} {kind}" for kind, n in count.items() if n and kind in PROJECTED]
+        unable = [f"{n} {kind}" for kind, n in count.items() if n and kind not in PROJECTED]
+        lock = f"lock {ratio}, the body is too stiff, maybe by several times"
+        if able and material.mixed:
             notes.append(
-                f"{label}: {', '.join(mixed)} cells take the mixed formulation of displacement and pressure, which "
-                f"does not lock at Poisson's ratio {material.poisson_ratio:g}"
+                f"{label}: {', '.join(able)} cells take the mixed formulation of displacement and pressure, which does "
+                f"not lock {ratio}"
             )
-        if stresses and cells.get(WAVERING) and is_mixed(WAVERING, material):
+        if able and nearly and not material.mixed:
+            warnings.append(f"{label}: {', '.join(able)} cells {lock}; leave out formulation='displacement'")
+        if unable and (nearly or material.mixed):
+            meanwhile = lock if nearly else "take that of displacement alone"
             warnings.append(
-                f"{label}: the mean stress in {cells[WAVERING]} {WAVERING} cells wavers from cell to cell at Poisson's "
-                f"ratio {material.poisson_ratio:g}, maybe by some tenths; use hex8, hex20 or hex27 cells for stresses"
+                f"{label}: {', '.join(unable)} cells have no mixed formulation and {meanwhile}; "
+                f"{', '.join(PROJECTED)} cells have one"
             )
-        if locking:
-            cure = "hex8, hex20, hex27, wedge15 or tet10 cells have one"
-            if material.formulation == "displacement":
-                cure = "leave out formulation='displacement'"
+        if stresses and count.get(WAVERING) and is_mixed(WAVERING, material):
             warnings.append(
-                f"{label}: {', '.join(locking)} cells without mixed formulation lock at Poisson's ratio "
-                f"{material.poisson_ratio:g}, the body is too stiff, maybe by several times; {cure}"
+                f"{label}: the mean stress in {count[WAVERING]} {WAVERING} cells wavers from cell to cell {ratio}, "
+                "maybe by some tenths; use hex8, hex20 or hex27 cells for stresses"
             )
     return notes, warnings
 
 
-def projected_dilatation(x: Array, kind: str, values: Array) -> Array:
-    """P div u at reference points with shape functions `values` (p, k), per nodal displacement: (e, p, k, 3) [1/m],
-    of cells with node coordinates x (e, k, 3) [m]."""
+def projected_dilatation(x: Array, kind: str, values: Array | None = None) -> Array:
+    """P div u per nodal displacement, (e, p, k, 3) [1/m], of cells with node coordinates x (e, k, 3) [m], at reference
+    points with shape functions `values` (p, k); None: at the points at which stiffness is integrated."""
     r = rule(kind, STIFFNESS_DEGREE[kind])
+    values = r.values if values is None else values
     slopes, weight = physical_gradients(x, kind)
     psi = _pressures(x, kind, r.values)
     H = np.einsum("eqm,eqn,eq->emn", psi, psi, weight)

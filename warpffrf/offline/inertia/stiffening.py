@@ -36,7 +36,7 @@ from warpffrf.offline.elastic import ElasticModel
 from warpffrf.offline.fe.assembly import CHUNK_BYTES, Sparse, scatter
 from warpffrf.offline.fe.dilatation import is_mixed, projected_dilatation
 from warpffrf.offline.fe.materials import Assignment
-from warpffrf.offline.fe.reference import STIFFNESS_DEGREE, physical_gradients, rule
+from warpffrf.offline.fe.reference import physical_gradients
 from warpffrf.offline.inertia.invariants import turned
 from warpffrf.offline.interfaces.system import InterfaceSystem
 
@@ -99,7 +99,7 @@ def prestress_stiffness(
                 gradient = np.einsum("eacl,eqad->eqcdl", u, slopes, optimize=True)
                 dilatation = None
                 if is_mixed(kind, material):
-                    D = projected_dilatation(points[part], kind, rule(kind, STIFFNESS_DEGREE[kind]).values)
+                    D = projected_dilatation(points[part], kind)
                     dilatation = np.einsum("eacl,eqac->eql", u, D, optimize=True)
                 sigma = stress(gradient, *material.lame, dilatation) * weight[:, :, None, None, None]
                 for load in range(count):

@@ -41,7 +41,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.mesh.elements import cell_kind
-from warpffrf.model.mesh.elements.domains import powers_up_to
+from warpffrf.model.mesh.elements.domains import CONSTANT, LINEAR, powers_up_to
 from warpffrf.model.mesh.elements.kinds import monomials
 from warpffrf.model.stress_field import from_tensor
 from warpffrf.offline.fe.assembly import CHUNK_BYTES, Sparse
@@ -58,7 +58,6 @@ def _line_by(flat: list[tuple[float, float]]) -> Array:
 
 
 _CUBE = _line_by([(x, y) for x in (-_GAUSS, _GAUSS) for y in (-_GAUSS, _GAUSS)])
-_LINEAR = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
 _TRIANGLE_BY_LINE = np.array([(*flat, z) for z in (0, 1) for flat in ((0, 0), (1, 0), (0, 1))])
 _SIXTHS = [(1.0 / 6.0, 1.0 / 6.0), (2.0 / 3.0, 1.0 / 6.0), (1.0 / 6.0, 2.0 / 3.0)]
 # recovery points (q, 3) of each kind, and the exponents (q, 3) of the polynomial through them
@@ -68,8 +67,8 @@ RECOVERY = {
     "hex27": (_CUBE, powers_up_to(1, 1, 1)),
     "wedge6": (_line_by([(1.0 / 3.0, 1.0 / 3.0)]), np.array([(0, 0, 0), (0, 0, 1)])),
     "wedge15": (_line_by(_SIXTHS), _TRIANGLE_BY_LINE),
-    "tet4": (np.full((1, 3), 0.25), np.zeros((1, 3), dtype=int)),
-    "tet10": (_TET + (1.0 - 4.0 * _TET) * np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1.0)]), _LINEAR),
+    "tet4": (np.full((1, 3), 0.25), CONSTANT),
+    "tet10": (_TET + (1.0 - 4.0 * _TET) * LINEAR, LINEAR),
 }
 
 

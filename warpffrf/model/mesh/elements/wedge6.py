@@ -2,13 +2,7 @@
 
 import numpy as np
 
-from warpffrf.model.mesh.elements.domains import (
-    WEDGE_CORNERS,
-    WEDGE_QUADS,
-    WEDGE_TRIANGLES,
-    powers_up_to,
-    wedge_rule,
-)
+from warpffrf.model.mesh.elements.domains import WEDGE_CORNERS, WEDGE_QUADS, WEDGE_TRIANGLES, powers_up_to, wedge_rule
 from warpffrf.model.mesh.elements.kinds import CellKind, complete_faces
 
 _ALL = powers_up_to(1, 1, 1)

@@ -1,7 +1,8 @@
 """Matrix Market files, coordinate or array (Boisvert, Pozo, Remington 1996, NISTIR 5935), through SciPy.
 
-SciPy's reader ends a number at the first character that it does not know, and reads Fortran's 1.5D6 as 1.5. So these
-exponents are written as 1.5e6 for it, and a file with any other character among its numbers is refused.
+SciPy's reader ends a number at the first character that it does not know: it reads Fortran's 1.5D6 and 1.5+106 as 1.5,
+and 1.5.2 too. So Fortran's exponents are written as 1.5e6 and 1.5e+106 for it, and a file with anything else among its
+numbers is refused.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ from warpffrf.model.mesh.matrices.files import FileMatrix
 
 BANNER = b"%%matrixmarket"  # in small letters, as it is compared
 _FORTRAN = re.compile(rb"(?<=[0-9.])[dD](?=[+-]?[0-9])")
-_FOREIGN = re.compile(rb"[^0-9eE+\-.\s]")
+_FORTRAN_WIDE = re.compile(rb"(\.[0-9]*)(?=[+-][0-9]{3}\s)")  # of three digits Fortran leaves out the letter
+_NUMBERS = re.compile(rb"(?>\s+|[+-]?(?>[0-9]+\.?[0-9]*|\.[0-9]+)(?>[eE][+-]?[0-9]+)?(?=\s|\Z))*+")
 _COMMENTS = re.compile(rb"(?:\s*%[^\n]*\n)*")
 
 
@@ -39,13 +41,11 @@ def _plain(file: Path) -> bytes:
     text = file.read_bytes()
     head = re.match(_COMMENTS, text)
     start = head.end() if head else 0
-    numbers = _FORTRAN.sub(b"e", text[start:])
-    foreign = _FOREIGN.search(numbers)
-    if foreign:
-        line = text[:start].count(b"\n") + numbers[: foreign.start()].count(b"\n") + 1
-        said = numbers[: foreign.end() + 20].splitlines()[line - text[:start].count(b"\n") - 1]
-        raise InputError(
-            f"matrix file {file.name}: line {line} holds {said.decode(errors='replace')[:60]!r}, which is not a row of "
-            "numbers; export it again"
-        )
+    numbers = _FORTRAN_WIDE.sub(rb"\1e", _FORTRAN.sub(b"e", text[start:]))
+    read = _NUMBERS.match(numbers)
+    end = read.end() if read else 0
+    if end < len(numbers):
+        line = text[:start].count(b"\n") + numbers[:end].count(b"\n") + 1
+        word = numbers[end : end + 60].split()[0].decode(errors="replace")
+        raise InputError(f"matrix file {file.name}: line {line} holds {word!r}, which is not a number; export it again")
     return text[:start] + numbers
