@@ -66,11 +66,13 @@ def test_the_fastest_step_between_two_saved_rows_is_recorded(body) -> None:
         np.testing.assert_array_equal(saved[1:], every[1:].reshape(-1, count).max(axis=1))
 
 
-def test_a_run_that_goes_on_remembers_the_steps_before_it(body) -> None:
+def test_rows_of_a_run_in_parts_hold_the_fastest_step_since_the_row_before(body) -> None:
     every = advances(rolling(body), 10 * STEP)
     first = wf.simulate(rolling(body), 7 * STEP, step=STEP, save_every=10, progress=False, start="equilibrium")
     rest = advances(rolling(body), 3 * STEP, save_every=10, start=first)
-    assert rest[-1] == every.max()
+    friction = first.history.contacts["pair"].friction
+    assert friction is not None
+    assert friction.cells_per_step[-1] == every[1:8].max() and rest[-1] == every[8:].max()
 
 
 def test_the_nearest_place_passes_from_one_patch_to_another(slab) -> None:

@@ -226,7 +226,7 @@ def _loop(
                 return solution.failure, f"at {first + (n + 1) * step:g} s: " + MESSAGES[solution.failure]
             _accept(system, state, formula, solution)
             system.counters.steps += 1
-            if (n + 1) % save_every == 0:
+            if (n + 1) % save_every == 0 or n + 1 == steps:
                 records.save(state, solution, step)
             bar.update(n + 1)
     except KeyboardInterrupt:

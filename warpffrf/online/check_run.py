@@ -141,7 +141,7 @@ def run_check(
                 states, accepted, done = [m[0] for m in moved], energy, n
                 most = max(m[3] for m in moved)
                 total, worst, pending = total + most, max(worst, most), pending + most
-                if n % save_every == 0:
+                if n % save_every == 0 or n == steps:
                     rows.add(t0 + n * step, states, energy, pending)
                     pending = 0
                 bar.update(n)
