@@ -111,6 +111,7 @@ def test_sizes_agree_with_the_equations(plain_body: ReducedBody) -> None:
     omega, J0 = 2.0 * np.pi * plain_body.frequencies, plain_body.inertia
     strain = np.linalg.norm(omega * q, axis=1).max()
     turning = np.linalg.norm(w @ J0, axis=1).max()
+    turning = max(turning, np.sqrt(0.5 * np.trace(J0)) * np.linalg.norm(qd, axis=1).max())
     differences = {
         "deformed inertia": ("full", "gyroscopic"), "gyroscopic": ("full", "deformed"), "centrifugal": ("deformed", ""),
     }  # fmt: skip
@@ -156,6 +157,24 @@ def test_a_load_on_a_still_body(plain_body: ReducedBody) -> None:
         assert ("centrifugal all" in lines[0] and lines[0].endswith("use inertia='deformed'")) == (size > 0.0)
         sized = estimate(terms, plain_body.inertia, omega, w)
         assert (sized["centrifugal"] > BOUNDS["centrifugal"]) == (size > 0.0)  # `auto` draws the line there, too
+
+
+def test_a_body_at_rest_is_not_judged_by_noise(plain_body: ReducedBody) -> None:
+    """Loaded, and as still as round-off lets it be: speeds of 1e-13 to one another are anything."""
+    terms = terms_of(2, J2={(0, 0): 0.5}, G={(0, 1): 0.5})
+    for turning, rate in ((1e-13, 1e-13), (1e-17, 1e-12), (1e-12, 1e-17)):
+        found = sizes(plain_body, terms, (0.0, 0.0, turning), modes(plain_body, q0=1e-6), modes(plain_body, q1=rate))
+        assert found["gyroscopic"].size < FLAG
+        assert "use inertia" not in indicator_lines(list(found.values()), {"a": "constant"})[0]
+
+
+def test_stiffening_that_is_missing() -> None:
+    """Softening without the stiffening that comes with it would be worse than neither."""
+    for level in ("constant", "full"):
+        (line,) = indicator_lines(sized(level, 0.3, 0.05, 0.0), {"a": level})
+        assert line.endswith("softens it, 5 %: take stiffening=True, in reduce and in add_body")
+        (line,) = indicator_lines(sized(level, 0.3, 0.05, 0.0), {"a": level}, {"a"})
+        assert "stiffens" not in line
 
 
 def sized(level: str, centrifugal: float, deformed: float, gyroscopic: float) -> list[TermSize]:

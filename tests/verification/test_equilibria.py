@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +15,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online.history import History
 from warpffrf.online.run import find_equilibrium
+from warpffrf.online.sensors import point_motion
 
 STEEL = Material(210e9, 0.3, 7850.0)
 ACROSS = (0.0, 1.0, 0.0)
@@ -114,17 +114,8 @@ def test_a_cantilever_that_bends_far(number: float, parts: int) -> None:
 
 def tip_motion(rest: History, scene: Scene) -> np.ndarray:
     """Displacement [m] of the interface at the end of the last body, with its motion of second order."""
-    from warpffrf.model import rotation as rot
-
-    body = scene.bodies[-1]
-    motion = rest.bodies[body.name]
-    reduced: Any = body.reduced
-    interface, q = reduced.interfaces["y_max"], motion.modal[0]
-    stiffening = reduced.inertia_terms.stiffening.interfaces["y_max"]
-    k = stiffening.shape[-1]
-    u = q @ interface.modes[:, :3] - 0.5 * np.einsum("i,cij,j->c", q[:k], stiffening[:3], q[:k])
-    at = rot.matrix(motion.rotation[0]) @ (interface.point + u) + motion.position[0]
-    return at - body.to_world(interface.point)
+    end = scene.bodies[-1]["y_max"]
+    return point_motion(end, end.point, rest.bodies, 1)[0][0] - end.body.to_world(end.point)
 
 
 @functools.cache

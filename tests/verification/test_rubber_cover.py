@@ -10,6 +10,7 @@ from plane_strain_cover import pressed_cover
 
 from warpffrf.model import joints, surfaces
 from warpffrf.model.contact import Contact
+from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
 from warpffrf.model.scene import Scene
@@ -45,6 +46,8 @@ def pressed(mesh: str, material: Material) -> tuple[float, float]:
     scene.add(Contact(roll["rim"], plane, name="nip", overlap=1e-3))
     scene.add(joints.Fixed(scene.ground, roll["bore"]))
     nip = equilibrium(scene).contact("nip")
+    with pytest.raises(InputError, match=r"its half-width would be .* 'roll' is only 0.005 m deep .* no half-space"):
+        nip.hertz(-1)
     return float(nip.line_load[-1]), float(nip.peak_pressure[-1])
 
 

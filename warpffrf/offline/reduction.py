@@ -25,6 +25,7 @@ from warpffrf.offline.contact.expected_contact import expected_grids, promised, 
 from warpffrf.offline.contact.grid_rule import GridChoice
 from warpffrf.offline.contact.independence import INDEPENDENCE, check_compliance, eigenvalue_ratio, held_nodes
 from warpffrf.offline.contact.traction_fields import ContactFacets
+from warpffrf.offline.contact.wall import wall
 from warpffrf.offline.cyclic.path import axes_of, reduce_cyclic
 from warpffrf.offline.fe.dilatation import formulation_notes
 from warpffrf.offline.fe.materials import Assignment, assign, facet_material, other_material
@@ -238,6 +239,9 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
         provenance={
             "mesh_name": mesh.name,
             "contact_materials": {name: None if m is None else asdict(m) for name, m in materials.items()},
+            "contact_walls": {
+                name: wall(mesh, name, s.shape, s.grid, assignment) for name, s in surfaces.items() if materials[name]
+            },
         },
         inertia_terms=product.inertia_terms,
     )

@@ -73,7 +73,19 @@ def _untouched(scene: Any, history: Any, contacts: list[Any]) -> list[str]:
                 f"or it is too shallow for columns {surface.grid.pitch * radius:.2g} m apart; use a finer mesh "
                 "(half_width=)"
             )
-    return notes + out_of_reach(scene, {c.name: facing_gap(c) for c in apart})
+    notes += out_of_reach(scene, {c.name: facing_gap(c) for c in apart})
+    gaps = {c.name: -float(np.max(history.contacts[c.name].approach)) for c in apart}
+    open_ones = [
+        f"{name!r} ({gap:.2g} m apart at the least)" if np.isfinite(gap) else repr(name)
+        for name, gap in gaps.items()
+        if gap >= 0.0 and not any(note.startswith(f"contact {name!r}:") for note in notes)
+    ]
+    if open_ones:
+        what = "contact" if len(open_ones) == 1 else "contacts"
+        notes.append(
+            f"{what} without any touch in the run: {', '.join(open_ones)}; if that is not meant, check the gaps"
+        )
+    return notes
 
 
 def _skewed(contact: Any, found: Any, history: Any) -> list[str]:

@@ -7,11 +7,13 @@ that was found, kept or not. With f_i the force of a term on mode i, dL its part
     deformed inertia    f_i = sum_j (w.J2_ij w) q_j               dL = sum_ij q_i q_j J2_ij w
     gyroscopic          f_j = -2 w.g'_j - wdot.g_j                dL = sum_ij q_i qdot_j G_ij,   g_j = sum_i q_i G_ij
 
-    size = max( max_t |f_i/omega_i| / max_t |omega_i q_i| ,  max_t |dL| / max_t |J0 w| ).
+    size = max( max_t |f_i/omega_i| / max_t |omega_i q_i| ,  max_t |dL| / max(max_t |J0 w|, l max_t |qdot|) ).
 
 The first is what the term's force would deform, quasi-statically, beside what the body did deform, both as the root of
-strain energy; the second what the deformation changes of the angular momentum. A body that does not deform at all while
-a term would deform it has an infinite size: all of its deformation is left out.
+strain energy; the second what the deformation changes of the angular momentum, beside that of the turning, or of the
+vibration of a body that does not turn, l = root(tr J0/2): of a body at rest both are noise, and what noise changes is
+of second order in it. A body that does not deform at all while a term would deform it has an infinite size: all of its
+deformation is left out.
 
 The centrifugal load does not depend on the deformation, so that beside none at all any load is large: where it would
 deform the body by less than NOTICEABLE of its size (|f_i/omega_i^2| over root(tr J0/2), as in `compile_inertia`) it
@@ -20,14 +22,16 @@ counts as none. The other two are proportional to the deformation, and their siz
 These are estimates of first order: what a neglected term would have done is judged on a motion without it, and only in
 the modes that the body has. What of the static response to turning these do not hold is known from the reduction, a
 displacement of at most |w|^2 left_out of the size (`offline.inertia.centrifugal`); a line says so where that is
-NOTICEABLE and more than FLAG of the deformation found. Over one mode and a constant turning about an axis they are
+NOTICEABLE and more than FLAG of the deformation found. Geometric stiffening by turning is of the order of the deformed
+inertia, w^2/omega^2, and of the opposite sign: where the one counts the other must not be left out, and a line says so.
+Over one mode and a constant turning about an axis they are
 
     w^2 |J1|/(2 omega^2 |q|),   w^2 J2/omega^2,   2 w G/omega (in the modes that G couples): of order 2, 2, and 1 in w.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -77,11 +81,12 @@ def term_sizes(scene: Any, history: Any, levels: Mapping[str, str]) -> list[Term
         w_rate = _to_body(p, np.nan_to_num(motion.angular_acceleration[steps]))  # NaN: not recorded, in an old file
         q, qd = motion.modal[steps], np.nan_to_num(motion.modal_velocity[steps])
         omega = 2.0 * np.pi * np.asarray(reduced.frequencies)
-        strain, momentum = _largest(omega * q), _largest(w @ body.inertia)
+        size = np.sqrt(0.5 * np.trace(body.inertia))
+        strain, momentum = _largest(omega * q), max(_largest(w @ body.inertia), size * _largest(qd))
         k = terms.modes
         forces, parts = _terms(terms, q[:, :k], qd[:, :k], w, w_rate)
         bent = [_largest(f / omega[:k]) for f in forces]
-        if _largest(forces[0] / omega[:k] ** 2) < NOTICEABLE * np.sqrt(0.5 * np.trace(body.inertia)):
+        if _largest(forces[0] / omega[:k] ** 2) < NOTICEABLE * size:
             bent[0] = 0.0
         for i, name in enumerate(TERM_NAMES):
             kept = bool(LEVELS[levels[body.name]][i])
@@ -131,8 +136,9 @@ def recommended(sizes: Sequence[TermSize]) -> str:
     return least_level([any(s.size > FLAG for s in sizes if s.term == name) for name in TERM_NAMES])
 
 
-def indicator_lines(sizes: Sequence[TermSize], levels: Mapping[str, str]) -> list[str]:
-    """What the report says: per body the neglected terms with their sizes, and the level to use."""
+def indicator_lines(sizes: Sequence[TermSize], levels: Mapping[str, str], stiffened: Collection[str] = ()) -> list[str]:
+    """What the report says: per body the neglected terms with their sizes, the level to use, and whether geometric
+    stiffening is missing; `stiffened`: bodies that have it."""
     lines = []
     for body in dict.fromkeys(s.body for s in sizes):
         own = [s for s in sizes if s.body == body]
@@ -144,6 +150,12 @@ def indicator_lines(sizes: Sequence[TermSize], levels: Mapping[str, str]) -> lis
             line += f"; use inertia={better!r}"
         elif better != level:
             line += f"; {better!r} would do"
+        softened = next((s.on_modes for s in own if s.term == "deformed inertia"), 0.0)
+        if softened > FLAG and body not in stiffened:
+            line += (
+                f"; turning stiffens it about as much as the deformed inertia softens it, {percent(softened)}: take "
+                "stiffening=True, in reduce and in add_body"
+            )
         lines.append(line)
     return lines
 

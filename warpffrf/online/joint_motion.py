@@ -19,6 +19,7 @@ from warpffrf.model.joints import Joint, Marker, Row
 from warpffrf.model.joints.rows import gradient, value
 from warpffrf.model.redundancy import ConstraintRow, scene_length
 from warpffrf.online.history import BodyHistory
+from warpffrf.online.interface_motion import interface_motion
 
 LEFT_OUT = 1e-6  # of the scene's length, or rad: a redundant row is kept to round-off; more means that it was needed
 NEAR_HALF_TURN = 0.75  # of half a turn: a bushing that comes so far is no bushing; leaves room for what is not saved
@@ -50,9 +51,9 @@ def marker_motion(
         return X, axes, np.zeros((count, 3))
     body = bodies[port.body.name]
     if port.interface_name is not None and body.modal.shape[1]:
-        interface = port.body.reduced.interfaces[port.interface_name]
-        motion = body.modal @ interface.modes
-        X = X + motion[:, :3] + np.cross(motion[:, 3:], marker.point - interface.point)
+        motion = interface_motion(port, body)[0]
+        arm = marker.point - port.body.reduced.interfaces[port.interface_name].point
+        X = X + motion[:, :3] + np.cross(motion[:, 3:], arm)
         axes = _turns(motion[:, 3:]) @ axes
     A = _matrices(body.rotation)
     return body.position + np.einsum("tij,tj->ti", A, X), A @ axes, body.angular_velocity

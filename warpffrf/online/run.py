@@ -273,7 +273,8 @@ def _finish(
     levels = {
         body.name: plan.level for body, plan in zip(engine.scene.bodies, engine.compiled.inertia.bodies, strict=True)
     }
-    inertia = indicator_lines(term_sizes(engine.scene, history, levels), levels)
+    stiffened = {body.name for body in engine.scene.bodies if body.stiffening}
+    inertia = indicator_lines(term_sizes(engine.scene, history, levels), levels, stiffened)
     inertia += unheld_lines(engine.scene, history)
     families = engine.compiled.model.pair_family.numpy()
     on_axes = [c.name for c, f in zip(engine.scene.contacts, families, strict=False) if f == LINE_OF_CENTRES]

@@ -2,11 +2,12 @@
 
 A port at X (user frame) of a body with user origin r, orientation A and angular velocity omega moves as
 
-    x = r + A y,      y = X + u + theta cross (X - X_if),      (u, theta) = Phi_if q on an interface, else zero,
+    x = r + A y,      y = X + u + theta cross (X - X_if),
     v = rdot + omega cross A y + A ydot,
     a = rddot + alpha cross A y + omega cross (omega cross A y) + 2 omega cross A ydot + A yddot,
 
-y being linear in the modal coordinates. Accelerations are those of the equations of motion, not differences.
+with the motion (u, theta) of an interface at X_if (`interface_motion`), zero of other ports. Accelerations are those
+of the equations of motion, not differences.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import numpy as np
 from warpffrf.model.forces import BodyLoad, SpringLaw
 from warpffrf.model.joints import coincident_within
 from warpffrf.online.history import BodyHistory, ForceHistory, JointHistory, SensorHistory
+from warpffrf.online.interface_motion import interface_motion
 
 
 def turned(p: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -37,10 +39,8 @@ def point_motion(port: Any, point: np.ndarray, bodies: dict[str, BodyHistory], c
     body = bodies[port.body.name]
     y, y_rate, y_rate2 = np.tile(point, (count, 1)), np.zeros((count, 3)), np.zeros((count, 3))
     if port.interface_name is not None and body.modal.shape[1]:
-        interface = port.body.reduced.interfaces[port.interface_name]
-        arm = point - interface.point
-        for target, q in ((y, body.modal), (y_rate, body.modal_velocity), (y_rate2, body.modal_acceleration)):
-            motion = q @ interface.modes
+        arm = point - port.body.reduced.interfaces[port.interface_name].point
+        for target, motion in zip((y, y_rate, y_rate2), interface_motion(port, body), strict=True):
             target += motion[:, :3] + np.cross(motion[:, 3:], arm)
     p, omega, alpha = body.rotation, body.angular_velocity, body.angular_acceleration
     arm, swing = turned(p, y), turned(p, y_rate)

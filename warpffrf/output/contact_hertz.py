@@ -17,6 +17,7 @@ from warpffrf.output.hertz_patch import HertzLine, HertzPoint, conforms, hertz_l
 from warpffrf.output.scene_view import PairView
 from warpffrf.output.surface_geometry import Pose, relative_curvature
 
+THIN = 0.25  # half-width over the depth of the material; a bonded cover has peaks 2 % above Hertz's there
 FLAT = 1e-9  # relative curvature times the width of the surface: a drop of 1e-10 of the width, below any approach
 
 
@@ -79,9 +80,7 @@ def effective_modulus(view: PairView) -> float:
     Raises `InputError` for a body that does not say its material.
     """
     compliance = 0.0
-    for body, surface in ((view.first_body, view.first), (view.second_body, view.second)):
-        if body.reduced is None:
-            continue  # rigid
+    for body, surface in flexible_sides(view):
         material = body.reduced.provenance.get("contact_materials", {}).get(surface.name)
         if not material:
             raise InputError(
@@ -94,8 +93,10 @@ def effective_modulus(view: PairView) -> float:
 
 def hertz(contact: Any, i: int) -> HertzLine | HertzPoint:
     """Hertz's contact in saved step `i`; raises `InputError` saying why where his theory does not apply."""
-    kind, modulus = contact.patch_kind, contact.effective_modulus
     label = f"contact '{contact.name}': Hertz does not apply"
+    if not contact.touching[i]:
+        raise InputError(f"{label}: nothing touches in saved step {i}; choose one of those where `touching` is true")
+    kind, modulus = contact.patch_kind, contact.effective_modulus
     if kind == "flat":
         raise InputError(f"{label}: the faces are flat, and their pressure is that of a stamp")
     if kind == "line_around":
@@ -118,4 +119,17 @@ def hertz(contact: Any, i: int) -> HertzLine | HertzPoint:
             f"{label}: the surfaces conform, its half-width would be {extent:.3g} m at a radius of {1.0 / largest:.3g} "
             "m; compare with a conformal solution"
         )
+    for body, surface in flexible_sides(contact.view):
+        wall = body.reduced.provenance.get("contact_walls", {}).get(surface.name)
+        if wall is not None and extent > THIN * wall:
+            raise InputError(
+                f"{label}: its half-width would be {extent:.3g} m, and body '{body.name}' is only {wall:.3g} m deep "
+                "behind its surface, no half-space; compare with a solution for a layer"
+            )
     return found
+
+
+def flexible_sides(view: PairView) -> list[tuple[Any, Any]]:
+    """Bodies and surfaces of the pair that are not rigid."""
+    sides = ((view.first_body, view.first), (view.second_body, view.second))
+    return [(body, surface) for body, surface in sides if body.reduced is not None]

@@ -302,8 +302,8 @@ class ContactResult:
     def hertz(self, i: int) -> HertzLine | HertzPoint:
         """Hertz's contact in saved step `i`: of a line at the line load found at mid-width, of a point at the load.
 
-        Raises `InputError` where Hertz's theory does not apply: flat faces, surfaces that conform, a line that lies
-        along the arc.
+        Raises `InputError` where nothing touches, and where Hertz's theory does not apply: flat faces, surfaces that
+        conform, a line that lies along the arc, a cover that is thin beside the patch.
         """
         return hertz(self, i)
 
@@ -311,7 +311,5 @@ class ContactResult:
         """Hertz's pressure [Pa] at arc positions `x` [m] in the section of `mid_pressure`, about the centre found in
         step `i`."""
         found = self.hertz(i)
-        if found.half_width == 0.0:
-            return np.zeros_like(x)
         reach = found.section if isinstance(found, HertzPoint) else found.half_width
         return found.peak_pressure * np.sqrt(np.maximum(0.0, 1.0 - ((x - self.center[i]) / reach) ** 2))

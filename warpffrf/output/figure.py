@@ -48,10 +48,9 @@ def _last_touching(contact: Any) -> int:
 def hertz_of(contact: Any, i: int) -> HertzLine | HertzPoint | None:
     """Hertz's contact in saved step `i`, None where he does not apply or nothing touches."""
     try:
-        found = contact.hertz(i)
+        return contact.hertz(i)
     except InputError:
         return None
-    return found if found.half_width > 0.0 else None
 
 
 def _from_zero(ax: Any, *values: Any) -> None:

@@ -57,7 +57,8 @@ def approach_for(body: ReducedBody, elements: Any, *, samples: int = 12) -> np.n
     settings = window_for(body, 2.0 * wanted.max())
     approach = np.linspace(deepest / samples, deepest, samples)
     contact = solve_path(body, body, Path.of(approach), settings=settings).contact(PAIR)
-    found = np.array([contact.hertz(i).half_width for i in range(len(contact.force))]) / size
+    widths = [contact.hertz(i).half_width if touches else 0.0 for i, touches in enumerate(contact.touching)]
+    found = np.array(widths) / size
     return np.interp(wanted, found, approach[: len(found)])
 
 
