@@ -24,6 +24,7 @@ from warpffrf.offline.contact.cubature import choose_sampling
 from warpffrf.offline.contact.expected_contact import expected_grids, promised, spacings
 from warpffrf.offline.contact.grid_rule import GridChoice
 from warpffrf.offline.contact.independence import INDEPENDENCE, check_compliance, eigenvalue_ratio, held_nodes
+from warpffrf.offline.contact.mesh_error import line_mesh_error, mesh_error_warning
 from warpffrf.offline.contact.traction_fields import ContactFacets
 from warpffrf.offline.contact.wall import wall
 from warpffrf.offline.cyclic.path import axes_of, reduce_cyclic
@@ -202,9 +203,11 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
         report["warnings"] += warnings
         report["notes"] += _other_spacing(name, shape, s, settings)
         if name in expected:
-            kept = promised(expected[name], s.grid, shape)
+            kept = promised(expected[name], s.grid, shape, mesh)
             report["contact"][name]["expected"] = kept.facts()
-            report["warnings"] += [text for text in [expected[name].warning(name)] if text]
+            report["warnings"] += [text for text in [kept.warning(name)] if text]
+        elif text := mesh_error_warning(name, report["contact"][name]["line_mesh_error"]):
+            report["warnings"].append(text)
         surfaces[name] = ContactSurface(
             name, shape, s.grid, s.lags, s.mode_normal, s.recovery, s.tangential, s.local_mass
         )
@@ -344,6 +347,7 @@ def _judged(
         "layer_depth": depth,
         "layer_depth_in_spacings": in_spacings,
         "deviation": shape.deviation,
+        "line_mesh_error": line_mesh_error(mesh, shape, s.grid),
     }
     return figures, warnings
 

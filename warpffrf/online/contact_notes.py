@@ -114,7 +114,8 @@ def _coarse(contact: Any, found: Any) -> list[str]:
         return []
     return [
         f"contact {contact.name!r}: the patch is {columns} columns of the grid wide where it is most loaded, under "
-        f"{FEWEST_COLUMNS}: forces are right, peak pressures and half-widths are not; use a finer mesh (half_width=)"
+        f"{FEWEST_COLUMNS}: peak pressures and half-widths may be off by a third, forces at a given approach by a "
+        "twentieth, those of points by a tenth; use a finer mesh (half_width=)"
     ]
 
 

@@ -19,7 +19,7 @@ from scipy.stats import qmc
 from warpffrf.offline.contact.grid_rule import PATCHES, QUANTITIES, RULES, contact_spacing
 from warpffrf.output.error_chart import ErrorPanel, error_charts
 from warpffrf.study.grid_errors import grid_errors, put_on_grid
-from warpffrf.study.grid_on_roller import roller_half_width, roller_states
+from warpffrf.study.grid_on_roller import FINEST_GROWTH, layer_states, roller_half_width, roller_states
 from warpffrf.study.half_space import EllipsePatch, LinePatch
 from warpffrf.study.tables import NAMES, table
 
@@ -195,6 +195,13 @@ def _roller_rows() -> list[list[str]]:
     ]
 
 
+def _layer_rows() -> list[list[str]]:
+    return [
+        [NAMES[r.order], f"{r.growth:g}", f"{1e3 * r.half_width:.2g} mm", _percent(r.error), _percent(r.estimate)]
+        for r in layer_states()
+    ]
+
+
 def _rule_rows() -> list[list[str]]:
     rows = []
     for patch, error in itertools.product(("line", "ellipse"), (0.05, 0.02, 0.01, 0.005)):
@@ -265,7 +272,15 @@ mesh of the same elements (nodes b/16 apart) with the grid of its nodes. The rul
 linear cells (hex8) where two fall on a spacing, and on quadratic ones (hex27) with nodes as far apart as the functions;
 linear cells as coarse as the grid add an error of the same size.
 
-{table(["elements", "b/s", "b/node spacing", "centred", "worst position", "rule"], _roller_rows())}"""
+{table(["elements", "b/s", "b/node spacing", "centred", "worst position", "rule"], _roller_rows())}
+## Layers of cells that grow inwards
+
+The same roller, layers that grow from one to the next; linear cells 8, quadratic nodes 4 in a half-width of
+{1e3 * roller_half_width():.2g} mm. Mean error of the force over positions, beside the finest quadratic mesh with growth
+{FINEST_GROWTH:g}, and the estimate of `warpffrf/offline/contact/mesh_error.py`, which `reduce` reports
+(`line_mesh_error`) and adds to what the rule promises.
+
+{table(["elements", "growth", "half-width", "force", "estimate"], _layer_rows())}"""
 
 
 def picture(found: list[Sweep], path: Path) -> None:

@@ -14,10 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.model.material import Material
-from warpffrf.model.mesh import roller
+from warpffrf.model.mesh import Mesh, roller
 from warpffrf.model.reduced_body import ContactSurface, ReducedBody
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
+from warpffrf.offline.contact.mesh_error import line_mesh_error
 from warpffrf.study.grid_errors import contact_pressures
 
 STEEL = Material(210e9, 0.3, 7850.0, name="steel")
@@ -31,6 +32,9 @@ GRIDS = (8, 4, 2)  # spacings, in those of the finest mesh
 MESHES = {1: (8, 4, 2, 1), 2: (8, 4, 2)}  # distances of nodes around, by order
 POSITIONS = 8  # of the patch in a spacing of the grid
 WINDOW = 2.0  # half-widths to either side that the contact may look at
+GROWTHS = (1.15, 1.3, 1.7, 2.2, 3.0)  # of layers of cells, from one to the next
+FINEST_GROWTH = 1.15  # of the reference
+FINER = {1: 2, 2: 4}  # distance of nodes of the meshes that grow, in those of the finest, by order
 
 
 @dataclass(frozen=True)
@@ -44,16 +48,32 @@ class RollerState:
     worst: float
 
 
-def pressed_roller(nodes: int, spacing: float | None = None, *, order: int = 1, cache: bool = True) -> ReducedBody:
-    """The roller with `nodes` nodes around, cells of `order`; spacing [m] of its contact grid, None: its nodes."""
+@dataclass(frozen=True)
+class LayerState:
+    """Mean error of the force over positions of the patch, and what `mesh_error` says, of layers that grow."""
+
+    order: int  # of the elements
+    half_width: float  # m
+    growth: float
+    error: float
+    estimate: float
+
+
+def meshed_roller(nodes: int, order: int, growth: float) -> Mesh:
+    """The roller with `nodes` nodes around, cells of `order`, as deep at the rim as wide, growing inwards by
+    `growth`."""
     size = 2.0 * np.pi * RADIUS * order / nodes
-    layers = int(np.ceil(np.log1p((RADIUS - BORE) / size * (GROWTH[order] - 1.0)) / np.log(GROWTH[order])))
-    mesh = roller(
-        RADIUS, BORE, WIDTH, sectors=nodes // order, layers=layers, axial=1, order=order, grading=GROWTH[order]
-    )
+    layers = int(np.ceil(np.log1p((RADIUS - BORE) / size * (growth - 1.0)) / np.log(growth)))
+    return roller(RADIUS, BORE, WIDTH, sectors=nodes // order, layers=layers, axial=1, order=order, grading=growth)
+
+
+def pressed_roller(
+    nodes: int, spacing: float | None = None, *, order: int = 1, growth: float | None = None, cache: bool = True
+) -> ReducedBody:
+    """The roller with `nodes` nodes around, cells of `order`; spacing [m] of its contact grid, None: its nodes."""
     return reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, traction_spacing=spacing, cache=cache,
-        progress=False,
+        meshed_roller(nodes, order, growth or GROWTH[order]), STEEL, interfaces={"bore": "rigid"},
+        contact={"rim": Cylinder()}, traction_spacing=spacing, cache=cache, progress=False,
     )  # fmt: skip
 
 
@@ -131,4 +151,24 @@ def roller_states(*, sectors: int = SECTORS, cache: bool = True) -> list[RollerS
             errors = np.array([press(body, x, b, approach).force for x in places]) / exact - 1.0
             worst = float(max(errors, key=abs))
             found.append(RollerState(order, coarser / HALF_WIDTH, ratio / HALF_WIDTH, float(errors[0]), worst))
+    return found
+
+
+def layer_states(*, sectors: int = SECTORS, half_widths: tuple[float, ...] = (0.5, 1.0, 2.0)) -> list[LayerState]:
+    """Rollers whose layers grow, pressed to `half_widths` in those of the patch, beside the finest quadratic mesh."""
+    b = roller_half_width(sectors)
+    finest = pressed_roller(sectors, order=2, growth=FINEST_GROWTH)
+    found = []
+    for order, growth in itertools.product((1, 2), GROWTHS):
+        nodes = sectors // FINER[order]
+        body, mesh = pressed_roller(nodes, order=order, growth=growth), meshed_roller(nodes, order, growth)
+        surface = body.contact_surfaces["rim"]
+        places = surface.grid.pitch * RADIUS * np.arange(POSITIONS) / POSITIONS
+        for part in half_widths:
+            approach = approach_for(finest, part * b)
+            exact = press(finest, 0.0, part * b, approach).force
+            error = float(np.mean([press(body, x, part * b, approach).force for x in places])) / exact - 1.0
+            estimate = line_mesh_error(mesh, surface.shape, surface.grid, part * b)
+            assert estimate is not None
+            found.append(LayerState(order, part * b, growth, error, estimate))
     return found

@@ -11,6 +11,7 @@ from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.mesh import Mesh
 from warpffrf.offline.contact.contact_grid import largest_radius, nodal_plan
 from warpffrf.offline.contact.grid_rule import GridChoice, choose_spacing, grid_error
+from warpffrf.offline.contact.mesh_error import line_mesh_error
 from warpffrf.offline.contact.traction_fields import ContactFacets
 from warpffrf.offline.settings import Settings
 
@@ -70,8 +71,10 @@ def _radius(mesh: Mesh, name: str, shape: Any) -> float:
     return largest_radius(shape, shape.chart(mesh.points[mesh.facets(name).node_set])[1])
 
 
-def promised(choice: GridChoice, grid: ContactGrid, shape: Any) -> GridChoice:
-    """The choice with the spacing that the finished grid has, and what that promises."""
+def promised(choice: GridChoice, grid: ContactGrid, shape: Any, mesh: Mesh) -> GridChoice:
+    """The choice with the spacing that the finished grid has, and what that promises on the mesh."""
     spacing = grid.pitch * largest_radius(shape, grid.z)
     error = grid_error(spacing, choice.half_width, quantity=choice.quantity, patch=_patch(shape), traction=grid.kind)
-    return replace(choice, spacing=spacing, error=error)
+    behind = line_mesh_error(mesh, shape, grid, choice.half_width) if _patch(shape) == "line" else None
+    error = None if error is None else error + (behind or 0.0)
+    return replace(choice, spacing=spacing, error=error, mesh_error=behind)

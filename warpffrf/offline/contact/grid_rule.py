@@ -31,6 +31,7 @@ from dataclasses import dataclass
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.offline.contact.cell_depth import DEEPEST
 
+FINER_BEHIND = "let its layers grow more slowly (mesh.roller: more layers, grading=1.2), or use quadratic cells"
 QUANTITIES = ("compliance", "force", "peak_pressure", "half_width")
 RULES: dict[tuple[str, str], dict[str, tuple[float, float]]] = {  # (c, p) by (traction, patch), written from the study
     ("hats", "line"): {
@@ -153,25 +154,31 @@ def mesh_advice(spacing: float) -> MeshAdvice:
 
 @dataclass(frozen=True)
 class GridChoice:
-    """Spacing of a contact grid for an expected patch, and what it promises."""
+    """Spacing of a contact grid for an expected patch, and what it promises.
+
+    `error`: for `quantity`, of the grid and of the mesh behind it; None where the patch is smaller than the spacing.
+    `mesh_error`: the part of the mesh, None where it is not known (`mesh_error.line_mesh_error`).
+    """
 
     spacing: float  # m
-    error: float | None  # promised for `quantity`; None where the patch is smaller than the spacing
+    error: float | None
     quantity: str
     half_width: float  # m, expected
     wanted_error: float
     wanted_spacing: float  # m, that the rule asks for
+    mesh_error: float | None = None
 
     @property
     def limited_by_mesh(self) -> bool:
         """The wanted error needs a finer grid than the mesh can carry."""
-        return self.spacing > self.wanted_spacing
+        return self.spacing > self.wanted_spacing * (1.0 + ROUND_OFF)
 
     def facts(self) -> dict[str, float | str | bool | None]:
         """Plain data for the report of a reduced body."""
         return {
             "spacing": self.spacing,
             "promised_error": self.error,
+            "mesh_error": self.mesh_error,
             "promised_quantity": self.quantity,
             "wanted_error": self.wanted_error,
             "expected_half_width": self.half_width,
@@ -180,6 +187,13 @@ class GridChoice:
 
     def warning(self, name: str) -> str | None:
         """What to tell the user where the mesh of contact surface `name` cannot keep the wanted error, else None."""
+        behind = self.mesh_error or 0.0
+        if not self.limited_by_mesh and self.error is not None and behind > 0.5 * self.wanted_error < self.error:
+            return (
+                f"contact {name!r}: an error of {self.wanted_error:g} in {self.quantity.replace('_', ' ')} at a "
+                f"half-width of {self.half_width:.3g} m is not kept: the cells behind the surface alone err by about "
+                f"{behind:.2g}; {FINER_BEHIND}"
+            )
         if not self.limited_by_mesh:
             return None
         left = "is larger than the half-width" if self.error is None else f"keeps it below {self.error:.2g} only"
@@ -187,6 +201,7 @@ class GridChoice:
             f"contact {name!r}: an error of {self.wanted_error:g} in {self.quantity.replace('_', ' ')} at a half-width "
             f"of {self.half_width:.3g} m needs a contact grid of {self.wanted_spacing:.3g} m, finer than the mesh can "
             f"carry; its {self.spacing:.3g} m {left}; refine the surface mesh"
+            + (f", and behind it, where the cells err by about {behind:.2g}" if behind > self.wanted_error else "")
         )
 
 

@@ -1,0 +1,77 @@
+"""The cells behind a contact surface: what they add to the error of the grid, and what `reduce` says of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from warpffrf.model import surfaces
+from warpffrf.model.mesh import box, roller
+from warpffrf.offline import reduce
+from warpffrf.offline.contact.grid_rule import grid_error
+from warpffrf.study.grid_on_roller import RADIUS, STEEL, LayerState, layer_states
+
+SECTORS = 720  # half as fine as the study
+LINEAR = (0.85, 1.35)  # estimate over error: what the fit is good for
+QUADRATIC = 3e-3  # of the force, likewise: their errors are as small as those of the grid
+SPACING = {1: 2, 2: 4}  # of the grid of the meshes of the study, in those of the finest
+MET = 0.9  # of the promises
+
+
+@pytest.fixture(scope="module")
+def states() -> list[LayerState]:
+    return layer_states(sectors=SECTORS, half_widths=(0.5, 1.0))
+
+
+def test_the_estimate_is_the_error(states: list[LayerState]) -> None:
+    for s in states:
+        if s.order == 1:
+            assert LINEAR[0] * s.error < s.estimate < LINEAR[1] * s.error, s
+        else:
+            assert abs(s.estimate - s.error) < QUADRATIC, s
+
+
+def test_promises_are_met(states: list[LayerState]) -> None:
+    """The grid's part and the mesh's part together."""
+    met = []
+    for s in states:
+        spacing = SPACING[s.order] * 2.0 * np.pi * RADIUS / SECTORS
+        grid = grid_error(spacing, s.half_width)
+        assert grid is not None
+        met.append(abs(s.error) <= grid + s.estimate)
+    assert np.mean(met) >= MET
+
+
+def pressed(growth: float, order: int, expected: float | None):
+    mesh = roller(RADIUS, 0.015, 0.005, sectors=360, layers=int(20 / growth**2), axial=1, order=order, grading=growth)
+    return reduce(
+        mesh,
+        STEEL,
+        contact={"rim": surfaces.Cylinder()},
+        expected_half_width=expected,
+        modes=2,
+        cache=False,
+        progress=False,
+    )
+
+
+def test_layers_that_grow_are_named() -> None:
+    for expected, words in (
+        (None, "force at a given approach is about 5% too high"),
+        (4e-3, "alone err by about 0.05"),
+    ):
+        fast, slow, quadratic = (pressed(*args, expected) for args in ((2.0, 1), (1.2, 1), (2.0, 2)))
+        (said,) = (w for w in fast.report["warnings"] if "cells behind" in w)
+        assert words in said and "grading=1.2" in said
+        assert not [w for w in quadratic.report["warnings"] if "cells behind" in w]
+        figures, better = (body.report["contact"]["rim"] for body in (fast, slow))
+        assert figures["line_mesh_error"] > 2.0 * better["line_mesh_error"] > 0.0
+    assert figures["expected"]["promised_error"] > figures["expected"]["mesh_error"] > 0.03
+
+
+def test_of_planes_nothing_is_said() -> None:
+    body = reduce(
+        box((0.1, 0.08, 0.012), (6, 5, 2), order=1), STEEL, contact={"z_max": surfaces.Plane()}, modes=2, cache=False,
+        progress=False,
+    )  # fmt: skip
+    assert body.report["contact"]["z_max"]["line_mesh_error"] is None
