@@ -1,13 +1,14 @@
 r"""A rubber cover on a rigid core, pressed on a rigid plane, in plane strain: an independent solution for the load.
 
 Displacement and pressure (Taylor-Hood: biquadratic, bilinear continuous) on a strip of the cover around the contact,
-graded towards it. Contact without friction at the surface nodes along the undeformed normal, as the program has it: a
-node at the angle theta from the line of centres, moved outwards by u_r, has the gap
+graded towards it. Contact without friction at the surface nodes: a node at the angle theta from the line of centres,
+moved outwards by u_r and forwards by u_t, lies above the plane by
 
-    g = (R - d)/cos theta - R - u_r,
+    cos(theta) g = R - d - (R + u_r) cos(theta) + u_t sin(theta),
 
-d the approach. The compliance of the nodes comes from one factorisation; the active set is that of a complementarity
-problem. Converged to 0.1 % of the load (`test_rubber_cover.test_the_reference_has_converged`).
+d the approach, and the plane pushes it upwards. Along the undeformed normal, as the program has it, u_t is left out and
+the push is radial: `exact=False`. The compliance of the nodes comes from one factorisation; the active set is that of a
+complementarity problem. Converged to 0.1 % of the load (`test_rubber_cover.test_the_reference_has_converged`).
 """
 
 from __future__ import annotations
@@ -27,9 +28,9 @@ GRADING = 0.65  # share of the cube in the map of the angles
 
 
 def pressed_cover(
-    radius: float, core: float, material: Material, approach: float, around: int, through: int
-) -> tuple[float, float]:
-    """Line load [N/m] and peak pressure [Pa] on `around` by `through` cells."""
+    radius: float, core: float, material: Material, approach: float, around: int, through: int, *, exact: bool = False
+) -> tuple[float, float, float]:
+    """Line load [N/m], peak pressure [Pa] and half-width [m] from its second moment, on `around` by `through` cells."""
     s = np.linspace(-1.0, 1.0, around + 1)
     angles = HALF_ANGLE * ((1.0 - GRADING) * s + GRADING * s**3)
     flat = MeshQuad2.from_mesh(MeshQuad.init_tensor(angles, np.linspace(core, radius, through + 1)))
@@ -51,13 +52,14 @@ def pressed_cover(
     theta = angle[across[:, 0]]
     outward = np.zeros((K.shape[0], len(theta)))
     component = np.where(np.isin(across, _along_x(u)), 0, 1)
-    direction = np.stack([np.sin(theta), -np.cos(theta)], axis=1)
+    normal = np.zeros_like(theta) if exact else theta  # against the vertical
+    direction = np.stack([np.sin(normal), -np.cos(normal)], axis=1)
     for side in range(2):
         outward[across[:, side], np.arange(len(theta))] = direction[np.arange(len(theta)), component[:, side]]
     response = np.zeros_like(outward)
     response[free] = spla.splu(K[free][:, free]).solve(outward[free])
     compliance = outward.T @ response
-    gap = (radius - approach) / np.cos(theta) - radius
+    gap = (radius * (1.0 - np.cos(theta)) - approach) / np.cos(normal)
     force = _complementary(compliance, gap)
     weight = np.zeros(len(theta))  # Simpson's rule on the arc
     arc = radius * theta
@@ -65,7 +67,9 @@ def pressed_cover(
         weight[i : i + 3] += (arc[i + 2] - arc[i]) * np.array([1.0, 4.0, 1.0]) / 6.0
     middle = np.argsort(np.abs(theta))[:7]
     peak = np.polyfit(theta[middle] ** 2, (force / weight)[middle], 1)[-1]
-    return float(force @ np.cos(theta)), float(peak)
+    upwards = force * np.cos(normal)
+    half_width = 2.0 * np.sqrt(upwards @ arc**2 / upwards.sum())
+    return float(upwards.sum()), float(peak), float(half_width)
 
 
 def _along_x(basis: Any) -> np.ndarray:

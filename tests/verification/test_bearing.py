@@ -67,9 +67,12 @@ def test_a_run_up_without_clearance(count: int, step: float) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [6, 12, 18])
 def test_a_run_up_with_clearance(count: int) -> None:
-    """Rollers leave the load zone and come back to it; two steps agree."""
+    """Rollers leave the load zone and come back to it; two steps agree.
+
+    Eighteen rollers need the grid that a run on 50 um asks for: there pairs make 1 % of the energy, by 60 ms.
+    """
     bearing = Bearing(count, 20e-6)
-    bodies, found = rings(bearing, 50e-6), []
+    bodies, found = rings(bearing, 35e-6 if count > 15 else 50e-6), []
     for step in (5e-5, 1e-5):
         history = run(run_up(bearing, bodies), 1.4 * RAMP, step=step, start="equilibrium", progress=False)
         check_ledger(history)

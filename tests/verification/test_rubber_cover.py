@@ -15,11 +15,13 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
+from warpffrf.online.undeformed_normal import line_load_error
 from warpffrf.output.simulate import equilibrium
 
 RADIUS, CORE, WIDTH, APPROACH = 0.05, 0.045, 0.1, 1e-4  # m
 LOAD, PEAK = 0.02, 0.03  # promised, of the line load at mid-width and the peak pressure
 CELLS = (120, 8)  # of the reference
+ESTIMATED, NOTED = 0.4, 4e-3  # the estimate of an error: of itself, of the load
 CONVERGED = 1e-3  # a tenth and less of what is promised
 MESHES = {  # cells along the axis: the stiff middle and the soft ends are within a few thicknesses of each other
     "hex8, 240": {"order": 1, "sectors": 240, "layers": 8, "axial": 24},
@@ -54,7 +56,7 @@ def pressed(mesh: str, material: Material) -> tuple[float, float]:
 @pytest.mark.slow
 @pytest.mark.parametrize("nu", [0.49, 0.4999])
 def test_the_reference_has_converged(nu: float) -> None:
-    coarse, fine = (pressed_cover(RADIUS, CORE, rubber(nu), APPROACH, *cells) for cells in (CELLS, (240, 12)))
+    coarse, fine = (pressed_cover(RADIUS, CORE, rubber(nu), APPROACH, *cells)[:2] for cells in (CELLS, (240, 12)))
     assert coarse == pytest.approx(fine, rel=CONVERGED)
 
 
@@ -72,7 +74,7 @@ def test_cells_do_not_lock_at_any_ratio(mesh: str, nu: float) -> None:
 
 def assert_close(mesh: str, nu: float) -> None:
     load, peak = pressed(mesh, rubber(nu))
-    line, highest = pressed_cover(RADIUS, CORE, rubber(nu), APPROACH, *CELLS)
+    line, highest, _ = pressed_cover(RADIUS, CORE, rubber(nu), APPROACH, *CELLS)
     print(f"{mesh}, nu {nu}: load {load / line - 1.0:+.2%}, peak {peak / highest - 1.0:+.2%}")
     assert load == pytest.approx(line, rel=LOAD)
     assert peak == pytest.approx(highest, rel=PEAK)
@@ -82,3 +84,27 @@ def test_cells_lock_without_it() -> None:
     """What the mixed formulation is for."""
     load, _ = pressed("hex8, 240", rubber(0.4999, "displacement"))
     assert load > 3.0 * pressed_cover(RADIUS, CORE, rubber(0.4999), APPROACH, *CELLS)[0]
+
+
+@pytest.mark.parametrize(("core", "approach"), [(0.045, 4e-4), (0.03, 1.2e-3)])
+def test_what_the_undeformed_normal_costs(core: float, approach: float) -> None:
+    assert_known(core, approach, 0.4999)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("nu", [0.45, 0.4999])
+@pytest.mark.parametrize(
+    ("core", "approach"), [(0.045, 2e-4), (0.045, 4e-4), (0.04, 4e-4), (0.04, 8e-4), (0.03, 1.2e-3), (0.015, 2.4e-3)]
+)
+def test_what_it_costs_in_thin_and_thick_covers(core: float, approach: float, nu: float) -> None:
+    assert_known(core, approach, nu)
+
+
+def assert_known(core: float, approach: float, nu: float) -> None:
+    """The load beside that with the normal of the plane, and the estimate that a run notes."""
+    found, _, _ = pressed_cover(RADIUS, core, rubber(nu), approach, *CELLS)
+    exact, _, half_width = pressed_cover(RADIUS, core, rubber(nu), approach, *CELLS, exact=True)
+    estimate = line_load_error(half_width, RADIUS, RADIUS - core, nu)
+    error = found / exact - 1.0
+    assert abs(estimate - error) < max(ESTIMATED * error, NOTED), (error, estimate)
+    print(f"b/R {half_width / RADIUS:.3f}: {error:+.2%}, estimate {estimate:+.2%}")

@@ -206,7 +206,7 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
             kept = promised(expected[name], s.grid, shape, mesh)
             report["contact"][name]["expected"] = kept.facts()
             report["warnings"] += [text for text in [kept.warning(name)] if text]
-        elif text := mesh_error_warning(name, report["contact"][name]["line_mesh_error"]):
+        elif not warnings and (text := mesh_error_warning(name, report["contact"][name]["line_mesh_error"])):
             report["warnings"].append(text)
         surfaces[name] = ContactSurface(
             name, shape, s.grid, s.lags, s.mode_normal, s.recovery, s.tangential, s.local_mass

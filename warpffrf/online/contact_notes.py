@@ -22,6 +22,7 @@ from warpffrf.model.reach import out_of_reach
 from warpffrf.online.border_notes import border_notes
 from warpffrf.online.compile_contact import SKEW
 from warpffrf.online.sensors import turned
+from warpffrf.online.undeformed_normal import normal_notes
 
 FEWEST_COLUMNS = 4  # across the largest patch: with fewer, peaks and half-widths are those of the grid
 CUT = 0.05  # of the load: hats that hang over the end of the second surface by more are worth a word
@@ -45,6 +46,7 @@ def contact_notes(scene: Any, history: Any, on_axes: Collection[str] = ()) -> li
             untouched.append(contact)
             continue
         notes += _coarse(contact, found) + _cut(contact, found) + border_notes(contact, found, history.time)
+        notes += normal_notes(contact, found)
         if contact.name in on_axes:
             notes += _skewed(contact, found, history)
     return notes + _untouched(scene, history, untouched)

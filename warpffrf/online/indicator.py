@@ -152,10 +152,7 @@ def indicator_lines(sizes: Sequence[TermSize], levels: Mapping[str, str], stiffe
             line += f"; {better!r} would do"
         softened = next((s.on_modes for s in own if s.term == "deformed inertia"), 0.0)
         if softened > FLAG and body not in stiffened:
-            line += (
-                f"; turning stiffens it about as much as the deformed inertia softens it, {percent(softened)}: take "
-                "stiffening=True, in reduce and in add_body"
-            )
+            line += "; turning stiffens as much as that softens: stiffening=True in reduce and add_body"
         lines.append(line)
     return lines
 
