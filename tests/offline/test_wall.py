@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ RUBBER, STEEL = Material(5e6, 0.4, 1100.0, name="rubber"), Material(210e9, 0.3, 
 ROUND_OFF = 1e-9  # of a fitted radius
 
 
-def wall(mesh: Mesh, name: str, shape, material=STEEL) -> float | None:
+def wall(mesh: Mesh, name: str, shape: Any, material: Any = STEEL) -> float | None:
     body = reduce(mesh, material, contact={name: shape}, modes=2, cache=False, progress=False)
     return body.provenance["contact_walls"][name]
 

@@ -7,13 +7,16 @@ sigma_z) between them.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.sparse.linalg as spla
 
-from warpffrf.model.mesh import FacetSet, Mesh, roller
+from warpffrf.model.mesh import FacetSet, Mesh, box, roller
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.stress_field import max_shear
+from warpffrf.model.stress_field import von_mises as equivalent
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.offline.fe.assembly import assemble
@@ -145,3 +148,93 @@ def test_two_rollers() -> None:
     surface = result.stress("lower", "top").tensor[0]
     assert np.abs(surface[:, 2] / p0 + pressure).max() < 0.05
     assert np.abs(surface[:, 0] / p0 + pressure).max() < 0.05
+
+
+# --- quadratic cells, a few nodes in a half-width, anywhere on the mesh ---
+
+NODES = (2.5, 3.0, 3.5, 5.0, 8.0)  # in a half-width
+FEW, MANY = 0.03, 0.01  # of von Mises: promised of few nodes, and of 8
+PLACES = (0.0, 0.25, 0.5)  # of the middle of the patch, in cells
+
+
+def von_mises(z: np.ndarray) -> np.ndarray:
+    """On the axis, over p0."""
+    x, y = closed_form(z)
+    between = STEEL.poisson_ratio * (x + y)
+    return np.sqrt(0.5 * ((x - between) ** 2 + (between - y) ** 2 + (y - x) ** 2))
+
+
+def quadratic_half_plane(nodes: float) -> Mesh:
+    """A block of hex27 cells, one along y, with `nodes` in the unit half-width."""
+    side = spaced(2.0 / nodes, 2.0, 100.0, 1.3)
+    lines = (np.concatenate([-side[:0:-1], side]), np.array([0.0, 0.2]), -spaced(2.0 / nodes, 0.0, 100.0, 1.2)[::-1])
+    mesh = box((1.0, 1.0, 1.0), (len(lines[0]) - 1, 1, len(lines[2]) - 1), order=2)
+    unit = mesh.points - mesh.points.min(axis=0)
+    points = [np.interp(u, np.linspace(0.0, 1.0, len(x)), x) for u, x in zip(unit.T, lines, strict=True)]
+    return replace(mesh, points=np.stack(points, axis=1))
+
+
+@pytest.mark.parametrize("nodes", NODES)
+def test_quadratic_block_under_hertz_pressure(nodes: float) -> None:
+    mesh = quadratic_half_plane(nodes)
+    assignment = assign(mesh, STEEL)
+    K, _ = assemble(mesh.points, mesh.cells, assignment)
+    top = mesh.facets("z_max").node_set
+    x, y = (np.unique(np.round(mesh.points[top, i], 12)) for i in range(2))
+    column, row = (np.searchsorted(v, np.round(mesh.points[top, i], 12)) for i, v in enumerate((x, y)))
+    fine = np.linspace(-1.0, 1.0, 20_001)[1:-1]
+    p = np.sqrt(1.0 - fine**2) * (fine[1] - fine[0])
+    free = np.ones((len(mesh.points), 3), dtype=bool)
+    free[:, 1] = False  # plane strain
+    free[mesh.points[:, 2] == mesh.points[:, 2].min()] = False
+    dofs = np.flatnonzero(free.ravel())
+    solve = spla.splu(K[dofs][:, dofs].tocsc()).solve
+    depth = np.linspace(0.3, 1.5, 49)
+    exact = largest(depth, von_mises(depth))[1]
+    for place in PLACES:
+        middle = place * 2.0 / nodes
+        cell = np.searchsorted(x[::2], fine + middle) - 1
+        xi = 2.0 * (fine + middle - x[2 * cell]) / (x[2 * cell + 2] - x[2 * cell]) - 1.0
+        load = np.zeros(len(x))
+        for k, N in enumerate((0.5 * xi * (xi - 1.0), 1.0 - xi**2, 0.5 * xi * (xi + 1.0))):
+            np.add.at(load, 2 * cell + k, p * N)
+        f = np.zeros((len(mesh.points), 3))
+        f[top, 2] = -load[column] * (0.2 * np.array([1.0, 4.0, 1.0]) / 6.0)[row]
+        u = np.zeros(f.size)
+        u[dofs] = solve(f.ravel()[dofs])
+        line = np.stack([0.0 * depth + middle, 0.0 * depth + 0.1, -depth], axis=1)
+        stress = (StressPlan(mesh, assignment, "line", line).operator() @ u).reshape(-1, 6)
+        found = largest(depth, equivalent(stress))[1]
+        print(f"{nodes} nodes, {place} cells aside: von Mises {found / exact - 1.0:+.2%}")
+        assert found == pytest.approx(exact, rel=FEW)
+
+
+@pytest.mark.slow
+def test_two_rollers_of_quadratic_cells() -> None:
+    """From the mesh to the result; a is 0.13 to 0.42 mm on R = 50 mm."""
+    sectors, R = 3000, 0.05
+    size, cell = np.pi * R / sectors, 2.0 * np.pi / sectors
+    depth = np.linspace(0.3, 1.5, 49)
+    turns = np.array(PLACES) * cell
+    lines = {
+        f"{nodes} {place}": np.outer(R - depth * nodes * size, (np.sin(turn), 0.0, np.cos(turn)))
+        for nodes in NODES
+        for place, turn in zip(PLACES, turns, strict=True)
+    }
+    body = reduce(
+        roller(R, 0.015, 0.02, sectors=sectors, layers=20, axial=1, order=2, grading=1.21), STEEL,
+        interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, stress=lines, cache=False, progress=False,
+    )  # fmt: skip
+    where, exact = largest(depth, von_mises(depth))
+    for nodes in NODES:
+        approach = approach_for(body, nodes / 2.0, samples=4)[0]
+        path = Path.of(np.full(len(turns), approach), -turns, 0.0 * turns)
+        result = solve_path(body, body, path, settings=window_for(body, nodes))
+        for i, place in enumerate(PLACES):
+            hertz = result.contact(PAIR).hertz(i)
+            found = result.stress("lower", f"{nodes} {place}").von_mises[i] / hertz.peak_pressure
+            at, value = largest(depth * nodes * size / hertz.half_width, found)
+            print(f"{nodes} nodes, {place}: von Mises {value / exact - 1.0:+.2%}, depth {at / where - 1.0:+.1%}")
+            assert value == pytest.approx(exact, rel=MANY if nodes >= 8.0 else FEW)
+            if nodes >= 8.0:
+                assert at == pytest.approx(where, rel=FEW)

@@ -1,13 +1,16 @@
 r"""Stress at the nodes of a finite-element mesh, as a sparse operator on the nodal displacements.
 
-**Nodal averaging.** The displacement gradient is taken at the recovery points of each cell, where it is most accurate
+**Quadratic cells.** The displacement gradient at a node is that of polynomials fitted to patches of cells (`patches`).
+
+**Linear cells: nodal averaging.** The displacement gradient is taken at the recovery points of each cell, where it is most accurate
 (Barlow 1976, Int. J. Numer. Methods Eng. 10, 243), carried to the cell's nodes by the polynomial through those points,
 and averaged over the cells that share a node, each with the same weight:
 
     g_a = 1/n_a sum_e sum_q E_aq sum_b u_b (x) dN_b/dx (xi_q),     sigma_a = lambda tr(e) 1 + 2 mu e,  e = sym g_a.
 
 Only cells of one material are averaged, so that Hooke's law and the mean commute and a jump between materials stays
-one: the unit of averaging is a (node, material) pair, here a *slot*. The recovery points are
+one: the unit of averaging, and of patches, is a (node, material) pair, here a *slot*; nodes of quadratic cells have the
+value of their patches. The recovery points are (`recovery_points`)
 
     hex8, hex20, hex27   2 x 2 x 2 Gauss points, trilinear;
     wedge6               centre of the triangle, 2 Gauss points along the axis, linear along it;
@@ -33,52 +36,22 @@ Its traction is r, so sigma n = t exactly, and doing it twice changes nothing.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 import scipy.sparse as sp
 
+from warpffrf.model.material import Material
 from warpffrf.model.mesh.elements import cell_kind
-from warpffrf.model.mesh.elements.domains import CONSTANT, LINEAR, powers_up_to
-from warpffrf.model.mesh.elements.kinds import monomials
 from warpffrf.model.stress_field import from_tensor
 from warpffrf.offline.fe.assembly import CHUNK_BYTES, Sparse
 from warpffrf.offline.fe.dilatation import is_mixed, projected_dilatation
 from warpffrf.offline.fe.materials import Assignment
+from warpffrf.offline.stress.patches import patch_gradients
+from warpffrf.offline.stress.recovery_points import recovery_points, to_nodes
 
 Array = np.ndarray
-_GAUSS = 1.0 / np.sqrt(3.0)  # two-point Gauss rule on [-1, 1]
-_TET = (5.0 - np.sqrt(5.0)) / 20.0  # four-point rule of degree 2 on the unit tetrahedron
-
-
-def _line_by(flat: list[tuple[float, float]]) -> Array:
-    return np.array([(a, b, z) for z in (-_GAUSS, _GAUSS) for a, b in flat])
-
-
-_CUBE = _line_by([(x, y) for x in (-_GAUSS, _GAUSS) for y in (-_GAUSS, _GAUSS)])
-_TRIANGLE_BY_LINE = np.array([(*flat, z) for z in (0, 1) for flat in ((0, 0), (1, 0), (0, 1))])
-_SIXTHS = [(1.0 / 6.0, 1.0 / 6.0), (2.0 / 3.0, 1.0 / 6.0), (1.0 / 6.0, 2.0 / 3.0)]
-# recovery points (q, 3) of each kind, and the exponents (q, 3) of the polynomial through them
-RECOVERY = {
-    "hex8": (_CUBE, powers_up_to(1, 1, 1)),
-    "hex20": (_CUBE, powers_up_to(1, 1, 1)),
-    "hex27": (_CUBE, powers_up_to(1, 1, 1)),
-    "wedge6": (_line_by([(1.0 / 3.0, 1.0 / 3.0)]), np.array([(0, 0, 0), (0, 0, 1)])),
-    "wedge15": (_line_by(_SIXTHS), _TRIANGLE_BY_LINE),
-    "tet4": (np.full((1, 3), 0.25), CONSTANT),
-    "tet10": (_TET + (1.0 - 4.0 * _TET) * LINEAR, LINEAR),
-}
-
-
-@cache
-def recovery(kind: str) -> tuple[Array, Array]:
-    """Reference gradients (q, k, 3) at the recovery points of `kind`, and E (k, q), their values to the nodes."""
-    points, powers = RECOVERY[kind]
-    cell = cell_kind(kind)
-    through = np.linalg.inv(monomials(points, powers))
-    return cell.shape(points)[1], monomials(cell.nodes, powers) @ through
 
 
 @dataclass(frozen=True)
@@ -99,38 +72,70 @@ def nodal_stress(points: Array, cells: Mapping[str, Array], assignment: Assignme
     """
     n, count = len(points), len(slots)
     gradient = [sp.csr_matrix((count, n)) for _ in range(3)]
-    excess = [sp.csr_matrix((count, n)) for _ in range(3)]  # of the projected dilatation over the trace of the strain
-    shared = np.zeros(count)
+    dilatation = [sp.csr_matrix((count, n)) for _ in range(3)]
     for g, material in enumerate(assignment.materials):
-        slot_of = np.full(n, -1)
-        mine = slots.material == g
-        slot_of[slots.node[mine]] = np.flatnonzero(mine)
-        for kind, block in cells.items():
-            dN, E = recovery(kind)
-            touching = (assignment.of_cell[kind] == g) & np.any(slot_of[block] >= 0, axis=1)
-            here = block[touching]
-            chunk = max(1, CHUNK_BYTES // (8 * 6 * block.shape[1] ** 2))
-            for start in range(0, len(here), chunk):
-                part = here[start : start + chunk]
-                J = np.einsum("eai,qaj->eqij", points[part], dN)
-                slopes = np.einsum("qbj,eqji->eqbi", dN, np.linalg.inv(J))
-                at_nodes = np.einsum("aq,eqbi->eabi", E, slopes, optimize=True)
-                slot = slot_of[part]
-                cell, a = np.nonzero(slot >= 0)
-                shared += np.bincount(slot[cell, a], minlength=count)
-                rows = np.repeat(slot[cell, a], part.shape[1])
-                columns = part[cell].ravel()
-                parts = [(gradient, at_nodes)]
-                if is_mixed(kind, material):
-                    parts.append((excess, projected_dilatation(points[part], kind, np.eye(part.shape[1])) - at_nodes))
-                for total, values in parts:
-                    for i in range(3):
-                        data = values[cell, a, :, i].ravel()
-                        total[i] = total[i] + sp.csr_matrix((data, (rows, columns)), shape=(count, n))
-    mean = sp.diags(1.0 / np.maximum(shared, 1.0))
+        mine = np.flatnonzero(slots.material == g)
+        own = {kind: block[assignment.of_cell[kind] == g] for kind, block in cells.items()}
+        curved = {kind: block for kind, block in own.items() if len(block) and cell_kind(kind).degree > 1}
+        on_curved = np.isin(slots.node[mine], np.concatenate([np.zeros(0, int), *map(np.ravel, curved.values())]))
+        for these, by_patches in ((mine[on_curved], True), (mine[~on_curved], False)):
+            if not len(these):
+                continue
+            nodes, kinds = slots.node[these], curved if by_patches else own
+            mean = patch_gradients(points, kinds, nodes) if by_patches else _means(points, kinds, nodes, _at_nodes)
+            trace = mean
+            if any(is_mixed(kind, material) for kind in kinds):
+                trace = _means(points, kinds, nodes, _projected_for(material))
+            place = sp.csr_matrix((np.ones(len(these)), (these, np.arange(len(these)))), shape=(count, len(these)))
+            gradient = [total + place @ part for total, part in zip(gradient, mean, strict=True)]
+            dilatation = [total + place @ part for total, part in zip(dilatation, trace, strict=True)]
     lame = np.array([m.lame for m in assignment.materials])[slots.material]
-    gradient = [sp.csr_matrix(mean @ g) for g in gradient]
-    return _hooke(gradient, [sp.csr_matrix(g + mean @ e) for g, e in zip(gradient, excess, strict=True)], lame)
+    return _hooke([sp.csr_matrix(g) for g in gradient], [sp.csr_matrix(d) for d in dilatation], lame)
+
+
+CellValues = Callable[[Array, str], Array]  # node coordinates (e, k, 3) of cells of a kind to (e, k, k, 3) at nodes
+
+
+def _at_nodes(x: Array, kind: str) -> Array:
+    """Derivatives at the nodes of cells by the polynomial through the recovery points [1/m]."""
+    dN = recovery_points(kind)[1]
+    J = np.einsum("eai,qaj->eqij", x, dN)
+    slopes = np.einsum("qbj,eqji->eqbi", dN, np.linalg.inv(J))
+    return np.einsum("aq,eqbi->eabi", to_nodes(kind), slopes, optimize=True)
+
+
+def _projected_for(material: Material) -> CellValues:
+    """The dilatation at the nodes of cells: projected where these are mixed."""
+
+    def values(x: Array, kind: str) -> Array:
+        if not is_mixed(kind, material):
+            return _at_nodes(x, kind)
+        return projected_dilatation(x, kind, np.eye(x.shape[1]))
+
+    return values
+
+
+def _means(points: Array, cells: Mapping[str, Array], wanted: Array, values: CellValues) -> list[Sparse]:
+    """The mean of `values` over the cells at each of the nodes `wanted` (K,), along x, y, z: three csr (K, n)."""
+    n, count = len(points), len(wanted)
+    total, shared = [sp.csr_matrix((count, n)) for _ in range(3)], np.zeros(count)
+    place = np.full(n, -1)
+    place[wanted] = np.arange(count)
+    for kind, block in cells.items():
+        here = block[np.any(place[block] >= 0, axis=1)]
+        chunk = max(1, CHUNK_BYTES // (8 * 6 * block.shape[1] ** 2))
+        for start in range(0, len(here), chunk):
+            part = here[start : start + chunk]
+            found = values(points[part], kind)
+            cell, a = np.nonzero(place[part] >= 0)
+            row = place[part][cell, a]
+            shared += np.bincount(row, minlength=count)
+            rows, columns = np.repeat(row, part.shape[1]), part[cell].ravel()
+            for i in range(3):
+                data = found[cell, a, :, i].ravel()
+                total[i] = total[i] + sp.csr_matrix((data, (rows, columns)), shape=(count, n))
+    mean = sp.diags(1.0 / np.maximum(shared, 1.0))
+    return [sp.csr_matrix(mean @ part) for part in total]
 
 
 def _hooke(gradient: list[Sparse], dilatation: list[Sparse], lame: Array) -> Sparse:
