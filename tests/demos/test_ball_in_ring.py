@@ -14,6 +14,9 @@ from warpffrf.demos import ball_in_ring as demo
 SMALL = demo.Size(ball_sectors=230, ring_sectors=1150, layers=6, axial=4, frames=5)
 
 
+pytestmark = pytest.mark.slow
+
+
 @pytest.fixture(scope="module")
 def result() -> wf.Result:
     found = demo.run(demo.build(SMALL, progress=False), SMALL, progress=False)
@@ -45,7 +48,6 @@ def test_the_patch_is_an_ellipse_of_hertz(result: wf.Result) -> None:
     assert pair.half_widths[0] == pytest.approx(demo.HERTZ.half_axes, rel=0.06)  # two nodes in a half-axis
 
 
-@pytest.mark.slow
 def test_the_whole_demo_passes_and_writes_its_files(tmp_path: Path) -> None:
     assert demo.main(tmp_path / "out", quick=True, progress=False) == 0
     left_behind(tmp_path / "out", "ball_in_ring")

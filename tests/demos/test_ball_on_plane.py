@@ -12,6 +12,7 @@ import warpffrf as wf
 from warpffrf.demos import ball_on_plane as demo
 
 
+@pytest.mark.slow
 def test_the_whole_demo_passes_and_writes_its_files(tmp_path: Path) -> None:
     assert demo.main(tmp_path / "out", quick=True, progress=False) == 0
     checks = left_behind(tmp_path / "out", "ball_on_plane")

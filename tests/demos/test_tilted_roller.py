@@ -13,6 +13,7 @@ from warpffrf.demos import tilted_roller as demo
 SMALL = demo.Size(sectors=600, layers=7, axial=8, frames=5)
 
 
+@pytest.mark.slow
 def test_the_patch_goes_along_the_crown_and_the_cradle_holds_the_torque(monkeypatch: pytest.MonkeyPatch) -> None:
     """A crown of 2 m tilted by 0.5 mrad: by 1 mm; the force goes through the centre of the crown's arc."""
     monkeypatch.setattr(demo, "TURNING", demo.STEP)

@@ -150,6 +150,7 @@ def test_restitution_of_a_damped_layer(rigid_space: ReducedBody) -> None:
     assert errors[1] < 5e-3 and errors[1] < 0.7 * errors[0]
 
 
+@pytest.mark.slow
 def test_energy_of_a_ball_that_bounces_askew(steel_space: ReducedBody) -> None:
     """A free ball that comes down with a sideways velocity and a spin: what it has and what friction and layer took is
     what it had, the better the smaller the step, and neither ever gives."""
@@ -172,6 +173,7 @@ def test_energy_of_a_ball_that_bounces_askew(steel_space: ReducedBody) -> None:
     assert off[1] < 0.05 and off[1] < 0.7 * off[0]
 
 
+@pytest.mark.slow
 def test_momentum_of_two_free_bodies() -> None:
     """Flexible rollers that meet askew with friction: linear and angular momentum stay."""
     body = roller_body(40, layers=2, axial=2, grading=1.6, modes=3, tangential=True, cache=False)
@@ -204,6 +206,7 @@ def test_momentum_of_two_free_bodies() -> None:
     assert np.abs(total - total[0]).max() < 0.02 * size  # of the integrator, which conserves linear momentum only
 
 
+@pytest.mark.slow
 def test_two_wheels_on_the_ground_in_stages() -> None:
     """One at rest, one that slides with spin: while it slides, tractions are mu p all over its patch and slow it down;
     two stages are one run."""

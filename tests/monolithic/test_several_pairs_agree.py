@@ -66,6 +66,7 @@ def test_both_solvers_agree(rollers: tuple[ReducedBody, ReducedBody], order: str
         assert np.abs(contact.force - b.contacts[name].force).max() < AGREE * size
 
 
+@pytest.mark.slow
 def test_nodes_of_all_pairs_load_one_surface(rollers: tuple[ReducedBody, ReducedBody]) -> None:
     """Evaluation "full", friction on one of the two pairs: every surface has its coordinates once, those that friction
     needs; forces are those along the line of centres, where each pair alone would miss them."""

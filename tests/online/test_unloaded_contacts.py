@@ -12,9 +12,11 @@ import pytest
 
 from warpffrf.model import forces, joints, surfaces
 from warpffrf.model.contact import Contact
+from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import find_equilibrium, run
+from warpffrf.output.simulate import simulate
 
 ACROSS: dict[str, Any] = {"axis_point": (0, 0, 0), "axis_direction": (0, 1, 0)}
 RADIUS, SMALL = 0.05, 0.02  # m, of the flexible roller and the rigid one
@@ -133,3 +135,12 @@ def test_a_clearance_larger_than_the_roller_is_noted(plain_body: ReducedBody, st
     assert history.status == "completed", history.message
     told = [note for note in history.notes if "0.5 m apart at the start, more than the 0.02 m radius" in note]
     assert len(told) == 1 and "close_gap" in told[0]
+
+
+def test_a_run_without_any_contact_says_so(plain_body: ReducedBody) -> None:
+    """And Hertz's contact of a step in which nothing touches is refused."""
+    result = simulate(follower(plain_body, 2e-5), 1e-3, step=1e-4, progress=False)
+    (said,) = (note for note in result.history.notes if "without any touch" in note)
+    assert said.startswith("contact without any touch in the run: 'nose' (2e-05 m apart at the least)")
+    with pytest.raises(InputError, match="contact 'nose': Hertz does not apply: nothing touches in saved step 3"):
+        result.contact("nose").hertz(3)

@@ -47,7 +47,9 @@ def pressed(mesh: str, material: Material) -> tuple[float, float]:
     roll = scene.add_body(body, name="roll", position=(0.0, 0.0, -APPROACH))
     scene.add(Contact(roll["rim"], plane, name="nip", overlap=1e-3))
     scene.add(joints.Fixed(scene.ground, roll["bore"]))
-    nip = equilibrium(scene).contact("nip")
+    rest = equilibrium(scene)
+    nip = rest.contact("nip")
+    assert any("gaps are taken along undeformed normals" in note for note in rest.history.notes)
     with pytest.raises(InputError, match=r"its half-width would be .* 'roll' is only 0.005 m deep .* no half-space"):
         nip.hertz(-1)
     return float(nip.line_load[-1]), float(nip.peak_pressure[-1])

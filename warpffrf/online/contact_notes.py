@@ -45,8 +45,9 @@ def contact_notes(scene: Any, history: Any, on_axes: Collection[str] = ()) -> li
         if _largest(found) <= max(UNLOADED * largest, TINY):
             untouched.append(contact)
             continue
-        notes += _coarse(contact, found) + _cut(contact, found) + border_notes(contact, found, history.time)
-        notes += normal_notes(contact, found)
+        columns = _widest(found)
+        notes += _coarse(contact, columns) + _cut(contact, found) + border_notes(contact, found, history.time)
+        notes += normal_notes(contact, columns)
         if contact.name in on_axes:
             notes += _skewed(contact, found, history)
     return notes + _untouched(scene, history, untouched)
@@ -109,9 +110,13 @@ def angle_between_axes(contact: Any, history: Any) -> np.ndarray:
     return np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.abs(np.einsum("ti,ti->t", a, b)))
 
 
-def _coarse(contact: Any, found: Any) -> list[str]:
+def _widest(found: Any) -> int:
+    """Columns of the grid under pressure in the saved step with the largest load."""
     load = found.pressure.sum(axis=(1, 2))
-    columns = int(np.count_nonzero(found.pressure[int(np.argmax(load))].max(axis=1) > 0.0))
+    return int(np.count_nonzero(found.pressure[int(np.argmax(load))].max(axis=1) > 0.0))
+
+
+def _coarse(contact: Any, columns: int) -> list[str]:
     if columns >= FEWEST_COLUMNS:
         return []
     return [

@@ -28,14 +28,12 @@ def line_load_error(half_width: float, radius: float, wall: float, poisson_ratio
     return half_width**2 / (radius * wall) * (0.45 + 0.5 * half_width / wall) * squeezed
 
 
-def normal_notes(contact: Any, found: Any) -> list[str]:
-    """A note where the error is noticeable in the largest patch of `contact`; `found`: its history."""
+def normal_notes(contact: Any, columns: int) -> list[str]:
+    """A note where the error is noticeable in the largest patch of `contact`, of so many columns."""
     first = contact.a.surface
     curvature = sum(_curvature(port.surface) for port in contact.ports)
     if not curvature > 0.0:
         return []
-    load = found.pressure.sum(axis=(1, 2))
-    columns = int(np.count_nonzero(found.pressure[int(np.argmax(load))].max(axis=1) > 0.0))
     radius = 1.0 if first.shape.profile().planar else float(first.shape.radius_at(_middle(first)))
     half_width = 0.5 * columns * first.grid.pitch * radius
     error = weight = 0.0

@@ -2,9 +2,9 @@ r"""Stress at the nodes of a finite-element mesh, as a sparse operator on the no
 
 **Quadratic cells.** The displacement gradient at a node is that of polynomials fitted to patches of cells (`patches`).
 
-**Linear cells: nodal averaging.** The displacement gradient is taken at the recovery points of each cell, where it is most accurate
-(Barlow 1976, Int. J. Numer. Methods Eng. 10, 243), carried to the cell's nodes by the polynomial through those points,
-and averaged over the cells that share a node, each with the same weight:
+**Linear cells: nodal averaging.** The displacement gradient is taken at the recovery points of each cell, where it is
+most accurate (Barlow 1976, Int. J. Numer. Methods Eng. 10, 243), carried to the cell's nodes by the polynomial through
+those points, and averaged over the cells that share a node, each with the same weight:
 
     g_a = 1/n_a sum_e sum_q E_aq sum_b u_b (x) dN_b/dx (xi_q),     sigma_a = lambda tr(e) 1 + 2 mu e,  e = sym g_a.
 

@@ -5,8 +5,9 @@ point in sector s in the axes of that sector, sigma_s = A_s^T sigma A_s. An oper
 
     sigma_s = sum_o S_o u_(s+o),      S_o = R(A_s^T) S A_(s+o),
 
-R(A) the turn of the six components; a point and its copies in other sectors have the same S_o. Nodal averaging of linear
-cells reaches one cell beyond the point's own, patches of quadratic ones two: o runs over as many sectors as they touch.
+R(A) the turn of the six components; a point and its copies in other sectors have the same S_o. Nodal averaging of
+linear cells reaches one cell beyond the point's own, patches of quadratic ones two: o runs over as many sectors as they
+touch.
 """
 
 from __future__ import annotations
