@@ -235,7 +235,7 @@ def test_exponents_of_every_program(tmp_path: Path, exponent: str, sign: str) ->
 
 def test_an_exponent_without_letter(tmp_path: Path) -> None:
     """With three digits Fortran's E format has no room for the letter."""
-    text = "%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 1.5-106\n2 2 -.25+100\n"
+    text = "%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 1.5-106\n2 2 -.25+100"
     (tmp_path / "a.mtx").write_text(text)
     np.testing.assert_array_equal(read_matrix(tmp_path / "a.mtx").matrix.toarray(), np.diag([1.5e-106, -0.25e100]))
 

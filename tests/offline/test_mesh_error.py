@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from warpffrf.model import surfaces
-from warpffrf.model.mesh import box, roller
+from warpffrf.model.mesh import ball, box, roller
 from warpffrf.offline import reduce
-from warpffrf.offline.contact.grid_rule import grid_error
+from warpffrf.offline.contact.grid_rule import GridChoice, grid_error
 from warpffrf.study.grid_on_roller import RADIUS, STEEL, LayerState, layer_states
 
 SECTORS = 720  # half as fine as the study
@@ -75,3 +75,26 @@ def test_of_planes_nothing_is_said() -> None:
         progress=False,
     )  # fmt: skip
     assert body.report["contact"]["z_max"]["line_mesh_error"] is None
+
+
+def test_balls_are_not_judged_by_lines() -> None:
+    mesh = ball(0.02, patch_half_width=0.004, cell=0.002, order=1)
+    body = reduce(mesh, STEEL, contact={"patch": surfaces.Sphere()}, modes=2, cache=False, progress=False)
+    assert body.report["contact"]["patch"]["line_mesh_error"] is None
+    assert not [w for w in body.report["warnings"] if "cells behind" in w]
+
+
+def test_a_spacing_rounded_up_is_not_the_limit_of_the_mesh() -> None:
+    """Nodes 12.5 mm apart carry the 13.5 mm that the rule asks for; on the plate they come out as 14.3 mm."""
+    body = reduce(
+        box((0.1, 0.1, 0.05), (8, 8, 4), order=1), STEEL, contact={"z_max": surfaces.Plane()}, modes=2,
+        expected_half_width=0.03, contact_error=0.03, cache=False, progress=False,
+    )  # fmt: skip
+    assert not body.report["contact"]["z_max"]["expected"]["limited_by_mesh"]
+    assert not [w for w in body.report["warnings"] if "finer than the mesh" in w]
+
+
+@pytest.mark.parametrize(("error", "kept"), [(0.008, True), (0.012, False)])
+def test_a_promise_that_is_kept_is_no_warning(error: float, kept: bool) -> None:
+    choice = GridChoice(1e-5, error, "force", 1e-4, 0.01, 1e-5, False, mesh_error=0.006)
+    assert (choice.warning("rim") is None) == kept

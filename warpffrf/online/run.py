@@ -195,7 +195,7 @@ def run(
         interrupted = True
         engine.drain()
     bar.close()
-    if not np.any(engine.word("STATUS")) and engine.word("SUB")[0] == 0 and engine.word("STEP")[0] % save_every:
+    if not interrupted and not np.any(engine.word("STATUS")) and last_step % save_every:
         engine.save_now()
     history = _finish(engine, begin, built, notes, "", rejected)
     history.message = gain or history.message

@@ -32,8 +32,8 @@ def normal_notes(contact: Any, columns: int) -> list[str]:
     """A note where the error is noticeable in the largest patch of `contact`, of so many columns."""
     first = contact.a.surface
     curvature = sum(_curvature(port.surface) for port in contact.ports)
-    if not curvature > 0.0:
-        return []
+    if not curvature > 0.0 or any(port.surface.shape.profile().crown for port in contact.ports):
+        return []  # conformal, or touched in a point
     radius = 1.0 if first.shape.profile().planar else float(first.shape.radius_at(_middle(first)))
     half_width = 0.5 * columns * first.grid.pitch * radius
     error = weight = 0.0

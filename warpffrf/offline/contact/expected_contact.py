@@ -11,7 +11,7 @@ from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.mesh import Mesh
 from warpffrf.offline.contact.contact_grid import largest_radius, nodal_plan
 from warpffrf.offline.contact.grid_rule import GridChoice, choose_spacing, grid_error
-from warpffrf.offline.contact.mesh_error import line_mesh_error
+from warpffrf.offline.contact.mesh_error import line_mesh_error, touched_in_lines
 from warpffrf.offline.contact.traction_fields import ContactFacets
 from warpffrf.offline.settings import Settings
 
@@ -35,8 +35,7 @@ def expected_grids(mesh: Mesh, shapes: dict[str, Any], settings: Settings) -> di
 
 
 def _patch(shape: Any) -> str:
-    profile = shape.profile()
-    return "ellipse" if profile.planar or profile.crown else "line"
+    return "line" if touched_in_lines(shape) else "ellipse"
 
 
 def _finest(mesh: Mesh, name: str, shape: Any) -> float:
@@ -75,6 +74,6 @@ def promised(choice: GridChoice, grid: ContactGrid, shape: Any, mesh: Mesh) -> G
     """The choice with the spacing that the finished grid has, and what that promises on the mesh."""
     spacing = grid.pitch * largest_radius(shape, grid.z)
     error = grid_error(spacing, choice.half_width, quantity=choice.quantity, patch=_patch(shape), traction=grid.kind)
-    behind = line_mesh_error(mesh, shape, grid, choice.half_width) if _patch(shape) == "line" else None
+    behind = line_mesh_error(mesh, shape, grid, choice.half_width)
     error = None if error is None else error + (behind or 0.0)
     return replace(choice, spacing=spacing, error=error, mesh_error=behind)

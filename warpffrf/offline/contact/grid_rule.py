@@ -157,7 +157,8 @@ class GridChoice:
     """Spacing of a contact grid for an expected patch, and what it promises.
 
     `error`: for `quantity`, of the grid and of the mesh behind it; None where the patch is smaller than the spacing.
-    `mesh_error`: the part of the mesh, None where it is not known (`mesh_error.line_mesh_error`).
+    `limited_by_mesh`: the wanted error needs a finer grid than the mesh can carry. `mesh_error`: the part of the mesh,
+    None where it is not known (`mesh_error.line_mesh_error`).
     """
 
     spacing: float  # m
@@ -166,12 +167,8 @@ class GridChoice:
     half_width: float  # m, expected
     wanted_error: float
     wanted_spacing: float  # m, that the rule asks for
+    limited_by_mesh: bool
     mesh_error: float | None = None
-
-    @property
-    def limited_by_mesh(self) -> bool:
-        """The wanted error needs a finer grid than the mesh can carry."""
-        return self.spacing > self.wanted_spacing * (1.0 + ROUND_OFF)
 
     def facts(self) -> dict[str, float | str | bool | None]:
         """Plain data for the report of a reduced body."""
@@ -188,7 +185,8 @@ class GridChoice:
     def warning(self, name: str) -> str | None:
         """What to tell the user where the mesh of contact surface `name` cannot keep the wanted error, else None."""
         behind = self.mesh_error or 0.0
-        if not self.limited_by_mesh and self.error is not None and behind > 0.5 * self.wanted_error < self.error:
+        missed = self.error is not None and self.error > self.wanted_error
+        if not self.limited_by_mesh and missed and behind > 0.5 * self.wanted_error:
             return (
                 f"contact {name!r}: an error of {self.wanted_error:g} in {self.quantity.replace('_', ' ')} at a "
                 f"half-width of {self.half_width:.3g} m is not kept: the cells behind the surface alone err by about "
@@ -220,4 +218,4 @@ def choose_spacing(
     wanted = contact_spacing(half_width, error=error, quantity=quantity, patch=patch, traction=traction)
     spacing = max(wanted, finest)
     promised = grid_error(spacing, half_width, quantity=quantity, patch=patch, traction=traction)
-    return GridChoice(spacing, promised, quantity, float(half_width), float(error), wanted)
+    return GridChoice(spacing, promised, quantity, float(half_width), float(error), wanted, spacing > wanted)

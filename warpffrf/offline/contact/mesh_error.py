@@ -37,15 +37,21 @@ def line_mesh_error(mesh: Mesh, shape: Any, grid: ContactGrid, half_width: float
     """Relative error of the force at a given approach under a line load at mid-width, `half_width` [m] to either side
     (None: `EXPECTED` spacings of the grid), on surface `shape` with the contact `grid`: the worst of `PLACES` around.
 
-    None for planes and for meshes without cells, of which it cannot be told.
+    None for surfaces that are touched in points, planes among them, and for meshes without cells.
     """
-    if shape.profile().planar or not mesh.cells:
+    if not touched_in_lines(shape) or not mesh.cells:
         return None
     if half_width is None:
         half_width = EXPECTED * grid.pitch * largest_radius(shape, grid.z)
     turn = grid.pitch * (grid.columns if grid.periodic else grid.columns - 1)
     places = grid.theta_start + turn * (np.arange(PLACES) + 0.5) / PLACES
     return max(_error(mesh, *_frame(shape, theta, float(np.mean(grid.z[[0, -1]]))), half_width) for theta in places)
+
+
+def touched_in_lines(shape: Any) -> bool:
+    """Whether the meridian is straight or slightly profiled; a plane may be touched by anything, in points too."""
+    profile = shape.profile()
+    return not (profile.planar or profile.crown)
 
 
 def mesh_error_warning(name: str, error: float | None) -> str | None:

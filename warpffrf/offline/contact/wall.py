@@ -11,6 +11,7 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.offline.contact.contact_grid import full_turn, wrapped
 from warpffrf.offline.fe.materials import Assignment, facet_material
 
+ROUND_OFF = 1e-9  # of the size of the mesh: other nodes on the surface itself are not below it
 INSIDE = 0.05  # of the extent of the grid: end faces, which meet the surface there, are no other side of the body
 
 
@@ -32,7 +33,9 @@ def wall(mesh: Mesh, name: str, shape: Any, grid: ContactGrid, assignment: Assig
         return None
     rough = float(np.abs(shape.chart(mesh.points[facets.node_set])[2]).max())  # nodes of the surface lie so far off it
     theta, z, height = shape.chart(mesh.points[ends])
-    below = (height < -2.0 * rough) & _inside(z - grid.z[0], float(grid.z[-1] - grid.z[0]))
+    below = (height < -2.0 * rough - ROUND_OFF * np.ptp(mesh.points, axis=0).max()) & _inside(
+        z - grid.z[0], float(grid.z[-1] - grid.z[0])
+    )
     if not grid.periodic:
         theta = wrapped(theta - grid.theta_start, full_turn(shape), 0.0)
         below &= _inside(theta, grid.pitch * (grid.columns - 1))

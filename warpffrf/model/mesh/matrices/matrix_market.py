@@ -16,7 +16,7 @@ from warpffrf.model.mesh.matrices.files import FileMatrix
 
 BANNER = b"%%matrixmarket"  # in small letters, as it is compared
 _FORTRAN = re.compile(rb"(?<=[0-9.])[dD](?=[+-]?[0-9])")
-_FORTRAN_WIDE = re.compile(rb"(\.[0-9]*)(?=[+-][0-9]{3}\s)")  # of three digits Fortran leaves out the letter
+_FORTRAN_WIDE = re.compile(rb"(\.[0-9]*)(?=[+-][0-9]{3}(?:\s|\Z))")  # of three digits Fortran leaves out the letter
 _NUMBERS = re.compile(rb"(?>\s+|[+-]?(?>[0-9]+\.?[0-9]*|\.[0-9]+)(?>[eE][+-]?[0-9]+)?(?=\s|\Z))*+")
 _COMMENTS = re.compile(rb"(?:\s*%[^\n]*\n)*")
 
