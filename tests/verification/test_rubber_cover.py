@@ -16,6 +16,8 @@ from warpffrf.model.mesh import roller
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online.undeformed_normal import line_load_error
+from warpffrf.output.contact_hertz import THIN
+from warpffrf.output.hertz_patch import hertz_line
 from warpffrf.output.simulate import equilibrium
 
 RADIUS, CORE, WIDTH, APPROACH = 0.05, 0.045, 0.1, 1e-4  # m
@@ -86,6 +88,17 @@ def test_cells_lock_without_it() -> None:
     """What the mixed formulation is for."""
     load, _ = pressed("hex8, 240", rubber(0.4999, "displacement"))
     assert load > 3.0 * pressed_cover(RADIUS, CORE, rubber(0.4999), APPROACH, *CELLS)[0]
+
+
+def test_hertz_where_the_cover_is_deep_enough() -> None:
+    """The limit of `ContactResult.hertz`: his peak is right to 3 % up to there, and not at twice the half-width."""
+    material, wall = rubber(0.4999), RADIUS - CORE
+    for approach, applies in ((2e-5, True), (1e-4, False)):
+        load, peak, _ = pressed_cover(RADIUS, CORE, material, approach, 240, 12)
+        hertz = hertz_line(load, 1.0 / RADIUS, material.plane_strain_modulus)
+        assert (hertz.half_width < THIN * wall) == applies
+        print(f"half-width {hertz.half_width / wall:.2f} of the cover: peak {peak / hertz.peak_pressure - 1.0:+.1%}")
+        assert (abs(peak / hertz.peak_pressure - 1.0) < PEAK) == applies
 
 
 @pytest.mark.parametrize(("core", "approach"), [(0.045, 4e-4), (0.03, 1.2e-3)])

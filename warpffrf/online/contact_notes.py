@@ -117,12 +117,13 @@ def _widest(found: Any) -> int:
 
 
 def _coarse(contact: Any, columns: int) -> list[str]:
+    """Sizes: docs/studies/contact_grid.md, worst positions at one to two spacings in a half-width."""
     if columns >= FEWEST_COLUMNS:
         return []
     return [
         f"contact {contact.name!r}: the patch is {columns} columns of the grid wide where it is most loaded, under "
-        f"{FEWEST_COLUMNS}: peak pressures and half-widths may be off by a third, forces at a given approach by a "
-        "twentieth, those of points by a tenth; use a finer mesh (half_width=)"
+        f"{FEWEST_COLUMNS}: peak pressures and half-widths may be off by a third (points: by a half and more), forces "
+        "at a given approach by a twentieth (points: by a tenth); use a finer mesh (half_width=)"
     ]
 
 

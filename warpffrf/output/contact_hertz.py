@@ -17,7 +17,7 @@ from warpffrf.output.hertz_patch import HertzLine, HertzPoint, conforms, hertz_l
 from warpffrf.output.scene_view import PairView
 from warpffrf.output.surface_geometry import Pose, relative_curvature
 
-THIN = 0.25  # half-width over the depth of the material; a bonded cover has peaks 2 % above Hertz's there
+THIN = 0.25  # half-width over the depth of the material: up to there the peak on a bonded cover is Hertz's to 3 %
 FLAT = 1e-9  # relative curvature times the width of the surface: a drop of 1e-10 of the width, below any approach
 
 

@@ -185,20 +185,19 @@ class GridChoice:
     def warning(self, name: str) -> str | None:
         """What to tell the user where the mesh of contact surface `name` cannot keep the wanted error, else None."""
         behind = self.mesh_error or 0.0
-        missed = self.error is not None and self.error > self.wanted_error
-        if not self.limited_by_mesh and missed and behind > 0.5 * self.wanted_error:
-            return (
-                f"contact {name!r}: an error of {self.wanted_error:g} in {self.quantity.replace('_', ' ')} at a "
-                f"half-width of {self.half_width:.3g} m is not kept: the cells behind the surface alone err by about "
-                f"{behind:.2g}; {FINER_BEHIND}"
-            )
+        wanted = (
+            f"contact {name!r}: an error of {self.wanted_error:g} in {self.quantity.replace('_', ' ')} at a half-width "
+            f"of {self.half_width:.3g} m"
+        )
         if not self.limited_by_mesh:
-            return None
+            kept = self.error is None or self.error <= self.wanted_error
+            if kept or behind <= 0.5 * self.wanted_error:  # what else is missing is a spacing that was rounded up
+                return None
+            return f"{wanted} is not kept: the cells behind the surface alone err by about {behind:.2g}; {FINER_BEHIND}"
         left = "is larger than the half-width" if self.error is None else f"keeps it below {self.error:.2g} only"
         return (
-            f"contact {name!r}: an error of {self.wanted_error:g} in {self.quantity.replace('_', ' ')} at a half-width "
-            f"of {self.half_width:.3g} m needs a contact grid of {self.wanted_spacing:.3g} m, finer than the mesh can "
-            f"carry; its {self.spacing:.3g} m {left}; refine the surface mesh"
+            f"{wanted} needs a contact grid of {self.wanted_spacing:.3g} m, finer than the mesh can carry; its "
+            f"{self.spacing:.3g} m {left}; refine the surface mesh"
             + (f", and behind it, where the cells err by about {behind:.2g}" if behind > self.wanted_error else "")
         )
 

@@ -50,8 +50,15 @@ def rule(kind: str, degree: int, pieces: int = 1) -> Rule:
 def physical_gradients(x: np.ndarray, kind: str) -> tuple[np.ndarray, np.ndarray]:
     """dN_a/dx_i (e, q, k, 3) and volumes (e, q) at the stiffness points of cells with node coordinates x (e, k, 3)."""
     r = rule(kind, STIFFNESS_DEGREE[kind])
-    J = np.einsum("eai,qaj->eqij", x, r.gradients)
-    return np.einsum("qaj,eqji->eqai", r.gradients, np.linalg.inv(J)), determinants(J) * r.weights
+    slopes, J = gradients_at(x, r.gradients)
+    return slopes, determinants(J) * r.weights
+
+
+def gradients_at(x: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """dN_a/dx_i (e, q, k, 3) and the Jacobians dx_i/dxi_j (e, q, 3, 3) of cells with node coordinates x (e, k, 3) at
+    points with `reference` gradients dN_a/dxi_j (q, k, 3)."""
+    J = np.einsum("eai,qaj->eqij", x, reference)
+    return np.einsum("qaj,eqji->eqai", reference, np.linalg.inv(J)), J
 
 
 def _points(domain: str, degree: int) -> tuple[np.ndarray, np.ndarray]:

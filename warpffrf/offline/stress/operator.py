@@ -48,6 +48,7 @@ from warpffrf.model.stress_field import from_tensor
 from warpffrf.offline.fe.assembly import CHUNK_BYTES, Sparse
 from warpffrf.offline.fe.dilatation import is_mixed, projected_dilatation
 from warpffrf.offline.fe.materials import Assignment
+from warpffrf.offline.fe.reference import gradients_at
 from warpffrf.offline.stress.patches import patch_gradients
 from warpffrf.offline.stress.recovery_points import recovery_points, to_nodes
 
@@ -98,9 +99,7 @@ CellValues = Callable[[Array, str], Array]  # node coordinates (e, k, 3) of cell
 
 def _at_nodes(x: Array, kind: str) -> Array:
     """Derivatives at the nodes of cells by the polynomial through the recovery points [1/m]."""
-    dN = recovery_points(kind)[1]
-    J = np.einsum("eai,qaj->eqij", x, dN)
-    slopes = np.einsum("qbj,eqji->eqbi", dN, np.linalg.inv(J))
+    slopes, _ = gradients_at(x, recovery_points(kind)[1])
     return np.einsum("aq,eqbi->eabi", to_nodes(kind), slopes, optimize=True)
 
 

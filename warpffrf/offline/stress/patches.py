@@ -6,12 +6,12 @@ more accurate by an order than elsewhere:
 
     g_v(x) = m(x).a_v,      sum_q |m(x_q).a_v - g(x_q)|^2 -> min,      m = (1, x, y, z, x^2, xy, ..., z^3).
 
-Hexahedra have four layers of points in a patch, which tell a cubic; under a contact a few nodes wide it is needed, a
-quadratic one misses a tenth of the stress there. Points of tetrahedra and wedges lie in no such layers, and carry a
-quadratic polynomial. The value at a vertex is that of its polynomial; at a node between vertices, on an edge, a face or
-inside a cell, it is the mean of the polynomials of the vertices around. On the boundary a patch has one layer of
-cells: there the polynomials of neighbours along an edge are taken that have cells on both sides (half as many cells
-again as its own, or more), as far as there are any.
+Hexahedra have four layers of points in a patch, which tell a cubic; stress under a contact falls so quickly that a
+quadratic polynomial does not follow it where the contact is a few nodes wide. Points of tetrahedra and wedges lie in no
+such layers, and carry a quadratic polynomial. The value at a vertex is that of its polynomial; at a node between
+vertices, on an edge, a face or inside a cell, it is the mean of the polynomials of the vertices around. On the boundary
+a patch has one layer of cells: there the polynomials of neighbours along an edge are taken that have cells on both
+sides (half as many cells again as its own, or more), as far as there are any.
 
 In the fit x is taken from the mean of the points in the axes and units of their covariance, so that the shape of the
 cells does not matter, and the higher terms without what the linear ones say of them: a direction with one layer of
@@ -32,6 +32,7 @@ import scipy.sparse as sp
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.facets import outer_faces
 from warpffrf.offline.fe.assembly import Sparse
+from warpffrf.offline.fe.reference import gradients_at
 from warpffrf.offline.stress.recovery_points import recovery_points
 
 Array = np.ndarray
@@ -39,7 +40,7 @@ CORNER_KIND = {8: "hex8", 6: "wedge6", 4: "tet4"}  # the cell with as many nodes
 MORE = 1.5  # cells, against the vertex's own, of a neighbour whose polynomial is taken instead
 RINGS = 4  # of cells around those wanted, in which vertices are counted: two of donors, one of their cells, one spare
 SEEN = {2: 0.05, 3: 0.01}  # singular value, of the largest, that the points tell; by degree
-STEEP = 15.0  # sum of the sizes of the weights; 5 in the middle of a patch, 11 at its edge
+STEEP = 15.0  # sum of the sizes of the weights; of hexahedra it is below 12, at the edge of a patch
 _TERMS = [t for degree in (2, 3) for t in itertools.combinations_with_replacement(range(3), degree)]  # factors x, y, z
 _QUADRATIC = 6  # of them are of degree two
 
@@ -193,8 +194,7 @@ def _recovered(points: Array, cells: Mapping[str, Array]) -> tuple[Array, list[S
     for kind, block in cells.items():
         N, dN = recovery_points(kind)
         x = points[block]
-        J = np.einsum("eai,qaj->eqij", x, dN)
-        slopes = np.einsum("qbj,eqji->eqbi", dN, np.linalg.inv(J))
+        slopes, _ = gradients_at(x, dN)
         places.append(np.einsum("qa,eai->eqi", N, x).reshape(-1, 3))
         data.append(slopes.reshape(-1, 3))
         columns.append(np.repeat(block, len(N), axis=0).ravel())
