@@ -16,6 +16,11 @@ arc lengths of the undeformed surfaces: for two rollers (Omega_A R_A - Omega_B R
 the opposite point shares the coordinate across c. Both places are computed from the two poses of the step, so that a
 cell that enters the patch is credited with the creep over the *whole* step, as Carter's solution needs.
 
+Directions of the tractions are (e_theta, t_z) projected on the plane across c where both forms are convex: that is the
+tangent plane of the deformed surfaces, in which all of a patch lies, so that tractions of one bound in gross slip are mu
+times the normal force and across it, however wide the patch and wherever it is shifted. Inside forms hug each other, and
+their tractions follow the surface.
+
 The traction acts half way between the two true surfaces; its wrench on the first body, per unit traction, is also the
 gradient of the weak slip `S_k = area_k s_k` by a motion of the first body relative to the second.
 """
@@ -195,6 +200,9 @@ def place_cells(
         slip = F_B * (model.surface_side[B] * R * grown * around + (now[1] - then[1]) * along)
         u_1 = F_A * t_1
         u_2 = F_A * t_2
+        if inside == 0:  # the line of centres is the normal of the deformed surfaces
+            u_1 = wp.normalize(u_1 - wp.dot(u_1, c) * c)
+            u_2 = wp.normalize(wp.cross(wp.sign(wp.dot(F_A * n, c)) * c, u_1))
         v_1 = F_B * around
         v_2 = F_B * wp.cross(local_normal(model, B, now[0], now[1]), around)
         # the second surface's tangents span the same plane but for the angle between the normals: 1 - cos of it is lost
