@@ -17,9 +17,9 @@ the opposite point shares the coordinate across c. Both places are computed from
 cell that enters the patch is credited with the creep over the *whole* step, as Carter's solution needs.
 
 Directions of the tractions are (e_theta, t_z) projected on the plane across c where both forms are convex: that is the
-tangent plane of the deformed surfaces, in which all of a patch lies, so that tractions of one bound in gross slip are mu
-times the normal force and across it, however wide the patch and wherever it is shifted. Inside forms hug each other, and
-their tractions follow the surface.
+tangent plane of the deformed surfaces, in which all of a patch lies. In gross slip friction is then mu times the normal
+force and across it, however wide the patch and wherever it has moved to. Inside forms hug each other, and their
+tractions follow the surface.
 
 The traction acts half way between the two true surfaces; its wrench on the first body, per unit traction, is also the
 gradient of the weak slip `S_k = area_k s_k` by a motion of the first body relative to the second.

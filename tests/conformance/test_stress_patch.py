@@ -54,6 +54,35 @@ def test_patch(kind: str, material: Material, wanted: str) -> None:
     assert np.abs(found - hooke(material)).max() < ROUND_OFF * sum(material.lame)
 
 
+@pytest.mark.parametrize("kind", ["wedge6", "tet4"])
+def test_nodes_of_cells_without_patches_have_the_mean_of_their_cells(kind: str) -> None:
+    """Of tet4 the gradient is constant, of wedge6 that in the middle of the triangle, linear along the axis."""
+    mesh = crooked_block(kind)
+    (cells,) = mesh.cells.values()
+    u = np.random.default_rng(6).standard_normal(mesh.points.shape)
+    found = (StressPlan(mesh, assign(mesh, STEEL), "here", "all").operator() @ u.ravel()).reshape(-1, 6)
+    lam, mu = STEEL.lame
+    total, count = np.zeros((len(mesh.points), 3, 3)), np.zeros(len(mesh.points))
+    for nodes in cells:
+        for a, xi in zip(nodes, cell_kind(kind).nodes, strict=True):
+            points = [np.full((1, 3), 0.25)] if kind == "tet4" else gauss_ends()
+            gradients = []
+            for point in points:
+                dN = cell_kind(kind).shape(point)[1][0]
+                gradients.append(u[nodes].T @ dN @ np.linalg.inv(mesh.points[nodes].T @ dN))
+            low, high = gradients[0], gradients[-1]
+            g = low if kind == "tet4" else 0.5 * (low + high) + 0.5 * np.sqrt(3.0) * xi[2] * (high - low)
+            e = 0.5 * (g + g.T)
+            total[a] += lam * np.trace(e) * np.eye(3) + 2.0 * mu * e
+            count[a] += 1
+    by_hand = from_tensor(total / count[:, None, None])
+    assert np.abs(found - by_hand).max() < ROUND_OFF * np.abs(by_hand).max()
+
+
+def gauss_ends() -> list[np.ndarray]:
+    return [np.array([[1.0 / 3.0, 1.0 / 3.0, z]]) for z in (-1.0 / np.sqrt(3.0), 1.0 / np.sqrt(3.0))]
+
+
 @pytest.mark.parametrize("kind", CELL_KINDS)
 def test_located_points_map_back(kind: str) -> None:
     mesh = crooked_block(kind)

@@ -120,7 +120,7 @@ def coupling(engine: Engine) -> np.ndarray:
     return np.array(found).T + (J_n * x.receptance.numpy()[0, :width]) @ J.T
 
 
-def test_the_answer_of_the_pressures_is_condensed(stopped: Engine) -> None:
+def test_the_answer_of_the_pressures_is_condensed(stopped: Engine, request: pytest.FixtureRequest) -> None:
     G_c, L_n, V, K, hats = operators(stopped)
     n, lines = len(hats), len(V)
     assert n > 3
@@ -134,15 +134,18 @@ def test_the_answer_of_the_pressures_is_condensed(stopped: Engine) -> None:
     held = stopped.work.cell_K.numpy()[0, :lines, :lines]
     assert np.abs(held - (K - Y.T @ Y)).max() < ROUND_OFF * np.abs(K).max()
     assert np.abs(Y.T @ Y - (U.T @ Y).T @ np.linalg.solve(G_c, U.T @ Y)).max() < ROUND_OFF * np.abs(K).max()
-    # an energy still; and what each iteration would leave of an error in the tractions without the answer
+    # an energy still; and what each iteration would leave of an error in the tractions without the answer: across the
+    # line of centres of like rollers tractions open no gap
     values = np.linalg.eigvalsh(held)
     assert values[0] > 0.0
     left = np.abs(np.linalg.eigvals(np.linalg.solve(K, K - held))).max()
-    assert 0.1 < left < 1.0
+    low, high = (0.1, 1.0) if request.node.callspec.params["stopped"] is on_a_plane else (0.0, 1e-3)
+    assert low <= left < high
 
 
 def test_a_light_carriage_does_not_slow_the_iteration_down(body: wf.ReducedBody) -> None:
-    """Without the answer of the pressures a third of the error is left by each iteration here, and steps are halved."""
+    """Tractions along the surface of a wide patch pressed on the carriage: a third of the error was left by each
+    iteration, and steps were halved. They act across the line of centres, and the pressures answer to what is left."""
     result = wf.simulate(rolling(body), 12 * STEP, step=STEP, start="equilibrium", progress=False)
     history = result.history
     assert history.status == "completed" and history.counters["rejected_steps"] == 0

@@ -226,3 +226,60 @@ def test_friction_with_dynamic_local_modes_is_refused() -> None:
 def test_a_run_says_that_friction_does_not_act_in_the_equilibrium(body) -> None:
     result = run(rollers(body, MU, 0.0), 1)
     assert any("friction of 'pair' does not act in the equilibrium" in note for note in result.history.notes)
+
+
+# --- gross slip of a wide patch ---
+
+SOFT = wf.Material(5e6, 0.3, 1100.0)
+WIDE = 0.6  # coefficient of friction
+EXACT, TURNED = 5e-4, 0.02  # of mu N, and degrees between friction and what it should be perpendicular to
+
+
+@pytest.fixture(scope="module")
+def soft_roller():
+    mesh = wf.mesh.roller(0.05, 0.02, 0.02, sectors=240, layers=6, axial=1, order=1)
+    return wf.reduce(
+        mesh,
+        SOFT,
+        interfaces={"bore": "rigid"},
+        contact={"rim": wf.surfaces.Cylinder()},
+        modes=0,
+        tangential=True,
+        cache=False,
+        progress=False,
+    )
+
+
+@pytest.mark.parametrize("partner", ["plane", "rigid roller", "soft roller"])
+def test_gross_slip_of_a_wide_patch_transmits_mu_times_the_load(soft_roller, partner: str) -> None:
+    """Half-widths of 0.06 to 0.09 R, moved aside by friction: the force is N sqrt(1 + mu^2) all the same, on a plane
+    turned from its normal by arctan mu. (Of rollers it also turns with the line between rims that give way sideways;
+    pressure along the normals of a rigid roller sums to less than the load, by a half-width^2 / 10 R^2.)"""
+    R, press, speed = 0.05, 6e-4, 4.0
+    scene = wf.Scene()
+    if partner == "plane":
+        second = scene.ground.surface(wf.surfaces.Plane(origin=(0.0, 0.0, -R), outward=(0.0, 0.0, 1.0)), name="ground")
+    elif partner == "rigid roller":
+        form = wf.surfaces.Cylinder(axis_point=(0.0, 0.0, -2.0 * R), axis_direction=(0.0, 1.0, 0.0), radius=R)
+        second = scene.ground.surface(form, name="ground")
+    else:
+        below = scene.add_body(soft_roller, name="below", position=(0.0, 0.0, -2.0 * R))
+        scene.add(wf.joints.Fixed(scene.ground.at((0.0, 0.0, -2.0 * R)), below["bore"]))
+        second, press = below["rim"], 2.0 * press
+    spin = (0.0, speed, 0.0)
+    turning = scene.add_body(soft_roller, name="roller", position=(0.0, 0.0, -press), angular_velocity=spin)
+    axle = scene.add(wf.joints.Revolute(scene.ground.at((0.0, 0.0, -press)), turning["bore"], axis=(0.0, 1.0, 0.0)))
+    scene.add(wf.joints.Drive(axle, speed, quantity="velocity"))
+    scene.add(wf.Contact(turning["rim"], second, friction=WIDE, name="pair", overlap=3e-3))
+    result = wf.simulate(scene, 0.02, step=1e-3, progress=False)
+    assert result.status == "completed", result.message
+    contact = result.contact("pair")
+    width = contact.half_width[-1] / R
+    assert width > (0.055 if partner == "rigid roller" else 0.085)
+    short = 0.1 * width**2 if partner == "rigid roller" else 0.0
+    expected = np.hypot(1.0, WIDE) * contact.normal_load[-1] * (1.0 - short)
+    assert np.linalg.norm(contact.force[-1]) == pytest.approx(expected, rel=EXACT)
+    if partner == "plane":
+        across, _, normal = np.abs(contact.force[-1])
+        assert across == pytest.approx(WIDE * normal, rel=EXACT)
+        assert np.degrees(np.arctan2(across, normal) - np.arctan(WIDE)) == pytest.approx(0.0, abs=TURNED)

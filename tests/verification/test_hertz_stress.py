@@ -150,12 +150,12 @@ def test_two_rollers() -> None:
     assert np.abs(surface[:, 0] / p0 + pressure).max() < 0.05
 
 
-# --- quadratic cells, a few nodes in a half-width, anywhere on the mesh ---
+# --- a few nodes in a half-width, anywhere on the mesh ---
 
-NODES = (2.5, 3.0, 3.5, 5.0, 8.0)  # in a half-width
-FEW, MANY = 0.03, 0.01  # of von Mises: promised of few nodes, and of 8
-COARSE = 0.10  # the same of linear cells below 5 nodes, which fall short of what is promised
+NODES = (2.5, 3.0, 3.5, 5.0, 8.0)  # in a half-width, along the surface and below it
 PLACES = (0.0, 0.25, 0.5)  # of the middle of the patch, in cells
+FEW, MANY = 0.03, 0.01  # of von Mises stress below 8 nodes and from 8 on: what docs/method.md promises
+FEW_DEPTH, MANY_DEPTH = 0.10, 0.03  # of the depth of its maximum
 
 
 def von_mises(z: np.ndarray) -> np.ndarray:
@@ -165,24 +165,34 @@ def von_mises(z: np.ndarray) -> np.ndarray:
     return np.sqrt(0.5 * ((x - between) ** 2 + (between - y) ** 2 + (y - x) ** 2))
 
 
-def quadratic_half_plane(nodes: float) -> Mesh:
-    """A block of hex27 cells, one along y, with `nodes` in the unit half-width."""
-    side = spaced(2.0 / nodes, 2.0, 100.0, 1.3)
-    lines = (np.concatenate([-side[:0:-1], side]), np.array([0.0, 0.2]), -spaced(2.0 / nodes, 0.0, 100.0, 1.2)[::-1])
-    mesh = box((1.0, 1.0, 1.0), (len(lines[0]) - 1, 1, len(lines[2]) - 1), order=2)
+def coarse_half_plane(order: int, nodes: float) -> Mesh:
+    """A block of cells of the order, one along y, with `nodes` in the unit half-width."""
+    size = order / nodes
+    side = spaced(size, 2.0, 100.0, 1.2)
+    lines = (np.concatenate([-side[:0:-1], side]), np.array([0.0, 0.2]), -spaced(size, 1.5, 100.0, 1.15)[::-1])
+    mesh = box((1.0, 1.0, 1.0), (len(lines[0]) - 1, 1, len(lines[2]) - 1), order=order)
     unit = mesh.points - mesh.points.min(axis=0)
     points = [np.interp(u, np.linspace(0.0, 1.0, len(x)), x) for u, x in zip(unit.T, lines, strict=True)]
     return replace(mesh, points=np.stack(points, axis=1))
 
 
+def shares(order: int, xi: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Shape functions of the nodes of an edge."""
+    if order == 1:
+        return 0.5 * (1.0 - xi), 0.5 * (1.0 + xi)
+    return 0.5 * xi * (xi - 1.0), 1.0 - xi**2, 0.5 * xi * (xi + 1.0)
+
+
 @pytest.mark.parametrize("nodes", [2.5, 5.0, *(pytest.param(n, marks=pytest.mark.slow) for n in (3.0, 3.5, 8.0))])
-def test_quadratic_block_under_hertz_pressure(nodes: float) -> None:
-    mesh = quadratic_half_plane(nodes)
+@pytest.mark.parametrize("order", [1, 2])
+def test_block_of_few_cells_under_hertz_pressure(order: int, nodes: float) -> None:
+    mesh = coarse_half_plane(order, nodes)
     assignment = assign(mesh, STEEL)
     K, _ = assemble(mesh.points, mesh.cells, assignment)
     top = mesh.facets("z_max").node_set
     x, y = (np.unique(np.round(mesh.points[top, i], 12)) for i in range(2))
     column, row = (np.searchsorted(v, np.round(mesh.points[top, i], 12)) for i, v in enumerate((x, y)))
+    along = np.array([0.5, 0.5]) if order == 1 else np.array([1.0, 4.0, 1.0]) / 6.0
     fine = np.linspace(-1.0, 1.0, 20_001)[1:-1]
     p = np.sqrt(1.0 - fine**2) * (fine[1] - fine[0])
     free = np.ones((len(mesh.points), 3), dtype=bool)
@@ -191,29 +201,32 @@ def test_quadratic_block_under_hertz_pressure(nodes: float) -> None:
     dofs = np.flatnonzero(free.ravel())
     solve = spla.splu(K[dofs][:, dofs].tocsc()).solve
     depth = np.linspace(0.3, 1.5, 49)
-    exact = largest(depth, von_mises(depth))[1]
+    where, exact = largest(depth, von_mises(depth))
     for place in PLACES:
-        middle = place * 2.0 / nodes
-        cell = np.searchsorted(x[::2], fine + middle) - 1
-        xi = 2.0 * (fine + middle - x[2 * cell]) / (x[2 * cell + 2] - x[2 * cell]) - 1.0
+        middle = place * order / nodes
+        ends = x[::order]
+        cell = np.searchsorted(ends, fine + middle) - 1
+        xi = 2.0 * (fine + middle - ends[cell]) / (ends[cell + 1] - ends[cell]) - 1.0
         load = np.zeros(len(x))
-        for k, N in enumerate((0.5 * xi * (xi - 1.0), 1.0 - xi**2, 0.5 * xi * (xi + 1.0))):
-            np.add.at(load, 2 * cell + k, p * N)
+        for k, N in enumerate(shares(order, xi)):
+            np.add.at(load, order * cell + k, p * N)
         f = np.zeros((len(mesh.points), 3))
-        f[top, 2] = -load[column] * (0.2 * np.array([1.0, 4.0, 1.0]) / 6.0)[row]
+        f[top, 2] = -0.2 * load[column] * along[row]
         u = np.zeros(f.size)
         u[dofs] = solve(f.ravel()[dofs])
         line = np.stack([0.0 * depth + middle, 0.0 * depth + 0.1, -depth], axis=1)
         stress = (StressPlan(mesh, assignment, "line", line).operator() @ u).reshape(-1, 6)
-        found = largest(depth, equivalent(stress))[1]
-        print(f"{nodes} nodes, {place} cells aside: von Mises {found / exact - 1.0:+.2%}")
-        assert found == pytest.approx(exact, rel=FEW)
+        at, found = largest(depth, equivalent(stress))
+        print(f"order {order}, {nodes} nodes, {place}: {found / exact - 1.0:+.2%}, depth {at / where - 1.0:+.1%}")
+        assert found == pytest.approx(exact, rel=MANY if nodes >= 8.0 else FEW)
+        assert at == pytest.approx(where, rel=MANY_DEPTH if nodes >= 8.0 else FEW_DEPTH)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2])
 def test_two_rollers_anywhere_on_the_mesh(order: int) -> None:
-    """From the mesh to the result; a is 0.13 to 0.42 mm on R = 50 mm."""
+    """From the mesh to the result; a is 0.13 to 0.42 mm on R = 50 mm. The rollers are wide, as plane strain is: at a
+    width of 20 mm free ends take 3 % of p0 of the axial stress. Cells at the rim are as deep as long."""
     sectors, R = 6000 // order, 0.05
     size, cell = 2.0 * np.pi * R / 6000, 2.0 * np.pi / sectors
     depth = np.linspace(0.3, 1.5, 49)
@@ -223,7 +236,7 @@ def test_two_rollers_anywhere_on_the_mesh(order: int) -> None:
         for nodes in NODES
         for place, turn in zip(PLACES, turns, strict=True)
     }
-    mesh = roller(R, 0.015, 0.02, sectors=sectors, layers=40 // order, axial=1, order=order, grading=1.1**order)
+    mesh = roller(R, 0.015, 0.2, sectors=sectors, layers=44 // order, axial=1, order=order, grading=1.1**order)
     body = reduce(
         mesh,
         STEEL,
@@ -243,13 +256,6 @@ def test_two_rollers_anywhere_on_the_mesh(order: int) -> None:
             found = result.stress("lower", f"{nodes} {place}").von_mises[i] / hertz.peak_pressure
             at, value = largest(depth * nodes * size / hertz.half_width, found)
             print(f"order {order}, {nodes} nodes, {place}: {value / exact - 1.0:+.2%}, depth {at / where - 1.0:+.1%}")
-            assert value == pytest.approx(exact, rel=allowed(order, nodes))
-            if order == 2 and nodes >= 8.0:
-                assert at == pytest.approx(where, rel=FEW)
-
-
-def allowed(order: int, nodes: float) -> float:
-    """Error of von Mises stress: what docs/method.md says."""
-    if order == 1:
-        return FEW if nodes >= 5.0 else COARSE
-    return MANY if nodes >= 8.0 else FEW
+            round_body = 0.5 * hertz.half_width / R / exact  # the uniform tension a/(2 R) p0 in a disc
+            assert value == pytest.approx(exact, rel=round_body + (MANY if nodes >= 8.0 else FEW))
+            assert at == pytest.approx(where, rel=MANY_DEPTH if nodes >= 8.0 else FEW_DEPTH)

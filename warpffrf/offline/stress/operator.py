@@ -1,21 +1,20 @@
-r"""Stress at the nodes of a finite-element mesh, as a sparse operator on the nodal displacements.
+r"""Stress of a finite-element mesh at nodes and points, as a sparse operator on the nodal displacements.
 
-**Quadratic cells.** The displacement gradient at a node is that of polynomials fitted to patches of cells (`patches`).
+**Patches.** The displacement gradient of quadratic cells and of hex8 is that of polynomials fitted to patches of cells,
+at nodes and between them (`patches`).
 
-**Linear cells: nodal averaging.** The displacement gradient is taken at the recovery points of each cell, where it is
-most accurate (Barlow 1976, Int. J. Numer. Methods Eng. 10, 243), carried to the cell's nodes by the polynomial through
-those points, and averaged over the cells that share a node, each with the same weight:
+**Nodal averaging** of wedge6 and tet4. The displacement gradient is taken at the recovery points of each cell, where it
+is most accurate (Barlow 1976, Int. J. Numer. Methods Eng. 10, 243), carried to the cell's nodes by the polynomial
+through those points, and averaged over the cells that share a node, each with the same weight:
 
     g_a = 1/n_a sum_e sum_q E_aq sum_b u_b (x) dN_b/dx (xi_q),     sigma_a = lambda tr(e) 1 + 2 mu e,  e = sym g_a.
 
-Only cells of one material are averaged, so that Hooke's law and the mean commute and a jump between materials stays
-one: the unit of averaging, and of patches, is a (node, material) pair, here a *slot*; nodes of quadratic cells have the
-value of their patches. The recovery points are (`recovery_points`)
+The recovery points are (`recovery_points`) of wedge6 the centre of the triangle at 2 Gauss points along the axis,
+linear along it, of tet4 the centre, constant. Between nodes the nodal stresses are interpolated.
 
-    hex8, hex20, hex27   2 x 2 x 2 Gauss points, trilinear;
-    wedge6               centre of the triangle, 2 Gauss points along the axis, linear along it;
-    wedge15              3 points of the triangle, 2 along the axis, linear times linear;
-    tet4 the centre, constant;     tet10 4 points, linear.
+Only cells of one material make a patch or are averaged, so that Hooke's law and the mean commute and a jump between
+materials stays one: the unit is a (node, material) pair, here a *slot*. A slot where kinds meet has the value of
+quadratic cells, if there are none that of hex8.
 
 Of a mixed material the trace is not that of e but the projected dilatation (`offline.fe.dilatation`) at the nodes of
 the cell: lambda times it is the cell's own pressure, where lambda tr(e) wavers by as much as lambda exceeds mu.
@@ -36,7 +35,7 @@ Its traction is r, so sigma n = t exactly, and doing it twice changes nothing.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,7 +48,7 @@ from warpffrf.offline.fe.assembly import CHUNK_BYTES, Sparse
 from warpffrf.offline.fe.dilatation import is_mixed, projected_dilatation
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.fe.reference import gradients_at
-from warpffrf.offline.stress.patches import patch_gradients
+from warpffrf.offline.stress.patches import cell_places, node_places, patch_gradients, patch_groups
 from warpffrf.offline.stress.recovery_points import recovery_points, to_nodes
 
 Array = np.ndarray
@@ -66,32 +65,82 @@ class Slots:
         return len(self.node)
 
 
+@dataclass(frozen=True)
+class InCells:
+    """Points in cells of one kind and one material: `nodes` (K, k) of each one's cell, and where in it, `xi` (K, 3)."""
+
+    kind: str
+    material: int
+    nodes: Array
+    xi: Array
+
+    def __len__(self) -> int:
+        return len(self.nodes)
+
+
+@dataclass(frozen=True)
+class _Derivatives:
+    """Of a nodal field along x, y, z, and the dilatation of displacements along them: three csr (K, n) each [1/m]."""
+
+    gradient: list[Sparse]
+    dilatation: list[Sparse]
+
+    def placed(self, rows: Array, count: int) -> _Derivatives:
+        """As `rows` (K,) of `count`, the others zero."""
+        place = sp.csr_matrix((np.ones(len(rows)), (rows, np.arange(len(rows)))), shape=(count, len(rows)))
+        return _Derivatives([place @ g for g in self.gradient], [place @ d for d in self.dilatation])
+
+
 def nodal_stress(points: Array, cells: Mapping[str, Array], assignment: Assignment, slots: Slots) -> Sparse:
     """Stress at the slots, csr (6 K, 3 n) [Pa/m]: six rows a slot (xx, yy, zz, xy, yz, zx), user axes.
 
     points (n, 3) [m]; cells {kind: (m, k)}. A slot that no cell of its material touches has zero rows.
     """
-    n, count = len(points), len(slots)
-    gradient = [sp.csr_matrix((count, n)) for _ in range(3)]
-    dilatation = [sp.csr_matrix((count, n)) for _ in range(3)]
+    parts = []
     for g, material in enumerate(assignment.materials):
-        mine = np.flatnonzero(slots.material == g)
-        own = {kind: block[assignment.of_cell[kind] == g] for kind, block in cells.items()}
-        curved = {kind: block for kind, block in own.items() if len(block) and cell_kind(kind).degree > 1}
-        on_curved = np.isin(slots.node[mine], np.concatenate([np.zeros(0, int), *map(np.ravel, curved.values())]))
-        for these, by_patches in ((mine[on_curved], True), (mine[~on_curved], False)):
-            if not len(these):
-                continue
-            nodes, kinds = slots.node[these], curved if by_patches else own
-            mean = patch_gradients(points, kinds, nodes) if by_patches else _means(points, kinds, nodes, _at_nodes)
-            trace = mean
-            if any(is_mixed(kind, material) for kind in kinds):
-                trace = _means(points, kinds, nodes, _projected_for(material))
-            place = sp.csr_matrix((np.ones(len(these)), (these, np.arange(len(these)))), shape=(count, len(these)))
-            gradient = [total + place @ part for total, part in zip(gradient, mean, strict=True)]
-            dilatation = [total + place @ part for total, part in zip(dilatation, trace, strict=True)]
-    lame = np.array([m.lame for m in assignment.materials])[slots.material]
-    return _hooke([sp.csr_matrix(g) for g in gradient], [sp.csr_matrix(d) for d in dilatation], lame)
+        left = np.flatnonzero(slots.material == g)
+        own = _of_material(cells, assignment, g)
+        for group in patch_groups(own):
+            on = np.isin(slots.node[left], np.concatenate([block.ravel() for block in group.values()]))
+            if on.any():
+                nodes = slots.node[left[on]]
+                gradient = patch_gradients(points, group, node_places(points, group, nodes))
+                found = _Derivatives(gradient, _dilatation(points, group, material, nodes) or gradient)
+                parts.append(found.placed(left[on], len(slots)))
+            left = left[~on]
+        if len(left):
+            gradient = _means(points, own, slots.node[left], _at_nodes)
+            parts.append(_Derivatives(gradient, gradient).placed(left, len(slots)))
+    return _hooke(parts, assignment.materials, slots.material)
+
+
+def point_stress(points: Array, cells: Mapping[str, Array], assignment: Assignment, where: InCells) -> Sparse:
+    """Stress at points in cells of a kind that has patches, csr (6 K, 3 n) as `nodal_stress`."""
+    material = assignment.materials[where.material]
+    own = _of_material(cells, assignment, where.material)
+    (group,) = (group for group in patch_groups(own) if where.kind in group)
+    gradient = patch_gradients(points, group, cell_places(points, where.kind, where.nodes, where.xi))
+    nodes, column = np.unique(where.nodes, return_inverse=True)
+    dilatation = gradient
+    if (at_nodes := _dilatation(points, group, material, nodes)) is not None:
+        N = cell_kind(where.kind).shape(where.xi)[0]
+        rows = np.repeat(np.arange(len(where)), N.shape[1])
+        between = sp.csr_matrix((N.ravel(), (rows, column.ravel())), shape=(len(where), len(nodes)))
+        dilatation = [sp.csr_matrix(between @ part) for part in at_nodes]
+    numbers = np.full(len(where), where.material)
+    return _hooke([_Derivatives(gradient, dilatation)], assignment.materials, numbers)
+
+
+def _of_material(cells: Mapping[str, Array], assignment: Assignment, material: int) -> dict[str, Array]:
+    own = {kind: block[assignment.of_cell[kind] == material] for kind, block in cells.items()}
+    return {kind: block for kind, block in own.items() if len(block)}
+
+
+def _dilatation(points: Array, cells: Mapping[str, Array], material: Material, nodes: Array) -> list[Sparse] | None:
+    """The dilatation at `nodes` (K,) where it is not that of the gradient: where a cell is mixed."""
+    if not any(is_mixed(kind, material) for kind in cells):
+        return None
+    return _means(points, cells, nodes, _projected_for(material))
 
 
 CellValues = Callable[[Array, str], Array]  # node coordinates (e, k, 3) of cells of a kind to (e, k, k, 3) at nodes
@@ -137,10 +186,12 @@ def _means(points: Array, cells: Mapping[str, Array], wanted: Array, values: Cel
     return [sp.csr_matrix(mean @ part) for part in total]
 
 
-def _hooke(gradient: list[Sparse], dilatation: list[Sparse], lame: Array) -> Sparse:
-    """csr (6 K, 3 n) from the derivatives along x, y, z, each (K, n), the dilatation of displacements along x, y, z,
-    each (K, n), and (lambda, mu) (K, 2)."""
+def _hooke(parts: list[_Derivatives], materials: Sequence[Material], material: Array) -> Sparse:
+    """csr (6 K, 3 n) from the sum of `parts`, each row of its `material` (K,)."""
+    gradient: list[Sparse] = [sp.csr_matrix(sum(part.gradient[i] for part in parts)) for i in range(3)]
+    dilatation: list[Sparse] = [sp.csr_matrix(sum(part.dilatation[i] for part in parts)) for i in range(3)]
     count, n = gradient[0].shape
+    lame = np.array([m.lame for m in materials])[material]
     lam, mu = sp.diags(lame[:, 0]), sp.diags(lame[:, 1])
     zero = sp.csr_matrix((count, n))
     blocks = []

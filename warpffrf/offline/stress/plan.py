@@ -1,7 +1,8 @@
 r"""Where stresses are wanted on a body, and the operators that give them there.
 
-A point is a node, or lies in a cell e at reference coordinates xi. Its stress is the mean of the nodal stresses with
-the cell's shape functions, over the nodal averages of the cell's own material,
+A point is a node, or lies in a cell e at reference coordinates xi. Its stress is that of the patches around the cell,
+or, of wedge6 and tet4, the mean of the nodal stresses with the cell's shape functions, over the nodal averages of the
+cell's own material,
 
     sigma(x) = sum_a N_a(xi) sigma_(a, material of e),
 
@@ -9,13 +10,15 @@ and at a point where several materials meet the mean over them, unless `StressPo
 cells are averaged, and the stress on an interface is that of this side.
 
 Nodes on a contact surface carry the applied traction exactly (`stress_operator`); so do points on its facets, where
-the interpolated stress is corrected once more. With A = 1 - Q N, N the traction of a stress, the two parts are
+the stress is corrected once more. With A = 1 - Q N, N the traction of a stress, the two parts are
 
-    S = A_points (W (x) 1) A_slots sigma_nodal,     own = A_points (W (x) 1) [Q d psi]_slots + [Q d psi]_points,
+    S = A_points [sigma_patches + (W (x) 1) (A_slots - 1) sigma_nodal],
+    own = A_points (W (x) 1) [Q d psi]_slots + [Q d psi]_points,
 
-`W` the shape functions, psi the hats (or cells) and d the direction of their traction on the true surface. S acts on
-nodal displacements, own on the traction coefficients. Within one element of the surface the correction fades with
-the shape functions; where two contact surfaces share a node, the one named first has it.
+and S = A_points (W (x) 1) A_slots sigma_nodal where nodes are averaged; `W` the shape functions, psi the hats (or
+cells) and d the direction of their traction on the true surface. S acts on nodal displacements, own on the traction
+coefficients. Within one element of the surface the correction fades with the shape functions; where two contact
+surfaces share a node, the one named first has it.
 """
 
 from __future__ import annotations
@@ -40,12 +43,15 @@ from warpffrf.offline.contact.traction_fields import NORMAL, TANGENTIAL
 from warpffrf.offline.fe.assembly import Sparse
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.stress.operator import (
+    InCells,
     Slots,
     nodal_stress,
     point_blocks,
+    point_stress,
     traction_correction,
     traction_operator,
 )
+from warpffrf.offline.stress.patches import has_patches
 from warpffrf.offline.stress.point_location import INSIDE, SNAP, Located, locate
 from warpffrf.offline.stress.sectors import SectorOperator, distinct_places, sector_blocks
 
@@ -57,13 +63,15 @@ NODE_SETS = ("skin", "all")  # names that stand for the nodes of the outer facet
 @dataclass(frozen=True)
 class _Terms:
     """Contributions (e,) to the points: nodal stress of (node, material) times weight; `position` counts the terms of a
-    point, in the same order at copies of the point in other sectors."""
+    point, in the same order at copies of the point in other sectors. Where not `nodal`, the patches of the cell that
+    the point lies in have its stress, and nodes only what the traction corrects."""
 
     point: Array
     node: Array
     material: Array
     weight: Array
     position: Array
+    nodal: Array
 
 
 @dataclass(frozen=True)
@@ -94,6 +102,7 @@ class StressPlan:
         self.notes: list[str] = []  # what was done to the points given
         chosen, self.one_side = _chosen_cells(mesh, name, wanted)
         given = wanted.points if isinstance(wanted, StressPoints) else wanted
+        self._in_cells: list[tuple[Array, Array, InCells]] = []  # points (e,), weight of each point of the plan, where
         self._cells, of_cell = {}, {}
         for kind, keep in chosen.items():
             self._cells[kind], of_cell[kind] = mesh.cells[kind][keep], assignment.of_cell[kind][keep]
@@ -115,7 +124,10 @@ class StressPlan:
         keys, slot = np.unique(t.node * count + t.material, return_inverse=True)
         self._slot = slot.ravel()
         self.slots = Slots(keys // count, keys % count)
-        self.weights = sp.csr_matrix((t.weight, (t.point, self._slot)), shape=(len(self.points), len(keys)))
+        shape = (len(self.points), len(keys))
+        self.weights = sp.csr_matrix((t.weight, (t.point, self._slot)), shape=shape)
+        self._averaged = sp.csr_matrix((t.weight * t.nodal, (t.point, self._slot)), shape=shape)
+        self._averaged.eliminate_zeros()
         poisson = np.array([m.poisson_ratio for m in assignment.materials])
         self._poisson = poisson[self.slots.material]
         self.on = self._surfaces(contact or {}, where)
@@ -156,10 +168,11 @@ class StressPlan:
         point = np.searchsorted(nodes, pairs // count)
         share = np.bincount(point, minlength=len(nodes))
         first = np.searchsorted(point, point)
-        return _Terms(point, pairs // count, pairs % count, 1.0 / share[point], np.arange(len(point)) - first)
+        position, nodal = np.arange(len(point)) - first, np.ones(len(point), dtype=bool)
+        return _Terms(point, pairs // count, pairs % count, 1.0 / share[point], position, nodal)
 
     def _of_cells(self, located: Located) -> _Terms:
-        """One cell a point and material: its nodes with the shape functions."""
+        """One cell a point and material: its nodes with the shape functions; `_in_cells` where patches have stress."""
         kinds = list(self._cells)
         material = np.zeros(len(located.point), dtype=np.int64)
         for b, kind in enumerate(kinds):
@@ -168,22 +181,26 @@ class StressPlan:
         order = np.lexsort((located.cell, located.kind, material, located.point))
         key = located.point[order] * len(self.assignment.materials) + material[order]
         kept = order[np.concatenate([[True], np.diff(key) > 0])]
-        share = np.bincount(located.point[kept], minlength=len(self.points))
+        share = 1.0 / np.bincount(located.point[kept], minlength=len(self.points))
         parts = []
         for b, kind in enumerate(kinds):
-            here = kept[located.kind[kept] == b]
-            nodes = self._cells[kind][located.cell[here]]
-            N = cell_kind(kind).shape(located.xi[here])[0] / share[located.point[here]][:, None]
-            width = nodes.shape[1]
-            parts.append(
-                (
-                    np.repeat(located.point[here], width),
-                    nodes.ravel(),
-                    np.repeat(material[here], width),
-                    N.ravel(),
-                    np.tile(np.arange(width), len(here)) + 27 * np.repeat(material[here], width),
+            of_kind = kept[located.kind[kept] == b]
+            for g in np.unique(material[of_kind]):
+                here = of_kind[material[of_kind] == g]
+                point, nodes = located.point[here], self._cells[kind][located.cell[here]]
+                width = nodes.shape[1]
+                parts.append(
+                    (
+                        np.repeat(point, width),
+                        nodes.ravel(),
+                        np.full(nodes.size, g),
+                        (cell_kind(kind).shape(located.xi[here])[0] * share[point][:, None]).ravel(),
+                        np.tile(np.arange(width), len(here)) + 27 * g,
+                        np.full(nodes.size, not has_patches(kind)),
+                    )
                 )
-            )
+                if has_patches(kind):
+                    self._in_cells.append((point, share, InCells(kind, int(g), nodes, located.xi[here])))
         return _Terms(*(np.concatenate(v) for v in zip(*parts, strict=True)))
 
     def _home_sector(self, located: Located, chosen: dict[str, Array]) -> Array:
@@ -244,13 +261,37 @@ class StressPlan:
         nodes = np.cumsum(np.diff(self.weights.indptr)[rows])
         found = []
         for part in np.split(rows, np.flatnonzero(np.diff(nodes // BATCH)) + 1):
-            weights = sp.csr_matrix(self.weights[part])
-            used = np.unique(weights.indices)
-            slots = Slots(self.slots.node[used], self.slots.material[used])
-            S = point_blocks(at_slots[used]) @ nodal_stress(self.mesh.points, self._cells, self._assignment, slots)
-            S = sp.kron(weights[:, used], sp.identity(6), format="csr") @ S
+            S = self._from_slots(self._averaged[part], at_slots)
+            inside = sp.csr_matrix(self.weights[part] - self._averaged[part])
+            if inside.nnz:
+                S = S + self._from_slots(inside, at_slots - np.eye(6)) + self._in_patches(part)
             found.append(sp.csr_matrix(point_blocks(at_points[part]) @ S))
         return sp.csr_matrix(sp.vstack(found, format="csr"))
+
+    def _from_slots(self, weights: Sparse, blocks: Array) -> Sparse:
+        """csr (6 r, 3 n): `weights` (r, K) of nodal stresses times `blocks` (K, 6, 6)."""
+        used = np.unique(weights.indices)
+        used = used[np.any(blocks[used] != 0.0, axis=(1, 2))]
+        if not len(used):
+            return sp.csr_matrix((6 * weights.shape[0], self.mesh.points.size))
+        slots = Slots(self.slots.node[used], self.slots.material[used])
+        S = point_blocks(blocks[used]) @ nodal_stress(self.mesh.points, self._cells, self._assignment, slots)
+        return sp.kron(weights[:, used], sp.identity(6), format="csr") @ S
+
+    def _in_patches(self, rows: Array) -> Sparse:
+        """csr (6 r, 3 n): stress of the points `rows` (r,) by the patches of the cells that they lie in."""
+        place = np.full(len(self.points), -1)
+        place[rows] = np.arange(len(rows))
+        total = sp.csr_matrix((6 * len(rows), self.mesh.points.size))
+        for point, share, cells in self._in_cells:
+            here = np.flatnonzero(place[point] >= 0)
+            if len(here):
+                where = replace(cells, nodes=cells.nodes[here], xi=cells.xi[here])
+                S = point_stress(self.mesh.points, self._cells, self._assignment, where)
+                entries = (share[point[here]], (place[point[here]], np.arange(len(here))))
+                spread = sp.csr_matrix(entries, shape=(len(rows), len(here)))
+                total = total + sp.kron(spread, sp.identity(6), format="csr") @ S
+        return sp.csr_matrix(total)
 
     def _without_traction(self) -> tuple[Array, Array]:
         """A = 1 - Q N at slots (K, 6, 6) and at points (p, 6, 6); the identity off the contact surfaces."""
