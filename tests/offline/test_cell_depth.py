@@ -11,9 +11,10 @@ import pytest
 from offline_bodies import reduced
 
 from warpffrf.model import mesh as meshes
+from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.mesh import roller
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline.contact.cell_depth import DEEPEST, layer_depth
+from warpffrf.offline.contact.cell_depth import DEEPEST, layer_depth, node_spacing
 
 R, R_I = 0.05, 0.015
 DATA = Path(__file__).resolve().parents[1] / "data"
@@ -30,6 +31,22 @@ def test_depth_of_a_roller_is_its_rim_layer(order, growth):
     layer = (R - R_I) / sum(growth**i for i in range(3))
     # linear cells: nodes on the circle below; quadratic cells have a layer of nodes in their middle
     assert layer_depth(mesh, "rim", rim_shape(mesh)) == pytest.approx(layer / order, rel=1e-9)
+
+
+@pytest.mark.parametrize("layers", [2, 40])
+def test_spacing_of_nodes_is_the_wider_of_depth_and_columns(layers):
+    mesh = roller(R, R_I, 0.02, sectors=36, layers=layers, axial=2, grading=1.0, order=1)
+    body = reduced(mesh, modes=0)
+    around = body.contact_surfaces["rim"].grid.pitch * R
+    found = body.provenance["contact_node_spacings"]["rim"]
+    assert found == pytest.approx(max((R - R_I) / layers, around), rel=1e-9)
+    assert (found > around) == (layers == 2)
+
+
+def test_spacing_of_tetrahedra_is_not_given():
+    mesh = meshes.read(DATA / "tet_roller.msh", length_unit="mm")
+    grid = ContactGrid(np.array([1.0, 0.0, 0.0]), 0.0, 0.1, 60, True, np.array([-0.01, 0.01]), 60)
+    assert node_spacing(mesh, "rim", rim_shape(mesh), grid) is None
 
 
 def test_depth_of_tetrahedra_is_at_most_their_edge():

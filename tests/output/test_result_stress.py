@@ -152,3 +152,35 @@ def test_traction_coefficients_invert_the_gram_matrix(closed: bool) -> None:
     assert bool(np.any(outside)) == closed
     found = GridSpan(first, columns, closed).coefficients(forces, "cells", pitch, np.diag(np.diag(gram_z)))
     assert pitch * found * np.diag(gram_z) == pytest.approx(whole, abs=1e-12)
+
+
+# --- how right it is ---
+
+
+def known(body, spacing: float | None):
+    """The body with nodes so far apart at its rim."""
+    return replace(body, provenance={**body.provenance, "contact_node_spacings": {"rim": spacing}})
+
+
+def test_the_error_of_the_stress_falls_with_the_nodes_in_a_half_width(stressed) -> None:
+    contact = Result(make_history(known(stressed, 2e-4))).contact("lower-upper")
+    half_width = contact.half_width[0]
+    found = contact.stress_errors(0)["lower"]
+    assert found.spacings == pytest.approx(half_width / 2e-4)
+    finer = Result(make_history(known(stressed, 1e-4))).contact("lower-upper").stress_errors(0)["upper"]
+    assert 4.0 * (finer.von_mises - 0.01) == pytest.approx(found.von_mises - 0.01)
+    assert 4.0 * (finer.depth - 0.03) == pytest.approx(found.depth - 0.03)
+
+
+def test_the_report_says_it_where_there_are_stresses(stressed) -> None:
+    said = "stress below    of 'lower' von Mises to"
+    assert said in Result(make_history(known(stressed, 1e-4))).report()
+    assert "stress below" not in Result(make_history(known(stressed, None))).report()  # tetrahedra: not measured
+    assert "stress below" not in Result(make_history(known(replace(stressed, stress={}), 1e-4))).report()
+
+
+def test_a_mesh_too_coarse_to_tell_is_named(stressed) -> None:
+    result = Result(make_history(known(stressed, 1.0)))
+    with pytest.raises(InputError, match=r"nodes of 'lower' are 1 m apart, and the half-width is .* finer mesh"):
+        result.contact("lower-upper").stress_errors(0)
+    assert "stress below    contact 'lower-upper': the error of the stress is not known" in result.report()

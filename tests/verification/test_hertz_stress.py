@@ -223,10 +223,11 @@ def test_block_of_few_cells_under_hertz_pressure(order: int, nodes: float) -> No
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("layers", [44, 40], ids=["as deep as long", "half as deep again"])
 @pytest.mark.parametrize("order", [1, 2])
-def test_two_rollers_anywhere_on_the_mesh(order: int) -> None:
+def test_two_rollers_anywhere_on_the_mesh(order: int, layers: int) -> None:
     """From the mesh to the result; a is 0.13 to 0.42 mm on R = 50 mm. The rollers are wide, as plane strain is: at a
-    width of 20 mm free ends take 3 % of p0 of the axial stress. Cells at the rim are as deep as long."""
+    width of 20 mm free ends take 3 % of p0 of the axial stress. The stated error covers the true one."""
     sectors, R = 6000 // order, 0.05
     size, cell = 2.0 * np.pi * R / 6000, 2.0 * np.pi / sectors
     depth = np.linspace(0.3, 1.5, 49)
@@ -236,7 +237,7 @@ def test_two_rollers_anywhere_on_the_mesh(order: int) -> None:
         for nodes in NODES
         for place, turn in zip(PLACES, turns, strict=True)
     }
-    mesh = roller(R, 0.015, 0.2, sectors=sectors, layers=44 // order, axial=1, order=order, grading=1.1**order)
+    mesh = roller(R, 0.015, 0.2, sectors=sectors, layers=layers // order, axial=1, order=order, grading=1.1**order)
     body = reduce(
         mesh,
         STEEL,
@@ -256,6 +257,10 @@ def test_two_rollers_anywhere_on_the_mesh(order: int) -> None:
             found = result.stress("lower", f"{nodes} {place}").von_mises[i] / hertz.peak_pressure
             at, value = largest(depth * nodes * size / hertz.half_width, found)
             print(f"order {order}, {nodes} nodes, {place}: {value / exact - 1.0:+.2%}, depth {at / where - 1.0:+.1%}")
-            round_body = 0.5 * hertz.half_width / R / exact  # the uniform tension a/(2 R) p0 in a disc
-            assert value == pytest.approx(exact, rel=round_body + (MANY if nodes >= 8.0 else FEW))
-            assert at == pytest.approx(where, rel=MANY_DEPTH if nodes >= 8.0 else FEW_DEPTH)
+            stated = result.contact(PAIR).stress_errors(i)["lower"]
+            assert value == pytest.approx(exact, rel=stated.von_mises)
+            assert at == pytest.approx(where, rel=stated.depth)
+            if layers == 44:
+                round_body = 0.5 * hertz.half_width / R / exact  # the uniform tension a/(2 R) p0 in a disc
+                assert value == pytest.approx(exact, rel=round_body + (MANY if nodes >= 8.0 else FEW))
+                assert at == pytest.approx(where, rel=MANY_DEPTH if nodes >= 8.0 else FEW_DEPTH)

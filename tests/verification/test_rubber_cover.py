@@ -5,8 +5,10 @@ The gap of contact is taken along the undeformed normal on both sides.
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from plane_strain_cover import pressed_cover
+from tet_mesh import cut_into_tets
 
 from warpffrf.model import joints, surfaces
 from warpffrf.model.contact import Contact
@@ -30,7 +32,10 @@ MESHES = {  # cells along the axis: the stiff middle and the soft ends are withi
     "hex8, 480": {"order": 1, "sectors": 480, "layers": 8, "axial": 24},
     "hex27, 240": {"order": 2, "sectors": 240, "layers": 4, "axial": 12},
     "hex27, 480": {"order": 2, "sectors": 480, "layers": 4, "axial": 12},
+    "tet10, 240": {"order": 2, "sectors": 240, "layers": 4, "axial": 24},
+    "tet10, 480": {"order": 2, "sectors": 480, "layers": 4, "axial": 24},
 }
+TET_SPACING = 2.0 * np.pi * RADIUS / 480  # m, of the contact grid on tetrahedra, which have none of their own
 
 
 def rubber(nu: float, formulation: str | None = None) -> Material:
@@ -39,9 +44,11 @@ def rubber(nu: float, formulation: str | None = None) -> Material:
 
 def pressed(mesh: str, material: Material) -> tuple[float, float]:
     """Line load [N/m] at mid-width and peak pressure [Pa]."""
+    cover, tets = roller(RADIUS, CORE, WIDTH, grading=1.0, **MESHES[mesh]), mesh.startswith("tet10")
     body = reduce(
-        roller(RADIUS, CORE, WIDTH, grading=1.0, **MESHES[mesh]), material, interfaces={"bore": "rigid"},
-        contact={"rim": surfaces.Cylinder()}, modes=0, cache=False, progress=False,
+        cut_into_tets(cover) if tets else cover, material, interfaces={"bore": "rigid"},
+        contact={"rim": surfaces.Cylinder()}, traction_spacing=TET_SPACING if tets else None, modes=0, cache=False,
+        progress=False,
     )  # fmt: skip
     assert any("mixed" in note for note in body.report["notes"]) == material.mixed
     scene = Scene()

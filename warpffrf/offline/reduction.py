@@ -18,7 +18,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.periodicity import detect
 from warpffrf.model.reduced_body import ContactSurface, DisplaySurface, ReducedBody, library_versions
-from warpffrf.offline.contact.cell_depth import depth_ratio, depth_warning, layer_depth
+from warpffrf.offline.contact.cell_depth import depth_ratio, depth_warning, layer_depth, node_spacing
 from warpffrf.offline.contact.contact_grid import largest_radius
 from warpffrf.offline.contact.cubature import choose_sampling
 from warpffrf.offline.contact.expected_contact import expected_grids, promised, spacings
@@ -245,6 +245,7 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
             "contact_walls": {
                 name: wall(mesh, name, s.shape, s.grid, assignment) for name, s in surfaces.items() if materials[name]
             },
+            "contact_node_spacings": {name: node_spacing(mesh, name, s.shape, s.grid) for name, s in surfaces.items()},
         },
         inertia_terms=product.inertia_terms,
     )

@@ -34,6 +34,7 @@ from warpffrf.output.friction_result import FrictionResult
 from warpffrf.output.hertz_patch import HertzLine, HertzPoint
 from warpffrf.output.patch_moments import PatchMeasure, PatchMoments
 from warpffrf.output.scene_view import PairView
+from warpffrf.output.stress_error import StressError, stress_errors
 
 
 class PatchPressure(NamedTuple):
@@ -306,6 +307,15 @@ class ContactResult:
         conform, a line that lies along the arc, a cover that is thin beside the patch.
         """
         return hertz(self, i)
+
+    def stress_errors(self, i: int) -> dict[str, StressError]:
+        """How right the von Mises stress below the line is in saved step `i`, and the depth of its maximum, by flexible
+        body; bodies whose cells at the surface are no hexahedra are left out.
+
+        Raises `InputError` where nothing touches, where the contact is no line, and where the mesh is too coarse to
+        tell.
+        """
+        return stress_errors(self, i)
 
     def hertz_pressure(self, i: int, x: np.ndarray) -> np.ndarray:
         """Hertz's pressure [Pa] at arc positions `x` [m] in the section of `mid_pressure`, about the centre found in

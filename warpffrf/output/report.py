@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.output.contact_hertz import flexible_sides
 from warpffrf.output.hertz_patch import HertzPoint
 from warpffrf.output.report_items import item_lines
 
@@ -76,7 +77,7 @@ def _contact_lines(contact: Any) -> list[str]:
     try:
         found = contact.hertz(-1)
     except InputError as error:
-        return [*lines, f"  Hertz           not computed: {error}", *friction]
+        return [*lines, f"  Hertz           not computed: {error}", *_stress_lines(contact), *friction]
     if isinstance(found, HertzPoint):
         a, b = found.semi_axes
         hertz = f"semi-axes {a * 1e6:.5g} and {b * 1e6:.5g} um, peak {found.peak_pressure / 1e6:.5g} MPa, approach "
@@ -84,7 +85,24 @@ def _contact_lines(contact: Any) -> list[str]:
     else:
         hertz = f"half-width {found.half_width * 1e6:.5g} um, peak {found.peak_pressure / 1e6:.5g} MPa "
         hertz += f"at the line load {found.line_load / 1e3:.5g} N/mm found at mid-width"
-    return [*lines, f"  Hertz           {hertz}", *friction]
+    return [*lines, f"  Hertz           {hertz}", *_stress_lines(contact), *friction]
+
+
+def _stress_lines(contact: Any) -> list[str]:
+    """How right stresses below a line contact are, of bodies that have them."""
+    with_stress = {body.name for body, _ in flexible_sides(contact.view) if body.reduced.stress}
+    if contact.patch_kind != "line" or not with_stress:
+        return []
+    try:
+        found = contact.stress_errors(-1)
+    except InputError as error:
+        return [f"  stress below    {error}"]
+    return [
+        f"  stress below    of '{name}' von Mises to {e.von_mises:.1%}, its depth to {e.depth:.0%} "
+        f"({e.spacings:.2g} spacings of nodes in the half-width)"
+        for name, e in found.items()
+        if name in with_stress
+    ]
 
 
 def _section(contact: Any) -> str:

@@ -33,17 +33,34 @@ def layer_depth(mesh: Mesh, name: str, shape) -> float:
 
     The depth of a cell is that of its deepest node under the true surface `shape`, divided by the degree of the cell.
     """
+    deepest = 0.0
+    for kind, cells in _behind(mesh, name).items():
+        _, _, height = shape.chart(mesh.points[cells.ravel()])
+        deepest = max(deepest, float(np.max(-height)) / cell_kind(kind).degree)
+    return deepest
+
+
+def node_spacing(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float | None:
+    """Distance [m] of nodes and of the columns of the `grid`, along the surface or into the depth, whichever is larger;
+    None where there are cells behind the facets that are no hexahedra."""
+    kinds = _behind(mesh, name)
+    if not kinds or any(cell_kind(kind).corner_count != 8 for kind in kinds):
+        return None
+    return max(layer_depth(mesh, name, shape), grid.pitch * largest_radius(shape, grid.z))
+
+
+def _behind(mesh: Mesh, name: str) -> dict[str, np.ndarray]:
+    """The cells behind the facets of set `name`, by kind."""
     on_set = np.zeros(len(mesh.points), dtype=bool)
     on_set[mesh.facets(name).node_set] = True
-    deepest = 0.0
+    found = {}
     for kind, cells in mesh.cells.items():
         cell = cell_kind(kind)
         shared = min(facet_kind(facet).corner_count for facet in cell.faces)
         behind = cells[on_set[cells[:, : cell.corner_count]].sum(axis=1) >= shared]
         if len(behind):
-            _, _, height = shape.chart(mesh.points[behind.ravel()])
-            deepest = max(deepest, float(np.max(-height)) / cell.degree)
-    return deepest
+            found[kind] = behind
+    return found
 
 
 def depth_ratio(depth: float, shape, grid: ContactGrid) -> float:
