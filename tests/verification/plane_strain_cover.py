@@ -23,7 +23,9 @@ from skfem.helpers import ddot, div, sym_grad
 
 from warpffrf.model.material import Material
 
-HALF_ANGLE = np.radians(40.0)  # of the strip: ten half-widths of the patch or more
+STRIP = 7.0  # walls to either side, as far as there is a turn: beyond, an incompressible cover moves no more
+MOST_ANGLE = np.radians(170.0)
+REACH = np.radians(60.0)  # where the plane may be touched
 GRADING = 0.65  # share of the cube in the map of the angles
 
 
@@ -32,7 +34,7 @@ def pressed_cover(
 ) -> tuple[float, float, float]:
     """Line load [N/m], peak pressure [Pa] and half-width [m] from its second moment, on `around` by `through` cells."""
     s = np.linspace(-1.0, 1.0, around + 1)
-    angles = HALF_ANGLE * ((1.0 - GRADING) * s + GRADING * s**3)
+    angles = min(STRIP * (radius - core) / radius, MOST_ANGLE) * ((1.0 - GRADING) * s + GRADING * s**3)
     flat = MeshQuad2.from_mesh(MeshQuad.init_tensor(angles, np.linspace(core, radius, through + 1)))
     theta, r = flat.doflocs
     mesh = MeshQuad2(np.array([r * np.sin(theta), -r * np.cos(theta)]), flat.t)
@@ -47,7 +49,7 @@ def pressed_cover(
     distance, angle = np.hypot(*place), np.arctan2(place[0], -place[1])
     held = np.flatnonzero(distance < core * (1.0 + 1e-6))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
-    across = np.flatnonzero(distance > radius * (1.0 - 1e-7))
+    across = np.flatnonzero((distance > radius * (1.0 - 1e-7)) & (np.abs(angle) < REACH))
     across = across[np.argsort(angle[across], kind="stable")].reshape(-1, 2)  # x and y of each surface node
     theta = angle[across[:, 0]]
     outward = np.zeros((K.shape[0], len(theta)))

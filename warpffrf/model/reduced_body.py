@@ -91,6 +91,7 @@ class ContactSurface:
     tangential: Tangential | None = None
     local_mass: LocalMass | None = None  # inertia of the local modes, see `warpffrf.model.local_modes`
     sampling: Sampling | None = None  # few points for all, see `warpffrf.model.sampling`; None: none were chosen
+    slope_lags: np.ndarray | None = None  # what D gains where normals lean, `warpffrf.model.slopes`; None: stiff bodies
 
     @property
     def local_modes(self) -> int:

@@ -67,6 +67,8 @@ def _contact_shapes(root: str, s: ContactSurface, m: int) -> Iterator[tuple[str,
     yield from ((f"{root}/grid/e_0", (3,)), (f"{root}/grid/z", (s.grid.rows,)))
     yield f"{root}/lags", (turn if s.grid.periodic else None, block, block)
     yield f"{root}/mode_normal", (s.local_modes, m)
+    if s.slope_lags is not None:
+        yield f"{root}/slope_lags", s.lags.shape
     yield from ((f"{root}/recovery/axes", (3, 3)), (f"{root}/recovery/transfer", (None, None, None)))
     if s.local_mass is not None:
         yield f"{root}/local_mass/lags_mass", s.lags.shape

@@ -85,6 +85,8 @@ def _flatten(body: ReducedBody) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
             "recovery": _flatten_recovery(arrays, f"{root}/recovery", s.recovery),
             **_grid_facts(s.grid),
         }
+        if s.slope_lags is not None:
+            arrays[f"{root}/slope_lags"] = s.slope_lags
         if (mass := s.local_mass) is not None:
             arrays[f"{root}/local_mass/lags_mass"] = mass.lags_mass
             arrays[f"{root}/local_mass/overlap"] = mass.overlap
@@ -202,6 +204,7 @@ def _restore(arrays: dict[str, np.ndarray], facts: dict[str, Any], report: dict,
             tangential,
             _local_mass(arrays, f"{root}/local_mass"),
             _sampling(arrays, f"{root}/sampling/", f.get("sampling")),
+            arrays.get(f"{root}/slope_lags"),
         )
     stress = {}
     for name, f in facts.get("stress", {}).items():

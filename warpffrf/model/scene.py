@@ -321,4 +321,6 @@ def _add_reduced(digest: Any, body: ReducedBody) -> None:
         add("e_0", grid.e_0)
         add("z", grid.z)
         add("lags", surface.lags)
+        if surface.slope_lags is not None:
+            add("slope_lags", surface.slope_lags)
         add("mode_normal", surface.mode_normal)

@@ -13,6 +13,7 @@ from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.evaluations import all_full
 from warpffrf.model.friction import friction_notes
 from warpffrf.model.progress import Progress
+from warpffrf.model.slopes import leanings, leant
 from warpffrf.model.step_count import step_count
 from warpffrf.monolithic.contact import pair_data
 from warpffrf.monolithic.contact_record import ContactRow, contact_arrays, contact_row, joined
@@ -88,12 +89,14 @@ def _local_systems(scene: Any, local: str, given: dict, zeta: float) -> tuple[li
     rough = {(p.body.index, p.name) for c in scene.contacts if c.friction.coefficient > 0.0 for p in (c.a, c.b)}
     number: dict[tuple[int, str], int] = {}
     found: list[Any] = []
+    lean = leanings(scene.contacts)
     for port in ports:
         place = (port.body.index, port.name)
         if not port.rigid and place not in number:
             number[place] = len(found)
             modes = given.get((port.body.name, port.name))
-            found.append(local_coordinates(port.surface, local, modes, zeta, port.label, friction=place in rough))
+            surface = leant(port.surface, lean.get(place, 0.0)) if local == "quasi_static" else port.surface
+            found.append(local_coordinates(surface, local, modes, zeta, port.label, friction=place in rough))
     of = [None if port.rigid else number[port.body.index, port.name] for port in ports]
     return found, [(a, b) for a, b in zip(of[::2], of[1::2], strict=True) if a is not None]
 

@@ -48,6 +48,7 @@ class SurfaceProduct:
     traces: float
     tangential: Tangential | None = None
     local_mass: LocalMass | None = None
+    slope_lags: np.ndarray | None = None
     observed: dict[str, Recovery] = field(default_factory=dict)
     observed_tangential: dict[str, Recovery] = field(default_factory=dict)
     first_column: int = 0

@@ -25,6 +25,7 @@ from warpffrf.offline.contact.expected_contact import expected_grids, promised, 
 from warpffrf.offline.contact.grid_rule import GridChoice
 from warpffrf.offline.contact.independence import INDEPENDENCE, check_compliance, eigenvalue_ratio, held_nodes
 from warpffrf.offline.contact.mesh_error import line_mesh_error, mesh_error_warning
+from warpffrf.offline.contact.slopes import may_slope
 from warpffrf.offline.contact.traction_fields import ContactFacets
 from warpffrf.offline.contact.wall import wall
 from warpffrf.offline.cyclic.path import axes_of, reduce_cyclic
@@ -209,7 +210,15 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
         elif not warnings and (text := mesh_error_warning(name, report["contact"][name]["line_mesh_error"])):
             report["warnings"].append(text)
         surfaces[name] = ContactSurface(
-            name, shape, s.grid, s.lags, s.mode_normal, s.recovery, s.tangential, s.local_mass
+            name,
+            shape,
+            s.grid,
+            s.lags,
+            s.mode_normal,
+            s.recovery,
+            s.tangential,
+            s.local_mass,
+            slope_lags=s.slope_lags,
         )
         if settings.sampling_error is not None:
             with stages.stage("sampling points"):
@@ -289,6 +298,9 @@ def _product(
         "traction": settings.traction,
         "tangential": settings.tangential,
         "observers": recovery.observers(),
+        "sloping": [
+            n for n, s in choice.shapes.items() if may_slope(s, facet_material(mesh, mesh.facets(n), assignment))
+        ],
         "local_dynamics": settings.local_dynamics,
         "inertia_modes": settings.inertia_modes,
         "centrifugal": settings.centrifugal,

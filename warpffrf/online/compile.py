@@ -14,6 +14,7 @@ import warp as wp
 from warpffrf_kernels.model import Model
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.slopes import leanings, leant
 from warpffrf.online.compile_contact import fill_pairs
 from warpffrf.online.compile_forces import ForceTable, compile_forces, fill_forces
 from warpffrf.online.compile_friction import fill_friction
@@ -139,10 +140,15 @@ class _Compiler:
         self.notes.extend(self.joint_table.notes)
         self.force_table = compile_forces(self)
         bodies = scene.bodies
+        lean = leanings(scene.contacts)
         for contact in scene.contacts:
             for port in contact.ports:
-                self.surfaces.append((port.body, self.local.surface(port)))
-                self.places.append((port.body.index, port.name))
+                place = (port.body.index, port.name)
+                surface = self.local.surface(port)
+                if surface is port.surface:  # dynamic modes keep the compliance that they were made of
+                    surface = leant(surface, lean.get(place, 0.0))
+                self.surfaces.append((port.body, surface))
+                self.places.append(place)
         modal_start = np.cumsum([0, *self.mode_counts])
         m.body_count, m.modal_count, m.row_count = len(bodies), int(modal_start[-1]), len(self.rows)
         fill_inertia(self, m)

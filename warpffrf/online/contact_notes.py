@@ -19,6 +19,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.gap import facing_gap, smallest_gap
 from warpffrf.model.reach import out_of_reach
+from warpffrf.model.slopes import leanings
 from warpffrf.online.border_notes import border_notes
 from warpffrf.online.compile_contact import SKEW
 from warpffrf.online.sensors import turned
@@ -37,6 +38,7 @@ def contact_notes(scene: Any, history: Any, on_axes: Collection[str] = ()) -> li
     """Notes on the patches of all pairs of a run; `on_axes`: names of those whose gaps are taken along the line of
     centres."""
     notes, untouched = [], []
+    taken = leanings(scene.contacts)
     largest = max((_largest(found) for found in history.contacts.values()), default=0.0)
     for contact in scene.contacts:
         found = history.contacts.get(contact.name)
@@ -47,7 +49,7 @@ def contact_notes(scene: Any, history: Any, on_axes: Collection[str] = ()) -> li
             continue
         columns = _widest(found)
         notes += _coarse(contact, columns) + _cut(contact, found) + border_notes(contact, found, history.time)
-        notes += normal_notes(contact, columns)
+        notes += normal_notes(contact, columns, taken)
         if contact.name in on_axes:
             notes += _skewed(contact, found, history)
     return notes + _untouched(scene, history, untouched)

@@ -16,7 +16,7 @@ solved instead, `G F = (G E) (E^T F)`, so that tangential fields cost few solves
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 import scipy.sparse as sp
@@ -29,13 +29,14 @@ from warpffrf.model.tangential import Tangential
 from warpffrf.offline.bases.global_basis import attachment_modes, global_basis
 from warpffrf.offline.contact.independence import window_columns
 from warpffrf.offline.contact.local_mass import HarmonicMass
+from warpffrf.offline.contact.slopes import slope_lags
 from warpffrf.offline.cyclic.centrifugal import TurningWaves, left_out_products, turning_waves
 from warpffrf.offline.cyclic.harmonics import AxialInterface, Harmonics
 from warpffrf.offline.cyclic.inertia import cyclic_inertia_terms
 from warpffrf.offline.cyclic.observers import CyclicObserver, ObservedModes, selected_dofs
 from warpffrf.offline.cyclic.real_modes import HarmonicModes, RealModes
 from warpffrf.offline.cyclic.sector import Sector, assemble_sector, sector_axes
-from warpffrf.offline.cyclic.surface import CyclicSurface, FacetPattern
+from warpffrf.offline.cyclic.surface import CyclicField, CyclicSurface, FacetPattern
 from warpffrf.offline.cyclic.vibrations import vibrations
 from warpffrf.offline.elastic import Array, ElasticModel
 from warpffrf.offline.fe.assembly import Sparse
@@ -74,6 +75,7 @@ def reduce_cyclic(
     traction: str = "hats",
     tangential: str | None = None,
     observers: Sequence[CyclicObserver] = (),
+    sloping: Collection[str] = (),
     local_dynamics: bool = False,
     inertia_modes: int | None = None,
     centrifugal: bool = False,
@@ -83,8 +85,9 @@ def reduce_cyclic(
 
     `spacing` of the contact grid by surface [m] (None: the mesh's own); `traction`, `tangential`: kind of the functions
     of normal and of tangential tractions ("hats", "cells"; None: no tangential ones). `observers` are looked at besides
-    the display skin. `local_dynamics`: the mass of the normal local modes is computed too. `inertia_modes`: how many
-    modes get inertia terms (None: `invariants.MODES`); `centrifugal`: attachment modes of turning too.
+    the display skin. `sloping`: surfaces of which the compliance of slopes is kept. `local_dynamics`: the mass of the
+    normal local modes is computed too. `inertia_modes`: how many modes get inertia terms (None: `invariants.MODES`);
+    `centrifugal`: attachment modes of turning too.
     """
     with progress.stage("sector"):
         sector = assemble_sector(mesh, assignment, axes_of(mesh))
@@ -92,7 +95,7 @@ def reduce_cyclic(
         heights = [float((i.point - sector.origin) @ sector.axes[:, 2]) for i in interfaces]
         on_axis = [AxialInterface(i.nodes[i.nodes < nn], h) for i, h in zip(interfaces, heights, strict=True)]
         contacts = [
-            CyclicSurface(mesh, sector, name, shape, pattern, spacing.get(name), traction, tangential)
+            CyclicSurface(mesh, sector, name, shape, pattern, spacing.get(name), traction, tangential, name in sloping)
             for name, shape, pattern in surfaces
         ]
         loaded = [field.loaded_nodes() for s in contacts for field in s.fields]
@@ -143,7 +146,9 @@ def reduce_cyclic(
             modes_of.append(HarmonicModes(k, omega, shape, harmonics.interface_motion(k, Phi), coefficients, observed))
         M = harmonics.mass(k) if local_dynamics and results else None
         for result, loads in zip(results, F, strict=True):
-            result.add(k, loads, views, flexibility, omega, Phi, M)
+            around = result.surface.around
+            along = None if around is None else sp.csr_matrix(T.conj().T @ around.load(k))
+            result.add(k, loads, views, flexibility, omega, Phi, M, along)
 
     modes = RealModes(N, modes_of)
     facts.update(
@@ -205,6 +210,7 @@ class _SurfaceResults:
         self.whole = np.zeros_like(self.C[0, 0])
         self.transfer = [[np.zeros((harmonics, r, n), dtype=np.complex64) for n in counts] for r in rows]
         self.mass = HarmonicMass(surface.normal) if local_dynamics else None
+        self.along = None if surface.around is None else np.zeros_like(self.whole)  # around under normal loads
 
     def add(
         self,
@@ -215,9 +221,10 @@ class _SurfaceResults:
         omega: Array,
         Phi: Array,
         M: Sparse | None = None,
+        along: Sparse | None = None,
     ) -> None:
         """Harmonic k: sparse `loads` (n, count) of each field, operators `views` (rows, n) of the observers, the mass
-        matrix M where the mass of local modes is wanted."""
+        matrix M where the mass of local modes is wanted, loads `along` (n, count) where slopes are."""
         touched = np.flatnonzero(sum(np.diff(load.indptr) for load in loads))
         phases = [field.phases(k) for field in self.surface.fields]
         units = np.concatenate([(f @ sp.diags(p)).toarray() for f, p in zip(loads, phases, strict=True)], axis=1)
@@ -248,6 +255,10 @@ class _SurfaceResults:
             if len(omega):
                 u = u - (Phi / omega) @ on_modes[0].conj().T
             self.mass.add(k, M, u, Phi if len(omega) else np.zeros((len(u), 0)))
+        if self.along is not None and along is not None:
+            self.along[k] = (along.conj().T @ response) @ parts[0]
+            if len(omega):
+                self.along[k] -= ((along.conj().T @ Phi) / omega) @ on_modes[0].conj().T
         for number, y in enumerate(seen):
             for a, field in enumerate(self.surface.fields):
                 values = y @ parts[a]
@@ -286,6 +297,7 @@ class _SurfaceResults:
             residual,
             s.traces,
             tangential=tangential,
+            slope_lags=self._slope_lags(),
             local_mass=None if self.mass is None else self.mass.product(modes.combine),
             observed={name: r[0] for name, r in zip(names, recoveries[1:], strict=True)},
             observed_tangential={name: r[1] for name, r in zip(names, recoveries[1:], strict=True) if len(r) > 1},
@@ -293,13 +305,23 @@ class _SurfaceResults:
             whole_columns=s.plan.columns // s.stride,
         )
 
+    def _slope_lags(self) -> Array | None:
+        s = self.surface
+        if self.along is None or s.around is None:
+            return None
+        return slope_lags(self._blocks(self.along, s.around, s.normal), s.normal.pitch, s.normal.rows)
+
     def _lags(self, a: int, b: int) -> Array:
         """Blocks of D between fields a and b, by distance in sectors."""
+        return self._blocks(self.C[a, b], self.surface.fields[a], self.surface.fields[b])
+
+    def _blocks(self, of_harmonics: Array, first: CyclicField, second: CyclicField) -> Array:
+        """M_first^-1 C M_second^-1 by distance in sectors."""
         s = self.surface
-        D = np.empty_like(self.C[a, b])
-        for k, C in enumerate(self.C[a, b]):
-            half = s.fields[a].without_gram(k, C)
-            D[k] = s.fields[b].without_gram(k, half.conj().T).conj().T
+        D = np.empty_like(of_harmonics)
+        for k, C in enumerate(of_harmonics):
+            half = first.without_gram(k, C)
+            D[k] = second.without_gram(k, half.conj().T).conj().T
         return np.ascontiguousarray(np.fft.irfft(D, n=s.N, axis=0)[:: s.stride])
 
 

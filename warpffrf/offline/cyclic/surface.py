@@ -40,6 +40,7 @@ from warpffrf.offline.contact.contact_grid import (
     thinned_rows,
 )
 from warpffrf.offline.contact.independence import check_traces
+from warpffrf.offline.contact.slopes import AROUND
 from warpffrf.offline.contact.traction_fields import NODAL_KINDS, NORMAL, TANGENTIAL, ContactFacets
 from warpffrf.offline.cyclic.sector import Sector, phase, turned
 from warpffrf.offline.fe.assembly import Sparse
@@ -87,7 +88,8 @@ def facet_pattern(mesh: Mesh, name: str) -> FacetPattern | str:
 
 
 class CyclicSurface:
-    """Grid and traction fields of one contact surface: `normal`, and `tangential` (None where not wanted)."""
+    """Grid and traction fields of one contact surface: `normal`, and `tangential` (None where not wanted); `around`:
+    no load, but where displacements along the surface are looked at (`contact.slopes`; None where not wanted)."""
 
     def __init__(
         self,
@@ -99,6 +101,7 @@ class CyclicSurface:
         spacing: float | None,
         traction: str = "hats",
         tangential: str | None = None,
+        sloping: bool = False,
     ) -> None:
         self.name, self.shape, self.N = name, shape, sector.count
         facets = ContactFacets.of(mesh.points, pattern.nodes, shape)
@@ -108,6 +111,7 @@ class CyclicSurface:
         self.first, self.columns, self.periodic = self._extent(pattern)
         self.normal = CyclicField(self, facets, sector, traction, NORMAL)
         self.tangential = None if tangential is None else CyclicField(self, facets, sector, tangential, TANGENTIAL)
+        self.around = CyclicField(self, facets, sector, traction, AROUND) if sloping else None
         self.traces = check_traces(mesh, name, shape, self.normal.grid())
 
     @property

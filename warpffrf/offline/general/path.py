@@ -9,7 +9,7 @@ the global modes; `D = M^-1 C M^-1` is dense. Finished parts go to a work file, 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -55,6 +55,7 @@ def reduce_general(
     traction: str = "hats",
     tangential: str | None = None,
     observers: Sequence[Observer] = (),
+    sloping: Collection[str] = (),
     local_dynamics: bool = False,
     inertia_modes: int | None = None,
     stiffening: bool = False,
@@ -67,6 +68,7 @@ def reduce_general(
     `spacing` of the contact grid by surface [m] (None: the mesh's own); `options`: the basis of the global modes;
     `traction`, `tangential`: kind of the functions of normal and of tangential tractions ("hats", "cells"; None: no
     tangential ones); `observers`: what is kept of modes and responses beside the skin;
+    `sloping`: surfaces of which the compliance of slopes is kept;
     `local_dynamics`: the mass of the normal local modes is computed too; `inertia_modes`: how many modes get inertia
     terms (None: `invariants.MODES`); `stiffening`: their geometric stiffness too; `centrifugal`:
     attachment modes of turning too; `solver`: a name in
@@ -77,10 +79,13 @@ def reduce_general(
     checkpoint = checkpoint or Checkpoint()
     limit = DEFAULT_MEMORY if memory_limit is None else memory_limit
     with progress.stage("contact grids"):
-        contacts = [GeneralSurface(mesh, n, shape, spacing.get(n), traction, tangential) for n, shape in surfaces]
+        contacts = [
+            GeneralSurface(mesh, n, shape, spacing.get(n), traction, tangential, n in sloping) for n, shape in surfaces
+        ]
     faces = mesh.outer_facets()
     skin = faces.node_set
     seen = [node_observer(SKIN, skin, len(mesh.points)), *observers]
+    seen += [observer for s in contacts if (observer := s.observer()) is not None]
     require_observers(seen, len(mesh.points))
     massed = [s.fields[0].count if local_dynamics else 0 for s in contacts]
     _check_results([s.count for s in contacts], seen, massed, limit)
@@ -146,7 +151,7 @@ def reduce_general(
 
     if responses is not None:
         facts |= {"block": responses.width, "threads": responses.workers}
-    modes = {o.name: o.operator @ shape for o in seen}
+    modes = {o.name: o.operator @ shape for o in [seen[0], *observers]}
     return PathProduct(
         mass=mass,
         center=center,

@@ -27,8 +27,9 @@ from warpffrf.model.reduced_body import Recovery
 from warpffrf.model.tangential import Tangential
 from warpffrf.offline.contact.independence import check_traces, window_columns
 from warpffrf.offline.contact.local_mass import dense_mass
+from warpffrf.offline.contact.slopes import AROUND, slope_lags
 from warpffrf.offline.contact.traction_fields import NORMAL, TANGENTIAL, ContactFacets, KeptFunctions, TractionField
-from warpffrf.offline.general.observers import SKIN
+from warpffrf.offline.general.observers import SKIN, Observer
 from warpffrf.offline.products import SurfaceProduct
 
 Array = np.ndarray
@@ -47,6 +48,7 @@ class GeneralSurface:
         spacing: float | None,
         traction: str = "hats",
         tangential: str | None = None,
+        sloping: bool = False,
     ) -> None:
         self.name, self.shape, self.nodes = name, shape, len(mesh.points)
         facets = ContactFacets.of(mesh.points, mesh.facets(name), shape)
@@ -55,6 +57,7 @@ class GeneralSurface:
         self.fields = [TractionField(traction, NORMAL, self.plan, facets)]
         if tangential is not None:
             self.fields.append(TractionField(tangential, TANGENTIAL, self.plan, facets))
+        self.around = TractionField(traction, AROUND, self.plan, facets) if sloping else None
         self.kept = [KeptFunctions(f, self.first, self.columns) for f in self.fields]
         self.traces = check_traces(mesh, name, shape, self._grid(self.fields[0]))
 
@@ -66,6 +69,12 @@ class GeneralSurface:
     def loads(self) -> Any:
         """B (3 n, count) of all fields, one field after the other, csc."""
         return sp.csc_matrix(sp.hstack([f.loads(self.nodes) for f in self.fields]))
+
+    def observer(self) -> Observer | None:
+        """What normal loads move along the surface, where that is wanted."""
+        if self.around is None:
+            return None
+        return Observer(f"along/{self.name}", sp.csr_matrix(self.around.loads(self.nodes).T), np.dtype(np.float64))
 
     def _extent(self, hats: TractionField) -> tuple[int, int]:
         """First column, and number of columns, of those whose hats lie inside the facets. Raises `InputError` where
@@ -93,6 +102,8 @@ class GeneralSurface:
         """Operators from C (count, count), what the observers saw {name: (rows, count)}, and B^T Phi (count, m)."""
         stops = np.cumsum([f.count for f in self.fields])
         parts = [slice(int(stop) - f.count, int(stop)) for f, stop in zip(self.fields, stops, strict=True)]
+        along = None if (own := self.observer()) is None else transfers[own.name][:, parts[0]]
+        transfers = {name: t for name, t in transfers.items() if not name.startswith("along/")}
         modes = [k.without_gram(loads_on_modes[p]) for k, p in zip(self.kept, parts, strict=True)]
         seen = [
             {name: _recovery(t[:, p], k) for name, t in transfers.items()}
@@ -114,8 +125,13 @@ class GeneralSurface:
         grid = self._grid(self.fields[0])
         judged = self.kept[0].numbers[: window_columns(grid.columns, grid.rows) * grid.rows]
         window, on_modes = C[np.ix_(judged, judged)], loads_on_modes[judged] / omega
+        sloped = None
+        if along is not None:
+            half = self.kept[0].without_gram(along)
+            sloped = slope_lags(self.kept[0].without_gram(half.T).T[None], grid.pitch, grid.rows)
         return SurfaceProduct(
             grid=grid,
+            slope_lags=sloped,
             lags=_symmetric(D(0, 0))[None],
             mode_normal=modes[0],
             recovery=seen[0].pop(SKIN),
