@@ -27,6 +27,7 @@ and M dvdot + C^T dlambda = 0, so that the balance of forces stays.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.balance import gyration_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.outer import apply_inverse
@@ -46,7 +47,7 @@ def estimate_error(
     omega1_rate: wp.array2d(dtype=vec3),
     qd_rate: wp.array2d(dtype=real),
     qd1_rate: wp.array2d(dtype=real),
-    clk: wp.array2d(dtype=real),
+    clk: inout(wp.array2d(dtype=real)),
 ):
     """Per world: clk[ERROR], the local error as a fraction of the accuracy asked for; 0 where none is."""
     w = wp.tid()
@@ -82,7 +83,7 @@ def missed_rates(
     omega1: wp.array2d(dtype=vec3),
     qd1: wp.array2d(dtype=real),
     drive_rate: wp.array3d(dtype=real),
-    missed: wp.array2d(dtype=real),
+    missed: out(wp.array2d(dtype=real)),
 ):
     """Lanes over rows: s' - C v of constraint rows, 0 of springs."""
     w, lane = wp.tid()
@@ -117,15 +118,15 @@ def project_velocities(
     C_modal: wp.array3d(dtype=real),
     receptance: wp.array2d(dtype=real),
     clk: wp.array2d(dtype=real),
-    change: wp.array(dtype=real),
-    modal_change: wp.array(dtype=real),
-    v1: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-    qd1: wp.array2d(dtype=real),
-    v1_rate: wp.array2d(dtype=vec3),
-    omega1_rate: wp.array2d(dtype=vec3),
-    qd1_rate: wp.array2d(dtype=real),
-    lam: wp.array2d(dtype=real),
+    change: inout(wp.array(dtype=real)),
+    modal_change: out(wp.array(dtype=real)),
+    v1: inout(wp.array2d(dtype=vec3)),
+    omega1: inout(wp.array2d(dtype=vec3)),
+    qd1: inout(wp.array2d(dtype=real)),
+    v1_rate: inout(wp.array2d(dtype=vec3)),
+    omega1_rate: inout(wp.array2d(dtype=vec3)),
+    qd1_rate: inout(wp.array2d(dtype=real)),
+    lam: inout(wp.array2d(dtype=real)),
 ):
     """One block per world: the correction of the module, added to velocities, accelerations and multipliers at the end
     of the step."""
@@ -176,9 +177,9 @@ def correct_algorithmic(
     clk: wp.array2d(dtype=real),
     change: wp.array(dtype=real),
     modal_change: wp.array(dtype=real),
-    v_alg: wp.array2d(dtype=vec3),
-    omega_alg: wp.array2d(dtype=vec3),
-    qd_alg: wp.array2d(dtype=real),
+    v_alg: inout(wp.array2d(dtype=vec3)),
+    omega_alg: inout(wp.array2d(dtype=vec3)),
+    qd_alg: inout(wp.array2d(dtype=real)),
 ):
     """One block per world: the algorithmic accelerations of an accepted step, as its projected velocities have them."""
     w, lane = wp.tid()

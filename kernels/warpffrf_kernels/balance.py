@@ -7,6 +7,7 @@ that cancel (accelerations from increments, forces of joints on the modes) is no
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.interfaces import marker_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
@@ -70,8 +71,8 @@ def balance(
     qd1_rate: wp.array2d(dtype=real),
     dq: wp.array2d(dtype=real),
     residual: wp.array2d(dtype=real),
-    ctl: wp.array2d(dtype=int),
-    history: wp.array2d(dtype=real),
+    ctl: inout(wp.array2d(dtype=int)),
+    history: out(wp.array2d(dtype=real)),
 ):
     """Per world: is the state balanced? Residual forces with contact, row defects, spring laws and gaps left open, all
     as fractions.

@@ -20,6 +20,7 @@ more than `energy_tolerance` of the energy at hand, by whatever mean of their fo
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.motion import algorithmic, rule_of
 from warpffrf_kernels.pair_forces import is_closed
@@ -51,9 +52,9 @@ def decide(
     restless: wp.array2d(dtype=int),
     wanted: wp.array2d(dtype=int),
     created: wp.array2d(dtype=real),
-    impulsive: wp.array2d(dtype=int),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    impulsive: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array2d(dtype=int)),
+    clk: inout(wp.array2d(dtype=real)),
 ):
     """Per world: accept or reject the attempt, and choose the next step."""
     w = wp.tid()
@@ -225,14 +226,14 @@ def keep_bodies(
     omega_alg0: wp.array2d(dtype=vec3),
     v_rest: wp.array2d(dtype=vec3),
     omega_rest: wp.array2d(dtype=vec3),
-    r: wp.array2d(dtype=vec3),
-    p: wp.array2d(dtype=quat),
-    v: wp.array2d(dtype=vec3),
-    v_rate: wp.array2d(dtype=vec3),
-    v_alg: wp.array2d(dtype=vec3),
-    omega: wp.array2d(dtype=vec3),
-    omega_rate: wp.array2d(dtype=vec3),
-    omega_alg: wp.array2d(dtype=vec3),
+    r: out(wp.array2d(dtype=vec3)),
+    p: out(wp.array2d(dtype=quat)),
+    v: inout(wp.array2d(dtype=vec3)),
+    v_rate: out(wp.array2d(dtype=vec3)),
+    v_alg: out(wp.array2d(dtype=vec3)),
+    omega: inout(wp.array2d(dtype=vec3)),
+    omega_rate: out(wp.array2d(dtype=vec3)),
+    omega_alg: out(wp.array2d(dtype=vec3)),
 ):
     w, lane = wp.tid()
     model = models[0]
@@ -280,11 +281,11 @@ def keep_modes(
     dq: wp.array2d(dtype=real),
     qd_alg0: wp.array2d(dtype=real),
     qd_rest: wp.array2d(dtype=real),
-    q: wp.array2d(dtype=real),
-    qd: wp.array2d(dtype=real),
-    qd_rate: wp.array2d(dtype=real),
-    qd_alg: wp.array2d(dtype=real),
-    modal_load: wp.array3d(dtype=real),
+    q: out(wp.array2d(dtype=real)),
+    qd: inout(wp.array2d(dtype=real)),
+    qd_rate: out(wp.array2d(dtype=real)),
+    qd_alg: out(wp.array2d(dtype=real)),
+    modal_load: inout(wp.array3d(dtype=real)),
 ):
     w, lane = wp.tid()
     model = models[0]
@@ -322,15 +323,15 @@ def keep_rest(
     models: wp.array(dtype=Model),
     coordinate: wp.array2d(dtype=real),
     ctl: wp.array2d(dtype=int),
-    lam: wp.array2d(dtype=real),
-    lam0: wp.array2d(dtype=real),
-    stretch: wp.array2d(dtype=real),
-    drive_rate: wp.array3d(dtype=real),
-    applied: wp.array3d(dtype=vec3),
-    applied_at: wp.array3d(dtype=vec3),
-    load: wp.array3d(dtype=real),
-    load_on_modes: wp.array3d(dtype=real),
-    energy: wp.array3d(dtype=real),
+    lam: inout(wp.array2d(dtype=real)),
+    lam0: inout(wp.array2d(dtype=real)),
+    stretch: out(wp.array2d(dtype=real)),
+    drive_rate: inout(wp.array3d(dtype=real)),
+    applied: inout(wp.array3d(dtype=vec3)),
+    applied_at: inout(wp.array3d(dtype=vec3)),
+    load: inout(wp.array3d(dtype=real)),
+    load_on_modes: inout(wp.array3d(dtype=real)),
+    energy: inout(wp.array3d(dtype=real)),
 ):
     """Per world: what is left to take over, or to restore after a rejection."""
     w = wp.tid()
@@ -367,7 +368,7 @@ def keep_rest(
 
 
 @wp.kernel
-def count_attempts(ctl: wp.array2d(dtype=int), budget: wp.array(dtype=int), more: wp.array(dtype=int)):
+def count_attempts(ctl: wp.array2d(dtype=int), budget: inout(wp.array(dtype=int)), more: out(wp.array(dtype=int))):
     """One thread: does any world still have steps to do in this chunk, and attempts left?"""
     budget[0] = budget[0] - 1
     running = int(0)

@@ -8,6 +8,7 @@ pairs, through its local modes, which `shared_assembly` adds.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
 
@@ -124,8 +125,8 @@ def assemble(
     T: wp.array(dtype=real),
     J: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
-    scratch: wp.array(dtype=real),
-    G: wp.array3d(dtype=real),
+    scratch: inout(wp.array(dtype=real)),
+    G: out(wp.array3d(dtype=real)),
 ):
     """Per world: rows of G of the fresh slots."""
     w, lane = wp.tid()

@@ -14,6 +14,7 @@ that changes pays for the change only.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, sync, vec3
 
@@ -33,10 +34,10 @@ def short_of(model: Model) -> int:
 def take_slots(
     models: wp.array(dtype=Model),
     active: wp.array3d(dtype=int),
-    ctl: wp.array2d(dtype=int),
-    phase: wp.array3d(dtype=real),
-    slot_of: wp.array3d(dtype=int),
-    slot_mode: wp.array3d(dtype=int),
+    ctl: inout(wp.array2d(dtype=int)),
+    phase: inout(wp.array3d(dtype=real)),
+    slot_of: inout(wp.array3d(dtype=int)),
+    slot_mode: out(wp.array3d(dtype=int)),
 ):
     """Per world: a slot for each active mode that has none; all slots are given back first when the grids have
     moved.
@@ -122,7 +123,7 @@ def respond(
     slot_mode: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
-    T: wp.array(dtype=real),
+    T: inout(wp.array(dtype=real)),
 ):
     """Per world: T_j = D_B l_j of the fresh slots on the nodes of the second window."""
     w, lane = wp.tid()
@@ -181,7 +182,7 @@ def modal_rows(
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
     weight: wp.array2d(dtype=real),
-    J: wp.array(dtype=real),
+    J: inout(wp.array(dtype=real)),
 ):
     """Per world: gradient of the weak gap of the fresh slots by the global modes of A, then of B, times the weight of
     the pair."""
@@ -307,8 +308,8 @@ def outer_rows(
     J: wp.array(dtype=real),
     C_receptance: wp.array(dtype=real),
     inverse_transposed: wp.array(dtype=real),
-    L: wp.array3d(dtype=real),
-    V: wp.array(dtype=real),
+    L: inout(wp.array3d(dtype=real)),
+    V: inout(wp.array(dtype=real)),
 ):
     """Per world: gradient L of the gap by the outer coordinates times the weight of the pair, and V = H L
     (`outer_row`); for all slots when H is new, else for the fresh ones."""
@@ -381,7 +382,7 @@ def condense_contact(
     G: wp.array3d(dtype=real),
     L: wp.array3d(dtype=real),
     V: wp.array(dtype=real),
-    condensed: wp.array3d(dtype=real),
+    condensed: out(wp.array3d(dtype=real)),
 ):
     """Per world: G + L H L^T over all slots when H is new or a layer's flexibility is (`contact_layer`), else for the
     fresh ones."""

@@ -17,6 +17,7 @@ turn by less than a column: SMALL keeps its remainder below round-off.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_geometry import SERIES
 from warpffrf_kernels.contact_weights import keep_hat
 from warpffrf_kernels.model import Model
@@ -107,8 +108,8 @@ def sample_few(
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     station: wp.array4d(dtype=real),
-    point_gap: wp.array3d(dtype=real),
-    point_place: wp.array4d(dtype=real),
+    point_gap: out(wp.array3d(dtype=real)),
+    point_place: out(wp.array4d(dtype=real)),
 ):
     """Per (world, pair of few points), lanes over strips of the window: gap, column and row of the opposite point."""
     w, pair, lane = wp.tid()
@@ -207,12 +208,12 @@ def weigh_few(
     station_wrench: wp.array4d(dtype=real),
     point_gap: wp.array3d(dtype=real),
     point_place: wp.array4d(dtype=real),
-    ctl: wp.array2d(dtype=int),
-    weak_gap: wp.array3d(dtype=real),
-    area: wp.array3d(dtype=real),
-    wrench: wp.array4d(dtype=real),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
+    ctl: inout(wp.array2d(dtype=int)),
+    weak_gap: inout(wp.array3d(dtype=real)),
+    area: inout(wp.array3d(dtype=real)),
+    wrench: inout(wp.array4d(dtype=real)),
+    stencil: inout(wp.array4d(dtype=real)),
+    stencil_at: inout(wp.array4d(dtype=int)),
 ):
     """Per (world, pair of few points), lanes over hats of the window: what `contact_weights.weigh` does for all."""
     w, pair, lane = wp.tid()
@@ -244,8 +245,8 @@ def shift_few(
     station_wrench: wp.array4d(dtype=real),
     area: wp.array3d(dtype=real),
     weak_gap: wp.array3d(dtype=real),
-    wrench: wp.array4d(dtype=real),
-    shifted_gap: wp.array3d(dtype=real),
+    wrench: inout(wp.array4d(dtype=real)),
+    shifted_gap: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair of few points), lanes over hats: weak gaps at the present distance of the axes, and their
     gradient."""

@@ -8,6 +8,7 @@ are applied to the present loads, so that the residual is that of the present po
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_compliance import node_of, table_row
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.pair_forces import modal_line
@@ -26,9 +27,9 @@ def set_second_window(
     window: wp.array3d(dtype=int),
     area: wp.array3d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    second_window: wp.array3d(dtype=int),
+    active: out(wp.array3d(dtype=int)),
+    pressure: out(wp.array3d(dtype=real)),
+    second_window: out(wp.array3d(dtype=int)),
 ):
     """Per (world, pair): columns of the second grid that the hats of the window reach; hats that face nothing leave the
     active set, since their stencils may lie beyond that grid's window."""
@@ -61,8 +62,8 @@ def modal_fields(
     second_window: wp.array3d(dtype=int),
     amplitude: wp.array(dtype=real),
     of_state: int,
-    first_field: wp.array3d(dtype=real),
-    second_field: wp.array(dtype=real),
+    first_field: out(wp.array3d(dtype=real)),
+    second_field: out(wp.array(dtype=real)),
 ):
     """Per (world, pair), lanes over hats of A and nodes of B: weak displacement (M Phi_A q)_i and displacement
     (Phi_B q) by the modes.
@@ -161,9 +162,9 @@ def close_gaps(
     second_local: wp.array(dtype=real),
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
-    gap: wp.array3d(dtype=real),
-    opened: wp.array3d(dtype=real),
-    base: wp.array3d(dtype=real),
+    gap: out(wp.array3d(dtype=real)),
+    opened: out(wp.array3d(dtype=real)),
+    base: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over hats: weak gaps of the present state and the pressures they belong to.
 
@@ -204,9 +205,9 @@ def local_fields(
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
     pressure: wp.array3d(dtype=real),
-    second_load: wp.array(dtype=real),
-    first_local: wp.array(dtype=real),
-    second_local: wp.array(dtype=real),
+    second_load: inout(wp.array(dtype=real)),
+    first_local: inout(wp.array(dtype=real)),
+    second_local: inout(wp.array(dtype=real)),
 ):
     """Per (world, pair): loads of B's hats under the present pressures, and the displacements they and the pressures
     cause by the local modes: weak ones on A's hats (M D_A M s), nodal ones on B (D_B f), both opening the gap."""
@@ -279,7 +280,7 @@ def load_modes(
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
     second_load: wp.array(dtype=real),
-    pair_modal: wp.array(dtype=real),
+    pair_modal: inout(wp.array(dtype=real)),
 ):
     """Per (world, pair): load of the contact pressures on the modes of A, then of B, at the present position of the
     grids."""
@@ -333,9 +334,9 @@ def sum_contact(
     opened: wp.array3d(dtype=real),
     more_wrench: wp.array4d(dtype=real),
     pressure: wp.array3d(dtype=real),
-    pair_wrench: wp.array3d(dtype=real),
-    gap_defect: wp.array2d(dtype=real),
-    pair_energy: wp.array3d(dtype=real),
+    pair_wrench: inout(wp.array3d(dtype=real)),
+    gap_defect: inout(wp.array2d(dtype=real)),
+    pair_energy: out(wp.array3d(dtype=real)),
 ):
     """Per world: contact wrench on A of every pair, its contact energy s.G.s/2, and what active gaps are left open (a
     fraction of the penetration, and the penetration)."""

@@ -34,6 +34,7 @@ import math
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
 
@@ -75,11 +76,11 @@ def locate(
     models: wp.array(dtype=Model),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
-    ctl: wp.array2d(dtype=int),
-    phase: wp.array3d(dtype=real),
-    center: wp.array3d(dtype=int),
-    station: wp.array4d(dtype=real),
-    station_wrench: wp.array4d(dtype=real),
+    ctl: inout(wp.array2d(dtype=int)),
+    phase: inout(wp.array3d(dtype=real)),
+    center: inout(wp.array3d(dtype=int)),
+    station: inout(wp.array4d(dtype=real)),
+    station_wrench: out(wp.array4d(dtype=real)),
 ):
     """Per (world, pair): contact frame and grid phases of every axial station.
 
@@ -216,8 +217,8 @@ def sample(
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     station: wp.array4d(dtype=real),
-    point_gap: wp.array3d(dtype=real),
-    point_place: wp.array4d(dtype=real),
+    point_gap: out(wp.array3d(dtype=real)),
+    point_place: out(wp.array4d(dtype=real)),
 ):
     """Per (world, pair), lanes over points of the window: gap, and grid coordinates (column, row) of the opposite
     point of B.

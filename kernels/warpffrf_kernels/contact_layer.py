@@ -38,6 +38,7 @@ Rates. A damped layer needs the depth of every point at the last accepted state:
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.layer_laws import CHI, CONSTANT, layer_depth, layer_pressure, least_depth
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real, sync
@@ -98,12 +99,12 @@ def linearise_layer(
     depth_before: wp.array3d(dtype=real),
     drag_before: wp.array3d(dtype=real),
     column_before: wp.array2d(dtype=int),
-    support: wp.array3d(dtype=real),
-    past: wp.array3d(dtype=real),
-    past_drag: wp.array3d(dtype=real),
-    depth: wp.array3d(dtype=real),
-    flexibility: wp.array3d(dtype=real),
-    beginning: wp.array3d(dtype=real),
+    support: inout(wp.array3d(dtype=real)),
+    past: inout(wp.array3d(dtype=real)),
+    past_drag: out(wp.array3d(dtype=real)),
+    depth: inout(wp.array3d(dtype=real)),
+    flexibility: inout(wp.array3d(dtype=real)),
+    beginning: inout(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over points: the tangent of the law at the points of the window, from the pressures of
     the last solve; where the windows were laid anew, at the present pressures and all columns it may grow to.
@@ -220,8 +221,8 @@ def weigh_layer(
     window: wp.array3d(dtype=int),
     flexibility: wp.array3d(dtype=real),
     beginning: wp.array3d(dtype=real),
-    offset: wp.array3d(dtype=real),
-    tangent: wp.array4d(dtype=real),
+    offset: out(wp.array3d(dtype=real)),
+    tangent: inout(wp.array4d(dtype=real)),
 ):
     """Per (world, pair), lanes over hats of the window: int psi_i a dA, and the line of E, neighbour (column + c - 1,
     row + r - 1) at 3 c + r."""
@@ -298,7 +299,7 @@ def add_yield(
     pressure: wp.array3d(dtype=real),
     offset: wp.array3d(dtype=real),
     tangent: wp.array4d(dtype=real),
-    first_local: wp.array(dtype=real),
+    first_local: inout(wp.array(dtype=real)),
 ):
     """Per (world, pair), lanes over hats of the window: the layer's weak yield, added to what the local modes open."""
     w, pair, lane = wp.tid()
@@ -323,8 +324,8 @@ def add_flexibility(
     slot_of: wp.array3d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
     tangent: wp.array4d(dtype=real),
-    support: wp.array3d(dtype=real),
-    condensed: wp.array3d(dtype=real),
+    support: out(wp.array3d(dtype=real)),
+    condensed: inout(wp.array3d(dtype=real)),
 ):
     """Per world, lanes over slots: E added to the entries of `condensed` that `condense_contact` has just written, and,
     after an evaluation, S of the module docstring. A lane writes the line of its own slot only."""

@@ -24,6 +24,7 @@ import math
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_geometry import DRIFT, FARTHEST, PHASE_TOLERANCE, row_below, wrap
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
@@ -308,11 +309,11 @@ def locate_points(
     models: wp.array(dtype=Model),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
-    ctl: wp.array2d(dtype=int),
-    phase: wp.array3d(dtype=real),
-    center: wp.array3d(dtype=int),
-    nearest: wp.array3d(dtype=real),
-    touched: wp.array3d(dtype=int),
+    ctl: inout(wp.array2d(dtype=int)),
+    phase: inout(wp.array3d(dtype=real)),
+    center: inout(wp.array3d(dtype=int)),
+    nearest: inout(wp.array3d(dtype=real)),
+    touched: out(wp.array3d(dtype=int)),
 ):
     """Per (world, pair of family 1): nearest place, phases, centre columns; `contact_geometry.locate` for the others.
 
@@ -388,7 +389,7 @@ def measure_approach(
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     nearest: wp.array3d(dtype=real),
-    station: wp.array4d(dtype=real),
+    station: out(wp.array4d(dtype=real)),
 ):
     """Per (world, pair of family 1), where a state is recorded: smallest undeformed gap and nearest column, put where
     `record` finds distance and column of the first and the last station of the other pairs."""

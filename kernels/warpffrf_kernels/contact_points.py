@@ -22,6 +22,7 @@ off an edge ends there. A rigid B has no edges, no grid and no load.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_geometry import row_below, wrap
 from warpffrf_kernels.contact_place import TWO_PI, view_of
 from warpffrf_kernels.contact_wrench import Held, point_wrench
@@ -46,7 +47,7 @@ def sample_points(
     window: wp.array3d(dtype=int),
     held: wp.array3d(dtype=Held),
     held_ball: wp.array2d(dtype=mat33),
-    point_line: wp.array3d(dtype=real),
+    point_line: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair of family 1), lanes over points of the window: gap, place on B's grid, weight (0 where B ends),
     and the wrench of a unit pressure."""
@@ -224,13 +225,13 @@ def weigh_points(
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     point_line: wp.array3d(dtype=real),
-    ctl: wp.array2d(dtype=int),
-    weak_gap: wp.array3d(dtype=real),
-    area: wp.array3d(dtype=real),
-    wrench: wp.array4d(dtype=real),
-    more_wrench: wp.array4d(dtype=real),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
+    ctl: inout(wp.array2d(dtype=int)),
+    weak_gap: inout(wp.array3d(dtype=real)),
+    area: out(wp.array3d(dtype=real)),
+    wrench: out(wp.array4d(dtype=real)),
+    more_wrench: out(wp.array4d(dtype=real)),
+    stencil: inout(wp.array4d(dtype=real)),
+    stencil_at: inout(wp.array4d(dtype=int)),
 ):
     """Per (world, pair of family 1), lanes over hats of the window: as `contact_weights.weigh` for the others."""
     w, pair, lane = wp.tid()
@@ -285,7 +286,7 @@ def sum_points_second(
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
     point_line: wp.array3d(dtype=real),
-    second_wrench: wp.array3d(dtype=real),
+    second_wrench: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair of family 1): force on B and its moment about A's centre of mass, from the pressure at every
     point."""

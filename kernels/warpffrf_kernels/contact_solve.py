@@ -19,6 +19,7 @@ outer coordinates frozen until the set has settled: a primal-dual active set met
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_fields import local_gap, on_stencil
 from warpffrf_kernels.contact_geometry import GUARD
 from warpffrf_kernels.interfaces import modal_line, side_of
@@ -119,13 +120,13 @@ def solve_pressures(
     receptance: wp.array(dtype=real),
     modal_residual: wp.array(dtype=real),
     z_free: wp.array(dtype=real),
-    ctl: wp.array2d(dtype=int),
-    right: wp.array2d(dtype=real),
-    order: wp.array2d(dtype=int),
-    work: wp.array3d(dtype=real),
-    solution: wp.array2d(dtype=real),
-    pressure: wp.array3d(dtype=real),
-    z: wp.array(dtype=real),
+    ctl: inout(wp.array2d(dtype=int)),
+    right: inout(wp.array2d(dtype=real)),
+    order: inout(wp.array2d(dtype=int)),
+    work: inout(wp.array3d(dtype=real)),
+    solution: inout(wp.array2d(dtype=real)),
+    pressure: out(wp.array3d(dtype=real)),
+    z: inout(wp.array(dtype=real)),
 ):
     """Per world: pressures of the active set, and the outer increments they lead to."""
     w, lane = wp.tid()
@@ -247,7 +248,7 @@ def modal_increments(
     receptance: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
     z: wp.array(dtype=real),
-    modal_step: wp.array(dtype=real),
+    modal_step: inout(wp.array(dtype=real)),
 ):
     """Per world, lanes over modes: increment sigma^-1 (-r_m - C_m^T dlam + J^T ds)."""
     w, lane = wp.tid()
@@ -298,7 +299,7 @@ def correct_set(
     z: wp.array(dtype=real),
     pressure: wp.array3d(dtype=real),
     active: wp.array3d(dtype=int),
-    proposed: wp.array3d(dtype=int),
+    proposed: out(wp.array3d(dtype=int)),
 ):
     """Per (world, pair), lanes over hats of the window: the corrected active set, written to `proposed`."""
     w, pair, lane = wp.tid()
@@ -343,10 +344,10 @@ def accept_set(
     models: wp.array(dtype=Model),
     center: wp.array3d(dtype=int),
     proposed: wp.array3d(dtype=int),
-    ctl: wp.array2d(dtype=int),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    window: wp.array3d(dtype=int),
+    ctl: inout(wp.array2d(dtype=int)),
+    active: inout(wp.array3d(dtype=int)),
+    pressure: out(wp.array3d(dtype=real)),
+    window: inout(wp.array3d(dtype=int)),
 ):
     """Per world: take over the corrected set, count the changes, widen a window that its patch has reached, check the
     guards.

@@ -13,6 +13,7 @@ is linear in the distance d of the axes, and `shift` adds sum_k w_k psi_i (d - d
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
 
@@ -128,12 +129,12 @@ def weigh(
     station_wrench: wp.array4d(dtype=real),
     point_gap: wp.array3d(dtype=real),
     point_place: wp.array4d(dtype=real),
-    ctl: wp.array2d(dtype=int),
-    weak_gap: wp.array3d(dtype=real),
-    area: wp.array3d(dtype=real),
-    wrench: wp.array4d(dtype=real),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
+    ctl: inout(wp.array2d(dtype=int)),
+    weak_gap: inout(wp.array3d(dtype=real)),
+    area: inout(wp.array3d(dtype=real)),
+    wrench: inout(wp.array4d(dtype=real)),
+    stencil: inout(wp.array4d(dtype=real)),
+    stencil_at: inout(wp.array4d(dtype=int)),
 ):
     """Per (world, pair), lanes over hats of the window: weak undeformed gap, area, gradient, and stencil on B.
 
@@ -170,8 +171,8 @@ def shift(
     station_wrench: wp.array4d(dtype=real),
     area: wp.array3d(dtype=real),
     weak_gap: wp.array3d(dtype=real),
-    wrench: wp.array4d(dtype=real),
-    shifted_gap: wp.array3d(dtype=real),
+    wrench: inout(wp.array4d(dtype=real)),
+    shifted_gap: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over hats: the sampled weak gaps at the present distance of the axes, and their
     gradient.

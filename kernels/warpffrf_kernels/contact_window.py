@@ -7,6 +7,7 @@ is looked at are the active columns and MARGIN more on each side, at most the wi
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_place import NOWHERE
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
@@ -23,12 +24,12 @@ def open_window(
     phase: wp.array3d(dtype=real),
     nearest: wp.array3d(dtype=real),
     touched: wp.array3d(dtype=int),
-    center: wp.array3d(dtype=int),
-    station: wp.array4d(dtype=real),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    patch_offset: wp.array2d(dtype=real),
-    window: wp.array3d(dtype=int),
+    center: inout(wp.array3d(dtype=int)),
+    station: inout(wp.array4d(dtype=real)),
+    active: inout(wp.array3d(dtype=int)),
+    pressure: inout(wp.array3d(dtype=real)),
+    patch_offset: inout(wp.array2d(dtype=real)),
+    window: out(wp.array3d(dtype=int)),
 ):
     """Per (world, pair): the active set of the last attempt put where the patch is now, and the columns to look at: the
     active ones, those where the surfaces are nearest (on the line of centres at both ends of the width, at points

@@ -46,6 +46,7 @@ side of the patch to the other as the pin moves; forces are those above all the 
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import out
 from warpffrf_kernels.contact_place import BEYOND, view_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
@@ -118,8 +119,8 @@ def hold_contact_frame(
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     nearest: wp.array3d(dtype=real),
-    held: wp.array3d(dtype=Held),
-    held_ball: wp.array2d(dtype=mat33),
+    held: out(wp.array3d(dtype=Held)),
+    held_ball: out(wp.array2d(dtype=mat33)),
 ):
     """Per (world, pair of family 1), lanes over the points of a column: the frame of the contact in each one's section,
     and that of a sphere."""

@@ -14,6 +14,7 @@ too high for PATIENCE steps in a row.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
 
@@ -29,9 +30,9 @@ def watch_energy(
     energy: wp.array3d(dtype=real),
     pair_energy: wp.array3d(dtype=real),
     created: wp.array2d(dtype=real),
-    made: wp.array2d(dtype=real),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    made: inout(wp.array2d(dtype=real)),
+    ctl: inout(wp.array2d(dtype=int)),
+    clk: inout(wp.array2d(dtype=real)),
 ):
     """Per world, after an accepted step: `made` (W, pairs), what each pair has created beyond doubt."""
     w = wp.tid()

@@ -18,6 +18,7 @@ skew part K_a works, `-1/2 (K_a (c_0 + c_1)) . (c_1 - c_0)` a step.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.interfaces import add_load, line_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.rows import evaluate_signal
@@ -78,10 +79,10 @@ def couple_springs(
     lam: wp.array2d(dtype=real),
     coordinate: wp.array2d(dtype=real),
     drive_rate: wp.array3d(dtype=real),
-    ctl: wp.array2d(dtype=int),
-    flexibility: wp.array(dtype=real),
-    defect: wp.array2d(dtype=real),
-    softness: wp.array2d(dtype=real),
+    ctl: inout(wp.array2d(dtype=int)),
+    flexibility: inout(wp.array(dtype=real)),
+    defect: out(wp.array2d(dtype=real)),
+    softness: out(wp.array2d(dtype=real)),
 ):
     """Lanes over groups: their flexibility, and the defects of their rows; `softness` gets its diagonal."""
     w, lane = wp.tid()
@@ -180,11 +181,11 @@ def apply_loads(
     clk: wp.array2d(dtype=real),
     axes: wp.array2d(dtype=mat33),
     slope: wp.array(dtype=real),
-    residual: wp.array2d(dtype=real),
-    modal_residual: wp.array(dtype=real),
-    load: wp.array3d(dtype=real),
-    load_on_modes: wp.array(dtype=real),
-    applied_torque: wp.array2d(dtype=vec3),
+    residual: inout(wp.array2d(dtype=real)),
+    modal_residual: inout(wp.array(dtype=real)),
+    load: inout(wp.array3d(dtype=real)),
+    load_on_modes: inout(wp.array(dtype=real)),
+    applied_torque: out(wp.array2d(dtype=vec3)),
 ):
     """Per world: point torques and body loads as generalised forces (force in world axes, torque in body axes, modal),
     subtracted from the residuals and kept for the ledger; `applied_torque`: each by itself, body axes.

@@ -13,6 +13,7 @@ The largest advance since the last saved row is kept with the state, so that non
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_geometry import wrap
 from warpffrf_kernels.contact_place import settle, view_of
 from warpffrf_kernels.model import Model
@@ -29,10 +30,10 @@ def follow_patch(
     axes: wp.array2d(dtype=mat33),
     phase: wp.array3d(dtype=real),
     nearest: wp.array3d(dtype=real),
-    history_phase: wp.array2d(dtype=real),
-    history_z: wp.array2d(dtype=real),
-    most_advanced: wp.array2d(dtype=real),
-    advanced: wp.array2d(dtype=real),
+    history_phase: inout(wp.array2d(dtype=real)),
+    history_z: inout(wp.array2d(dtype=real)),
+    most_advanced: inout(wp.array2d(dtype=real)),
+    advanced: out(wp.array2d(dtype=real)),
 ):
     """Per (world, pair with friction), after an accepted attempt: columns `advanced` (signed), the largest since the
     last saved row, and the place now: column and z [m] on the first surface (z of pairs at points alone)."""

@@ -15,6 +15,7 @@ ten per cent low; at the mean it is as much high.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
@@ -72,8 +73,8 @@ def bound_cells(
     cell_area: wp.array3d(dtype=real),
     area: wp.array3d(dtype=real),
     clip: int,
-    bound: wp.array3d(dtype=real),
-    traction: wp.array3d(dtype=real),
+    bound: out(wp.array3d(dtype=real)),
+    traction: inout(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over cells: the bounds [Pa] of the present pressures; with `clip` tractions beyond them
     are cut. Friction acts in dynamic steps only: a static state or a start has no slip to speak of."""

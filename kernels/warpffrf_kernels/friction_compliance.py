@@ -15,6 +15,7 @@ modes of a body that both pairs load, and not through the local modes of a surfa
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_compliance import add_outer, outer_row, short_of
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.friction_normal import RENEWED
@@ -31,9 +32,9 @@ ROUND_OFF = wp.constant(wp.float64(1.0e-14))  # of a cosine: tangents of paralle
 def take_cells(
     models: wp.array(dtype=Model),
     bound: wp.array3d(dtype=real),
-    ctl: wp.array2d(dtype=int),
-    cell_slot_of: wp.array3d(dtype=int),
-    cell_slot: wp.array3d(dtype=int),
+    ctl: inout(wp.array2d(dtype=int)),
+    cell_slot_of: inout(wp.array3d(dtype=int)),
+    cell_slot: out(wp.array3d(dtype=int)),
 ):
     """Per world: a slot for each cell under pressure that has none; all are given back first when the grids have
     moved."""
@@ -88,7 +89,7 @@ def cell_modes(
     share: wp.array4d(dtype=real),
     share_at: wp.array4d(dtype=int),
     weight: wp.array2d(dtype=real),
-    cell_J: wp.array(dtype=real),
+    cell_J: inout(wp.array(dtype=real)),
 ):
     """Per world: gradient J of the weak slip of the fresh slots by the global modes of A, then of B, times the weight
     of the pair."""
@@ -303,9 +304,9 @@ def assemble_cells(
     share_at: wp.array4d(dtype=int),
     cell_J: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
-    shift: wp.array(dtype=real),
-    scratch: wp.array(dtype=real),
-    G: wp.array3d(dtype=real),
+    shift: inout(wp.array(dtype=real)),
+    scratch: inout(wp.array(dtype=real)),
+    G: out(wp.array3d(dtype=real)),
 ):
     """Per world: rows of the compliance of the fresh slots, without the outer coordinates."""
     w, lane = wp.tid()
@@ -343,8 +344,8 @@ def outer_cells(
     cell_J: wp.array(dtype=real),
     C_receptance: wp.array(dtype=real),
     inverse_transposed: wp.array(dtype=real),
-    cell_L: wp.array3d(dtype=real),
-    cell_V: wp.array(dtype=real),
+    cell_L: inout(wp.array3d(dtype=real)),
+    cell_V: inout(wp.array(dtype=real)),
 ):
     """Per world: gradient L of the weak slip by the coupled outer columns times the weight of the pair, and V = H L,
     where there are fresh slots."""
@@ -378,7 +379,7 @@ def condense_cells(
     L: wp.array3d(dtype=real),
     V: wp.array(dtype=real),
     answer_state: wp.array2d(dtype=int),
-    K: wp.array3d(dtype=real),
+    K: out(wp.array3d(dtype=real)),
 ):
     """Per world: G + L V over all slots, where the pressures' answer is to be taken off it anew (`friction_normal`)."""
     w, lane = wp.tid()

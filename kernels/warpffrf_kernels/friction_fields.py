@@ -14,6 +14,7 @@ that are no half-spaces). All operators are applied to the present loads, never 
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.friction_shares import line_of, on_shares, response_at
 from warpffrf_kernels.model import Model
@@ -35,9 +36,9 @@ def push_gaps(
     share: wp.array4d(dtype=real),
     share_at: wp.array4d(dtype=int),
     traction: wp.array3d(dtype=real),
-    second_force: wp.array3d(dtype=real),
-    first_push: wp.array(dtype=real),
-    second_push: wp.array(dtype=real),
+    second_force: inout(wp.array3d(dtype=real)),
+    first_push: inout(wp.array(dtype=real)),
+    second_push: inout(wp.array(dtype=real)),
 ):
     """Per (world, pair): shares of the tractions on the second surface's cells [N], and the displacements by the local
     modes with which the tractions open the gaps, as those of `contact_fields.local_fields`."""
@@ -123,8 +124,8 @@ def add_push(
     ctl: wp.array2d(dtype=int),
     first_push: wp.array(dtype=real),
     second_push: wp.array(dtype=real),
-    first_local: wp.array(dtype=real),
-    second_local: wp.array(dtype=real),
+    first_local: inout(wp.array(dtype=real)),
+    second_local: inout(wp.array(dtype=real)),
 ):
     """Per (world, pair): adds what `push_gaps` and `shared_surface.share_push` found to the displacements by the
     pressures."""
@@ -147,8 +148,8 @@ def press_cells(
     pressure: wp.array3d(dtype=real),
     second_load: wp.array3d(dtype=real),
     of_state: int,
-    first_shift: wp.array(dtype=real),
-    second_shift: wp.array(dtype=real),
+    first_shift: inout(wp.array(dtype=real)),
+    second_shift: inout(wp.array(dtype=real)),
 ):
     """Per (world, pair): tangential displacements of both surfaces' cells by the pressures (0 where inactive) and the
     loads that they are on the second surface."""
@@ -214,11 +215,11 @@ def displace_cells(
     share_at: wp.array4d(dtype=int),
     traction: wp.array3d(dtype=real),
     amplitude: wp.array(dtype=real),
-    first_shift: wp.array(dtype=real),
-    second_shift: wp.array(dtype=real),
-    second_modal: wp.array(dtype=real),
-    elastic_local: wp.array3d(dtype=real),
-    elastic: wp.array3d(dtype=real),
+    first_shift: inout(wp.array(dtype=real)),
+    second_shift: inout(wp.array(dtype=real)),
+    second_modal: inout(wp.array(dtype=real)),
+    elastic_local: out(wp.array3d(dtype=real)),
+    elastic: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over the cells: difference e of the tangential displacements of both bodies [m], by the
     local modes alone and in all; `press_cells` has begun the shifts with the part of the pressures."""
@@ -315,8 +316,8 @@ def change_pressures(
     base: wp.array3d(dtype=real),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
-    pressure_change: wp.array3d(dtype=real),
-    load_change: wp.array3d(dtype=real),
+    pressure_change: out(wp.array3d(dtype=real)),
+    load_change: inout(wp.array3d(dtype=real)),
 ):
     """Per (world, pair): what the solve of the pressures has changed, and the loads that this is on the second
     surface."""

@@ -10,6 +10,7 @@ the part of e that the local modes have.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.friction_shares import line_of, response_at
 from warpffrf_kernels.model import Model
@@ -58,7 +59,7 @@ def slide_cells(
     elastic: wp.array3d(dtype=real),
     elastic_before: wp.array3d(dtype=real),
     history_center: wp.array2d(dtype=int),
-    slip: wp.array3d(dtype=real),
+    slip: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over cells: slip of the step [m]. Material without a history, from beyond the last
     window, is credited with the rigid slip alone."""
@@ -89,7 +90,7 @@ def load_tractions(
     cell_area: wp.array3d(dtype=real),
     traction: wp.array3d(dtype=real),
     second_force: wp.array3d(dtype=real),
-    friction_modal: wp.array(dtype=real),
+    friction_modal: inout(wp.array(dtype=real)),
 ):
     """Per (world, pair): load of the tractions on the modes of A, then of B."""
     w, pair, lane = wp.tid()
@@ -159,13 +160,13 @@ def add_friction(
     traction: wp.array3d(dtype=real),
     slip: wp.array3d(dtype=real),
     elastic_local: wp.array3d(dtype=real),
-    pair_wrench: wp.array3d(dtype=real),
-    normal_wrench: wp.array3d(dtype=real),
-    gap_defect: wp.array2d(dtype=real),
-    elastic_energy: wp.array3d(dtype=real),
-    friction_work: wp.array3d(dtype=real),
-    cell_state: wp.array3d(dtype=int),
-    traction_base: wp.array3d(dtype=real),
+    pair_wrench: inout(wp.array3d(dtype=real)),
+    normal_wrench: out(wp.array3d(dtype=real)),
+    gap_defect: inout(wp.array2d(dtype=real)),
+    elastic_energy: out(wp.array3d(dtype=real)),
+    friction_work: inout(wp.array3d(dtype=real)),
+    cell_state: out(wp.array3d(dtype=int)),
+    traction_base: out(wp.array3d(dtype=real)),
 ):
     """Per world: wrench, elastic energy and work of the tractions of every pair, and by how much they are not those of
     their slip, as a fraction of the largest bound.

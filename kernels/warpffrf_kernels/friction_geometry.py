@@ -28,6 +28,7 @@ gradient of the weak slip `S_k = area_k s_k` by a motion of the first body relat
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_geometry import TWO_PI, wrap
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
@@ -74,10 +75,10 @@ def open_cells(
     models: wp.array(dtype=Model),
     phase: wp.array3d(dtype=real),
     center: wp.array3d(dtype=int),
-    ctl: wp.array2d(dtype=int),
-    cell_phase: wp.array3d(dtype=real),
-    traction: wp.array3d(dtype=real),
-    friction_offset: wp.array2d(dtype=real),
+    ctl: inout(wp.array2d(dtype=int)),
+    cell_phase: inout(wp.array3d(dtype=real)),
+    traction: inout(wp.array3d(dtype=real)),
+    friction_offset: inout(wp.array2d(dtype=real)),
 ):
     """Per (world, pair): the tractions of the last attempt put where the patch is now (as `open_window` does with the
     pressures); whether the compliance of the cells is to be assembled anew."""
@@ -125,11 +126,11 @@ def place_cells(
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     contact_normal: wp.array2d(dtype=vec3),
-    cell_area: wp.array3d(dtype=real),
-    cell_place: wp.array4d(dtype=real),
-    cell_turn: wp.array4d(dtype=real),
-    cell_wrench: wp.array4d(dtype=real),
-    rigid_slip: wp.array3d(dtype=real),
+    cell_area: out(wp.array3d(dtype=real)),
+    cell_place: out(wp.array4d(dtype=real)),
+    cell_turn: out(wp.array4d(dtype=real)),
+    cell_wrench: out(wp.array4d(dtype=real)),
+    rigid_slip: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over the cells of the window: area, opposite grid place (column, row coordinate) on the
     second surface, components of its tangents in those of the first, wrench per unit traction, and rigid slip."""

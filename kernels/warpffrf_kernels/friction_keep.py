@@ -9,6 +9,7 @@ in a step since the last record (`friction_advance`).
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real, vec3
@@ -22,8 +23,8 @@ def remember_tractions(
     ctl: wp.array2d(dtype=int),
     traction: wp.array3d(dtype=real),
     friction_offset: wp.array2d(dtype=real),
-    traction_before: wp.array3d(dtype=real),
-    friction_offset_before: wp.array2d(dtype=real),
+    traction_before: out(wp.array3d(dtype=real)),
+    friction_offset_before: out(wp.array2d(dtype=real)),
 ):
     """Per (world, pair), lanes over cells: the tractions before an attempt."""
     w, pair, lane = wp.tid()
@@ -52,12 +53,12 @@ def keep_tractions(
     normal_wrench: wp.array3d(dtype=real),
     traction_before: wp.array3d(dtype=real),
     friction_offset_before: wp.array2d(dtype=real),
-    traction: wp.array3d(dtype=real),
-    friction_offset: wp.array2d(dtype=real),
-    elastic_before: wp.array3d(dtype=real),
-    history_center: wp.array2d(dtype=int),
-    contact_normal: wp.array2d(dtype=vec3),
-    friction_record: wp.array3d(dtype=real),
+    traction: out(wp.array3d(dtype=real)),
+    friction_offset: out(wp.array2d(dtype=real)),
+    elastic_before: out(wp.array3d(dtype=real)),
+    history_center: out(wp.array2d(dtype=int)),
+    contact_normal: out(wp.array2d(dtype=vec3)),
+    friction_record: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over cells: the history of an accepted step, or the tractions as an attempt found them.
     friction_record: power, creep (2), rolling velocity."""
@@ -118,9 +119,9 @@ def record_friction(
     friction_record: wp.array3d(dtype=real),
     pair_wrench: wp.array3d(dtype=real),
     normal_wrench: wp.array3d(dtype=real),
-    most_advanced: wp.array2d(dtype=real),
-    second_wrench: wp.array3d(dtype=real),
-    ring: wp.array3d(dtype=real),
+    most_advanced: inout(wp.array2d(dtype=real)),
+    second_wrench: inout(wp.array3d(dtype=real)),
+    ring: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over cells: at the end of the row that `record.record` writes next, for every pair
     tractions, slip velocities, states, `friction_record` and the most columns advanced, whose count begins anew; the

@@ -26,6 +26,7 @@ patches it may jump). Along the rows the advance is not known: cells that are re
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import out
 from warpffrf_kernels.contact_geometry import wrap
 from warpffrf_kernels.friction_bounds import pressed
 from warpffrf_kernels.friction_forces import before_at
@@ -169,7 +170,7 @@ def soften_late(
     share_at: wp.array4d(dtype=int),
     of_state: int,
     bound: wp.array3d(dtype=real),
-    late: wp.array3d(dtype=real),
+    late: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over cells: the softness `late` [m/Pa] of the loaded cells, after `bound_cells` and with
     the same pressures. last_normal: zero where the last step ended without contact: the patch advances from nowhere."""
@@ -214,7 +215,7 @@ def keep_pressed(
     window: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
-    pressed_before: wp.array3d(dtype=int),
+    pressed_before: out(wp.array3d(dtype=int)),
 ):
     """Per (world, pair), lanes over cells: which nodes an accepted step leaves under pressure, for the next one."""
     w, pair, lane = wp.tid()

@@ -25,6 +25,7 @@ nobody changes sides.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.friction_shares import on_shares, response_at
 from warpffrf_kernels.model import Model
@@ -263,11 +264,11 @@ def answer_tractions(
     cell_J: wp.array(dtype=real),
     cell_V: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
-    shift: wp.array(dtype=real),
-    scratch: wp.array(dtype=real),
-    Y: wp.array3d(dtype=real),
-    answer_hat: wp.array2d(dtype=int),
-    answer_state: wp.array2d(dtype=int),
+    shift: inout(wp.array(dtype=real)),
+    scratch: inout(wp.array(dtype=real)),
+    Y: inout(wp.array3d(dtype=real)),
+    answer_hat: inout(wp.array2d(dtype=int)),
+    answer_state: inout(wp.array2d(dtype=int)),
 ):
     """Per world: Y, a line per active slot in the order of the last solve; kept while cells and the active set stay."""
     w, lane = wp.tid()
@@ -311,7 +312,7 @@ def condense_answer(
     ctl: wp.array2d(dtype=int),
     Y: wp.array3d(dtype=real),
     answer_state: wp.array2d(dtype=int),
-    K: wp.array3d(dtype=real),
+    K: inout(wp.array3d(dtype=real)),
 ):
     """Per world: K - Y^T Y where Y is new."""
     w, lane = wp.tid()
@@ -370,10 +371,10 @@ def press_with_tractions(
     tau: wp.array2d(dtype=real),
     tau_base: wp.array2d(dtype=real),
     base: wp.array3d(dtype=real),
-    step: wp.array2d(dtype=real),
-    pressure: wp.array3d(dtype=real),
-    change: wp.array2d(dtype=real),
-    answer_state: wp.array2d(dtype=int),
+    step: inout(wp.array2d(dtype=real)),
+    pressure: inout(wp.array3d(dtype=real)),
+    change: inout(wp.array2d(dtype=real)),
+    answer_state: inout(wp.array2d(dtype=int)),
 ):
     """Per world: the pressures with their answer to the tractions found in this round, none below zero, and whether the
     bounds are to follow them in another one. change: of the largest in the first round."""
@@ -414,7 +415,7 @@ def move_with_answer(
     answer_state: wp.array2d(dtype=int),
     V: wp.array(dtype=real),
     step: wp.array2d(dtype=real),
-    z: wp.array(dtype=real),
+    z: inout(wp.array(dtype=real)),
 ):
     """Per world: the outer increments with the answer of the pressures."""
     w, lane = wp.tid()
@@ -429,7 +430,7 @@ def move_with_answer(
 
 
 @wp.kernel
-def count_rounds(ctl: wp.array2d(dtype=int), answer_state: wp.array2d(dtype=int), again: wp.array(dtype=int)):
+def count_rounds(ctl: wp.array2d(dtype=int), answer_state: wp.array2d(dtype=int), again: out(wp.array(dtype=int))):
     """One thread: do the bounds of any world still follow its pressures?"""
     open_worlds = int(0)
     w = int(0)

@@ -13,6 +13,7 @@ tractions and discs are times the weight of their pair here (`impulsive_contact`
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_solve import push_by_slots
 from warpffrf_kernels.friction_forces import creep_softness
 from warpffrf_kernels.friction_geometry import cell_at
@@ -36,7 +37,7 @@ def drive_modes(
     pressure: wp.array3d(dtype=real),
     base: wp.array3d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
-    modal_drive: wp.array(dtype=real),
+    modal_drive: inout(wp.array(dtype=real)),
 ):
     """Per world: what pushes the global modes after the solve of the pressures, -r_m + J^T ds."""
     w, lane = wp.tid()
@@ -107,9 +108,9 @@ def pose_tractions(
     receptance: wp.array(dtype=real),
     modal_drive: wp.array(dtype=real),
     z: wp.array(dtype=real),
-    base: wp.array2d(dtype=real),
-    right: wp.array2d(dtype=real),
-    tau: wp.array2d(dtype=real),
+    base: inout(wp.array2d(dtype=real)),
+    right: inout(wp.array2d(dtype=real)),
+    tau: out(wp.array2d(dtype=real)),
 ):
     """Per world: right-hand side r_0 = S + dS(ds) + L z + J sigma^-1 (modal drive) - K tau_base, and first guess of all
     slots. dS: by the local modes under the change of the pressures, of which the shifts are."""
@@ -159,8 +160,8 @@ def limit_tractions(
     bound: wp.array3d(dtype=real),
     late: wp.array3d(dtype=real),
     answer_state: wp.array2d(dtype=int),
-    radius: wp.array2d(dtype=real),
-    softness: wp.array2d(dtype=real),
+    radius: out(wp.array2d(dtype=real)),
+    softness: out(wp.array2d(dtype=real)),
 ):
     """Per world: discs and softness of all slots, with the bounds of the pressures as they are in this round."""
     w, lane = wp.tid()
@@ -188,8 +189,8 @@ def take_tractions(
     tau: wp.array2d(dtype=real),
     base: wp.array2d(dtype=real),
     V: wp.array(dtype=real),
-    z: wp.array(dtype=real),
-    traction: wp.array3d(dtype=real),
+    z: inout(wp.array(dtype=real)),
+    traction: out(wp.array3d(dtype=real)),
 ):
     """Per world: the tractions found, and the outer increments with them."""
     w, lane = wp.tid()
@@ -219,8 +220,8 @@ def push_modes(
     base: wp.array2d(dtype=real),
     J: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
-    push: wp.array(dtype=real),
-    modal_step: wp.array(dtype=real),
+    push: inout(wp.array(dtype=real)),
+    modal_step: inout(wp.array(dtype=real)),
 ):
     """Per world: adds the increments of the global modes by the change of the tractions (those without inertia terms;
     the others are outer coordinates)."""

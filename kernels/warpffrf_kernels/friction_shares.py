@@ -12,6 +12,7 @@ conjugate.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import out
 from warpffrf_kernels.contact_compliance import node_of
 from warpffrf_kernels.contact_geometry import TWO_PI, wrap
 from warpffrf_kernels.model import Model
@@ -60,8 +61,8 @@ def spread_cells(
     cell_area: wp.array3d(dtype=real),
     cell_place: wp.array4d(dtype=real),
     cell_turn: wp.array4d(dtype=real),
-    share: wp.array4d(dtype=real),
-    share_at: wp.array4d(dtype=int),
+    share: out(wp.array4d(dtype=real)),
+    share_at: out(wp.array4d(dtype=int)),
 ):
     """Per (world, pair), lanes over cells: the parts of a cell that lie on the cells of the second grid; 0 beyond the
     second window, which only cells far from any patch reach: their hats would have failed the step (`keep_hat`)."""

@@ -28,6 +28,7 @@ ten of them suffice from any start (the primal-dual method of convex programs). 
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real, sync
 
@@ -499,18 +500,18 @@ def solve_tractions(
     right: wp.array2d(dtype=real),
     radius: wp.array2d(dtype=real),
     softness: wp.array2d(dtype=real),
-    ctl: wp.array2d(dtype=int),
-    tau: wp.array2d(dtype=real),
-    slip: wp.array2d(dtype=real),
-    jumps: wp.array2d(dtype=real),
-    direction: wp.array2d(dtype=real),
-    frozen: wp.array2d(dtype=real),
-    curvature: wp.array2d(dtype=real),
-    order: wp.array2d(dtype=int),
-    sliding: wp.array2d(dtype=int),
-    outcome: wp.array2d(dtype=real),
-    solution: wp.array2d(dtype=real),
-    work: wp.array3d(dtype=real),
+    ctl: inout(wp.array2d(dtype=int)),
+    tau: inout(wp.array2d(dtype=real)),
+    slip: inout(wp.array2d(dtype=real)),
+    jumps: inout(wp.array2d(dtype=real)),
+    direction: inout(wp.array2d(dtype=real)),
+    frozen: inout(wp.array2d(dtype=real)),
+    curvature: inout(wp.array2d(dtype=real)),
+    order: inout(wp.array2d(dtype=int)),
+    sliding: inout(wp.array2d(dtype=int)),
+    outcome: inout(wp.array2d(dtype=real)),
+    solution: inout(wp.array2d(dtype=real)),
+    work: inout(wp.array3d(dtype=real)),
 ):
     """Per world: the tractions tau of CELLS slots, from a first guess, for r = right + K tau + softness tau and discs
     of `radius`. A problem that does not settle is a failure of the attempt.

@@ -62,6 +62,7 @@ that differ.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_solve import push_by_slots
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.motion import rule_of
@@ -168,17 +169,17 @@ def begin_contact(
     modal_memory: wp.array4d(dtype=real),
     friction_memory: wp.array4d(dtype=real),
     modal_friction_memory: wp.array4d(dtype=real),
-    ctl: wp.array2d(dtype=int),
-    impulsive: wp.array2d(dtype=int),
-    theta: wp.array2d(dtype=real),
-    bracket: wp.array3d(dtype=real),
-    weight: wp.array2d(dtype=real),
-    v_rate0: wp.array2d(dtype=vec3),
-    v_alg0: wp.array2d(dtype=vec3),
-    omega_rate0: wp.array2d(dtype=vec3),
-    omega_alg0: wp.array2d(dtype=vec3),
-    qd_rate0: wp.array2d(dtype=real),
-    qd_alg0: wp.array2d(dtype=real),
+    ctl: inout(wp.array2d(dtype=int)),
+    impulsive: inout(wp.array2d(dtype=int)),
+    theta: inout(wp.array2d(dtype=real)),
+    bracket: out(wp.array3d(dtype=real)),
+    weight: out(wp.array2d(dtype=real)),
+    v_rate0: inout(wp.array2d(dtype=vec3)),
+    v_alg0: out(wp.array2d(dtype=vec3)),
+    omega_rate0: inout(wp.array2d(dtype=vec3)),
+    omega_alg0: out(wp.array2d(dtype=vec3)),
+    qd_rate0: inout(wp.array2d(dtype=real)),
+    qd_alg0: out(wp.array2d(dtype=real)),
 ):
     """Per world: which pairs are impulsive in this attempt, and the accelerations of its beginning without them."""
     w, lane = wp.tid()
@@ -286,11 +287,11 @@ def push_bodies(
     theta: wp.array2d(dtype=real),
     pair_modal: wp.array4d(dtype=real),
     friction_modal: wp.array4d(dtype=real),
-    pair_force: wp.array4d(dtype=real),
-    friction_force: wp.array4d(dtype=real),
-    modal_load: wp.array3d(dtype=real),
-    residual: wp.array2d(dtype=real),
-    modal_residual: wp.array2d(dtype=real),
+    pair_force: inout(wp.array4d(dtype=real)),
+    friction_force: inout(wp.array4d(dtype=real)),
+    modal_load: out(wp.array3d(dtype=real)),
+    residual: inout(wp.array2d(dtype=real)),
+    modal_residual: inout(wp.array2d(dtype=real)),
 ):
     """Per world: contact forces (world axes) and torques (body axes) of the trial state on A, then on B, normal ones
     and friction, and what of them acts in the step, off the residuals."""
@@ -374,7 +375,7 @@ def compare_receptances(
     ctl: wp.array2d(dtype=int),
     clk: wp.array2d(dtype=real),
     receptance: wp.array2d(dtype=real),
-    contact_receptance: wp.array2d(dtype=real),
+    contact_receptance: out(wp.array2d(dtype=real)),
 ):
     """Per world: kappa sigma^-1 of the modes over kappa of bodies, the answer to a contact force without its pair's
     weight; of scenes with dynamic local modes, which have a kappa of their own."""
@@ -403,8 +404,8 @@ def push_further(
     weight: wp.array2d(dtype=real),
     receptance: wp.array2d(dtype=real),
     contact_receptance: wp.array2d(dtype=real),
-    push: wp.array(dtype=real),
-    modal_step: wp.array(dtype=real),
+    push: inout(wp.array(dtype=real)),
+    modal_step: inout(wp.array(dtype=real)),
 ):
     """Per world, lanes over modes: what the modal increments lack of `contact_receptance`. Modes that carry inertia
     terms have it from the outer system (their receptance is 0)."""

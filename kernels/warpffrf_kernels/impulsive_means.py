@@ -34,6 +34,7 @@ holds for both.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.impulsive_contact import mode_kappa, outer_kappa, weight_of
 from warpffrf_kernels.impulsive_memory import filtered
 from warpffrf_kernels.model import Model
@@ -140,12 +141,12 @@ def balance_means(
     pair_energy: wp.array3d(dtype=real),
     pair_loss: wp.array2d(dtype=real),
     impulsive: wp.array2d(dtype=int),
-    ctl: wp.array2d(dtype=int),
-    theta: wp.array2d(dtype=real),
-    bracket: wp.array3d(dtype=real),
-    weight: wp.array2d(dtype=real),
-    residual: wp.array2d(dtype=real),
-    modal_residual: wp.array2d(dtype=real),
+    ctl: inout(wp.array2d(dtype=int)),
+    theta: inout(wp.array2d(dtype=real)),
+    bracket: inout(wp.array3d(dtype=real)),
+    weight: out(wp.array2d(dtype=real)),
+    residual: inout(wp.array2d(dtype=real)),
+    modal_residual: inout(wp.array2d(dtype=real)),
 ):
     """Per world whose iteration has just converged: theta of the impulsive pairs that do not give back their energy,
     and another round of the loop with them. `pair_loss`: what a damped layer takes.
@@ -340,8 +341,8 @@ def judge_pairs(
     v: wp.array2d(dtype=vec3),
     omega: wp.array2d(dtype=vec3),
     qd: wp.array2d(dtype=real),
-    wanted: wp.array2d(dtype=int),
-    created: wp.array2d(dtype=real),
+    wanted: out(wp.array2d(dtype=int)),
+    created: out(wp.array2d(dtype=real)),
 ):
     """Per (world, pair): the energy that its contact creates in the attempt, and whether it is to be taken again as
     impulsive: where it swings and its mean was not looked for, or its memory creates more than OWN of its own energy.
@@ -386,7 +387,7 @@ def find_restless(
     pressure_before: wp.array3d(dtype=real),
     offset: wp.array2d(dtype=real),
     offset_before: wp.array2d(dtype=real),
-    restless: wp.array2d(dtype=int),
+    restless: out(wp.array2d(dtype=int)),
 ):
     """Per (world, pair): 1 where the forces of the hats changed by more than CALM in the attempt, the sum of |change|.
     Where the window was laid anew, the hats of before are those that `contact_geometry.open_window` put in their place.

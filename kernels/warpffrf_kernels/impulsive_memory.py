@@ -4,6 +4,7 @@
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.impulsive_contact import (
     columns_of,
     kappa_of,
@@ -69,15 +70,15 @@ def finish_rates(
     modal_memory: wp.array4d(dtype=real),
     friction_memory: wp.array4d(dtype=real),
     modal_friction_memory: wp.array4d(dtype=real),
-    v1: wp.array2d(dtype=vec3),
-    v1_rate: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-    omega1_rate: wp.array2d(dtype=vec3),
-    qd1: wp.array2d(dtype=real),
-    qd1_rate: wp.array2d(dtype=real),
-    v_rest: wp.array2d(dtype=vec3),
-    omega_rest: wp.array2d(dtype=vec3),
-    qd_rest: wp.array2d(dtype=real),
+    v1: inout(wp.array2d(dtype=vec3)),
+    v1_rate: inout(wp.array2d(dtype=vec3)),
+    omega1: inout(wp.array2d(dtype=vec3)),
+    omega1_rate: inout(wp.array2d(dtype=vec3)),
+    qd1: inout(wp.array2d(dtype=real)),
+    qd1_rate: inout(wp.array2d(dtype=real)),
+    v_rest: out(wp.array2d(dtype=vec3)),
+    omega_rest: out(wp.array2d(dtype=vec3)),
+    qd_rest: out(wp.array2d(dtype=real)),
 ):
     """Per world: velocities and accelerations of an attempt with the impulsive pairs in them, and `rest`, what its
     algorithmic accelerations have beside the formula's."""
@@ -206,17 +207,17 @@ def keep_memory(
     clk: wp.array2d(dtype=real),
     impulsive: wp.array2d(dtype=int),
     created: wp.array2d(dtype=real),
-    pair_force: wp.array4d(dtype=real),
-    pair_modal: wp.array4d(dtype=real),
-    friction_force: wp.array4d(dtype=real),
-    friction_modal: wp.array4d(dtype=real),
-    pair_energy: wp.array3d(dtype=real),
-    elastic_energy: wp.array3d(dtype=real),
-    memory: wp.array4d(dtype=real),
-    modal_memory: wp.array4d(dtype=real),
-    friction_memory: wp.array4d(dtype=real),
-    modal_friction_memory: wp.array4d(dtype=real),
-    created_so_far: wp.array2d(dtype=real),
+    pair_force: inout(wp.array4d(dtype=real)),
+    pair_modal: inout(wp.array4d(dtype=real)),
+    friction_force: inout(wp.array4d(dtype=real)),
+    friction_modal: inout(wp.array4d(dtype=real)),
+    pair_energy: inout(wp.array3d(dtype=real)),
+    elastic_energy: inout(wp.array3d(dtype=real)),
+    memory: inout(wp.array4d(dtype=real)),
+    modal_memory: inout(wp.array4d(dtype=real)),
+    friction_memory: inout(wp.array4d(dtype=real)),
+    modal_friction_memory: inout(wp.array4d(dtype=real)),
+    created_so_far: inout(wp.array2d(dtype=real)),
 ):
     """Per (world, pair), lanes over the modes of its bodies: forces, energies and memory of an accepted attempt."""
     w, pair, lane = wp.tid()

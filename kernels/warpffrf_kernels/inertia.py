@@ -27,6 +27,7 @@ motion -q.K_k q/2 of the interface: its derivative is `slope`, the force of a ro
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.interfaces import line_of, marker_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.rotation import hat
@@ -62,7 +63,7 @@ def sum_modes(
     q1: wp.array(dtype=real),
     qd1: wp.array(dtype=real),
     qd1_rate: wp.array(dtype=real),
-    sums: wp.array3d(dtype=real),
+    sums: out(wp.array3d(dtype=real)),
 ):
     """Lanes over dense modes: P, P', g, g', g'' of each."""
     w, lane = wp.tid()
@@ -100,11 +101,11 @@ def add_inertia(
     qd1_rate: wp.array2d(dtype=real),
     psi_inverse: wp.array2d(dtype=mat33),
     sums: wp.array3d(dtype=real),
-    residual: wp.array2d(dtype=real),
-    modal_residual: wp.array2d(dtype=real),
-    receptance: wp.array2d(dtype=real),
-    tangent: wp.array3d(dtype=real),
-    extra_energy: wp.array2d(dtype=real),
+    residual: inout(wp.array2d(dtype=real)),
+    modal_residual: inout(wp.array2d(dtype=real)),
+    receptance: inout(wp.array2d(dtype=real)),
+    tangent: inout(wp.array3d(dtype=real)),
+    extra_energy: out(wp.array2d(dtype=real)),
 ):
     """Lanes over bodies: unbalanced torque and modal forces, the dense blocks of the tangent but their pair terms
     (`couple_modes`), and the kinetic energy of these terms.
@@ -187,7 +188,7 @@ def couple_modes(
     omega1_rate: wp.array2d(dtype=vec3),
     lam: wp.array2d(dtype=real),
     row_pull: wp.array3d(dtype=real),
-    tangent: wp.array(dtype=real),
+    tangent: inout(wp.array(dtype=real)),
 ):
     """Lanes over dense modes: 2 VEL w.G_ij + wdot.G_ij - w.J2_ij w in line j, column i, and the geometric stiffness of
     the forces at interfaces.
@@ -232,7 +233,7 @@ def shorten_interfaces(
     models: wp.array(dtype=Model),
     ctl: wp.array2d(dtype=int),
     q1: wp.array(dtype=real),
-    slope: wp.array(dtype=real),
+    slope: out(wp.array(dtype=real)),
 ):
     """Lanes over interfaces: derivative of their motion by the modes, Phi - K_k q where loads stiffen the body."""
     w, lane = wp.tid()

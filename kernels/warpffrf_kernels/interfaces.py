@@ -12,6 +12,7 @@ that every sum over modes is contiguous; only the first `global_count` entries o
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import out
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.rotation import exponential, matrix
 from warpffrf_kernels.scalars import MODULE_OPTIONS, dot, mat33, real, vec3, weighted
@@ -55,7 +56,7 @@ def move_interfaces(
     ctl: wp.array2d(dtype=int),
     q1: wp.array(dtype=real),
     slope: wp.array(dtype=real),
-    motion: wp.array3d(dtype=real),
+    motion: out(wp.array3d(dtype=real)),
 ):
     """Lanes over the six components of all interfaces: `motion` (W, interfaces, 6), m and rad."""
     w, lane = wp.tid()

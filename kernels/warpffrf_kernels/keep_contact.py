@@ -6,6 +6,7 @@ A rejected attempt has changed all of them; a halved or repeated one begins best
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import out
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -17,9 +18,9 @@ def remember_contact(
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
     patch_offset: wp.array2d(dtype=real),
-    active_before: wp.array3d(dtype=int),
-    pressure_before: wp.array3d(dtype=real),
-    offset_before: wp.array2d(dtype=real),
+    active_before: out(wp.array3d(dtype=int)),
+    pressure_before: out(wp.array3d(dtype=real)),
+    offset_before: out(wp.array2d(dtype=real)),
 ):
     """Per (world, pair), lanes over hats: the active set and the pressures before an attempt."""
     w, pair, lane = wp.tid()
@@ -40,9 +41,9 @@ def restore_contact(
     active_before: wp.array3d(dtype=int),
     pressure_before: wp.array3d(dtype=real),
     offset_before: wp.array2d(dtype=real),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    patch_offset: wp.array2d(dtype=real),
+    active: out(wp.array3d(dtype=int)),
+    pressure: out(wp.array3d(dtype=real)),
+    patch_offset: out(wp.array2d(dtype=real)),
 ):
     """Per (world, pair), lanes over hats: a rejected attempt leaves the contact as it found it, so that the halved one
     begins from a set that was right.

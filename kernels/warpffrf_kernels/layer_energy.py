@@ -18,6 +18,7 @@ the contact grid's line of the ledger.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_layer import cell_exists, corner_of, hat_value, linear_yield, rate_of
 from warpffrf_kernels.impulsive_means import has_converged
 from warpffrf_kernels.layer_laws import CHI, CONSTANT, layer_depth, layer_energy, layer_pressure
@@ -47,10 +48,10 @@ def add_layer_energy(
     past_drag: wp.array3d(dtype=real),
     impulsive: wp.array2d(dtype=int),
     theta: wp.array2d(dtype=real),
-    depth_now: wp.array3d(dtype=real),
-    drag_now: wp.array3d(dtype=real),
-    pair_loss: wp.array2d(dtype=real),
-    pair_energy: wp.array3d(dtype=real),
+    depth_now: out(wp.array3d(dtype=real)),
+    drag_now: out(wp.array3d(dtype=real)),
+    pair_loss: out(wp.array2d(dtype=real)),
+    pair_energy: inout(wp.array3d(dtype=real)),
 ):
     """Per world, one lane, where the iteration has converged: the energy of the layers in place of what `sum_contact`
     counted for them, depths and drags of damped ones, and what these lose in the step [J]."""
@@ -130,9 +131,9 @@ def keep_layer(
     center: wp.array3d(dtype=int),
     depth_now: wp.array3d(dtype=real),
     drag_now: wp.array3d(dtype=real),
-    depth_before: wp.array3d(dtype=real),
-    drag_before: wp.array3d(dtype=real),
-    column_before: wp.array2d(dtype=int),
+    depth_before: out(wp.array3d(dtype=real)),
+    drag_before: out(wp.array3d(dtype=real)),
+    column_before: out(wp.array2d(dtype=int)),
 ):
     """Per (world, pair), lanes over points: an accepted step leaves depths and drags, with the columns they belong
     to."""

@@ -18,6 +18,7 @@ method would go to a maximum as well as to a minimum.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout
 from warpffrf_kernels.forces import group_energy
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.pair_forces import mean_of, pair_work
@@ -60,8 +61,8 @@ def balance_energy(
     pair_loss: wp.array2d(dtype=real),
     extra_energy: wp.array2d(dtype=real),
     friction_work: wp.array3d(dtype=real),
-    clk: wp.array2d(dtype=real),
-    energy: wp.array3d(dtype=real),
+    clk: inout(wp.array2d(dtype=real)),
+    energy: inout(wp.array3d(dtype=real)),
 ):
     """Per world: the ledger of the trial state, energy[w, 1], from that of the accepted one, energy[w, 0]; of a static
     step whether it went downhill, `RISE`."""

@@ -29,6 +29,7 @@ omega^2 q = f`. What a deforming body adds to these: `inertia`.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.rotation import exponential, hat, matrix, tangent_inverse
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
@@ -43,8 +44,8 @@ def begin_step(
     models: wp.array(dtype=Model),
     coefficients: wp.array2d(dtype=real),
     local_coefficients: wp.array2d(dtype=real),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: inout(wp.array2d(dtype=int)),
+    clk: inout(wp.array2d(dtype=real)),
 ):
     """Per world: step size, end time and coefficients (alpha_m, alpha_f, beta, gamma) of this attempt."""
     w = wp.tid()
@@ -218,8 +219,8 @@ def predict_bodies(
     omega: wp.array2d(dtype=vec3),
     omega_rate: wp.array2d(dtype=vec3),
     omega_alg: wp.array2d(dtype=vec3),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
+    dx: out(wp.array2d(dtype=vec3)),
+    psi: out(wp.array2d(dtype=vec3)),
 ):
     w, lane = wp.tid()
     if ctl[w, k.RUN] == 0 or ctl[w, k.AGAIN] != 0:  # an attempt that repeats one starts from where that has led
@@ -241,8 +242,8 @@ def predict_modes(
     qd_rate: wp.array2d(dtype=real),
     qd_alg: wp.array2d(dtype=real),
     modal_load: wp.array3d(dtype=real),
-    dq: wp.array2d(dtype=real),
-    exact: wp.array3d(dtype=real),
+    dq: out(wp.array2d(dtype=real)),
+    exact: inout(wp.array3d(dtype=real)),
 ):
     w, lane = wp.tid()
     model = models[0]
@@ -280,16 +281,16 @@ def move_bodies(
     omega_alg: wp.array2d(dtype=vec3),
     dx: wp.array2d(dtype=vec3),
     psi: wp.array2d(dtype=vec3),
-    r1: wp.array2d(dtype=vec3),
-    p1: wp.array2d(dtype=quat),
-    axes: wp.array2d(dtype=mat33),
-    v1: wp.array2d(dtype=vec3),
-    v1_rate: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-    omega1_rate: wp.array2d(dtype=vec3),
-    residual: wp.array2d(dtype=real),
-    tangent: wp.array3d(dtype=real),
-    psi_inverse: wp.array2d(dtype=mat33),
+    r1: out(wp.array2d(dtype=vec3)),
+    p1: out(wp.array2d(dtype=quat)),
+    axes: out(wp.array2d(dtype=mat33)),
+    v1: out(wp.array2d(dtype=vec3)),
+    v1_rate: out(wp.array2d(dtype=vec3)),
+    omega1: out(wp.array2d(dtype=vec3)),
+    omega1_rate: out(wp.array2d(dtype=vec3)),
+    residual: out(wp.array2d(dtype=real)),
+    tangent: out(wp.array3d(dtype=real)),
+    psi_inverse: out(wp.array2d(dtype=mat33)),
 ):
     """Trial state of each body, its unbalanced inertia and gravity forces, and their tangent (blocks of `tangent`)."""
     w, lane = wp.tid()
@@ -340,7 +341,7 @@ def hold_motions(
     psi: wp.array2d(dtype=vec3),
     hold: wp.array3d(dtype=real),
     hold_count: wp.array(dtype=int),
-    residual: wp.array2d(dtype=real),
+    residual: inout(wp.array2d(dtype=real)),
 ):
     """Per world, in static steps: the force n (n.d) of each held motion n."""
     w = wp.tid()
@@ -368,7 +369,7 @@ def add_held(
     ctl: wp.array2d(dtype=int),
     hold: wp.array3d(dtype=real),
     hold_count: wp.array(dtype=int),
-    tangent: wp.array3d(dtype=real),
+    tangent: inout(wp.array3d(dtype=real)),
 ):
     """Per world, lanes over rows, in static steps: n n^T of each held motion n in the outer matrix."""
     w, lane = wp.tid()
@@ -400,11 +401,11 @@ def move_modes(
     modal_load: wp.array3d(dtype=real),
     exact: wp.array3d(dtype=real),
     dq: wp.array2d(dtype=real),
-    q1: wp.array2d(dtype=real),
-    qd1: wp.array2d(dtype=real),
-    qd1_rate: wp.array2d(dtype=real),
-    modal_residual: wp.array2d(dtype=real),
-    receptance: wp.array2d(dtype=real),
+    q1: inout(wp.array2d(dtype=real)),
+    qd1: inout(wp.array2d(dtype=real)),
+    qd1_rate: out(wp.array2d(dtype=real)),
+    modal_residual: out(wp.array2d(dtype=real)),
+    receptance: out(wp.array2d(dtype=real)),
 ):
     """Trial state of each global mode, its unbalanced force, and the inverse of its (diagonal) tangent."""
     w, lane = wp.tid()

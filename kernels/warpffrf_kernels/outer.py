@@ -21,6 +21,7 @@ which whatever can move is condensed (Josephy-Newton): the first iteration alrea
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.interfaces import compliance, modal_line, pulled, side_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
@@ -37,8 +38,8 @@ def add_multipliers(
     lam: wp.array2d(dtype=real),
     C: wp.array3d(dtype=real),
     C_modal: wp.array(dtype=real),
-    residual: wp.array2d(dtype=real),
-    modal_residual: wp.array(dtype=real),
+    residual: inout(wp.array2d(dtype=real)),
+    modal_residual: inout(wp.array(dtype=real)),
 ):
     """Lanes over rigid coordinates, then over modes: r += C^T lambda."""
     w, lane = wp.tid()
@@ -99,9 +100,9 @@ def condense(
     defect: wp.array2d(dtype=real),
     residual: wp.array2d(dtype=real),
     modal_residual: wp.array(dtype=real),
-    tangent: wp.array3d(dtype=real),
-    rhs: wp.array2d(dtype=real),
-    C_receptance: wp.array(dtype=real),
+    tangent: out(wp.array3d(dtype=real)),
+    rhs: out(wp.array2d(dtype=real)),
+    C_receptance: out(wp.array(dtype=real)),
 ):
     """Lanes over outer unknowns: rows of the condensed matrix (rigid blocks are there already) and its right-hand
     side.
@@ -258,12 +259,12 @@ def factor_outer(
     models: wp.array(dtype=Model),
     tangent: wp.array3d(dtype=real),
     rhs: wp.array(dtype=real),
-    ctl: wp.array2d(dtype=int),
-    scaling: wp.array2d(dtype=real),
-    pivots: wp.array2d(dtype=int),
-    work: wp.array3d(dtype=real),
-    inverse_transposed: wp.array(dtype=real),
-    z_free: wp.array(dtype=real),
+    ctl: inout(wp.array2d(dtype=int)),
+    scaling: inout(wp.array2d(dtype=real)),
+    pivots: inout(wp.array2d(dtype=int)),
+    work: inout(wp.array3d(dtype=real)),
+    inverse_transposed: inout(wp.array(dtype=real)),
+    z_free: inout(wp.array(dtype=real)),
 ):
     """Per world: H^T (where it is to be renewed), and z without contact, H rhs."""
     w, lane = wp.tid()
@@ -283,8 +284,8 @@ def advance_outer(
     ctl: wp.array2d(dtype=int),
     z: wp.array(dtype=real),
     psi_inverse: wp.array2d(dtype=mat33),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
+    dx: inout(wp.array2d(dtype=vec3)),
+    psi: inout(wp.array2d(dtype=vec3)),
 ):
     """Per body: apply the Newton increments once the active set has settled."""
     w, lane = wp.tid()
@@ -305,8 +306,8 @@ def advance_rest(
     ctl: wp.array2d(dtype=int),
     z: wp.array(dtype=real),
     modal_step: wp.array(dtype=real),
-    lam: wp.array2d(dtype=real),
-    dq: wp.array2d(dtype=real),
+    lam: inout(wp.array2d(dtype=real)),
+    dq: inout(wp.array2d(dtype=real)),
 ):
     """Lanes over rows and modes."""
     w, lane = wp.tid()
@@ -326,8 +327,8 @@ def advance_rest(
 @wp.kernel
 def count_iteration(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    any_running: wp.array(dtype=int),
+    ctl: inout(wp.array2d(dtype=int)),
+    any_running: out(wp.array(dtype=int)),
 ):
     """One thread for all worlds: bookkeeping of the loop, and its condition."""
     model = models[0]

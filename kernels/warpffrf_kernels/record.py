@@ -3,6 +3,7 @@
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_geometry import slope_at
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
@@ -17,7 +18,7 @@ def sum_second(
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     second_load: wp.array3d(dtype=real),
-    second_wrench: wp.array3d(dtype=real),
+    second_wrench: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair of family 0): the wrench that the hat forces on the second surface sum to there (about A's
     centre of mass).
@@ -91,8 +92,8 @@ def record(
     pressure: wp.array3d(dtype=real),
     second_load: wp.array3d(dtype=real),
     energy: wp.array3d(dtype=real),
-    ctl: wp.array2d(dtype=int),
-    ring: wp.array3d(dtype=real),
+    ctl: inout(wp.array2d(dtype=int)),
+    ring: out(wp.array3d(dtype=real)),
 ):
     """Per world: one row of the ring. Layout: `warpffrf.online.record`."""
     w = wp.tid()

@@ -30,6 +30,7 @@ axes A exp(theta^) L, with (u, theta) = Phi_if q, and -q.K q/2 in addition where
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.interfaces import (
     add_load,
     arm_on_interface,
@@ -144,14 +145,14 @@ def evaluate_rows(
     stretch: wp.array2d(dtype=real),
     slope: wp.array(dtype=real),
     motion: wp.array3d(dtype=real),
-    C: wp.array3d(dtype=real),
-    C_modal: wp.array(dtype=real),
-    coordinate: wp.array2d(dtype=real),
-    defect: wp.array2d(dtype=real),
-    softness: wp.array2d(dtype=real),
-    drive_rate: wp.array3d(dtype=real),
-    row_wrench: wp.array3d(dtype=real),
-    row_pull: wp.array3d(dtype=real),
+    C: inout(wp.array3d(dtype=real)),
+    C_modal: inout(wp.array(dtype=real)),
+    coordinate: out(wp.array2d(dtype=real)),
+    defect: out(wp.array2d(dtype=real)),
+    softness: out(wp.array2d(dtype=real)),
+    drive_rate: out(wp.array3d(dtype=real)),
+    row_wrench: out(wp.array3d(dtype=real)),
+    row_pull: out(wp.array3d(dtype=real)),
 ):
     """Per row: value, gradient, defect (c, or the spring law divided by its stiffness) and compliance."""
     w, lane = wp.tid()
@@ -286,10 +287,10 @@ def apply_forces(
     axes: wp.array2d(dtype=mat33),
     slope: wp.array(dtype=real),
     motion: wp.array3d(dtype=real),
-    residual: wp.array2d(dtype=real),
-    modal_residual: wp.array(dtype=real),
-    applied: wp.array3d(dtype=vec3),
-    applied_at: wp.array3d(dtype=vec3),
+    residual: inout(wp.array2d(dtype=real)),
+    modal_residual: inout(wp.array(dtype=real)),
+    applied: out(wp.array3d(dtype=vec3)),
+    applied_at: out(wp.array3d(dtype=vec3)),
 ):
     """Per world: subtract the point forces from the residuals; their world components and points are kept for the
     ledger.

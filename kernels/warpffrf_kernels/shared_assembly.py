@@ -12,6 +12,7 @@ pair, by the tables of `shared_surface`, and read by all hats of that pair.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout
 from warpffrf_kernels.contact_compliance import place_in_table
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, real, sync
@@ -79,8 +80,8 @@ def assemble_shared(
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
     weight: wp.array2d(dtype=real),
-    field: wp.array(dtype=real),
-    G: wp.array3d(dtype=real),
+    field: inout(wp.array(dtype=real)),
+    G: inout(wp.array3d(dtype=real)),
 ):
     """Per world: adds the shared surfaces to the rows of G of the fresh slots, after `contact_assembly.assemble`."""
     w, lane = wp.tid()

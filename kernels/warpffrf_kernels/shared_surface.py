@@ -22,6 +22,7 @@ iteration takes it in from one pass to the next.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout
 from warpffrf_kernels.contact_compliance import place_in_table
 from warpffrf_kernels.friction_shares import response_at
 from warpffrf_kernels.model import Model
@@ -114,8 +115,8 @@ def share_pressures(
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
     second_load: wp.array(dtype=real),
-    first_local: wp.array(dtype=real),
-    second_local: wp.array(dtype=real),
+    first_local: inout(wp.array(dtype=real)),
+    second_local: inout(wp.array(dtype=real)),
 ):
     """Per (world, pair): adds what the pressures of other pairs on its surfaces do to the displacements by local modes;
     after `contact_fields.local_fields`."""
@@ -202,8 +203,8 @@ def share_push(
     cell_area: wp.array3d(dtype=real),
     traction: wp.array3d(dtype=real),
     second_force: wp.array3d(dtype=real),
-    first_push: wp.array(dtype=real),
-    second_push: wp.array(dtype=real),
+    first_push: inout(wp.array(dtype=real)),
+    second_push: inout(wp.array(dtype=real)),
 ):
     """Per (world, pair): adds what the tractions of other pairs on its surfaces open its gaps by; after
     `friction_fields.push_gaps`, which leaves the arrays of a pair without friction alone."""
@@ -291,8 +292,8 @@ def share_shift(
     traction: wp.array3d(dtype=real),
     second_force: wp.array3d(dtype=real),
     of_state: int,
-    first_shift: wp.array(dtype=real),
-    second_shift: wp.array(dtype=real),
+    first_shift: inout(wp.array(dtype=real)),
+    second_shift: inout(wp.array(dtype=real)),
 ):
     """Per (world, pair): adds what the other pairs on its surfaces displace its cells by; of the state by pressures and
     tractions, of a solve by the change of the pressures. After `friction_fields.press_cells`."""

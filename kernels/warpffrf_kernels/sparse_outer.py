@@ -13,6 +13,7 @@ inverse is taken until the matrix is renewed, and counted. Step times of both: b
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.interfaces import pulled
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.outer import PIVOT_TOLERANCE, apply_inverse, entry_of_rows, invert
@@ -35,8 +36,8 @@ def pull(
     lam: wp.array2d(dtype=real),
     C: wp.array3d(dtype=real),
     C_modal: wp.array(dtype=real),
-    residual: wp.array2d(dtype=real),
-    modal_residual: wp.array(dtype=real),
+    residual: inout(wp.array2d(dtype=real)),
+    modal_residual: inout(wp.array(dtype=real)),
 ):
     """Per world, lanes over bodies, then over modes: r += C^T lambda, over the rows of each body."""
     w, lane = wp.tid()
@@ -80,8 +81,8 @@ def condense_sparse(
     defect: wp.array2d(dtype=real),
     residual: wp.array2d(dtype=real),
     modal_residual: wp.array(dtype=real),
-    tangent: wp.array3d(dtype=real),
-    rhs: wp.array2d(dtype=real),
+    tangent: out(wp.array3d(dtype=real)),
+    rhs: out(wp.array2d(dtype=real)),
 ):
     """Lanes over outer unknowns: what `outer.condense` does, entries of the pattern only."""
     w, lane = wp.tid()
@@ -128,16 +129,16 @@ def solve_outer(
     patterns: wp.array(dtype=Pattern),
     tangent: wp.array3d(dtype=real),
     rhs: wp.array(dtype=real),
-    ctl: wp.array2d(dtype=int),
-    scaling: wp.array2d(dtype=real),
-    pivots: wp.array2d(dtype=int),
-    factor: wp.array(dtype=real),
-    vector: wp.array(dtype=real),
-    lines: wp.array(dtype=real),
-    fallback: wp.array2d(dtype=int),
-    work: wp.array3d(dtype=real),
-    inverse_transposed: wp.array(dtype=real),
-    z: wp.array(dtype=real),
+    ctl: inout(wp.array2d(dtype=int)),
+    scaling: inout(wp.array2d(dtype=real)),
+    pivots: inout(wp.array2d(dtype=int)),
+    factor: inout(wp.array(dtype=real)),
+    vector: inout(wp.array(dtype=real)),
+    lines: inout(wp.array(dtype=real)),
+    fallback: inout(wp.array2d(dtype=int)),
+    work: inout(wp.array3d(dtype=real)),
+    inverse_transposed: inout(wp.array(dtype=real)),
+    z: inout(wp.array(dtype=real)),
 ):
     """Per world: a new factor where the matrix is to be renewed, then z; by the dense inverse where that fails."""
     w, lane = wp.tid()

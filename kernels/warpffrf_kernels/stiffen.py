@@ -31,6 +31,7 @@ it.
 import warp as wp
 
 from warpffrf_kernels import control as k
+from warpffrf_kernels.access import inout
 from warpffrf_kernels.interfaces import arm_on_interface, axes_on_interface, line_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.rotation import hat
@@ -209,7 +210,7 @@ def stiffen(
     motion: wp.array3d(dtype=real),
     lam: wp.array2d(dtype=real),
     row_wrench: wp.array3d(dtype=real),
-    tangent: wp.array3d(dtype=real),
+    tangent: inout(wp.array3d(dtype=real)),
 ):
     """Per world: add the geometric stiffness of all rows to the outer matrix."""
     w = wp.tid()
@@ -300,7 +301,7 @@ def stiffen_applied(
     motion: wp.array3d(dtype=real),
     applied: wp.array3d(dtype=vec3),
     applied_torque: wp.array2d(dtype=vec3),
-    tangent: wp.array3d(dtype=real),
+    tangent: inout(wp.array3d(dtype=real)),
 ):
     """Per world, in static steps: add the geometric stiffness of the point forces and torques to the outer matrix."""
     w = wp.tid()

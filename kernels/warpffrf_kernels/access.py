@@ -1,0 +1,28 @@
+"""What a kernel does to the arrays that it is given, said in its signature.
+
+An array without a mark is read. `out` is set anew, whatever stood there; `inout` is read and written. The order of
+launches is checked from this (`warpffrf.online.launches`), and this against the kernels' source
+(`tests/kernels/test_access.py`).
+"""
+
+from typing import Any
+
+
+def out(annotation: Any) -> Any:
+    """Mark the annotation of an array whose entries are set without regard to what they were."""
+    annotation.access = "out"
+    return annotation
+
+
+def inout(annotation: Any) -> Any:
+    """Mark the annotation of an array that is read and written."""
+    annotation.access = "inout"
+    return annotation
+
+
+def is_read(annotation: Any) -> bool:
+    return getattr(annotation, "access", "in") != "out"
+
+
+def is_written(annotation: Any) -> bool:
+    return getattr(annotation, "access", "in") != "in"
