@@ -10,7 +10,7 @@ from warpffrf_kernels import sparse_outer
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import BLOCK
 
-from warpffrf.online.outer_pattern import GROUND, OuterPattern, find_pattern, on_device, scratch_sizes
+from warpffrf.online.outer_pattern import GROUND, OuterPattern, find_pattern, on_device
 
 DEVIATION = 1e-13  # of the solution, times the condition number: some hundred times round-off
 
@@ -74,7 +74,8 @@ def solve(pattern: OuterPattern, A: np.ndarray, b: np.ndarray, refresh: int = 1)
     ctl = np.zeros((1, k.CTL), np.int32)
     ctl[0, [int(k.RUN), int(k.MOVED), int(k.REFRESH)]] = 1, 1, refresh
     ctl_w = wp.array(ctl, dtype=int)
-    scratch = [wp.zeros(max(n, 1), dtype=wp.float64) for n in scratch_sizes(pattern).values()]
+    sizes = (pattern.factor_size, 2 * pattern.outer_count, BLOCK * pattern.widest)
+    scratch = [wp.zeros(max(n, 1), dtype=wp.float64) for n in sizes]
     fallback, z = wp.zeros((1, 2), dtype=int), wp.zeros(size, dtype=wp.float64)
     wp.launch_tiled(
         sparse_outer.solve_outer, dim=(1,), block_dim=BLOCK, device="cpu",

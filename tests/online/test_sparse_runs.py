@@ -7,7 +7,7 @@ import pytest
 
 from warpffrf.model import joints
 from warpffrf.model.scene import Scene
-from warpffrf.online import History, graph, run
+from warpffrf.online import History, engine, run
 
 MOVED = 1e-12  # m, rotations: round-off of coordinates of order 1, and some steps of its growth
 PULLED = 3e-8  # of the largest force: a position's round-off of 1e-16 m over h^2 = 1e-6 s2, at the start over 1e-14 s2
@@ -76,7 +76,7 @@ def test_runs_agree_with_the_dense_inverse(name: str, monkeypatch: pytest.Monkey
     history = run(SCENES[name](), 0.1, step=1e-3, save_every=10, progress=False)
     assert history.counters["dense_fallbacks"] == 0
     sparse = motion(history)
-    monkeypatch.setattr(graph, "pattern_of", lambda compiled: None)
+    monkeypatch.setattr(engine, "pattern_of", lambda compiled: None)
     dense = motion(run(SCENES[name](), 0.1, step=1e-3, save_every=10, progress=False))
     largest = np.abs(dense["force"]).max()
     allowed = {"position": MOVED, "rotation": MOVED, "force": PULLED * largest, "torque": PULLED * largest * LENGTH}

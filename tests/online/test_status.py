@@ -12,9 +12,9 @@ from warpffrf.model.material import Material
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
-from warpffrf.online.graph import StepGraph
 from warpffrf.online.run import MESSAGES, describe
 from warpffrf.online.settle import settle
+from warpffrf.online.step.graph import StepGraph
 from warpffrf.study.rollers import PAIR, guided_pair, roller_body
 
 LOAD = 200e3  # N: some columns of hats

@@ -48,7 +48,7 @@ def refine(engine: Any, given: Mapping[str, np.ndarray]) -> bool:
     engine.graph.open_books()
     if engine.compiled.model.pair_count:  # START left gaps and forces of the end of its tiny step, turned by omega h
         engine.control(RUN=1, MOVED=1, ITERATION=0)
-        engine.graph.contact.locate()
+        engine.graph.contact()
     engine.control(RUN=0, MOVED=0)
     return all(refined)
 
@@ -109,7 +109,7 @@ class _World:
         for name, part in (("dx", rigid[:, :3]), ("psi", rigid[:, 3:]), ("dq", shift[6 * self.bodies :])):
             self._put(engine.work, name, part)
         engine.graph.stand_still()
-        engine.graph.evaluate(contact=False)
+        engine.graph.move_and_load()
 
     def _gradient(self) -> np.ndarray:
         """C (rows, coordinates) of the last evaluation."""

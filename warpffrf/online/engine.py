@@ -13,12 +13,14 @@ from warpffrf_kernels import control as k
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import GeneralizedAlpha
+from warpffrf.online.arrays import State, initial_state, sizes_of
+from warpffrf.online.arrays.scratch import scratch_for
 from warpffrf.online.compile import compile_scene
-from warpffrf.online.graph import StepGraph
 from warpffrf.online.local_dynamics import LocalDynamics
+from warpffrf.online.outer_pattern import pattern_of
 from warpffrf.online.settings import Settings
 from warpffrf.online.start import start
-from warpffrf.online.state import State, Work, initial_state
+from warpffrf.online.step.graph import StepGraph
 
 ROOM_GROWTH = 2  # of the slots, each time they are too few
 REALS = {
@@ -68,7 +70,7 @@ class Engine:
         self.settings = settings or Settings()
         self.scene, self.worlds = scene, worlds
         self.compiled = compile_scene(scene, self.settings, device, local)
-        self.state: State = initial_state(self.compiled, worlds)
+        self.state = self._initial_state()
         self._integrator, self._accuracy = integrator or GeneralizedAlpha(), accuracy
         self._allocate()
         self.no_room = 0  # hats in play that there was no memory for
@@ -81,15 +83,22 @@ class Engine:
     def _allocate(self) -> None:
         """Scratch arrays and the graph that works on them."""
         compiled, worlds, integrator = self.compiled, self.worlds, self._integrator
-        self.work = Work(compiled, worlds, self.settings.ring_rows)
+        projected = integrator.project_velocities and compiled.model.row_count > 0
+        # contact and the projection of velocities need the inverse of the outer matrix
+        pattern = None if projected else pattern_of(compiled)
+        sizes = sizes_of(
+            compiled, worlds, self.settings.ring_rows, pattern, projected=projected,
+            adaptive=self._accuracy is not None,
+        )  # fmt: skip
+        self.work = scratch_for(compiled, sizes, self.state)
         self.work.coefficients.assign(np.tile(integrator.coefficients, (worlds, 1)))
         self.work.local_coefficients.assign(np.tile(compiled.local.options.coefficients, (worlds, 1)))
         self.work.project.fill_(int(integrator.project_velocities))
         self.work.accuracy.fill_(self._accuracy or 0.0)
-        self.graph = StepGraph(
-            compiled, self.state, self.work, worlds,
-            projected=integrator.project_velocities, adaptive=self._accuracy is not None,
-        )  # fmt: skip
+        self.graph = StepGraph(compiled, sizes, self.state, self.work, pattern)
+
+    def _initial_state(self) -> State:
+        return initial_state(self.compiled, sizes_of(self.compiled, self.worlds, self.settings.ring_rows))
 
     def make_room(self, slots: int) -> None:
         """Room for `slots` hats in play at least, up to what the capacities of the contacts allow.
@@ -114,7 +123,7 @@ class Engine:
             return
         for name, array in vars(self.work).items():
             if name in before and before[name].shape == array.shape:
-                wp.copy(array, before[name])
+                array.assign(before[name])
 
     def _relieve(self) -> bool:
         """More room where an attempt ran short of it, so that it can come again; False where none did."""
@@ -207,7 +216,7 @@ class Engine:
 
     def initial_rates(self) -> None:
         """Velocities of the scene, on top of whatever positions the state has."""
-        fresh = initial_state(self.compiled, self.worlds)
+        fresh = self._initial_state()
         self.rates_to_zero()
-        wp.copy(self.state.v, fresh.v)
-        wp.copy(self.state.omega, fresh.omega)
+        self.state.v.assign(fresh.v)
+        self.state.omega.assign(fresh.omega)

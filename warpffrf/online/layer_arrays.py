@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import warp as wp
 
 
 def layer_points(m: Any) -> int:
@@ -13,26 +12,6 @@ def layer_points(m: Any) -> int:
     if not m.layer_count:
         return 0
     return (m.window_columns + 1) * int(m.layer_point_count.numpy().max())
-
-
-def layer_arrays(m: Any) -> dict[str, tuple[Any, ...]]:
-    """Name -> type and shape, without the world axis, of the scratch arrays."""
-    P, points = m.pair_count, layer_points(m)
-    hats = m.mode_capacity if points else 0
-    at_points = {
-        name: (wp.float64, P, points)
-        for name in (
-            "layer_past",
-            "layer_past_drag",
-            "layer_at",
-            "layer_flexibility",
-            "layer_beginning",
-            "layer_now",
-            "layer_drag_now",
-        )
-    }
-    at_hats = {name: (wp.float64, P, hats) for name in ("layer_support", "layer_offset")}
-    return {**at_points, **at_hats, "layer_tangent": (wp.float64, P, hats, 9)}
 
 
 def slot_flexibility(m: Any, work: Any, count: int) -> np.ndarray:

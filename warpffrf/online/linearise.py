@@ -108,7 +108,7 @@ class _Probe:
         self.place(zero, zero, zero, first=True)
         for name in PATCHED:
             getattr(self.state, name).assign(self.base[name])
-        self.engine.graph.contact.locate()
+        self.engine.graph.contact()
         for name in ("active", "pressure", "patch_offset"):
             self.base[name] = getattr(self.state, name).numpy().copy()
 

@@ -32,7 +32,6 @@ from typing import Any
 
 import numpy as np
 import warp as wp
-from warpffrf_kernels.scalars import BLOCK
 from warpffrf_kernels.sparse_factor import Pattern
 
 from warpffrf.model.errors import InputError
@@ -129,15 +128,6 @@ def on_device(pattern: OuterPattern, device: str) -> tuple[Any, wp.array]:
         values = np.ascontiguousarray(getattr(pattern, name), dtype=np.int32)
         setattr(p, name, wp.array(values if values.size else np.zeros(1, np.int32), dtype=int, device=device))
     return p, wp.array([p], dtype=Pattern, device=device)
-
-
-def scratch_sizes(pattern: OuterPattern) -> dict[str, int]:
-    """Numbers of a world that the kernels need: the factor, a vector twice, a line of each lane."""
-    return {
-        "sparse_factor": pattern.factor_size,
-        "sparse_vector": 2 * pattern.outer_count,
-        "sparse_lines": BLOCK * pattern.widest,
-    }
 
 
 # --- the graph of nodes

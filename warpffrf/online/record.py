@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from warpffrf_kernels import control as k
 
+from warpffrf.online.arrays.axes import friction_width, ring_width
 from warpffrf.online.compile import CompiledScene
 from warpffrf.online.history import ENERGY_LINES, BodyHistory, ContactHistory, FrictionHistory, History, JointHistory
 from warpffrf.online.joint_motion import coordinates, half_turn_notes, left_out_notes
 from warpffrf.online.sensors import force_histories, sensor_histories, turned
-from warpffrf.online.state import friction_width, ring_width
 from warpffrf.online.user_frame import user_frame
 
 

@@ -1,0 +1,198 @@
+"""The program of a step: launches by name, participants and their order, and scratch that carries nothing over."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import warp as wp
+from warpffrf_kernels import control as k
+from warpffrf_kernels import motion
+
+import warpffrf as wf
+from warpffrf.model import laws
+from warpffrf.model.integrators import GeneralizedAlpha
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.offline.contact.cubature import choose_sampling
+from warpffrf.online import Engine, Settings
+from warpffrf.online.arrays import Scratch, State
+from warpffrf.online.arrays.axes import NAMES
+from warpffrf.online.arrays.declaration import Arrays, Declaration, integers, parts, reals
+from warpffrf.online.arrays.table import markdown
+from warpffrf.online.settle import settle
+from warpffrf.online.step import phases
+from warpffrf.online.step.launches import DECLARED, blocks, threads
+from warpffrf.online.step.phases import Participant
+from warpffrf.online.step.program import PARTICIPANTS, WHOLE
+from warpffrf.study.rollers import guided_pair, roller_body
+
+STEP, STEPS = 2e-5, 8
+SUDDEN = 1e-4  # s: a step that is taken again, with impulsive pairs
+POISON = {wp.float64: np.nan, wp.vec3d: np.nan, wp.mat33d: np.nan, wp.quatd: np.nan, wp.int32: 3}
+
+Bodies = dict[str, ReducedBody]
+
+
+@pytest.fixture(scope="module")
+def bodies(plain_body: ReducedBody, other_body: ReducedBody, crowned_body: ReducedBody) -> Bodies:
+    rim = plain_body.contact_surfaces["rim"]
+    few = replace(plain_body, contact_surfaces={"rim": replace(rim, sampling=choose_sampling(rim, 0.01))})
+    rubbing = roller_body(
+        120, layers=4, axial=2, grading=1.6, order=1, max_frequency=15e3, tangential=True, cache=False
+    )  # fmt: skip
+    return {"plain": plain_body, "other": other_body, "crowned": crowned_body, "few": few, "rubbing": rubbing}
+
+
+def pendulum(bodies: Bodies) -> wf.Scene:
+    """Two links and a spring: no contact, so that the outer matrix is factored sparsely."""
+    scene = wf.Scene()
+    links = [
+        scene.add_rigid_body(1.0, (1e-2, 1e-2, 1e-2), name=name, position=(x, 0.0, 0.0))
+        for name, x in (("one", 0.1), ("two", 0.3))
+    ]
+    scene.add(wf.joints.Revolute(scene.ground, links[0].at((-0.1, 0, 0)), axis=(0, 1, 0), name="hinge"))
+    scene.add(wf.joints.Revolute(links[0].at((0.1, 0, 0)), links[1].at((-0.1, 0, 0)), axis=(0, 1, 0), name="elbow"))
+    return scene
+
+
+def layered(bodies: Bodies) -> wf.Scene:
+    scene = guided_pair(bodies["plain"], bodies["other"], speed=60.0, ramp=0.02)
+    scene.contacts[0].law = laws.HuntCrossley(1e15, 1.5, damping=50.0)
+    return scene
+
+
+def few_points(bodies: Bodies) -> wf.Scene:
+    scene = guided_pair(bodies["few"], bodies["other"], speed=60.0, ramp=0.02)
+    scene.contacts[0].evaluation = "hyper"
+    return scene
+
+
+SCENES: dict[str, Callable[[Bodies], wf.Scene]] = {
+    "line": lambda b: guided_pair(b["plain"], b["other"], speed=60.0, ramp=0.02),
+    "sudden": lambda b: guided_pair(b["plain"], b["other"], speed=60.0, ramp=5e-4),
+    "points": lambda b: guided_pair(b["crowned"], b["plain"], speed=60.0, ramp=0.02),
+    "few points": few_points,
+    "layer": layered,
+    "friction": lambda b: guided_pair(b["rubbing"], b["rubbing"], load=60e3, speed=60.0, ramp=0.02, friction=0.3),
+    "sparse": pendulum,
+}
+
+
+def steps(scene: wf.Scene, step: float, poison: bool, **options: Any) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """State and saved rows after some steps, each attempt replayed by itself, with scratch made unusable between."""
+    engine = Engine(scene, settings=Settings(), **options)
+    assert not scene.contacts or settle(engine)
+    engine.initial_rates()
+    engine.start()
+    engine.control(EVERY=1)
+    engine.enter(k.DYNAMIC, step, target=STEPS)
+    for _ in range(4 * STEPS):
+        if poison:
+            make_unusable(engine)
+        engine.replay(1)
+    assert engine.word("STATUS")[0] == 0 and engine.word("STEP")[0] == STEPS
+    return engine.state.to_numpy(), np.concatenate(engine.rows[0])
+
+
+def make_unusable(engine: Engine) -> None:
+    """NaN, and numbers that mean nothing, in all scratch arrays that are not declared to carry anything over."""
+    for name, declaration in Scratch.declarations.items():
+        if declaration.carried or declaration.dtype not in POISON or declaration.zero_without:
+            continue
+        array = getattr(engine.work, name)
+        if not any(array is getattr(engine.state, other) for other in State.declarations):
+            array.fill_(POISON[declaration.dtype])
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scratch_carries_nothing_from_step_to_step(name: str, bodies: Bodies) -> None:
+    options = {"integrator": GeneralizedAlpha(project_velocities=True)} if name == "points" else {}
+    step = SUDDEN if name == "sudden" else STEP
+    clean, rows = steps(SCENES[name](bodies), step, False, **options)
+    other, other_rows = steps(SCENES[name](bodies), step, True, **options)
+    assert (clean["ctl"][0, int(k.REPEATED)] > 0) == (name == "sudden")
+    for key, values in clean.items():
+        assert np.array_equal(values, other[key], equal_nan=True), key
+    assert np.array_equal(rows, other_rows)
+
+
+# --- what is refused
+
+
+def wrong(*participants: Participant, declared: dict[str, Declaration] | None = None) -> list[str]:
+    """Complaints about the order of participants in a scene that has everything."""
+    placed = [(phase, phases.collect(participants, phase)) for phase in WHOLE]
+    return phases.complaints(placed, dict.fromkeys(NAMES, 3), declared or DECLARED)
+
+
+def test_the_order_of_all_participants_is_right() -> None:
+    assert not wrong(*PARTICIPANTS)
+
+
+def test_reading_what_nobody_sets_is_refused() -> None:
+    found = wrong(*[p for p in PARTICIPANTS if p.name != "contact"])
+    assert any(line.startswith("phase 'sum': friction_forces.add_friction reads window") for line in found), found
+
+
+def test_reading_before_it_is_set_anew_is_refused() -> None:
+    """In one phase: bodies are predicted after their increments have been read."""
+    late = Participant("late", predict=[threads(motion.hold_motions), blocks(motion.predict_bodies)])
+    declared = {name: replace(d, carried=name not in ("dx", "psi")) for name, d in DECLARED.items()}
+    found = wrong(late, declared=declared)
+    assert "phase 'predict': motion.predict_bodies sets dx anew after motion.hold_motions has read it; give them " in (
+        "\n".join(found)
+    )
+
+
+def test_a_phase_that_is_none_is_refused() -> None:
+    with pytest.raises(TypeError, match="participant 'x': 'somewhen' is no phase; choose from begin, predict"):
+        Participant("x", somewhen=[])
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"dx": "no_such"}, r"launch of motion.predict_bodies: no array is called 'no_such'; declare it in"),
+        ({"nothing": "dx"}, "it has no parameter nothing"),
+        ({"dx": "dq"}, "dq does not have the type of parameter dx"),
+        ({"ctl": "cell_order"}, None),
+        ({"dx": "held_ball"}, "held_ball does not have the type of parameter dx"),
+        ({"clk": "T"}, "parameter clk has 2 axes, T is declared with 1"),
+        ({"when": "nowhere"}, "'nowhere' is no axis"),
+    ],
+)
+def test_a_launch_that_does_not_fit_is_refused(given: dict[str, str], message: str | None) -> None:
+    if message is None:  # the control: another array of the same form
+        blocks(motion.predict_bodies, **given)
+        return
+    with pytest.raises(TypeError, match=message):
+        blocks(motion.predict_bodies, **given)
+
+
+def test_declarations_that_do_not_fit_are_refused() -> None:
+    class One(Arrays):
+        x = reals("world", "body")
+
+    class Other(Arrays):
+        x = integers("world")
+
+    with pytest.raises(TypeError, match="Both: x declared twice"):
+        type("Both", (One, Other), {})
+    with pytest.raises(ValueError, match="'3 bodies' is no axis"):
+        reals("3 bodies").allocate({"body": 1}, "cpu")
+
+
+def test_axes_are_known() -> None:
+    for name, declaration in DECLARED.items():
+        for axis in declaration.axes:
+            assert isinstance(axis, int) or parts(axis)[1] in NAMES, (name, axis)
+
+
+def test_the_table_of_arrays_is_that_of_the_declarations() -> None:
+    """Made anew by `python -m warpffrf.online.arrays.table > docs/arrays.md`."""
+    docs = Path(__file__).resolve().parents[2] / "docs" / "arrays.md"
+    assert docs.read_text() == markdown()

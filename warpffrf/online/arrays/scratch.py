@@ -1,0 +1,303 @@
+"""What happens between two states: arrays that a step makes anew. Those that are `carried` keep what an attempt before,
+or the set-up of the run, has left."""
+
+from __future__ import annotations
+
+import numpy as np
+from warpffrf_kernels.contact_wrench import Held
+
+from warpffrf.online.arrays.axes import Sizes
+from warpffrf.online.arrays.declaration import (
+    Arrays,
+    DeviceArray,
+    integers,
+    matrices,
+    quaternions,
+    reals,
+    structs,
+    vectors,
+)
+from warpffrf.online.arrays.state import State
+from warpffrf.online.compile import CompiledScene
+
+FORCE, MODAL = "N, N m", "N/kg^1/2"
+
+
+class RunWords(Arrays):
+    """What holds for a whole run, and the conditions of the loops of the graph."""
+
+    coefficients: DeviceArray = reals("world", 4, note="of the integrator", carried=True)
+    local_coefficients: DeviceArray = reals("world", 4, note="of local modes", carried=True)
+    accuracy: DeviceArray = reals("world", note="wanted local error", carried=True)
+    project: DeviceArray = integers("world", note="1: velocities are projected", carried=True)
+    running: DeviceArray = integers("one", note="1 while the iteration of a world goes on")
+    rubbing: DeviceArray = integers("one", note="1 while pressures and tractions go on answering each other")
+    budget: DeviceArray = integers("one", note="attempts left", carried=True)
+    more: DeviceArray = integers("one", note="1 while attempts are to be made", carried=True)
+    ring: DeviceArray = reals("world", "ring_row", "ring_number", note="saved rows, see `record`", carried=True)
+
+
+class Motion(Arrays):
+    """Increments and trial state of bodies and modes."""
+
+    dx: DeviceArray = vectors("world", "body", unit="m", note="a repeated attempt starts from it", carried=True)
+    psi: DeviceArray = vectors("world", "body", unit="rad", note="likewise", carried=True)
+    dq: DeviceArray = reals("world", "mode", unit="m kg^1/2", note="likewise", carried=True)
+    r1: DeviceArray = vectors("world", "body", unit="m")
+    p1: DeviceArray = quaternions("world", "body")
+    axes: DeviceArray = matrices("world", "body", note="of p1")
+    psi_inverse: DeviceArray = matrices("world", "body", note="psi' -> rotation vector's rate")
+    v1: DeviceArray = vectors("world", "body", unit="m/s")
+    v1_rate: DeviceArray = vectors("world", "body", unit="m/s2")
+    omega1: DeviceArray = vectors("world", "body", unit="rad/s")
+    omega1_rate: DeviceArray = vectors("world", "body", unit="rad/s2")
+    q1: DeviceArray = reals("world", "mode", unit="m kg^1/2")
+    qd1: DeviceArray = reals("world", "mode", unit="m kg^1/2/s")
+    qd1_rate: DeviceArray = reals("world", "mode", unit="m kg^1/2/s2")
+    exact: DeviceArray = reals("world", "exact_mode", 9, note="step, exact coefficients for it", carried=True)
+    inertia_sums: DeviceArray = reals("world", "dense", 21, note="of modes and rates, see `inertia`")
+    extra_energy: DeviceArray = reals("world", "body", unit="J", note="kinetic, of inertia terms", zero_without=True)
+    interface_motion: DeviceArray = reals("world", "interface", 6, unit="m, rad")
+    slope: DeviceArray = reals(
+        "world",
+        "interface_shape",
+        note="modes of interfaces, as loads shorten them",
+        run=True,
+        carried=True,
+    )
+
+
+class Residuals(Arrays):
+    """Unbalanced forces and rows of joints, drives and springs."""
+
+    residual: DeviceArray = reals("world", "6*body", unit=FORCE)
+    modal_residual: DeviceArray = reals("world", "mode", unit=MODAL)
+    receptance: DeviceArray = reals("world", "mode", unit="s2", note="d(dq)/d(modal load)")
+    # places of bodies that a row does not touch stay zero
+    C: DeviceArray = reals("world", "row", "6*body", note="d(row)/d(dx, psi)", carried=True)
+    C_modal: DeviceArray = reals("world", "row", "mode", note="d(row)/d(dq)", carried=True)
+    coordinate: DeviceArray = reals("world", "row", unit="m or rad")
+    defect: DeviceArray = reals("world", "row", unit="m or rad")
+    softness: DeviceArray = reals("world", "row", unit="m/N or rad/(N m)")
+    missed: DeviceArray = reals("world", "row", unit="m/s or rad/s", note="rate that a projection takes off")
+    row_wrench: DeviceArray = reals("world", "row", 6, unit=FORCE)
+    row_pull: DeviceArray = reals("world", "2*row", 6, unit=FORCE, note="on each interface, body axes")
+    flexibility: DeviceArray = reals("world", 36, "group", note="of coupled springs", run=True)
+    applied_torque: DeviceArray = vectors("world", "torque", unit="N m")
+    residual_history: DeviceArray = reals("world", "residual", note="of an attempt, as fractions", carried=True)
+    gap_defect: DeviceArray = reals(
+        "world", 2, note="largest open gap under pressure, force left out", zero_without=True
+    )
+
+
+class Outer(Arrays):
+    """The outer linear system: bodies, modes with inertia, rows."""
+
+    tangent: DeviceArray = reals("world", "outer", "outer")
+    rhs: DeviceArray = reals("world", "outer")
+    scaling: DeviceArray = reals("world", "outer")
+    pivots: DeviceArray = integers("world", "outer")
+    elimination: DeviceArray = reals("world", "outer", "outer")
+    inverse_transposed: DeviceArray = reals("world", "outer", "outer", run=True)
+    C_receptance: DeviceArray = reals("world", "row", "mode", run=True, carried=True)
+    sparse_factor: DeviceArray = reals("world", "factor_number", run=True)
+    sparse_vector: DeviceArray = reals("world", 2, "outer", run=True)
+    sparse_lines: DeviceArray = reals("world", "factor_line", run=True)
+    fallback: DeviceArray = integers("world", 2, note="solves by the dense elimination", carried=True)
+    z_free: DeviceArray = reals("world", "outer", note="increments without changes of pressure", run=True)
+    z: DeviceArray = reals("world", "contact_outer", note="outer increments", run=True, instead="z_free")
+    change: DeviceArray = reals("world", "outer", note="of velocities by their projection", run=True)
+    modal_step: DeviceArray = reals("world", "mode", unit="m kg^1/2", run=True)
+    hold: DeviceArray = reals(
+        "world", "6*contact_body", "6*body", note="motions that a static state keeps", carried=True
+    )
+    hold_count: DeviceArray = integers("world", carried=True)
+
+
+class ImpulsiveContact(Arrays):
+    """Impulsive pairs: accelerations without them, and the mean forces that give back their energy."""
+
+    v_rate0: DeviceArray = vectors("world", "contact_body", unit="m/s2", instead="v_rate")
+    v_alg0: DeviceArray = vectors("world", "contact_body", unit="m/s2", instead="v_alg")
+    omega_rate0: DeviceArray = vectors("world", "contact_body", unit="rad/s2", instead="omega_rate")
+    omega_alg0: DeviceArray = vectors("world", "contact_body", unit="rad/s2", instead="omega_alg")
+    qd_rate0: DeviceArray = reals("world", "contact_mode", unit="m kg^1/2/s2", instead="qd_rate")
+    qd_alg0: DeviceArray = reals("world", "contact_mode", unit="m kg^1/2/s2", instead="qd_alg")
+    v_rest: DeviceArray = vectors("world", "contact_body", unit="m/s2", note="what impulsive forces add to v_alg")
+    omega_rest: DeviceArray = vectors("world", "contact_body", unit="rad/s2")
+    qd_rest: DeviceArray = reals("world", "contact_mode", unit="m kg^1/2/s2")
+    restless: DeviceArray = integers("world", "pair", note="1 where the active set goes on changing", zero_without=True)
+    theta: DeviceArray = reals("world", "pair", note="weight of the trial force in the mean", carried=True)
+    bracket: DeviceArray = reals("world", "pair", 9, note="of theta, see `impulsive_means`", carried=True)
+    weight: DeviceArray = reals("world", "pair", note="d(mean force)/d(trial force)", carried=True)
+    wanted: DeviceArray = integers("world", "pair", note="1 where another attempt is to take the pair as impulsive")
+    created_now: DeviceArray = reals("world", "pair", unit="J")
+    pair_loss: DeviceArray = reals("world", "pair", unit="J", note="of damped layers", zero_without=True)
+    contact_receptance: DeviceArray = reals("world", "dynamic_mode", unit="s2", instead="receptance")
+    modal_push: DeviceArray = reals("world", "dynamic_mode", unit=MODAL, run=True)
+
+
+class ContactGeometry(Arrays):
+    """Windows, gaps at points and weak gaps."""
+
+    pair_wrench: DeviceArray = reals("world", "pair", 6, unit=FORCE)
+    phase: DeviceArray = reals("world", "pair", 12, unit="columns", note="on both grids: in use, new")
+    center: DeviceArray = integers("world", "pair", 3, note="centre columns and B's row")
+    nearest: DeviceArray = reals("world", "pair", 2, note="column, and z [m] of the nearest place", zero_without=True)
+    touched: DeviceArray = integers("world", "pair", 2, zero_without=True)
+    station: DeviceArray = reals("world", "pair", "station", 11, note="line of centres")
+    station_wrench: DeviceArray = reals("world", "pair", "station", 6, zero_without=True)
+    window: DeviceArray = integers("world", "pair", 2)
+    second_window: DeviceArray = integers("world", "pair", 2)
+    point_gap: DeviceArray = reals("world", "pair", "window_point", unit="m")
+    point_place: DeviceArray = reals("world", "pair", "window_point", 2, note="column and row on B")
+    point_line: DeviceArray = reals("world", "pair", "point_number", note="see `contact_points`")
+    held: DeviceArray = structs(Held, "world", "pair", "column_point", note="contact frames, see `contact_wrench`")
+    held_ball: DeviceArray = matrices("world", "pair")
+    weak_gap: DeviceArray = reals("world", "pair", "hat", unit="m")
+    shifted_gap: DeviceArray = reals("world", "pair", "hat", unit="m")
+    area: DeviceArray = reals("world", "pair", "hat", unit="m2")
+    wrench: DeviceArray = reals("world", "pair", "hat", 6, note="per unit pressure")
+    more_wrench: DeviceArray = reals(
+        "world", "pair", "held_hat", 6, note="what the true one has beside", zero_without=True
+    )
+    stencil: DeviceArray = reals("world", "pair", "hat", "stencil", unit="m2")
+    stencil_at: DeviceArray = integers("world", "pair", "hat", 2, note="column and row on B")
+
+
+class ContactFields(Arrays):
+    """Displacements that open gaps, and loads on the second grids."""
+
+    gap: DeviceArray = reals("world", "pair", "hat", unit="m")
+    opened: DeviceArray = reals("world", "pair", "hat", unit="m", note="the gap without the pressures")
+    base: DeviceArray = reals("world", "pair", "hat", unit="Pa", note="pressures of the evaluation")
+    first_field: DeviceArray = reals("world", "pair", "hat", unit="m", note="by the modes of A")
+    second_field: DeviceArray = reals("world", "pair", "node", unit="m", note="by those of B", run=True)
+    first_step: DeviceArray = reals("world", "pair", "hat", unit="m", note="the same, of increments")
+    second_step: DeviceArray = reals("world", "pair", "node", unit="m", run=True)
+    first_local: DeviceArray = reals("world", "pair", "hat", unit="m", note="by the local modes of A", run=True)
+    second_local: DeviceArray = reals("world", "pair", "node", unit="m", note="by those of B", run=True)
+    second_load: DeviceArray = reals("world", "pair", "node", unit="N")
+    second_wrench: DeviceArray = reals("world", "pair", 6, unit=FORCE)
+    active_before: DeviceArray = integers("world", "pair", "hat", note="before the attempt")
+    pressure_before: DeviceArray = reals("world", "pair", "hat", unit="Pa")
+    offset_before: DeviceArray = reals("world", "pair", unit="columns")
+    proposed: DeviceArray = integers("world", "pair", "hat", note="active set after a solve")
+
+
+class ContactSolve(Arrays):
+    """The system of the hats in play."""
+
+    slot_of: DeviceArray = integers("world", "pair", "hat")
+    slot_mode: DeviceArray = integers("world", "slot", 2, note="pair and hat", zero_without=True)
+    T: DeviceArray = reals("world", "slot", "node", note="response of the second surface", run=True)
+    J: DeviceArray = reals("world", "slot", "pair_mode", note="d(gap)/d(modes)", run=True, zero_without=True)
+    G: DeviceArray = reals("world", "slot", "slot", unit="m/Pa", note="gaps by pressures")
+    L: DeviceArray = reals("world", "slot", "coupled", note="d(gap)/d(outer)")
+    V: DeviceArray = reals("world", "slot", "outer", note="outer increments by pressures", run=True)
+    condensed: DeviceArray = reals("world", "slot", "slot", note="G with the outer unknowns condensed")
+    scaled_modes: DeviceArray = reals("world", "pair_mode", run=True)
+    shared_field: DeviceArray = reals("world", "surface_place", run=True)
+    right: DeviceArray = reals("world", "slot", unit="m")
+    order: DeviceArray = integers("world", "slot", note="slots under pressure")
+    factor: DeviceArray = reals("world", "slot", "slot+1")
+    solution: DeviceArray = reals("world", "slot", unit="Pa")
+
+
+class Layers(Arrays):
+    """Layers whose yield is no constant, see `contact_layer`."""
+
+    layer_past: DeviceArray = reals("world", "pair", "layer_point", unit="m")
+    layer_past_drag: DeviceArray = reals("world", "pair", "layer_point", unit="Pa")
+    layer_at: DeviceArray = reals("world", "pair", "layer_point", unit="m")
+    layer_flexibility: DeviceArray = reals("world", "pair", "layer_point", unit="m/Pa")
+    layer_beginning: DeviceArray = reals("world", "pair", "layer_point", unit="m")
+    layer_now: DeviceArray = reals("world", "pair", "layer_point", unit="m")
+    layer_drag_now: DeviceArray = reals("world", "pair", "layer_point", unit="Pa")
+    layer_support: DeviceArray = reals("world", "pair", "layer_hat")
+    layer_offset: DeviceArray = reals("world", "pair", "layer_hat", unit="m")
+    layer_tangent: DeviceArray = reals("world", "pair", "layer_hat", 9, unit="m/Pa")
+
+
+class FrictionCells(Arrays):
+    """Cells with friction: where they are, how far they slide, what bounds them."""
+
+    cell_area: DeviceArray = reals("world", "pair", "friction_hat", unit="m2")
+    cell_place: DeviceArray = reals("world", "pair", "friction_hat", 2, note="column and row on B")
+    cell_turn: DeviceArray = reals("world", "pair", "friction_hat", 4, note="directions of A in those of B")
+    cell_wrench: DeviceArray = reals("world", "pair", "2*friction_hat", 6)
+    rigid_slip: DeviceArray = reals("world", "pair", "2*friction_hat", unit="m")
+    slip: DeviceArray = reals("world", "pair", "2*friction_hat", unit="m")
+    elastic: DeviceArray = reals("world", "pair", "2*friction_hat", unit="m")
+    elastic_local: DeviceArray = reals("world", "pair", "2*friction_hat", unit="m")
+    share: DeviceArray = reals("world", "pair", "friction_hat", "share")
+    share_at: DeviceArray = integers("world", "pair", "friction_hat", 2)
+    bound: DeviceArray = reals("world", "pair", "friction_hat", unit="Pa", note="mu p")
+    late: DeviceArray = reals("world", "pair", "friction_hat", note="cells that come under pressure within the step")
+    pressure_change: DeviceArray = reals("world", "pair", "friction_hat", unit="Pa")
+    load_change: DeviceArray = reals("world", "pair", "friction_node", unit="N")
+    second_force: DeviceArray = reals("world", "pair", "2*friction_node", unit="N")
+    traction_base: DeviceArray = reals("world", "pair", "2*friction_hat", unit="Pa", note="of the evaluation")
+    traction_before: DeviceArray = reals("world", "pair", "2*friction_hat", unit="Pa", note="before the attempt")
+    friction_offset_before: DeviceArray = reals("world", "pair", unit="columns")
+    cell_phase: DeviceArray = reals("world", "pair", 4, unit="columns")
+    cell_state: DeviceArray = integers("world", "pair", "friction_hat", note="sticks, slips or is free")
+    friction_record: DeviceArray = reals("world", "pair", 4, note="power, creep (2), rolling velocity")
+    advanced: DeviceArray = reals("world", "pair", unit="columns")
+    friction_work: DeviceArray = reals("world", "pair", 1, unit="J", zero_without=True)
+    normal_wrench: DeviceArray = reals("world", "pair", 6, unit=FORCE, zero_without=True)
+    first_shift: DeviceArray = reals("world", 2, "pair", "friction_hat", unit="m", run=True)
+    second_shift: DeviceArray = reals("world", 2, "pair", "friction_node", unit="m", run=True)
+    first_push: DeviceArray = reals("world", "pair", "friction_hat", unit="m", run=True)
+    second_push: DeviceArray = reals("world", "pair", "friction_node", unit="m", run=True)
+    second_modal: DeviceArray = reals("world", 2, "pair", "friction_node", unit="m", run=True)
+
+
+class FrictionSolve(Arrays):
+    """The system of the cells in play."""
+
+    cell_slot_of: DeviceArray = integers("world", "pair", "friction_hat")
+    cell_slot: DeviceArray = integers("world", "cell", 2, note="pair and cell")
+    cell_G: DeviceArray = reals("world", "2*cell", "2*cell", unit="m/Pa")
+    cell_K: DeviceArray = reals("world", "2*cell", "2*cell", unit="m/Pa", note="G, the rest condensed")
+    cell_L: DeviceArray = reals("world", "2*cell", "coupled")
+    cell_J: DeviceArray = reals("world", "2*cell", "pair_mode", run=True)
+    cell_V: DeviceArray = reals("world", "2*cell", "outer", run=True)
+    cell_Y: DeviceArray = reals("world", "friction_slot", "2*cell", note="pressures by tractions")
+    cell_base: DeviceArray = reals("world", "2*cell", unit="Pa")
+    cell_right: DeviceArray = reals("world", "2*cell", unit="m")
+    cell_tau: DeviceArray = reals("world", "2*cell", unit="Pa")
+    cell_slip: DeviceArray = reals("world", "2*cell", unit="m")
+    cell_radius: DeviceArray = reals("world", "cell", unit="Pa")
+    cell_softness: DeviceArray = reals("world", "cell", unit="m/Pa")
+    cell_frozen: DeviceArray = reals("world", "2*cell")
+    cell_jump: DeviceArray = reals("world", "2*cell")
+    cell_direction: DeviceArray = reals("world", "2*cell")
+    cell_curvature: DeviceArray = reals("world", "cell")
+    cell_order: DeviceArray = integers("world", "2*cell")
+    cell_sliding: DeviceArray = integers("world", "2*cell")
+    cell_outcome: DeviceArray = reals("world", 2)
+    cell_work: DeviceArray = reals("world", "2*cell", "2*cell")
+    cell_solution: DeviceArray = reals("world", "2*cell")
+    cell_shift: DeviceArray = reals("world", 4, "friction_node", unit="m", run=True)
+    cell_scaled: DeviceArray = reals("world", 2, "pair_mode", run=True)
+    cell_push: DeviceArray = reals("world", "mode", unit=MODAL, run=True)
+    modal_drive: DeviceArray = reals("world", "mode", unit=MODAL, run=True)
+    answer_hat: DeviceArray = integers("world", "friction_slot")
+    answer_step: DeviceArray = reals("world", "friction_slot", unit="Pa")
+    answer_state: DeviceArray = integers("world", 4)
+    answer_change: DeviceArray = reals("world", 1)
+
+
+class Scratch(
+    RunWords, Motion, Residuals, Outer, ImpulsiveContact, ContactGeometry, ContactFields, ContactSolve, Layers,
+    FrictionCells, FrictionSolve,
+):  # fmt: skip
+    """Scratch arrays of a step."""
+
+
+def scratch_for(compiled: CompiledScene, sizes: Sizes, state: State) -> Scratch:
+    """Scratch arrays of a run, with the constants of interfaces in them."""
+    scratch = Scratch(sizes, compiled.device, state)
+    scratch.slope.assign(np.tile(compiled.interface_modes.ravel(), sizes["world"]))
+    return scratch

@@ -1,0 +1,139 @@
+"""What a step takes and leaves: the accepted state of every world, and what the next step needs to continue bit for
+bit. A checkpoint is all of it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from warpffrf.model import rotation as rot
+from warpffrf.online.arrays.axes import Sizes
+from warpffrf.online.arrays.declaration import Arrays, DeviceArray, integers, quaternions, reals, vectors
+from warpffrf.online.compile import CompiledScene
+
+
+class MotionState(Arrays, carried=True):
+    """Bodies and modes, in the frames of centres of mass."""
+
+    r: DeviceArray = vectors("world", "body", unit="m", note="centre of mass")
+    p: DeviceArray = quaternions("world", "body", note="body axes -> world")
+    v: DeviceArray = vectors("world", "body", unit="m/s")
+    v_rate: DeviceArray = vectors("world", "body", unit="m/s2")
+    v_alg: DeviceArray = vectors("world", "body", unit="m/s2", note="algorithmic acceleration of generalized-alpha")
+    omega: DeviceArray = vectors("world", "body", unit="rad/s", note="body axes")
+    omega_rate: DeviceArray = vectors("world", "body", unit="rad/s2")
+    omega_alg: DeviceArray = vectors("world", "body", unit="rad/s2")
+    q: DeviceArray = reals("world", "mode", unit="m kg^1/2")
+    qd: DeviceArray = reals("world", "mode", unit="m kg^1/2/s")
+    qd_rate: DeviceArray = reals("world", "mode", unit="m kg^1/2/s2")
+    qd_alg: DeviceArray = reals("world", "mode", unit="m kg^1/2/s2")
+
+
+class LoadState(Arrays, carried=True):
+    """Joints, springs and applied loads; of those with two entries: accepted, trial."""
+
+    lam0: DeviceArray = reals("world", "row", unit="N or N m", note="multipliers at the last accepted state")
+    lam: DeviceArray = reals("world", "row", unit="N or N m", note="multipliers")
+    stretch: DeviceArray = reals("world", "row", unit="m or rad", note="value of each row where it was accepted")
+    drive_rate: DeviceArray = reals("world", 2, "row", unit="m/s or rad/s", note="prescribed")
+    modal_load: DeviceArray = reals("world", 2, "mode", unit="N/kg^1/2")
+    applied: DeviceArray = vectors("world", 2, "force", unit="N")
+    applied_at: DeviceArray = vectors("world", 2, "force", unit="m")
+    load: DeviceArray = reals(
+        "world", 2, "6*body", unit="N, N m", note="torques and body loads: force (world axes), torque (body axes)"
+    )
+    load_on_modes: DeviceArray = reals("world", 2, "mode", unit="N/kg^1/2")
+
+
+class ContactState(Arrays, carried=True):
+    """Pairs: the active set in the contact frame, and what the integrator remembers of their forces."""
+
+    active: DeviceArray = integers("world", "pair", "hat", note="1 where the window is under pressure")
+    pressure: DeviceArray = reals("world", "pair", "hat", unit="Pa")
+    patch_offset: DeviceArray = reals(
+        "world", "pair", unit="columns", note="line of centres less the centre column, where the active set was found"
+    )
+    pair_force: DeviceArray = reals(
+        "world", "pair", 2, 12, unit="N, N m", note="accepted, trial: by the pressures, see `impulsive_contact`"
+    )
+    pair_modal: DeviceArray = reals("world", "pair", 2, "pair_mode", unit="N/kg^1/2", note="the same on the modes")
+    memory: DeviceArray = reals(
+        "world", "pair", 1, 12, unit="N, N m", note="what the algorithmic accelerations have of pair_force"
+    )
+    modal_memory: DeviceArray = reals("world", "pair", 1, "pair_mode", unit="N/kg^1/2")
+    pair_energy: DeviceArray = reals("world", "pair", 2, unit="J", note="accepted, trial: energy of the contact")
+    made: DeviceArray = reals("world", "pair", unit="J", note="what of `created` is beyond doubt, see `energy_watch`")
+    created: DeviceArray = reals("world", "pair", unit="J", note="made so far, see `impulsive_means.judge_pairs`")
+    impulsive: DeviceArray = integers("world", "pair", note="1 where the attempt takes the pair as impulsive")
+
+
+class FrictionState(Arrays, carried=True):
+    """Tractions in the contact frame, columns of (2, rows) of a window, and the history of slip."""
+
+    traction: DeviceArray = reals("world", "pair", "2*friction_hat", unit="Pa")
+    friction_offset: DeviceArray = reals(
+        "world", "pair", unit="columns", note="as patch_offset, where the tractions were found"
+    )
+    elastic_before: DeviceArray = reals(
+        "world", "pair", "2*friction_hat", unit="m", note="elastic slip at the end of the last step"
+    )
+    history_center: DeviceArray = integers("world", "pair", note="grid column of its window's centre")
+    pressed_before: DeviceArray = integers(
+        "world", "pair", "friction_hat", note="1 where the last step left a node under pressure"
+    )
+    history_phase: DeviceArray = reals(
+        "world", "pair", unit="columns", note="nearest place, or line of centres, at the end of the last step"
+    )
+    history_z: DeviceArray = reals(
+        "world", "pair", unit="m", note="z of that place on the first surface, where gaps are taken at points"
+    )
+    most_advanced: DeviceArray = reals(
+        "world", "pair", unit="columns", note="that the patch advanced at most in a step since the last saved row"
+    )
+    contact_normal: DeviceArray = vectors(
+        "world", "pair", note="unit vector of the normal force on the second body, zero without contact"
+    )
+    friction_force: DeviceArray = reals("world", "friction_pair", 2, 12, unit="N, N m", note="as pair_force")
+    friction_modal: DeviceArray = reals("world", "friction_pair", 2, "pair_mode", unit="N/kg^1/2")
+    friction_memory: DeviceArray = reals("world", "friction_pair", 1, 12, unit="N, N m")
+    modal_friction_memory: DeviceArray = reals("world", "friction_pair", 1, "pair_mode", unit="N/kg^1/2")
+    elastic_energy: DeviceArray = reals("world", "pair", 2, unit="J", note="accepted, trial: that of the tractions")
+
+
+class LayerState(Arrays, carried=True):
+    """Damped layers, see `warpffrf_kernels.layer_energy`."""
+
+    layer_depth: DeviceArray = reals("world", "pair", "layer_point", unit="m")
+    layer_drag: DeviceArray = reals(
+        "world", "pair", "layer_point", unit="Pa", note="what their pressure has above the elastic one"
+    )
+    layer_column: DeviceArray = integers("world", "pair", note="centre column of these points")
+
+
+class Books(Arrays, carried=True):
+    """Ledger, control words and clock."""
+
+    energy: DeviceArray = reals("world", 2, "line", unit="J", note="accepted, trial")
+    ctl: DeviceArray = integers("world", "integer_word", note="see `warpffrf_kernels.control`")
+    clk: DeviceArray = reals("world", "real_word", note="see `warpffrf_kernels.control`")
+
+
+class State(MotionState, LoadState, ContactState, FrictionState, LayerState, Books):
+    """Accepted state of every world."""
+
+
+def initial_state(compiled: CompiledScene, sizes: Sizes) -> State:
+    """State at the scene's initial pose and velocities in all worlds; accelerations and multipliers zero."""
+    bodies = compiled.scene.bodies
+    state = State(sizes, compiled.device)
+    r, v, omega = (np.zeros((len(bodies), 3)) for _ in range(3))
+    p = np.zeros((len(bodies), 4))
+    for i, body in enumerate(bodies):
+        A = rot.matrix(body.rotation)
+        arm = A @ body.center_of_mass
+        r[i] = body.position + arm
+        p[i] = body.rotation
+        v[i] = body.velocity + np.cross(body.angular_velocity, arm)
+        omega[i] = A.T @ body.angular_velocity
+    for array, value in ((state.r, r), (state.p, p), (state.v, v), (state.omega, omega)):
+        array.assign(np.broadcast_to(value, (sizes["world"], *value.shape)).copy())
+    return state

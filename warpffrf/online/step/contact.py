@@ -1,0 +1,88 @@
+"""Contact pairs: gaps and forces of the trial state, the local solve, the active set, and impulsive pairs."""
+
+from __future__ import annotations
+
+from warpffrf_kernels import (
+    contact_assembly,
+    contact_compliance,
+    contact_few,
+    contact_fields,
+    contact_geometry,
+    contact_place,
+    contact_points,
+    contact_solve,
+    contact_weights,
+    contact_window,
+    contact_wrench,
+    impulsive_contact,
+    impulsive_means,
+    impulsive_memory,
+    keep_contact,
+    record,
+)
+
+from warpffrf.online.step.launches import blocks, threads
+from warpffrf.online.step.phases import Participant
+
+LINE, POINT, FEW = "line_pair", "point_pair", "few_pair"  # families of geometry
+STEP = {"amplitude": "modal_step", "of_state": 0, "first_field": "first_step", "second_field": "second_step"}
+
+CONTACT = Participant(
+    "contact",
+    when="pair",
+    begin=[blocks(impulsive_contact.begin_contact)],
+    remember=[blocks(keep_contact.remember_contact, "pair")],
+    locate=[
+        threads(contact_geometry.locate, "pair", when=LINE),
+        threads(contact_place.locate_points, "pair", when=POINT),
+        threads(contact_window.open_window, "pair"),
+        blocks(contact_geometry.sample, "pair", when=LINE),
+        blocks(contact_weights.weigh, "pair", when=LINE),
+        blocks(contact_wrench.hold_contact_frame, "pair", when=POINT),
+        blocks(contact_points.sample_points, "pair", when=POINT),
+        blocks(contact_points.weigh_points, "pair", when=POINT),
+    ],
+    few=[
+        blocks(contact_few.sample_few, "pair", when=FEW),
+        blocks(contact_few.weigh_few, "pair", when=FEW),
+        blocks(contact_few.shift_few, "pair", when=FEW),
+    ],
+    shift=[
+        blocks(contact_weights.shift, "pair"),
+        threads(contact_fields.set_second_window, "pair"),
+        blocks(contact_fields.modal_fields, "pair", amplitude="q1", of_state=1),
+    ],
+    displace=[blocks(contact_fields.local_fields, "pair")],
+    close=[
+        blocks(contact_fields.close_gaps, "pair", weak_gap="shifted_gap"),
+        blocks(contact_fields.load_modes, "pair"),
+    ],
+    sum=[threads(contact_fields.sum_contact)],
+    push=[blocks(impulsive_contact.push_bodies)],
+    mean=[threads(impulsive_means.balance_means)],
+    respond=[
+        blocks(impulsive_contact.compare_receptances, when="dynamic_mode"),
+        threads(contact_compliance.take_slots),
+        blocks(contact_compliance.respond),
+        blocks(contact_compliance.modal_rows),
+        blocks(contact_assembly.assemble, scratch="scaled_modes", receptance="contact_receptance"),
+    ],
+    condense=[blocks(contact_compliance.outer_rows), blocks(contact_compliance.condense_contact)],
+    press=[blocks(contact_solve.solve_pressures, work="factor")],
+    follow=[blocks(contact_fields.modal_fields, "pair", **STEP)],
+    correct=[blocks(contact_solve.correct_set, "pair"), threads(contact_solve.accept_set)],
+    finish=[blocks(impulsive_memory.finish_rates)],
+    judge=[
+        threads(impulsive_means.judge_pairs, "pair", created="created_now"),
+        threads(impulsive_means.find_restless, "pair", when="dynamic_mode", offset="patch_offset"),
+    ],
+    keep=[
+        blocks(impulsive_memory.keep_memory, "pair", created="created_now", created_so_far="created"),
+        blocks(keep_contact.restore_contact, "pair"),
+    ],
+    record=[
+        threads(record.sum_second, "pair"),
+        threads(contact_points.sum_points_second, "pair", when=POINT),
+        threads(contact_place.measure_approach, "pair", when=POINT),
+    ],
+)

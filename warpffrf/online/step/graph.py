@@ -1,0 +1,113 @@
+"""The step as a graph: recorded once, replayed until a chunk of steps is done.
+
+One attempt of a step is: begin, predict, the Newton loop (evaluate, is it balanced? condense, contact, advance),
+velocities projected and the local error estimated where asked for, ledger, decision, copy, record. What a scene does
+not have (contact, modes, inertia terms, rows, loads) records no kernel. Nothing here runs on the host while a graph
+replays.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import warp as wp
+from warpffrf_kernels import control as k
+from warpffrf_kernels.scalars import BLOCK
+
+from warpffrf.online.arrays import Scratch, Sizes, State
+from warpffrf.online.compile import CompiledScene
+from warpffrf.online.outer_pattern import OuterPattern, on_device
+from warpffrf.online.step import phases
+from warpffrf.online.step.program import Program
+
+STARTING = ("v_rate", "v_alg", "omega_rate", "omega_alg", "qd_rate", "qd_alg")
+
+
+class StepGraph:
+    """Records the loop over attempts on a device; `replay(budget)` runs it."""
+
+    def __init__(
+        self, compiled: CompiledScene, sizes: Sizes, state: State, scratch: Scratch, pattern: OuterPattern | None
+    ) -> None:
+        self.compiled, self.state, self.work, self.device = compiled, state, scratch, compiled.device
+        constants: dict[str, object] = {"models": compiled.models}
+        self.pattern = pattern
+        if pattern is not None:
+            self.pattern_struct, constants["patterns"] = on_device(pattern, self.device)
+        self.program = Program(compiled, sizes, state, scratch, constants)
+        self._load_modules()
+        more: Any = scratch.more
+        with wp.ScopedCapture(device=self.device) as capture:
+            wp.capture_while(more, self._attempt)
+        self.graph: Any = capture.graph
+
+    def replay(self, budget: int) -> None:
+        """Attempt steps until every world has reached its target or failed, at most `budget` times."""
+        self.work.budget.fill_(budget + 1)
+        self.program.run(("count",))
+        wp.capture_launch(self.graph)
+        if wp.get_device(self.device).is_cuda:
+            wp.synchronize_device(self.device)
+
+    # --- parts of a step on their own
+
+    def evaluate(self) -> None:
+        """Trial state of the increments, its unbalanced forces and rows, the diagonal of the tangent, gaps and contact
+        forces."""
+        self.program.run(phases.EVALUATION)
+
+    def move_and_load(self) -> None:
+        """The part of `evaluate` that leaves contact out."""
+        self.program.run(phases.MOVE_AND_LOAD)
+
+    def contact(self) -> None:
+        """The rest of it."""
+        self.program.run(phases.CONTACT)
+
+    def assemble(self) -> None:
+        """The outer matrix and its right-hand side, after `evaluate`."""
+        self.program.run(("assemble",))
+
+    def iterate(self) -> None:
+        """One Newton iteration: the linearised step, and the increments with it where the active set has settled."""
+        self.program.run(phases.ITERATION)
+
+    def record(self) -> None:
+        """Write the accepted state to the ring where RECORD is set."""
+        self.program.run(("record",))
+
+    def open_books(self) -> None:
+        """The energies of the state that was evaluated last, in every world, as the first of the ledger."""
+        words = self.state.ctl.numpy().copy()
+        words[:, int(k.ATTEMPT)] = 1
+        self.state.ctl.assign(words)
+        self.program.run(("book",))
+        words[:, int(k.ATTEMPT)] = 0
+        self.state.ctl.assign(words)
+        lines = self.state.energy.numpy().copy()
+        lines[:, 0] = lines[:, 1]
+        self.state.energy.assign(lines)
+
+    def stand_still(self) -> None:
+        """Before an evaluation that is no part of an attempt: accelerations as they are, no pair impulsive."""
+        s, x = self.state, self.work
+        if self.compiled.model.pair_count:
+            for name in STARTING:
+                getattr(x, name + "0").assign(getattr(s, name))
+            s.impulsive.zero_()
+            x.weight.fill_(1.0)
+
+    # --- recording
+
+    def _load_modules(self) -> None:
+        """Compile before the capture: modules cannot be loaded inside one."""
+        for module in dict.fromkeys(launch.kernel.module.name for launch in self.program.launches()):
+            wp.load_module(module, device=self.device, block_dim=BLOCK)
+            wp.load_module(module, device=self.device)
+
+    def _attempt(self) -> None:
+        self.program.run(phases.ATTEMPT)
+        running: Any = self.work.running
+        running.fill_(1)
+        wp.capture_while(running, self.iterate)
+        self.program.run(phases.DECISION)

@@ -1,0 +1,28 @@
+"""Layers whose yield is no constant (`warpffrf_kernels.contact_layer`, `layer_energy`)."""
+
+from __future__ import annotations
+
+from warpffrf_kernels import contact_layer, layer_energy
+
+from warpffrf.online.step.launches import blocks, threads
+from warpffrf.online.step.phases import Participant
+
+BEFORE = {"depth_before": "layer_depth", "drag_before": "layer_drag", "column_before": "layer_column"}
+NOW = {"depth_now": "layer_now", "drag_now": "layer_drag_now"}
+PAST = {"past": "layer_past", "past_drag": "layer_past_drag"}
+LAW = {"flexibility": "layer_flexibility", "beginning": "layer_beginning"}
+WEAK = {"offset": "layer_offset", "tangent": "layer_tangent"}
+SUPPORT = {"support": "layer_support"}
+
+LAYERS = Participant(
+    "layers",
+    when="layer_point",
+    cells=[
+        blocks(contact_layer.linearise_layer, "pair", depth="layer_at", **BEFORE, **PAST, **LAW, **SUPPORT),
+        blocks(contact_layer.weigh_layer, "pair", **LAW, **WEAK),
+    ],
+    displace=[blocks(contact_layer.add_yield, "pair", **WEAK)],
+    store=[threads(layer_energy.add_layer_energy, **NOW, **PAST, **WEAK)],
+    condense=[blocks(contact_layer.add_flexibility, tangent="layer_tangent", **SUPPORT)],
+    keep=[blocks(layer_energy.keep_layer, "pair", **BEFORE, **NOW)],
+)

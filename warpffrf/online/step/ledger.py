@@ -1,0 +1,16 @@
+"""The ledger of energies, the watch over it, and the rows that are saved."""
+
+from __future__ import annotations
+
+from warpffrf_kernels import commit, energy_watch, ledger, record
+
+from warpffrf.online.step.launches import once, threads
+from warpffrf.online.step.phases import Participant
+
+LEDGER = Participant(
+    "ledger",
+    book=[threads(ledger.balance_energy)],
+    watch=[threads(energy_watch.watch_energy)],
+    record=[threads(record.record)],
+    count=[once(commit.count_attempts)],
+)

@@ -1,0 +1,45 @@
+"""Bodies, modes, rows and loads: their motion, their forces, and what a step keeps of them."""
+
+from __future__ import annotations
+
+from warpffrf_kernels import accuracy, commit, forces, inertia, interfaces, motion, rows
+
+from warpffrf.online.step.launches import blocks, threads
+from warpffrf.online.step.phases import Participant
+
+START = {"v_rate": "v_rate0", "v_alg": "v_alg0", "omega_rate": "omega_rate0", "omega_alg": "omega_alg0"}
+START_MODES = {"qd_rate": "qd_rate0", "qd_alg": "qd_alg0"}
+SUMS, INTERFACES = {"sums": "inertia_sums"}, {"motion": "interface_motion"}
+
+MOTION = Participant(
+    "motion",
+    begin=[threads(motion.begin_step)],
+    predict=[blocks(motion.predict_bodies, **START), blocks(motion.predict_modes, when="mode", **START_MODES)],
+    move=[
+        blocks(motion.move_bodies, **START),
+        threads(motion.hold_motions, when="pair"),
+        blocks(motion.move_modes, when="mode", **START_MODES),
+        blocks(inertia.sum_modes, when="dense", **SUMS),
+        blocks(inertia.add_inertia, when="dense", **SUMS),
+        blocks(inertia.shorten_interfaces, when="stiffened_interface"),
+        blocks(interfaces.move_interfaces, when="interface", **INTERFACES),
+    ],
+    load=[
+        threads(rows.apply_forces, when="force", **INTERFACES),
+        threads(forces.apply_loads, when="load"),
+        blocks(rows.evaluate_rows, when="row", **INTERFACES),
+        blocks(forces.couple_springs, when="group"),
+    ],
+    project=[
+        blocks(accuracy.missed_rates, when="projected_row", wanted="project"),
+        blocks(accuracy.project_velocities, when="projected_row", wanted="project", modal_change="modal_step"),
+    ],
+    estimate=[threads(accuracy.estimate_error, when="adaptive_world")],
+    decide=[threads(commit.decide, created="created_now")],
+    keep=[
+        blocks(commit.keep_bodies, v_alg0="v_alg0", omega_alg0="omega_alg0"),
+        blocks(commit.keep_modes, when="mode"),
+        blocks(accuracy.correct_algorithmic, when="projected_row", wanted="project", modal_change="modal_step"),
+        threads(commit.keep_rest),
+    ],
+)

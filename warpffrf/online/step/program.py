@@ -1,0 +1,52 @@
+"""The program of a scene: all participants, in the order in which they act within a phase."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from warpffrf.online.arrays.axes import Sizes
+from warpffrf.online.arrays.scratch import Scratch
+from warpffrf.online.arrays.state import State
+from warpffrf.online.compile import CompiledScene
+from warpffrf.online.step import phases
+from warpffrf.online.step.contact import CONTACT
+from warpffrf.online.step.friction import FRICTION
+from warpffrf.online.step.launches import Launch
+from warpffrf.online.step.layers import LAYERS
+from warpffrf.online.step.ledger import LEDGER
+from warpffrf.online.step.motion import MOTION
+from warpffrf.online.step.outer import OUTER
+from warpffrf.online.step.shared import SHARED
+
+PARTICIPANTS = (MOTION, OUTER, CONTACT, SHARED, FRICTION, LAYERS, LEDGER)
+WHOLE = (*phases.ATTEMPT, *phases.ITERATION, *phases.DECISION)
+
+
+class Program:
+    """The launches of a scene on its arrays; `run` of some phases, in order.
+
+    Raises TypeError, with names, where a launch would read what nothing has set before it.
+    """
+
+    def __init__(
+        self, compiled: CompiledScene, sizes: Sizes, state: State, scratch: Scratch, constants: dict[str, object]
+    ) -> None:
+        self.sizes, self.device = sizes, compiled.device
+        self.arrays = {
+            **{name: getattr(state, name) for name in State.declarations},
+            **{name: getattr(scratch, name) for name in Scratch.declarations},
+            **constants,
+        }
+        self.parts = {phase: phases.collect(PARTICIPANTS, phase) for phase in WHOLE}
+        wrong = phases.complaints([(phase, self.parts[phase]) for phase in WHOLE], sizes)
+        if wrong:
+            raise TypeError("\n".join(wrong))
+
+    def run(self, names: Sequence[str]) -> None:
+        """Launch these phases, or record them where a graph is being captured."""
+        for name in names:
+            phases.record(self.parts[name], self.arrays, self.sizes, self.device)
+
+    def launches(self) -> list[Launch]:
+        """All launches of the scene, for what they need to be compiled."""
+        return [launch for phase in WHOLE for launch, _ in phases.launches(self.parts[phase], self.sizes)]
