@@ -61,7 +61,9 @@ class Engine:
         integrator: Any = None,
         accuracy: float | None = None,
         local: LocalDynamics | None = None,
+        progress: bool = False,
     ) -> None:
+        """`progress`: a bar while kernels are compiled; the rest as `online.run`."""
         _start_warp()
         try:
             wp.get_device(device)
@@ -71,7 +73,7 @@ class Engine:
         self.scene, self.worlds = scene, worlds
         self.compiled = compile_scene(scene, self.settings, device, local)
         self.state = self._initial_state()
-        self._integrator, self._accuracy = integrator or GeneralizedAlpha(), accuracy
+        self._integrator, self._accuracy, self._progress = integrator or GeneralizedAlpha(), accuracy, progress
         self._allocate()
         self.no_room = 0  # hats in play that there was no memory for
         self.rows: list[list[np.ndarray]] = [[] for _ in range(worlds)]
@@ -95,7 +97,7 @@ class Engine:
         self.work.local_coefficients.assign(np.tile(compiled.local.options.coefficients, (worlds, 1)))
         self.work.project.fill_(int(integrator.project_velocities))
         self.work.accuracy.fill_(self._accuracy or 0.0)
-        self.graph = StepGraph(compiled, sizes, self.state, self.work, pattern)
+        self.graph = StepGraph(compiled, sizes, self.state, self.work, pattern, progress=self._progress)
 
     def _initial_state(self) -> State:
         return initial_state(self.compiled, sizes_of(self.compiled, self.worlds, self.settings.ring_rows))

@@ -133,6 +133,7 @@ def run(
         integrator=integrator,
         accuracy=accuracy,
         local=as_local_dynamics(local),
+        progress=progress,
     )
     built = time.perf_counter()
     continued = isinstance(start, History)

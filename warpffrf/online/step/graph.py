@@ -12,12 +12,12 @@ from typing import Any
 
 import warp as wp
 from warpffrf_kernels import control as k
-from warpffrf_kernels.scalars import BLOCK
 
 from warpffrf.online.arrays import Scratch, Sizes, State
 from warpffrf.online.compile import CompiledScene
 from warpffrf.online.outer_pattern import OuterPattern, on_device
 from warpffrf.online.step import phases
+from warpffrf.online.step.modules import load
 from warpffrf.online.step.program import Program
 
 STARTING = ("v_rate", "v_alg", "omega_rate", "omega_alg", "qd_rate", "qd_alg")
@@ -27,7 +27,14 @@ class StepGraph:
     """Records the loop over attempts on a device; `replay(budget)` runs it."""
 
     def __init__(
-        self, compiled: CompiledScene, sizes: Sizes, state: State, scratch: Scratch, pattern: OuterPattern | None
+        self,
+        compiled: CompiledScene,
+        sizes: Sizes,
+        state: State,
+        scratch: Scratch,
+        pattern: OuterPattern | None,
+        *,
+        progress: bool = False,
     ) -> None:
         self.compiled, self.state, self.work, self.device = compiled, state, scratch, compiled.device
         constants: dict[str, object] = {"models": compiled.models}
@@ -35,7 +42,7 @@ class StepGraph:
         if pattern is not None:
             self.pattern_struct, constants["patterns"] = on_device(pattern, self.device)
         self.program = Program(compiled, sizes, state, scratch, constants)
-        self._load_modules()
+        load((launch.kernel.module for launch in self.program.launches()), self.device, progress=progress)
         more: Any = scratch.more
         with wp.ScopedCapture(device=self.device) as capture:
             wp.capture_while(more, self._attempt)
@@ -98,12 +105,6 @@ class StepGraph:
             x.weight.fill_(1.0)
 
     # --- recording
-
-    def _load_modules(self) -> None:
-        """Compile before the capture: modules cannot be loaded inside one."""
-        for module in dict.fromkeys(launch.kernel.module.name for launch in self.program.launches()):
-            wp.load_module(module, device=self.device, block_dim=BLOCK)
-            wp.load_module(module, device=self.device)
 
     def _attempt(self) -> None:
         self.program.run(phases.ATTEMPT)

@@ -1,0 +1,35 @@
+"""Kernel modules of a scene, compiled side by side, or read from Warp's cache."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from typing import Any
+
+import warp as wp
+from warpffrf_kernels.scalars import BLOCK
+
+from warpffrf.model.progress import Progress
+
+MOST_AT_ONCE = 8  # a compiler takes some hundred megabytes
+
+
+def load(modules: Iterable[Any], device: str, *, progress: bool) -> None:
+    """Load the Warp `modules`, which cannot be done while a graph is being captured; `progress`: a bar, or log lines,
+    where they have to be compiled."""
+    wanted = list(dict.fromkeys(modules))
+    bar = Progress("compile kernels", len(wanted), enabled=progress)
+    try:
+        with ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, MOST_AT_ONCE)) as pool:
+            running = [pool.submit(_load, module, device) for module in wanted]
+            for done, future in enumerate(as_completed(running), start=1):
+                future.result()
+                bar.update(done)
+    finally:
+        bar.close()
+
+
+def _load(module: Any, device: str) -> None:
+    for block_dim in (BLOCK, None):  # for launches of blocks, and of threads
+        wp.force_load(device, modules=[module], block_dim=block_dim, max_workers=0)
