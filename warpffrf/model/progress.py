@@ -13,13 +13,13 @@ LOG_INTERVAL = 10.0  # s between log lines off a terminal
 
 
 class Progress:
-    """Counts towards `total`; silent unless `enabled`."""
+    """Counts towards `total`; silent unless `enabled`. `unit`: what is counted, in the singular."""
 
-    def __init__(self, label: str, total: int, *, enabled: bool) -> None:
-        self.label, self.total, self.done, self.begin = label, total, 0, time.monotonic()
+    def __init__(self, label: str, total: int, *, enabled: bool, unit: str = "step") -> None:
+        self.label, self.total, self.unit, self.done, self.begin = label, total, unit, 0, time.monotonic()
         self.last = self.begin
         terminal = sys.stderr.isatty()
-        self.bar = tqdm(total=total, desc=label, unit="step", leave=False) if enabled and terminal else None
+        self.bar = tqdm(total=total, desc=label, unit=unit, leave=False) if enabled and terminal else None
         self.logs = enabled and not terminal
 
     def update(self, done: int) -> None:
@@ -30,7 +30,7 @@ class Progress:
         now = time.monotonic()
         if self.logs and now - self.last > LOG_INTERVAL and done:
             left = (now - self.begin) / done * (self.total - done)
-            log.info("%s: %d of %d steps, about %.0f s left", self.label, done, self.total, left)
+            log.info("%s: %d of %d %ss, about %.0f s left", self.label, done, self.total, self.unit, left)
             self.last = now
 
     def close(self) -> None:

@@ -13,7 +13,7 @@ from warpffrf_kernels import control as k
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import GeneralizedAlpha
-from warpffrf.online.arrays import State, initial_state, sizes_of
+from warpffrf.online.arrays import Sizes, initial_state, sizes_of
 from warpffrf.online.arrays.scratch import scratch_for
 from warpffrf.online.compile import compile_scene
 from warpffrf.online.local_dynamics import LocalDynamics
@@ -72,8 +72,11 @@ class Engine:
         self.settings = settings or Settings()
         self.scene, self.worlds = scene, worlds
         self.compiled = compile_scene(scene, self.settings, device, local)
-        self.state = self._initial_state()
         self._integrator, self._accuracy, self._progress = integrator or GeneralizedAlpha(), accuracy, progress
+        self._projected = self._integrator.project_velocities and self.compiled.model.row_count > 0
+        # contact and the projection of velocities need the inverse of the outer matrix
+        self._pattern = None if self._projected else pattern_of(self.compiled)
+        self.state = initial_state(self.compiled, self._sizes())
         self._allocate()
         self.no_room = 0  # hats in play that there was no memory for
         self.rows: list[list[np.ndarray]] = [[] for _ in range(worlds)]
@@ -85,22 +88,19 @@ class Engine:
     def _allocate(self) -> None:
         """Scratch arrays and the graph that works on them."""
         compiled, worlds, integrator = self.compiled, self.worlds, self._integrator
-        projected = integrator.project_velocities and compiled.model.row_count > 0
-        # contact and the projection of velocities need the inverse of the outer matrix
-        pattern = None if projected else pattern_of(compiled)
-        sizes = sizes_of(
-            compiled, worlds, self.settings.ring_rows, pattern, projected=projected,
-            adaptive=self._accuracy is not None,
-        )  # fmt: skip
+        sizes = self._sizes()
         self.work = scratch_for(compiled, sizes, self.state)
         self.work.coefficients.assign(np.tile(integrator.coefficients, (worlds, 1)))
         self.work.local_coefficients.assign(np.tile(compiled.local.options.coefficients, (worlds, 1)))
         self.work.project.fill_(int(integrator.project_velocities))
         self.work.accuracy.fill_(self._accuracy or 0.0)
-        self.graph = StepGraph(compiled, sizes, self.state, self.work, pattern, progress=self._progress)
+        self.graph = StepGraph(compiled, sizes, self.state, self.work, self._pattern, progress=self._progress)
 
-    def _initial_state(self) -> State:
-        return initial_state(self.compiled, sizes_of(self.compiled, self.worlds, self.settings.ring_rows))
+    def _sizes(self) -> Sizes:
+        return sizes_of(
+            self.compiled, self.worlds, self.settings.ring_rows, self._pattern, projected=self._projected,
+            adaptive=self._accuracy is not None,
+        )  # fmt: skip
 
     def make_room(self, slots: int) -> None:
         """Room for `slots` hats in play at least, up to what the capacities of the contacts allow.
@@ -218,7 +218,7 @@ class Engine:
 
     def initial_rates(self) -> None:
         """Velocities of the scene, on top of whatever positions the state has."""
-        fresh = self._initial_state()
+        fresh = initial_state(self.compiled, self._sizes())
         self.rates_to_zero()
         self.state.v.assign(fresh.v)
         self.state.omega.assign(fresh.omega)

@@ -11,6 +11,7 @@ from warpffrf_kernels.scalars import BLOCK
 
 from warpffrf.online.compile import CompiledScene
 from warpffrf.online.compile_shared import serves_several
+from warpffrf.online.layer_arrays import layer_points
 from warpffrf.online.outer_pattern import OuterPattern
 
 Sizes = Mapping[str, int]
@@ -86,10 +87,10 @@ def sizes_of(
     compiled: CompiledScene,
     worlds: int,
     ring_rows: int,
-    pattern: OuterPattern | None = None,
+    pattern: OuterPattern | None,
     *,
-    projected: bool = False,
-    adaptive: bool = False,
+    projected: bool,
+    adaptive: bool,
 ) -> dict[str, int]:
     """Length of each axis of `NAMES`; `pattern`: of the sparse outer matrix, None where it is inverted."""
     m: Any = compiled.model
@@ -99,7 +100,7 @@ def sizes_of(
     stations = (m.max_rows - 1) * m.z_points
     rubbing = bool(m.cell_capacity)
     shared = serves_several(m)
-    layer_point = (m.window_columns + 1) * int(m.layer_point_count.numpy().max()) if m.layer_count else 0
+    layer_point = layer_points(m)
     dense = pattern is None
     return {
         "world": worlds, "body": B, "mode": Q, "row": rows, "force": m.force_count, "torque": m.torque_count,

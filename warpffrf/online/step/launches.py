@@ -80,10 +80,12 @@ class Launch:
             found.append(array.flatten() if flat else array)
         return found
 
+    def present(self, sizes: Mapping[str, int]) -> bool:
+        """Whether the scene has what it is for."""
+        return not self.when or sizes[self.when] > 0
+
     def go(self, arrays: Mapping[str, Any], sizes: Mapping[str, int], device: str) -> None:
-        """Launch it, where the scene has what it is for."""
-        if self.when and not sizes[self.when]:
-            return
+        """Launch it."""
         dim = tuple(sizes[axis] for axis in self.over)
         if self.block:
             wp.launch_tiled(self.kernel, dim=dim, inputs=self.arguments(arrays), block_dim=BLOCK, device=device)

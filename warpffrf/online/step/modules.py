@@ -19,13 +19,17 @@ def load(modules: Iterable[Any], device: str, *, progress: bool) -> None:
     """Load the Warp `modules`, which cannot be done while a graph is being captured; `progress`: a bar, or log lines,
     where they have to be compiled."""
     wanted = list(dict.fromkeys(modules))
-    bar = Progress("compile kernels", len(wanted), enabled=progress)
+    bar = Progress("compile kernels", len(wanted), enabled=progress, unit="module")
     try:
         with ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, MOST_AT_ONCE)) as pool:
             running = [pool.submit(_load, module, device) for module in wanted]
-            for done, future in enumerate(as_completed(running), start=1):
-                future.result()
-                bar.update(done)
+            try:
+                for done, future in enumerate(as_completed(running), start=1):
+                    future.result()
+                    bar.update(done)
+            except BaseException:  # an interruption too: what is being compiled ends, the rest does not begin
+                pool.shutdown(cancel_futures=True)
+                raise
     finally:
         bar.close()
 

@@ -37,7 +37,7 @@ MOTION = Participant(
     estimate=[threads(accuracy.estimate_error, when="adaptive_world")],
     decide=[threads(commit.decide, created="created_now")],
     keep=[
-        blocks(commit.keep_bodies, v_alg0="v_alg0", omega_alg0="omega_alg0"),
+        blocks(commit.keep_bodies),
         blocks(commit.keep_modes, when="mode"),
         blocks(accuracy.correct_algorithmic, when="projected_row", wanted="project", modal_change="modal_step"),
         threads(commit.keep_rest),

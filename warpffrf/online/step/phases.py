@@ -2,7 +2,9 @@
 
 A participant names the launches that it adds to each phase; within a phase they stand in the order of the participants.
 The order is checked, not described: a scratch array that a launch reads has to be set by one before it, unless it is
-declared as `carried`, and within a phase nothing is read that is set anew after it.
+declared as `carried`, and within a phase nothing is read that is set anew after it. What this cannot see is a launch
+that adds to an array before one has set it, as kernels also read what they have just written themselves: of that
+`tests/online/test_program.py` takes care, with scratch that holds NaN between attempts.
 """
 
 from __future__ import annotations
@@ -69,7 +71,8 @@ def record(parts: Sequence[Placed], arrays: Mapping[str, Any], sizes: Mapping[st
         if not all(sizes[name] for name in needs):
             continue
         if isinstance(part, Launch):
-            part.go(arrays, sizes, device)
+            if part.present(sizes):
+                part.go(arrays, sizes, device)
         else:
             arrays[part.condition].fill_(1)
             body = [((), inner) for inner in part.body]
@@ -83,7 +86,7 @@ def launches(parts: Sequence[Placed], sizes: Mapping[str, int]) -> Iterator[tupl
             continue
         if isinstance(part, Loop):
             yield from ((inner, True) for inner, _ in launches([((), inner) for inner in part.body], sizes))
-        elif not part.when or sizes[part.when]:
+        elif part.present(sizes):
             yield part, False
 
 
