@@ -9,9 +9,9 @@ CHECKED := warpffrf kernels tests demos bench
 
 # Test workers share the cores, the unit of time is defined on one thread, and on many small matrices the threads of a
 # BLAS wait for each other: one BLAS thread each.
-demo demos test verify bench wheel-test: export OPENBLAS_NUM_THREADS ?= 1
+demo demos test verify bench bench-compare wheel-test: export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: .venv demo demos test verify bench lint format types wheel-test clean
+.PHONY: .venv demo demos test verify bench bench-compare lint format types wheel-test clean
 
 .venv: $(STAMP)
 
@@ -40,8 +40,13 @@ verify: $(VERIFY)
 
 bench: $(STAMP)
 	mkdir -p out/bench
-	set -e; for script in bench/*.py; do \
+	set -e; for script in $(filter-out bench/compare_commits.py,$(wildcard bench/*.py)); do \
 		echo "== $$script"; $(BIN)/python $$script --json out/bench/$$(basename $$script .py).json; done
+
+# The working tree beside another commit: make bench-compare BASE=commit
+BASE ?= HEAD
+bench-compare: $(STAMP)
+	$(BIN)/python bench/compare_commits.py --base $(BASE) --bodies out/bench/compared
 
 lint: $(STAMP)
 	$(BIN)/ruff check $(CHECKED)
