@@ -206,19 +206,18 @@ def ask(server: subprocess.Popen, name: str) -> tuple[float, str]:
     raise SystemExit(f"{name}: a run ended without an answer; see its message above")
 
 
-def difference(ours: Path, theirs: Path) -> tuple[float, str]:
-    """Largest difference of two results over the largest entry of its array, and where."""
+def difference(ours: Path, theirs: Path) -> tuple[float, str, list[str]]:
+    """Largest difference of two results over the largest entry of its array, where, and what only one of them has."""
     a, b = np.load(ours), np.load(theirs)
-    if set(a.files) != set(b.files):
-        return float("inf"), "only in one: " + ", ".join(sorted(set(a.files) ^ set(b.files)))
+    alone = sorted(set(a.files) ^ set(b.files))
     worst = (0.0, "")
-    for name in a.files:
+    for name in sorted(set(a.files) & set(b.files)):
         if a[name].shape != b[name].shape:
-            return float("inf"), name
+            return float("inf"), name, alone
         if not np.array_equal(a[name], b[name], equal_nan=a[name].dtype.kind == "f"):
             x, y = a[name].astype(float), b[name].astype(float)
             worst = max(worst, (float(np.nanmax(np.abs(x - y)) / max(np.nanmax(np.abs(y)), 1e-300)), name))
-    return worst
+    return *worst, alone
 
 
 def compare(base: Path, rounds: int, names: list[str], folder: Path, bodies: Path) -> list[dict]:
@@ -245,12 +244,12 @@ def compare_scene(name: str, servers: dict[str, subprocess.Popen], rounds: int, 
             if i >= WARM_UP:
                 times[label].append(seconds)
     ratios = np.divide(times["head"], times["base"])
-    far, where = difference(folder / "head" / f"{name}.npz", folder / "base" / f"{name}.npz")
+    far, where, alone = difference(folder / "head" / f"{name}.npz", folder / "base" / f"{name}.npz")
     fastest = {label: min(found) for label, found in times.items()}
     row = {
         "scene": name, **fastest, "ratio": fastest["head"] / fastest["base"],
         "quartiles": [float(x) for x in np.quantile(ratios, (0.25, 0.75))],
-        "difference": far, "where": where, "status": status["head"],
+        "difference": far, "where": where, "alone": alone, "status": status["head"],
     }  # fmt: skip
     print(line_of(row), flush=True)
     return row
@@ -261,7 +260,8 @@ def line_of(row: dict) -> str:
     result = "same bits" if row["difference"] == 0.0 else f"{row['difference']:.1e} in {row['where']}"
     times = f"{1e6 * row['base']:9.1f} {1e6 * row['head']:9.1f} {row['ratio']:7.3f}"
     low, high = row["quartiles"]
-    return f"{row['scene']:18s}{times} ({low:.3f} to {high:.3f})  {result}; {row['status']}"
+    alone = f"; in one only: {', '.join(row['alone'])}" if row["alone"] else ""
+    return f"{row['scene']:18s}{times} ({low:.3f} to {high:.3f})  {result}{alone}; {row['status']}"
 
 
 def main() -> int:

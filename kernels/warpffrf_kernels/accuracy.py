@@ -29,6 +29,7 @@ import warp as wp
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.balance import gyration_of
+from warpffrf_kernels.control import Clock, Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.outer import apply_inverse
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real, sync, vec3
@@ -39,7 +40,7 @@ wp.set_module_options(MODULE_OPTIONS)
 @wp.kernel
 def estimate_error(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     accuracy: wp.array(dtype=real),
     v_rate: wp.array2d(dtype=vec3),
     v1_rate: wp.array2d(dtype=vec3),
@@ -47,35 +48,35 @@ def estimate_error(
     omega1_rate: wp.array2d(dtype=vec3),
     qd_rate: wp.array2d(dtype=real),
     qd1_rate: wp.array2d(dtype=real),
-    clk: inout(wp.array2d(dtype=real)),
+    clk: inout(wp.array(dtype=Clock)),
 ):
     """Per world: clk[ERROR], the local error as a fraction of the accuracy asked for; 0 where none is."""
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.ATTEMPT] == 0:
+    if ctl[w].attempt == 0:
         return
-    clk[w, k.ERROR] = real(0.0)
-    if accuracy[w] <= real(0.0) or ctl[w, k.MODE] != k.DYNAMIC:
+    clk[w].error = real(0.0)
+    if accuracy[w] <= real(0.0) or ctl[w].mode != k.DYNAMIC:
         return
     worst = real(0.0)
     b = int(0)
-    while b < model.body_count:
-        gyration = gyration_of(model.inertia[b], model.mass[b])
+    while b < model.bodies.count:
+        gyration = gyration_of(model.bodies.inertia[b], model.bodies.mass[b])
         worst = wp.max(worst, wp.length(v1_rate[w, b] - v_rate[w, b]) / gyration)
         worst = wp.max(worst, wp.length(omega1_rate[w, b] - omega_rate[w, b]))
-        n = model.modal_start[b]
-        while n < model.modal_start[b + 1]:
-            worst = wp.max(worst, wp.abs(qd1_rate[w, n] - qd_rate[w, n]) * model.mode_reach[n] / gyration)
+        n = model.bodies.modal_start[b]
+        while n < model.bodies.modal_start[b + 1]:
+            worst = wp.max(worst, wp.abs(qd1_rate[w, n] - qd_rate[w, n]) * model.modes.reach[n] / gyration)
             n += 1
         b += 1
-    h = clk[w, k.H]
-    clk[w, k.ERROR] = wp.abs(clk[w, k.BETA] - real(1.0) / real(6.0)) * h * h * worst / accuracy[w]
+    h = clk[w].h
+    clk[w].error = wp.abs(clk[w].outer.beta - real(1.0) / real(6.0)) * h * h * worst / accuracy[w]
 
 
 @wp.kernel
 def missed_rates(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     wanted: wp.array(dtype=int),
     C: wp.array3d(dtype=real),
     C_modal: wp.array3d(dtype=real),
@@ -88,20 +89,20 @@ def missed_rates(
     """Lanes over rows: s' - C v of constraint rows, 0 of springs."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.ATTEMPT] == 0 or ctl[w, k.MODE] != k.DYNAMIC or wanted[w] == 0:
+    if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC or wanted[w] == 0:
         return
     row = lane
-    while row < model.row_count:
+    while row < model.rows.count:
         value = real(0.0)
-        if model.row_rigid[row] != 0:
+        if model.rows.rigid[row] != 0:
             value = drive_rate[w, 1, row]
             b = int(0)
-            while b < model.body_count:
+            while b < model.bodies.count:
                 for i in range(3):
                     value -= C[w, row, 6 * b + i] * v1[w, b][i] + C[w, row, 6 * b + 3 + i] * omega1[w, b][i]
                 b += 1
             n = int(0)
-            while n < model.modal_count:
+            while n < model.modes.count:
                 value -= C_modal[w, row, n] * qd1[w, n]
                 n += 1
         missed[w, row] = value
@@ -111,13 +112,13 @@ def missed_rates(
 @wp.kernel
 def project_velocities(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     wanted: wp.array(dtype=int),
     missed: wp.array(dtype=real),
     inverse_transposed: wp.array(dtype=real),
     C_modal: wp.array3d(dtype=real),
     receptance: wp.array2d(dtype=real),
-    clk: wp.array2d(dtype=real),
+    clk: wp.array(dtype=Clock),
     change: inout(wp.array(dtype=real)),
     modal_change: out(wp.array(dtype=real)),
     v1: inout(wp.array2d(dtype=vec3)),
@@ -132,19 +133,19 @@ def project_velocities(
     of the step."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.ATTEMPT] == 0 or ctl[w, k.MODE] != k.DYNAMIC or wanted[w] == 0:
+    if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC or wanted[w] == 0:
         return
-    N = model.outer_count
-    apply_inverse(model, w, lane, model.row_offset, missed, w * model.row_count, inverse_transposed, change)
+    N = model.outer.count
+    apply_inverse(model, w, lane, model.outer.row_offset, missed, w * model.rows.count, inverse_transposed, change)
     sync()
-    rise = clk[w, k.ACC] / clk[w, k.VEL]
+    rise = clk[w].outer.acc / clk[w].outer.vel
     row = lane
-    while row < model.row_count:
-        if model.row_rigid[row] != 0:
-            lam[w, row] = lam[w, row] + change[w * N + model.row_offset + row] / clk[w, k.VEL]
+    while row < model.rows.count:
+        if model.rows.rigid[row] != 0:
+            lam[w, row] = lam[w, row] + change[w * N + model.outer.row_offset + row] / clk[w].outer.vel
         row += wp.block_dim()
     b = lane
-    while b < model.body_count:
+    while b < model.bodies.count:
         o = w * N + 6 * b
         dv = vec3(change[o], change[o + 1], change[o + 2])
         domega = vec3(change[o + 3], change[o + 4], change[o + 5])
@@ -154,16 +155,16 @@ def project_velocities(
         omega1_rate[w, b] = omega1_rate[w, b] + rise * domega
         b += wp.block_dim()
     n = lane
-    while n < model.modal_count:
+    while n < model.modes.count:
         value = real(0.0)
-        if model.dense_of[n] >= 0:
-            value = change[w * N + 6 * model.body_count + model.dense_of[n]]
+        if model.modes.dense_of[n] >= 0:
+            value = change[w * N + 6 * model.bodies.count + model.modes.dense_of[n]]
         else:
             row = int(0)
-            while row < model.row_count:
-                value -= receptance[w, n] * C_modal[w, row, n] * change[w * N + model.row_offset + row]
+            while row < model.rows.count:
+                value -= receptance[w, n] * C_modal[w, row, n] * change[w * N + model.outer.row_offset + row]
                 row += 1
-        modal_change[w * model.modal_count + n] = value
+        modal_change[w * model.modes.count + n] = value
         qd1[w, n] = qd1[w, n] + value
         qd1_rate[w, n] = qd1_rate[w, n] + rise * value
         n += wp.block_dim()
@@ -172,9 +173,9 @@ def project_velocities(
 @wp.kernel
 def correct_algorithmic(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     wanted: wp.array(dtype=int),
-    clk: wp.array2d(dtype=real),
+    clk: wp.array(dtype=Clock),
     change: wp.array(dtype=real),
     modal_change: wp.array(dtype=real),
     v_alg: inout(wp.array2d(dtype=vec3)),
@@ -184,16 +185,16 @@ def correct_algorithmic(
     """One block per world: the algorithmic accelerations of an accepted step, as its projected velocities have them."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.ACCEPT] == 0 or ctl[w, k.MODE] != k.DYNAMIC or wanted[w] == 0:
+    if ctl[w].accept == 0 or ctl[w].mode != k.DYNAMIC or wanted[w] == 0:
         return
-    share = real(1.0) / (clk[w, k.GAMMA] * clk[w, k.H])
+    share = real(1.0) / (clk[w].outer.gamma * clk[w].h)
     b = lane
-    while b < model.body_count:
-        o = w * model.outer_count + 6 * b
+    while b < model.bodies.count:
+        o = w * model.outer.count + 6 * b
         v_alg[w, b] = v_alg[w, b] + share * vec3(change[o], change[o + 1], change[o + 2])
         omega_alg[w, b] = omega_alg[w, b] + share * vec3(change[o + 3], change[o + 4], change[o + 5])
         b += wp.block_dim()
     n = lane
-    while n < model.modal_count:
-        qd_alg[w, n] = qd_alg[w, n] + share * modal_change[w * model.modal_count + n]
+    while n < model.modes.count:
+        qd_alg[w, n] = qd_alg[w, n] + share * modal_change[w * model.modes.count + n]
         n += wp.block_dim()

@@ -8,6 +8,7 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Clock, Control
 from warpffrf_kernels.interfaces import marker_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
@@ -35,11 +36,11 @@ def gyration_of(J: mat33, mass: real) -> real:
 @wp.func
 def arm_of(model: Model, row: int) -> real:
     """1 of a row that is a length, the scene's length [m] of one that is an angle: what makes the one of the other."""
-    kind = model.row_kind[row]
+    kind = model.rows.kind[row]
     if kind == k.TRANSLATION or kind == k.DISTANCE:
         return real(1.0)
     if kind == k.BUSHING:
-        along = vec3(model.row_vector[row, 0], model.row_vector[row, 1], model.row_vector[row, 2])
+        along = vec3(model.rows.vector[row, 0], model.rows.vector[row, 1], model.rows.vector[row, 2])
         if wp.length(along) > real(0.0):
             return real(1.0)
     return model.length
@@ -48,7 +49,7 @@ def arm_of(model: Model, row: int) -> real:
 @wp.kernel
 def balance(
     models: wp.array(dtype=Model),
-    clk: wp.array2d(dtype=real),
+    clk: wp.array(dtype=Clock),
     r1: wp.array2d(dtype=vec3),
     v1_rate: wp.array2d(dtype=vec3),
     omega1: wp.array2d(dtype=vec3),
@@ -71,7 +72,7 @@ def balance(
     qd1_rate: wp.array2d(dtype=real),
     dq: wp.array2d(dtype=real),
     residual: wp.array2d(dtype=real),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     history: out(wp.array2d(dtype=real)),
 ):
     """Per world: is the state balanced? Residual forces with contact, row defects, spring laws and gaps left open, all
@@ -83,16 +84,16 @@ def balance(
     """
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.ITERATION] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].iteration == 0:
         return
     scale = NONE
     modal_scale = NONE
     b = int(0)
-    while b < model.body_count:
-        m = model.mass[b]
-        J = model.inertia[b]
+    while b < model.bodies.count:
+        m = model.bodies.mass[b]
+        J = model.bodies.inertia[b]
         gyration = gyration_of(J, m)
-        nothing = NO_FORCE * clk[w, k.ACC] * model.length
+        nothing = NO_FORCE * clk[w].outer.acc * model.length
         scale = wp.max(scale, m * nothing)
         modal_scale = wp.max(modal_scale, wp.sqrt(m) * nothing)
         scale = wp.max(scale, m * (wp.length(model.gravity) + wp.length(v1_rate[w, b])))
@@ -100,14 +101,14 @@ def balance(
         scale = wp.max(scale, turning / gyration)
         # accelerations are differences of increments: below this they are round-off
         travel = wp.length(dx[w, b]) + gyration * wp.length(psi[w, b])
-        scale = wp.max(scale, ROUND_OFF * clk[w, k.ACC] * m * travel)
+        scale = wp.max(scale, ROUND_OFF * clk[w].outer.acc * m * travel)
         for c in range(3):
             scale = wp.max(scale, wp.abs(load[w, 1, 6 * b + c]))
             scale = wp.max(scale, wp.abs(load[w, 1, 6 * b + 3 + c]) / gyration)
         b += 1
     extent = model.length
     b = int(0)
-    while b < model.body_count:
+    while b < model.bodies.count:
         extent = wp.max(extent, wp.length(r1[w, b]))
         b += 1
     length = model.length
@@ -116,28 +117,28 @@ def balance(
     worst = real(0.0)
     sum = gap_defect[w, 0]  # a largest value drops what is not a number, a sum keeps it
     row = int(0)
-    while row < model.row_count:
-        if model.row_kind[row] == k.TRANSLATION or model.row_kind[row] == k.DISTANCE:
+    while row < model.rows.count:
+        if model.rows.kind[row] == k.TRANSLATION or model.rows.kind[row] == k.DISTANCE:
             scale = wp.max(scale, wp.abs(lam[w, row]))
-        elif model.row_rigid[row] == 0:  # a torsional spring, a bushing: force, and torque at the radius of gyration
+        elif model.rows.rigid[row] == 0:  # a torsional spring, a bushing: force, and torque at the radius of gyration
             f = vec3(row_wrench[w, row, 0], row_wrench[w, row, 1], row_wrench[w, row, 2])
             t = vec3(row_wrench[w, row, 3], row_wrench[w, row, 4], row_wrench[w, row, 5])
             scale = wp.max(scale, wp.abs(lam[w, row]) * wp.length(f))
             for side in range(2):
-                b = model.marker_body[marker_of(model, row, side)]
+                b = model.markers.body[marker_of(model, row, side)]
                 if b >= 0:
-                    gyration = gyration_of(model.inertia[b], model.mass[b])
+                    gyration = gyration_of(model.bodies.inertia[b], model.bodies.mass[b])
                     scale = wp.max(scale, wp.abs(lam[w, row]) * wp.length(t) / gyration)
         if softness[w, row] == real(0.0):
             worst = wp.max(worst, wp.abs(defect[w, row]) * arm_of(model, row) / length)
         row += 1
     pair = int(0)
-    while pair < model.pair_count:
+    while pair < model.pairs.count:
         f = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
         scale = wp.max(scale, wp.length(f))
         pair += 1
     row = int(0)
-    while row < model.row_count:  # a spring's force against its law; a stretch of round-off size passes
+    while row < model.rows.count:  # a spring's force against its law; a stretch of round-off size passes
         if softness[w, row] > real(0.0):
             arm = arm_of(model, row)
             given = wp.max(scale * softness[w, row] * arm, SHORT * extent / arm)
@@ -145,54 +146,54 @@ def balance(
         sum += defect[w, row]
         row += 1
     b = int(0)
-    while b < model.body_count:
+    while b < model.bodies.count:
         f = vec3(residual[w, 6 * b], residual[w, 6 * b + 1], residual[w, 6 * b + 2])
         t = vec3(residual[w, 6 * b + 3], residual[w, 6 * b + 4], residual[w, 6 * b + 5])
         # a torque is measured by the force that it is at the radius of gyration
-        gyration = gyration_of(model.inertia[b], model.mass[b])
+        gyration = gyration_of(model.bodies.inertia[b], model.bodies.mass[b])
         worst = wp.max(worst, wp.max(wp.length(f), wp.length(t) / gyration) / scale)
         sum += wp.length(f) + wp.length(t)
         b += 1
     worst = wp.max(worst, gap_defect[w, 0])
     open_load = real(0.0)
     n = int(0)
-    while n < model.modal_count:
+    while n < model.modes.count:
         modal_scale = wp.max(modal_scale, wp.abs(load_on_modes[w, 1, n]))
         contact = modal_load[w, 1, n]
-        modal_scale = wp.max(modal_scale, wp.max(wp.abs(contact), wp.abs(model.stiffness[n] * q1[w, n])))
+        modal_scale = wp.max(modal_scale, wp.max(wp.abs(contact), wp.abs(model.modes.stiffness[n] * q1[w, n])))
         travel = wp.abs(dq[w, n])
-        modal_scale = wp.max(modal_scale, wp.max(wp.abs(qd1_rate[w, n]), ROUND_OFF * clk[w, k.ACC] * travel))
+        modal_scale = wp.max(modal_scale, wp.max(wp.abs(qd1_rate[w, n]), ROUND_OFF * clk[w].outer.acc * travel))
         open_load = wp.max(open_load, wp.abs(modal_residual[w, n]))
         sum += modal_residual[w, n]
         n += 1
     pair = int(0)
-    while pair < model.pair_count:  # loads of pairs that cancel each other on the modes leave round-off
+    while pair < model.pairs.count:  # loads of pairs that cancel each other on the modes leave round-off
         n = int(0)
-        while n < model.pair_modes:
+        while n < model.pairs.most_modes:
             modal_scale = wp.max(modal_scale, wp.abs(pair_modal[w, pair, 1, n]))
             n += 1
         pair += 1
     row = int(0)
-    while row < model.row_count:  # forces of joints that cancel each other on the modes leave round-off
+    while row < model.rows.count:  # forces of joints that cancel each other on the modes leave round-off
         for side in range(2):
-            interface = model.marker_interface[marker_of(model, row, side)]
+            interface = model.markers.interface[marker_of(model, row, side)]
             if interface >= 0:
                 pull = real(0.0)
                 for c in range(6):
-                    pull += wp.abs(row_pull[w, 2 * row + side, c]) * model.interface_reach[interface, c]
+                    pull += wp.abs(row_pull[w, 2 * row + side, c]) * model.interfaces.reach[interface, c]
                 modal_scale = wp.max(modal_scale, CANCELLED * wp.abs(lam[w, row]) * pull)
         row += 1
     worst = wp.max(worst, open_load / modal_scale)
-    history[w, wp.min(ctl[w, k.ITERATION], history.shape[1] - 1)] = worst
+    history[w, wp.min(ctl[w].iteration, history.shape[1] - 1)] = worst
     if not wp.isfinite(worst + sum):
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_FINITE
-        ctl[w, k.RUN] = 0
+        ctl[w].failure = ctl[w].failure | k.NOT_FINITE
+        ctl[w].run = 0
         return
-    ctl[w, k.REFRESH] = 0
+    ctl[w].refresh = 0
     if worst > REFRESH_ABOVE:
-        ctl[w, k.REFRESH] = 1
-    if worst <= model.residual_tolerance and (ctl[w, k.REASSEMBLE] == 0 or model.pair_count == 0):
-        ctl[w, k.RUN] = 0
-    elif ctl[w, k.ITERATION] >= model.max_iterations * (1 + ctl[w, k.ROUND]):
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_CONVERGED
-        ctl[w, k.RUN] = 0
+        ctl[w].refresh = 1
+    if worst <= model.limits.residual_tolerance and (ctl[w].reassemble == 0 or model.pairs.count == 0):
+        ctl[w].run = 0
+    elif ctl[w].iteration >= model.limits.max_iterations * (1 + ctl[w].round):
+        ctl[w].failure = ctl[w].failure | k.NOT_CONVERGED
+        ctl[w].run = 0

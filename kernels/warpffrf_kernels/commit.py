@@ -21,8 +21,9 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Clock, Control
+from warpffrf_kernels.integration import EXACT, algorithmic, coefficients_of, rule_of
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.motion import algorithmic, rule_of
 from warpffrf_kernels.pair_forces import is_closed
 from warpffrf_kernels.scalars import MODULE_OPTIONS, quat, real, vec3
 
@@ -53,19 +54,19 @@ def decide(
     wanted: wp.array2d(dtype=int),
     created: wp.array2d(dtype=real),
     impulsive: inout(wp.array2d(dtype=int)),
-    ctl: inout(wp.array2d(dtype=int)),
-    clk: inout(wp.array2d(dtype=real)),
+    ctl: inout(wp.array(dtype=Control)),
+    clk: inout(wp.array(dtype=Clock)),
 ):
     """Per world: accept or reject the attempt, and choose the next step."""
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.ATTEMPT] == 0:
+    if ctl[w].attempt == 0:
         return
     total = real(0.0)
     for line in range(k.LINES):
         total += energy[w, 1, line]
     if not wp.isfinite(total):
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_FINITE
+        ctl[w].failure = ctl[w].failure | k.NOT_FINITE
     event = int(0)
     impulse = int(0)
     again = int(0)
@@ -73,7 +74,7 @@ def decide(
     touching = int(0)
     made = real(0.0)
     pair = int(0)
-    while pair < model.pair_count:
+    while pair < model.pairs.count:
         before = is_closed(pair_force, w, pair, 0)
         after = is_closed(pair_force, w, pair, 1)
         if before != after:
@@ -83,12 +84,12 @@ def decide(
             if impulsive[w, pair] != 0:
                 impulse = int(1)
                 made += created[w, pair]
-        if model.dynamic_count > 0 and restless[w, pair] != 0:
+        if model.modes.dynamic_count > 0 and restless[w, pair] != 0:
             calm = int(0)
         if wanted[w, pair] != 0:
             again = int(1)
         pair += 1
-    dynamic = ctl[w, k.MODE] == k.DYNAMIC
+    dynamic = ctl[w].mode == k.DYNAMIC
     defect = energy[w, 1, k.NUMERICAL] - energy[w, 0, k.NUMERICAL]
     defect += energy[w, 1, k.CONTACT_GRID] - energy[w, 0, k.CONTACT_GRID]
     hand = real(0.0)
@@ -101,118 +102,118 @@ def decide(
     if stored * moving < real(0.0):  # both grow where a load presses what a drive speeds up
         swung = wp.min(wp.abs(stored), wp.abs(moving))
     integrated = energy[w, 1, k.NUMERICAL] - energy[w, 0, k.NUMERICAL]
-    impact = event != 0 or swung > SWUNG * hand or ctl[w, k.SHAKEN] != 0
-    if not impact and ctl[w, k.SUDDEN] == k.IMPULSIVE and touching != 0:
+    impact = event != 0 or swung > SWUNG * hand or ctl[w].shaken != 0
+    if not impact and ctl[w].impulsive == k.IMPULSIVE and touching != 0:
         impact = True
         defect = integrated
-    if model.dynamic_count == 0:  # contact is judged pair by pair
+    if model.modes.dynamic_count == 0:  # contact is judged pair by pair
         defect = integrated
-    if dynamic and ctl[w, k.FAILURE] == 0 and impact:
-        left = wp.max(real(0.5) * (MOST_GAINED - clk[w, k.GAINED]), LEAST_GAIN * model.energy_tolerance)
-        lost = model.dynamic_count > 0 and defect < -model.energy_tolerance * hand
-        if ctl[w, k.SUDDEN] == k.IMPULSIVE and clk[w, k.H] * model.top_frequency <= RESOLVED:
+    if dynamic and ctl[w].failure == 0 and impact:
+        left = wp.max(real(0.5) * (MOST_GAINED - clk[w].gained), LEAST_GAIN * model.limits.energy_tolerance)
+        lost = model.modes.dynamic_count > 0 and defect < -model.limits.energy_tolerance * hand
+        if ctl[w].impulsive == k.IMPULSIVE and clk[w].h * model.modes.top_frequency <= RESOLVED:
             lost = False  # it is the motion of the faces: see `impulsive_contact`
-        if lost or defect > wp.min(model.energy_tolerance, left) * hand:
-            ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ENERGY
-    if dynamic and ctl[w, k.AGAIN] != 0 and made > model.energy_tolerance * hand:  # no mean balances it
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ENERGY
-    if ctl[w, k.MODE] == k.STATIC and ctl[w, k.DOWNHILL] != 0 and clk[w, k.RISE] > UPHILL:
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ENERGY
-    if dynamic and clk[w, k.ERROR] > real(1.0):
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.ACCURACY
-    failure = ctl[w, k.FAILURE]
+        if lost or defect > wp.min(model.limits.energy_tolerance, left) * hand:
+            ctl[w].failure = ctl[w].failure | k.ENERGY
+    if dynamic and ctl[w].again != 0 and made > model.limits.energy_tolerance * hand:  # no mean balances it
+        ctl[w].failure = ctl[w].failure | k.ENERGY
+    if ctl[w].mode == k.STATIC and ctl[w].downhill != 0 and clk[w].rise > UPHILL:
+        ctl[w].failure = ctl[w].failure | k.ENERGY
+    if dynamic and clk[w].error > real(1.0):
+        ctl[w].failure = ctl[w].failure | k.ACCURACY
+    failure = ctl[w].failure
     bearable = (failure | k.ENERGY | k.ACCURACY) == (k.ENERGY | k.ACCURACY)
     if (
         dynamic
-        and model.dynamic_count > 0
+        and model.modes.dynamic_count > 0
         and bearable
-        and ctl[w, k.SUDDEN] == k.SMOOTH
-        and (calm == 0 or (touching != 0 and integrated > model.energy_tolerance * hand))
+        and ctl[w].impulsive == k.SMOOTH
+        and (calm == 0 or (touching != 0 and integrated > model.limits.energy_tolerance * hand))
     ):
-        ctl[w, k.SUDDEN] = k.IMPULSIVE
-        ctl[w, k.REPEATED] = ctl[w, k.REPEATED] + 1
-        ctl[w, k.ACTIVE] = ctl[w, k.TOUCHED]
+        ctl[w].impulsive = k.IMPULSIVE
+        ctl[w].repeated = ctl[w].repeated + 1
+        ctl[w].active = ctl[w].touched
         return
     if dynamic and bearable and again != 0:
         pair = int(0)
-        while pair < model.pair_count:
+        while pair < model.pairs.count:
             impulsive[w, pair] = wp.max(impulsive[w, pair], wanted[w, pair])
             pair += 1
-        ctl[w, k.AGAIN] = 1
-        ctl[w, k.REPEATED] = ctl[w, k.REPEATED] + 1
-        ctl[w, k.ACTIVE] = ctl[w, k.TOUCHED]
+        ctl[w].again = 1
+        ctl[w].repeated = ctl[w].repeated + 1
+        ctl[w].active = ctl[w].touched
         return
-    ctl[w, k.AGAIN] = 0
-    deep = ctl[w, k.LEVEL] >= model.max_level
+    ctl[w].again = 0
+    deep = ctl[w].level >= model.limits.max_level
     if dynamic and deep and failure != 0 and bearable:
-        ctl[w, k.COARSE] = ctl[w, k.COARSE] + failure / k.ACCURACY
+        ctl[w].coarse = ctl[w].coarse + failure / k.ACCURACY
         failure = 0  # as fine as allowed: the ledger and the report show what is left
     if (failure & k.ROOM) != 0:  # the same attempt comes again, with more room
-        ctl[w, k.STATUS] = k.ROOM
-        ctl[w, k.ACTIVE] = ctl[w, k.TOUCHED]
+        ctl[w].status = k.ROOM
+        ctl[w].active = ctl[w].touched
         return
     if failure != 0:
-        ctl[w, k.REJECTED] = ctl[w, k.REJECTED] + 1
-        ctl[w, k.REASON] = ctl[w, k.REASON] | failure
+        ctl[w].rejected = ctl[w].rejected + 1
+        ctl[w].reason = ctl[w].reason | failure
         if not dynamic or deep or (failure & k.SINGULAR) != 0:
-            ctl[w, k.STATUS] = failure
+            ctl[w].status = failure
             if dynamic and deep:
-                ctl[w, k.STATUS] = failure | k.UNDERFLOW
+                ctl[w].status = failure | k.UNDERFLOW
         else:
-            ctl[w, k.LEVEL] = ctl[w, k.LEVEL] + 1
-            ctl[w, k.SUB] = 2 * ctl[w, k.SUB]
-        ctl[w, k.ACTIVE] = ctl[w, k.TOUCHED]
+            ctl[w].level = ctl[w].level + 1
+            ctl[w].sub = 2 * ctl[w].sub
+        ctl[w].active = ctl[w].touched
         return
-    ctl[w, k.ACCEPT] = 1
+    ctl[w].accept = 1
     if dynamic:
-        ctl[w, k.IMPULSES] = ctl[w, k.IMPULSES] + impulse
-        if model.dynamic_count == 0 and (impulse != 0 or ctl[w, k.LEVEL] == 0):
-            ctl[w, k.SHAKEN] = impulse
-    ctl[w, k.STEPS] = ctl[w, k.STEPS] + 1
-    ctl[w, k.ITERATIONS] = ctl[w, k.ITERATIONS] + ctl[w, k.ITERATION]
-    ctl[w, k.PENDING] = ctl[w, k.PENDING] + ctl[w, k.ITERATION]
-    ctl[w, k.WORST] = wp.max(ctl[w, k.WORST], ctl[w, k.ITERATION])
-    clk[w, k.TIME] = clk[w, k.NEXT_TIME]
-    clk[w, k.DONE_STEP] = clk[w, k.H]
+        ctl[w].impulses = ctl[w].impulses + impulse
+        if model.modes.dynamic_count == 0 and (impulse != 0 or ctl[w].level == 0):
+            ctl[w].shaken = impulse
+    ctl[w].steps = ctl[w].steps + 1
+    ctl[w].iterations = ctl[w].iterations + ctl[w].iteration
+    ctl[w].pending = ctl[w].pending + ctl[w].iteration
+    ctl[w].worst = wp.max(ctl[w].worst, ctl[w].iteration)
+    clk[w].time = clk[w].next_time
+    clk[w].done_step = clk[w].h
     if not dynamic:
         move = real(0.0)
         b = int(0)
-        while b < model.body_count:
+        while b < model.bodies.count:
             move = wp.max(move, wp.length(dx[w, b]))
             b += 1
-        clk[w, k.MOVE] = move
-        ctl[w, k.STEP] = ctl[w, k.STEP] + 1
-        if ctl[w, k.MODE] != k.STATIC:
-            clk[w, k.TIME] = clk[w, k.START_TIME]
+        clk[w].move = move
+        ctl[w].step = ctl[w].step + 1
+        if ctl[w].mode != k.STATIC:
+            clk[w].time = clk[w].start_time
         return
-    if ctl[w, k.SUDDEN] == k.IMPULSIVE and calm != 0 and touching != 0:
-        ctl[w, k.SUDDEN] = k.SMOOTH
+    if ctl[w].impulsive == k.IMPULSIVE and calm != 0 and touching != 0:
+        ctl[w].impulsive = k.SMOOTH
     if impact and hand > real(0.0):
-        clk[w, k.GAINED] = wp.max(clk[w, k.GAINED] + defect / hand, real(0.0))
-    ctl[w, k.SUB] = ctl[w, k.SUB] + 1
-    if ctl[w, k.LEVEL] > 0:
-        quiet = event == 0 and wp.abs(defect) <= QUIET * model.energy_tolerance * hand
-        if clk[w, k.ERROR] > real(0.0):  # a step that is halved for its error alone
-            quiet = event == 0 and clk[w, k.ERROR] <= real(0.5) * QUIET  # doubled it would be half of what is allowed
-        if quiet and ctl[w, k.SUB] % 2 == 0:  # one level at a time
-            ctl[w, k.LEVEL] = ctl[w, k.LEVEL] - 1
-            ctl[w, k.SUB] = ctl[w, k.SUB] / 2
+        clk[w].gained = wp.max(clk[w].gained + defect / hand, real(0.0))
+    ctl[w].sub = ctl[w].sub + 1
+    if ctl[w].level > 0:
+        quiet = event == 0 and wp.abs(defect) <= QUIET * model.limits.energy_tolerance * hand
+        if clk[w].error > real(0.0):  # a step that is halved for its error alone
+            quiet = event == 0 and clk[w].error <= real(0.5) * QUIET  # doubled it would be half of what is allowed
+        if quiet and ctl[w].sub % 2 == 0:  # one level at a time
+            ctl[w].level = ctl[w].level - 1
+            ctl[w].sub = ctl[w].sub / 2
     whole = int(1)
     level = int(0)
-    while level < ctl[w, k.LEVEL]:
+    while level < ctl[w].level:
         whole = whole * 2
         level += 1
-    if ctl[w, k.SUB] >= whole:
-        ctl[w, k.SUB] = 0
-        ctl[w, k.STEP] = ctl[w, k.STEP] + 1
-        if ctl[w, k.STEP] % ctl[w, k.EVERY] == 0:
-            ctl[w, k.RECORD] = 1
+    if ctl[w].sub >= whole:
+        ctl[w].sub = 0
+        ctl[w].step = ctl[w].step + 1
+        if ctl[w].step % ctl[w].every == 0:
+            ctl[w].record = 1
 
 
 @wp.kernel
 def keep_bodies(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     r1: wp.array2d(dtype=vec3),
     p1: wp.array2d(dtype=quat),
     v1: wp.array2d(dtype=vec3),
@@ -221,7 +222,7 @@ def keep_bodies(
     omega1_rate: wp.array2d(dtype=vec3),
     dx: wp.array2d(dtype=vec3),
     psi: wp.array2d(dtype=vec3),
-    clk: wp.array2d(dtype=real),
+    clk: wp.array(dtype=Clock),
     v_alg0: wp.array2d(dtype=vec3),
     omega_alg0: wp.array2d(dtype=vec3),
     v_rest: wp.array2d(dtype=vec3),
@@ -237,20 +238,20 @@ def keep_bodies(
 ):
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.ACCEPT] == 0:
+    if ctl[w].accept == 0:
         return
     b = lane
     while b < r.shape[1]:
-        mode = ctl[w, k.MODE]
+        mode = ctl[w].mode
         acc = v1_rate[w, b]
         spin_rate = omega1_rate[w, b]
         if mode == k.DYNAMIC or mode == k.STATIC:
             r[w, b] = r1[w, b]
             p[w, b] = p1[w, b]
-        h = clk[w, k.H]
-        a_t = algorithmic(clk, w, k.ALPHA_M, dx[w, b], v[w, b], v_alg0[w, b])
-        a_r = algorithmic(clk, w, k.ALPHA_M, psi[w, b], omega[w, b], omega_alg0[w, b])
-        if mode == k.DYNAMIC and model.pair_count > 0:
+        h = clk[w].h
+        a_t = algorithmic(h, clk[w].outer, dx[w, b], v[w, b], v_alg0[w, b])
+        a_r = algorithmic(h, clk[w].outer, psi[w, b], omega[w, b], omega_alg0[w, b])
+        if mode == k.DYNAMIC and model.pairs.count > 0:
             a_t += v_rest[w, b]
             a_r += omega_rest[w, b]
         if mode == k.START:
@@ -273,8 +274,8 @@ def keep_bodies(
 @wp.kernel
 def keep_modes(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     q1: wp.array2d(dtype=real),
     qd1: wp.array2d(dtype=real),
     qd1_rate: wp.array2d(dtype=real),
@@ -289,24 +290,21 @@ def keep_modes(
 ):
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.ACCEPT] == 0:
+    if ctl[w].accept == 0:
         return
     n = lane
     while n < q.shape[1]:
-        mode = ctl[w, k.MODE]
+        mode = ctl[w].mode
         modal_load[w, 0, n] = modal_load[w, 1, n]
         if mode == k.DYNAMIC or mode == k.STATIC:
             q[w, n] = q1[w, n]
-        h = clk[w, k.H]
+        h = clk[w].h
         rule = rule_of(model, ctl, clk, w, n)
-        at = int(k.ALPHA_M)
-        if rule == 1:
-            at = int(k.LOCAL)
-        a = algorithmic(clk, w, at, vec3(dq[w, n]), vec3(qd[w, n]), vec3(qd_alg0[w, n]))[0]
+        a = algorithmic(h, coefficients_of(clk, w, rule), vec3(dq[w, n]), vec3(qd[w, n]), vec3(qd_alg0[w, n]))[0]
         rate = qd1_rate[w, n]
-        if mode == k.DYNAMIC and model.pair_count > 0:
+        if mode == k.DYNAMIC and model.pairs.count > 0:
             a += qd_rest[w, n]
-        if mode == k.START or rule == 2:
+        if mode == k.START or rule == EXACT:
             a = rate
         if mode == k.DYNAMIC or mode == k.START:
             qd_rate[w, n] = rate
@@ -322,7 +320,7 @@ def keep_modes(
 def keep_rest(
     models: wp.array(dtype=Model),
     coordinate: wp.array2d(dtype=real),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     lam: inout(wp.array2d(dtype=real)),
     lam0: inout(wp.array2d(dtype=real)),
     stretch: out(wp.array2d(dtype=real)),
@@ -336,11 +334,11 @@ def keep_rest(
     """Per world: what is left to take over, or to restore after a rejection."""
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.ATTEMPT] == 0:
+    if ctl[w].attempt == 0:
         return
-    accept = ctl[w, k.ACCEPT] != 0 and ctl[w, k.MODE] != k.PROJECT  # whose multipliers are impulses over the tiny step
+    accept = ctl[w].accept != 0 and ctl[w].mode != k.PROJECT  # whose multipliers are impulses over the tiny step
     row = int(0)
-    while row < model.row_count:
+    while row < model.rows.count:
         if accept:
             lam0[w, row] = lam[w, row]
             drive_rate[w, 0, row] = drive_rate[w, 1, row]
@@ -351,16 +349,16 @@ def keep_rest(
     if not accept:
         return
     i = int(0)
-    while i < model.force_count:
+    while i < model.forces.count:
         applied[w, 0, i] = applied[w, 1, i]
         applied_at[w, 0, i] = applied_at[w, 1, i]
         i += 1
     i = int(0)
-    while i < 6 * model.body_count:
+    while i < 6 * model.bodies.count:
         load[w, 0, i] = load[w, 1, i]
         i += 1
     i = int(0)
-    while i < model.modal_count:
+    while i < model.modes.count:
         load_on_modes[w, 0, i] = load_on_modes[w, 1, i]
         i += 1
     for line in range(k.LINES):
@@ -368,13 +366,13 @@ def keep_rest(
 
 
 @wp.kernel
-def count_attempts(ctl: wp.array2d(dtype=int), budget: inout(wp.array(dtype=int)), more: out(wp.array(dtype=int))):
+def count_attempts(ctl: wp.array(dtype=Control), budget: inout(wp.array(dtype=int)), more: out(wp.array(dtype=int))):
     """One thread: does any world still have steps to do in this chunk, and attempts left?"""
     budget[0] = budget[0] - 1
     running = int(0)
     w = int(0)
     while w < ctl.shape[0]:
-        if ctl[w, k.STATUS] == 0 and ctl[w, k.STEP] < ctl[w, k.TARGET]:
+        if ctl[w].status == 0 and ctl[w].step < ctl[w].target:
             running += 1
         w += 1
     more[0] = 0

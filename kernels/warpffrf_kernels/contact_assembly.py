@@ -7,8 +7,8 @@ pairs, through its local modes, which `shared_assembly` adds.
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
 
@@ -18,21 +18,21 @@ wp.set_module_options(MODULE_OPTIONS)
 # Row `slot` of G against the slots of the same pair up to itself (0 for those of others), and its mirror. Native for
 # contiguous inner loops like `axpy`; not measured separately.
 @wp.func_native("""
-    const int pair = slot_mode.data[((size_t)w * model.slot_capacity + slot) * 2];
-    const int m = slot_mode.data[((size_t)w * model.slot_capacity + slot) * 2 + 1];
-    const int A = model.pair_first.data[pair], B = model.pair_second.data[pair];
-    const int rows = model.surface_rows.data[A], block = model.surface_block.data[A];
-    const int reach = model.surface_reach.data[A], width_a = block + 2 * reach;
-    const int SC = model.stencil_columns, SR = model.stencil_rows;
-    const int rows_b = model.surface_rows.data[B], width = model.pair_modes, cap = model.slot_capacity;
-    const double* DA = model.self_compliance.data + model.surface_lag_start.data[A];
-    const size_t mode = (size_t)(w * model.pair_count + pair) * model.mode_capacity + m;
+    const int pair = slot_mode.data[((size_t)w * model.capacity.slots + slot) * 2];
+    const int m = slot_mode.data[((size_t)w * model.capacity.slots + slot) * 2 + 1];
+    const int A = model.pairs.first.data[pair], B = model.pairs.second.data[pair];
+    const int rows = model.surfaces.rows.data[A], block = model.surfaces.block.data[A];
+    const int reach = model.surfaces.reach.data[A], width_a = block + 2 * reach;
+    const int SC = model.window.stencil_columns, SR = model.window.stencil_rows;
+    const int rows_b = model.surfaces.rows.data[B], width = model.pairs.most_modes, cap = model.capacity.slots;
+    const double* DA = model.surfaces.self_compliance.data + model.surfaces.lag_start.data[A];
+    const size_t mode = (size_t)(w * model.pairs.count + pair) * model.window.hats + m;
     const double* l = stencil.data + mode * SC * SR;
     const int* at = stencil_at.data + mode * 2;
     const double* Ji = J.data + ((size_t)w * cap + slot) * width;
-    const int first_a = model.surface_modal_start.data[A], count_a = model.surface_modal_count.data[A];
-    const int first_b = model.surface_modal_start.data[B], count_b = model.surface_modal_count.data[B];
-    const double* s = receptance.data + (size_t)w * model.modal_count;
+    const int first_a = model.surfaces.modal_start.data[A], count_a = model.surfaces.modal_count.data[A];
+    const int first_b = model.surfaces.modal_start.data[B], count_b = model.surfaces.modal_count.data[B];
+    const double* s = receptance.data + (size_t)w * model.modes.count;
     const int own = origin + m / rows;
     double weight[256]; int node[256], count = 0;
     double* scaled = scratch.data + (size_t)w * width;
@@ -49,7 +49,7 @@ wp.set_module_options(MODULE_OPTIONS)
             const int other = origin + mj / rows, part = ((other % block) + block) % block;
             const int target = own - (other - part) + reach;
             g = DA[((size_t)(part * rows + mj % rows) * width_a + target) * rows + m % rows];
-            const double* t = T.data + ((size_t)w * cap + j) * model.node_capacity;
+            const double* t = T.data + ((size_t)w * cap + j) * model.window.nodes;
             for (int e = 0; e < count; ++e) g += weight[e] * t[node[e]];
             const double* Jj = J.data + ((size_t)w * cap + j) * width;
             int n = 0; const int all = count_a + count_b;
@@ -82,21 +82,21 @@ def couple(
 # Entries of row `slot` of G with the slots before it that belong to other pairs, and their mirror; after `couple`,
 # whose row of J sigma^-1 is still in `scratch`. Native like `couple`.
 @wp.func_native("""
-    const int cap = model.slot_capacity, width = model.pair_modes;
+    const int cap = model.capacity.slots, width = model.pairs.most_modes;
     const int* const slots = slot_mode.data + (size_t)w * cap * 2;
     const double* scaled = scratch.data + (size_t)w * width;
     for (int j = WP_TILE_THREAD_IDX; j < slot; j += WP_TILE_BLOCK_DIM) {
         if (slots[2 * j] == slots[2 * slot]) continue;
         double g = 0.0;
         for (int a = 0, at_a = 0; a < 2; ++a) {
-            const int sa = 2 * slots[2 * slot] + a, count = model.surface_modal_count.data[sa];
+            const int sa = 2 * slots[2 * slot] + a, count = model.surfaces.modal_count.data[sa];
             for (int b = 0, at_b = 0; b < 2; ++b) {
                 const int sb = 2 * slots[2 * j] + b;
-                if (model.surface_body.data[sa] >= 0 && model.surface_body.data[sa] == model.surface_body.data[sb]) {
+                if (model.surfaces.body.data[sa] >= 0 && model.surfaces.body.data[sa] == model.surfaces.body.data[sb]) {
                     const double *p = scaled + at_a, *q = J.data + ((size_t)w * cap + j) * width + at_b;
                     for (int n = 0; n < count; ++n) g += p[n] * q[n];
                 }
-                at_b += model.surface_modal_count.data[sb];
+                at_b += model.surfaces.modal_count.data[sb];
             }
             at_a += count;
         }
@@ -117,7 +117,7 @@ def couple_others(
 @wp.kernel
 def assemble(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
@@ -131,15 +131,15 @@ def assemble(
     """Per world: rows of G of the fresh slots."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0:
+    if ctl[w].run == 0:
         return
-    slot = ctl[w, k.FRESH]
-    while slot < ctl[w, k.SLOTS]:
+    slot = ctl[w].fresh
+    while slot < ctl[w].slots:
         pair = slot_mode[w, slot, 0]
         couple(
-            model, w, slot, center[w, pair, 0] - model.half_window, slot_mode, stencil, stencil_at,
+            model, w, slot, center[w, pair, 0] - model.window.half, slot_mode, stencil, stencil_at,
             T, J, receptance, scratch, G,
         )  # fmt: skip
-        if model.pair_count > 1:
+        if model.pairs.count > 1:
             couple_others(model, w, slot, slot_mode, J, scratch, G)
         slot += 1

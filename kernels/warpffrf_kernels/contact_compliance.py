@@ -15,6 +15,7 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, sync, vec3
 
@@ -25,7 +26,7 @@ wp.set_module_options(MODULE_OPTIONS)
 def short_of(model: Model) -> int:
     """What an attempt fails of that runs out of slots: the host's room, where the capacities of the contacts allow
     more, else these: then a smaller step may do, whose iterations do not overshoot."""
-    if model.slot_capacity < model.slot_limit:
+    if model.capacity.slots < model.capacity.slot_limit:
         return int(k.ROOM)
     return int(k.CAPACITY)
 
@@ -34,7 +35,7 @@ def short_of(model: Model) -> int:
 def take_slots(
     models: wp.array(dtype=Model),
     active: wp.array3d(dtype=int),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     phase: inout(wp.array3d(dtype=real)),
     slot_of: inout(wp.array3d(dtype=int)),
     slot_mode: out(wp.array3d(dtype=int)),
@@ -44,13 +45,13 @@ def take_slots(
     """
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0:
+    if ctl[w].run == 0:
         return
-    capacity = model.mode_capacity
-    if ctl[w, k.REASSEMBLE] != 0:
-        ctl[w, k.SLOTS] = 0
+    capacity = model.window.hats
+    if ctl[w].reassemble != 0:
+        ctl[w].slots = 0
         pair = int(0)
-        while pair < model.pair_count:
+        while pair < model.pairs.count:
             m = int(0)
             while m < capacity:
                 slot_of[w, pair, m] = -1
@@ -60,35 +61,35 @@ def take_slots(
             for i in range(2):
                 phase[w, pair, 8 + i] = phase[w, pair, 10 + i]
             pair += 1
-        ctl[w, k.REASSEMBLE] = 0
-        ctl[w, k.RECENTER] = 0
-    count = ctl[w, k.SLOTS]
-    ctl[w, k.FRESH] = count
-    if ctl[w, k.REWEIGHED] != 0:
-        ctl[w, k.FRESH] = 0
-        ctl[w, k.REWEIGHED] = 0
+        ctl[w].reassemble = 0
+        ctl[w].recenter = 0
+    count = ctl[w].slots
+    ctl[w].fresh = count
+    if ctl[w].reweighed != 0:
+        ctl[w].fresh = 0
+        ctl[w].reweighed = 0
     number = int(0)
     pair = int(0)
-    while pair < model.pair_count:
+    while pair < model.pairs.count:
         m = int(0)
         while m < capacity:
             if active[w, pair, m] != 0:
                 number += 1
                 if slot_of[w, pair, m] < 0:
-                    if count < model.slot_capacity:
+                    if count < model.capacity.slots:
                         slot_of[w, pair, m] = count
                         slot_mode[w, count, 0] = pair
                         slot_mode[w, count, 1] = m
                     count += 1
             m += 1
         pair += 1
-    if count > model.slot_capacity:
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | short_of(model)
-        ctl[w, k.SPARE] = wp.max(ctl[w, k.SPARE], count)
-        ctl[w, k.RUN] = 0
-        count = model.slot_capacity
-    ctl[w, k.SLOTS] = count
-    ctl[w, k.ACTIVE] = number
+    if count > model.capacity.slots:
+        ctl[w].failure = ctl[w].failure | short_of(model)
+        ctl[w].spare = wp.max(ctl[w].spare, count)
+        ctl[w].run = 0
+        count = model.capacity.slots
+    ctl[w].slots = count
+    ctl[w].active = number
 
 
 @wp.func
@@ -96,12 +97,12 @@ def place_in_table(model: Model, surface: int, source: int, row: int, target: in
     """Place, in a compliance table of the surface, of the response at grid column `target` (row 0) to hat (source,
     row); columns counted over full turns. -1 when the hat does not exist. Targets of following columns and rows follow
     contiguously."""
-    block = model.surface_block[surface]
-    rows = model.surface_rows[surface]
-    if model.surface_turn[surface] == 0 and (source < 0 or source >= block):
+    block = model.surfaces.block[surface]
+    rows = model.surfaces.rows[surface]
+    if model.surfaces.turn[surface] == 0 and (source < 0 or source >= block):
         return -1
     part = ((source % block) + block) % block
-    reach = model.surface_reach[surface]
+    reach = model.surfaces.reach[surface]
     return ((part * rows + row) * (block + 2 * reach) + target - (source - part) + reach) * rows
 
 
@@ -110,14 +111,14 @@ def table_row(model: Model, surface: int, source: int, row: int, target: int) ->
     """`place_in_table` in the tables `compliance` and `self_compliance`."""
     at = place_in_table(model, surface, source, row, target)
     if at >= 0:
-        at += model.surface_lag_start[surface]
+        at += model.surfaces.lag_start[surface]
     return at
 
 
 @wp.kernel
 def respond(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
@@ -128,34 +129,34 @@ def respond(
     """Per world: T_j = D_B l_j of the fresh slots on the nodes of the second window."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0:
+    if ctl[w].run == 0:
         return
-    slot = ctl[w, k.FRESH]
-    while slot < ctl[w, k.SLOTS]:
+    slot = ctl[w].fresh
+    while slot < ctl[w].slots:
         pair = slot_mode[w, slot, 0]
         m = slot_mode[w, slot, 1]
-        B = model.pair_second[pair]
-        rows = model.surface_rows[B]
+        B = model.pairs.second[pair]
+        rows = model.surfaces.rows[B]
         first = second_window[w, pair, 0]
         count = (second_window[w, pair, 1] - first + 1) * rows
-        start = (w * model.slot_capacity + slot) * model.node_capacity + first * rows
+        start = (w * model.capacity.slots + slot) * model.window.nodes + first * rows
         i = lane
         while i < count:
             T[start + i] = real(0.0)
             i += wp.block_dim()
         sync()
-        origin = center[w, pair, 1] - model.second_half_window
+        origin = center[w, pair, 1] - model.window.second_half
         c = int(0)
-        while c < model.stencil_columns:
+        while c < model.window.stencil_columns:
             r = int(0)
-            while r < model.stencil_rows:
-                weight = stencil[w, pair, m, c * model.stencil_rows + r]
+            while r < model.window.stencil_rows:
+                weight = stencil[w, pair, m, c * model.window.stencil_rows + r]
                 if weight != real(0.0):
                     at = table_row(
                         model, B, origin + stencil_at[w, pair, m, 0] + c, stencil_at[w, pair, m, 1] + r, origin + first
                     )
                     if at >= 0:
-                        axpy(count, weight, model.compliance, at, T, start)
+                        axpy(count, weight, model.surfaces.compliance, at, T, start)
                 r += 1
             c += 1
         slot += 1
@@ -164,19 +165,19 @@ def respond(
 @wp.func
 def node_of(model: Model, surface: int, column: int, row: int) -> int:
     """Flat grid node of a column counted over full turns; -1 where the grid has none."""
-    turn = model.surface_turn[surface]
+    turn = model.surfaces.turn[surface]
     c = column
     if turn > 0:
         c = ((column % turn) + turn) % turn
-    if c < 0 or c >= model.surface_columns[surface]:
+    if c < 0 or c >= model.surfaces.columns[surface]:
         return -1
-    return c * model.surface_rows[surface] + row
+    return c * model.surfaces.rows[surface] + row
 
 
 @wp.kernel
 def modal_rows(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
@@ -188,38 +189,38 @@ def modal_rows(
     the pair."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0:
+    if ctl[w].run == 0:
         return
-    slot = ctl[w, k.FRESH]
-    while slot < ctl[w, k.SLOTS]:
+    slot = ctl[w].fresh
+    while slot < ctl[w].slots:
         pair = slot_mode[w, slot, 0]
         m = slot_mode[w, slot, 1]
-        A = model.pair_first[pair]
-        B = model.pair_second[pair]
-        modes_a = model.surface_modal_count[A]
-        modes_b = model.surface_modal_count[B]
-        start = (w * model.slot_capacity + slot) * model.pair_modes
+        A = model.pairs.first[pair]
+        B = model.pairs.second[pair]
+        modes_a = model.surfaces.modal_count[A]
+        modes_b = model.surfaces.modal_count[B]
+        start = (w * model.capacity.slots + slot) * model.pairs.most_modes
         i = lane
         while i < modes_a + modes_b:
             J[start + i] = real(0.0)
             i += wp.block_dim()
         sync()
-        column = m / model.surface_rows[A]
-        node = node_of(model, A, center[w, pair, 0] + column - model.half_window, m - column * model.surface_rows[A])
+        column = m / model.surfaces.rows[A]
+        node = node_of(model, A, center[w, pair, 0] + column - model.window.half, m - column * model.surfaces.rows[A])
         if node >= 0:
-            at = model.surface_mode_start[A] + node * modes_a
-            axpy(modes_a, -weight[w, pair], model.mode_moment, at, J, start)
-        base = center[w, pair, 1] - model.second_half_window + stencil_at[w, pair, m, 0]
+            at = model.surfaces.mode_start[A] + node * modes_a
+            axpy(modes_a, -weight[w, pair], model.surfaces.mode_moment, at, J, start)
+        base = center[w, pair, 1] - model.window.second_half + stencil_at[w, pair, m, 0]
         c = int(0)
-        while c < model.stencil_columns:
+        while c < model.window.stencil_columns:
             r = int(0)
-            while r < model.stencil_rows:
-                part = weight[w, pair] * stencil[w, pair, m, c * model.stencil_rows + r]
+            while r < model.window.stencil_rows:
+                part = weight[w, pair] * stencil[w, pair, m, c * model.window.stencil_rows + r]
                 if part != real(0.0):
                     node = node_of(model, B, base + c, stencil_at[w, pair, m, 1] + r)
                     if node >= 0:
-                        at = model.surface_mode_start[B] + node * modes_b
-                        axpy(modes_b, -part, model.mode_normal, at, J, start + modes_a)
+                        at = model.surfaces.mode_start[B] + node * modes_b
+                        axpy(modes_b, -part, model.surfaces.mode_normal, at, J, start + modes_a)
                 r += 1
             c += 1
         slot += 1
@@ -248,8 +249,8 @@ def outer_row(
     """Line `row` of L, [d/d(rigid), -J sigma^-1 C_modal^T] over the columns in `coupled` of the pair, and V = H L from
     `begin` on: of a quantity with the gradient (f, t) by the motion of A relative to B, and J (from `start`) by the
     modes, times the weight of the pair, which J has already."""
-    A = model.surface_body[model.pair_first[pair]]
-    B = model.surface_body[model.pair_second[pair]]
+    A = model.surfaces.body[model.pairs.first[pair]]
+    B = model.surfaces.body[model.pairs.second[pair]]
     if lane == 0:
         push = weight[w, pair] * f
         turn = weight[w, pair] * t
@@ -264,25 +265,25 @@ def outer_row(
             for i in range(3):
                 L[w, row, 6 + i] = -push[i]
                 L[w, row, 9 + i] = -t_b[i]
-    first_a = model.surface_modal_start[model.pair_first[pair]]
-    count_a = model.surface_modal_count[model.pair_first[pair]]
-    first_b = model.surface_modal_start[model.pair_second[pair]]
-    N = model.outer_count
-    count = model.coupled_count[pair]
+    first_a = model.surfaces.modal_start[model.pairs.first[pair]]
+    count_a = model.surfaces.modal_count[model.pairs.first[pair]]
+    first_b = model.surfaces.modal_start[model.pairs.second[pair]]
+    N = model.outer.count
+    count = model.pairs.coupled_count[pair]
     c = 12 + lane
     while c < count:
-        column = model.coupled[pair, c]
-        if column < model.row_offset:  # a mode that carries inertia
-            mode = model.dense_mode[column - 6 * model.body_count]
+        column = model.pairs.coupled[pair, c]
+        if column < model.outer.row_offset:  # a mode that carries inertia
+            mode = model.dense.mode[column - 6 * model.bodies.count]
             at = mode - first_a
             if at < 0 or at >= count_a:
                 at = count_a + mode - first_b
             L[w, row, c] = J[start + at]
         else:
-            at = (w * model.row_count + column - model.row_offset) * model.modal_count
-            value = -dot(model.global_count[A], J, start, C_receptance, at + first_a)
+            at = (w * model.rows.count + column - model.outer.row_offset) * model.modes.count
+            value = -dot(model.bodies.global_count[A], J, start, C_receptance, at + first_a)
             if B >= 0:
-                value -= dot(model.global_count[B], J, start + count_a, C_receptance, at + first_b)
+                value -= dot(model.bodies.global_count[B], J, start + count_a, C_receptance, at + first_b)
             L[w, row, c] = value
         c += wp.block_dim()
     c = lane
@@ -292,14 +293,14 @@ def outer_row(
     sync()
     c = int(0)
     while c < count:
-        axpy(N, L[w, row, c], inverse_transposed, (w * N + model.coupled[pair, c]) * N, V, begin)
+        axpy(N, L[w, row, c], inverse_transposed, (w * N + model.pairs.coupled[pair, c]) * N, V, begin)
         c += 1
 
 
 @wp.kernel
 def outer_rows(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     axes: wp.array2d(dtype=mat33),
     r1: wp.array2d(dtype=vec3),
     wrench: wp.array4d(dtype=real),
@@ -315,20 +316,20 @@ def outer_rows(
     (`outer_row`); for all slots when H is new, else for the fresh ones."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0:
+    if ctl[w].run == 0:
         return
-    slot = ctl[w, k.FRESH]
-    if ctl[w, k.REFRESH] != 0 and ctl[w, k.MOVED] != 0:
+    slot = ctl[w].fresh
+    if ctl[w].refresh != 0 and ctl[w].moved != 0:
         slot = int(0)
-    while slot < ctl[w, k.SLOTS]:
+    while slot < ctl[w].slots:
         pair = slot_mode[w, slot, 0]
         m = slot_mode[w, slot, 1]
         f = vec3(wrench[w, pair, m, 0], wrench[w, pair, m, 1], wrench[w, pair, m, 2])
         t = vec3(wrench[w, pair, m, 3], wrench[w, pair, m, 4], wrench[w, pair, m, 5])
-        line = w * model.slot_capacity + slot
+        line = w * model.capacity.slots + slot
         outer_row(
-            model, w, pair, slot, lane, f, t, axes, r1, weight, J, line * model.pair_modes, C_receptance,
-            inverse_transposed, line * model.outer_count, L, V,
+            model, w, pair, slot, lane, f, t, axes, r1, weight, J, line * model.pairs.most_modes, C_receptance,
+            inverse_transposed, line * model.outer.count, L, V,
         )  # fmt: skip
         slot += 1
 
@@ -338,15 +339,15 @@ def outer_rows(
 # Native for contiguous inner loops like `axpy`; not measured separately.
 @wp.func_native("""
     const int cap = G.shape[1], slots = slot_mode.shape[1], lines = cap / slots;
-    const int N = model.outer_count, width = model.coupled_capacity;
+    const int N = model.outer.count, width = model.pairs.coupled_capacity;
     const double* v = V.data + ((size_t)w * cap + i) * N;
     double picked[512];
     int known = -1, count = 0;
     for (int j = first + WP_TILE_THREAD_IDX; j < last; j += WP_TILE_BLOCK_DIM) {
         const int pair = slot_mode.data[((size_t)w * slots + j / lines) * 2];
         if (pair != known) {
-            const int* c = model.coupled.data + (size_t)pair * width;
-            known = pair; count = model.coupled_count.data[pair];
+            const int* c = model.pairs.coupled.data + (size_t)pair * width;
+            known = pair; count = model.pairs.coupled_count.data[pair];
             for (int q = 0; q < count; ++q) picked[q] = v[c[q]];
         }
         const double* l = L.data + ((size_t)w * cap + j) * width;
@@ -377,7 +378,7 @@ def add_outer(
 @wp.kernel
 def condense_contact(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     slot_mode: wp.array3d(dtype=int),
     G: wp.array3d(dtype=real),
     L: wp.array3d(dtype=real),
@@ -388,11 +389,11 @@ def condense_contact(
     fresh ones."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0:
+    if ctl[w].run == 0:
         return
-    count = ctl[w, k.SLOTS]
-    fresh = ctl[w, k.FRESH]
-    if ctl[w, k.MOVED] != 0 and (ctl[w, k.REFRESH] != 0 or model.layer_count > 0):  # a layer's flexibility is added
+    count = ctl[w].slots
+    fresh = ctl[w].fresh
+    if ctl[w].moved != 0 and (ctl[w].refresh != 0 or model.layers.count > 0):  # a layer's flexibility is added
         fresh = int(0)
     i = int(0)
     while i < count:

@@ -16,10 +16,10 @@ turn by less than a column: SMALL keeps its remainder below round-off.
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_geometry import SERIES
 from warpffrf_kernels.contact_weights import keep_hat
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
 
@@ -31,33 +31,33 @@ SMALL = wp.constant(wp.float64(0.02))  # sine of an angle: its ninth power times
 @wp.func
 def looks_at_few(model: Model, pair: int) -> bool:
     """Whether the pair is measured along the line of centres at a list of points."""
-    return model.pair_family[pair] == 0 and model.pair_point_count[pair] != 0
+    return model.pairs.family[pair] == 0 and model.points.count[pair] != 0
 
 
 # Gaps and places opposite of the points of one strip, whose column is turned by xi from the first station's line of
 # centres. Native: in Warp's Python the indices of `station` alone cost more than the geometry.
 @wp.func_native("""
-    const int start = model.pair_point_start.data[pair], count = model.pair_point_count.data[pair];
-    const int most = (model.max_rows - 1) * model.z_points;
-    const size_t room = (size_t)(model.window_columns + 1) * model.theta_points * most;
-    const size_t p0 = (size_t)(w * model.pair_count + pair);
+    const int start = model.points.start.data[pair], count = model.points.count.data[pair];
+    const int most = (model.window.rows - 1) * model.quadrature.z_points;
+    const size_t room = (size_t)(model.window.columns + 1) * model.quadrature.theta_points * most;
+    const size_t p0 = (size_t)(w * model.pairs.count + pair);
     const double* st = station.data + p0 * most * 11;
     double* gap = point_gap.data + p0 * room + (size_t)strip * count;
     double* place = point_place.data + (p0 * room + (size_t)strip * count) * 2;
-    const double* z = model.surface_z.data + model.surface_z_start.data[B];
-    const double pitch = model.surface_pitch.data[A], per_column = 1.0 / model.surface_pitch.data[B];
-    const double radius_b = model.surface_radius.data[B], crown_b = model.surface_crown.data[B];
+    const double* z = model.surfaces.z.data + model.surfaces.z_start.data[B];
+    const double pitch = model.surfaces.pitch.data[A], per_column = 1.0 / model.surfaces.pitch.data[B];
+    const double radius_b = model.surfaces.radius.data[B], crown_b = model.surfaces.crown.data[B];
     const double squared = crown_b * crown_b;
-    const int last = model.surface_rows.data[B] - 2;
+    const int last = model.surfaces.rows.data[B] - 2;
     const double sine_0 = ::sin(xi), cosine_0 = ::cos(xi), x_0 = st[1];
     const double R_0 = crown_b == 0.0 ? radius_b : radius_b - (crown_b - ::sqrt(squared - st[3] * st[3]));
-    const double y_0 = model.surface_radius.data[A] * sine_0, left = R_0 * R_0 - y_0 * y_0;
+    const double y_0 = model.surfaces.radius.data[A] * sine_0, left = R_0 * R_0 - y_0 * y_0;
     const double h_0 = left > 0.0 ? ::sqrt(left) : 0.0, angle_0 = ::atan2(y_0, h_0);
     int row = 0;
     for (int p = 0; p < count; ++p) {
         const int at = start + p;
-        const double* t = st + model.point_station.data[at] * 11;
-        const double c = model.point_cosine.data[at], s = model.point_sine.data[at], d = (x_0 - t[1]) * pitch;
+        const double* t = st + model.points.station.data[at] * 11;
+        const double c = model.points.cosine.data[at], s = model.points.sine.data[at], d = (x_0 - t[1]) * pitch;
         double sine = sine_0 * c + cosine_0 * s, cosine = cosine_0 * c - sine_0 * s;
         if (d != 0.0) {  // stations differ little: by series where these are exact
             const bool far = d > series || d < -series;
@@ -65,7 +65,7 @@ def looks_at_few(model: Model, pair: int) -> bool:
             cosine = cosine * f - sine * e;
             sine = turned;
         }
-        const double R = model.point_radius.data[at], y = R * sine;
+        const double R = model.points.radius.data[at], y = R * sine;
         double R_b = crown_b == 0.0 ? radius_b : radius_b - (crown_b - ::sqrt(squared - t[3] * t[3]));
         double rest = R_b * R_b - y * y, h = rest > 0.0 ? ::sqrt(rest) : 0.0;
         const double axial = t[3] + y * t[4] - h * t[5];
@@ -104,7 +104,7 @@ def sample_strip(
 @wp.kernel
 def sample_few(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     station: wp.array4d(dtype=real),
@@ -114,30 +114,30 @@ def sample_few(
     """Per (world, pair of few points), lanes over strips of the window: gap, column and row of the opposite point."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or not looks_at_few(model, pair) or center[w, pair, 2] != 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not looks_at_few(model, pair) or center[w, pair, 2] != 0:
         return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
     x_0 = station[w, pair, 0, 1]
-    strip = window[w, pair, 0] + model.half_window + lane
-    end = window[w, pair, 1] + model.half_window + 2
+    strip = window[w, pair, 0] + model.window.half + lane
+    end = window[w, pair, 1] + model.window.half + 2
     while strip < end:
-        column = real(center[w, pair, 0] + strip - model.half_window - 1)
-        xi = (column - x_0) * model.surface_pitch[A]
+        column = real(center[w, pair, 0] + strip - model.window.half - 1)
+        xi = (column - x_0) * model.surfaces.pitch[A]
         sample_strip(model, w, pair, A, B, strip, xi, SERIES, SMALL, station, point_gap, point_place)
         strip += wp.block_dim()
 
 
 # Weak gap, area, gradient and stencil of one hat, as `contact_weights.sum_hat`: the sum over the points of its cells.
 @wp.func_native("""
-    const int start = model.pair_point_start.data[pair], count = model.pair_point_count.data[pair];
-    const int most = (model.max_rows - 1) * model.z_points;
-    const int room = (model.window_columns + 1) * model.theta_points * most;
-    const int SC = model.stencil_columns, SR = model.stencil_rows;
-    const size_t p0 = (size_t)(w * model.pair_count + pair);
-    const size_t hat = p0 * model.mode_capacity + m;
+    const int start = model.points.start.data[pair], count = model.points.count.data[pair];
+    const int most = (model.window.rows - 1) * model.quadrature.z_points;
+    const int room = (model.window.columns + 1) * model.quadrature.theta_points * most;
+    const int SC = model.window.stencil_columns, SR = model.window.stencil_rows;
+    const size_t p0 = (size_t)(w * model.pairs.count + pair);
+    const size_t hat = p0 * model.window.hats + m;
     const int column = m / rows, row = m % rows;
-    const int* begin = model.point_row_at.data + model.pair_row_start.data[pair];
+    const int* begin = model.points.row_at.data + model.points.row_start.data[pair];
     const int from = begin[row > 0 ? row - 1 : 0], to = begin[row + 1 < rows ? row + 1 : rows - 1];
     const double* g = point_gap.data + p0 * room;
     const double* place = point_place.data + p0 * room * 2;
@@ -156,10 +156,10 @@ def sample_few(
     const int oc = (int)::floor(lowest_c), orow = (int)::floor(lowest_r), last = rows_b - 2;
     int beyond = 0;
     for (int p = from; p < to; ++p) {
-        const int at = start + p, s = model.point_station.data[at];
+        const int at = start + p, s = model.points.station.data[at];
         if (st[s * 11 + 6] == 0.0) continue;
-        const double x = model.point_x.data[at], zeta = model.point_zeta.data[at];
-        const double wz = model.point_weight.data[at] * (model.point_row.data[at] == row ? 1.0 - zeta : zeta);
+        const double x = model.points.x.data[at], zeta = model.points.zeta.data[at];
+        const double wz = model.points.weight.data[at] * (model.points.row.data[at] == row ? 1.0 - zeta : zeta);
         size += wz;
         for (int c = 0; c < 6; ++c) f[c] += wz * sw[s * 6 + c];
         for (int t = 0; t < 2; ++t) {
@@ -208,7 +208,7 @@ def weigh_few(
     station_wrench: wp.array4d(dtype=real),
     point_gap: wp.array3d(dtype=real),
     point_place: wp.array4d(dtype=real),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     weak_gap: inout(wp.array3d(dtype=real)),
     area: inout(wp.array3d(dtype=real)),
     wrench: inout(wp.array4d(dtype=real)),
@@ -218,17 +218,17 @@ def weigh_few(
     """Per (world, pair of few points), lanes over hats of the window: what `contact_weights.weigh` does for all."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or not looks_at_few(model, pair) or center[w, pair, 2] != 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not looks_at_few(model, pair) or center[w, pair, 2] != 0:
         return
-    A = model.pair_first[pair]
-    rows = model.surface_rows[A]
-    rows_b = model.surface_rows[model.pair_second[pair]]
-    H = model.half_window
+    A = model.pairs.first[pair]
+    rows = model.surfaces.rows[A]
+    rows_b = model.surfaces.rows[model.pairs.second[pair]]
+    H = model.window.half
     m = (window[w, pair, 0] + H) * rows + lane
     end = (window[w, pair, 1] + H + 1) * rows
     while m < end:
         beyond = sum_few(
-            model, w, pair, m, rows, rows_b, center[w, pair, 1] - model.second_half_window, station, station_wrench,
+            model, w, pair, m, rows, rows_b, center[w, pair, 1] - model.window.second_half, station, station_wrench,
             point_gap, point_place, weak_gap, area, wrench, stencil, stencil_at,
         )  # fmt: skip
         keep_hat(model, w, pair, m, rows, beyond, center, stencil_at, weak_gap, ctl, area)
@@ -238,7 +238,7 @@ def weigh_few(
 @wp.kernel
 def shift_few(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     station: wp.array4d(dtype=real),
@@ -252,29 +252,29 @@ def shift_few(
     gradient."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or not looks_at_few(model, pair):
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not looks_at_few(model, pair):
         return
-    A = model.pair_first[pair]
-    rows = model.surface_rows[A]
-    start = model.pair_point_start[pair]
-    begin = model.pair_row_start[pair]
+    A = model.pairs.first[pair]
+    rows = model.surfaces.rows[A]
+    start = model.points.start[pair]
+    begin = model.points.row_start[pair]
     frozen = center[w, pair, 2]
-    m = (window[w, pair, 0] + model.half_window) * rows + lane
-    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+    m = (window[w, pair, 0] + model.window.half) * rows + lane
+    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
         value = weak_gap[w, pair, m]
         if frozen != 0 and area[w, pair, m] > real(0.0):
             row = m % rows
             for i in range(6):
                 wrench[w, pair, m, i] = real(0.0)
-            p = start + model.point_row_at[begin + wp.max(row - 1, 0)]
-            end = start + model.point_row_at[begin + wp.min(row + 1, rows - 1)]
+            p = start + model.points.row_at[begin + wp.max(row - 1, 0)]
+            end = start + model.points.row_at[begin + wp.min(row + 1, rows - 1)]
             while p < end:
-                s = model.point_station[p]
+                s = model.points.station[p]
                 if station[w, pair, s, 6] != real(0.0):
-                    psi = model.point_zeta[p]
-                    if model.point_row[p] == row:
+                    psi = model.points.zeta[p]
+                    if model.points.row[p] == row:
                         psi = real(1.0) - psi
-                    q = psi * model.point_weight[p]
+                    q = psi * model.points.weight[p]
                     value += q * (station[w, pair, s, 0] - station[w, pair, s, 8])
                     for i in range(6):
                         wrench[w, pair, m, i] = wrench[w, pair, m, i] + q * station_wrench[w, pair, s, i]

@@ -7,9 +7,9 @@ are applied to the present loads, so that the residual is that of the present po
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_compliance import node_of, table_row
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.pair_forces import modal_line
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, real, sync
@@ -23,7 +23,7 @@ SHALLOW = wp.constant(wp.float64(1.0e-5))
 @wp.kernel
 def set_second_window(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     window: wp.array3d(dtype=int),
     area: wp.array3d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
@@ -35,16 +35,16 @@ def set_second_window(
     active set, since their stencils may lie beyond that grid's window."""
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
-    rows = model.surface_rows[model.pair_first[pair]]
-    low = model.second_columns - 1
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    low = model.window.second_columns - 1
     high = int(0)
-    m = (window[w, pair, 0] + model.half_window) * rows
-    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+    m = (window[w, pair, 0] + model.window.half) * rows
+    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
         if area[w, pair, m] > real(0.0):
             low = wp.min(low, stencil_at[w, pair, m, 0])
-            high = wp.max(high, stencil_at[w, pair, m, 0] + model.stencil_columns - 1)
+            high = wp.max(high, stencil_at[w, pair, m, 0] + model.window.stencil_columns - 1)
         else:
             active[w, pair, m] = 0
             pressure[w, pair, m] = real(0.0)
@@ -56,7 +56,7 @@ def set_second_window(
 @wp.kernel
 def modal_fields(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
@@ -70,35 +70,39 @@ def modal_fields(
     """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or (of_state != 0 and ctl[w, k.MOVED] == 0):
+    if ctl[w].run == 0 or (of_state != 0 and ctl[w].moved == 0):
         return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    rows = model.surface_rows[A]
-    first = model.surface_modal_start[A]
-    modes = model.surface_modal_count[A]
-    first += w * model.modal_count
-    m = (window[w, pair, 0] + model.half_window) * rows + lane
-    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    rows = model.surfaces.rows[A]
+    first = model.surfaces.modal_start[A]
+    modes = model.surfaces.modal_count[A]
+    first += w * model.modes.count
+    m = (window[w, pair, 0] + model.window.half) * rows + lane
+    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
         column = m / rows
-        node = node_of(model, A, center[w, pair, 0] + column - model.half_window, m - column * rows)
+        node = node_of(model, A, center[w, pair, 0] + column - model.window.half, m - column * rows)
         value = real(0.0)
         if node >= 0:
-            value = dot(modes, model.mode_moment, model.surface_mode_start[A] + node * modes, amplitude, first)
+            value = dot(
+                modes, model.surfaces.mode_moment, model.surfaces.mode_start[A] + node * modes, amplitude, first
+            )
         first_field[w, pair, m] = value
         m += wp.block_dim()
-    rows = model.surface_rows[B]
-    first = model.surface_modal_start[B]
-    modes = model.surface_modal_count[B]
-    first += w * model.modal_count
+    rows = model.surfaces.rows[B]
+    first = model.surfaces.modal_start[B]
+    modes = model.surfaces.modal_count[B]
+    first += w * model.modes.count
     m = second_window[w, pair, 0] * rows + lane
     while m < (second_window[w, pair, 1] + 1) * rows:
         column = m / rows
-        node = node_of(model, B, center[w, pair, 1] + column - model.second_half_window, m - column * rows)
+        node = node_of(model, B, center[w, pair, 1] + column - model.window.second_half, m - column * rows)
         value = real(0.0)
         if node >= 0:
-            value = dot(modes, model.mode_normal, model.surface_mode_start[B] + node * modes, amplitude, first)
-        second_field[(w * model.pair_count + pair) * model.node_capacity + m] = value
+            value = dot(
+                modes, model.surfaces.mode_normal, model.surfaces.mode_start[B] + node * modes, amplitude, first
+            )
+        second_field[(w * model.pairs.count + pair) * model.window.nodes + m] = value
         m += wp.block_dim()
 
 
@@ -114,15 +118,15 @@ def on_stencil(
     field: wp.array(dtype=real),
 ) -> real:
     """l_i . field, the field given on the window of the second grid."""
-    base = (w * model.pair_count + pair) * model.node_capacity
+    base = (w * model.pairs.count + pair) * model.window.nodes
     total = real(0.0)
     c = int(0)
-    while c < model.stencil_columns:
+    while c < model.window.stencil_columns:
         r = int(0)
-        while r < model.stencil_rows:
+        while r < model.window.stencil_rows:
             row = stencil_at[w, pair, m, 1] + r
             if row < rows:
-                weight = stencil[w, pair, m, c * model.stencil_rows + r]
+                weight = stencil[w, pair, m, c * model.window.stencil_rows + r]
                 total += weight * field[base + (stencil_at[w, pair, m, 0] + c) * rows + row]
             r += 1
         c += 1
@@ -141,16 +145,16 @@ def local_gap(
     second_local: wp.array(dtype=real),
 ) -> real:
     """Opening of a weak gap by the local modes of both bodies."""
-    at = w * model.pair_count + pair
-    rows_b = model.surface_rows[model.pair_second[pair]]
-    value = first_local[at * model.mode_capacity + m]
+    at = w * model.pairs.count + pair
+    rows_b = model.surfaces.rows[model.pairs.second[pair]]
+    value = first_local[at * model.window.hats + m]
     return value + on_stencil(model, w, pair, m, rows_b, stencil, stencil_at, second_local)
 
 
 @wp.kernel
 def close_gaps(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     window: wp.array3d(dtype=int),
     weak_gap: wp.array3d(dtype=real),
     area: wp.array3d(dtype=real),
@@ -173,18 +177,18 @@ def close_gaps(
     """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
-    rows = model.surface_rows[model.pair_first[pair]]
-    rows_b = model.surface_rows[model.pair_second[pair]]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    rows_b = model.surfaces.rows[model.pairs.second[pair]]
     m = lane
-    while m < model.mode_capacity:
+    while m < model.window.hats:
         base[w, pair, m] = real(0.0)
         if active[w, pair, m] != 0:
             base[w, pair, m] = pressure[w, pair, m]
         m += wp.block_dim()
-    m = (window[w, pair, 0] + model.half_window) * rows + lane
-    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+    m = (window[w, pair, 0] + model.window.half) * rows + lane
+    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
         value = weak_gap[w, pair, m]
         if area[w, pair, m] > real(0.0):
             value -= first_field[w, pair, m]
@@ -197,7 +201,7 @@ def close_gaps(
 @wp.kernel
 def local_fields(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
@@ -213,27 +217,27 @@ def local_fields(
     cause by the local modes: weak ones on A's hats (M D_A M s), nodal ones on B (D_B f), both opening the gap."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0:
+    if ctl[w].run == 0:
         return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    rows = model.surface_rows[A]
-    rows_b = model.surface_rows[B]
-    H = model.half_window
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    rows = model.surfaces.rows[A]
+    rows_b = model.surfaces.rows[B]
+    H = model.window.half
     first = window[w, pair, 0] + H
     count = (window[w, pair, 1] + H - first + 1) * rows
-    base = (w * model.pair_count + pair) * model.mode_capacity
+    base = (w * model.pairs.count + pair) * model.window.hats
     low = second_window[w, pair, 0]
     count_b = (second_window[w, pair, 1] - low + 1) * rows_b
-    base_b = (w * model.pair_count + pair) * model.node_capacity
+    base_b = (w * model.pairs.count + pair) * model.window.nodes
     origin = center[w, pair, 0] - H
-    origin_b = center[w, pair, 1] - model.second_half_window
+    origin_b = center[w, pair, 1] - model.window.second_half
     i = lane
-    while i < model.mode_capacity:
+    while i < model.window.hats:
         first_local[base + i] = real(0.0)
         i += wp.block_dim()
     i = lane
-    while i < model.node_capacity:
+    while i < model.window.nodes:
         second_load[base_b + i] = real(0.0)
         second_local[base_b + i] = real(0.0)
         i += wp.block_dim()
@@ -245,13 +249,13 @@ def local_fields(
             column = m / rows
             at = table_row(model, A, origin + column, m - column * rows, origin + first)
             if at >= 0:
-                axpy(count, s, model.self_compliance, at, first_local, base + first * rows)
+                axpy(count, s, model.surfaces.self_compliance, at, first_local, base + first * rows)
             if lane == 0:
                 c = int(0)
-                while c < model.stencil_columns:
+                while c < model.window.stencil_columns:
                     r = int(0)
-                    while r < model.stencil_rows:
-                        weight = stencil[w, pair, m, c * model.stencil_rows + r]
+                    while r < model.window.stencil_rows:
+                        weight = stencil[w, pair, m, c * model.window.stencil_rows + r]
                         if weight != real(0.0):
                             e = base_b + (stencil_at[w, pair, m, 0] + c) * rows_b + stencil_at[w, pair, m, 1] + r
                             second_load[e] = second_load[e] + weight * s
@@ -266,14 +270,14 @@ def local_fields(
             column = i / rows_b
             at = table_row(model, B, origin_b + column, i - column * rows_b, origin_b + low)
             if at >= 0:
-                axpy(count_b, f, model.compliance, at, second_local, base_b + low * rows_b)
+                axpy(count_b, f, model.surfaces.compliance, at, second_local, base_b + low * rows_b)
         i += 1
 
 
 @wp.kernel
 def load_modes(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
@@ -286,46 +290,46 @@ def load_modes(
     grids."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     trial = modal_line(model, w, pair)
     i = lane
-    while i < model.pair_modes:
+    while i < model.pairs.most_modes:
         pair_modal[trial + i] = real(0.0)
         i += wp.block_dim()
     sync()
-    A = model.pair_first[pair]
-    rows = model.surface_rows[A]
-    modes_a = model.surface_modal_count[A]
-    m = (window[w, pair, 0] + model.half_window) * rows
-    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+    A = model.pairs.first[pair]
+    rows = model.surfaces.rows[A]
+    modes_a = model.surfaces.modal_count[A]
+    m = (window[w, pair, 0] + model.window.half) * rows
+    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
         if active[w, pair, m] != 0:
             column = m / rows
-            node = node_of(model, A, center[w, pair, 0] + column - model.half_window, m - column * rows)
+            node = node_of(model, A, center[w, pair, 0] + column - model.window.half, m - column * rows)
             if node >= 0:
-                at = model.surface_mode_start[A] + node * modes_a
-                axpy(modes_a, -pressure[w, pair, m], model.mode_moment, at, pair_modal, trial)
+                at = model.surfaces.mode_start[A] + node * modes_a
+                axpy(modes_a, -pressure[w, pair, m], model.surfaces.mode_moment, at, pair_modal, trial)
         m += 1
-    B = model.pair_second[pair]
-    rows = model.surface_rows[B]
-    modes = model.surface_modal_count[B]
-    base = (w * model.pair_count + pair) * model.node_capacity
+    B = model.pairs.second[pair]
+    rows = model.surfaces.rows[B]
+    modes = model.surfaces.modal_count[B]
+    base = (w * model.pairs.count + pair) * model.window.nodes
     i = second_window[w, pair, 0] * rows
     while i < (second_window[w, pair, 1] + 1) * rows:
         f = second_load[base + i]
         if f != real(0.0):
             column = i / rows
-            node = node_of(model, B, center[w, pair, 1] + column - model.second_half_window, i - column * rows)
+            node = node_of(model, B, center[w, pair, 1] + column - model.window.second_half, i - column * rows)
             if node >= 0:
-                at = model.surface_mode_start[B] + node * modes
-                axpy(modes, -f, model.mode_normal, at, pair_modal, trial + modes_a)
+                at = model.surfaces.mode_start[B] + node * modes
+                axpy(modes, -f, model.surfaces.mode_normal, at, pair_modal, trial + modes_a)
         i += 1
 
 
 @wp.kernel
 def sum_contact(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     window: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
     area: wp.array3d(dtype=real),
@@ -342,23 +346,23 @@ def sum_contact(
     fraction of the penetration, and the penetration)."""
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     worst = real(0.0)
     depth = real(0.0)
     pair = int(0)
-    while pair < model.pair_count:
+    while pair < model.pairs.count:
         energy = real(0.0)
         for i in range(6):
             pair_wrench[w, pair, i] = real(0.0)
-        rows = model.surface_rows[model.pair_first[pair]]
-        m = (window[w, pair, 0] + model.half_window) * rows
-        while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+        rows = model.surfaces.rows[model.pairs.first[pair]]
+        m = (window[w, pair, 0] + model.window.half) * rows
+        while m < (window[w, pair, 1] + model.window.half + 1) * rows:
             if active[w, pair, m] != 0 and area[w, pair, m] > real(0.0):
                 s = pressure[w, pair, m]
                 for i in range(6):
                     whole = wrench[w, pair, m, i]
-                    if model.pair_family[pair] == 1:
+                    if model.pairs.family[pair] == 1:
                         whole += more_wrench[w, pair, m, i]
                     pair_wrench[w, pair, i] = pair_wrench[w, pair, i] + s * whole
                 energy += real(0.5) * s * (opened[w, pair, m] - gap[w, pair, m])

@@ -35,6 +35,7 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
 
@@ -76,7 +77,7 @@ def locate(
     models: wp.array(dtype=Model),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     phase: inout(wp.array3d(dtype=real)),
     center: inout(wp.array3d(dtype=int)),
     station: inout(wp.array4d(dtype=real)),
@@ -89,40 +90,40 @@ def locate(
     """
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_family[pair] != 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != 0:
         return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    body_a = model.surface_body[A]
-    body_b = model.surface_body[B]
-    O_A = r1[w, body_a] + axes[w, body_a] * model.surface_origin[A]
-    O_B = r1[w, body_b] + axes[w, body_b] * model.surface_origin[B]
-    F_A = axes[w, body_a] * model.surface_frame[A]
-    F_B = axes[w, body_b] * model.surface_frame[B]
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    body_a = model.surfaces.body[A]
+    body_b = model.surfaces.body[B]
+    O_A = r1[w, body_a] + axes[w, body_a] * model.surfaces.origin[A]
+    O_B = r1[w, body_b] + axes[w, body_b] * model.surfaces.origin[B]
+    F_A = axes[w, body_a] * model.surfaces.frame[A]
+    F_B = axes[w, body_b] * model.surfaces.frame[B]
     e_A = vec3(F_A[0, 2], F_A[1, 2], F_A[2, 2])
     e_B = vec3(F_B[0, 2], F_B[1, 2], F_B[2, 2])
     cosine = wp.dot(e_A, e_B)
-    turn_a = TWO_PI / model.surface_pitch[A]
-    turn_b = TWO_PI / model.surface_pitch[B]
-    middle_a = real(0.5) * real(model.surface_columns[A] - 1)
-    middle_b = real(0.5) * real(model.surface_columns[B] - 1)
-    rows = model.surface_rows[A]
-    z0 = model.surface_z_start[A]
-    zb0 = model.surface_z_start[B]
-    zb_low = model.surface_z[zb0]
-    zb_high = model.surface_z[zb0 + model.surface_rows[B] - 1]
-    count = (rows - 1) * model.z_points
+    turn_a = TWO_PI / model.surfaces.pitch[A]
+    turn_b = TWO_PI / model.surfaces.pitch[B]
+    middle_a = real(0.5) * real(model.surfaces.columns[A] - 1)
+    middle_b = real(0.5) * real(model.surfaces.columns[B] - 1)
+    rows = model.surfaces.rows[A]
+    z0 = model.surfaces.z_start[A]
+    zb0 = model.surfaces.z_start[B]
+    zb_low = model.surfaces.z[zb0]
+    zb_high = model.surfaces.z[zb0 + model.surfaces.rows[B] - 1]
+    count = (rows - 1) * model.quadrature.z_points
     column_a = real(0.0)
     column_b = real(0.0)
     largest = real(0.0)
     moved = real(0.0)
     s = int(0)
     while s < count:
-        cell = s / model.z_points
-        g = s - cell * model.z_points
-        low = model.surface_z[z0 + cell]
-        dz = model.surface_z[z0 + cell + 1] - low
-        z = low + model.z_abscissa[g] * dz
+        cell = s / model.quadrature.z_points
+        g = s - cell * model.quadrature.z_points
+        low = model.surfaces.z[z0 + cell]
+        dz = model.surfaces.z[z0 + cell + 1] - low
+        z = low + model.quadrature.z_abscissa[g] * dz
         a = O_A + z * e_A
         axial = wp.dot(e_A, a - O_B) / cosine
         b = O_B + axial * e_B
@@ -131,13 +132,13 @@ def locate(
         c = v / d
         t = wp.cross(e_A, c)
         u = wp.transpose(F_A) * c
-        x_a = (wp.atan2(u[1], u[0]) - model.surface_theta[A]) / model.surface_pitch[A]
+        x_a = (wp.atan2(u[1], u[0]) - model.surfaces.theta[A]) / model.surfaces.pitch[A]
         u = wp.transpose(F_B) * c
-        x_b = (wp.atan2(-u[1], -u[0]) - model.surface_theta[B]) / model.surface_pitch[B]
+        x_b = (wp.atan2(-u[1], -u[0]) - model.surfaces.theta[B]) / model.surfaces.pitch[B]
         if s == 0:
             x_a = wrap(x_a, turn_a, middle_a)
             x_b = wrap(x_b, turn_b, middle_b)
-            if ctl[w, k.ITERATION] > 0:  # stay on the branch of the window
+            if ctl[w].iteration > 0:  # stay on the branch of the window
                 x_a = wrap(x_a, turn_a, real(center[w, pair, 0]))
                 x_b = wrap(x_b, turn_b, real(center[w, pair, 1]))
             column_a = x_a
@@ -145,10 +146,10 @@ def locate(
         x_a = wrap(x_a, turn_a, column_a)
         x_b = wrap(x_b, turn_b, column_b)
         N = c - e_A * (wp.dot(c, e_B) / cosine)
-        f = N + e_A * (slope_at(model.surface_crown[B], axial) / cosine)
+        f = N + e_A * (slope_at(model.surfaces.crown[B], axial) / cosine)
         m = wp.cross(b - r1[w, body_a], f)
-        slope = slope_at(model.surface_crown[A], z)
-        weight = model.z_weight[g] * dz * radius_at(model.surface_radius[A], model.surface_crown[A], z)
+        slope = slope_at(model.surfaces.crown[A], z)
+        weight = model.quadrature.z_weight[g] * dz * radius_at(model.surfaces.radius[A], model.surfaces.crown[A], z)
         weight *= wp.sqrt(real(1.0) + slope * slope)
         if axial < zb_low or axial > zb_high:
             weight = real(0.0)  # no opposite surface here
@@ -174,21 +175,21 @@ def locate(
             phase[w, pair, 7] = x_b
         s += 1
     if largest > PHASE_TOLERANCE:
-        ctl[w, k.REASSEMBLE] = 1
+        ctl[w].reassemble = 1
     mid_a = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6])
     mid_b = real(0.5) * (phase[w, pair, 5] + phase[w, pair, 7])
     if not (wp.abs(mid_a) < FARTHEST and wp.abs(mid_b) < FARTHEST):  # also where they are not numbers
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_FINITE
-        ctl[w, k.RUN] = 0
+        ctl[w].failure = ctl[w].failure | k.NOT_FINITE
+        ctl[w].run = 0
         return
     center[w, pair, 2] = 0
     drift = wp.max(wp.abs(mid_a - real(center[w, pair, 0])), wp.abs(mid_b - real(center[w, pair, 1])))
-    if ctl[w, k.ITERATION] == 0 or drift > DRIFT:
+    if ctl[w].iteration == 0 or drift > DRIFT:
         center[w, pair, 0] = int(wp.floor(mid_a + real(0.5)))
         center[w, pair, 1] = int(wp.floor(mid_b + real(0.5)))
-        ctl[w, k.REASSEMBLE] = 1
-        ctl[w, k.RECENTER] = 1
-    elif moved <= FREEZE and ctl[w, k.REASSEMBLE] == 0 and model.surface_crown[B] == real(0.0):
+        ctl[w].reassemble = 1
+        ctl[w].recenter = 1
+    elif moved <= FREEZE and ctl[w].reassemble == 0 and model.surfaces.crown[B] == real(0.0):
         center[w, pair, 2] = 1
     if center[w, pair, 2] == 0:
         s = int(0)
@@ -202,10 +203,10 @@ def locate(
 @wp.func
 def row_below(model: Model, B: int, z: real) -> int:
     """Row of B's grid at or below z, kept inside the grid."""
-    z0 = model.surface_z_start[B]
-    last = model.surface_rows[B] - 2
+    z0 = model.surfaces.z_start[B]
+    last = model.surfaces.rows[B] - 2
     i = int(0)
-    while i < last and z >= model.surface_z[z0 + i + 1]:
+    while i < last and z >= model.surfaces.z[z0 + i + 1]:
         i += 1
     return i
 
@@ -213,7 +214,7 @@ def row_below(model: Model, B: int, z: real) -> int:
 @wp.kernel
 def sample(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     station: wp.array4d(dtype=real),
@@ -225,39 +226,39 @@ def sample(
     """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or center[w, pair, 2] != 0 or model.pair_family[pair] != 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or center[w, pair, 2] != 0 or model.pairs.family[pair] != 0:
         return
-    if model.pair_point_count[pair] != 0:  # few points: `contact_few`
+    if model.points.count[pair] != 0:  # few points: `contact_few`
         return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    stations = (model.surface_rows[A] - 1) * model.z_points
-    per_cell = model.theta_points * stations
-    first = window[w, pair, 0] + model.half_window
-    last = window[w, pair, 1] + model.half_window + 1
-    R_A = model.surface_radius[A]
-    crown_a = model.surface_crown[A]
-    crown_b = model.surface_crown[B]
-    z0 = model.surface_z_start[A]
-    zb0 = model.surface_z_start[B]
-    columns = (last + 1 - first) * model.theta_points
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    stations = (model.surfaces.rows[A] - 1) * model.quadrature.z_points
+    per_cell = model.quadrature.theta_points * stations
+    first = window[w, pair, 0] + model.window.half
+    last = window[w, pair, 1] + model.window.half + 1
+    R_A = model.surfaces.radius[A]
+    crown_a = model.surfaces.crown[A]
+    crown_b = model.surfaces.crown[B]
+    z0 = model.surfaces.z_start[A]
+    zb0 = model.surfaces.z_start[B]
+    columns = (last + 1 - first) * model.quadrature.theta_points
     e = lane
     while e < columns:
-        cell = first + e / model.theta_points
-        g = e % model.theta_points
-        x = real(center[w, pair, 0] + cell - model.half_window - 1) + model.theta_abscissa[g]
+        cell = first + e / model.quadrature.theta_points
+        g = e % model.quadrature.theta_points
+        x = real(center[w, pair, 0] + cell - model.window.half - 1) + model.quadrature.theta_abscissa[g]
         # stations differ little: sines and the angle on B are carried from the first one by their series
         x_0 = station[w, pair, 0, 1]
-        xi = (x - x_0) * model.surface_pitch[A]
+        xi = (x - x_0) * model.surfaces.pitch[A]
         sine = wp.sin(xi)
         cosine = wp.cos(xi)
-        R_B0 = radius_at(model.surface_radius[B], crown_b, station[w, pair, 0, 3])
+        R_B0 = radius_at(model.surfaces.radius[B], crown_b, station[w, pair, 0, 3])
         y_0 = R_A * sine
         h_0 = wp.sqrt(wp.max(R_B0 * R_B0 - y_0 * y_0, real(0.0)))
         angle_0 = wp.atan2(y_0, h_0)
         s = int(0)
         while s < stations:
-            d = (x_0 - station[w, pair, s, 1]) * model.surface_pitch[A]
+            d = (x_0 - station[w, pair, s, 1]) * model.surfaces.pitch[A]
             si = sine
             co = cosine
             if wp.abs(d) > SERIES:
@@ -268,16 +269,18 @@ def sample(
                 co = cosine - d * (sine + real(0.5) * d * cosine)
             R = R_A
             if crown_a != real(0.0):
-                zc = s / model.z_points
-                low = model.surface_z[z0 + zc]
-                z = low + model.z_abscissa[s - zc * model.z_points] * (model.surface_z[z0 + zc + 1] - low)
+                zc = s / model.quadrature.z_points
+                low = model.surfaces.z[z0 + zc]
+                z = low + model.quadrature.z_abscissa[s - zc * model.quadrature.z_points] * (
+                    model.surfaces.z[z0 + zc + 1] - low
+                )
                 R = radius_at(R_A, crown_a, z)
             y = R * si
-            R_B = radius_at(model.surface_radius[B], crown_b, station[w, pair, s, 3])
+            R_B = radius_at(model.surfaces.radius[B], crown_b, station[w, pair, s, 3])
             h = wp.sqrt(wp.max(R_B * R_B - y * y, real(0.0)))
             axial = station[w, pair, s, 3] + y * station[w, pair, s, 4] - h * station[w, pair, s, 5]
             if crown_b != real(0.0):
-                R_B = radius_at(model.surface_radius[B], crown_b, axial)
+                R_B = radius_at(model.surfaces.radius[B], crown_b, axial)
                 h = wp.sqrt(wp.max(R_B * R_B - y * y, real(0.0)))
             turned = (y * h_0 - h * y_0) / (R_B * R_B0)  # sine of the angle from the first station's point
             angle = angle_0 + turned
@@ -286,11 +289,11 @@ def sample(
             i = cell * per_cell + g * stations + s
             point_gap[w, pair, i] = station[w, pair, s, 0] - h - R * co
             point_place[w, pair, i, 0] = (
-                station[w, pair, s, 2] + station[w, pair, s, 7] * angle / model.surface_pitch[B]
+                station[w, pair, s, 2] + station[w, pair, s, 7] * angle / model.surfaces.pitch[B]
             )
             row = row_below(model, B, axial)
-            low = model.surface_z[zb0 + row]
-            place = real(row) + (axial - low) / (model.surface_z[zb0 + row + 1] - low)
-            point_place[w, pair, i, 1] = wp.clamp(place, real(0.0), real(model.surface_rows[B] - 1))
+            low = model.surfaces.z[zb0 + row]
+            place = real(row) + (axial - low) / (model.surfaces.z[zb0 + row + 1] - low)
+            point_place[w, pair, i, 1] = wp.clamp(place, real(0.0), real(model.surfaces.rows[B] - 1))
             s += 1
         e += wp.block_dim()

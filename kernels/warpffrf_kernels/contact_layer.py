@@ -39,6 +39,7 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Clock, Control
 from warpffrf_kernels.layer_laws import CHI, CONSTANT, layer_depth, layer_pressure, least_depth
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real, sync
@@ -54,22 +55,22 @@ SIDE_STEPS = wp.constant(2)  # steps towards the intersection: it is a starting 
 def cell_exists(model: Model, surface: int, column: int) -> bool:
     """Is there a cell between the grid columns `column` and the next, counted over full turns? On an arc the outermost
     columns have one on their outer side too, where their hats end."""
-    return model.surface_periodic[surface] != 0 or (column >= -1 and column < model.surface_columns[surface])
+    return model.surfaces.periodic[surface] != 0 or (column >= -1 and column < model.surfaces.columns[surface])
 
 
 @wp.func
-def rate_of(model: Model, ctl: wp.array2d(dtype=int), clk: wp.array2d(dtype=real), w: int, pair: int) -> real:
+def rate_of(model: Model, ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int, pair: int) -> real:
     """chi/h [1/m] of a pair's law in a step in time, else 0."""
-    if ctl[w, k.MODE] != k.DYNAMIC or clk[w, k.H] < NO_TIME:
+    if ctl[w].mode != k.DYNAMIC or clk[w].h < NO_TIME:
         return real(0.0)
-    return model.layer_number[pair, CHI] / clk[w, k.H]
+    return model.layers.number[pair, CHI] / clk[w].h
 
 
 @wp.func
 def hat_value(model: Model, node: int, point: int) -> real:
     """Value of corner `node` = 2 c + r of a cell at its point with the number `point` in the tables."""
-    x = model.layer_x[point]
-    z = model.layer_zeta[point]
+    x = model.layers.x[point]
+    z = model.layers.zeta[point]
     if node < 2:
         x = real(1.0) - x
     if node % 2 == 0:
@@ -82,7 +83,7 @@ def corner_of(model: Model, cell: int, row: int, rows: int, node: int) -> int:
     """Window index of corner `node` = 2 c + r of the cell (cell, row), cell between the columns cell - 1 and cell of
     the window; -1 beyond the window."""
     column = cell - 1 + node / 2
-    if column < 0 or column >= model.window_columns:
+    if column < 0 or column >= model.window.columns:
         return -1
     return column * rows + row + node % 2
 
@@ -90,8 +91,8 @@ def corner_of(model: Model, cell: int, row: int, rows: int, node: int) -> int:
 @wp.kernel
 def linearise_layer(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
@@ -114,26 +115,26 @@ def linearise_layer(
     """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.layer_kind[pair] == CONSTANT:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.layers.kind[pair] == CONSTANT:
         return
-    A = model.pair_first[pair]
-    rows = model.surface_rows[A]
-    start = model.layer_point_start[pair]
-    per_column = model.layer_point_count[pair]
+    A = model.pairs.first[pair]
+    rows = model.surfaces.rows[A]
+    start = model.layers.point_start[pair]
+    per_column = model.layers.point_count[pair]
     rate = rate_of(model, ctl, clk, w, pair)
-    fresh = ctl[w, k.ITERATION] == 0 or ctl[w, k.RECENTER] != 0
+    fresh = ctl[w].iteration == 0 or ctl[w].recenter != 0
     moved = center[w, pair, 0] - column_before[w, pair]
-    turn = model.surface_turn[A]
+    turn = model.surfaces.turn[A]
     if turn > 0:
         moved = moved - turn * int(wp.floor(real(moved) / real(turn) + real(0.5)))
-    last = (model.window_columns + 1) * per_column
-    q = (window[w, pair, 0] + model.half_window) * per_column + lane
-    end = (window[w, pair, 1] + model.half_window + 2) * per_column
+    last = (model.window.columns + 1) * per_column
+    q = (window[w, pair, 0] + model.window.half) * per_column + lane
+    end = (window[w, pair, 1] + model.window.half + 2) * per_column
     if fresh:
         q = lane
         end = last
         m = lane
-        while m < model.mode_capacity:
+        while m < model.window.hats:
             support[w, pair, m] = real(0.0)
             m += wp.block_dim()
         sync()
@@ -142,7 +143,7 @@ def linearise_layer(
     while q < end:
         cell = q / per_column
         point = start + q - cell * per_column
-        row = model.layer_row[point]
+        row = model.layers.row[point]
         p = real(0.0)
         held = real(0.0)
         share = real(0.0)
@@ -216,7 +217,7 @@ def next_depth(
 @wp.kernel
 def weigh_layer(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     flexibility: wp.array3d(dtype=real),
@@ -228,15 +229,15 @@ def weigh_layer(
     row + r - 1) at 3 c + r."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.layer_kind[pair] == CONSTANT:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.layers.kind[pair] == CONSTANT:
         return
-    A = model.pair_first[pair]
-    rows = model.surface_rows[A]
-    start = model.layer_point_start[pair]
-    per_column = model.layer_point_count[pair]
-    row_at = model.layer_row_start[pair]
-    m = (window[w, pair, 0] + model.half_window) * rows + lane
-    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+    A = model.pairs.first[pair]
+    rows = model.surfaces.rows[A]
+    start = model.layers.point_start[pair]
+    per_column = model.layers.point_count[pair]
+    row_at = model.layers.row_start[pair]
+    m = (window[w, pair, 0] + model.window.half) * rows + lane
+    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
         column = m / rows
         own_row = m - column * rows
         for n in range(9):
@@ -245,13 +246,13 @@ def weigh_layer(
         for corner in range(4):  # which corner of the cell the hat is
             cell = column + 1 - corner / 2
             row = own_row - corner % 2
-            absolute = center[w, pair, 0] + cell - 1 - model.half_window
+            absolute = center[w, pair, 0] + cell - 1 - model.window.half
             if row >= 0 and row < rows - 1 and cell_exists(model, A, absolute):
-                point = start + model.layer_row_at[row_at + row]
-                end = start + model.layer_row_at[row_at + row + 1]
+                point = start + model.layers.row_at[row_at + row]
+                end = start + model.layers.row_at[row_at + row + 1]
                 q = cell * per_column + point - start
                 while point < end:
-                    weight = hat_value(model, corner, point) * model.layer_area[point]
+                    weight = hat_value(model, corner, point) * model.layers.area[point]
                     total += weight * beginning[w, pair, q]
                     weight = weight * flexibility[w, pair, q]
                     for node in range(4):
@@ -283,7 +284,7 @@ def linear_yield(
     for c in range(3):
         for r in range(3):
             other = (column + c - 1) * rows + row + r - 1
-            inside = column + c >= 1 and column + c <= model.window_columns and row + r >= 1 and row + r <= rows
+            inside = column + c >= 1 and column + c <= model.window.columns and row + r >= 1 and row + r <= rows
             if inside:
                 if active[w, pair, other] != 0:
                     value += tangent[w, pair, m, 3 * c + r] * pressure[w, pair, other]
@@ -293,7 +294,7 @@ def linear_yield(
 @wp.kernel
 def add_yield(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     window: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
@@ -304,12 +305,12 @@ def add_yield(
     """Per (world, pair), lanes over hats of the window: the layer's weak yield, added to what the local modes open."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or model.layer_kind[pair] == CONSTANT:
+    if ctl[w].run == 0 or model.layers.kind[pair] == CONSTANT:
         return
-    rows = model.surface_rows[model.pair_first[pair]]
-    base = (w * model.pair_count + pair) * model.mode_capacity
-    m = (window[w, pair, 0] + model.half_window) * rows + lane
-    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    base = (w * model.pairs.count + pair) * model.window.hats
+    m = (window[w, pair, 0] + model.window.half) * rows + lane
+    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
         value = linear_yield(model, w, pair, m, rows, active, pressure, offset, tangent)
         first_local[base + m] = first_local[base + m] + value
         m += wp.block_dim()
@@ -318,7 +319,7 @@ def add_yield(
 @wp.kernel
 def add_flexibility(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     active: wp.array3d(dtype=int),
     area: wp.array3d(dtype=real),
     slot_of: wp.array3d(dtype=int),
@@ -331,18 +332,18 @@ def add_flexibility(
     after an evaluation, S of the module docstring. A lane writes the line of its own slot only."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0:
+    if ctl[w].run == 0:
         return
-    slots = ctl[w, k.SLOTS]
-    fresh = ctl[w, k.FRESH]
-    if ctl[w, k.MOVED] != 0:
+    slots = ctl[w].slots
+    fresh = ctl[w].fresh
+    if ctl[w].moved != 0:
         fresh = int(0)
     i = lane
     while i < slots:
         pair = slot_mode[w, i, 0]
         m = slot_mode[w, i, 1]
-        if model.layer_kind[pair] != CONSTANT:
-            if ctl[w, k.MOVED] != 0:
+        if model.layers.kind[pair] != CONSTANT:
+            if ctl[w].moved != 0:
                 total = real(0.0)
                 j = int(0)
                 while j < slots:
@@ -353,12 +354,12 @@ def add_flexibility(
                 support[w, pair, m] = real(0.0)
                 if area[w, pair, m] > real(0.0):
                     support[w, pair, m] = wp.max(total / area[w, pair, m], real(0.0))
-            rows = model.surface_rows[model.pair_first[pair]]
+            rows = model.surfaces.rows[model.pairs.first[pair]]
             column = m / rows
             row = m - column * rows
             for c in range(3):
                 for r in range(3):
-                    inside = column + c >= 1 and column + c <= model.window_columns and row + r >= 1
+                    inside = column + c >= 1 and column + c <= model.window.columns and row + r >= 1
                     if inside and row + r <= rows:
                         j = slot_of[w, pair, (column + c - 1) * rows + row + r - 1]
                         if j >= 0 and wp.max(i, j) >= fresh:

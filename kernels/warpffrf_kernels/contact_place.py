@@ -26,6 +26,7 @@ import warp as wp
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_geometry import DRIFT, FARTHEST, PHASE_TOLERANCE, row_below, wrap
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.surface import (
@@ -70,19 +71,19 @@ class View:
 
 @wp.func
 def view_of(model: Model, w: int, pair: int, r1: wp.array2d(dtype=vec3), axes: wp.array2d(dtype=mat33)) -> View:
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    body_a = model.surface_body[A]
-    body_b = model.surface_body[B]
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    body_a = model.surfaces.body[A]
+    body_b = model.surfaces.body[B]
     turn_a = axes_of(axes, w, body_a)
     turn_b = axes_of(axes, w, body_b)
     # the difference of the centres of mass first: positions may be large against the bodies
     between = origin_of(r1, w, body_a) - origin_of(r1, w, body_b)
-    between += turn_a * model.surface_origin[A] - turn_b * model.surface_origin[B]
-    to_b = wp.transpose(turn_b * model.surface_frame[B])
+    between += turn_a * model.surfaces.origin[A] - turn_b * model.surfaces.origin[B]
+    to_b = wp.transpose(turn_b * model.surfaces.frame[B])
     view = View()
     view.at = to_b * between
-    view.turn = to_b * (turn_a * model.surface_frame[A])
+    view.turn = to_b * (turn_a * model.surfaces.frame[A])
     return view
 
 
@@ -95,11 +96,11 @@ def gap_at(model: Model, A: int, B: int, view: View, theta: real, z: real) -> re
 @wp.func
 def slopes(model: Model, A: int, B: int, view: View, column: real, z: real) -> wp.vec2d:
     """dg/dtheta and dg/dz at a column and axial position of A."""
-    theta = model.surface_theta[A] + column * model.surface_pitch[A]
+    theta = model.surfaces.theta[A] + column * model.surfaces.pitch[A]
     x = local_point(model, A, theta, z)
     around = vec3(-x[1], x[0], real(0.0))
     along = vec3(real(0.0), real(0.0), real(1.0))
-    if model.surface_planar[A] != 0:
+    if model.surfaces.planar[A] != 0:
         around = vec3(real(0.0), real(1.0), real(0.0))
     else:
         slope = slope_of(model, A, z)
@@ -111,9 +112,9 @@ def slopes(model: Model, A: int, B: int, view: View, column: real, z: real) -> w
 @wp.func
 def section_of(model: Model, A: int, section: int) -> real:
     """z of a section: the middle first."""
-    z0 = model.surface_z_start[A]
-    low = model.surface_z[z0]
-    high = model.surface_z[z0 + model.surface_rows[A] - 1]
+    z0 = model.surfaces.z_start[A]
+    low = model.surfaces.z[z0]
+    high = model.surfaces.z[z0 + model.surfaces.rows[A] - 1]
     if section == 1:
         return low
     if section == 2:
@@ -125,18 +126,18 @@ def section_of(model: Model, A: int, section: int) -> real:
 def spacing_of(model: Model, A: int) -> real:
     """Columns between two angles of the first look."""
     angles = int(SCAN)
-    if model.surface_periodic[A] != 0:
-        return real(model.surface_columns[A]) / real(angles)
-    return real(model.surface_columns[A] - 1) / real(angles - 1)
+    if model.surfaces.periodic[A] != 0:
+        return real(model.surfaces.columns[A]) / real(angles)
+    return real(model.surfaces.columns[A] - 1) / real(angles - 1)
 
 
 @wp.func
 def settle(model: Model, A: int, B: int, view: View, start: real, z: real) -> real:
     """Column of A nearest to the column `start` where the gap of the section z is least."""
-    pitch = model.surface_pitch[A]
+    pitch = model.surfaces.pitch[A]
     flat = FLAT * model.length
-    last = real(model.surface_columns[A] - 1)
-    around = model.surface_periodic[A] != 0
+    last = real(model.surfaces.columns[A] - 1)
+    around = model.surfaces.periodic[A] != 0
     farthest = wp.max(spacing_of(model, A), real(1.0))  # columns a step
     low = real(-1.0e300)  # the bracket: where the gap still falls and where it rises again
     high = real(1.0e300)
@@ -168,11 +169,11 @@ def settle(model: Model, A: int, B: int, view: View, start: real, z: real) -> re
 @wp.func
 def least_place(model: Model, A: int, B: int, view: View, column: real, z_start: real) -> vec3:
     """Smallest gap [m] about a column and axial position of A, over the extent of A's grid, and its column and z."""
-    pitch = model.surface_pitch[A]
-    low = model.surface_z[model.surface_z_start[A]]
-    high = model.surface_z[model.surface_z_start[A] + model.surface_rows[A] - 1]
+    pitch = model.surfaces.pitch[A]
+    low = model.surfaces.z[model.surfaces.z_start[A]]
+    high = model.surfaces.z[model.surfaces.z_start[A] + model.surfaces.rows[A] - 1]
     z = z_start
-    theta = model.surface_theta[A] + column * pitch
+    theta = model.surfaces.theta[A] + column * pitch
     best = gap_at(model, A, B, view, theta, z)
     looks = int(LOOKS)
     i = int(0)
@@ -214,10 +215,10 @@ def least_place(model: Model, A: int, B: int, view: View, column: real, z_start:
         tries = int(0)
         while tries < HALVINGS:
             x_to = x + share * wp.clamp(move_a / (R * pitch), -real(8.0), real(8.0))
-            if model.surface_periodic[A] == 0:
-                x_to = wp.clamp(x_to, real(0.0), real(model.surface_columns[A] - 1))
+            if model.surfaces.periodic[A] == 0:
+                x_to = wp.clamp(x_to, real(0.0), real(model.surfaces.columns[A] - 1))
             z_to = wp.clamp(z + share * move_z, low, high)
-            g = gap_at(model, A, B, view, model.surface_theta[A] + x_to * pitch, z_to)
+            g = gap_at(model, A, B, view, model.surfaces.theta[A] + x_to * pitch, z_to)
             tries += 1
             share *= real(0.5)
             if g < best:
@@ -243,11 +244,11 @@ def scan(
     touched: wp.array3d(dtype=int),
 ):
     """The first look: the nearest place, and the columns of other minima that overlap."""
-    around = model.surface_periodic[A] != 0
+    around = model.surfaces.periodic[A] != 0
     spacing = spacing_of(model, A)
-    pitch = model.surface_pitch[A]
-    theta = model.surface_theta[A]
-    x_at = real(0.5) * real(model.surface_columns[A] - 1)
+    pitch = model.surfaces.pitch[A]
+    theta = model.surfaces.theta[A]
+    x_at = real(0.5) * real(model.surfaces.columns[A] - 1)
     z_at = section_of(model, A, 0)
     first = real(0.0)
     if around:
@@ -309,7 +310,7 @@ def locate_points(
     models: wp.array(dtype=Model),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     phase: inout(wp.array3d(dtype=real)),
     center: inout(wp.array3d(dtype=int)),
     nearest: inout(wp.array3d(dtype=real)),
@@ -323,14 +324,14 @@ def locate_points(
     """
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_family[pair] != 1:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != 1:
         return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
     view = view_of(model, w, pair, r1, axes)
-    columns = model.surface_columns[A]
-    whole = model.surface_periodic[A] == 0 and columns <= model.window_columns
-    if ctl[w, k.ITERATION] == 0:
+    columns = model.surfaces.columns[A]
+    whole = model.surfaces.periodic[A] == 0 and columns <= model.window.columns
+    if ctl[w].iteration == 0:
         scan(model, w, pair, A, B, view, nearest, touched)
     z = nearest[w, pair, 1]
     x = settle(model, A, B, view, nearest[w, pair, 0], z)
@@ -338,36 +339,36 @@ def locate_points(
     x_a = x
     if whole:
         x_a = real((columns - 1) / 2)
-    theta = model.surface_theta[A] + x_a * model.surface_pitch[A]
+    theta = model.surfaces.theta[A] + x_a * model.surfaces.pitch[A]
     x_b = real(0.0)
     row_b = real(0.0)
     turned = real(0.0)
-    if model.surface_rigid[B] == 0:
+    if model.surfaces.rigid[B] == 0:
         foot = chart_of(model, B, view.at + view.turn * local_point(model, A, theta, z))
-        x_b = (foot[0] - model.surface_theta[B]) / model.surface_pitch[B]
-        end = model.surface_z[model.surface_z_start[A] + model.surface_rows[A] - 1]
-        if z > real(0.5) * (end + model.surface_z[model.surface_z_start[A]]):
-            end = model.surface_z[model.surface_z_start[A]]
+        x_b = (foot[0] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+        end = model.surfaces.z[model.surfaces.z_start[A] + model.surfaces.rows[A] - 1]
+        if z > real(0.5) * (end + model.surfaces.z[model.surfaces.z_start[A]]):
+            end = model.surfaces.z[model.surfaces.z_start[A]]
         other = chart_of(model, B, view.at + view.turn * local_point(model, A, theta, end))
-        turned = (other[0] - foot[0]) / model.surface_pitch[B]
-        if model.surface_planar[B] == 0:
-            turn_b = TWO_PI / model.surface_pitch[B]
-            middle = real(0.5) * real(model.surface_columns[B] - 1)
-            if ctl[w, k.ITERATION] > 0:  # stay on the branch of the window
+        turned = (other[0] - foot[0]) / model.surfaces.pitch[B]
+        if model.surfaces.planar[B] == 0:
+            turn_b = TWO_PI / model.surfaces.pitch[B]
+            middle = real(0.5) * real(model.surfaces.columns[B] - 1)
+            if ctl[w].iteration > 0:  # stay on the branch of the window
                 middle = real(center[w, pair, 1])
             x_b = wrap(x_b, turn_b, middle)
             turned = wrap(turned, turn_b, real(0.0))
         row = row_below(model, B, foot[1])
-        z0 = model.surface_z_start[B] + row
-        row_b = real(row) + (foot[1] - model.surface_z[z0]) / (model.surface_z[z0 + 1] - model.surface_z[z0])
+        z0 = model.surfaces.z_start[B] + row
+        row_b = real(row) + (foot[1] - model.surfaces.z[z0]) / (model.surfaces.z[z0 + 1] - model.surfaces.z[z0])
     if not (wp.abs(x_a) < FARTHEST and wp.abs(x_b) < FARTHEST):  # also where they are not numbers
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.NOT_FINITE
-        ctl[w, k.RUN] = 0
+        ctl[w].failure = ctl[w].failure | k.NOT_FINITE
+        ctl[w].run = 0
         return
     largest = wp.max(wp.abs(x_a - phase[w, pair, 0]), wp.abs(x_b - phase[w, pair, 1]))
     largest = wp.max(largest, wp.max(wp.abs(row_b - phase[w, pair, 8]), wp.abs(turned - phase[w, pair, 9])))
     if largest > PHASE_TOLERANCE:
-        ctl[w, k.REASSEMBLE] = 1
+        ctl[w].reassemble = 1
     for i in range(2):
         phase[w, pair, 4 + 2 * i] = x_a
         phase[w, pair, 5 + 2 * i] = x_b
@@ -375,17 +376,17 @@ def locate_points(
     phase[w, pair, 11] = turned
     center[w, pair, 2] = 0
     drift = wp.max(wp.abs(x_a - real(center[w, pair, 0])), wp.abs(x_b - real(center[w, pair, 1])))
-    if ctl[w, k.ITERATION] == 0 or drift > DRIFT:
+    if ctl[w].iteration == 0 or drift > DRIFT:
         center[w, pair, 0] = int(wp.floor(x_a + real(0.5)))
         center[w, pair, 1] = int(wp.floor(x_b + real(0.5)))
-        ctl[w, k.REASSEMBLE] = 1
-        ctl[w, k.RECENTER] = 1
+        ctl[w].reassemble = 1
+        ctl[w].recenter = 1
 
 
 @wp.kernel
 def measure_approach(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     nearest: wp.array3d(dtype=real),
@@ -395,12 +396,12 @@ def measure_approach(
     `record` finds distance and column of the first and the last station of the other pairs."""
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w, k.RECORD] == 0 or model.pair_family[pair] != 1:
+    if ctl[w].record == 0 or model.pairs.family[pair] != 1:
         return
-    A = model.pair_first[pair]
+    A = model.pairs.first[pair]
     view = view_of(model, w, pair, r1, axes)
-    place = least_place(model, A, model.pair_second[pair], view, nearest[w, pair, 0], nearest[w, pair, 1])
+    place = least_place(model, A, model.pairs.second[pair], view, nearest[w, pair, 0], nearest[w, pair, 1])
     for end in range(2):
-        s = end * ((model.surface_rows[A] - 1) * model.z_points - 1)
+        s = end * ((model.surfaces.rows[A] - 1) * model.quadrature.z_points - 1)
         station[w, pair, s, 0] = place[0]
         station[w, pair, s, 1] = nearest[w, pair, 0]

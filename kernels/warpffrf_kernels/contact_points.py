@@ -26,6 +26,7 @@ from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_geometry import row_below, wrap
 from warpffrf_kernels.contact_place import TWO_PI, view_of
 from warpffrf_kernels.contact_wrench import Held, point_wrench
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.surface import CENTRE, axes_of, meridian_of
@@ -40,7 +41,7 @@ LINE = 16
 @wp.kernel
 def sample_points(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     center: wp.array3d(dtype=int),
@@ -53,27 +54,27 @@ def sample_points(
     and the wrench of a unit pressure."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_family[pair] != 1:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != 1:
         return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
     view = view_of(model, w, pair, r1, axes)
-    arm_a = wp.transpose(model.surface_frame[A]) * model.surface_origin[A]
-    planar = model.surface_planar[A]
-    pitch = model.surface_pitch[A]
-    start = model.pair_point_start[pair]
-    count = model.pair_point_count[pair]
-    first = window[w, pair, 0] + model.half_window
-    strips = window[w, pair, 1] + model.half_window + 2 - first
-    rigid = model.surface_rigid[B]
-    planar_b = model.surface_planar[B]
-    side_b = model.surface_side[B]
-    z0 = model.surface_z_start[B]
-    rows_b = model.surface_rows[B]
-    low = model.surface_z[z0]
-    high = model.surface_z[z0 + rows_b - 1]
-    last = real(model.surface_columns[B])
-    turn_b = TWO_PI / model.surface_pitch[B]
+    arm_a = wp.transpose(model.surfaces.frame[A]) * model.surfaces.origin[A]
+    planar = model.surfaces.planar[A]
+    pitch = model.surfaces.pitch[A]
+    start = model.points.start[pair]
+    count = model.points.count[pair]
+    first = window[w, pair, 0] + model.window.half
+    strips = window[w, pair, 1] + model.window.half + 2 - first
+    rigid = model.surfaces.rigid[B]
+    planar_b = model.surfaces.planar[B]
+    side_b = model.surfaces.side[B]
+    z0 = model.surfaces.z_start[B]
+    rows_b = model.surfaces.rows[B]
+    low = model.surfaces.z[z0]
+    high = model.surfaces.z[z0 + rows_b - 1]
+    last = real(model.surfaces.columns[B])
+    turn_b = TWO_PI / model.surfaces.pitch[B]
     middle = real(center[w, pair, 1])
     known = int(-1)
     cosine = real(1.0)
@@ -84,22 +85,22 @@ def sample_points(
         p = e % count
         if strip != known:  # angle of the column that the strip begins at
             known = strip
-            column = center[w, pair, 0] + strip - model.half_window - 1
-            angle = model.surface_theta[A] + real(column) * pitch
+            column = center[w, pair, 0] + strip - model.window.half - 1
+            angle = model.surfaces.theta[A] + real(column) * pitch
             sine = angle
             if planar == 0:
                 sine = wp.sin(angle)
                 cosine = wp.cos(angle)
-        c = model.point_cosine[start + p]
-        s = model.point_sine[start + p]
-        z = model.point_z[start + p]
+        c = model.points.cosine[start + p]
+        s = model.points.sine[start + p]
+        z = model.points.z[start + p]
         x = vec3(real(0.0), sine + s, z)
         if planar == 0:
-            R = model.point_radius[start + p]
+            R = model.points.radius[start + p]
             u = cosine * c - sine * s
             v = sine * c + cosine * s
             x = vec3(R * u, R * v, z)
-        weight = model.point_weight[start + p]
+        weight = model.points.weight[start + p]
         y = view.at + view.turn * x
         g = y[0]
         foot_z = y[2]
@@ -119,17 +120,17 @@ def sample_points(
         row_b = real(0.0)
         if rigid == 0:
             if planar_b == 0:
-                column_b = (wp.atan2(y[1], y[0]) - model.surface_theta[B]) / model.surface_pitch[B]
+                column_b = (wp.atan2(y[1], y[0]) - model.surfaces.theta[B]) / model.surfaces.pitch[B]
                 column_b = wrap(column_b, turn_b, middle)
             else:
-                column_b = (y[1] - model.surface_theta[B]) / model.surface_pitch[B]
-            if model.surface_periodic[B] == 0 and (column_b < real(-1.0) or column_b > last):
+                column_b = (y[1] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+            if model.surfaces.periodic[B] == 0 and (column_b < real(-1.0) or column_b > last):
                 weight = real(0.0)
             if foot_z < low or foot_z > high:
                 weight = real(0.0)
             row = row_below(model, B, foot_z)
-            below = model.surface_z[z0 + row]
-            row_b = real(row) + (foot_z - below) / (model.surface_z[z0 + row + 1] - below)
+            below = model.surfaces.z[z0 + row]
+            row_b = real(row) + (foot_z - below) / (model.surfaces.z[z0 + row + 1] - below)
             row_b = wp.clamp(row_b, real(0.0), real(rows_b - 1))
         i = (strip * count + p) * LINE
         point_line[w, pair, i] = g
@@ -147,14 +148,14 @@ def sample_points(
 # Weak gap, area, wrench and stencil of one hat: the sum over the points of its (up to) four cells. Returns 1 if the
 # stencil has no room for all of B's nodes. Native like `contact_weights.sum_hat`.
 @wp.func_native("""
-    const int start = model.pair_point_start.data[pair], count = model.pair_point_count.data[pair];
-    const int SC = model.stencil_columns, SR = model.stencil_rows;
-    const size_t p0 = (size_t)(w * model.pair_count + pair);
-    const size_t hat = p0 * model.mode_capacity + m;
+    const int start = model.points.start.data[pair], count = model.points.count.data[pair];
+    const int SC = model.window.stencil_columns, SR = model.window.stencil_rows;
+    const size_t p0 = (size_t)(w * model.pairs.count + pair);
+    const size_t hat = p0 * model.window.hats + m;
     const int column = m / rows, row = m % rows;
-    const int* begin = model.point_row_at.data + model.pair_row_start.data[pair];
+    const int* begin = model.points.row_at.data + model.points.row_start.data[pair];
     const int from = begin[row > 0 ? row - 1 : 0], to = begin[row + 1 < rows ? row + 1 : rows - 1];
-    const double* line = point_line.data + p0 * (model.window_columns + 1) * model.most_points * 16;
+    const double* line = point_line.data + p0 * (model.window.columns + 1) * model.points.most * 16;
     double* l = stencil.data + hat * SC * SR;
     double* f = wrench.data + hat * 6;
     double* more = more_wrench.data + hat * 6;
@@ -164,8 +165,8 @@ def sample_points(
     for (int t = 0; t < 2; ++t) for (int p = from; p < to; ++p) {
         const double* q = line + (size_t)((column + t) * count + p) * 16;
         if (q[3] == 0.0) continue;
-        const double x = model.point_x.data[start + p], zeta = model.point_zeta.data[start + p];
-        const double psi = q[3] * (t ? 1.0 - x : x) * (model.point_row.data[start + p] == row ? 1.0 - zeta : zeta);
+        const double x = model.points.x.data[start + p], zeta = model.points.zeta.data[start + p];
+        const double psi = q[3] * (t ? 1.0 - x : x) * (model.points.row.data[start + p] == row ? 1.0 - zeta : zeta);
         total += psi * q[0]; size += psi;
         for (int c = 0; c < 12; ++c) sum[c] += psi * q[4 + c];
         if (q[1] < lowest_c) lowest_c = q[1];
@@ -177,7 +178,7 @@ def sample_points(
         f[3 * c + i] = turn.data[i][0] * v[0] + turn.data[i][1] * v[1] + turn.data[i][2] * v[2];
         more[3 * c + i] = turn.data[i][0] * v[6] + turn.data[i][1] * v[7] + turn.data[i][2] * v[8];
     }
-    stencil_at.data[2 * hat] = model.second_half_window; stencil_at.data[2 * hat + 1] = 0;
+    stencil_at.data[2 * hat] = model.window.second_half; stencil_at.data[2 * hat + 1] = 0;
     if (rigid || size == 0.0) return 0;
     const int oc = (int)::floor(lowest_c), last = rows_b - 2;
     const int orow = (int)::floor(lowest_r) > last ? last : (int)::floor(lowest_r);
@@ -185,8 +186,8 @@ def sample_points(
     for (int t = 0; t < 2; ++t) for (int p = from; p < to; ++p) {
         const double* q = line + (size_t)((column + t) * count + p) * 16;
         if (q[3] == 0.0) continue;
-        const double x = model.point_x.data[start + p], zeta = model.point_zeta.data[start + p];
-        const double psi = q[3] * (t ? 1.0 - x : x) * (model.point_row.data[start + p] == row ? 1.0 - zeta : zeta);
+        const double x = model.points.x.data[start + p], zeta = model.points.zeta.data[start + p];
+        const double psi = q[3] * (t ? 1.0 - x : x) * (model.points.row.data[start + p] == row ? 1.0 - zeta : zeta);
         const double cf = ::floor(q[1]), rf0 = ::floor(q[2]), rf = rf0 > last ? last : rf0;
         const double u = q[1] - cf, v = q[2] - rf;
         const int ci = (int)cf - oc, ri = (int)rf - orow;
@@ -225,7 +226,7 @@ def weigh_points(
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     point_line: wp.array3d(dtype=real),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     weak_gap: inout(wp.array3d(dtype=real)),
     area: out(wp.array3d(dtype=real)),
     wrench: out(wp.array4d(dtype=real)),
@@ -236,42 +237,42 @@ def weigh_points(
     """Per (world, pair of family 1), lanes over hats of the window: as `contact_weights.weigh` for the others."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_family[pair] != 1:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != 1:
         return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    rows = model.surface_rows[A]
-    H = model.half_window
-    origin = center[w, pair, 1] - model.second_half_window
-    turn = axes_of(axes, w, model.surface_body[A]) * model.surface_frame[A]
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    rows = model.surfaces.rows[A]
+    H = model.window.half
+    origin = center[w, pair, 1] - model.window.second_half
+    turn = axes_of(axes, w, model.surfaces.body[A]) * model.surfaces.frame[A]
     m = (window[w, pair, 0] + H) * rows + lane
     end = (window[w, pair, 1] + H + 1) * rows
     while m < end:
         beyond = sum_points(
-            model, w, pair, m, rows, model.surface_rows[B], model.surface_rigid[B], origin, turn, point_line,
+            model, w, pair, m, rows, model.surfaces.rows[B], model.surfaces.rigid[B], origin, turn, point_line,
             weak_gap, area, wrench, more_wrench, stencil, stencil_at,
         )  # fmt: skip
         absolute = center[w, pair, 0] + m / rows - H
         dropped = int(0)
-        if model.surface_periodic[A] == 0 and (absolute < 0 or absolute >= model.surface_columns[A]):
+        if model.surfaces.periodic[A] == 0 and (absolute < 0 or absolute >= model.surfaces.columns[A]):
             dropped = int(1)
         reached = stencil_at[w, pair, m, 0]
-        if reached < 0 or reached + model.stencil_columns > model.second_columns:
+        if reached < 0 or reached + model.window.stencil_columns > model.window.second_columns:
             if dropped == 0 and weak_gap[w, pair, m] <= real(0.0):
-                ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.STENCIL  # overlaps, where the second window does not reach
+                ctl[w].failure = ctl[w].failure | k.STENCIL  # overlaps, where the second window does not reach
             dropped = int(1)  # so far round the bodies that nothing of the second window is opposite
         if beyond != 0 and dropped == 0:
             # where surfaces part, the places opposite spread; a hat that overlaps is one that may be needed
             if weak_gap[w, pair, m] > real(0.0):
                 dropped = int(1)
             else:
-                ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.STENCIL
+                ctl[w].failure = ctl[w].failure | k.STENCIL
         if dropped != 0:
             area[w, pair, m] = real(0.0)
-            stencil_at[w, pair, m, 0] = model.second_half_window
+            stencil_at[w, pair, m, 0] = model.window.second_half
             stencil_at[w, pair, m, 1] = 0
             e = int(0)
-            while e < model.stencil_columns * model.stencil_rows:
+            while e < model.window.stencil_columns * model.window.stencil_rows:
                 stencil[w, pair, m, e] = real(0.0)
                 e += 1
         m += wp.block_dim()
@@ -280,7 +281,7 @@ def weigh_points(
 @wp.kernel
 def sum_points_second(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     axes: wp.array2d(dtype=mat33),
     window: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
@@ -292,27 +293,27 @@ def sum_points_second(
     point."""
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w, k.RECORD] == 0 or model.pair_family[pair] != 1:
+    if ctl[w].record == 0 or model.pairs.family[pair] != 1:
         return
-    A = model.pair_first[pair]
-    rows = model.surface_rows[A]
-    start = model.pair_point_start[pair]
-    count = model.pair_point_count[pair]
+    A = model.pairs.first[pair]
+    rows = model.surfaces.rows[A]
+    start = model.points.start[pair]
+    count = model.points.count[pair]
     force = vec3(real(0.0), real(0.0), real(0.0))
     moment = vec3(real(0.0), real(0.0), real(0.0))
-    strip = window[w, pair, 0] + model.half_window
-    end = window[w, pair, 1] + model.half_window + 1
+    strip = window[w, pair, 0] + model.window.half
+    end = window[w, pair, 1] + model.window.half + 1
     while strip <= end:
         p = int(0)
         while p < count:
             i = (strip * count + p) * LINE
-            x = model.point_x[start + p]
-            zeta = model.point_zeta[start + p]
+            x = model.points.x[start + p]
+            zeta = model.points.zeta[start + p]
             load = real(0.0)
             for corner in range(4):
                 column = strip - 1 + corner / 2
-                m = column * rows + model.point_row[start + p] + corner % 2
-                if column >= 0 and column < model.window_columns:
+                m = column * rows + model.points.row[start + p] + corner % 2
+                if column >= 0 and column < model.window.columns:
                     if active[w, pair, m] != 0:
                         psi = real(1.0) - x
                         if corner / 2 == 1:
@@ -330,7 +331,7 @@ def sum_points_second(
                     moment[axis] += load * (point_line[w, pair, j + 3] + point_line[w, pair, j + 9])
             p += 1
         strip += 1
-    turn = axes_of(axes, w, model.surface_body[A]) * model.surface_frame[A]
+    turn = axes_of(axes, w, model.surfaces.body[A]) * model.surfaces.frame[A]
     force = turn * force
     moment = turn * moment
     for c in range(3):

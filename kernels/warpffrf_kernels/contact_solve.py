@@ -22,6 +22,7 @@ from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_fields import local_gap, on_stencil
 from warpffrf_kernels.contact_geometry import GUARD
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.interfaces import modal_line, side_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.pair_forces import surface_of
@@ -53,7 +54,7 @@ def change_of(
 # Gathers the active block with its right-hand side, factors it, and solves for the pressures. Returns 1 if it is not
 # definite. Native for contiguous inner loops like `axpy`; not measured separately.
 @wp.func_native("""
-    const int n = count, cap = model.slot_capacity, ld = cap + 1, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
+    const int n = count, cap = model.capacity.slots, ld = cap + 1, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
     double* U = work.data + (size_t)w * cap * ld;
     const int* list = order.data + (size_t)w * cap;
     for (int i = 0; i < n; ++i) {
@@ -120,7 +121,7 @@ def solve_pressures(
     receptance: wp.array(dtype=real),
     modal_residual: wp.array(dtype=real),
     z_free: wp.array(dtype=real),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     right: inout(wp.array2d(dtype=real)),
     order: inout(wp.array2d(dtype=int)),
     work: inout(wp.array3d(dtype=real)),
@@ -131,9 +132,9 @@ def solve_pressures(
     """Per world: pressures of the active set, and the outer increments they lead to."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0:
+    if ctl[w].run == 0:
         return
-    slots = ctl[w, k.SLOTS]
+    slots = ctl[w].slots
     # active slots from the front of `order`, those that have left the set from its back
     count = int(0)
     left = int(0)
@@ -148,7 +149,7 @@ def solve_pressures(
         elif base[w, pair, m] != real(0.0):
             left += 1
             if lane == 0:
-                order[w, model.slot_capacity - left] = slot
+                order[w, model.capacity.slots - left] = slot
         slot += 1
     sync()
     i = lane
@@ -158,19 +159,19 @@ def solve_pressures(
         total = -weight[w, pair] * opened[w, pair, slot_mode[w, a, 1]]
         e = int(1)
         while e <= left:
-            slot = order[w, model.slot_capacity - e]
+            slot = order[w, model.capacity.slots - e]
             other = slot_mode[w, slot, 0]
             total += condensed[w, a, slot] * weight[w, other] * base[w, other, slot_mode[w, slot, 1]]
             e += 1
         c = int(0)
-        while c < model.coupled_count[pair]:
-            total -= L[w, a, c] * z_free[w * model.outer_count + model.coupled[pair, c]]
+        while c < model.pairs.coupled_count[pair]:
+            total -= L[w, a, c] * z_free[w * model.outer.count + model.pairs.coupled[pair, c]]
             c += 1
-        line = (w * model.slot_capacity + a) * model.pair_modes
+        line = (w * model.capacity.slots + a) * model.pairs.most_modes
         for side in range(2):
             surface = surface_of(model, pair, side)
-            modes = w * model.modal_count + model.surface_modal_start[surface]
-            n = model.surface_modal_count[surface]
+            modes = w * model.modes.count + model.surfaces.modal_start[surface]
+            n = model.surfaces.modal_count[surface]
             total += weighted(n, J, line, receptance, modes, modal_residual, modes)
             line += n
         right[w, a] = total
@@ -178,14 +179,14 @@ def solve_pressures(
     sync()
     bad = factor_and_solve(model, w, count, condensed, right, order, work, solution)
     if bad != 0 and lane == 0:
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.INDEFINITE
+        ctl[w].failure = ctl[w].failure | k.INDEFINITE
     i = lane
     while i < count:
         pair = slot_mode[w, order[w, i], 0]
         m = slot_mode[w, order[w, i], 1]
         pressure[w, pair, m] = base[w, pair, m] + solution[w, i] / weight[w, pair]
         i += wp.block_dim()
-    N = model.outer_count
+    N = model.outer.count
     c = lane
     while c < N:
         z[w * N + c] = z_free[w * N + c]
@@ -195,21 +196,21 @@ def solve_pressures(
     # would be a force that moves it by many times the gap tolerance
     i = int(0)
     while i < count:
-        axpy(N, solution[w, i], V, (w * model.slot_capacity + order[w, i]) * N, z, w * N)
+        axpy(N, solution[w, i], V, (w * model.capacity.slots + order[w, i]) * N, z, w * N)
         i += 1
     slot = int(0)
     while slot < slots:
         pair = slot_mode[w, slot, 0]
         m = slot_mode[w, slot, 1]
         if active[w, pair, m] == 0 and base[w, pair, m] != real(0.0):
-            axpy(N, -weight[w, pair] * base[w, pair, m], V, (w * model.slot_capacity + slot) * N, z, w * N)
+            axpy(N, -weight[w, pair] * base[w, pair, m], V, (w * model.capacity.slots + slot) * N, z, w * N)
         slot += 1
 
 
 @wp.func
 def push_by_slots(
     model: Model,
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     w: int,
     slot_mode: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
@@ -221,15 +222,15 @@ def push_by_slots(
 ):
     """Adds J^T ds, the weighted changes of all slots on the global modes, to `push` (W times modes)."""
     slot = int(0)
-    while slot < ctl[w, k.SLOTS]:
+    while slot < ctl[w].slots:
         pair = slot_mode[w, slot, 0]
         change = weight[w, pair] * change_of(w, slot, slot_mode, active, pressure, base)
         if change != real(0.0):
-            start = (w * model.slot_capacity + slot) * model.pair_modes
+            start = (w * model.capacity.slots + slot) * model.pairs.most_modes
             for side in range(2):
                 surface = surface_of(model, pair, side)
-                modes = model.surface_modal_count[surface]
-                axpy(modes, change, J, start, push, w * model.modal_count + model.surface_modal_start[surface])
+                modes = model.surfaces.modal_count[surface]
+                axpy(modes, change, J, start, push, w * model.modes.count + model.surfaces.modal_start[surface])
                 start += modes
         slot += 1
 
@@ -237,7 +238,7 @@ def push_by_slots(
 @wp.kernel
 def modal_increments(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     active: wp.array3d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
     weight: wp.array2d(dtype=real),
@@ -253,37 +254,37 @@ def modal_increments(
     """Per world, lanes over modes: increment sigma^-1 (-r_m - C_m^T dlam + J^T ds)."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0:
+    if ctl[w].run == 0:
         return
-    first = w * model.modal_count
+    first = w * model.modes.count
     n = lane
-    while n < model.modal_count:
+    while n < model.modes.count:
         modal_step[first + n] = -modal_residual[w, n]
         n += wp.block_dim()
     sync()
     push_by_slots(model, ctl, w, slot_mode, active, pressure, base, weight, J, modal_step)
     row = int(0)
-    while row < model.row_count:
+    while row < model.rows.count:
         for side in range(2):
             b = side_of(model, row, side)
             if b >= 0:
-                pull = -z[w * model.outer_count + model.row_offset + row]
-                at = first + model.modal_start[b]
-                axpy(model.global_count[b], pull, C_modal, modal_line(model, w, row, b), modal_step, at)
+                pull = -z[w * model.outer.count + model.outer.row_offset + row]
+                at = first + model.bodies.modal_start[b]
+                axpy(model.bodies.global_count[b], pull, C_modal, modal_line(model, w, row, b), modal_step, at)
         row += 1
     sync()
     n = lane
-    while n < model.modal_count:
+    while n < model.modes.count:
         modal_step[first + n] = receptance[w, n] * modal_step[first + n]
-        if model.dense_of[n] >= 0:
-            modal_step[first + n] = z[w * model.outer_count + 6 * model.body_count + model.dense_of[n]]
+        if model.modes.dense_of[n] >= 0:
+            modal_step[first + n] = z[w * model.outer.count + 6 * model.bodies.count + model.modes.dense_of[n]]
         n += wp.block_dim()
 
 
 @wp.kernel
 def correct_set(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     axes: wp.array2d(dtype=mat33),
     r1: wp.array2d(dtype=vec3),
     window: wp.array3d(dtype=int),
@@ -304,20 +305,20 @@ def correct_set(
     """Per (world, pair), lanes over hats of the window: the corrected active set, written to `proposed`."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0:
+    if ctl[w].run == 0:
         return
-    A = model.pair_first[pair]
-    body_a = model.surface_body[A]
-    body_b = model.surface_body[model.pair_second[pair]]
-    rows = model.surface_rows[A]
-    rows_b = model.surface_rows[model.pair_second[pair]]
-    H = model.half_window
+    A = model.pairs.first[pair]
+    body_a = model.surfaces.body[A]
+    body_b = model.surfaces.body[model.pairs.second[pair]]
+    rows = model.surfaces.rows[A]
+    rows_b = model.surfaces.rows[model.pairs.second[pair]]
+    H = model.window.half
     # motion of A relative to B at A's centre of mass
-    a = w * model.outer_count + 6 * body_a
+    a = w * model.outer.count + 6 * body_a
     move = vec3(z[a], z[a + 1], z[a + 2])
     spin = axes[w, body_a] * vec3(z[a + 3], z[a + 4], z[a + 5])
     if body_b >= 0:
-        b = w * model.outer_count + 6 * body_b
+        b = w * model.outer.count + 6 * body_b
         turn_b = axes[w, body_b] * vec3(z[b + 3], z[b + 4], z[b + 5])
         move -= vec3(z[b], z[b + 1], z[b + 2]) + wp.cross(turn_b, r1[w, body_a] - r1[w, body_b])
         spin -= turn_b
@@ -344,7 +345,7 @@ def accept_set(
     models: wp.array(dtype=Model),
     center: wp.array3d(dtype=int),
     proposed: wp.array3d(dtype=int),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     active: inout(wp.array3d(dtype=int)),
     pressure: out(wp.array3d(dtype=real)),
     window: inout(wp.array3d(dtype=int)),
@@ -357,20 +358,20 @@ def accept_set(
     """
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0:
+    if ctl[w].run == 0:
         return
-    H = model.half_window
+    H = model.window.half
     changes = int(0)
     number = int(0)
     pair = int(0)
-    while pair < model.pair_count:
-        A = model.pair_first[pair]
-        rows = model.surface_rows[A]
+    while pair < model.pairs.count:
+        A = model.pairs.first[pair]
+        rows = model.surfaces.rows[A]
         low = H + 1
         high = -H - 1
         m = (window[w, pair, 0] + H) * rows
         while m < (window[w, pair, 1] + H + 1) * rows:
-            if proposed[w, pair, m] != active[w, pair, m] and (changes == 0 or ctl[w, k.INNER] < model.max_inner):
+            if proposed[w, pair, m] != active[w, pair, m] and (changes == 0 or ctl[w].inner < model.limits.max_inner):
                 changes += 1
                 active[w, pair, m] = proposed[w, pair, m]
                 if proposed[w, pair, m] == 0:
@@ -385,30 +386,30 @@ def accept_set(
             if low < window[w, pair, 0] + GUARD and window[w, pair, 0] > -H:
                 window[w, pair, 0] = wp.max(low - GUARD - 1, -H)
                 changes += 1
-                ctl[w, k.REASSEMBLE] = 1
+                ctl[w].reassemble = 1
             if high > window[w, pair, 1] - GUARD and window[w, pair, 1] < H:
                 window[w, pair, 1] = wp.min(high + GUARD + 1, H)
                 changes += 1
-                ctl[w, k.REASSEMBLE] = 1
+                ctl[w].reassemble = 1
             if changes == 0:
                 if low < -H + GUARD and goes_on(model, A, center[w, pair, 0] - H - 1):
                     overflow(model, ctl, w, rows)
                 if high > H - GUARD and goes_on(model, A, center[w, pair, 0] + H + 1):
                     overflow(model, ctl, w, rows)
-                if model.surface_periodic[A] == 0:
-                    if center[w, pair, 0] + low <= 0 or center[w, pair, 0] + high >= model.surface_columns[A] - 1:
-                        ctl[w, k.EDGE] = 1
+                if model.surfaces.periodic[A] == 0:
+                    if center[w, pair, 0] + low <= 0 or center[w, pair, 0] + high >= model.surfaces.columns[A] - 1:
+                        ctl[w].edge = 1
         pair += 1
-    ctl[w, k.CHANGES] = changes
-    ctl[w, k.ACTIVE] = number
+    ctl[w].changes = changes
+    ctl[w].active = number
 
 
 @wp.func
 def goes_on(model: Model, surface: int, column: int) -> bool:
-    return model.surface_periodic[surface] != 0 or (column >= 0 and column < model.surface_columns[surface])
+    return model.surfaces.periodic[surface] != 0 or (column >= 0 and column < model.surfaces.columns[surface])
 
 
 @wp.func
-def overflow(model: Model, ctl: wp.array2d(dtype=int), w: int, rows: int):
-    ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.CAPACITY
-    ctl[w, k.SPARE] = wp.max(ctl[w, k.SPARE], 2 * model.window_columns * rows)
+def overflow(model: Model, ctl: wp.array(dtype=Control), w: int, rows: int):
+    ctl[w].failure = ctl[w].failure | k.CAPACITY
+    ctl[w].spare = wp.max(ctl[w].spare, 2 * model.window.columns * rows)

@@ -14,6 +14,7 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
 
@@ -23,15 +24,16 @@ wp.set_module_options(MODULE_OPTIONS)
 # Weak gap, area, gradient and stencil of one hat: the sum over the Gauss points of its (up to) four cells.
 # Measured against the same loop in Warp's Python: `weigh` 17.3 -> 4.9 us of a step of 141 us.
 @wp.func_native("""
-    const int NS = (rows - 1) * model.z_points, NT = model.theta_points, most = (model.max_rows - 1) * model.z_points;
-    const int SC = model.stencil_columns, SR = model.stencil_rows;
-    const size_t p0 = (size_t)(w * model.pair_count + pair);
-    const size_t hat = p0 * model.mode_capacity + m;
+    const int NT = model.quadrature.theta_points, NZ = model.quadrature.z_points;
+    const int NS = (rows - 1) * NZ, most = (model.window.rows - 1) * NZ;
+    const int SC = model.window.stencil_columns, SR = model.window.stencil_rows;
+    const size_t p0 = (size_t)(w * model.pairs.count + pair);
+    const size_t hat = p0 * model.window.hats + m;
     const int column = m / rows, row = m % rows;
-    const int s0 = (row > 0 ? row - 1 : 0) * model.z_points;
-    const int s1 = (row + 1 < rows ? row + 1 : rows - 1) * model.z_points;
-    const double* g = point_gap.data + p0 * (model.window_columns + 1) * NT * most;
-    const double* place = point_place.data + p0 * (model.window_columns + 1) * NT * most * 2;
+    const int s0 = (row > 0 ? row - 1 : 0) * model.quadrature.z_points;
+    const int s1 = (row + 1 < rows ? row + 1 : rows - 1) * model.quadrature.z_points;
+    const double* g = point_gap.data + p0 * (model.window.columns + 1) * NT * most;
+    const double* place = point_place.data + p0 * (model.window.columns + 1) * NT * most * 2;
     const double* st = station.data + p0 * most * 11;
     const double* sw = station_wrench.data + p0 * most * 6;
     double* l = stencil.data + hat * SC * SR;
@@ -47,13 +49,13 @@ wp.set_module_options(MODULE_OPTIONS)
     const int oc = (int)::floor(lowest_c), orow = (int)::floor(lowest_r);
     int beyond = 0;
     for (int s = s0; s < s1; ++s) {
-        const int zc = s / model.z_points;
-        const double zeta = model.z_abscissa.data[s - zc * model.z_points];
+        const int zc = s / model.quadrature.z_points;
+        const double zeta = model.quadrature.z_abscissa.data[s - zc * model.quadrature.z_points];
         const double wz = (zc == row ? 1.0 - zeta : zeta) * st[s * 11 + 6] * pitch;
         double hat_weight = 0.0;
         for (int t = 0; t < 2 * NT; ++t) {
-            const double x = model.theta_abscissa.data[t % NT];
-            const double q = (t < NT ? x : 1.0 - x) * model.theta_weight.data[t % NT] * wz;
+            const double x = model.quadrature.theta_abscissa.data[t % NT];
+            const double q = (t < NT ? x : 1.0 - x) * model.quadrature.theta_weight.data[t % NT] * wz;
             const int p = (column * NT + t) * NS + s;
             total += q * g[p]; hat_weight += q;
             const double cf = ::floor(place[2 * p]), rf0 = ::floor(place[2 * p + 1]), last = rows_b - 2;
@@ -103,20 +105,20 @@ def keep_hat(
     center: wp.array3d(dtype=int),
     stencil_at: wp.array4d(dtype=int),
     weak_gap: wp.array3d(dtype=real),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     area: wp.array3d(dtype=real),
 ):
     """Area 0 for a hat beyond the end of an arc, or so far round the bodies that nothing of the second window is
     opposite, or that the places opposite spread beyond its stencil (`beyond`). One that overlaps there may be needed:
     the attempt fails."""
-    A = model.pair_first[pair]
-    absolute = center[w, pair, 0] + m / rows - model.half_window
-    if model.surface_periodic[A] == 0 and (absolute < 0 or absolute >= model.surface_columns[A]):
+    A = model.pairs.first[pair]
+    absolute = center[w, pair, 0] + m / rows - model.window.half
+    if model.surfaces.periodic[A] == 0 and (absolute < 0 or absolute >= model.surfaces.columns[A]):
         area[w, pair, m] = real(0.0)
     reached = stencil_at[w, pair, m, 0]
-    if reached < 0 or reached + model.stencil_columns > model.second_columns or beyond != 0:
+    if reached < 0 or reached + model.window.stencil_columns > model.window.second_columns or beyond != 0:
         if area[w, pair, m] > real(0.0) and weak_gap[w, pair, m] <= real(0.0):
-            ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.STENCIL
+            ctl[w].failure = ctl[w].failure | k.STENCIL
         area[w, pair, m] = real(0.0)
 
 
@@ -129,7 +131,7 @@ def weigh(
     station_wrench: wp.array4d(dtype=real),
     point_gap: wp.array3d(dtype=real),
     point_place: wp.array4d(dtype=real),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     weak_gap: inout(wp.array3d(dtype=real)),
     area: inout(wp.array3d(dtype=real)),
     wrench: inout(wp.array4d(dtype=real)),
@@ -142,19 +144,19 @@ def weigh(
     """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or center[w, pair, 2] != 0 or model.pair_family[pair] != 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or center[w, pair, 2] != 0 or model.pairs.family[pair] != 0:
         return
-    if model.pair_point_count[pair] != 0:
+    if model.points.count[pair] != 0:
         return
-    A = model.pair_first[pair]
-    rows = model.surface_rows[A]
-    rows_b = model.surface_rows[model.pair_second[pair]]
-    H = model.half_window
+    A = model.pairs.first[pair]
+    rows = model.surfaces.rows[A]
+    rows_b = model.surfaces.rows[model.pairs.second[pair]]
+    H = model.window.half
     m = (window[w, pair, 0] + H) * rows + lane
     end = (window[w, pair, 1] + H + 1) * rows
     while m < end:
         beyond = sum_hat(
-            model, w, pair, m, rows, rows_b, center[w, pair, 1] - model.second_half_window, model.surface_pitch[A],
+            model, w, pair, m, rows, rows_b, center[w, pair, 1] - model.window.second_half, model.surfaces.pitch[A],
             station, station_wrench, point_gap, point_place, weak_gap, area, wrench, stencil, stencil_at,
         )  # fmt: skip
         keep_hat(model, w, pair, m, rows, beyond, center, stencil_at, weak_gap, ctl, area)
@@ -164,7 +166,7 @@ def weigh(
 @wp.kernel
 def shift(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     station: wp.array4d(dtype=real),
@@ -179,27 +181,27 @@ def shift(
     """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
-    if model.pair_family[pair] == 0 and model.pair_point_count[pair] != 0:
+    if model.pairs.family[pair] == 0 and model.points.count[pair] != 0:
         return
-    A = model.pair_first[pair]
-    rows = model.surface_rows[A]
+    A = model.pairs.first[pair]
+    rows = model.surfaces.rows[A]
     frozen = center[w, pair, 2]
-    m = (window[w, pair, 0] + model.half_window) * rows + lane
-    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+    m = (window[w, pair, 0] + model.window.half) * rows + lane
+    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
         value = weak_gap[w, pair, m]
         if frozen != 0 and area[w, pair, m] > real(0.0):
             row = m % rows
             for i in range(6):
                 wrench[w, pair, m, i] = real(0.0)
-            s = wp.max(row - 1, 0) * model.z_points
-            while s < wp.min(row + 1, rows - 1) * model.z_points:
-                zc = s / model.z_points
-                psi = model.z_abscissa[s - zc * model.z_points]
+            s = wp.max(row - 1, 0) * model.quadrature.z_points
+            while s < wp.min(row + 1, rows - 1) * model.quadrature.z_points:
+                zc = s / model.quadrature.z_points
+                psi = model.quadrature.z_abscissa[s - zc * model.quadrature.z_points]
                 if zc == row:
                     psi = real(1.0) - psi
-                q = psi * station[w, pair, s, 6] * model.surface_pitch[A]  # a hat's integral around is the pitch
+                q = psi * station[w, pair, s, 6] * model.surfaces.pitch[A]  # a hat's integral around is the pitch
                 value += q * (station[w, pair, s, 0] - station[w, pair, s, 8])
                 for i in range(6):
                     wrench[w, pair, m, i] = wrench[w, pair, m, i] + q * station_wrench[w, pair, s, i]

@@ -6,9 +6,9 @@ is looked at are the active columns and MARGIN more on each side, at most the wi
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_place import NOWHERE
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
 
@@ -20,7 +20,7 @@ MARGIN = wp.constant(3)  # columns looked at beyond the active ones
 @wp.kernel
 def open_window(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     phase: wp.array3d(dtype=real),
     nearest: wp.array3d(dtype=real),
     touched: wp.array3d(dtype=int),
@@ -40,20 +40,20 @@ def open_window(
     """
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.RECENTER] == 0:
+    if ctl[w].run == 0 or ctl[w].recenter == 0:
         return
-    rows = model.surface_rows[model.pair_first[pair]]
-    H = model.half_window
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    H = model.window.half
     if center[w, pair, 2] != 0:
         center[w, pair, 2] = 0
         s = int(0)
-        while s < (rows - 1) * model.z_points:
+        while s < (rows - 1) * model.quadrature.z_points:
             station[w, pair, s, 8] = station[w, pair, s, 0]
             s += 1
     offset = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6]) - real(center[w, pair, 0])
     shift = int(wp.floor(offset - patch_offset[w, pair] + real(0.5))) * rows
     patch_offset[w, pair] = offset
-    size = model.window_columns * rows
+    size = model.window.columns * rows
     n = int(0)
     while shift != 0 and n < size:
         to = n
@@ -70,7 +70,7 @@ def open_window(
     high = int(0)
     found = int(0)
     m = int(0)
-    while m < model.window_columns * rows:
+    while m < model.window.columns * rows:
         if active[w, pair, m] != 0 and not wp.isfinite(pressure[w, pair, m]):  # left by a rejected attempt
             active[w, pair, m] = 0
             pressure[w, pair, m] = real(0.0)
@@ -83,12 +83,12 @@ def open_window(
         m += 1
     one = phase[w, pair, 4]
     other = phase[w, pair, 6]
-    if model.pair_family[pair] == 1:
+    if model.pairs.family[pair] == 1:
         one = nearest[w, pair, 0]
         other = one
     first = int(wp.floor(wp.min(one, other) + real(0.5)))
     last = int(wp.floor(wp.max(one, other) + real(0.5)))
-    if model.pair_family[pair] == 1 and touched[w, pair, 0] != NOWHERE:
+    if model.pairs.family[pair] == 1 and touched[w, pair, 0] != NOWHERE:
         first = wp.min(first, touched[w, pair, 0])
         last = wp.max(last, touched[w, pair, 1])
     first = wp.clamp(first - center[w, pair, 0], -H, H)

@@ -45,9 +45,9 @@ side of the patch to the other as the pin moves; forces are those above all the 
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import out
 from warpffrf_kernels.contact_place import BEYOND, view_of
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.surface import gradient_of, gradient_slope_of, local_point
@@ -61,8 +61,10 @@ COAXIAL = wp.constant(wp.float64(1.0e-9))  # the same: n.e_theta is then round-o
 @wp.func
 def is_sphere(model: Model, s: int) -> bool:
     """Ball or cup, whose centre is the origin of its frame."""
-    plain = model.surface_planar[s] == 0 and model.surface_table_count[s] == 0 and model.surface_tangent[s] == real(0.0)
-    return plain and model.surface_crown[s] == model.surface_radius[s]
+    plain = (
+        model.surfaces.planar[s] == 0 and model.surfaces.table_count[s] == 0 and model.surfaces.tangent[s] == real(0.0)
+    )
+    return plain and model.surfaces.crown[s] == model.surfaces.radius[s]
 
 
 @wp.struct
@@ -78,7 +80,7 @@ class Held:
 @wp.func
 def held_section(model: Model, A: int, B: int, at: vec3, turn: mat33, column: real, z: real) -> Held:
     """Of the section z of A, seen from B as `at + turn x`; `column` of the nearest place."""
-    theta = model.surface_theta[A] + column * model.surface_pitch[A]
+    theta = model.surfaces.theta[A] + column * model.surfaces.pitch[A]
     x = local_point(model, A, theta, z)
     e_r = vec3(wp.cos(theta), wp.sin(theta), real(0.0))
     around = vec3(-e_r[1], e_r[0], real(0.0))
@@ -105,7 +107,7 @@ def held_sphere(model: Model, B: int, at: vec3, turn: mat33) -> mat33:
     e = -(back * gradient_of(model, B, at))
     force = back * gradient_slope_of(model, B, at) * turn * wp.skew(e)
     rho = wp.sqrt(at[0] * at[0] + at[1] * at[1])
-    if model.surface_planar[B] == 0 and rho > real(0.0):
+    if model.surfaces.planar[B] == 0 and rho > real(0.0):
         around = back * vec3(-at[1] / rho, at[0] / rho, real(0.0))
         axis = back * vec3(real(0.0), real(0.0), real(1.0))
         force += wp.dot(e, axis) / rho * wp.outer(around, e)
@@ -115,7 +117,7 @@ def held_sphere(model: Model, B: int, at: vec3, turn: mat33) -> mat33:
 @wp.kernel
 def hold_contact_frame(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     nearest: wp.array3d(dtype=real),
@@ -126,11 +128,11 @@ def hold_contact_frame(
     and that of a sphere."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_family[pair] != 1:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != 1:
         return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    if model.surface_planar[A] != 0:
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    if model.surfaces.planar[A] != 0:
         return
     view = view_of(model, w, pair, r1, axes)
     if is_sphere(model, A):
@@ -140,8 +142,8 @@ def hold_contact_frame(
     p = lane
     known = real(BEYOND)
     section = Held()
-    while p < model.pair_point_count[pair]:
-        z = model.point_z[model.pair_point_start[pair] + p]
+    while p < model.points.count[pair]:
+        z = model.points.z[model.points.start[pair] + p]
         if z != known:
             known = z
             section = held_section(model, A, B, view.at, view.turn, nearest[w, pair, 0], z)
@@ -166,12 +168,12 @@ def point_wrench(model: Model, A: int, x: vec3, n: vec3, section: Held, ball: ma
     out = Wrench()
     out.force = n
     out.moment = wp.cross(x, n)
-    if model.surface_planar[A] != 0:
+    if model.surfaces.planar[A] != 0:
         return out
     if is_sphere(model, A):
         more = ball * out.moment
         out.moment = vec3(real(0.0), real(0.0), real(0.0))
-        if model.surface_radius[A] * wp.sqrt(wp.ddot(ball, ball)) * HUGGING > real(1.0):
+        if model.surfaces.radius[A] * wp.sqrt(wp.ddot(ball, ball)) * HUGGING > real(1.0):
             out.more_force = more
         else:
             out.force += more

@@ -1,87 +1,101 @@
-"""Columns of the two control arrays of a world: integers `ctl (W, CTL)` and reals `clk (W, CLK)`, and the failure
-bits.
-"""
+"""Control words and clock of a world, the failure bits, and the kinds of rows and lines of the ledger."""
 
 import warp as wp
 
-# --- integers
-RUN = wp.constant(0)  # 1 while the Newton loop of this world goes on
-MOVED = wp.constant(1)  # 1 when the outer coordinates changed since the last evaluation
-REASSEMBLE = wp.constant(2)  # 1 when the grids moved against each other, so that every row of G is new
-ITERATION = wp.constant(3)  # Newton iterations of this attempt
-INNER = wp.constant(4)  # active-set solves of this attempt
-CHANGES = wp.constant(5)  # modes that changed sides in the last solve
-FAILURE = wp.constant(6)  # failure bits of this attempt
-SLOTS = wp.constant(7)  # rows of G in use
-FRESH = wp.constant(8)  # first row of G not yet assembled
-ACTIVE = wp.constant(9)  # active modes
-MODE = wp.constant(10)  # DYNAMIC, STATIC, PROJECT or START
-STATUS = wp.constant(11)  # failure bits that stopped this world for good
-LEVEL = wp.constant(12)  # the step in use is the user's step / 2**LEVEL
-SUB = wp.constant(13)  # how many such steps of the current user step are done
-STEP = wp.constant(14)  # user steps done
-TARGET = wp.constant(15)  # user steps to do in this chunk
-SAVED = wp.constant(16)  # rows written to the ring
-REJECTED = wp.constant(17)  # rejected attempts so far
-WORST = wp.constant(18)  # largest number of iterations of an accepted step
-TOUCHED = wp.constant(19)  # active modes before the attempt, restored when it is rejected
-ITERATIONS = wp.constant(21)  # Newton iterations, all accepted steps
-STEPS = wp.constant(22)  # accepted steps
-REASON = wp.constant(23)  # failure bits of all rejected attempts
-PENDING = wp.constant(24)  # iterations since the last saved row
-PENDING_SOLVES = wp.constant(25)
-SPARE = wp.constant(26)  # capacity, or slots, that would do, where there are too few
-EDGE = wp.constant(27)  # 1 when a patch ran onto the end of a contact surface that covers an arc only
-ATTEMPT = wp.constant(28)  # 1 when this world takes part in the attempt
-ACCEPT = wp.constant(29)  # 1 when the attempt was accepted
-RECORD = wp.constant(30)  # 1 when the accepted state is to be saved
-EVERY = wp.constant(31)  # save every so many user steps
-REFRESH = wp.constant(32)  # 1 when the outer matrix is to be inverted anew
-RECENTER = wp.constant(33)  # 1 when the windows are to be laid anew
-COARSE = wp.constant(34)  # steps less accurate than asked for, taken as they could not be halved again
-CELLS = wp.constant(35)  # cell slots of friction in use
-FRESH_CELLS = wp.constant(36)  # first cell slot not yet assembled
-STALE = wp.constant(37)  # 1 when every cell slot is to be assembled anew
-SOLVES = wp.constant(38)  # factorisations of stick and slip so far
-FACTORED = wp.constant(39)  # free coordinates of the factorisation of stick and slip at hand, 0 without
-SUDDEN = wp.constant(40)  # how contact acts on dynamic local modes in this step and the next: see `impulsive_contact`
-REPEATED = wp.constant(41)  # attempts repeated because of what contact did in them
-DOWNHILL = wp.constant(42)  # 1 when a static step must not end higher than it began
-AGAIN = wp.constant(43)  # 1 when the attempt repeats one with more impulsive pairs
-ROUND = wp.constant(44)  # rounds of the mean forces of impulsive pairs in this attempt
-EVEN = wp.constant(45)  # 1 when these means give back the energy of their pairs
-REWEIGHED = wp.constant(46)  # 1 when their weights have changed since the rows of G were assembled
-IMPULSES = wp.constant(47)  # accepted steps in which a pair was impulsive and touched
-SHAKEN = wp.constant(48)  # 1 when the step before was impulsive, or halved after one that was
-SPELL = wp.constant(49)  # steps in a row with a numerical line too high, see `energy_watch`
-TRAPEZOIDAL = wp.constant(50)  # 1 when the attempt acts by the trapezoidal rule from true accelerations
-CTL = 51
+from warpffrf_kernels.scalars import real
 
-# --- reals
-START_TIME = wp.constant(0)
-USER_STEP = wp.constant(1)
-TIME = wp.constant(2)
-H = wp.constant(3)
-NEXT_TIME = wp.constant(4)
-ALPHA_M = wp.constant(5)
-ALPHA_F = wp.constant(6)
-BETA = wp.constant(7)
-GAMMA = wp.constant(8)
-ACC = wp.constant(9)  # d(acceleration)/d(displacement)
-VEL = wp.constant(10)  # d(velocity)/d(displacement)
-MOVE = wp.constant(11)  # largest displacement of a static step [m]
-DONE_STEP = wp.constant(12)  # size of the last accepted step
-ERROR = wp.constant(13)  # local error of the attempt over the accuracy asked for
-LOCAL = wp.constant(14)  # ALPHA_M to VEL of the local modes that step by themselves
-GAINED = wp.constant(20)  # energy gained in impacts so far, each over the energy at hand, losses taken off
-RISE = wp.constant(21)  # what a static step gained in energy, over the largest change of a line of it
-MOST = wp.constant(22)  # largest energy of the run so far [J] of all lines but the potential
-MADE = wp.constant(23)  # energy that came from nowhere, see `energy_watch`
-LEAST = wp.constant(24)  # least of what the pairs have made so far
-NOISE = wp.constant(25)  # of that: what is round-off
-CLK = 26
 
-# --- values
+@wp.struct
+class Control:
+    """What a world is about: flags and counts."""
+
+    run: int  # 1 while the Newton loop of this world goes on
+    moved: int  # 1 when the outer coordinates changed since the last evaluation
+    reassemble: int  # 1 when the grids moved against each other, so that every row of G is new
+    iteration: int  # Newton iterations of this attempt
+    inner: int  # active-set solves of this attempt
+    changes: int  # modes that changed sides in the last solve
+    failure: int  # failure bits of this attempt
+    slots: int  # rows of G in use
+    fresh: int  # first row of G not yet assembled
+    active: int  # active modes
+    mode: int  # DYNAMIC, STATIC, PROJECT or START
+    status: int  # failure bits that stopped this world for good
+    level: int  # the step in use is the user's step / 2**LEVEL
+    sub: int  # how many such steps of the current user step are done
+    step: int  # user steps done
+    target: int  # user steps to do in this chunk
+    saved: int  # rows written to the ring
+    rejected: int  # rejected attempts so far
+    worst: int  # largest number of iterations of an accepted step
+    touched: int  # active modes before the attempt, restored when it is rejected
+    iterations: int  # Newton iterations, all accepted steps
+    steps: int  # accepted steps
+    reason: int  # failure bits of all rejected attempts
+    pending: int  # iterations since the last saved row
+    pending_solves: int
+    spare: int  # capacity, or slots, that would do, where there are too few
+    edge: int  # 1 when a patch ran onto the end of a contact surface that covers an arc only
+    attempt: int  # 1 when this world takes part in the attempt
+    accept: int  # 1 when the attempt was accepted
+    record: int  # 1 when the accepted state is to be saved
+    every: int  # save every so many user steps
+    refresh: int  # 1 when the outer matrix is to be inverted anew
+    recenter: int  # 1 when the windows are to be laid anew
+    coarse: int  # steps less accurate than asked for, taken as they could not be halved again
+    cells: int  # cell slots of friction in use
+    fresh_cells: int  # first cell slot not yet assembled
+    stale: int  # 1 when every cell slot is to be assembled anew
+    solves: int  # factorisations of stick and slip so far
+    factored: int  # free coordinates of the factorisation of stick and slip at hand, 0 without
+    impulsive: int  # how contact acts on dynamic local modes in this step and the next: see `impulsive_contact`
+    repeated: int  # attempts repeated because of what contact did in them
+    downhill: int  # 1 when a static step must not end higher than it began
+    again: int  # 1 when the attempt repeats one with more impulsive pairs
+    round: int  # rounds of the mean forces of impulsive pairs in this attempt
+    even: int  # 1 when these means give back the energy of their pairs
+    reweighed: int  # 1 when their weights have changed since the rows of G were assembled
+    impulses: int  # accepted steps in which a pair was impulsive and touched
+    shaken: int  # 1 when the step before was impulsive, or halved after one that was
+    spell: int  # steps in a row with a numerical line too high, see `energy_watch`
+    trapezoidal: int  # 1 when the attempt acts by the trapezoidal rule from true accelerations
+
+
+@wp.struct
+class Coefficients:
+    """Of generalized-alpha, see `motion`."""
+
+    alpha_m: real
+    alpha_f: real
+    beta: real
+    gamma: real
+    acc: real  # d(acceleration)/d(displacement)
+    vel: real  # d(velocity)/d(displacement)
+
+
+@wp.struct
+class Clock:
+    """Time and step of a world, and what a run has had of energy."""
+
+    start_time: real
+    user_step: real
+    time: real
+    h: real
+    next_time: real
+    move: real  # largest displacement of a static step [m]
+    done_step: real  # size of the last accepted step
+    error: real  # local error of the attempt over the accuracy asked for
+    gained: real  # energy gained in impacts so far, each over the energy at hand, losses taken off
+    rise: real  # what a static step gained in energy, over the largest change of a line of it
+    most: real  # largest energy of the run so far [J] of all lines but the potential
+    made: real  # energy that came from nowhere, see `energy_watch`
+    least: real  # least of what the pairs have made so far
+    noise: real  # of that: what is round-off
+    outer: Coefficients  # bodies and the modes that step like them
+    local: Coefficients  # local modes that step by themselves
+
+
+# --- values of `Control.mode`
 DYNAMIC = wp.constant(0)
 STATIC = wp.constant(1)
 START = wp.constant(2)
@@ -100,7 +114,7 @@ ACCURACY = wp.constant(512)
 GAIN = wp.constant(2048)  # more energy has come from nowhere than allowed, see `energy_watch`
 ROOM = wp.constant(1024)  # more slots are in play than there is room for: `Engine` makes more and tries again
 
-# --- values of SUDDEN
+# --- values of `Control.impulsive`
 SMOOTH = wp.constant(0)
 IMPULSIVE = wp.constant(1)  # its force keeps no memory
 

@@ -15,6 +15,7 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout
+from warpffrf_kernels.control import Clock, Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
 
@@ -31,36 +32,36 @@ def watch_energy(
     pair_energy: wp.array3d(dtype=real),
     created: wp.array2d(dtype=real),
     made: inout(wp.array2d(dtype=real)),
-    ctl: inout(wp.array2d(dtype=int)),
-    clk: inout(wp.array2d(dtype=real)),
+    ctl: inout(wp.array(dtype=Control)),
+    clk: inout(wp.array(dtype=Clock)),
 ):
     """Per world, after an accepted step: `made` (W, pairs), what each pair has created beyond doubt."""
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.ACCEPT] == 0 or ctl[w, k.MODE] != k.DYNAMIC:
+    if ctl[w].accept == 0 or ctl[w].mode != k.DYNAMIC:
         return
     line = int(0)
     while line < k.LINES:
         if line != k.POTENTIAL and line != k.NUMERICAL and line != k.CONTACT_GRID:
-            clk[w, k.MOST] = wp.max(clk[w, k.MOST], wp.abs(energy[w, 0, line]))
+            clk[w].most = wp.max(clk[w].most, wp.abs(energy[w, 0, line]))
         line += 1
     by_pairs = real(0.0)
     pair = int(0)
-    while pair < model.pair_count:
+    while pair < model.pairs.count:
         doubt = pair_energy[w, pair, 0]
         made[w, pair] = wp.clamp(made[w, pair], created[w, pair] - doubt, created[w, pair] + doubt)
         by_pairs += made[w, pair]
         pair += 1
-    clk[w, k.LEAST] = wp.min(clk[w, k.LEAST], by_pairs)
-    rise = by_pairs - clk[w, k.LEAST]
+    clk[w].least = wp.min(clk[w].least, by_pairs)
+    rise = by_pairs - clk[w].least
     total = by_pairs + energy[w, 0, k.NUMERICAL]
-    clk[w, k.MADE] = wp.max(rise, total)
-    if model.most_made == real(0.0):
+    clk[w].made = wp.max(rise, total)
+    if model.limits.most_made == real(0.0):
         return
-    limit = wp.max(model.most_made * clk[w, k.MOST], clk[w, k.NOISE])
-    if ctl[w, k.SUB] == 0:  # a whole step
-        ctl[w, k.SPELL] = ctl[w, k.SPELL] + 1
+    limit = wp.max(model.limits.most_made * clk[w].most, clk[w].noise)
+    if ctl[w].sub == 0:  # a whole step
+        ctl[w].spell = ctl[w].spell + 1
     if total <= limit:
-        ctl[w, k.SPELL] = 0
-    if rise > limit or ctl[w, k.SPELL] > PATIENCE:
-        ctl[w, k.STATUS] = ctl[w, k.STATUS] | k.GAIN
+        ctl[w].spell = 0
+    if rise > limit or ctl[w].spell > PATIENCE:
+        ctl[w].status = ctl[w].status | k.GAIN

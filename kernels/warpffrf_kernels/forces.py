@@ -19,6 +19,7 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Clock, Control
 from warpffrf_kernels.interfaces import add_load, line_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.rows import evaluate_signal
@@ -75,11 +76,11 @@ def flexibility_of(
 @wp.kernel
 def couple_springs(
     models: wp.array(dtype=Model),
-    clk: wp.array2d(dtype=real),
+    clk: wp.array(dtype=Clock),
     lam: wp.array2d(dtype=real),
     coordinate: wp.array2d(dtype=real),
     drive_rate: wp.array3d(dtype=real),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     flexibility: inout(wp.array(dtype=real)),
     defect: out(wp.array2d(dtype=real)),
     softness: out(wp.array2d(dtype=real)),
@@ -87,22 +88,22 @@ def couple_springs(
     """Lanes over groups: their flexibility, and the defects of their rows; `softness` gets its diagonal."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     g = lane
-    while g < model.group_count:
-        first = model.group_start[g]
-        n = model.group_size[g]
+    while g < model.groups.count:
+        first = model.groups.start[g]
+        n = model.groups.size[g]
         size = n
-        slope = clk[w, k.VEL]
+        slope = clk[w].outer.vel
         if slope == real(0.0):
-            size = model.group_sprung[g]
-        at = (w * model.group_count + g) * 36
-        stiffness = model.group_stiffness
-        damping = model.group_damping
-        bad = flexibility_of(w, g, model.group_count, size, slope, stiffness, damping, flexibility)
+            size = model.groups.sprung[g]
+        at = (w * model.groups.count + g) * 36
+        stiffness = model.groups.stiffness
+        damping = model.groups.damping
+        bad = flexibility_of(w, g, model.groups.count, size, slope, stiffness, damping, flexibility)
         if bad != 0:
-            ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.SINGULAR
+            ctl[w].failure = ctl[w].failure | k.SINGULAR
         i = int(0)
         while i < n:
             row = first + i
@@ -126,13 +127,13 @@ def law(
     model: Model, w: int, g: int, i: int, coordinate: wp.array2d(dtype=real), drive_rate: wp.array3d(dtype=real)
 ) -> real:
     """lambda of row i of group g by its law."""
-    first = model.group_start[g]
-    total = model.row_preload[first + i]
+    first = model.groups.start[g]
+    total = model.rows.preload[first + i]
     j = int(0)
-    while j < model.group_size[g]:
+    while j < model.groups.size[g]:
         row = first + j
-        total += model.group_stiffness[g, i, j] * (coordinate[w, row] - model.row_reference[row])
-        total += model.group_damping[g, i, j] * drive_rate[w, 1, row]
+        total += model.groups.stiffness[g, i, j] * (coordinate[w, row] - model.rows.reference[row])
+        total += model.groups.damping[g, i, j] * drive_rate[w, 1, row]
         j += 1
     return total
 
@@ -151,22 +152,22 @@ def group_energy(
     taken = real(0.0)
     worked = real(0.0)
     g = int(0)
-    while g < model.group_count:
-        first = model.group_start[g]
-        n = model.group_size[g]
+    while g < model.groups.count:
+        first = model.groups.start[g]
+        n = model.groups.size[g]
         i = int(0)
         while i < n:
-            c = coordinate[w, first + i] - model.row_reference[first + i]
+            c = coordinate[w, first + i] - model.rows.reference[first + i]
             step = coordinate[w, first + i] - stretch[w, first + i]
             j = int(0)
             while j < n:
-                K = model.group_stiffness[g, i, j]
-                D = model.group_damping[g, i, j]
-                other = coordinate[w, first + j] - model.row_reference[first + j]
-                before = stretch[w, first + j] - model.row_reference[first + j]
+                K = model.groups.stiffness[g, i, j]
+                D = model.groups.damping[g, i, j]
+                other = coordinate[w, first + j] - model.rows.reference[first + j]
+                before = stretch[w, first + j] - model.rows.reference[first + j]
                 stored += half * K * c * other
                 taken += D * step * (coordinate[w, first + j] - stretch[w, first + j]) / h
-                skew = half * (K - model.group_stiffness[g, j, i])
+                skew = half * (K - model.groups.stiffness[g, j, i])
                 worked -= half * skew * (before + other) * step
                 j += 1
             i += 1
@@ -177,8 +178,8 @@ def group_energy(
 @wp.kernel
 def apply_loads(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     axes: wp.array2d(dtype=mat33),
     slope: wp.array(dtype=real),
     residual: inout(wp.array2d(dtype=real)),
@@ -192,58 +193,58 @@ def apply_loads(
     """
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     i = int(0)
-    while i < 6 * model.body_count:
+    while i < 6 * model.bodies.count:
         load[w, 1, i] = real(0.0)
         i += 1
-    kept = (2 * w + 1) * model.modal_count  # of the trial state
+    kept = (2 * w + 1) * model.modes.count  # of the trial state
     i = int(0)
-    while i < model.modal_count:
+    while i < model.modes.count:
         load_on_modes[kept + i] = real(0.0)
         i += 1
-    t = clk[w, k.NEXT_TIME]
+    t = clk[w].next_time
     i = int(0)
-    while i < model.torque_count:
-        b = model.torque_body[i]
+    while i < model.torques.count:
+        b = model.torques.body[i]
         torque = vec3(
-            evaluate_signal(model, model.torque_signal[i, 0], t, 0),
-            evaluate_signal(model, model.torque_signal[i, 1], t, 0),
-            evaluate_signal(model, model.torque_signal[i, 2], t, 0),
+            evaluate_signal(model, model.torques.signal[i, 0], t, 0),
+            evaluate_signal(model, model.torques.signal[i, 1], t, 0),
+            evaluate_signal(model, model.torques.signal[i, 2], t, 0),
         )
-        if model.torque_in_body[i] == 0:
+        if model.torques.in_body[i] == 0:
             torque = wp.transpose(axes[w, b]) * torque
         applied_torque[w, i] = torque
         for c in range(3):
             load[w, 1, 6 * b + 3 + c] = load[w, 1, 6 * b + 3 + c] + torque[c]
-        interface = model.torque_interface[i]
+        interface = model.torques.interface[i]
         if interface >= 0:
-            modes = kept + model.modal_start[b]
+            modes = kept + model.bodies.modal_start[b]
             line = line_of(model, w, interface)
-            n = model.global_count[b]
+            n = model.bodies.global_count[b]
             none = vec3(real(0.0))
-            add_load(n, real(1.0), none, torque, model.interface_width, slope, line, load_on_modes, modes)
+            add_load(n, real(1.0), none, torque, model.interfaces.width, slope, line, load_on_modes, modes)
         i += 1
     i = int(0)
-    while i < model.load_count:
-        b = model.load_body[i]
-        s = evaluate_signal(model, model.load_signal[i], t, 0)
-        force = axes[w, b] * (s * model.load_force[i])
+    while i < model.body_loads.count:
+        b = model.body_loads.body[i]
+        s = evaluate_signal(model, model.body_loads.signal[i], t, 0)
+        force = axes[w, b] * (s * model.body_loads.force[i])
         for c in range(3):
             load[w, 1, 6 * b + c] = load[w, 1, 6 * b + c] + force[c]
-            load[w, 1, 6 * b + 3 + c] = load[w, 1, 6 * b + 3 + c] + s * model.load_torque[i][c]
-        m = model.modal_start[b]
+            load[w, 1, 6 * b + 3 + c] = load[w, 1, 6 * b + 3 + c] + s * model.body_loads.torque[i][c]
+        m = model.bodies.modal_start[b]
         o = m
-        while m < model.modal_start[b + 1]:
-            load_on_modes[kept + m] = load_on_modes[kept + m] + s * model.load_modal[i, m - o]
+        while m < model.bodies.modal_start[b + 1]:
+            load_on_modes[kept + m] = load_on_modes[kept + m] + s * model.body_loads.modal[i, m - o]
             m += 1
         i += 1
     i = int(0)
-    while i < 6 * model.body_count:
+    while i < 6 * model.bodies.count:
         residual[w, i] = residual[w, i] - load[w, 1, i]
         i += 1
     i = int(0)
-    while i < model.modal_count:
-        modal_residual[w * model.modal_count + i] = modal_residual[w * model.modal_count + i] - load_on_modes[kept + i]
+    while i < model.modes.count:
+        modal_residual[w * model.modes.count + i] = modal_residual[w * model.modes.count + i] - load_on_modes[kept + i]
         i += 1

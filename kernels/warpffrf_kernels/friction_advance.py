@@ -16,6 +16,7 @@ from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_geometry import wrap
 from warpffrf_kernels.contact_place import settle, view_of
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, vec3
 
@@ -25,7 +26,7 @@ wp.set_module_options(MODULE_OPTIONS)
 @wp.kernel
 def follow_patch(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     phase: wp.array3d(dtype=real),
@@ -39,23 +40,23 @@ def follow_patch(
     last saved row, and the place now: column and z [m] on the first surface (z of pairs at points alone)."""
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w, k.ATTEMPT] == 0 or ctl[w, k.ACCEPT] == 0 or model.pair_friction[pair] == real(0.0):
+    if ctl[w].attempt == 0 or ctl[w].accept == 0 or model.pairs.friction[pair] == real(0.0):
         return
-    A = model.pair_first[pair]
+    A = model.pairs.first[pair]
     before = history_phase[w, pair]
     at = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6])
     now = at
-    if model.pair_family[pair] == 1:
+    if model.pairs.family[pair] == 1:
         at = nearest[w, pair, 0]
-        B = model.pair_second[pair]
+        B = model.pairs.second[pair]
         now = settle(model, A, B, view_of(model, w, pair, r1, axes), before, history_z[w, pair])
         history_z[w, pair] = nearest[w, pair, 1]
     way = now - before
-    if model.surface_turn[A] > 0:
-        way = wrap(way, real(model.surface_turn[A]), real(0.0))
+    if model.surfaces.turn[A] > 0:
+        way = wrap(way, real(model.surfaces.turn[A]), real(0.0))
     history_phase[w, pair] = at
     advanced[w, pair] = way
-    if ctl[w, k.MODE] == k.DYNAMIC:
+    if ctl[w].mode == k.DYNAMIC:
         most_advanced[w, pair] = wp.max(most_advanced[w, pair], wp.abs(way))
     else:
         most_advanced[w, pair] = real(0.0)

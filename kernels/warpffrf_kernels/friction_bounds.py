@@ -16,6 +16,7 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
@@ -52,21 +53,21 @@ def pressed(
 @wp.func
 def exchanged(model: Model, z0: int, rows: int, row: int, other: int) -> real:
     """c of neighbouring rows: SPREAD h g/A_row, h their distance, g the mean area of both per length of cell."""
-    h = wp.abs(model.surface_z[z0 + other] - model.surface_z[z0 + row])
+    h = wp.abs(model.surfaces.z[z0 + other] - model.surfaces.z[z0 + row])
     g = real(0.0)
     for i in range(2):
         r = row
         if i == 1:
             r = other
-        span = real(0.5) * (model.surface_z[z0 + wp.min(r + 1, rows - 1)] - model.surface_z[z0 + wp.max(r - 1, 0)])
-        g += real(0.5) * model.cell_area[z0 + r] / span
-    return SPREAD * h * g / model.cell_area[z0 + row]
+        span = real(0.5) * (model.surfaces.z[z0 + wp.min(r + 1, rows - 1)] - model.surfaces.z[z0 + wp.max(r - 1, 0)])
+        g += real(0.5) * model.surfaces.cell_area[z0 + r] / span
+    return SPREAD * h * g / model.surfaces.cell_area[z0 + row]
 
 
 @wp.kernel
 def bound_cells(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     window: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
@@ -80,20 +81,20 @@ def bound_cells(
     are cut. Friction acts in dynamic steps only: a static state or a start has no slip to speak of."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or model.pair_friction[pair] == real(0.0):
+    if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0):
         return
-    if (clip != 0 and ctl[w, k.MOVED] == 0) or (clip == 0 and ctl[w, k.CHANGES] != 0):
+    if (clip != 0 and ctl[w].moved == 0) or (clip == 0 and ctl[w].changes != 0):
         return
-    rows = model.surface_rows[model.pair_first[pair]]
-    z0 = model.surface_z_start[model.pair_first[pair]]
-    H = model.half_window
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    z0 = model.surfaces.z_start[model.pairs.first[pair]]
+    H = model.window.half
     low = (window[w, pair, 0] + H) * rows
     high = (window[w, pair, 1] + H + 1) * rows - 1
     m = lane
-    while m < model.window_columns * rows:
+    while m < model.window.columns * rows:
         value = real(0.0)
         here = pressed(model, w, pair, m, low, high, active, pressure, cell_area, area)
-        if here >= real(0.0) and ctl[w, k.MODE] == k.DYNAMIC:
+        if here >= real(0.0) and ctl[w].mode == k.DYNAMIC:
             value = here
             for side in range(2):
                 step = 2 * side - 1
@@ -105,7 +106,7 @@ def bound_cells(
                     there = pressed(model, w, pair, m + step, low, high, active, pressure, cell_area, area)
                     if there >= real(0.0):
                         value += exchanged(model, z0, rows, m % rows, row) * (there - here)
-            value = model.pair_friction[pair] * value
+            value = model.pairs.friction[pair] * value
         bound[w, pair, m] = value
         if clip != 0:
             i = cell_at(rows, m, 0)

@@ -14,9 +14,9 @@ modes of a body that both pairs load, and not through the local modes of a surfa
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_compliance import add_outer, outer_row, short_of
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.friction_normal import RENEWED
 from warpffrf_kernels.friction_shares import line_of, response_at
@@ -32,7 +32,7 @@ ROUND_OFF = wp.constant(wp.float64(1.0e-14))  # of a cosine: tangents of paralle
 def take_cells(
     models: wp.array(dtype=Model),
     bound: wp.array3d(dtype=real),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     cell_slot_of: inout(wp.array3d(dtype=int)),
     cell_slot: out(wp.array3d(dtype=int)),
 ):
@@ -40,48 +40,48 @@ def take_cells(
     moved."""
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0:
         return
-    capacity = model.mode_capacity
-    if ctl[w, k.STALE] != 0:
-        ctl[w, k.CELLS] = 0
+    capacity = model.window.hats
+    if ctl[w].stale != 0:
+        ctl[w].cells = 0
         pair = int(0)
-        while pair < model.pair_count:
+        while pair < model.pairs.count:
             m = int(0)
             while m < capacity:
                 cell_slot_of[w, pair, m] = -1
                 m += 1
             pair += 1
-        ctl[w, k.STALE] = 0
-    count = ctl[w, k.CELLS]
-    ctl[w, k.FRESH_CELLS] = count
+        ctl[w].stale = 0
+    count = ctl[w].cells
+    ctl[w].fresh_cells = count
     pair = int(0)
-    while pair < model.pair_count:
-        if model.pair_friction[pair] > real(0.0):
+    while pair < model.pairs.count:
+        if model.pairs.friction[pair] > real(0.0):
             m = int(0)
             while m < capacity:
                 if bound[w, pair, m] > real(0.0) and cell_slot_of[w, pair, m] < 0:
-                    if count < model.cell_capacity:
+                    if count < model.capacity.cells:
                         cell_slot_of[w, pair, m] = count
                         cell_slot[w, count, 0] = pair
                         cell_slot[w, count, 1] = m
                     count += 1
                 m += 1
         pair += 1
-    if count > ctl[w, k.FRESH_CELLS]:
-        ctl[w, k.FACTORED] = 0  # the numbers of the slots are new
-    if count > model.cell_capacity:
-        ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | short_of(model)
-        ctl[w, k.SPARE] = wp.max(ctl[w, k.SPARE], count)
-        ctl[w, k.RUN] = 0
-        count = model.cell_capacity
-    ctl[w, k.CELLS] = count
+    if count > ctl[w].fresh_cells:
+        ctl[w].factored = 0  # the numbers of the slots are new
+    if count > model.capacity.cells:
+        ctl[w].failure = ctl[w].failure | short_of(model)
+        ctl[w].spare = wp.max(ctl[w].spare, count)
+        ctl[w].run = 0
+        count = model.capacity.cells
+    ctl[w].cells = count
 
 
 @wp.kernel
 def cell_modes(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     cell_slot: wp.array3d(dtype=int),
     cell_area: wp.array3d(dtype=real),
@@ -95,46 +95,47 @@ def cell_modes(
     of the pair."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0:
         return
-    slot = ctl[w, k.FRESH_CELLS]
-    while slot < ctl[w, k.CELLS]:
+    slot = ctl[w].fresh_cells
+    while slot < ctl[w].cells:
         pair = cell_slot[w, slot, 0]
         m = cell_slot[w, slot, 1]
-        A = model.pair_first[pair]
-        B = model.pair_second[pair]
-        rows = model.surface_rows[A]
+        A = model.pairs.first[pair]
+        B = model.pairs.second[pair]
+        rows = model.surfaces.rows[A]
         area = weight[w, pair] * cell_area[w, pair, m]
-        modes_a = model.surface_modal_count[A]
-        start = (w * model.cell_capacity + slot) * 2 * model.pair_modes
+        modes_a = model.surfaces.modal_count[A]
+        start = (w * model.capacity.cells + slot) * 2 * model.pairs.most_modes
         i = lane
-        while i < 2 * model.pair_modes:
+        while i < 2 * model.pairs.most_modes:
             cell_J[start + i] = real(0.0)
             i += wp.block_dim()
         sync()
         for d in range(2):
-            line = line_of(model, A, center[w, pair, 0] + m / rows - model.half_window, d * rows + m % rows)
+            line = line_of(model, A, center[w, pair, 0] + m / rows - model.window.half, d * rows + m % rows)
             if line >= 0:
-                at = model.surface_shear[A] + line * modes_a
-                axpy(modes_a, area, model.mode_tangent, at, cell_J, start + d * model.pair_modes)
-        if model.surface_shear[B] >= 0:
-            rows_b = model.surface_rows[B]
-            modes_b = model.surface_modal_count[B]
-            base = center[w, pair, 1] - model.second_half_window + share_at[w, pair, m, 0]
+                at = model.surfaces.shear_start[A] + line * modes_a
+                axpy(modes_a, area, model.surfaces.mode_tangent, at, cell_J, start + d * model.pairs.most_modes)
+        if model.surfaces.shear_start[B] >= 0:
+            rows_b = model.surfaces.rows[B]
+            modes_b = model.surfaces.modal_count[B]
+            base = center[w, pair, 1] - model.window.second_half + share_at[w, pair, m, 0]
             c = int(0)
-            while c < model.share_columns:
+            while c < model.window.share_columns:
                 q = int(0)
-                while q < model.share_rows:
-                    part = -area * share[w, pair, m, c * model.share_rows + q]
+                while q < model.window.share_rows:
+                    part = -area * share[w, pair, m, c * model.window.share_rows + q]
                     if part != real(0.0):
                         for e in range(2):
                             line = line_of(model, B, base + c, e * rows_b + share_at[w, pair, m, 1] + q)
                             if line >= 0:
-                                at = model.surface_shear[B] + line * modes_b
+                                at = model.surfaces.shear_start[B] + line * modes_b
                                 for d in range(2):
                                     axpy(
-                                        modes_b, part * cell_turn[w, pair, m, 2 * d + e], model.mode_tangent, at,
-                                        cell_J, start + d * model.pair_modes + modes_a,
+                                        modes_b, part * cell_turn[w, pair, m, 2 * d + e],
+                                        model.surfaces.mode_tangent, at,
+                                        cell_J, start + d * model.pairs.most_modes + modes_a,
                                     )  # fmt: skip
                     q += 1
                 c += 1
@@ -144,20 +145,21 @@ def cell_modes(
 # Rows 2 slot, 2 slot + 1 of G against the slots up to itself, and their mirror. `shift` holds what the two tractions of
 # the slot do to the second surface's cells. Native, since it is the inner loop of the assembly.
 @wp.func_native("""
-    const int cap = 2 * model.cell_capacity, SC = model.share_columns, SR = model.share_rows, width = model.pair_modes;
-    const int* own = cell_slot.data + ((size_t)w * model.cell_capacity + slot) * 2;
+    const int cap = 2 * model.capacity.cells, width = model.pairs.most_modes;
+    const int SC = model.window.share_columns, SR = model.window.share_rows;
+    const int* own = cell_slot.data + ((size_t)w * model.capacity.cells + slot) * 2;
     const int pair = own[0], m = own[1];
-    const int A = model.pair_first.data[pair], B = model.pair_second.data[pair];
-    const int rows = model.surface_rows.data[A], block = model.surface_block.data[A];
-    const int reach = model.surface_reach.data[A], wide = block + 2 * reach;
-    const int rows_b = model.surface_rows.data[B], flexible = model.surface_shear.data[B] >= 0;
-    const double* DA = model.tangential.data + model.surface_tt.data[A];
-    const double* T = shift.data + (size_t)w * 4 * model.node_capacity;
-    const size_t cells = (size_t)(w * model.pair_count + pair) * model.mode_capacity;
-    const int first_a = model.surface_modal_start.data[A], count_a = model.surface_modal_count.data[A];
-    const int first_b = model.surface_modal_start.data[B], count_b = model.surface_modal_count.data[B];
-    const double* s = receptance.data + (size_t)w * model.modal_count;
-    const double* J0 = cell_J.data + ((size_t)w * model.cell_capacity + slot) * 2 * width;
+    const int A = model.pairs.first.data[pair], B = model.pairs.second.data[pair];
+    const int rows = model.surfaces.rows.data[A], block = model.surfaces.block.data[A];
+    const int reach = model.surfaces.reach.data[A], wide = block + 2 * reach;
+    const int rows_b = model.surfaces.rows.data[B], flexible = model.surfaces.shear_start.data[B] >= 0;
+    const double* DA = model.surfaces.tangential.data + model.surfaces.tt_start.data[A];
+    const double* T = shift.data + (size_t)w * 4 * model.window.nodes;
+    const size_t cells = (size_t)(w * model.pairs.count + pair) * model.window.hats;
+    const int first_a = model.surfaces.modal_start.data[A], count_a = model.surfaces.modal_count.data[A];
+    const int first_b = model.surfaces.modal_start.data[B], count_b = model.surfaces.modal_count.data[B];
+    const double* s = receptance.data + (size_t)w * model.modes.count;
+    const double* J0 = cell_J.data + ((size_t)w * model.capacity.cells + slot) * 2 * width;
     double* scaled = scratch.data + (size_t)w * 2 * width;
     WP_TILE_SYNC();
     for (int n = WP_TILE_THREAD_IDX; n < count_a + count_b; n += WP_TILE_BLOCK_DIM) {
@@ -168,7 +170,7 @@ def cell_modes(
     const double area = cell_area.data[cells + m];
     const int column = origin + m / rows, row = m % rows;
     for (int j = WP_TILE_THREAD_IDX; j <= slot; j += WP_TILE_BLOCK_DIM) {
-        const int* other = cell_slot.data + ((size_t)w * model.cell_capacity + j) * 2;
+        const int* other = cell_slot.data + ((size_t)w * model.capacity.cells + j) * 2;
         double g[2][2] = {{0.0, 0.0}, {0.0, 0.0}};
         if (other[0] == pair) {
             const int mj = other[1], column_j = origin + mj / rows, row_j = mj % rows;
@@ -182,7 +184,7 @@ def cell_modes(
                 const int* at = share_at.data + (cells + mj) * 2;
                 const double* turn = cell_turn.data + (cells + mj) * 4;
                 for (int d = 0; d < 2; ++d) {
-                    const double* t = T + (size_t)d * 2 * model.node_capacity;
+                    const double* t = T + (size_t)d * 2 * model.window.nodes;
                     double v0 = 0.0, v1 = 0.0;
                     for (int c = 0; c < SC; ++c) for (int q = 0; q < SR; ++q) {
                         const double f = o[c * SR + q];
@@ -194,7 +196,7 @@ def cell_modes(
                     g[d][1] += area_j * (turn[2] * v0 + turn[3] * v1);
                 }
             }
-            const double* Jj = cell_J.data + ((size_t)w * model.cell_capacity + j) * 2 * width;
+            const double* Jj = cell_J.data + ((size_t)w * model.capacity.cells + j) * 2 * width;
             for (int d = 0; d < 2; ++d) for (int e = 0; e < 2; ++e) {
                 const double *p = scaled + d * width, *q = Jj + e * width;
                 double sum[8] = {0.0}; int n = 0; const int all = count_a + count_b;
@@ -204,14 +206,14 @@ def cell_modes(
                 g[d][e] += f;
             }
         } else for (int a = 0, at_a = 0; a < 2; ++a) {
-            const int sa = 2 * pair + a, count = model.surface_modal_count.data[sa];
+            const int sa = 2 * pair + a, count = model.surfaces.modal_count.data[sa];
             for (int b = 0, at_b = 0; b < 2; ++b) {
-                const int sb = 2 * other[0] + b, body = model.surface_body.data[sa];
-                const double* q = cell_J.data + ((size_t)w * model.cell_capacity + j) * 2 * width + at_b;
-                if (body >= 0 && body == model.surface_body.data[sb])
+                const int sb = 2 * other[0] + b, body = model.surfaces.body.data[sa];
+                const double* q = cell_J.data + ((size_t)w * model.capacity.cells + j) * 2 * width + at_b;
+                if (body >= 0 && body == model.surfaces.body.data[sb])
                     for (int d = 0; d < 2; ++d) for (int e = 0; e < 2; ++e) for (int n = 0; n < count; ++n)
                         g[d][e] += scaled[d * width + at_a + n] * q[e * width + n];
-                at_b += model.surface_modal_count.data[sb];
+                at_b += model.surfaces.modal_count.data[sb];
             }
             at_a += count;
         }
@@ -259,33 +261,33 @@ def shift_second(
 ):
     """Displacement of the second surface's cells, columns `low` to `high` of its window, under unit tractions on cell m
     in its two directions, (2, 2 node_capacity) flat: area D_tt^B (Q o)^T."""
-    B = model.pair_second[pair]
-    rows_b = model.surface_rows[B]
-    base = w * 4 * model.node_capacity
+    B = model.pairs.second[pair]
+    rows_b = model.surfaces.rows[B]
+    base = w * 4 * model.window.nodes
     count = (high - low + 1) * 2 * rows_b
     i = lane
-    while i < 4 * model.node_capacity:
+    while i < 4 * model.window.nodes:
         shift[base + i] = real(0.0)
         i += wp.block_dim()
     sync()
     c = int(0)
-    while c < model.share_columns:
+    while c < model.window.share_columns:
         q = int(0)
-        while q < model.share_rows:
-            part = cell_area[w, pair, m] * share[w, pair, m, c * model.share_rows + q]
+        while q < model.window.share_rows:
+            part = cell_area[w, pair, m] * share[w, pair, m, c * model.window.share_rows + q]
             if part != real(0.0):
                 for e in range(2):
                     line = e * rows_b + share_at[w, pair, m, 1] + q
                     at = response_at(
-                        model, B, model.surface_tt[B], origin_b + share_at[w, pair, m, 0] + c, line, 2 * rows_b,
+                        model, B, model.surfaces.tt_start[B], origin_b + share_at[w, pair, m, 0] + c, line, 2 * rows_b,
                         origin_b + low, 2 * rows_b,
                     )  # fmt: skip
                     if at >= 0:
                         for d in range(2):
                             turned = cell_turn[w, pair, m, 2 * d + e]
                             if wp.abs(turned) > ROUND_OFF:
-                                start = base + d * 2 * model.node_capacity + low * 2 * rows_b
-                                axpy(count, part * turned, model.tangential, at, shift, start)
+                                start = base + d * 2 * model.window.nodes + low * 2 * rows_b
+                                axpy(count, part * turned, model.surfaces.tangential, at, shift, start)
             q += 1
         c += 1
     sync()
@@ -294,7 +296,7 @@ def shift_second(
 @wp.kernel
 def assemble_cells(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
     cell_slot: wp.array3d(dtype=int),
@@ -311,22 +313,22 @@ def assemble_cells(
     """Per world: rows of the compliance of the fresh slots, without the outer coordinates."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0:
         return
-    slot = ctl[w, k.FRESH_CELLS]
-    while slot < ctl[w, k.CELLS]:
+    slot = ctl[w].fresh_cells
+    while slot < ctl[w].cells:
         pair = cell_slot[w, slot, 0]
-        if model.surface_shear[model.pair_second[pair]] >= 0:
+        if model.surfaces.shear_start[model.pairs.second[pair]] >= 0:
             # a cubic reaches beyond what the hats of the window do
-            low = wp.max(second_window[w, pair, 0] - model.share_columns, 0)
-            high = wp.min(second_window[w, pair, 1] + model.share_columns, model.second_columns - 1)
-            origin_b = center[w, pair, 1] - model.second_half_window
+            low = wp.max(second_window[w, pair, 0] - model.window.share_columns, 0)
+            high = wp.min(second_window[w, pair, 1] + model.window.share_columns, model.window.second_columns - 1)
+            origin_b = center[w, pair, 1] - model.window.second_half
             shift_second(
                 model, w, pair, cell_slot[w, slot, 1], lane, low, high, origin_b, cell_area, cell_turn, share,
                 share_at, shift,
             )  # fmt: skip
         couple_cells(
-            model, w, slot, center[w, pair, 0] - model.half_window, cell_slot, cell_area, cell_turn, share, share_at,
+            model, w, slot, center[w, pair, 0] - model.window.half, cell_slot, cell_area, cell_turn, share, share_at,
             cell_J, receptance, shift, scratch, G,
         )  # fmt: skip
         slot += 1
@@ -335,7 +337,7 @@ def assemble_cells(
 @wp.kernel
 def outer_cells(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     axes: wp.array2d(dtype=mat33),
     r1: wp.array2d(dtype=vec3),
     cell_wrench: wp.array4d(dtype=real),
@@ -351,21 +353,21 @@ def outer_cells(
     where there are fresh slots."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0 or ctl[w, k.FRESH_CELLS] == ctl[w, k.CELLS]:
+    if ctl[w].run == 0 or ctl[w].changes != 0 or ctl[w].fresh_cells == ctl[w].cells:
         return
     slot = int(0)
-    while slot < ctl[w, k.CELLS]:
+    while slot < ctl[w].cells:
         pair = cell_slot[w, slot, 0]
-        rows = model.surface_rows[model.pair_first[pair]]
+        rows = model.surfaces.rows[model.pairs.first[pair]]
         for d in range(2):
             at = cell_at(rows, cell_slot[w, slot, 1], d)
             f = vec3(cell_wrench[w, pair, at, 0], cell_wrench[w, pair, at, 1], cell_wrench[w, pair, at, 2])
             t = vec3(cell_wrench[w, pair, at, 3], cell_wrench[w, pair, at, 4], cell_wrench[w, pair, at, 5])
             row = 2 * slot + d
-            line = w * 2 * model.cell_capacity + row
+            line = w * 2 * model.capacity.cells + row
             outer_row(
-                model, w, pair, row, lane, f, t, axes, r1, weight, cell_J, line * model.pair_modes, C_receptance,
-                inverse_transposed, line * model.outer_count, cell_L, cell_V,
+                model, w, pair, row, lane, f, t, axes, r1, weight, cell_J, line * model.pairs.most_modes, C_receptance,
+                inverse_transposed, line * model.outer.count, cell_L, cell_V,
             )  # fmt: skip
         slot += 1
 
@@ -373,7 +375,7 @@ def outer_cells(
 @wp.kernel
 def condense_cells(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     cell_slot: wp.array3d(dtype=int),
     G: wp.array3d(dtype=real),
     L: wp.array3d(dtype=real),
@@ -384,9 +386,9 @@ def condense_cells(
     """Per world: G + L V over all slots, where the pressures' answer is to be taken off it anew (`friction_normal`)."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0 or answer_state[w, RENEWED] == 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0:
         return
-    count = 2 * ctl[w, k.CELLS]
+    count = 2 * ctl[w].cells
     i = int(0)
     while i < count:
         add_outer(model, w, i, i, count, cell_slot, G, L, V, K)

@@ -13,8 +13,8 @@ that are no half-spaces). All operators are applied to the present loads, never 
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.friction_shares import line_of, on_shares, response_at
 from warpffrf_kernels.model import Model
@@ -27,7 +27,7 @@ wp.set_module_options(MODULE_OPTIONS)
 @wp.kernel
 def push_gaps(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
@@ -44,31 +44,31 @@ def push_gaps(
     modes with which the tractions open the gaps, as those of `contact_fields.local_fields`."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_friction[pair] == real(0.0):
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
         return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    rows = model.surface_rows[A]
-    rows_b = model.surface_rows[B]
-    H = model.half_window
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    rows = model.surfaces.rows[A]
+    rows_b = model.surfaces.rows[B]
+    H = model.window.half
     first = window[w, pair, 0] + H
     count = (window[w, pair, 1] + H - first + 1) * rows
-    base = (w * model.pair_count + pair) * model.mode_capacity
+    base = (w * model.pairs.count + pair) * model.window.hats
     low = second_window[w, pair, 0]
     count_b = (second_window[w, pair, 1] - low + 1) * rows_b
-    base_b = (w * model.pair_count + pair) * model.node_capacity
+    base_b = (w * model.pairs.count + pair) * model.window.nodes
     origin = center[w, pair, 0] - H
-    origin_b = center[w, pair, 1] - model.second_half_window
+    origin_b = center[w, pair, 1] - model.window.second_half
     i = lane
-    while i < 2 * model.node_capacity:
+    while i < 2 * model.window.nodes:
         second_force[w, pair, i] = real(0.0)
         i += wp.block_dim()
     i = lane
-    while i < model.mode_capacity:
+    while i < model.window.hats:
         first_push[base + i] = real(0.0)
         i += wp.block_dim()
     i = lane
-    while i < model.node_capacity:
+    while i < model.window.nodes:
         second_push[base_b + i] = real(0.0)
         i += wp.block_dim()
     sync()
@@ -79,21 +79,23 @@ def push_gaps(
         if f_1 != real(0.0) or f_2 != real(0.0):
             column = m / rows
             row = m % rows
-            at = response_at(model, A, model.surface_nt[A], origin + column, row, 2 * rows, origin + first, rows)
+            at = response_at(model, A, model.surfaces.nt_start[A], origin + column, row, 2 * rows, origin + first, rows)
             if at >= 0:
-                axpy(count, -f_1, model.tangential, at, first_push, base + first * rows)
-            at = response_at(model, A, model.surface_nt[A], origin + column, rows + row, 2 * rows, origin + first, rows)
+                axpy(count, -f_1, model.surfaces.tangential, at, first_push, base + first * rows)
+            at = response_at(
+                model, A, model.surfaces.nt_start[A], origin + column, rows + row, 2 * rows, origin + first, rows
+            )
             if at >= 0:
-                axpy(count, -f_2, model.tangential, at, first_push, base + first * rows)
-            if lane == 0 and model.surface_shear[B] >= 0:
+                axpy(count, -f_2, model.surfaces.tangential, at, first_push, base + first * rows)
+            if lane == 0 and model.surfaces.shear_start[B] >= 0:
                 g_1 = -(cell_turn[w, pair, m, 0] * f_1 + cell_turn[w, pair, m, 2] * f_2)
                 g_2 = -(cell_turn[w, pair, m, 1] * f_1 + cell_turn[w, pair, m, 3] * f_2)
                 c = int(0)
-                while c < model.share_columns:
+                while c < model.window.share_columns:
                     at_c = share_at[w, pair, m, 0] + c
                     q = int(0)
-                    while q < model.share_rows:
-                        part = share[w, pair, m, c * model.share_rows + q]
+                    while q < model.window.share_rows:
+                        part = share[w, pair, m, c * model.window.share_rows + q]
                         at_r = share_at[w, pair, m, 1] + q
                         if part != real(0.0):
                             e = at_c * 2 * rows_b + at_r
@@ -103,25 +105,25 @@ def push_gaps(
                     c += 1
         m += 1
     sync()
-    if model.surface_shear[B] < 0:
+    if model.surfaces.shear_start[B] < 0:
         return
     i = int(0)
-    while i < 2 * model.second_columns * rows_b:
+    while i < 2 * model.window.second_columns * rows_b:
         f = second_force[w, pair, i]
         if f != real(0.0):
             at = response_at(
-                model, B, model.surface_nt[B], origin_b + i / (2 * rows_b), i % (2 * rows_b), 2 * rows_b,
+                model, B, model.surfaces.nt_start[B], origin_b + i / (2 * rows_b), i % (2 * rows_b), 2 * rows_b,
                 origin_b + low, rows_b,
             )  # fmt: skip
             if at >= 0:
-                axpy(count_b, -f, model.tangential, at, second_push, base_b + low * rows_b)
+                axpy(count_b, -f, model.surfaces.tangential, at, second_push, base_b + low * rows_b)
         i += 1
 
 
 @wp.kernel
 def add_push(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     first_push: wp.array(dtype=real),
     second_push: wp.array(dtype=real),
     first_local: inout(wp.array(dtype=real)),
@@ -131,18 +133,18 @@ def add_push(
     pressures."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or (model.pair_friction[pair] == real(0.0) and not has_neighbours(model, pair)):
+    if ctl[w].run == 0 or (model.pairs.friction[pair] == real(0.0) and not has_neighbours(model, pair)):
         return
-    at = w * model.pair_count + pair
-    axpy(model.mode_capacity, real(1.0), first_push, at * model.mode_capacity, first_local, at * model.mode_capacity)
-    axpy(model.node_capacity, real(1.0), second_push, at * model.node_capacity, second_local, at * model.node_capacity)
+    at = w * model.pairs.count + pair
+    axpy(model.window.hats, real(1.0), first_push, at * model.window.hats, first_local, at * model.window.hats)
+    axpy(model.window.nodes, real(1.0), second_push, at * model.window.nodes, second_local, at * model.window.nodes)
     sync()
 
 
 @wp.kernel
 def press_cells(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
@@ -155,27 +157,27 @@ def press_cells(
     loads that they are on the second surface."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or model.pair_friction[pair] == real(0.0):
+    if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0):
         return
-    if (of_state != 0 and ctl[w, k.MOVED] == 0) or (of_state == 0 and ctl[w, k.CHANGES] != 0):
+    if (of_state != 0 and ctl[w].moved == 0) or (of_state == 0 and ctl[w].changes != 0):
         return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    rows = model.surface_rows[A]
-    rows_b = model.surface_rows[B]
-    H = model.half_window
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    rows = model.surfaces.rows[A]
+    rows_b = model.surfaces.rows[B]
+    H = model.window.half
     first = window[w, pair, 0] + H
     cells = (window[w, pair, 1] + H - first + 1) * rows
     origin = center[w, pair, 0] - H
-    origin_b = center[w, pair, 1] - model.second_half_window
-    base = (w * model.pair_count + pair) * 2 * model.mode_capacity
-    base_b = (w * model.pair_count + pair) * 2 * model.node_capacity
+    origin_b = center[w, pair, 1] - model.window.second_half
+    base = (w * model.pairs.count + pair) * 2 * model.window.hats
+    base_b = (w * model.pairs.count + pair) * 2 * model.window.nodes
     i = lane
-    while i < 2 * model.mode_capacity:
+    while i < 2 * model.window.hats:
         first_shift[base + i] = real(0.0)
         i += wp.block_dim()
     i = lane
-    while i < 2 * model.node_capacity:
+    while i < 2 * model.window.nodes:
         second_shift[base_b + i] = real(0.0)
         i += wp.block_dim()
     sync()
@@ -183,28 +185,30 @@ def press_cells(
     while m < first * rows + cells:
         p = pressure[w, pair, m]
         if p != real(0.0):
-            at = response_at(model, A, model.surface_tn[A], origin + m / rows, m % rows, rows, origin + first, 2 * rows)
+            at = response_at(
+                model, A, model.surfaces.tn_start[A], origin + m / rows, m % rows, rows, origin + first, 2 * rows
+            )
             if at >= 0:
-                axpy(2 * cells, -p, model.tangential, at, first_shift, base + 2 * first * rows)
+                axpy(2 * cells, -p, model.surfaces.tangential, at, first_shift, base + 2 * first * rows)
         m += 1
-    if model.surface_shear[B] < 0:
+    if model.surfaces.shear_start[B] < 0:
         return
     i = int(0)
-    while i < model.second_columns * rows_b:
+    while i < model.window.second_columns * rows_b:
         f = second_load[w, pair, i]
         if f != real(0.0):
             at = response_at(
-                model, B, model.surface_tn[B], origin_b + i / rows_b, i % rows_b, rows_b, origin_b, 2 * rows_b
+                model, B, model.surfaces.tn_start[B], origin_b + i / rows_b, i % rows_b, rows_b, origin_b, 2 * rows_b
             )
             if at >= 0:
-                axpy(2 * model.second_columns * rows_b, -f, model.tangential, at, second_shift, base_b)
+                axpy(2 * model.window.second_columns * rows_b, -f, model.surfaces.tangential, at, second_shift, base_b)
         i += 1
 
 
 @wp.kernel
 def displace_cells(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
@@ -225,61 +229,61 @@ def displace_cells(
     local modes alone and in all; `press_cells` has begun the shifts with the part of the pressures."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or model.pair_friction[pair] == real(0.0) or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0) or ctl[w].moved == 0:
         return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    rows = model.surface_rows[A]
-    rows_b = model.surface_rows[B]
-    H = model.half_window
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    rows = model.surfaces.rows[A]
+    rows_b = model.surfaces.rows[B]
+    H = model.window.half
     first = window[w, pair, 0] + H
     cells = (window[w, pair, 1] + H - first + 1) * rows
     origin = center[w, pair, 0] - H
-    origin_b = center[w, pair, 1] - model.second_half_window
-    base = (w * model.pair_count + pair) * 2 * model.mode_capacity
-    base_b = (w * model.pair_count + pair) * 2 * model.node_capacity
+    origin_b = center[w, pair, 1] - model.window.second_half
+    base = (w * model.pairs.count + pair) * 2 * model.window.hats
+    base_b = (w * model.pairs.count + pair) * 2 * model.window.nodes
     i = 2 * first * rows
     while i < 2 * (first * rows + cells):
         f = cell_area[w, pair, (i / (2 * rows)) * rows + i % rows] * traction[w, pair, i]
         if f != real(0.0):
             at = response_at(
-                model, A, model.surface_tt[A], origin + i / (2 * rows), i % (2 * rows), 2 * rows, origin + first,
+                model, A, model.surfaces.tt_start[A], origin + i / (2 * rows), i % (2 * rows), 2 * rows, origin + first,
                 2 * rows,
             )  # fmt: skip
             if at >= 0:
-                axpy(2 * cells, f, model.tangential, at, first_shift, base + 2 * first * rows)
+                axpy(2 * cells, f, model.surfaces.tangential, at, first_shift, base + 2 * first * rows)
         i += 1
-    flexible = model.surface_shear[B] >= 0
+    flexible = model.surfaces.shear_start[B] >= 0
     if flexible:
-        wide = 2 * model.second_columns * rows_b
+        wide = 2 * model.window.second_columns * rows_b
         i = int(0)
         while i < wide:
             f = second_force[w, pair, i]
             if f != real(0.0):
                 at = response_at(
-                    model, B, model.surface_tt[B], origin_b + i / (2 * rows_b), i % (2 * rows_b), 2 * rows_b,
+                    model, B, model.surfaces.tt_start[B], origin_b + i / (2 * rows_b), i % (2 * rows_b), 2 * rows_b,
                     origin_b, 2 * rows_b,
                 )  # fmt: skip
                 if at >= 0:
-                    axpy(wide, f, model.tangential, at, second_shift, base_b)
+                    axpy(wide, f, model.surfaces.tangential, at, second_shift, base_b)
             i += 1
         # the cubic of the shares reaches beyond the columns that the hats of the window do
-        low = wp.max(second_window[w, pair, 0] - model.share_columns, 0)
-        high = wp.min(second_window[w, pair, 1] + model.share_columns, model.second_columns - 1)
-        modes_b = model.surface_modal_count[B]
+        low = wp.max(second_window[w, pair, 0] - model.window.share_columns, 0)
+        high = wp.min(second_window[w, pair, 1] + model.window.share_columns, model.window.second_columns - 1)
+        modes_b = model.surfaces.modal_count[B]
         i = 2 * low * rows_b + lane
         while i < 2 * (high + 1) * rows_b:
             value = real(0.0)
             line = line_of(model, B, origin_b + i / (2 * rows_b), i % (2 * rows_b))
             if line >= 0:
-                at = model.surface_shear[B] + line * modes_b
-                start_b = w * model.modal_count + model.surface_modal_start[B]
-                value = dot(modes_b, model.mode_tangent, at, amplitude, start_b)
+                at = model.surfaces.shear_start[B] + line * modes_b
+                start_b = w * model.modes.count + model.surfaces.modal_start[B]
+                value = dot(modes_b, model.surfaces.mode_tangent, at, amplitude, start_b)
             second_modal[base_b + i] = value
             i += wp.block_dim()
     sync()
-    modes_a = model.surface_modal_count[A]
-    start_a = w * model.modal_count + model.surface_modal_start[A]
+    modes_a = model.surfaces.modal_count[A]
+    start_a = w * model.modes.count + model.surfaces.modal_start[A]
     m = first * rows + lane
     while m < first * rows + cells:
         i_1 = cell_at(rows, m, 0)
@@ -290,8 +294,16 @@ def displace_cells(
         q_2 = real(0.0)
         line = line_of(model, A, origin + m / rows, m % rows)
         if line >= 0:
-            q_1 = dot(modes_a, model.mode_tangent, model.surface_shear[A] + line * modes_a, amplitude, start_a)
-            q_2 = dot(modes_a, model.mode_tangent, model.surface_shear[A] + (line + rows) * modes_a, amplitude, start_a)
+            q_1 = dot(
+                modes_a, model.surfaces.mode_tangent, model.surfaces.shear_start[A] + line * modes_a, amplitude, start_a
+            )
+            q_2 = dot(
+                modes_a,
+                model.surfaces.mode_tangent,
+                model.surfaces.shear_start[A] + (line + rows) * modes_a,
+                amplitude,
+                start_a,
+            )
         if flexible and cell_area[w, pair, m] > real(0.0):
             u = on_shares(model, w, pair, m, cell_turn, share, share_at, second_shift)
             q = on_shares(model, w, pair, m, cell_turn, share, share_at, second_modal)
@@ -309,7 +321,7 @@ def displace_cells(
 @wp.kernel
 def change_pressures(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     window: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
@@ -323,30 +335,30 @@ def change_pressures(
     surface."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0:
         return
-    if model.pair_friction[pair] == real(0.0) and not has_neighbours(model, pair):
+    if model.pairs.friction[pair] == real(0.0) and not has_neighbours(model, pair):
         return
-    rows = model.surface_rows[model.pair_first[pair]]
-    rows_b = model.surface_rows[model.pair_second[pair]]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    rows_b = model.surfaces.rows[model.pairs.second[pair]]
     i = lane
-    while i < model.node_capacity:
+    while i < model.window.nodes:
         load_change[w, pair, i] = real(0.0)
         i += wp.block_dim()
     sync()
     if lane != 0:
         return
-    m = (window[w, pair, 0] + model.half_window) * rows
-    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+    m = (window[w, pair, 0] + model.window.half) * rows
+    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
         change = -base[w, pair, m]
         if active[w, pair, m] != 0:
             change += pressure[w, pair, m]
         pressure_change[w, pair, m] = change
         c = int(0)
-        while change != real(0.0) and c < model.stencil_columns:
+        while change != real(0.0) and c < model.window.stencil_columns:
             q = int(0)
-            while q < model.stencil_rows:
-                part = stencil[w, pair, m, c * model.stencil_rows + q]
+            while q < model.window.stencil_rows:
+                part = stencil[w, pair, m, c * model.window.stencil_rows + q]
                 if part != real(0.0):
                     e = (stencil_at[w, pair, m, 0] + c) * rows_b + stencil_at[w, pair, m, 1] + q
                     load_change[w, pair, e] = load_change[w, pair, e] + part * change

@@ -9,8 +9,8 @@ the part of e that the local modes have.
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Clock, Control
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.friction_shares import line_of, response_at
 from warpffrf_kernels.model import Model
@@ -38,13 +38,13 @@ def before_at(
     history_center: wp.array2d(dtype=int),
 ) -> int:
     """Cell of the window of the last accepted step that lies on the same material; -1 outside that window."""
-    A = model.pair_first[pair]
+    A = model.pairs.first[pair]
     moved = center[w, pair, 0] - history_center[w, pair]
-    turn = model.surface_turn[A]
+    turn = model.surfaces.turn[A]
     if turn > 0:
         moved = moved - turn * int(wp.floor(real(moved) / real(turn) + real(0.5)))
     column = m / rows + moved
-    if column < 0 or column >= model.window_columns:
+    if column < 0 or column >= model.window.columns:
         return -1
     return column * rows + m % rows
 
@@ -52,7 +52,7 @@ def before_at(
 @wp.kernel
 def slide_cells(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     rigid_slip: wp.array3d(dtype=real),
@@ -65,10 +65,10 @@ def slide_cells(
     window, is credited with the rigid slip alone."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_friction[pair] == real(0.0):
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
         return
-    rows = model.surface_rows[model.pair_first[pair]]
-    H = model.half_window
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    H = model.window.half
     m = (window[w, pair, 0] + H) * rows + lane
     while m < (window[w, pair, 1] + H + 1) * rows:
         old = before_at(model, w, pair, rows, m, center, history_center)
@@ -84,7 +84,7 @@ def slide_cells(
 @wp.kernel
 def load_tractions(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     cell_area: wp.array3d(dtype=real),
@@ -95,63 +95,63 @@ def load_tractions(
     """Per (world, pair): load of the tractions on the modes of A, then of B."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     trial = modal_line(model, w, pair)
     i = lane
-    while i < model.pair_modes:
+    while i < model.pairs.most_modes:
         friction_modal[trial + i] = real(0.0)
         i += wp.block_dim()
     sync()
-    if model.pair_friction[pair] == real(0.0):
+    if model.pairs.friction[pair] == real(0.0):
         return
-    A = model.pair_first[pair]
-    rows = model.surface_rows[A]
-    modes_a = model.surface_modal_count[A]
-    m = (window[w, pair, 0] + model.half_window) * rows
-    while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+    A = model.pairs.first[pair]
+    rows = model.surfaces.rows[A]
+    modes_a = model.surfaces.modal_count[A]
+    m = (window[w, pair, 0] + model.window.half) * rows
+    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
         for d in range(2):
             f = cell_area[w, pair, m] * traction[w, pair, cell_at(rows, m, d)]
-            line = line_of(model, A, center[w, pair, 0] + m / rows - model.half_window, d * rows + m % rows)
+            line = line_of(model, A, center[w, pair, 0] + m / rows - model.window.half, d * rows + m % rows)
             if f != real(0.0) and line >= 0:
-                at = model.surface_shear[A] + line * modes_a
-                axpy(modes_a, f, model.mode_tangent, at, friction_modal, trial)
+                at = model.surfaces.shear_start[A] + line * modes_a
+                axpy(modes_a, f, model.surfaces.mode_tangent, at, friction_modal, trial)
         m += 1
-    B = model.pair_second[pair]
-    if model.surface_shear[B] >= 0:
-        rows_b = model.surface_rows[B]
-        modes = model.surface_modal_count[B]
+    B = model.pairs.second[pair]
+    if model.surfaces.shear_start[B] >= 0:
+        rows_b = model.surfaces.rows[B]
+        modes = model.surfaces.modal_count[B]
         i = int(0)
-        while i < 2 * model.second_columns * rows_b:
+        while i < 2 * model.window.second_columns * rows_b:
             f = second_force[w, pair, i]
             if f != real(0.0):
-                column = center[w, pair, 1] - model.second_half_window + i / (2 * rows_b)
+                column = center[w, pair, 1] - model.window.second_half + i / (2 * rows_b)
                 line = line_of(model, B, column, i % (2 * rows_b))
                 if line >= 0:
-                    at = model.surface_shear[B] + line * modes
-                    axpy(modes, f, model.mode_tangent, at, friction_modal, trial + modes_a)
+                    at = model.surfaces.shear_start[B] + line * modes
+                    axpy(modes, f, model.surfaces.mode_tangent, at, friction_modal, trial + modes_a)
             i += 1
 
 
 @wp.func
 def cell_softness(model: Model, A: int, row: int, area: real) -> real:
     """Tangential displacement of a cell of the first surface under a unit traction on itself [m/Pa]."""
-    rows = model.surface_rows[A]
-    at = response_at(model, A, model.surface_tt[A], 0, row, 2 * rows, 0, 2 * rows)
-    return area * model.tangential[at + row]
+    rows = model.surfaces.rows[A]
+    at = response_at(model, A, model.surfaces.tt_start[A], 0, row, 2 * rows, 0, 2 * rows)
+    return area * model.surfaces.tangential[at + row]
 
 
 @wp.func
-def creep_softness(model: Model, clk: wp.array2d(dtype=real), w: int, pair: int, bound: real) -> real:
+def creep_softness(model: Model, clk: wp.array(dtype=Clock), w: int, pair: int, bound: real) -> real:
     """Slip of the step per traction that the regularised law adds [m/Pa]: h v_slip / (mu p)."""
-    return clk[w, k.H] * model.pair_slip_velocity[pair] / bound
+    return clk[w].h * model.pairs.slip_velocity[pair] / bound
 
 
 @wp.kernel
 def add_friction(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     window: wp.array3d(dtype=int),
     cell_area: wp.array3d(dtype=real),
     cell_wrench: wp.array4d(dtype=real),
@@ -175,22 +175,22 @@ def add_friction(
     """
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     worst = real(0.0)
     pair = int(0)
-    while pair < model.pair_count:
+    while pair < model.pairs.count:
         energy = real(0.0)
         for i in range(6):
             normal_wrench[w, pair, i] = pair_wrench[w, pair, i]
         friction_work[w, pair, 0] = real(0.0)
-        if model.pair_friction[pair] > real(0.0):
-            A = model.pair_first[pair]
-            rows = model.surface_rows[A]
+        if model.pairs.friction[pair] > real(0.0):
+            A = model.pairs.first[pair]
+            rows = model.surfaces.rows[A]
             largest = real(0.0)
             defect = real(0.0)
-            m = (window[w, pair, 0] + model.half_window) * rows
-            while m < (window[w, pair, 1] + model.half_window + 1) * rows:
+            m = (window[w, pair, 0] + model.window.half) * rows
+            while m < (window[w, pair, 1] + model.window.half + 1) * rows:
                 i_1 = cell_at(rows, m, 0)
                 i_2 = cell_at(rows, m, 1)
                 t_1 = traction[w, pair, i_1]

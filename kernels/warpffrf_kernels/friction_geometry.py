@@ -27,9 +27,9 @@ gradient of the weak slip `S_k = area_k s_k` by a motion of the first body relat
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_geometry import TWO_PI, wrap
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
 from warpffrf_kernels.surface import (
@@ -75,7 +75,7 @@ def open_cells(
     models: wp.array(dtype=Model),
     phase: wp.array3d(dtype=real),
     center: wp.array3d(dtype=int),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     cell_phase: inout(wp.array3d(dtype=real)),
     traction: inout(wp.array3d(dtype=real)),
     friction_offset: inout(wp.array2d(dtype=real)),
@@ -84,22 +84,22 @@ def open_cells(
     pressures); whether the compliance of the cells is to be assembled anew."""
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_friction[pair] == real(0.0):
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
         return
     moved = real(0.0)
     for i in range(4):
         moved = wp.max(moved, wp.abs(phase[w, pair, 4 + i] - cell_phase[w, pair, i]))
-    if ctl[w, k.ITERATION] == 0 or ctl[w, k.RECENTER] != 0 or not (moved < PHASE_TOLERANCE):
-        ctl[w, k.STALE] = 1
+    if ctl[w].iteration == 0 or ctl[w].recenter != 0 or not (moved < PHASE_TOLERANCE):
+        ctl[w].stale = 1
         for i in range(4):
             cell_phase[w, pair, i] = phase[w, pair, 4 + i]
-    rows = model.surface_rows[model.pair_first[pair]]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
     offset = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6]) - real(center[w, pair, 0])
     shift = int(wp.floor(offset - friction_offset[w, pair] + real(0.5))) * 2 * rows
     if shift == 0:
         return
     friction_offset[w, pair] = offset
-    size = model.window_columns * 2 * rows
+    size = model.window.columns * 2 * rows
     n = int(0)
     while n < size:
         to = n
@@ -118,7 +118,7 @@ def open_cells(
 @wp.kernel
 def place_cells(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     r: wp.array2d(dtype=vec3),
@@ -136,46 +136,46 @@ def place_cells(
     second surface, components of its tangents in those of the first, wrench per unit traction, and rigid slip."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_friction[pair] == real(0.0):
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
         return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    a = model.surface_body[A]
-    b = model.surface_body[B]
-    rows = model.surface_rows[A]
-    H = model.half_window
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    a = model.surfaces.body[A]
+    b = model.surfaces.body[B]
+    rows = model.surfaces.rows[A]
+    H = model.window.half
     axes_a = axes_of(axes, w, a)
     axes_b = axes_of(axes, w, b)
-    F_A = axes_a * model.surface_frame[A]
-    F_B = axes_b * model.surface_frame[B]
-    O_A = origin_of(r1, w, a) + axes_a * model.surface_origin[A]
-    O_B = origin_of(r1, w, b) + axes_b * model.surface_origin[B]
+    F_A = axes_a * model.surfaces.frame[A]
+    F_B = axes_b * model.surfaces.frame[B]
+    O_A = origin_of(r1, w, a) + axes_a * model.surfaces.origin[A]
+    O_B = origin_of(r1, w, b) + axes_b * model.surfaces.origin[B]
     before_a = wp.identity(n=3, dtype=real)
     before_b = wp.identity(n=3, dtype=real)
     if a >= 0:
         before_a = wp.quat_to_matrix(p[w, a])
     if b >= 0:
         before_b = wp.quat_to_matrix(p[w, b])
-    F_A0 = before_a * model.surface_frame[A]
-    F_B0 = before_b * model.surface_frame[B]
-    O_A0 = origin_of(r, w, a) + before_a * model.surface_origin[A]
-    O_B0 = origin_of(r, w, b) + before_b * model.surface_origin[B]
+    F_A0 = before_a * model.surfaces.frame[A]
+    F_B0 = before_b * model.surfaces.frame[B]
+    O_A0 = origin_of(r, w, a) + before_a * model.surfaces.origin[A]
+    O_B0 = origin_of(r, w, b) + before_b * model.surfaces.origin[B]
     inside = int(0)
-    if model.surface_side[A] < real(0.0) or model.surface_side[B] < real(0.0):
+    if model.surfaces.side[A] < real(0.0) or model.surfaces.side[B] < real(0.0):
         inside = int(1)
     common = contact_normal[w, pair]
     if wp.length(common) == real(0.0):  # the first touch
-        middle = model.surface_theta[A] + real(center[w, pair, 0]) * model.surface_pitch[A]
-        common = F_A * local_normal(model, A, middle, model.surface_z[model.surface_z_start[A] + rows / 2])
+        middle = model.surfaces.theta[A] + real(center[w, pair, 0]) * model.surfaces.pitch[A]
+        common = F_A * local_normal(model, A, middle, model.surfaces.z[model.surfaces.z_start[A] + rows / 2])
     m = (window[w, pair, 0] + H) * rows + lane
     while m < (window[w, pair, 1] + H + 1) * rows:
         column = center[w, pair, 0] + m / rows - H
         row = m % rows
-        area = model.cell_area[model.surface_z_start[A] + row]
-        if model.surface_periodic[A] == 0 and (column < 0 or column >= model.surface_columns[A]):
+        area = model.surfaces.cell_area[model.surfaces.z_start[A] + row]
+        if model.surfaces.periodic[A] == 0 and (column < 0 or column >= model.surfaces.columns[A]):
             area = real(0.0)
-        theta = model.surface_theta[A] + real(column) * model.surface_pitch[A]
-        z = model.surface_z[model.surface_z_start[A] + row]
+        theta = model.surfaces.theta[A] + real(column) * model.surfaces.pitch[A]
+        z = model.surfaces.z[model.surfaces.z_start[A] + row]
         point = local_point(model, A, theta, z)
         n = local_normal(model, A, theta, z)
         t_1 = local_around(model, A, theta)
@@ -193,12 +193,12 @@ def place_cells(
         grown = now[0] - then[0]
         R = real(1.0)
         along = vec3(real(0.0), real(0.0), real(1.0))
-        if model.surface_planar[B] == 0:
+        if model.surfaces.planar[B] == 0:
             grown = wrap(grown, TWO_PI, real(0.0))
             R = radius_of(model, B, now[1])
             slope = slope_of(model, B, now[1])
             along = vec3(slope * wp.cos(now[0]), slope * wp.sin(now[0]), real(1.0))
-        slip = F_B * (model.surface_side[B] * R * grown * around + (now[1] - then[1]) * along)
+        slip = F_B * (model.surfaces.side[B] * R * grown * around + (now[1] - then[1]) * along)
         u_1 = F_A * t_1
         u_2 = F_A * t_2
         if inside == 0:  # the line of centres is the normal of the deformed surfaces
@@ -222,6 +222,6 @@ def place_cells(
             cell_wrench[w, pair, cell_at(rows, m, 1), i] = area * u_2[i]
             cell_wrench[w, pair, cell_at(rows, m, 1), 3 + i] = area * second[i]
         cell_area[w, pair, m] = area
-        cell_place[w, pair, m, 0] = (now[0] - model.surface_theta[B]) / model.surface_pitch[B]
+        cell_place[w, pair, m, 0] = (now[0] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
         cell_place[w, pair, m, 1] = now[1]
         m += wp.block_dim()

@@ -10,6 +10,7 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Clock, Control
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real, vec3
@@ -20,7 +21,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.kernel
 def remember_tractions(
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     traction: wp.array3d(dtype=real),
     friction_offset: wp.array2d(dtype=real),
     traction_before: out(wp.array3d(dtype=real)),
@@ -28,7 +29,7 @@ def remember_tractions(
 ):
     """Per (world, pair), lanes over cells: the tractions before an attempt."""
     w, pair, lane = wp.tid()
-    if ctl[w, k.ATTEMPT] == 0:
+    if ctl[w].attempt == 0:
         return
     i = lane
     while i < traction.shape[2]:
@@ -41,8 +42,8 @@ def remember_tractions(
 @wp.kernel
 def keep_tractions(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     history_phase: wp.array2d(dtype=real),
     advanced: wp.array2d(dtype=real),
     center: wp.array3d(dtype=int),
@@ -64,28 +65,28 @@ def keep_tractions(
     friction_record: power, creep (2), rolling velocity."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.ATTEMPT] == 0 or model.pair_friction[pair] == real(0.0):
+    if ctl[w].attempt == 0 or model.pairs.friction[pair] == real(0.0):
         return
     i = lane
-    if ctl[w, k.ACCEPT] == 0:
+    if ctl[w].accept == 0:
         while i < traction.shape[2]:
             traction[w, pair, i] = traction_before[w, pair, i]
             i += wp.block_dim()
         if lane == 0:
             friction_offset[w, pair] = friction_offset_before[w, pair]
         return
-    A = model.pair_first[pair]
-    rows = model.surface_rows[A]
-    H = model.half_window
+    A = model.pairs.first[pair]
+    rows = model.surfaces.rows[A]
+    H = model.window.half
     # columns beyond the window looked at have no displacement computed: they repeat its outermost column
     low = window[w, pair, 0] + H
     high = window[w, pair, 1] + H
-    while i < 2 * rows * model.window_columns:
+    while i < 2 * rows * model.window.columns:
         column = wp.clamp(i / (2 * rows), low, high)
         elastic_before[w, pair, i] = elastic[w, pair, column * 2 * rows + i % (2 * rows)]
         i += wp.block_dim()
     if lane == 0:
-        h = clk[w, k.DONE_STEP]
+        h = clk[w].done_step
         at = history_phase[w, pair]
         history_center[w, pair] = center[w, pair, 0]
         force = vec3(normal_wrench[w, pair, 0], normal_wrench[w, pair, 1], normal_wrench[w, pair, 2])
@@ -96,11 +97,11 @@ def keep_tractions(
         m = wp.clamp(int(wp.floor(at + real(0.5))) - center[w, pair, 0] + H, low, high) * rows + row
         for c in range(4):
             friction_record[w, pair, c] = real(0.0)
-        if ctl[w, k.MODE] == k.DYNAMIC and h > real(0.0):
+        if ctl[w].mode == k.DYNAMIC and h > real(0.0):
             creep = rigid_slip[w, pair, cell_at(rows, m, 0)] / h
-            z = model.surface_z[model.surface_z_start[A] + row]
+            z = model.surfaces.z[model.surfaces.z_start[A] + row]
             # material of the first surface runs against the columns that the patch advances
-            through = -advanced[w, pair] * model.surface_pitch[A] * radius_of(model, A, z) * model.surface_side[A] / h
+            through = -advanced[w, pair] * model.surfaces.pitch[A] * radius_of(model, A, z) * model.surfaces.side[A] / h
             friction_record[w, pair, 0] = -friction_work[w, pair, 0] / h
             friction_record[w, pair, 1] = creep
             friction_record[w, pair, 2] = rigid_slip[w, pair, cell_at(rows, m, 1)] / h
@@ -110,8 +111,8 @@ def keep_tractions(
 @wp.kernel
 def record_friction(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     traction: wp.array3d(dtype=real),
     slip: wp.array3d(dtype=real),
     bound: wp.array3d(dtype=real),
@@ -129,28 +130,28 @@ def record_friction(
     so that their wrench there is the opposite."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RECORD] == 0:
+    if ctl[w].record == 0:
         return
-    C = model.mode_capacity
-    at = ctl[w, k.SAVED] % ring.shape[1]
-    start = ring.shape[2] - (model.pair_count - pair) * (5 * C + 5)
-    rows = model.surface_rows[model.pair_first[pair]]
-    h = clk[w, k.DONE_STEP]
+    C = model.window.hats
+    at = ctl[w].saved % ring.shape[1]
+    start = ring.shape[2] - (model.pairs.count - pair) * (5 * C + 5)
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    h = clk[w].done_step
     m = lane
     while m < C:
         for d in range(2):
             i = cell_at(rows, m, d)
             stress = real(0.0)
             speed = real(0.0)
-            if m < model.window_columns * rows and model.pair_friction[pair] > real(0.0):
-                if bound[w, pair, m] > real(0.0) and ctl[w, k.MODE] == k.DYNAMIC and h > real(0.0):
+            if m < model.window.columns * rows and model.pairs.friction[pair] > real(0.0):
+                if bound[w, pair, m] > real(0.0) and ctl[w].mode == k.DYNAMIC and h > real(0.0):
                     stress = traction[w, pair, i]
                     speed = slip[w, pair, i] / h
             ring[w, at, start + d * C + m] = stress
             ring[w, at, start + (2 + d) * C + m] = speed
         state = real(0.0)
-        loaded = m < model.window_columns * rows and model.pair_friction[pair] > real(0.0)
-        if loaded and bound[w, pair, m] > real(0.0) and ctl[w, k.MODE] == k.DYNAMIC:
+        loaded = m < model.window.columns * rows and model.pairs.friction[pair] > real(0.0)
+        if loaded and bound[w, pair, m] > real(0.0) and ctl[w].mode == k.DYNAMIC:
             state = real(cell_state[w, pair, m])
         ring[w, at, start + 4 * C + m] = state
         m += wp.block_dim()

@@ -25,9 +25,9 @@ patches it may jump). Along the rows the advance is not known: cells that are re
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import out
 from warpffrf_kernels.contact_geometry import wrap
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.friction_bounds import pressed
 from warpffrf_kernels.friction_forces import before_at
 from warpffrf_kernels.friction_shares import response_at
@@ -55,12 +55,12 @@ def advanced_columns(
 ) -> real:
     """Columns of the first grid by which the patch has advanced since the end of the last step."""
     at = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6])
-    if model.pair_family[pair] == 1:
+    if model.pairs.family[pair] == 1:
         at = nearest[w, pair, 0]
     advanced = at - history_phase[w, pair]
-    A = model.pair_first[pair]
-    if model.surface_turn[A] > 0:
-        advanced = wrap(advanced, real(model.surface_turn[A]), real(0.0))
+    A = model.pairs.first[pair]
+    if model.surfaces.turn[A] > 0:
+        advanced = wrap(advanced, real(model.surfaces.turn[A]), real(0.0))
     return advanced
 
 
@@ -77,31 +77,35 @@ def response_between(
 ) -> real:
     """Displacement around of both surfaces' local modes, mean over cell n, under a unit force around on cell m of the
     same row [m/N]."""
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    rows = model.surface_rows[A]
-    origin = center[w, pair, 0] - model.half_window
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    rows = model.surfaces.rows[A]
+    origin = center[w, pair, 0] - model.window.half
     total = real(0.0)
-    at = response_at(model, A, model.surface_tt[A], origin + m / rows, m % rows, 2 * rows, origin + n / rows, 2 * rows)
+    at = response_at(
+        model, A, model.surfaces.tt_start[A], origin + m / rows, m % rows, 2 * rows, origin + n / rows, 2 * rows
+    )
     if at >= 0:
-        total = model.tangential[at + n % rows]
-    if model.surface_shear[B] < 0:
+        total = model.surfaces.tangential[at + n % rows]
+    if model.surfaces.shear_start[B] < 0:
         return total
-    rows_b = model.surface_rows[B]
-    origin_b = center[w, pair, 1] - model.second_half_window
-    shares = model.share_columns * model.share_rows
+    rows_b = model.surfaces.rows[B]
+    origin_b = center[w, pair, 1] - model.window.second_half
+    shares = model.window.share_columns * model.window.share_rows
     i = int(0)
     while i < shares:
         j = int(0)
         while share[w, pair, m, i] != real(0.0) and j < shares:
             if share[w, pair, n, j] != real(0.0):
-                source = origin_b + share_at[w, pair, m, 0] + i / model.share_rows
-                target = origin_b + share_at[w, pair, n, 0] + j / model.share_rows
-                line = share_at[w, pair, m, 1] + i % model.share_rows
-                at = response_at(model, B, model.surface_tt[B], source, line, 2 * rows_b, target, 2 * rows_b)
+                source = origin_b + share_at[w, pair, m, 0] + i / model.window.share_rows
+                target = origin_b + share_at[w, pair, n, 0] + j / model.window.share_rows
+                line = share_at[w, pair, m, 1] + i % model.window.share_rows
+                at = response_at(model, B, model.surfaces.tt_start[B], source, line, 2 * rows_b, target, 2 * rows_b)
                 if at >= 0:
                     part = share[w, pair, m, i] * share[w, pair, n, j]
-                    total += part * model.tangential[at + share_at[w, pair, n, 1] + j % model.share_rows]
+                    total += (
+                        part * model.surfaces.tangential[at + share_at[w, pair, n, 1] + j % model.window.share_rows]
+                    )
             j += 1
         i += 1
     return total
@@ -122,7 +126,7 @@ def lag_of_touch(
     area: wp.array3d(dtype=real),
 ) -> real:
     """(1 - phi)/phi = a/d - 1 of cell m, not below 0."""
-    ahead = model.surface_rows[model.pair_first[pair]]
+    ahead = model.surfaces.rows[model.pairs.first[pair]]
     if advanced < real(0.0):
         ahead = -ahead
     # the last hat under pressure ahead of the cell, or the one behind it
@@ -153,7 +157,7 @@ def lag_of_touch(
 @wp.kernel
 def soften_late(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     phase: wp.array3d(dtype=real),
     nearest: wp.array3d(dtype=real),
@@ -176,18 +180,18 @@ def soften_late(
     the same pressures. last_normal: zero where the last step ended without contact: the patch advances from nowhere."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or model.pair_friction[pair] == real(0.0):
+    if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0):
         return
-    if (of_state != 0 and ctl[w, k.MOVED] == 0) or (of_state == 0 and ctl[w, k.CHANGES] != 0):
+    if (of_state != 0 and ctl[w].moved == 0) or (of_state == 0 and ctl[w].changes != 0):
         return
-    rows = model.surface_rows[model.pair_first[pair]]
-    low = (window[w, pair, 0] + model.half_window) * rows
-    high = (window[w, pair, 1] + model.half_window + 1) * rows - 1
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    low = (window[w, pair, 0] + model.window.half) * rows
+    high = (window[w, pair, 1] + model.window.half + 1) * rows - 1
     advanced = real(0.0)
     if wp.length(last_normal[w, pair]) > real(0.0):
         advanced = advanced_columns(model, w, pair, phase, nearest, history_phase)
     m = lane
-    while m < model.window_columns * rows:
+    while m < model.window.columns * rows:
         soft = real(0.0)
         if bound[w, pair, m] > real(0.0) and advanced != real(0.0):
             old = before_at(model, w, pair, rows, m, center, history_center)
@@ -211,7 +215,7 @@ def soften_late(
 @wp.kernel
 def keep_pressed(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     window: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
@@ -220,12 +224,12 @@ def keep_pressed(
     """Per (world, pair), lanes over cells: which nodes an accepted step leaves under pressure, for the next one."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.ATTEMPT] == 0 or ctl[w, k.ACCEPT] == 0 or model.pair_friction[pair] == real(0.0):
+    if ctl[w].attempt == 0 or ctl[w].accept == 0 or model.pairs.friction[pair] == real(0.0):
         return
-    rows = model.surface_rows[model.pair_first[pair]]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
     m = lane
-    while m < model.window_columns * rows:
-        o = m / rows - model.half_window
+    while m < model.window.columns * rows:
+        o = m / rows - model.window.half
         inside = o >= window[w, pair, 0] and o <= window[w, pair, 1]
         pressed_before[w, pair, m] = 0
         if inside and active[w, pair, m] != 0 and pressure[w, pair, m] > real(0.0):

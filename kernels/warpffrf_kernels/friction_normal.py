@@ -24,8 +24,8 @@ nobody changes sides.
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.friction_shares import on_shares, response_at
 from warpffrf_kernels.model import Model
@@ -46,7 +46,7 @@ ROUNDS = wp.constant(20)  # of an iteration: a half of the change left by each, 
 @wp.func
 def hat_of(model: Model, w: int, slot: int, slot_mode: wp.array3d(dtype=int)) -> int:
     """The hat of a slot, numbered over all pairs."""
-    return slot_mode[w, slot, 0] * model.mode_capacity + slot_mode[w, slot, 1]
+    return slot_mode[w, slot, 0] * model.window.hats + slot_mode[w, slot, 1]
 
 
 @wp.func
@@ -54,14 +54,14 @@ def is_new(
     model: Model,
     w: int,
     n: int,
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     order: wp.array2d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
     answer_hat: wp.array2d(dtype=int),
     answer_state: wp.array2d(dtype=int),
 ) -> int:
     """1 where there are fresh cells, or the active set is not the one that Y was made for."""
-    if ctl[w, k.FRESH_CELLS] != ctl[w, k.CELLS] or n != answer_state[w, COUNT]:
+    if ctl[w].fresh_cells != ctl[w].cells or n != answer_state[w, COUNT]:
         return 1
     a = int(0)
     while a < n:
@@ -74,18 +74,19 @@ def is_new(
 # Line `a` of Y, from N^T: of active slot `slot` against the two lines of each cell, the part of the modes and of the
 # outer coordinates. Lanes over the cells.
 @wp.func_native("""
-    const int cells = model.cell_capacity, width = model.pair_modes, cap = model.slot_capacity, N = model.outer_count;
+    const int cells = model.capacity.cells, width = model.pairs.most_modes;
+    const int cap = model.capacity.slots, N = model.outer.count;
     const int pair = slot_mode.data[((size_t)w * cap + slot) * 2];
     const double* Ji = J.data + ((size_t)w * cap + slot) * width;
-    const double* s = receptance.data + (size_t)w * model.modal_count;
-    const int coupled = model.coupled_count.data[pair];
-    const int* c = model.coupled.data + (size_t)pair * model.coupled_capacity;
-    const double* l = L.data + ((size_t)w * cap + slot) * model.coupled_capacity;
+    const double* s = receptance.data + (size_t)w * model.modes.count;
+    const int coupled = model.pairs.coupled_count.data[pair];
+    const int* c = model.pairs.coupled.data + (size_t)pair * model.pairs.coupled_capacity;
+    const double* l = L.data + ((size_t)w * cap + slot) * model.pairs.coupled_capacity;
     double* scaled = scratch.data + (size_t)w * 2 * width;
     WP_TILE_SYNC();
     for (int side = 0, at = 0; side < 2; ++side) {
-        const int surface = 2 * pair + side, first = model.surface_modal_start.data[surface];
-        const int count = model.surface_modal_count.data[surface];
+        const int surface = 2 * pair + side, first = model.surfaces.modal_start.data[surface];
+        const int count = model.surfaces.modal_count.data[surface];
         for (int n = WP_TILE_THREAD_IDX; n < count; n += WP_TILE_BLOCK_DIM) scaled[at + n] = Ji[at + n] * s[first + n];
         at += count;
     }
@@ -98,12 +99,12 @@ def is_new(
         const int other = cell_slot.data[((size_t)w * cells + j / 2) * 2];
         const double* Jj = cell_J.data + ((size_t)w * 2 * cells + j) * width;
         for (int p = 0, at_p = 0; p < 2; ++p) {
-            const int sp = 2 * pair + p, modes = model.surface_modal_count.data[sp];
+            const int sp = 2 * pair + p, modes = model.surfaces.modal_count.data[sp];
             for (int q = 0, at_q = 0; q < 2; ++q) {
-                const int sq = 2 * other + q, body = model.surface_body.data[sp];
-                const int same = pair == other ? p == q : body >= 0 && body == model.surface_body.data[sq];
+                const int sq = 2 * other + q, body = model.surfaces.body.data[sp];
+                const int same = pair == other ? p == q : body >= 0 && body == model.surfaces.body.data[sq];
                 for (int n = 0; same && n < modes; ++n) sum += scaled[at_p + n] * Jj[at_q + n];
-                at_q += model.surface_modal_count.data[sq];
+                at_q += model.surfaces.modal_count.data[sq];
             }
             at_p += modes;
         }
@@ -153,33 +154,33 @@ def couple_near(
     `slot`, as `friction_fields.press_cells` has them."""
     pair = slot_mode[w, slot, 0]
     m = slot_mode[w, slot, 1]
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    rows = model.surface_rows[A]
-    flexible = model.surface_shear[B] >= 0
-    start = (w * model.pair_count + pair) * 2 * model.node_capacity
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    rows = model.surfaces.rows[A]
+    flexible = model.surfaces.shear_start[B] >= 0
+    start = (w * model.pairs.count + pair) * 2 * model.window.nodes
     if flexible:
-        rows_b = model.surface_rows[B]
-        origin_b = center[w, pair, 1] - model.second_half_window
-        wide = 2 * model.second_columns * rows_b
+        rows_b = model.surfaces.rows[B]
+        origin_b = center[w, pair, 1] - model.window.second_half
+        wide = 2 * model.window.second_columns * rows_b
         i = lane
         while i < wide:
             shift[start + i] = real(0.0)
             i += wp.block_dim()
         sync()
         e = int(0)
-        while e < model.stencil_columns * model.stencil_rows:
+        while e < model.window.stencil_columns * model.window.stencil_rows:
             part = stencil[w, pair, m, e]
             if part != real(0.0):
-                column = origin_b + stencil_at[w, pair, m, 0] + e / model.stencil_rows
-                row = stencil_at[w, pair, m, 1] + e % model.stencil_rows
-                at = response_at(model, B, model.surface_tn[B], column, row, rows_b, origin_b, 2 * rows_b)
+                column = origin_b + stencil_at[w, pair, m, 0] + e / model.window.stencil_rows
+                row = stencil_at[w, pair, m, 1] + e % model.window.stencil_rows
+                at = response_at(model, B, model.surfaces.tn_start[B], column, row, rows_b, origin_b, 2 * rows_b)
                 if at >= 0:
-                    axpy(wide, -part, model.tangential, at, shift, start)
+                    axpy(wide, -part, model.surfaces.tangential, at, shift, start)
             e += 1
         sync()
-    origin = center[w, pair, 0] - model.half_window
-    at = response_at(model, A, model.surface_tn[A], origin + m / rows, m % rows, rows, origin, 2 * rows)
+    origin = center[w, pair, 0] - model.window.half
+    at = response_at(model, A, model.surfaces.tn_start[A], origin + m / rows, m % rows, rows, origin, 2 * rows)
     j = lane
     while j < cells:
         if cell_slot[w, j, 0] == pair:
@@ -190,7 +191,7 @@ def couple_near(
             for d in range(2):
                 value = -second[d]
                 if at >= 0:
-                    value -= model.tangential[at + cell_at(rows, n, d)]
+                    value -= model.surfaces.tangential[at + cell_at(rows, n, d)]
                 Y[w, a, 2 * j + d] = Y[w, a, 2 * j + d] + cell_area[w, pair, n] * value
         j += wp.block_dim()
     sync()
@@ -198,7 +199,7 @@ def couple_near(
 
 # Y = U^-T N^T in place of N^T, lanes over the columns; U as `contact_solve.factor_and_solve` left it.
 @wp.func_native("""
-    const int cap = model.slot_capacity, ld = cap + 1, width = 2 * model.cell_capacity;
+    const int cap = model.capacity.slots, ld = cap + 1, width = 2 * model.capacity.cells;
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
     const double* U = factor.data + (size_t)w * cap * ld;
     double* y0 = Y.data + (size_t)w * cap * width;
@@ -222,8 +223,8 @@ def eliminate(model: Model, w: int, n: int, lines: int, factor: wp.array3d(dtype
 
 # K - Y^T Y over the first lines, the upper triangle and its mirror, lanes over the columns.
 @wp.func_native("""
-    const int cap = 2 * model.cell_capacity, lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
-    const double* y0 = Y.data + (size_t)w * model.slot_capacity * cap;
+    const int cap = 2 * model.capacity.cells, lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
+    const double* y0 = Y.data + (size_t)w * model.capacity.slots * cap;
     double* K0 = K.data + (size_t)w * cap * cap;
     for (int i = 0; i < lines; ++i) {
         double* __restrict x = K0 + (size_t)i * cap; int k = 0;
@@ -246,7 +247,7 @@ def subtract_answer(model: Model, w: int, n: int, lines: int, Y: wp.array3d(dtyp
 @wp.kernel
 def answer_tractions(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     active: wp.array3d(dtype=int),
     center: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
@@ -273,11 +274,11 @@ def answer_tractions(
     """Per world: Y, a line per active slot in the order of the last solve; kept while cells and the active set stay."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     n = int(0)  # the first slots of `order` are the active ones
     slot = int(0)
-    while slot < ctl[w, k.SLOTS]:
+    while slot < ctl[w].slots:
         if active[w, slot_mode[w, slot, 0], slot_mode[w, slot, 1]] != 0:
             n += 1
         slot += 1
@@ -290,14 +291,14 @@ def answer_tractions(
         answer_state[w, ROUND] = 0
     if renewed == 0:
         return
-    cells = ctl[w, k.CELLS]
+    cells = ctl[w].cells
     a = int(0)
     while a < n:
         slot = order[w, a]
         if lane == 0:
             answer_hat[w, a] = hat_of(model, w, slot, slot_mode)
         couple_far(model, w, a, slot, cells, slot_mode, cell_slot, J, cell_J, receptance, L, cell_V, scratch, Y)
-        if model.pair_friction[slot_mode[w, slot, 0]] > real(0.0):
+        if model.pairs.friction[slot_mode[w, slot, 0]] > real(0.0):
             couple_near(
                 model, w, a, slot, lane, slot_mode, cell_slot, cells, center, stencil, stencil_at, cell_area,
                 cell_turn, share, share_at, shift, Y,
@@ -309,7 +310,7 @@ def answer_tractions(
 @wp.kernel
 def condense_answer(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     Y: wp.array3d(dtype=real),
     answer_state: wp.array2d(dtype=int),
     K: inout(wp.array3d(dtype=real)),
@@ -317,14 +318,14 @@ def condense_answer(
     """Per world: K - Y^T Y where Y is new."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0 or answer_state[w, RENEWED] == 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0:
         return
-    subtract_answer(model, w, answer_state[w, COUNT], 2 * ctl[w, k.CELLS], Y, K)
+    subtract_answer(model, w, answer_state[w, COUNT], 2 * ctl[w].cells, Y, K)
 
 
 # step = -U^-1 (Y dtau). Lanes over the lines, then of one lane.
 @wp.func_native("""
-    const int cap = model.slot_capacity, ld = cap + 1, width = 2 * model.cell_capacity;
+    const int cap = model.capacity.slots, ld = cap + 1, width = 2 * model.capacity.cells;
     const double* U = factor.data + (size_t)w * cap * ld;
     const double *t = tau.data + (size_t)w * width, *t0 = base.data + (size_t)w * width;
     double* x = step.data + (size_t)w * cap;
@@ -361,7 +362,7 @@ def answer_to(
 @wp.kernel
 def press_with_tractions(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     slot_mode: wp.array3d(dtype=int),
     order: wp.array2d(dtype=int),
     factor: wp.array3d(dtype=real),
@@ -380,10 +381,10 @@ def press_with_tractions(
     bounds are to follow them in another one. change: of the largest in the first round."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0 or answer_state[w, OPEN] == 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0:
         return
     n = answer_state[w, COUNT]
-    answer_to(model, w, n, 2 * ctl[w, k.CELLS], factor, Y, tau, tau_base, step)
+    answer_to(model, w, n, 2 * ctl[w].cells, factor, Y, tau, tau_base, step)
     if lane != 0:
         return
     most = real(0.0)
@@ -403,14 +404,14 @@ def press_with_tractions(
     if rounds == 1:
         change[w, 0] = most
     settled = most <= wp.max(SAME * change[w, 0], ROUND_OFF * largest) and rounds > 1
-    if settled or most == real(0.0) or rounds == ROUNDS or ctl[w, k.FAILURE] != 0:
+    if settled or most == real(0.0) or rounds == ROUNDS or ctl[w].failure != 0:
         answer_state[w, OPEN] = 0
 
 
 @wp.kernel
 def move_with_answer(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     order: wp.array2d(dtype=int),
     answer_state: wp.array2d(dtype=int),
     V: wp.array(dtype=real),
@@ -420,22 +421,22 @@ def move_with_answer(
     """Per world: the outer increments with the answer of the pressures."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0:
         return
-    N = model.outer_count
+    N = model.outer.count
     a = int(0)
     while a < answer_state[w, COUNT]:
-        axpy(N, step[w, a], V, (w * model.slot_capacity + order[w, a]) * N, z, w * N)
+        axpy(N, step[w, a], V, (w * model.capacity.slots + order[w, a]) * N, z, w * N)
         a += 1
 
 
 @wp.kernel
-def count_rounds(ctl: wp.array2d(dtype=int), answer_state: wp.array2d(dtype=int), again: out(wp.array(dtype=int))):
+def count_rounds(ctl: wp.array(dtype=Control), answer_state: wp.array2d(dtype=int), again: out(wp.array(dtype=int))):
     """One thread: do the bounds of any world still follow its pressures?"""
     open_worlds = int(0)
     w = int(0)
     while w < ctl.shape[0]:
-        if ctl[w, k.RUN] != 0 and ctl[w, k.CHANGES] == 0:
+        if ctl[w].run != 0 and ctl[w].changes == 0:
             open_worlds += answer_state[w, OPEN]
         w += 1
     again[0] = open_worlds

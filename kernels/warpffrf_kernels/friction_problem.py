@@ -12,9 +12,9 @@ tractions and discs are times the weight of their pair here (`impulsive_contact`
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_solve import push_by_slots
+from warpffrf_kernels.control import Clock, Control
 from warpffrf_kernels.friction_forces import creep_softness
 from warpffrf_kernels.friction_geometry import cell_at
 from warpffrf_kernels.friction_normal import OPEN
@@ -29,7 +29,7 @@ wp.set_module_options(MODULE_OPTIONS)
 @wp.kernel
 def drive_modes(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     active: wp.array3d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
     weight: wp.array2d(dtype=real),
@@ -42,11 +42,11 @@ def drive_modes(
     """Per world: what pushes the global modes after the solve of the pressures, -r_m + J^T ds."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0:
         return
-    first = w * model.modal_count
+    first = w * model.modes.count
     n = lane
-    while n < model.modal_count:
+    while n < model.modes.count:
         modal_drive[first + n] = -modal_residual[w, n]
         n += wp.block_dim()
     sync()
@@ -55,11 +55,11 @@ def drive_modes(
 
 # Line `row` of L times the entries of z in its columns.
 @wp.func_native("""
-    const int* c = model.coupled.data + (size_t)pair * model.coupled_capacity;
-    const double* l = L.data + ((size_t)w * 2 * model.cell_capacity + row) * model.coupled_capacity;
-    const double* v = z.data + (size_t)w * model.outer_count;
+    const int* c = model.pairs.coupled.data + (size_t)pair * model.pairs.coupled_capacity;
+    const double* l = L.data + ((size_t)w * 2 * model.capacity.cells + row) * model.pairs.coupled_capacity;
+    const double* v = z.data + (size_t)w * model.outer.count;
     double sum = 0.0;
-    for (int i = 0; i < model.coupled_count.data[pair]; ++i) sum += l[i] * v[c[i]];
+    for (int i = 0; i < model.pairs.coupled_count.data[pair]; ++i) sum += l[i] * v[c[i]];
     return sum;
 """)
 def gathered(model: Model, w: int, pair: int, row: int, L: wp.array3d(dtype=real), z: wp.array(dtype=real)) -> real: ...
@@ -67,7 +67,7 @@ def gathered(model: Model, w: int, pair: int, row: int, L: wp.array3d(dtype=real
 
 # right -= K x over the first n lines, lanes over the lines; contiguous runs, as `dot`.
 @wp.func_native("""
-    const int cap = 2 * model.cell_capacity;
+    const int cap = 2 * model.capacity.cells;
     const double* v = x.data + (size_t)w * cap;
     for (int i = WP_TILE_THREAD_IDX; i < n; i += WP_TILE_BLOCK_DIM) {
         const double* a = K.data + ((size_t)w * cap + i) * cap; double s[8] = {0.0}, sum = 0.0; int j = 0;
@@ -90,7 +90,7 @@ def subtract_product(
 @wp.kernel
 def pose_tractions(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     cell_slot: wp.array3d(dtype=int),
     weight: wp.array2d(dtype=real),
     cell_area: wp.array3d(dtype=real),
@@ -116,31 +116,31 @@ def pose_tractions(
     slots. dS: by the local modes under the change of the pressures, of which the shifts are."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0:
         return
-    count = ctl[w, k.CELLS]
+    count = ctl[w].cells
     i = lane
     while i < count:
         pair = cell_slot[w, i, 0]
         m = cell_slot[w, i, 1]
-        rows = model.surface_rows[model.pair_first[pair]]
+        rows = model.surfaces.rows[model.pairs.first[pair]]
         area = cell_area[w, pair, m]
         scale = weight[w, pair]
         second = vec3(real(0.0), real(0.0), real(0.0))
-        if model.surface_shear[model.pair_second[pair]] >= 0:
+        if model.surfaces.shear_start[model.pairs.second[pair]] >= 0:
             second = on_shares(model, w, pair, m, cell_turn, share, share_at, second_shift)
         for d in range(2):
             row = 2 * i + d
             at = cell_at(rows, m, d)
             base[w, row] = scale * traction_base[w, pair, at]
             tau[w, row] = scale * traction[w, pair, at]
-            moved = first_shift[(w * model.pair_count + pair) * 2 * model.mode_capacity + at] - second[d]
+            moved = first_shift[(w * model.pairs.count + pair) * 2 * model.window.hats + at] - second[d]
             value = scale * area * (slip[w, pair, at] + moved) + gathered(model, w, pair, row, L, z)
-            line = (w * model.cell_capacity + i) * 2 * model.pair_modes + d * model.pair_modes
+            line = (w * model.capacity.cells + i) * 2 * model.pairs.most_modes + d * model.pairs.most_modes
             for side in range(2):
                 surface = surface_of(model, pair, side)
-                modes = w * model.modal_count + model.surface_modal_start[surface]
-                n = model.surface_modal_count[surface]
+                modes = w * model.modes.count + model.surfaces.modal_start[surface]
+                n = model.surfaces.modal_count[surface]
                 value += weighted(n, J, line, receptance, modes, modal_drive, modes)
                 line += n
             right[w, row] = value
@@ -152,8 +152,8 @@ def pose_tractions(
 @wp.kernel
 def limit_tractions(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     cell_slot: wp.array3d(dtype=int),
     weight: wp.array2d(dtype=real),
     cell_area: wp.array3d(dtype=real),
@@ -166,10 +166,10 @@ def limit_tractions(
     """Per world: discs and softness of all slots, with the bounds of the pressures as they are in this round."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0 or answer_state[w, OPEN] == 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0:
         return
     i = lane
-    while i < ctl[w, k.CELLS]:
+    while i < ctl[w].cells:
         pair = cell_slot[w, i, 0]
         m = cell_slot[w, i, 1]
         b = bound[w, pair, m]
@@ -183,7 +183,7 @@ def limit_tractions(
 @wp.kernel
 def take_tractions(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     cell_slot: wp.array3d(dtype=int),
     weight: wp.array2d(dtype=real),
     tau: wp.array2d(dtype=real),
@@ -195,26 +195,26 @@ def take_tractions(
     """Per world: the tractions found, and the outer increments with them."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0:
         return
-    N = model.outer_count
+    N = model.outer.count
     i = int(0)
-    while i < 2 * ctl[w, k.CELLS]:
+    while i < 2 * ctl[w].cells:
         pair = cell_slot[w, i / 2, 0]
         m = cell_slot[w, i / 2, 1]
         if lane == 0:
-            rows = model.surface_rows[model.pair_first[pair]]
+            rows = model.surfaces.rows[model.pairs.first[pair]]
             traction[w, pair, cell_at(rows, m, i % 2)] = tau[w, i] / weight[w, pair]
         change = tau[w, i] - base[w, i]
         if change != real(0.0):
-            axpy(N, change, V, (w * 2 * model.cell_capacity + i) * N, z, w * N)
+            axpy(N, change, V, (w * 2 * model.capacity.cells + i) * N, z, w * N)
         i += 1
 
 
 @wp.kernel
 def push_modes(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     cell_slot: wp.array3d(dtype=int),
     tau: wp.array2d(dtype=real),
     base: wp.array2d(dtype=real),
@@ -227,29 +227,29 @@ def push_modes(
     the others are outer coordinates)."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0:
         return
-    first = w * model.modal_count
+    first = w * model.modes.count
     n = lane
-    while n < model.modal_count:
+    while n < model.modes.count:
         push[first + n] = real(0.0)
         n += wp.block_dim()
     sync()
     i = int(0)
-    while i < 2 * ctl[w, k.CELLS]:
+    while i < 2 * ctl[w].cells:
         change = tau[w, i] - base[w, i]
         if change != real(0.0):
             pair = cell_slot[w, i / 2, 0]
-            start = (w * model.cell_capacity + i / 2) * 2 * model.pair_modes + (i % 2) * model.pair_modes
+            start = (w * model.capacity.cells + i / 2) * 2 * model.pairs.most_modes + (i % 2) * model.pairs.most_modes
             for side in range(2):
                 surface = surface_of(model, pair, side)
-                modes = model.surface_modal_count[surface]
-                axpy(modes, change, J, start, push, first + model.surface_modal_start[surface])
+                modes = model.surfaces.modal_count[surface]
+                axpy(modes, change, J, start, push, first + model.surfaces.modal_start[surface])
                 start += modes
         i += 1
     sync()
     n = lane
-    while n < model.modal_count:
-        if model.dense_of[n] < 0:
+    while n < model.modes.count:
+        if model.modes.dense_of[n] < 0:
             modal_step[first + n] = modal_step[first + n] + receptance[w, n] * push[first + n]
         n += wp.block_dim()

@@ -11,10 +11,10 @@ conjugate.
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import out
 from warpffrf_kernels.contact_compliance import node_of
 from warpffrf_kernels.contact_geometry import TWO_PI, wrap
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.surface import radius_of
@@ -25,8 +25,8 @@ wp.set_module_options(MODULE_OPTIONS)
 @wp.func
 def lower_edge(model: Model, s: int, row: int) -> real:
     """Lower edge of the cells of a row: half way to the next node, or the outermost node."""
-    z0 = model.surface_z_start[s]
-    return real(0.5) * (model.surface_z[z0 + wp.max(row - 1, 0)] + model.surface_z[z0 + row])
+    z0 = model.surfaces.z_start[s]
+    return real(0.5) * (model.surfaces.z[z0 + wp.max(row - 1, 0)] + model.surfaces.z[z0 + row])
 
 
 @wp.func
@@ -55,7 +55,7 @@ def reached(y: real, j: int) -> real:
 @wp.kernel
 def spread_cells(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     cell_area: wp.array3d(dtype=real),
@@ -68,23 +68,23 @@ def spread_cells(
     second window, which only cells far from any patch reach: their hats would have failed the step (`keep_hat`)."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or model.pair_friction[pair] == real(0.0):
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
         return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    if model.surface_shear[B] < 0:
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    if model.surfaces.shear_start[B] < 0:
         return
-    rows = model.surface_rows[A]
-    rows_b = model.surface_rows[B]
-    z0 = model.surface_z_start[A]
-    H = model.half_window
+    rows = model.surfaces.rows[A]
+    rows_b = model.surfaces.rows[B]
+    z0 = model.surfaces.z_start[A]
+    H = model.window.half
     m = (window[w, pair, 0] + H) * rows + lane
     while m < (window[w, pair, 1] + H + 1) * rows:
         row = m % rows
-        z = model.surface_z[z0 + row]
+        z = model.surfaces.z[z0 + row]
         zb = cell_place[w, pair, m, 1]
-        metric = model.surface_pitch[B] * radius_of(model, B, zb)
-        half_around = real(0.5) * model.surface_pitch[A] * radius_of(model, A, z)
+        metric = model.surfaces.pitch[B] * radius_of(model, B, zb)
+        half_around = real(0.5) * model.surfaces.pitch[A] * radius_of(model, A, z)
         below = lower_edge(model, A, row) - z
         above = real(0.0)
         if row + 1 < rows:
@@ -96,9 +96,9 @@ def spread_cells(
         q_2 = cell_turn[w, pair, m, 1]
         q_3 = cell_turn[w, pair, m, 2]
         q_4 = cell_turn[w, pair, m, 3]
-        x = cell_place[w, pair, m, 0] + model.surface_side[B] * q_3 * middle / metric
-        if model.surface_turn[B] > 0:
-            x = wrap(x, TWO_PI / model.surface_pitch[B], real(center[w, pair, 1]))
+        x = cell_place[w, pair, m, 0] + model.surfaces.side[B] * q_3 * middle / metric
+        if model.surfaces.turn[B] > 0:
+            x = wrap(x, TWO_PI / model.surfaces.pitch[B], real(center[w, pair, 1]))
         half = wp.sqrt(q_1 * q_1 * half_around * half_around + q_3 * q_3 * half_along * half_along) / metric
         first = int(wp.floor(x - half + real(0.5))) - 1
         reach = wp.sqrt(q_2 * q_2 * half_around * half_around + q_4 * q_4 * half_along * half_along)
@@ -107,22 +107,22 @@ def spread_cells(
         start = int(0)
         while start + 1 < rows_b and lower_edge(model, B, start + 1) <= low:
             start += 1
-        start = wp.max(wp.min(start, rows_b - model.share_rows), 0)
-        at = first - (center[w, pair, 1] - model.second_half_window)
+        start = wp.max(wp.min(start, rows_b - model.window.share_rows), 0)
+        at = first - (center[w, pair, 1] - model.window.second_half)
         c = int(0)
-        while c < model.share_columns:
+        while c < model.window.share_columns:
             around = reached(x + half + real(0.5), first + c) - reached(x - half + real(0.5), first + c)
             around = around / (real(2.0) * half)
             q = int(0)
-            while q < model.share_rows:
+            while q < model.window.share_rows:
                 value = real(0.0)
-                inside = start + q < rows_b and at + c >= 0 and at + c < model.second_columns
+                inside = start + q < rows_b and at + c >= 0 and at + c < model.window.second_columns
                 if inside and cell_area[w, pair, m] > real(0.0):
-                    top = model.surface_z[model.surface_z_start[B] + rows_b - 1]
+                    top = model.surfaces.z[model.surfaces.z_start[B] + rows_b - 1]
                     if start + q + 1 < rows_b:
                         top = lower_edge(model, B, start + q + 1)
                     value = around * overlap(low, high, lower_edge(model, B, start + q), top) / (high - low)
-                share[w, pair, m, c * model.share_rows + q] = value
+                share[w, pair, m, c * model.window.share_rows + q] = value
                 q += 1
             c += 1
         share_at[w, pair, m, 0] = at
@@ -142,16 +142,16 @@ def on_shares(
     second: wp.array(dtype=real),
 ) -> vec3:
     """Q o u_B: mean of the second surface's displacement over cell m, along the first one's tangents (two entries)."""
-    rows_b = model.surface_rows[model.pair_second[pair]]
-    base_b = (w * model.pair_count + pair) * 2 * model.node_capacity
+    rows_b = model.surfaces.rows[model.pairs.second[pair]]
+    base_b = (w * model.pairs.count + pair) * 2 * model.window.nodes
     v_1 = real(0.0)
     v_2 = real(0.0)
     c = int(0)
-    while c < model.share_columns:
+    while c < model.window.share_columns:
         at_c = share_at[w, pair, m, 0] + c
         q = int(0)
-        while q < model.share_rows:
-            part = share[w, pair, m, c * model.share_rows + q]
+        while q < model.window.share_rows:
+            part = share[w, pair, m, c * model.window.share_rows + q]
             at_r = share_at[w, pair, m, 1] + q
             if part != real(0.0):
                 e = base_b + at_c * 2 * rows_b + at_r
@@ -169,11 +169,11 @@ def response_at(model: Model, s: int, table: int, source: int, line: int, lines:
     """Index, in `tangential`, of the response at grid column `target` of surface s to a unit force on line `line` of
     `lines` of grid column `source`; `wide` lines a target column follow contiguously. -1 when the source does not
     exist. As `contact_compliance.table_row`."""
-    block = model.surface_block[s]
-    if model.surface_turn[s] == 0 and (source < 0 or source >= block):
+    block = model.surfaces.block[s]
+    if model.surfaces.turn[s] == 0 and (source < 0 or source >= block):
         return -1
     part = ((source % block) + block) % block
-    reach = model.surface_reach[s]
+    reach = model.surfaces.reach[s]
     at = (part * lines + line) * (block + 2 * reach) + target - (source - part) + reach
     return table + at * wide
 

@@ -29,6 +29,7 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real, sync
 
@@ -47,12 +48,12 @@ NEAR = wp.constant(wp.float64(1.0e-6))  # of the largest bound, or SETTLED: wher
 # One round of sweeps: every cell takes the traction that is best for it with the others held, the point of its disc
 # where its 2 x 2 problem has its minimum. Of one lane: Gauss-Seidel is sequential.
 @wp.func_native("""
-    const int cap = 2 * model.cell_capacity;
+    const int cap = 2 * model.capacity.cells;
     const double* A = K.data + (size_t)w * cap * cap;
     double* x = tau.data + (size_t)w * cap;
     const double* r0 = right.data + (size_t)w * cap;
-    const double* b = radius.data + (size_t)w * model.cell_capacity;
-    const double* soft = softness.data + (size_t)w * model.cell_capacity;
+    const double* b = radius.data + (size_t)w * model.capacity.cells;
+    const double* soft = softness.data + (size_t)w * model.capacity.cells;
     if (WP_TILE_THREAD_IDX == 0)
     for (int sweep = 0; sweep < sweeps; ++sweep) for (int i = 0; i < count; ++i) {
         const int p = 2 * i;
@@ -104,16 +105,16 @@ def sweep_cells(
 # system after sliding cells have jumped to their circles. Returns the defect of the tractions as a fraction of the
 # largest bound; outcome[1] is 1 where a kind differs from that of the factorisation at hand.
 @wp.func_native("""
-    const int cap = 2 * model.cell_capacity, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM, n = 2 * count;
+    const int cap = 2 * model.capacity.cells, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM, n = 2 * count;
     const double* A = K.data + (size_t)w * cap * cap;
     const double* x = tau.data + (size_t)w * cap;
     double* r = slip.data + (size_t)w * cap;
     double* dir = direction.data + (size_t)w * cap;
     double* jump = jumps.data + (size_t)w * cap;
-    int* kind = sliding.data + (size_t)w * 2 * model.cell_capacity;  // present, then of the factorisation
+    int* kind = sliding.data + (size_t)w * 2 * model.capacity.cells;  // present, then of the factorisation
     double* report = outcome.data + (size_t)w * 2;
-    const double* b = radius.data + (size_t)w * model.cell_capacity;
-    const double* soft = softness.data + (size_t)w * model.cell_capacity;
+    const double* b = radius.data + (size_t)w * model.capacity.cells;
+    const double* soft = softness.data + (size_t)w * model.capacity.cells;
     for (int pass = 0; pass < 2; ++pass) {  // r = right + K tau + soft tau, then what the jumps add to it
         const double* v = pass == 0 ? x : jump;
         for (int i = L; i < n; i += NL) {
@@ -142,12 +143,12 @@ def sweep_cells(
                         jump[p] = v0 - x[p]; jump[p + 1] = v1 - x[p + 1];
                         if (jump[p] != 0.0 || jump[p + 1] != 0.0) jumped = 1;
                         const double lambda = -(r[p] * dir[p] + r[p + 1] * dir[p + 1]) / b[i];
-                        curvature.data[(size_t)w * model.cell_capacity + i] = lambda > 0.0 ? lambda : 0.0;
+                        curvature.data[(size_t)w * model.capacity.cells + i] = lambda > 0.0 ? lambda : 0.0;
                     }
                     const double e = ::sqrt((v0 - x[p]) * (v0 - x[p]) + (v1 - x[p + 1]) * (v1 - x[p + 1]));
                     defect = defect > e ? defect : e; largest = largest > b[i] ? largest : b[i];
                 }
-                if (found != kind[model.cell_capacity + i]) changed = 1;
+                if (found != kind[model.capacity.cells + i]) changed = 1;
                 kind[i] = found;
             }
             report[0] = largest > 0.0 ? defect / largest : 0.0; report[1] = (double)(changed + 2 * jumped);
@@ -178,7 +179,7 @@ def judge_cells(
 
 # Cholesky factor of the first m lines in `work`, upper triangle. Returns 1 where it is not definite.
 @wp.func_native("""
-    const int ld = 2 * model.cell_capacity, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
+    const int ld = 2 * model.capacity.cells, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
     double* U = work.data + (size_t)w * ld * ld;
     int bad = 0;
     for (int p = 0; p < m; p += 4) {
@@ -211,14 +212,14 @@ def factor_lines(model: Model, w: int, m: int, work: wp.array3d(dtype=real)) -> 
 # The reduced matrix of the free coordinates: two of a cell that sticks, the one across its direction of a cell that
 # slides. Returns their number.
 @wp.func_native("""
-    const int cap = 2 * model.cell_capacity, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
+    const int cap = 2 * model.capacity.cells, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
     const double* A = K.data + (size_t)w * cap * cap;
     const double* dir = direction.data + (size_t)w * cap;
     double* held = frozen.data + (size_t)w * cap;
     int* list = order.data + (size_t)w * cap;
-    int* kind = sliding.data + (size_t)w * 2 * model.cell_capacity;
+    int* kind = sliding.data + (size_t)w * 2 * model.capacity.cells;
     double* U = work.data + (size_t)w * cap * cap;
-    const double* soft = softness.data + (size_t)w * model.cell_capacity;
+    const double* soft = softness.data + (size_t)w * model.capacity.cells;
     int m = 0;
     for (int i = 0; i < count; ++i) {  // every lane counts for itself, in the same order
         if (kind[i] == 0) continue;
@@ -226,7 +227,7 @@ def factor_lines(model: Model, w: int, m: int, work: wp.array3d(dtype=real)) -> 
         m += kind[i] == 1 ? 2 : 1;
     }
     for (int i = L; i < count; i += NL) {
-        kind[model.cell_capacity + i] = kind[i]; held[2 * i] = dir[2 * i]; held[2 * i + 1] = dir[2 * i + 1];
+        kind[model.capacity.cells + i] = kind[i]; held[2 * i] = dir[2 * i]; held[2 * i + 1] = dir[2 * i + 1];
     }
     WP_TILE_SYNC();
     for (int u = L; u < m; u += NL) {
@@ -245,7 +246,7 @@ def factor_lines(model: Model, w: int, m: int, work: wp.array3d(dtype=real)) -> 
             } else { g0 = a0[q]; if (slide) g1 = a1[q]; }
             row[v] = t0 * g0 + t1 * g1;
         }
-        row[u] += soft[i] + (slide ? curvature.data[(size_t)w * model.cell_capacity + i] : 0.0);
+        row[u] += soft[i] + (slide ? curvature.data[(size_t)w * model.capacity.cells + i] : 0.0);
     }
     WP_TILE_SYNC();
     return m;
@@ -269,15 +270,15 @@ def reduce_cells(
 # circles, across their *present* directions (with those of an old factor a slide's own force would count as an error).
 # Of one lane beyond the contiguous runs.
 @wp.func_native("""
-    const int cap = 2 * model.cell_capacity, ld = cap;
+    const int cap = 2 * model.capacity.cells, ld = cap;
     double* x = tau.data + (size_t)w * cap;
     double* y = solution.data + (size_t)w * cap;
     const double* r = slip.data + (size_t)w * cap;
     const double* dir = direction.data + (size_t)w * cap;
     const int* list = order.data + (size_t)w * cap;
-    const int* kind = sliding.data + (size_t)w * 2 * model.cell_capacity;
+    const int* kind = sliding.data + (size_t)w * 2 * model.capacity.cells;
     const double* U = work.data + (size_t)w * cap * ld;
-    const double* b = radius.data + (size_t)w * model.cell_capacity;
+    const double* b = radius.data + (size_t)w * model.capacity.cells;
     if (WP_TILE_THREAD_IDX == 0) {
         for (int u = 0; u < m; ++u) {
             const int p = list[u], i = p / 2;
@@ -319,16 +320,16 @@ def move_cells(
 
 # Start of the interior-point method: no tractions, slips as they are then, lambda the slope of the slip.
 @wp.func_native("""
-    const int cap = 2 * model.cell_capacity;
+    const int cap = 2 * model.capacity.cells;
     const double* A = K.data + (size_t)w * cap * cap;
-    const double* b = radius.data + (size_t)w * model.cell_capacity;
+    const double* b = radius.data + (size_t)w * model.capacity.cells;
     if (WP_TILE_THREAD_IDX == 0) for (int i = 0; i < count; ++i) {
         const size_t p = (size_t)w * cap + 2 * i;
         const double r0 = right.data[p], r1 = right.data[p + 1];
         tau.data[p] = tau.data[p + 1] = 0.0; slip.data[p] = r0; slip.data[p + 1] = r1;
         const double least = 1e-3 * A[(size_t)2 * i * cap + 2 * i];
         const double slope = b[i] > 0.0 ? ::sqrt(r0 * r0 + r1 * r1) / b[i] : 0.0;
-        curvature.data[(size_t)w * model.cell_capacity + i] = slope > least ? slope : least;
+        curvature.data[(size_t)w * model.capacity.cells + i] = slope > least ? slope : least;
     }
     WP_TILE_SYNC();
 """)
@@ -347,10 +348,10 @@ def begin_inside(
 
 # The matrix of a step of the interior-point method, over both lines of all loaded cells. Returns their number.
 @wp.func_native("""
-    const int cap = 2 * model.cell_capacity, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
+    const int cap = 2 * model.capacity.cells, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
     const double* A = K.data + (size_t)w * cap * cap;
     const double* x = tau.data + (size_t)w * cap;
-    const double* b = radius.data + (size_t)w * model.cell_capacity;
+    const double* b = radius.data + (size_t)w * model.capacity.cells;
     int* list = order.data + (size_t)w * cap;
     double* U = work.data + (size_t)w * cap * cap;
     int m = 0;
@@ -361,11 +362,11 @@ def begin_inside(
     WP_TILE_SYNC();
     for (int u = L; u < m; u += NL) {
         const int p = list[u], i = p / 2;
-        const double lambda = curvature.data[(size_t)w * model.cell_capacity + i];
+        const double lambda = curvature.data[(size_t)w * model.capacity.cells + i];
         const double room = 0.5 * (b[i] * b[i] - x[2 * i] * x[2 * i] - x[2 * i + 1] * x[2 * i + 1]);
         double* row = U + (size_t)u * cap;
         for (int v = u; v < m; ++v) row[v] = A[(size_t)p * cap + list[v]];
-        row[u] += softness.data[(size_t)w * model.cell_capacity + i] + lambda + lambda / room * x[p] * x[p];
+        row[u] += softness.data[(size_t)w * model.capacity.cells + i] + lambda + lambda / room * x[p] * x[p];
         if (p % 2 == 0) row[u + 1] += lambda / room * x[p] * x[p + 1];
     }
     WP_TILE_SYNC();
@@ -388,13 +389,13 @@ def fill_inside(
 # A step of the interior-point method with the factor at hand. Returns the defect of the tractions, as `judge_cells`. Of
 # one lane but for the slips.
 @wp.func_native("""
-    const int cap = 2 * model.cell_capacity, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM, n = 2 * count;
+    const int cap = 2 * model.capacity.cells, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM, n = 2 * count;
     const double* A = K.data + (size_t)w * cap * cap;
     const double* U = work.data + (size_t)w * cap * cap;
-    const double* b = radius.data + (size_t)w * model.cell_capacity;
-    const double* soft = softness.data + (size_t)w * model.cell_capacity;
+    const double* b = radius.data + (size_t)w * model.capacity.cells;
+    const double* soft = softness.data + (size_t)w * model.capacity.cells;
     double *x = tau.data + (size_t)w * cap, *r = slip.data + (size_t)w * cap, *y = solution.data + (size_t)w * cap;
-    double* lambda = curvature.data + (size_t)w * model.cell_capacity;
+    double* lambda = curvature.data + (size_t)w * model.capacity.cells;
     const int* list = order.data + (size_t)w * cap;
     if (L == 0) {
         double mu = 0.0;
@@ -500,7 +501,7 @@ def solve_tractions(
     right: wp.array2d(dtype=real),
     radius: wp.array2d(dtype=real),
     softness: wp.array2d(dtype=real),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     tau: inout(wp.array2d(dtype=real)),
     slip: inout(wp.array2d(dtype=real)),
     jumps: inout(wp.array2d(dtype=real)),
@@ -521,10 +522,10 @@ def solve_tractions(
     """
     w, lane = wp.tid()
     model = models[0]
-    count = ctl[w, k.CELLS]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0 or count == 0:
+    count = ctl[w].cells
+    if ctl[w].run == 0 or ctl[w].changes != 0 or count == 0:
         return
-    free = ctl[w, k.FACTORED]
+    free = ctl[w].factored
     sync()
     turn = int(0)
     n = int(0)
@@ -545,7 +546,7 @@ def solve_tractions(
                 )
                 free = 0
                 if lane == 0:
-                    ctl[w, k.SOLVES] = ctl[w, k.SOLVES] + steps
+                    ctl[w].solves = ctl[w].solves + steps
             else:
                 sweeps = SWEEPS
                 if turn > 0:
@@ -560,11 +561,11 @@ def solve_tractions(
             free = reduce_cells(model, w, count, K, softness, direction, curvature, frozen, order, sliding, work)
             bad = factor_lines(model, w, free, work)
             if lane == 0:
-                ctl[w, k.SOLVES] = ctl[w, k.SOLVES] + 1
+                ctl[w].solves = ctl[w].solves + 1
             if bad != 0:
                 if lane == 0:
-                    ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.INDEFINITE
-                    ctl[w, k.FACTORED] = 0
+                    ctl[w].failure = ctl[w].failure | k.INDEFINITE
+                    ctl[w].factored = 0
                 return
         move_cells(model, w, count, free, radius, slip, direction, order, sliding, work, solution, tau)
         before = defect
@@ -575,6 +576,6 @@ def solve_tractions(
         if n > ROUNDS * NEWTON:
             turn = ROUNDS
     if lane == 0:
-        ctl[w, k.FACTORED] = free
+        ctl[w].factored = free
         if defect > SETTLED:
-            ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.CYCLING
+            ctl[w].failure = ctl[w].failure | k.CYCLING

@@ -64,8 +64,9 @@ import warp as wp
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_solve import push_by_slots
+from warpffrf_kernels.control import Clock, Coefficients, Control
+from warpffrf_kernels.integration import EXACT, LOCAL, OUTER, coefficients_of, rule_of
 from warpffrf_kernels.model import Model
-from warpffrf_kernels.motion import rule_of
 from warpffrf_kernels.pair_forces import force_on, is_closed, mean_of, modal_place, whole
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
 
@@ -75,71 +76,60 @@ LEAST_WEIGHT = wp.constant(wp.float64(1.0e-4))  # of a pair that closes as the s
 
 
 @wp.func
-def share(c: wp.array2d(dtype=real), w: int, at: int, stiffness: real) -> real:
-    """b over beta, of coordinates with omega^2 = stiffness and the coefficients from column `at` on."""
-    excess = c[w, at + 2] / c[w, at + 3] - real(0.5)
-    b = real(0.5) + excess / (real(1.0) + stiffness * c[w, k.H] * c[w, k.H])
-    return b / c[w, at + 2]
+def share(h: real, c: Coefficients, stiffness: real) -> real:
+    """b over beta, of coordinates with omega^2 = stiffness."""
+    excess = c.beta / c.gamma - real(0.5)
+    b = real(0.5) + excess / (real(1.0) + stiffness * h * h)
+    return b / c.beta
 
 
 @wp.func
-def outer_share(model: Model, c: wp.array2d(dtype=real), w: int) -> real:
+def outer_share(model: Model, clk: wp.array(dtype=Clock), w: int) -> real:
     """b over beta of bodies and global modes."""
-    if model.dynamic_count == 0:
-        return real(0.5) / c[w, k.BETA]
-    return share(c, w, k.ALPHA_M, model.outer_frequency * model.outer_frequency)
+    if model.modes.dynamic_count == 0:
+        return real(0.5) / clk[w].outer.beta
+    return share(clk[w].h, clk[w].outer, model.modes.outer_frequency * model.modes.outer_frequency)
 
 
 @wp.func
-def kappa_of(c: wp.array2d(dtype=real), w: int, at: int, part: real) -> real:
+def kappa_of(c: Coefficients, part: real) -> real:
     """kappa, of b/beta = part."""
-    return (real(1.0) - c[w, at]) / (real(1.0) - c[w, at + 1]) * part
+    return (real(1.0) - c.alpha_m) / (real(1.0) - c.alpha_f) * part
 
 
 @wp.func
-def slip_of(c: wp.array2d(dtype=real), w: int, at: int, part: real) -> real:
+def slip_of(h: real, c: Coefficients, part: real) -> real:
     """What the velocity has above the formula's, over w [s]."""
-    return c[w, k.H] * (real(1.0) - c[w, at + 3] * part)
+    return h * (real(1.0) - c.gamma * part)
 
 
 @wp.func
-def outer_kappa(model: Model, c: wp.array2d(dtype=real), w: int) -> real:
+def outer_kappa(model: Model, clk: wp.array(dtype=Clock), w: int) -> real:
     """kappa of bodies."""
-    return kappa_of(c, w, k.ALPHA_M, outer_share(model, c, w))
+    return kappa_of(clk[w].outer, outer_share(model, clk, w))
 
 
 @wp.func
-def mode_share(model: Model, ctl: wp.array2d(dtype=int), clk: wp.array2d(dtype=real), w: int, m: int) -> real:
+def mode_share(model: Model, ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int, m: int) -> real:
     """b over beta of mode m; 0 where it steps exactly and needs none."""
     rule = rule_of(model, ctl, clk, w, m)
     part = real(0.0)
-    if rule == 0:
+    if rule == OUTER:
         part = outer_share(model, clk, w)
-    if rule == 1:
-        part = share(clk, w, k.LOCAL, model.stiffness[m])
+    if rule == LOCAL:
+        part = share(clk[w].h, clk[w].local, model.modes.stiffness[m])
     return part
 
 
 @wp.func
-def columns_of(model: Model, ctl: wp.array2d(dtype=int), clk: wp.array2d(dtype=real), w: int, m: int) -> int:
-    """Where the coefficients of mode m begin; -1 where it steps exactly."""
-    rule = rule_of(model, ctl, clk, w, m)
-    at = int(k.ALPHA_M)
-    if rule == 1:
-        at = int(k.LOCAL)
-    if rule == 2:
-        at = -1
-    return at
-
-
-@wp.func
-def mode_kappa(model: Model, ctl: wp.array2d(dtype=int), clk: wp.array2d(dtype=real), w: int, m: int) -> real:
+def mode_kappa(model: Model, ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int, m: int) -> real:
     """kappa of mode m, less what its damper makes of the velocity."""
-    at = columns_of(model, ctl, clk, w, m)
-    if at < 0:
+    rule = rule_of(model, ctl, clk, w, m)
+    if rule == EXACT:
         return real(1.0)
     part = mode_share(model, ctl, clk, w, m)
-    return kappa_of(clk, w, at, part) - model.damping[m] * slip_of(clk, w, at, part)
+    c = coefficients_of(clk, w, rule)
+    return kappa_of(c, part) - model.modes.damping[m] * slip_of(clk[w].h, c, part)
 
 
 @wp.func
@@ -154,7 +144,7 @@ def weight_of(kappa: real, theta: real) -> real:
 @wp.kernel
 def begin_contact(
     models: wp.array(dtype=Model),
-    clk: wp.array2d(dtype=real),
+    clk: wp.array(dtype=Clock),
     v_rate: wp.array2d(dtype=vec3),
     v_alg: wp.array2d(dtype=vec3),
     omega_rate: wp.array2d(dtype=vec3),
@@ -169,7 +159,7 @@ def begin_contact(
     modal_memory: wp.array4d(dtype=real),
     friction_memory: wp.array4d(dtype=real),
     modal_friction_memory: wp.array4d(dtype=real),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     impulsive: inout(wp.array2d(dtype=int)),
     theta: inout(wp.array2d(dtype=real)),
     bracket: out(wp.array3d(dtype=real)),
@@ -184,27 +174,27 @@ def begin_contact(
     """Per world: which pairs are impulsive in this attempt, and the accelerations of its beginning without them."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0:
+    if ctl[w].run == 0:
         return
     if lane == 0:
-        ctl[w, k.ROUND] = 0
-        ctl[w, k.EVEN] = 0
-        ctl[w, k.REWEIGHED] = 0
+        ctl[w].round = 0
+        ctl[w].even = 0
+        ctl[w].reweighed = 0
         pair = int(0)
-        while pair < model.pair_count:
+        while pair < model.pairs.count:
             kind = int(0)
-            if ctl[w, k.MODE] == k.DYNAMIC:
-                if model.dynamic_count > 0:
-                    if ctl[w, k.SUDDEN] == k.IMPULSIVE:
+            if ctl[w].mode == k.DYNAMIC:
+                if model.modes.dynamic_count > 0:
+                    if ctl[w].impulsive == k.IMPULSIVE:
                         kind = 1
-                elif ctl[w, k.AGAIN] != 0:
+                elif ctl[w].again != 0:
                     kind = impulsive[w, pair]
                 elif not is_closed(pair_force, w, pair, 0):
                     kind = 1
             impulsive[w, pair] = kind
-            if model.dynamic_count > 0:
+            if model.modes.dynamic_count > 0:
                 theta[w, pair] = real(1.0)
-            elif ctl[w, k.AGAIN] == 0:
+            elif ctl[w].again == 0:
                 theta[w, pair] = real(0.5)
             bracket[w, pair, 0] = real(0.0)
             bracket[w, pair, 1] = real(1.0)
@@ -218,15 +208,15 @@ def begin_contact(
                 weight[w, pair] = weight_of(outer_kappa(model, clk, w), theta[w, pair])
             pair += 1
     sync()
-    rubs = model.cell_capacity > 0
+    rubs = model.capacity.cells > 0
     b = lane
-    while b < model.body_count:
+    while b < model.bodies.count:
         f = vec3(real(0.0), real(0.0), real(0.0))
         t = f
         m_f = f
         m_t = f
         pair = int(0)
-        while pair < model.pair_count:
+        while pair < model.pairs.count:
             if impulsive[w, pair] != 0:
                 f_p, t_p = force_on(model, pair_force, w, pair, 0, b)
                 f += f_p
@@ -242,29 +232,29 @@ def begin_contact(
                     m_f += f_p
                     m_t += t_p
             pair += 1
-        soft = wp.inverse(model.inertia[b])
-        v_rate0[w, b] = v_rate[w, b] - f / model.mass[b]
+        soft = wp.inverse(model.bodies.inertia[b])
+        v_rate0[w, b] = v_rate[w, b] - f / model.bodies.mass[b]
         omega_rate0[w, b] = omega_rate[w, b] - soft * t
-        if ctl[w, k.TRAPEZOIDAL] == 0:
-            v_alg0[w, b] = v_alg[w, b] - m_f / model.mass[b]
+        if ctl[w].trapezoidal == 0:
+            v_alg0[w, b] = v_alg[w, b] - m_f / model.bodies.mass[b]
             omega_alg0[w, b] = omega_alg[w, b] - soft * m_t
         else:
             v_alg0[w, b] = v_rate0[w, b]
             omega_alg0[w, b] = omega_rate0[w, b]
         b += wp.block_dim()
     n = lane
-    while n < model.modal_count:
+    while n < model.modes.count:
         f_n = real(0.0)
         m_n = real(0.0)
         pair = int(0)
-        while pair < model.pair_count:
+        while pair < model.pairs.count:
             at = modal_place(model, pair, n)
             if impulsive[w, pair] != 0 and at >= 0:
                 f_n += whole(model, pair_modal, friction_modal, w, pair, 0, at)
                 m_n += whole(model, modal_memory, modal_friction_memory, w, pair, 0, at)
             pair += 1
         qd_rate0[w, n] = qd_rate[w, n] - f_n
-        if ctl[w, k.TRAPEZOIDAL] == 0:
+        if ctl[w].trapezoidal == 0:
             qd_alg0[w, n] = qd_alg[w, n] - m_n
         else:
             qd_alg0[w, n] = qd_rate0[w, n]
@@ -277,8 +267,8 @@ def begin_contact(
 @wp.kernel
 def push_bodies(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     pair_wrench: wp.array3d(dtype=real),
@@ -297,15 +287,15 @@ def push_bodies(
     and friction, and what of them acts in the step, off the residuals."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
-    rubs = model.cell_capacity > 0
+    rubs = model.capacity.cells > 0
     if lane == 0:
         kappa = outer_kappa(model, clk, w)
         pair = int(0)
-        while pair < model.pair_count:
-            A = model.surface_body[model.pair_first[pair]]
-            B = model.surface_body[model.pair_second[pair]]
+        while pair < model.pairs.count:
+            A = model.surfaces.body[model.pairs.first[pair]]
+            B = model.surfaces.body[model.pairs.second[pair]]
             for part in range(2):
                 if part == 0 or rubs:
                     f = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
@@ -348,12 +338,12 @@ def push_bodies(
                     residual[w, at] = residual[w, at] - force
             pair += 1
     n = lane
-    while n < model.modal_count:
+    while n < model.modes.count:
         load = real(0.0)
         acts = real(0.0)
         kappa = mode_kappa(model, ctl, clk, w, n)
         pair = int(0)
-        while pair < model.pair_count:
+        while pair < model.pairs.count:
             at = modal_place(model, pair, n)
             if at >= 0:
                 before = whole(model, pair_modal, friction_modal, w, pair, 0, at)
@@ -372,8 +362,8 @@ def push_bodies(
 @wp.kernel
 def compare_receptances(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     receptance: wp.array2d(dtype=real),
     contact_receptance: out(wp.array2d(dtype=real)),
 ):
@@ -381,12 +371,12 @@ def compare_receptances(
     weight; of scenes with dynamic local modes, which have a kappa of their own."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     n = lane
-    while n < model.modal_count:
+    while n < model.modes.count:
         factor = real(1.0)
-        if ctl[w, k.MODE] == k.DYNAMIC and ctl[w, k.SUDDEN] == k.IMPULSIVE:
+        if ctl[w].mode == k.DYNAMIC and ctl[w].impulsive == k.IMPULSIVE:
             factor = mode_kappa(model, ctl, clk, w, n) / outer_kappa(model, clk, w)
         contact_receptance[w, n] = factor * receptance[w, n]
         n += wp.block_dim()
@@ -395,7 +385,7 @@ def compare_receptances(
 @wp.kernel
 def push_further(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     active: wp.array3d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
     J: wp.array(dtype=real),
@@ -411,18 +401,18 @@ def push_further(
     terms have it from the outer system (their receptance is 0)."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.SUDDEN] != k.IMPULSIVE or ctl[w, k.MODE] != k.DYNAMIC:
+    if ctl[w].run == 0 or ctl[w].impulsive != k.IMPULSIVE or ctl[w].mode != k.DYNAMIC:
         return
-    first = w * model.modal_count
+    first = w * model.modes.count
     n = lane
-    while n < model.modal_count:
+    while n < model.modes.count:
         push[first + n] = real(0.0)
         n += wp.block_dim()
     sync()
     push_by_slots(model, ctl, w, slot_mode, active, pressure, base, weight, J, push)
     sync()
     n = lane
-    while n < model.modal_count:
+    while n < model.modes.count:
         excess = contact_receptance[w, n] - receptance[w, n]
         modal_step[first + n] = modal_step[first + n] + excess * push[first + n]
         n += wp.block_dim()

@@ -35,8 +35,10 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Clock, Control
 from warpffrf_kernels.impulsive_contact import mode_kappa, outer_kappa, weight_of
 from warpffrf_kernels.impulsive_memory import filtered
+from warpffrf_kernels.integration import OUTER
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.pair_forces import (
     body_mobility,
@@ -119,15 +121,15 @@ def swings(pair_energy: wp.array3d(dtype=real), w: int, pair: int) -> bool:
 
 
 @wp.func
-def has_converged(ctl: wp.array2d(dtype=int), w: int) -> bool:
+def has_converged(ctl: wp.array(dtype=Control), w: int) -> bool:
     """Whether the iteration of a world has just converged, with means of impulsive pairs that may have to be found."""
-    return ctl[w, k.ATTEMPT] != 0 and ctl[w, k.RUN] == 0 and ctl[w, k.FAILURE] == 0 and ctl[w, k.EVEN] == 0
+    return ctl[w].attempt != 0 and ctl[w].run == 0 and ctl[w].failure == 0 and ctl[w].even == 0
 
 
 @wp.kernel
 def balance_means(
     models: wp.array(dtype=Model),
-    clk: wp.array2d(dtype=real),
+    clk: wp.array(dtype=Clock),
     v: wp.array2d(dtype=vec3),
     omega: wp.array2d(dtype=vec3),
     qd: wp.array2d(dtype=real),
@@ -141,7 +143,7 @@ def balance_means(
     pair_energy: wp.array3d(dtype=real),
     pair_loss: wp.array2d(dtype=real),
     impulsive: wp.array2d(dtype=int),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     theta: inout(wp.array2d(dtype=real)),
     bracket: inout(wp.array3d(dtype=real)),
     weight: out(wp.array2d(dtype=real)),
@@ -159,13 +161,13 @@ def balance_means(
     if not has_converged(ctl, w):
         return
     # an attempt that is not a repeated one is repeated where a pair swings
-    if ctl[w, k.MODE] != k.DYNAMIC or ctl[w, k.AGAIN] == 0 or ctl[w, k.ROUND] > MOST_ROUNDS:
-        ctl[w, k.EVEN] = 1
+    if ctl[w].mode != k.DYNAMIC or ctl[w].again == 0 or ctl[w].round > MOST_ROUNDS:
+        ctl[w].even = 1
         return
     kappa = outer_kappa(model, clk, w)
     changed = int(0)
     pair = int(0)
-    while pair < model.pair_count:
+    while pair < model.pairs.count:
         if impulsive[w, pair] != 0 and swings(pair_energy, w, pair):
             before = pair_work(model, w, pair, 0, pair_force, pair_modal, dx, psi, dq)
             after = pair_work(model, w, pair, 1, pair_force, pair_modal, dx, psi, dq)
@@ -180,7 +182,7 @@ def balance_means(
                     side = 1
                 narrow(bracket, w, pair, side, at, excess)
                 force = real(0.0)
-                ease = real(0.5) * clk[w, k.H] * clk[w, k.H]
+                ease = real(0.5) * clk[w].h * clk[w].h
                 if pair_energy[w, pair, 0] == real(0.0):
                     force = wp.sqrt(
                         body_mobility(model, w, pair, 1, pair_force) + modal_mobility(model, w, pair, 1, pair_modal)
@@ -190,7 +192,7 @@ def balance_means(
                         body_mobility(model, w, pair, 0, pair_force) + modal_mobility(model, w, pair, 0, pair_modal)
                     )
                 to = next_theta(bracket, w, pair, at, excess, force, before, after, stored, ease)
-            if ctl[w, k.ROUND] == MOST_ROUNDS:
+            if ctl[w].round == MOST_ROUNDS:
                 to = at
                 if excess > MISSED * own:
                     to = bracket[w, pair, 1]
@@ -201,7 +203,7 @@ def balance_means(
                 # what the balance sees of it
                 for side in range(2):
                     surface = surface_of(model, pair, side)
-                    b = model.surface_body[surface]
+                    b = model.surfaces.body[surface]
                     if b >= 0:
                         for c in range(6):
                             i = 6 * side + c
@@ -209,8 +211,8 @@ def balance_means(
                             change -= whole(model, pair_force, friction_force, w, pair, 0, i)
                             residual[w, 6 * b + c] = residual[w, 6 * b + c] - kappa * (to - at) * change
                     n = int(0)
-                    while n < model.surface_modal_count[surface]:
-                        m = model.surface_modal_start[surface] + n
+                    while n < model.surfaces.modal_count[surface]:
+                        m = model.surfaces.modal_start[surface] + n
                         i = modal_place(model, pair, m)
                         change = whole(model, pair_modal, friction_modal, w, pair, 1, i)
                         change -= whole(model, pair_modal, friction_modal, w, pair, 0, i)
@@ -219,12 +221,12 @@ def balance_means(
                         n += 1
         pair += 1
     if changed == 0:
-        ctl[w, k.EVEN] = 1
+        ctl[w].even = 1
         return
-    ctl[w, k.ROUND] = ctl[w, k.ROUND] + 1
-    ctl[w, k.RUN] = 1
-    ctl[w, k.REWEIGHED] = 1
-    ctl[w, k.STALE] = 1
+    ctl[w].round = ctl[w].round + 1
+    ctl[w].run = 1
+    ctl[w].reweighed = 1
+    ctl[w].stale = 1
 
 
 @wp.func
@@ -325,8 +327,8 @@ def root(a: real, b: real, c: real) -> real:
 @wp.kernel
 def judge_pairs(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     impulsive: wp.array2d(dtype=int),
     theta: wp.array2d(dtype=real),
     pair_force: wp.array4d(dtype=real),
@@ -354,26 +356,26 @@ def judge_pairs(
     model = models[0]
     wanted[w, pair] = 0
     created[w, pair] = real(0.0)
-    if ctl[w, k.ATTEMPT] == 0 or ctl[w, k.MODE] != k.DYNAMIC or model.dynamic_count > 0:
+    if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC or model.modes.dynamic_count > 0:
         return
     if not is_closed(pair_force, w, pair, 0) and not is_closed(pair_force, w, pair, 1):
         return
     before = pair_work(model, w, pair, 0, pair_force, pair_modal, dx, psi, dq)
     after = pair_work(model, w, pair, 1, pair_force, pair_modal, dx, psi, dq)
-    worked = mean_of(clk[w, k.GAMMA], before, after)
+    worked = mean_of(clk[w].outer.gamma, before, after)
     if impulsive[w, pair] != 0:
         worked = mean_of(theta[w, pair], before, after)
-    elif ctl[w, k.TRAPEZOIDAL] == 0:
+    elif ctl[w].trapezoidal == 0:
         recalled = pair_work(model, w, pair, 0, memory, modal_memory, dx, psi, dq)
-        ahead = filtered(clk, w, k.ALPHA_M, before, after, recalled)
-        worked = mean_of(clk[w, k.GAMMA], recalled, ahead)
+        ahead = filtered(clk, w, OUTER, before, after, recalled)
+        worked = mean_of(clk[w].outer.gamma, recalled, ahead)
     total = worked + pair_energy[w, pair, 1] - pair_energy[w, pair, 0] + pair_loss[w, pair]
     own = own_energy(model, w, pair, pair_energy, pair_force, pair_modal, v, omega, qd)
     swung = swings(pair_energy, w, pair)
     if impulsive[w, pair] == 0:
         if swung or worked - mean_of(real(0.5), before, after) > OWN * own:
             wanted[w, pair] = 1
-    elif swung and ctl[w, k.AGAIN] == 0:
+    elif swung and ctl[w].again == 0:
         wanted[w, pair] = 1
     created[w, pair] = total
 
@@ -381,7 +383,7 @@ def judge_pairs(
 @wp.kernel
 def find_restless(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     area: wp.array3d(dtype=real),
     pressure: wp.array3d(dtype=real),
     pressure_before: wp.array3d(dtype=real),
@@ -394,18 +396,18 @@ def find_restless(
     """
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w, k.ATTEMPT] == 0:
+    if ctl[w].attempt == 0:
         return
     shift = int(wp.floor(offset[w, pair] - offset_before[w, pair] + real(0.5)))
-    shift = shift * model.surface_rows[model.pair_first[pair]]
+    shift = shift * model.surfaces.rows[model.pairs.first[pair]]
     change = real(0.0)
     before = real(0.0)
     after = real(0.0)
     m = int(0)
-    while m < model.mode_capacity:
+    while m < model.window.hats:
         weight = wp.max(area[w, pair, m], real(0.0))
         p0 = real(0.0)
-        if m - shift >= 0 and m - shift < model.mode_capacity:
+        if m - shift >= 0 and m - shift < model.window.hats:
             p0 = weight * pressure_before[w, pair, m - shift]
         p1 = weight * pressure[w, pair, m]
         change += wp.abs(p1 - p0)

@@ -5,13 +5,14 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Clock, Control
 from warpffrf_kernels.impulsive_contact import (
-    columns_of,
     kappa_of,
     mode_share,
     outer_share,
     slip_of,
 )
+from warpffrf_kernels.integration import EXACT, OUTER, coefficients_of, rule_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.pair_forces import is_closed, mean_of, modal_place, surface_of, whole
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real, sync, vec3
@@ -20,23 +21,23 @@ wp.set_module_options(MODULE_OPTIONS)
 
 
 @wp.func
-def filtered(c: wp.array2d(dtype=real), w: int, at: int, before: real, after: real, memory: real) -> real:
-    """Memory at the end of a usual step, with the coefficients from column `at` on; of a mode that steps exactly (at <
-    0) it is the force."""
-    if at < 0:
+def filtered(clk: wp.array(dtype=Clock), w: int, rule: int, before: real, after: real, memory: real) -> real:
+    """Memory at the end of a usual step of a coordinate that steps by `rule`; where it steps EXACT it is the force."""
+    if rule == EXACT:
         return after
-    am = c[w, at]
-    af = c[w, at + 1]
+    c = coefficients_of(clk, w, rule)
+    am = c.alpha_m
+    af = c.alpha_f
     return ((real(1.0) - af) * after + af * before - am * memory) / (real(1.0) - am)
 
 
 @wp.func
 def memory_after(
     model: Model,
-    clk: wp.array2d(dtype=real),
+    clk: wp.array(dtype=Clock),
     w: int,
     pair: int,
-    at: int,
+    rule: int,
     impulsive: wp.array2d(dtype=int),
     pair_force: wp.array4d(dtype=real),
     before: real,
@@ -46,20 +47,21 @@ def memory_after(
     """Memory of a component of a pair's force at the end of the attempt. After an impulsive step it is the force there,
     and what generalized-alpha is ahead of it by where contact goes on."""
     if impulsive[w, pair] == 0:
-        return filtered(clk, w, at, before, after, memory)
+        return filtered(clk, w, rule, before, after, memory)
     if not is_closed(pair_force, w, pair, 1):
         return real(0.0)
     ahead = real(0.0)
-    if model.dynamic_count == 0 and is_closed(pair_force, w, pair, 0):
-        ahead = (clk[w, at] - clk[w, at + 1]) * (after - before)
+    if model.modes.dynamic_count == 0 and is_closed(pair_force, w, pair, 0):
+        c = coefficients_of(clk, w, rule)
+        ahead = (c.alpha_m - c.alpha_f) * (after - before)
     return after + ahead
 
 
 @wp.kernel
 def finish_rates(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     impulsive: wp.array2d(dtype=int),
     theta: wp.array2d(dtype=real),
     pair_force: wp.array4d(dtype=real),
@@ -84,14 +86,14 @@ def finish_rates(
     algorithmic accelerations have beside the formula's."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.ATTEMPT] == 0 or ctl[w, k.MODE] != k.DYNAMIC:
+    if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC:
         return
     part = outer_share(model, clk, w)
-    kappa = kappa_of(clk, w, k.ALPHA_M, part)
-    slip = slip_of(clk, w, k.ALPHA_M, part)
+    kappa = kappa_of(clk[w].outer, part)
+    slip = slip_of(clk[w].h, clk[w].outer, part)
     zero = vec3(real(0.0), real(0.0), real(0.0))
     b = lane
-    while b < model.body_count:
+    while b < model.bodies.count:
         f = zero  # the mean
         t = zero
         f_1 = zero  # at the end
@@ -99,19 +101,18 @@ def finish_rates(
         f_m = zero  # remembered
         t_m = zero
         pair = int(0)
-        while pair < model.pair_count:
+        while pair < model.pairs.count:
             if impulsive[w, pair] != 0:
                 for i in range(2):
                     surface = surface_of(model, pair, i)
-                    if model.surface_body[surface] == b:
+                    if model.surfaces.body[surface] == b:
                         for c in range(6):
                             o = 6 * i + c
                             before = whole(model, pair_force, friction_force, w, pair, 0, o)
                             after = whole(model, pair_force, friction_force, w, pair, 1, o)
                             remembered = whole(model, memory, friction_memory, w, pair, 0, o)
-                            at = int(k.ALPHA_M)
                             kept = memory_after(
-                                model, clk, w, pair, at, impulsive, pair_force, before, after, remembered
+                                model, clk, w, pair, OUTER, impulsive, pair_force, before, after, remembered
                             )
                             mean = mean_of(theta[w, pair], before, after)
                             if c < 3:
@@ -123,8 +124,8 @@ def finish_rates(
                                 t_1[c - 3] = t_1[c - 3] + after
                                 t_m[c - 3] = t_m[c - 3] + kept
             pair += 1
-        ease = real(1.0) / model.mass[b]
-        soft = wp.inverse(model.inertia[b])
+        ease = real(1.0) / model.bodies.mass[b]
+        soft = wp.inverse(model.bodies.inertia[b])
         v1[w, b] = v1[w, b] + slip * ease * f
         omega1[w, b] = omega1[w, b] + slip * (soft * t)
         v1_rate[w, b] = v1_rate[w, b] + ease * (f_1 - kappa * f)
@@ -133,21 +134,22 @@ def finish_rates(
         omega_rest[w, b] = soft * (t_m - part * t)
         b += wp.block_dim()
     n = lane
-    while n < model.modal_count:
+    while n < model.modes.count:
         of_mode = mode_share(model, ctl, clk, w, n)
-        at = columns_of(model, ctl, clk, w, n)
+        rule = rule_of(model, ctl, clk, w, n)
+        own = coefficients_of(clk, w, rule)
         rest = real(0.0)
         pair = int(0)
-        while pair < model.pair_count:
+        while pair < model.pairs.count:
             i = modal_place(model, pair, n)
-            if impulsive[w, pair] != 0 and i >= 0 and at >= 0:  # an exact step needs no correction
+            if impulsive[w, pair] != 0 and i >= 0 and rule != EXACT:  # an exact step needs no correction
                 before = whole(model, pair_modal, friction_modal, w, pair, 0, i)
                 after = whole(model, pair_modal, friction_modal, w, pair, 1, i)
                 remembered = whole(model, modal_memory, modal_friction_memory, w, pair, 0, i)
                 mean = mean_of(theta[w, pair], before, after)
-                kept = memory_after(model, clk, w, pair, at, impulsive, pair_force, before, after, remembered)
-                qd1[w, n] = qd1[w, n] + slip_of(clk, w, at, of_mode) * mean
-                qd1_rate[w, n] = qd1_rate[w, n] + after - kappa_of(clk, w, at, of_mode) * mean
+                kept = memory_after(model, clk, w, pair, rule, impulsive, pair_force, before, after, remembered)
+                qd1[w, n] = qd1[w, n] + slip_of(clk[w].h, own, of_mode) * mean
+                qd1_rate[w, n] = qd1_rate[w, n] + after - kappa_of(own, of_mode) * mean
                 rest += kept - of_mode * mean
             pair += 1
         qd_rest[w, n] = rest
@@ -157,8 +159,8 @@ def finish_rates(
 @wp.func
 def keep_forces(
     model: Model,
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     w: int,
     pair: int,
     lane: int,
@@ -170,13 +172,13 @@ def keep_forces(
     modal_memory: wp.array4d(dtype=real),
 ):
     """Memory of the forces of a pair, and its accepted loads of the modes; `pair_force` says what is closed."""
-    dynamic = ctl[w, k.MODE] == k.DYNAMIC
+    dynamic = ctl[w].mode == k.DYNAMIC
     i = lane
     while i < 12:
         kept = force[w, pair, 1, i]  # a start, whose algorithmic accelerations are the true ones
         if dynamic:
             kept = memory_after(
-                model, clk, w, pair, k.ALPHA_M, impulsive, pair_force, force[w, pair, 0, i], kept,
+                model, clk, w, pair, OUTER, impulsive, pair_force, force[w, pair, 0, i], kept,
                 memory[w, pair, 0, i],
             )  # fmt: skip
         memory[w, pair, 0, i] = kept
@@ -185,26 +187,26 @@ def keep_forces(
     for side in range(2):
         surface = surface_of(model, pair, side)
         n = lane
-        while n < model.surface_modal_count[surface]:
+        while n < model.surfaces.modal_count[surface]:
             o = at + n
             kept = modal[w, pair, 1, o]
             if dynamic:
-                columns = columns_of(model, ctl, clk, w, model.surface_modal_start[surface] + n)
+                rule = rule_of(model, ctl, clk, w, model.surfaces.modal_start[surface] + n)
                 kept = memory_after(
-                    model, clk, w, pair, columns, impulsive, pair_force, modal[w, pair, 0, o], kept,
+                    model, clk, w, pair, rule, impulsive, pair_force, modal[w, pair, 0, o], kept,
                     modal_memory[w, pair, 0, o],
                 )  # fmt: skip
             modal_memory[w, pair, 0, o] = kept
             modal[w, pair, 0, o] = modal[w, pair, 1, o]
             n += wp.block_dim()
-        at += model.surface_modal_count[surface]
+        at += model.surfaces.modal_count[surface]
 
 
 @wp.kernel
 def keep_memory(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     impulsive: wp.array2d(dtype=int),
     created: wp.array2d(dtype=real),
     pair_force: inout(wp.array4d(dtype=real)),
@@ -222,11 +224,11 @@ def keep_memory(
     """Per (world, pair), lanes over the modes of its bodies: forces, energies and memory of an accepted attempt."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.ACCEPT] == 0 or ctl[w, k.MODE] == k.PROJECT:
+    if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
         return
-    dynamic = ctl[w, k.MODE] == k.DYNAMIC
+    dynamic = ctl[w].mode == k.DYNAMIC
     keep_forces(model, ctl, clk, w, pair, lane, impulsive, pair_force, pair_force, pair_modal, memory, modal_memory)
-    if model.cell_capacity > 0:
+    if model.capacity.cells > 0:
         keep_forces(
             model, ctl, clk, w, pair, lane, impulsive, pair_force, friction_force, friction_modal, friction_memory,
             modal_friction_memory,
@@ -235,7 +237,7 @@ def keep_memory(
     if lane == 0:
         for i in range(12):
             pair_force[w, pair, 0, i] = pair_force[w, pair, 1, i]
-            if model.cell_capacity > 0:
+            if model.capacity.cells > 0:
                 friction_force[w, pair, 0, i] = friction_force[w, pair, 1, i]
         pair_energy[w, pair, 0] = pair_energy[w, pair, 1]
         elastic_energy[w, pair, 0] = elastic_energy[w, pair, 1]

@@ -26,8 +26,8 @@ motion -q.K_k q/2 of the interface: its derivative is `slope`, the force of a ro
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Clock, Control
 from warpffrf_kernels.interfaces import line_of, marker_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.rotation import hat
@@ -47,7 +47,7 @@ def symmetric(a: wp.array3d(dtype=real), w: int, d: int, at: int) -> mat33:
 
 @wp.func
 def first_order(model: Model, d: int) -> mat33:
-    a = model.inertia_first
+    a = model.dense.first
     return mat33(a[d, 0], a[d, 3], a[d, 5], a[d, 3], a[d, 1], a[d, 4], a[d, 5], a[d, 4], a[d, 2])
 
 
@@ -59,7 +59,7 @@ def triple(a: wp.array3d(dtype=real), w: int, d: int, at: int) -> vec3:
 @wp.kernel
 def sum_modes(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     q1: wp.array(dtype=real),
     qd1: wp.array(dtype=real),
     qd1_rate: wp.array(dtype=real),
@@ -68,32 +68,32 @@ def sum_modes(
     """Lanes over dense modes: P, P', g, g', g'' of each."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     d = lane
-    while d < model.dense_count:
-        b = model.dense_body[d]
-        count = model.inertia_count[b]
-        start = w * model.modal_count + model.modal_start[b]
-        at = model.inertia_start[b] + (d - model.dense_start[b]) * count
+    while d < model.dense.count:
+        b = model.dense.body[d]
+        count = model.bodies.dense_count[b]
+        start = w * model.modes.count + model.bodies.modal_start[b]
+        at = model.bodies.inertia_start[b] + (d - model.bodies.dense_start[b]) * count
         stride = count * count
         for c in range(6):
             row = at + c * stride
-            sums[w, d, c] = model.inertia_first[d, c] + real(2.0) * dot(count, model.inertia_table, row, q1, start)
-            sums[w, d, 6 + c] = real(2.0) * dot(count, model.inertia_table, row, qd1, start)
+            sums[w, d, c] = model.dense.first[d, c] + real(2.0) * dot(count, model.dense.table, row, q1, start)
+            sums[w, d, 6 + c] = real(2.0) * dot(count, model.dense.table, row, qd1, start)
         for c in range(3):
             row = at + (6 + c) * stride
-            sums[w, d, 12 + c] = dot(count, model.inertia_table, row, q1, start)
-            sums[w, d, 15 + c] = dot(count, model.inertia_table, row, qd1, start)
-            sums[w, d, 18 + c] = dot(count, model.inertia_table, row, qd1_rate, start)
+            sums[w, d, 12 + c] = dot(count, model.dense.table, row, q1, start)
+            sums[w, d, 15 + c] = dot(count, model.dense.table, row, qd1, start)
+            sums[w, d, 18 + c] = dot(count, model.dense.table, row, qd1_rate, start)
         d += wp.block_dim()
 
 
 @wp.kernel
 def add_inertia(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     omega1: wp.array2d(dtype=vec3),
     omega1_rate: wp.array2d(dtype=vec3),
     q1: wp.array2d(dtype=real),
@@ -112,13 +112,15 @@ def add_inertia(
     """
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     half = real(0.5)
+    acc = clk[w].outer.acc
+    vel = clk[w].outer.vel
     b = lane
-    while b < model.body_count:
+    while b < model.bodies.count:
         extra_energy[w, b] = real(0.0)
-        count = model.inertia_count[b]
+        count = model.bodies.dense_count[b]
         if count > 0:
             spin = omega1[w, b]
             turn = omega1_rate[w, b]
@@ -126,8 +128,8 @@ def add_inertia(
             dJ_rate = mat33(real(0.0))
             h = vec3(real(0.0))
             h_rate = vec3(real(0.0))
-            n = model.modal_start[b]
-            first = model.dense_start[b]
+            n = model.bodies.modal_start[b]
+            first = model.bodies.dense_start[b]
             i = int(0)
             while i < count:
                 d = first + i
@@ -142,7 +144,7 @@ def add_inertia(
             t = dJ * turn + dJ_rate * spin + h_rate + wp.cross(spin, extra + h)
             extra_energy[w, b] = half * wp.dot(spin, extra) + wp.dot(spin, h)
             Ti = psi_inverse[w, b]
-            S = (clk[w, k.ACC] * dJ + clk[w, k.VEL] * (hat(spin) * dJ - hat(extra + h) + dJ_rate)) * Ti
+            S = (acc * dJ + vel * (hat(spin) * dJ - hat(extra + h) + dJ_rate)) * Ti
             o = 6 * b + 3
             for r in range(3):
                 residual[w, o + r] = residual[w, o + r] + t[r]
@@ -159,15 +161,15 @@ def add_inertia(
                 P_spin = P * spin
                 value = real(2.0) * wp.dot(spin, g1) + wp.dot(turn, g) - half * wp.dot(spin, P_spin)
                 modal_residual[w, m] = modal_residual[w, m] + value
-                column = P * turn + clk[w, k.VEL] * P_spin + symmetric(sums, w, d, 6) * spin - g2 + clk[w, k.ACC] * g
-                column += wp.cross(spin, P_spin + clk[w, k.VEL] * g - g1)
-                line = clk[w, k.VEL] * (real(2.0) * g1 - P_spin) + clk[w, k.ACC] * g
+                column = P * turn + vel * P_spin + symmetric(sums, w, d, 6) * spin - g2 + acc * g
+                column += wp.cross(spin, P_spin + vel * g - g1)
+                line = vel * (real(2.0) * g1 - P_spin) + acc * g
                 line = wp.transpose(Ti) * line
-                at = 6 * model.body_count + d
+                at = 6 * model.bodies.count + d
                 c = int(0)
-                while c < model.row_offset:
+                while c < model.outer.row_offset:
                     tangent[w, at, c] = real(0.0)
-                    if c < 6 * model.body_count:
+                    if c < 6 * model.bodies.count:
                         tangent[w, c, at] = real(0.0)
                     c += 1
                 for r in range(3):
@@ -182,8 +184,8 @@ def add_inertia(
 @wp.kernel
 def couple_modes(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     omega1: wp.array2d(dtype=vec3),
     omega1_rate: wp.array2d(dtype=vec3),
     lam: wp.array2d(dtype=real),
@@ -195,35 +197,35 @@ def couple_modes(
     """
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.REFRESH] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
         return
     d = lane
-    N = model.outer_count
-    while d < model.dense_count:
-        b = model.dense_body[d]
-        count = model.inertia_count[b]
+    N = model.outer.count
+    while d < model.dense.count:
+        b = model.dense.body[d]
+        count = model.bodies.dense_count[b]
         s = omega1[w, b]
-        line = (w * N + 6 * model.body_count + d) * N + 6 * model.body_count + model.dense_start[b]
-        at = model.inertia_start[b] + (d - model.dense_start[b]) * count
+        line = (w * N + 6 * model.bodies.count + d) * N + 6 * model.bodies.count + model.bodies.dense_start[b]
+        at = model.bodies.inertia_start[b] + (d - model.bodies.dense_start[b]) * count
         stride = count * count
         two = real(2.0)
         for c in range(3):
-            axpy(count, -s[c] * s[c], model.inertia_table, at + c * stride, tangent, line)
-            along = two * clk[w, k.VEL] * s[c] + omega1_rate[w, b][c]
-            axpy(count, along, model.inertia_table, at + (6 + c) * stride, tangent, line)
-        axpy(count, -two * s[0] * s[1], model.inertia_table, at + 3 * stride, tangent, line)
-        axpy(count, -two * s[1] * s[2], model.inertia_table, at + 4 * stride, tangent, line)
-        axpy(count, -two * s[2] * s[0], model.inertia_table, at + 5 * stride, tangent, line)
+            axpy(count, -s[c] * s[c], model.dense.table, at + c * stride, tangent, line)
+            along = two * clk[w].outer.vel * s[c] + omega1_rate[w, b][c]
+            axpy(count, along, model.dense.table, at + (6 + c) * stride, tangent, line)
+        axpy(count, -two * s[0] * s[1], model.dense.table, at + 3 * stride, tangent, line)
+        axpy(count, -two * s[1] * s[2], model.dense.table, at + 4 * stride, tangent, line)
+        axpy(count, -two * s[2] * s[0], model.dense.table, at + 5 * stride, tangent, line)
         row = int(0)
-        while row < model.row_count:
+        while row < model.rows.count:
             for side in range(2):
                 marker = marker_of(model, row, side)
-                f = model.marker_interface[marker]
-                if f >= 0 and model.marker_body[marker] == b and model.interface_stiffening_start[f] >= 0:
-                    begin = model.interface_stiffening_start[f] + (d - model.dense_start[b]) * count
+                f = model.markers.interface[marker]
+                if f >= 0 and model.markers.body[marker] == b and model.interfaces.stiffening_start[f] >= 0:
+                    begin = model.interfaces.stiffening_start[f] + (d - model.bodies.dense_start[b]) * count
                     for c in range(6):
                         pull = -lam[w, row] * row_pull[w, 2 * row + side, c]
-                        axpy(count, pull, model.interface_stiffening, begin + c * stride, tangent, line)
+                        axpy(count, pull, model.interfaces.stiffening, begin + c * stride, tangent, line)
             row += 1
         d += wp.block_dim()
 
@@ -231,27 +233,27 @@ def couple_modes(
 @wp.kernel
 def shorten_interfaces(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     q1: wp.array(dtype=real),
     slope: out(wp.array(dtype=real)),
 ):
     """Lanes over interfaces: derivative of their motion by the modes, Phi - K_k q where loads stiffen the body."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     f = lane
-    while f < model.interface_count:
-        start = model.interface_stiffening_start[f]
+    while f < model.interfaces.count:
+        start = model.interfaces.stiffening_start[f]
         if start >= 0:
-            b = model.interface_body[f]
-            count = model.inertia_count[b]
-            modes = w * model.modal_count + model.modal_start[b]
+            b = model.interfaces.body[f]
+            count = model.bodies.dense_count[b]
+            modes = w * model.modes.count + model.bodies.modal_start[b]
             i = int(0)
             while i < count:
                 for c in range(6):
-                    less = dot(count, model.interface_stiffening, start + (c * count + i) * count, q1, modes)
-                    straight = model.interface_modes[(6 * f + c) * model.interface_width + i]
-                    slope[line_of(model, w, f) + c * model.interface_width + i] = straight - less
+                    less = dot(count, model.interfaces.stiffening, start + (c * count + i) * count, q1, modes)
+                    straight = model.interfaces.modes[(6 * f + c) * model.interfaces.width + i]
+                    slope[line_of(model, w, f) + c * model.interfaces.width + i] = straight - less
                 i += 1
         f += wp.block_dim()

@@ -11,8 +11,8 @@ that every sum over modes is contiguous; only the first `global_count` entries o
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import out
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.rotation import exponential, matrix
 from warpffrf_kernels.scalars import MODULE_OPTIONS, dot, mat33, real, vec3, weighted
@@ -23,7 +23,7 @@ wp.set_module_options(MODULE_OPTIONS)
 @wp.func
 def line_of(model: Model, w: int, interface: int) -> int:
     """Where the six lines of an interface begin in `slope`."""
-    return (w * model.interface_count + interface) * 6 * model.interface_width
+    return (w * model.interfaces.count + interface) * 6 * model.interfaces.width
 
 
 # y[at_y : at_y + n] += sign slope^T (force, torque), `at` from `line_of`; by one lane. Components that are zero, most
@@ -53,7 +53,7 @@ def add_load(
 @wp.kernel
 def move_interfaces(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     q1: wp.array(dtype=real),
     slope: wp.array(dtype=real),
     motion: out(wp.array3d(dtype=real)),
@@ -61,18 +61,18 @@ def move_interfaces(
     """Lanes over the six components of all interfaces: `motion` (W, interfaces, 6), m and rad."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     i = lane
-    while i < 6 * model.interface_count:
+    while i < 6 * model.interfaces.count:
         f = i / 6
         c = i - 6 * f
-        b = model.interface_body[f]
-        n = model.global_count[b]
-        modes = w * model.modal_count + model.modal_start[b]
-        value = dot(n, slope, line_of(model, w, f) + c * model.interface_width, q1, modes)
-        if model.interface_stiffening_start[f] >= 0:
-            straight = dot(n, model.interface_modes, i * model.interface_width, q1, modes)
+        b = model.interfaces.body[f]
+        n = model.bodies.global_count[b]
+        modes = w * model.modes.count + model.bodies.modal_start[b]
+        value = dot(n, slope, line_of(model, w, f) + c * model.interfaces.width, q1, modes)
+        if model.interfaces.stiffening_start[f] >= 0:
+            straight = dot(n, model.interfaces.modes, i * model.interfaces.width, q1, modes)
             value = real(0.5) * (value + straight)
         motion[w, f, c] = value
         i += wp.block_dim()
@@ -91,49 +91,49 @@ def rotation_of(motion: wp.array3d(dtype=real), w: int, interface: int) -> vec3:
 @wp.func
 def arm_on_interface(model: Model, i: int, motion: wp.array3d(dtype=real), w: int) -> vec3:
     """Position of marker i in its body frame, deformed."""
-    X = model.marker_point[i]
-    f = model.marker_interface[i]
+    X = model.markers.point[i]
+    f = model.markers.interface[i]
     if f < 0:
         return X
-    return X + translation_of(motion, w, f) + wp.cross(rotation_of(motion, w, f), X - model.interface_point[f])
+    return X + translation_of(motion, w, f) + wp.cross(rotation_of(motion, w, f), X - model.interfaces.point[f])
 
 
 @wp.func
 def axes_on_interface(model: Model, i: int, motion: wp.array3d(dtype=real), w: int) -> mat33:
     """Axes of marker i in its body frame, turned with its interface."""
-    f = model.marker_interface[i]
+    f = model.markers.interface[i]
     if f < 0:
-        return model.marker_axes[i]
-    return matrix(exponential(rotation_of(motion, w, f))) * model.marker_axes[i]
+        return model.markers.axes[i]
+    return matrix(exponential(rotation_of(motion, w, f))) * model.markers.axes[i]
 
 
 @wp.func
 def marker_of(model: Model, row: int, side: int) -> int:
     """Marker a (side 0) or b (1) of a row."""
     if side == 0:
-        return model.row_a[row]
-    return model.row_b[row]
+        return model.rows.a[row]
+    return model.rows.b[row]
 
 
 @wp.func
 def side_of(model: Model, row: int, side: int) -> int:
     """Body whose modes a row pulls at on its side a (0) or b (1); -1 for none, and for one that side a has named."""
-    a = model.row_a[row]
-    b = model.row_b[row]
-    body = model.marker_body[a]
-    if model.marker_interface[a] < 0:
+    a = model.rows.a[row]
+    b = model.rows.b[row]
+    body = model.markers.body[a]
+    if model.markers.interface[a] < 0:
         body = -1
     if side == 0:
         return body
-    if model.marker_interface[b] < 0 or model.marker_body[b] == body:
+    if model.markers.interface[b] < 0 or model.markers.body[b] == body:
         return -1
-    return model.marker_body[b]
+    return model.markers.body[b]
 
 
 @wp.func
 def modal_line(model: Model, w: int, row: int, b: int) -> int:
     """Where the entries of body b begin in a row's line of C_modal, flat."""
-    return (w * model.row_count + row) * model.modal_count + model.modal_start[b]
+    return (w * model.rows.count + row) * model.modes.count + model.bodies.modal_start[b]
 
 
 @wp.func
@@ -150,9 +150,9 @@ def pulled(
     for side in range(2):
         b = side_of(model, row, side)
         if b >= 0:
-            at = w * model.modal_count + model.modal_start[b]
+            at = w * model.modes.count + model.bodies.modal_start[b]
             line = modal_line(model, w, row, b)
-            total += weighted(model.global_count[b], C_modal, line, receptance, at, load, at)
+            total += weighted(model.bodies.global_count[b], C_modal, line, receptance, at, load, at)
     return total
 
 
@@ -170,9 +170,9 @@ def compliance(
     for side in range(2):
         b = side_of(model, row, side)
         if b >= 0 and (side_of(model, other, 0) == b or side_of(model, other, 1) == b):
-            at = w * model.modal_count + model.modal_start[b]
+            at = w * model.modes.count + model.bodies.modal_start[b]
             line = modal_line(model, w, row, b)
             total += weighted(
-                model.global_count[b], C_modal, line, receptance, at, C_modal, modal_line(model, w, other, b)
+                model.bodies.global_count[b], C_modal, line, receptance, at, C_modal, modal_line(model, w, other, b)
             )
     return total

@@ -5,8 +5,8 @@ A rejected attempt has changed all of them; a halved or repeated one begins best
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import out
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -14,7 +14,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.kernel
 def remember_contact(
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
     patch_offset: wp.array2d(dtype=real),
@@ -24,7 +24,7 @@ def remember_contact(
 ):
     """Per (world, pair), lanes over hats: the active set and the pressures before an attempt."""
     w, pair, lane = wp.tid()
-    if ctl[w, k.ATTEMPT] == 0:
+    if ctl[w].attempt == 0:
         return
     m = lane
     while m < active.shape[2]:
@@ -37,7 +37,7 @@ def remember_contact(
 
 @wp.kernel
 def restore_contact(
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     active_before: wp.array3d(dtype=int),
     pressure_before: wp.array3d(dtype=real),
     offset_before: wp.array2d(dtype=real),
@@ -49,7 +49,7 @@ def restore_contact(
     begins from a set that was right.
     """
     w, pair, lane = wp.tid()
-    if ctl[w, k.ATTEMPT] == 0 or ctl[w, k.ACCEPT] != 0:
+    if ctl[w].attempt == 0 or ctl[w].accept != 0:
         return
     m = lane
     while m < active.shape[2]:

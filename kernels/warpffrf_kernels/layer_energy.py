@@ -20,6 +20,7 @@ import warp as wp
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_layer import cell_exists, corner_of, hat_value, linear_yield, rate_of
+from warpffrf_kernels.control import Clock, Control
 from warpffrf_kernels.impulsive_means import has_converged
 from warpffrf_kernels.layer_laws import CHI, CONSTANT, layer_depth, layer_energy, layer_pressure
 from warpffrf_kernels.model import Model
@@ -34,8 +35,8 @@ FAR = wp.constant(wp.float64(1.0e300))  # m: opening where nothing is opposite
 @wp.kernel
 def add_layer_energy(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
@@ -60,28 +61,28 @@ def add_layer_energy(
     if not has_converged(ctl, w):
         return
     pair = int(0)
-    while pair < model.pair_count:
-        if model.layer_kind[pair] != CONSTANT:
+    while pair < model.pairs.count:
+        if model.layers.kind[pair] != CONSTANT:
             energy = real(0.0)
             lost = real(0.0)
             part = real(0.5)
             if impulsive[w, pair] != 0:
                 part = theta[w, pair]
-            A = model.pair_first[pair]
-            rows = model.surface_rows[A]
-            start = model.layer_point_start[pair]
-            per_column = model.layer_point_count[pair]
-            low = window[w, pair, 0] + model.half_window
-            high = window[w, pair, 1] + model.half_window
+            A = model.pairs.first[pair]
+            rows = model.surfaces.rows[A]
+            start = model.layers.point_start[pair]
+            per_column = model.layers.point_count[pair]
+            low = window[w, pair, 0] + model.window.half
+            high = window[w, pair, 1] + model.window.half
             m = low * rows
             while m < (high + 1) * rows:
                 if active[w, pair, m] != 0 and area[w, pair, m] > real(0.0):
                     value = linear_yield(model, w, pair, m, rows, active, pressure, offset, tangent)
                     energy -= real(0.5) * pressure[w, pair, m] * value
                 m += 1
-            damped = model.layer_number[pair, CHI] > real(0.0)
+            damped = model.layers.number[pair, CHI] > real(0.0)
             rate = rate_of(model, ctl, clk, w, pair)
-            origin = center[w, pair, 0] - 1 - model.half_window
+            origin = center[w, pair, 0] - 1 - model.window.half
             if damped:
                 q = int(0)
                 while q < depth_now.shape[2]:
@@ -92,7 +93,7 @@ def add_layer_energy(
             while q < (high + 2) * per_column:
                 cell = q / per_column
                 point = start + q - cell * per_column
-                row = model.layer_row[point]
+                row = model.layers.row[point]
                 p = real(0.0)
                 slack = real(0.0)
                 for node in range(4):
@@ -111,7 +112,7 @@ def add_layer_energy(
                         if p <= real(0.0):
                             d = wp.max(d - slack, real(0.0))
                         depth_now[w, pair, q] = d
-                    dA = model.layer_area[point]
+                    dA = model.layers.area[point]
                     energy += dA * layer_energy(model, pair, d)
                     if rate > real(0.0):
                         elastic = layer_pressure(model, pair, d, real(0.0), real(0.0))
@@ -127,7 +128,7 @@ def add_layer_energy(
 @wp.kernel
 def keep_layer(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     depth_now: wp.array3d(dtype=real),
     drag_now: wp.array3d(dtype=real),
@@ -139,9 +140,9 @@ def keep_layer(
     to."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.ACCEPT] == 0 or ctl[w, k.MODE] == k.PROJECT:
+    if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
         return
-    if model.layer_kind[pair] != CONSTANT and model.layer_number[pair, CHI] > real(0.0):
+    if model.layers.kind[pair] != CONSTANT and model.layers.number[pair, CHI] > real(0.0):
         q = lane
         while q < depth_before.shape[2]:
             depth_before[w, pair, q] = depth_now[w, pair, q]

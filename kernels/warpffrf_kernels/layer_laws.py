@@ -42,11 +42,11 @@ pair2 = wp.vec2d
 @wp.func
 def least_depth(model: Model, pair: int, past: real, rate: real) -> real:
     """Depth [m] at which the pressure of a pair's layer begins."""
-    kind = model.layer_kind[pair]
+    kind = model.layers.kind[pair]
     if kind == EXPONENTIAL:
-        return -model.layer_number[pair, SHIFT_POWER]
+        return -model.layers.number[pair, SHIFT_POWER]
     if kind == TABLE:
-        return model.layer_table[model.layer_table_start[pair], 0]
+        return model.layers.table[model.layers.table_start[pair], 0]
     if rate > real(0.0):
         return wp.max(past - real(1.0) / rate, real(0.0))
     return real(0.0)
@@ -55,10 +55,10 @@ def least_depth(model: Model, pair: int, past: real, rate: real) -> real:
 @wp.func
 def piece_of(model: Model, pair: int, column: int, value: real) -> int:
     """Line of the pair's table at or below `value` of a column, the last but one at most."""
-    first = model.layer_table_start[pair]
-    last = first + model.layer_table_count[pair] - 2
+    first = model.layers.table_start[pair]
+    last = first + model.layers.table_count[pair] - 2
     i = int(first)
-    while i < last and value >= model.layer_table[i + 1, column]:
+    while i < last and value >= model.layers.table[i + 1, column]:
         i += 1
     return i
 
@@ -66,21 +66,21 @@ def piece_of(model: Model, pair: int, column: int, value: real) -> int:
 @wp.func
 def layer_pressure(model: Model, pair: int, depth: real, past: real, rate: real) -> pair2:
     """Pressure [Pa] of a layer at a depth [m], and its slope [Pa/m]; from `least_depth` on."""
-    kind = model.layer_kind[pair]
-    k = model.layer_number[pair, STIFFNESS]
+    kind = model.layers.kind[pair]
+    k = model.layers.number[pair, STIFFNESS]
     if kind == EXPONENTIAL:
-        length = model.layer_number[pair, EXPONENT]
+        length = model.layers.number[pair, EXPONENT]
         e = wp.exp(depth / length)
-        return pair2(k * (e - model.layer_number[pair, SHIFT]), k * e / length)
+        return pair2(k * (e - model.layers.number[pair, SHIFT]), k * e / length)
     if kind == TABLE:
         i = piece_of(model, pair, 0, depth)
-        rise = model.layer_table[i + 1, 1] - model.layer_table[i, 1]
-        slope = rise / (model.layer_table[i + 1, 0] - model.layer_table[i, 0])
-        return pair2(model.layer_table[i, 1] + slope * (depth - model.layer_table[i, 0]), slope)
-    n = model.layer_number[pair, EXPONENT]
-    from_shift = depth + model.layer_number[pair, SHIFT]
+        rise = model.layers.table[i + 1, 1] - model.layers.table[i, 1]
+        slope = rise / (model.layers.table[i + 1, 0] - model.layers.table[i, 0])
+        return pair2(model.layers.table[i, 1] + slope * (depth - model.layers.table[i, 0]), slope)
+    n = model.layers.number[pair, EXPONENT]
+    from_shift = depth + model.layers.number[pair, SHIFT]
     whole = wp.pow(from_shift, n)
-    elastic = k * (whole - model.layer_number[pair, SHIFT_POWER])
+    elastic = k * (whole - model.layers.number[pair, SHIFT_POWER])
     factor = real(1.0) + rate * (depth - past)
     slope = k * n * whole / from_shift * wp.max(factor, LEAST_FACTOR) + elastic * rate
     return pair2(elastic * factor, slope)
@@ -91,17 +91,17 @@ def layer_depth(model: Model, pair: int, p: real, past: real, rate: real) -> rea
     """Depth [m] of a layer under the pressure p [Pa], the inverse of `layer_pressure`; `least_depth` for p <= 0."""
     if p <= real(0.0):
         return least_depth(model, pair, past, rate)
-    kind = model.layer_kind[pair]
-    k = model.layer_number[pair, STIFFNESS]
+    kind = model.layers.kind[pair]
+    k = model.layers.number[pair, STIFFNESS]
     if kind == EXPONENTIAL:
-        return model.layer_number[pair, EXPONENT] * wp.log(p / k + model.layer_number[pair, SHIFT])
+        return model.layers.number[pair, EXPONENT] * wp.log(p / k + model.layers.number[pair, SHIFT])
     if kind == TABLE:
         i = piece_of(model, pair, 1, p)
-        run = model.layer_table[i + 1, 0] - model.layer_table[i, 0]
-        rise = model.layer_table[i + 1, 1] - model.layer_table[i, 1]
-        return model.layer_table[i, 0] + run / rise * (p - model.layer_table[i, 1])
-    n = model.layer_number[pair, EXPONENT]
-    depth = wp.pow(p / k + model.layer_number[pair, SHIFT_POWER], real(1.0) / n) - model.layer_number[pair, SHIFT]
+        run = model.layers.table[i + 1, 0] - model.layers.table[i, 0]
+        rise = model.layers.table[i + 1, 1] - model.layers.table[i, 1]
+        return model.layers.table[i, 0] + run / rise * (p - model.layers.table[i, 1])
+    n = model.layers.number[pair, EXPONENT]
+    depth = wp.pow(p / k + model.layers.number[pair, SHIFT_POWER], real(1.0) / n) - model.layers.number[pair, SHIFT]
     if rate > real(0.0):
         depth = wp.max(depth, past)  # not below the root: both factors are at least those of the root
         step = depth
@@ -117,22 +117,22 @@ def layer_depth(model: Model, pair: int, p: real, past: real, rate: real) -> rea
 @wp.func
 def layer_energy(model: Model, pair: int, depth: real) -> real:
     """Elastic energy [J/m^2] of a layer at a depth [m]; 0 below its beginning."""
-    kind = model.layer_kind[pair]
-    k = model.layer_number[pair, STIFFNESS]
-    shift = model.layer_number[pair, SHIFT]
+    kind = model.layers.kind[pair]
+    k = model.layers.number[pair, STIFFNESS]
+    shift = model.layers.number[pair, SHIFT]
     if depth <= least_depth(model, pair, real(0.0), real(0.0)):
         return real(0.0)
     if kind == EXPONENTIAL:
-        length = model.layer_number[pair, EXPONENT]
+        length = model.layers.number[pair, EXPONENT]
         e = wp.exp(depth / length) - shift
-        return k * (length * e - shift * (model.layer_number[pair, SHIFT_POWER] + depth))
+        return k * (length * e - shift * (model.layers.number[pair, SHIFT_POWER] + depth))
     if kind == TABLE:
         i = piece_of(model, pair, 0, depth)
         at = layer_pressure(model, pair, depth, real(0.0), real(0.0))
-        mean = real(0.5) * (model.layer_table[i, 1] + at[0])
-        return model.layer_table[i, 2] + mean * (depth - model.layer_table[i, 0])
-    n = model.layer_number[pair, EXPONENT]
-    e_n = model.layer_number[pair, SHIFT_POWER]
+        mean = real(0.5) * (model.layers.table[i, 1] + at[0])
+        return model.layers.table[i, 2] + mean * (depth - model.layers.table[i, 0])
+    n = model.layers.number[pair, EXPONENT]
+    e_n = model.layers.number[pair, SHIFT_POWER]
     from_shift = depth + shift
     whole = (wp.pow(from_shift, n) * from_shift - e_n * shift) / (n + real(1.0))
     return k * (whole - e_n * depth)

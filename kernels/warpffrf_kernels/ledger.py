@@ -19,6 +19,7 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout
+from warpffrf_kernels.control import Clock, Control
 from warpffrf_kernels.forces import group_energy
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.pair_forces import mean_of, pair_work
@@ -33,7 +34,7 @@ UNSEEN = wp.constant(wp.float64(1.0e-8))  # of the energies: what joints work th
 @wp.kernel
 def balance_energy(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     r1: wp.array2d(dtype=vec3),
     v1: wp.array2d(dtype=vec3),
     omega1: wp.array2d(dtype=vec3),
@@ -61,17 +62,17 @@ def balance_energy(
     pair_loss: wp.array2d(dtype=real),
     extra_energy: wp.array2d(dtype=real),
     friction_work: wp.array3d(dtype=real),
-    clk: inout(wp.array2d(dtype=real)),
+    clk: inout(wp.array(dtype=Clock)),
     energy: inout(wp.array3d(dtype=real)),
 ):
     """Per world: the ledger of the trial state, energy[w, 1], from that of the accepted one, energy[w, 0]; of a static
     step whether it went downhill, `RISE`."""
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.ATTEMPT] == 0:
+    if ctl[w].attempt == 0:
         return
     half = real(0.5)
-    h = clk[w, k.H]
+    h = clk[w].h
     kinetic = real(0.0)
     strain = real(0.0)
     potential = real(0.0)
@@ -81,33 +82,33 @@ def balance_energy(
     held_work = real(0.0)
     contact_work = real(0.0)
     b = int(0)
-    while b < model.body_count:
-        kinetic += half * model.mass[b] * wp.dot(v1[w, b], v1[w, b])
-        kinetic += half * wp.dot(omega1[w, b], model.inertia[b] * omega1[w, b]) + extra_energy[w, b]
-        potential -= model.mass[b] * wp.dot(model.gravity, r1[w, b])
+    while b < model.bodies.count:
+        kinetic += half * model.bodies.mass[b] * wp.dot(v1[w, b], v1[w, b])
+        kinetic += half * wp.dot(omega1[w, b], model.bodies.inertia[b] * omega1[w, b]) + extra_energy[w, b]
+        potential -= model.bodies.mass[b] * wp.dot(model.gravity, r1[w, b])
         for c in range(3):
             force_work += half * (load[w, 0, 6 * b + c] + load[w, 1, 6 * b + c]) * dx[w, b][c]
             force_work += half * (load[w, 0, 6 * b + 3 + c] + load[w, 1, 6 * b + 3 + c]) * psi[w, b][c]
         b += 1
     n = int(0)
-    while n < model.modal_count:
+    while n < model.modes.count:
         kinetic += half * qd1[w, n] * qd1[w, n]
-        strain += half * model.stiffness[n] * q1[w, n] * q1[w, n]
-        damping += model.damping[n] * dq[w, n] * dq[w, n] / h
+        strain += half * model.modes.stiffness[n] * q1[w, n] * q1[w, n]
+        damping += model.modes.damping[n] * dq[w, n] * dq[w, n] / h
         force_work += half * (load_on_modes[w, 0, n] + load_on_modes[w, 1, n]) * dq[w, n]
         n += 1
     row = int(0)
-    while row < model.row_count:
-        if model.row_rigid[row] == 0:
-            change = coordinate[w, row] - model.row_reference[row]
-            potential += half * model.row_stiffness[row] * change * change + model.row_preload[row] * change
+    while row < model.rows.count:
+        if model.rows.rigid[row] == 0:
+            change = coordinate[w, row] - model.rows.reference[row]
+            potential += half * model.rows.stiffness[row] * change * change + model.rows.preload[row] * change
             step = coordinate[w, row] - stretch[w, row]
-            damping += model.row_damping[row] * step * step / h
+            damping += model.rows.damping[row] * step * step / h
         else:
             held_work -= half * (lam0[w, row] + lam[w, row]) * (coordinate[w, row] - stretch[w, row])
-        if model.row_rigid[row] != 0 and model.row_signal[row] >= 0:
-            s0 = evaluate_signal(model, model.row_signal[row], clk[w, k.TIME], 0)
-            s1 = evaluate_signal(model, model.row_signal[row], clk[w, k.NEXT_TIME], 0)
+        if model.rows.rigid[row] != 0 and model.rows.signal[row] >= 0:
+            s0 = evaluate_signal(model, model.rows.signal[row], clk[w].time, 0)
+            s1 = evaluate_signal(model, model.rows.signal[row], clk[w].next_time, 0)
             drive_work -= half * (lam0[w, row] + lam[w, row]) * (s1 - s0)
         row += 1
     groups = group_energy(model, w, h, coordinate, stretch)
@@ -115,7 +116,7 @@ def balance_energy(
     damping += groups[1]
     force_work += groups[2]
     i = int(0)
-    while i < model.force_count:
+    while i < model.forces.count:
         f = half * (applied[w, 0, i] + applied[w, 1, i])
         force_work += wp.dot(f, applied_at[w, 1, i] - applied_at[w, 0, i])
         i += 1
@@ -123,7 +124,7 @@ def balance_energy(
     lost = real(0.0)
     friction = real(0.0)
     pair = int(0)
-    while pair < model.pair_count:
+    while pair < model.pairs.count:
         mean = half
         if impulsive[w, pair] != 0:
             mean = theta[w, pair]
@@ -131,7 +132,7 @@ def balance_energy(
         after = pair_work(model, w, pair, 1, pair_force, pair_modal, dx, psi, dq)
         contact += pair_energy[w, pair, 1]
         lost += pair_loss[w, pair]
-        if model.cell_capacity > 0:
+        if model.capacity.cells > 0:
             before += pair_work(model, w, pair, 0, friction_force, friction_modal, dx, psi, dq)
             after += pair_work(model, w, pair, 1, friction_force, friction_modal, dx, psi, dq)
             contact += elastic_energy[w, pair, 1]
@@ -146,16 +147,16 @@ def balance_energy(
     before = energy[w, 0, k.KINETIC] + energy[w, 0, k.STRAIN] + energy[w, 0, k.CONTACT] + energy[w, 0, k.POTENTIAL]
     grid = contact - energy[w, 0, k.CONTACT] + contact_work - friction
     numerical = total - before - force_work - drive_work + damping - grid - friction
-    clk[w, k.RISE] = real(0.0)
-    if ctl[w, k.MODE] == k.STATIC and ctl[w, k.STEPS] > 0:
+    clk[w].rise = real(0.0)
+    if ctl[w].mode == k.STATIC and ctl[w].steps > 0:
         largest = wp.max(wp.abs(strain - energy[w, 0, k.STRAIN]), wp.abs(potential - energy[w, 0, k.POTENTIAL]))
         largest = wp.max(largest, wp.max(wp.abs(contact - energy[w, 0, k.CONTACT]), wp.abs(force_work)))
         largest = wp.max(largest, wp.abs(held_work))
         stored = strain + contact + potential - energy[w, 0, k.STRAIN] - energy[w, 0, k.CONTACT]
         stored -= energy[w, 0, k.POTENTIAL] + force_work + held_work
         if stored > UNSEEN * (wp.abs(strain) + wp.abs(potential) + wp.abs(contact)):
-            clk[w, k.RISE] = stored / largest
-    if ctl[w, k.MODE] != k.DYNAMIC:  # a start or a static step opens the books
+            clk[w].rise = stored / largest
+    if ctl[w].mode != k.DYNAMIC:  # a start or a static step opens the books
         force_work = real(0.0)
         drive_work = real(0.0)
         damping = real(0.0)

@@ -1,216 +1,341 @@
-"""Constant data of a scene on the device, filled by `warpffrf.online.compile`; every field is explained here.
+"""Constant data of a scene on the device, by topic; `warpffrf.online.compile` fills it, docs/arrays.md lists it.
 
-Indices of absent things are -1. Body frames have their origin in the centre of mass (Tisserand frame).
+Indices of absent things are -1. Body frames have their origin in the centre of mass (Tisserand frame). Axes whose names
+end in "_entry" are those of tables that stand one behind the other.
 """
 
-import warp as wp
+from warpffrf_kernels.declaration import DeviceArray, integers, matrices, reals, topic, vectors
+from warpffrf_kernels.scalars import real, vec3
 
-from warpffrf_kernels.scalars import mat33, real, vec3
+
+@topic
+class Bodies:
+    """Rigid parts, and where each body's modes begin."""
+
+    count: int
+    mass: DeviceArray = reals("body", unit="kg")
+    inertia: DeviceArray = matrices("body", unit="kg m2", note="about the centre of mass, body axes")
+    modal_start: DeviceArray = integers("body+1", note="first mode")
+    global_count: DeviceArray = integers("body", note="modes that move interfaces, the first ones of the body")
+    dense_start: DeviceArray = integers("body", note="first mode that carries inertia")
+    dense_count: DeviceArray = integers("body", note="modes that carry inertia")
+    inertia_start: DeviceArray = integers("body", note="into the table of `Dense`")
 
 
-@wp.struct
-class Model:
-    body_count: int
-    modal_count: int
-    row_count: int  # joint constraints, drives and springs
-    row_offset: int  # 6 * body_count + dense_count
-    outer_count: int  # row_offset + row_count
-    pair_count: int
-    slot_capacity: int  # rows of G
-    slot_limit: int  # the most that the capacities of the contacts allow
-    gravity: vec3
-    length: real  # m, of the scene: what lengths of round-off size are fractions of
-    # bodies
-    mass: wp.array(dtype=real)  # (bodies,) kg
-    inertia: wp.array(dtype=mat33)  # (bodies,) kg m2, about the centre of mass, body axes
-    modal_start: wp.array(dtype=int)  # (bodies + 1,)
-    stiffness: wp.array(dtype=real)  # (modes,) omega^2
-    damping: wp.array(dtype=real)  # (modes,) 2 zeta omega
+@topic
+class Modes:
+    """Modes of all bodies."""
+
+    count: int
     dynamic_count: int  # modes of kind 1 and 2
     top_frequency: real  # rad/s, the highest of all modes
     outer_frequency: real  # rad/s, the highest of kind 0
-    mode_kind: wp.array(dtype=int)  # (modes,) 0 the outer integrator's, 1 HHT, 2 exact for a linear load
-    mode_reach: wp.array(dtype=real)  # (modes,) largest displacement per unit coordinate, m
-    # modes that carry inertia, see `inertia`: the first ones of a body
-    dense_count: int
-    dense_body: wp.array(dtype=int)  # (dense,)
-    dense_mode: wp.array(dtype=int)  # (dense,) which of all modes
-    dense_of: wp.array(dtype=int)  # (modes,) the reverse, -1 for a diagonal one
-    dense_start: wp.array(dtype=int)  # (bodies,) its first dense mode
-    inertia_count: wp.array(dtype=int)  # (bodies,)
-    inertia_start: wp.array(dtype=int)  # (bodies,) into inertia_table
-    inertia_first: wp.array2d(dtype=real)  # (dense, 6) J1: xx yy zz xy yz zx
-    inertia_table: wp.array(dtype=real)  # (9, count, count) a body: J2 as above, then G_ij with line j, column i
-    # flexible interfaces
-    interface_count: int
-    interface_body: wp.array(dtype=int)
-    interface_stiffening_start: wp.array(dtype=int)  # (interfaces,) into interface_stiffening, -1 without
-    interface_stiffening: wp.array(dtype=real)  # (6, count, count) an interface: K per unit force, torque
-    interface_point: wp.array(dtype=vec3)  # (interfaces,) m, body frame
-    global_count: wp.array(dtype=int)  # (bodies,) modes that move interfaces, the first ones of the body
-    interface_width: int  # largest global_count
-    interface_modes: wp.array(dtype=real)  # (interfaces, 6, interface_width) flat: translation, rotation by the modes
-    interface_reach: wp.array2d(dtype=real)  # (interfaces, 6) largest of interface_modes over the modes
-    # markers: joint frames
-    marker_body: wp.array(dtype=int)
-    marker_interface: wp.array(dtype=int)
-    marker_point: wp.array(dtype=vec3)  # m, body frame (world when on ground)
-    marker_axes: wp.array(dtype=mat33)  # columns x, y, z of the marker in the body frame
-    # rows: constraints and springs, c(x, t) = 0 or lambda = k c + d cdot + preload
-    row_kind: wp.array(dtype=int)
-    row_a: wp.array(dtype=int)  # marker
-    row_b: wp.array(dtype=int)
-    row_i: wp.array(dtype=int)  # axis of marker a
-    row_j: wp.array(dtype=int)  # axis of marker b
-    row_signal: wp.array(dtype=int)  # prescribed motion
-    row_stiffness: wp.array(dtype=real)  # 0 for a rigid row
-    row_damping: wp.array(dtype=real)
-    row_reference: wp.array(dtype=real)  # subtracted from c
-    row_preload: wp.array(dtype=real)
-    row_rigid: wp.array(dtype=int)  # 1: constraint, 0: spring
-    row_group: wp.array(dtype=int)  # group of a spring row that shares matrices with others
-    row_vector: wp.array2d(dtype=real)  # (rows, 6): a bushing coordinate's part of displacement and rotation vector
-    # groups of spring rows with lambda = K c + D cdot + preload, see `forces`
-    group_count: int
-    group_start: wp.array(dtype=int)  # first row; the others follow
-    group_size: wp.array(dtype=int)
-    group_sprung: wp.array(dtype=int)  # rows with stiffness, the first ones; the rest are dampers only
-    group_stiffness: wp.array3d(dtype=real)  # (groups, MOST_COUPLED, MOST_COUPLED)
-    group_damping: wp.array3d(dtype=real)
-    # signals: piecewise polynomials of degree 7
-    signal_start: wp.array(dtype=int)
-    signal_break: wp.array(dtype=real)
-    signal_coefficient: wp.array2d(dtype=real)  # (pieces, 8), ascending powers of t - break
-    # point forces
-    force_count: int
-    force_body: wp.array(dtype=int)
-    force_interface: wp.array(dtype=int)
-    force_point: wp.array(dtype=vec3)
-    force_in_body: wp.array(dtype=int)  # 1: components in body axes
-    force_signal: wp.array2d(dtype=int)  # (forces, 3)
-    # point torques
-    torque_count: int
-    torque_body: wp.array(dtype=int)
-    torque_interface: wp.array(dtype=int)
-    torque_in_body: wp.array(dtype=int)
-    torque_signal: wp.array2d(dtype=int)  # (torques, 3)
-    # loads that are constant in body axes but for a signal: surface and nodal loads
-    load_count: int
-    load_body: wp.array(dtype=int)
-    load_signal: wp.array(dtype=int)
-    load_force: wp.array(dtype=vec3)  # N per unit signal, body axes
-    load_torque: wp.array(dtype=vec3)  # N m, about the centre of mass
-    load_modal: wp.array2d(dtype=real)  # (loads, modes of the body)
-    # contact surfaces, body frame; see `surface`
-    surface_body: wp.array(dtype=int)  # -1 for the ground, whose frame is the world
-    surface_modal_start: wp.array(dtype=int)  # first mode of its body, 0 where it has none
-    surface_modal_count: wp.array(dtype=int)  # modes of its body, 0 for a rigid one and the ground
-    surface_origin: wp.array(dtype=vec3)  # axis point
-    surface_frame: wp.array(dtype=mat33)  # columns e_0, e_1, e_a
-    surface_planar: wp.array(dtype=int)  # 1: a plane, theta in metres; 0: a surface of revolution
-    surface_side: wp.array(dtype=real)  # 1 material inside, -1 outside
-    surface_radius: wp.array(dtype=real)  # 1 of a plane
-    surface_tangent: wp.array(dtype=real)  # of a cone's slope dR/dz, 0 without
-    surface_crown: wp.array(dtype=real)  # radius of the crown's arc, negative for a groove around a shaft, 0 without
-    surface_table_start: wp.array(dtype=int)  # into the two below
-    surface_table_count: wp.array(dtype=int)  # pieces of the profile table, 0 without
-    surface_table_break: wp.array(dtype=real)  # count + 1 a table, m
-    surface_table_coefficient: wp.array2d(dtype=real)  # (count + 1 a table, 4) powers of z - break; the last is unused
-    surface_rigid: wp.array(dtype=int)  # 1: no grid of its own, the tables hold two empty columns and rows
-    surface_theta: wp.array(dtype=real)  # angle of column 0
-    surface_pitch: wp.array(dtype=real)
-    surface_columns: wp.array(dtype=int)
-    surface_periodic: wp.array(dtype=int)  # 1: hats all around; 0: hats on an arc only
-    surface_turn: wp.array(dtype=int)  # columns of the full turn that the compliance counts, 0 when it covers an arc
-    surface_reach: wp.array(dtype=int)  # grid columns on each side of a block that its compliance tables hold
-    surface_rows: wp.array(dtype=int)
-    surface_block: wp.array(dtype=int)  # columns of a block of the compliance
-    surface_z_start: wp.array(dtype=int)  # into surface_z
-    surface_lag_start: wp.array(dtype=int)  # into compliance and self_compliance
-    surface_mode_start: wp.array(dtype=int)  # into mode_normal and mode_moment
-    surface_z: wp.array(dtype=real)
-    compliance: wp.array(
-        dtype=real
-    )  # D as a table (column of the block, source row, target column + reach, target row), all surfaces
-    self_compliance: wp.array(dtype=real)  # M D M, same layout
-    mode_normal: wp.array(dtype=real)  # (nodes, modes of the body), flat per surface
-    mode_moment: wp.array(dtype=real)  # M Phi, same layout
-    # surfaces that serve several pairs, see `shared_surface`
-    neighbour_start: wp.array(dtype=int)  # (surfaces + 1,) into the two below
-    neighbour: wp.array(dtype=int)  # the same surface as another pair has it
-    neighbour_table: wp.array(dtype=int)  # into shared_compliance: what a load there does here
-    shared_compliance: wp.array(dtype=real)  # M D M, M D, D M and D in the layout of compliance
-    # quadrature of a cell of the first grid of each pair
+    stiffness: DeviceArray = reals("mode", unit="rad2/s2", note="omega^2")
+    damping: DeviceArray = reals("mode", unit="rad/s", note="2 zeta omega")
+    kind: DeviceArray = integers("mode", note="0 the outer integrator's, 1 HHT, 2 exact for a linear load")
+    reach: DeviceArray = reals("mode", unit="kg^-1/2", note="largest displacement per unit coordinate")
+    dense_of: DeviceArray = integers("mode", note="number among those that carry inertia, -1 for a diagonal one")
+
+
+@topic
+class Dense:
+    """Modes that carry inertia, the first ones of a body: see `inertia`."""
+
+    count: int
+    body: DeviceArray = integers("dense")
+    mode: DeviceArray = integers("dense", note="which of all modes")
+    first: DeviceArray = reals("dense", 6, unit="kg^1/2 m", note="J1: xx yy zz xy yz zx")
+    table: DeviceArray = reals(
+        "inertia_entry", note="(9, count, count) a body: J2 in the order of J1, then G_ij with line j, column i"
+    )
+
+
+@topic
+class Outer:
+    """The outer unknowns: motions of bodies, modes that carry inertia, multipliers."""
+
+    row_offset: int  # 6 * bodies + modes that carry inertia
+    count: int  # row_offset + rows
+
+
+@topic
+class Interfaces:
+    """Flexible interfaces."""
+
+    count: int
+    width: int  # largest number of modes that move interfaces
+    body: DeviceArray = integers("table_interface")
+    point: DeviceArray = vectors("table_interface", unit="m", note="body frame")
+    modes: DeviceArray = reals(
+        "interface_shape", unit="kg^-1/2", note="(interfaces, 6, width): translation, rotation by the modes"
+    )
+    reach: DeviceArray = reals("table_interface", 6, note="largest of `modes` over the modes")
+    stiffening_start: DeviceArray = integers("table_interface", note="into `stiffening`, -1 without")
+    stiffening: DeviceArray = reals(
+        "stiffening_entry", note="(6, count, count) an interface: K per unit force and torque"
+    )
+
+
+@topic
+class Markers:
+    """Joint frames."""
+
+    body: DeviceArray = integers("marker")
+    interface: DeviceArray = integers("marker")
+    point: DeviceArray = vectors("marker", unit="m", note="body frame, world when on ground")
+    axes: DeviceArray = matrices("marker", note="columns x, y, z of the marker in the body frame")
+
+
+@topic
+class Rows:
+    """Constraints and springs, c(x, t) = 0 or lambda = k c + d cdot + preload."""
+
+    count: int
+    kind: DeviceArray = integers("row", note="see `control`")
+    a: DeviceArray = integers("row", note="marker")
+    b: DeviceArray = integers("row", note="marker")
+    i: DeviceArray = integers("row", note="axis of marker a")
+    j: DeviceArray = integers("row", note="axis of marker b")
+    signal: DeviceArray = integers("row", note="prescribed motion")
+    stiffness: DeviceArray = reals("row", unit="N/m or N m/rad", note="0 for a rigid row")
+    damping: DeviceArray = reals("row", unit="N s/m or N m s/rad")
+    reference: DeviceArray = reals("row", unit="m or rad", note="subtracted from c")
+    preload: DeviceArray = reals("row", unit="N or N m")
+    rigid: DeviceArray = integers("row", note="1: constraint, 0: spring")
+    group: DeviceArray = integers("row", note="group of a spring row that shares matrices with others")
+    vector: DeviceArray = reals("row", 6, note="a bushing coordinate's part of displacement and rotation vector")
+
+
+@topic
+class Groups:
+    """Groups of spring rows with lambda = K c + D cdot + preload, see `forces`."""
+
+    count: int
+    start: DeviceArray = integers("group", note="first row; the others follow")
+    size: DeviceArray = integers("group")
+    sprung: DeviceArray = integers("group", note="rows with stiffness, the first ones; the rest are dampers only")
+    stiffness: DeviceArray = reals("group", "group_row", "group_row", unit="N/m, N m/rad")
+    damping: DeviceArray = reals("group", "group_row", "group_row", unit="N s/m, N m s/rad")
+
+
+@topic
+class Signals:
+    """Piecewise polynomials of degree 7."""
+
+    start: DeviceArray = integers("signal+1", note="first piece")
+    breaks: DeviceArray = reals("signal_entry", unit="s", note="where each piece begins")
+    coefficient: DeviceArray = reals("signal_entry", 8, note="ascending powers of t - break")
+
+
+@topic
+class Forces:
+    """Point forces."""
+
+    count: int
+    body: DeviceArray = integers("force")
+    interface: DeviceArray = integers("force")
+    point: DeviceArray = vectors("force", unit="m")
+    in_body: DeviceArray = integers("force", note="1: components in body axes")
+    signal: DeviceArray = integers("force", 3)
+
+
+@topic
+class Torques:
+    """Point torques."""
+
+    count: int
+    body: DeviceArray = integers("torque")
+    interface: DeviceArray = integers("torque")
+    in_body: DeviceArray = integers("torque", note="1: components in body axes")
+    signal: DeviceArray = integers("torque", 3)
+
+
+@topic
+class BodyLoads:
+    """Loads that are constant in body axes but for a signal: surface and nodal loads."""
+
+    count: int
+    body: DeviceArray = integers("body_load")
+    signal: DeviceArray = integers("body_load")
+    force: DeviceArray = vectors("body_load", unit="N", note="per unit signal, body axes")
+    torque: DeviceArray = vectors("body_load", unit="N m", note="about the centre of mass")
+    modal: DeviceArray = reals("body_load", "body_load_mode", unit="N/kg^1/2", note="on the modes of the body")
+
+
+@topic
+class Surfaces:
+    """Contact surfaces, two a pair, body frame; see `surface`. Fields that end in `_start` say where tables begin."""
+
+    body: DeviceArray = integers("surface", note="-1 for the ground, whose frame is the world")
+    modal_start: DeviceArray = integers("surface", note="first mode of its body, 0 where it has none")
+    modal_count: DeviceArray = integers("surface", note="modes of its body, 0 for a rigid one and the ground")
+    origin: DeviceArray = vectors("surface", unit="m", note="axis point")
+    frame: DeviceArray = matrices("surface", note="columns e_0, e_1, e_a")
+    planar: DeviceArray = integers("surface", note="1: a plane, theta in metres; 0: a surface of revolution")
+    side: DeviceArray = reals("surface", note="1 material inside, -1 outside")
+    radius: DeviceArray = reals("surface", unit="m", note="1 of a plane")
+    tangent: DeviceArray = reals("surface", note="of a cone's slope dR/dz, 0 without")
+    crown: DeviceArray = reals(
+        "surface", unit="m", note="radius of the crown's arc, negative for a groove around a shaft, 0 without"
+    )
+    table_start: DeviceArray = integers("surface", note="into the two tables of the profile")
+    table_count: DeviceArray = integers("surface", note="pieces of the profile table, 0 without")
+    table_break: DeviceArray = reals("profile_entry", unit="m", note="count + 1 a table")
+    table_coefficient: DeviceArray = reals(
+        "profile_entry", 4, note="count + 1 a table: powers of z - break; the last is unused"
+    )
+    rigid: DeviceArray = integers("surface", note="1: no grid of its own, the tables hold two empty columns and rows")
+    theta: DeviceArray = reals("surface", unit="rad", note="angle of column 0")
+    pitch: DeviceArray = reals("surface", unit="rad", note="between columns")
+    columns: DeviceArray = integers("surface")
+    periodic: DeviceArray = integers("surface", note="1: hats all around; 0: hats on an arc only")
+    turn: DeviceArray = integers(
+        "surface", note="columns of the full turn that the compliance counts, 0 when it covers an arc"
+    )
+    reach: DeviceArray = integers(
+        "surface", note="grid columns on each side of a block that its compliance tables hold"
+    )
+    rows: DeviceArray = integers("surface")
+    block: DeviceArray = integers("surface", note="columns of a block of the compliance")
+    z_start: DeviceArray = integers("surface", note="into z and cell_area")
+    z: DeviceArray = reals("z_entry", unit="m", note="of the rows")
+    lag_start: DeviceArray = integers("surface", note="into compliance and self_compliance")
+    compliance: DeviceArray = reals(
+        "compliance_entry", unit="m/N",
+        note="D as a table (column of the block, source row, target column + reach, target row)",
+    )  # fmt: skip
+    self_compliance: DeviceArray = reals("compliance_entry", unit="m5/N", note="M D M, same layout")
+    mode_start: DeviceArray = integers("surface", note="into mode_normal and mode_moment")
+    mode_normal: DeviceArray = reals("trace_entry", unit="kg^-1/2", note="(nodes, modes of the body) a surface")
+    mode_moment: DeviceArray = reals("trace_entry", unit="m2 kg^-1/2", note="M Phi, same layout")
+    cell_area: DeviceArray = reals("z_entry", unit="m2", note="a row of cells of friction")
+    shear_start: DeviceArray = integers("surface", note="into mode_tangent, -1 without tangential compliance")
+    mode_tangent: DeviceArray = reals(
+        "shear_entry", unit="kg^-1/2", note="(columns, 2 rows, modes of the body) a surface"
+    )
+    tt_start: DeviceArray = integers("surface", note="tangential displacement by tangential forces, D_tt")
+    nt_start: DeviceArray = integers(
+        "surface", note="normal one by tangential forces: M D_nt of a first, D_nt of a second surface"
+    )
+    tn_start: DeviceArray = integers("surface", note="its transpose")
+    tangential: DeviceArray = reals(
+        "tangential_entry",
+        note="these three as tables (column of the block, source line, target column + reach, target line), "
+        "2 rows lines a tangential column",
+    )
+
+
+@topic
+class Shared:
+    """Surfaces that serve several pairs, see `shared_surface`."""
+
+    start: DeviceArray = integers("surface+1", note="into neighbour and table")
+    neighbour: DeviceArray = integers("neighbour_entry", note="the same surface as another pair has it")
+    table: DeviceArray = integers("neighbour_entry", note="into compliance: what a load there does here")
+    compliance: DeviceArray = reals("shared_entry", note="M D M, M D, D M and D in the layout of `Surfaces.compliance`")
+
+
+@topic
+class Quadrature:
+    """Of a cell of the first grid of each pair."""
+
     theta_points: int
-    theta_abscissa: wp.array(dtype=real)  # in (0, 1)
-    theta_weight: wp.array(dtype=real)
     z_points: int
-    z_abscissa: wp.array(dtype=real)
-    z_weight: wp.array(dtype=real)
-    # pairs
-    pair_first: wp.array(dtype=int)  # surface
-    pair_second: wp.array(dtype=int)
-    pair_family: wp.array(dtype=int)  # 0: gap along the line of centres, 1: at points, see `contact_points`
-    # points of a column of the first grid, of the pairs of family 1 and of those of few points, sorted by row
-    most_points: int  # largest number of a pair, 0 without such pairs
-    pair_point_start: wp.array(dtype=int)
-    pair_point_count: wp.array(dtype=int)
-    pair_row_start: wp.array(dtype=int)  # into point_row_at
-    point_row_at: wp.array(dtype=int)  # first point of each row of cells, counted from the pair's, and their number
-    point_x: wp.array(dtype=real)  # fraction of the column, in [0, 1)
-    point_row: wp.array(dtype=int)  # row of cells
-    point_zeta: wp.array(dtype=real)  # fraction of the row, in [0, 1]
-    point_station: wp.array(dtype=int)  # where it stands on the line of centres, see `contact_few`
-    point_weight: wp.array(dtype=real)  # m2
-    point_cosine: wp.array(dtype=real)  # of the angle from the column; of a plane 1
-    point_sine: wp.array(dtype=real)  # of a plane the distance, m
-    point_z: wp.array(dtype=real)  # m
-    point_radius: wp.array(dtype=real)  # R(z), m
-    half_window: int  # grid columns on each side of the line of centres
-    window_columns: int  # 2 * half_window + 1
-    max_rows: int  # rows of the first surface, largest of all pairs
-    mode_capacity: int  # window_columns * max_rows
+    theta_abscissa: DeviceArray = reals("theta_point", note="in (0, 1)")
+    theta_weight: DeviceArray = reals("theta_point")
+    z_abscissa: DeviceArray = reals("z_point")
+    z_weight: DeviceArray = reals("z_point")
+
+
+@topic
+class Pairs:
+    """Pairs in contact."""
+
+    count: int
+    most_modes: int  # of a pair's two bodies
+    coupled_capacity: int  # largest of coupled_count
+    first: DeviceArray = integers("pair", note="surface")
+    second: DeviceArray = integers("pair", note="surface")
+    family: DeviceArray = integers("pair", note="0: gap along the line of centres, 1: at points, see `contact_points`")
+    coupled_count: DeviceArray = integers("pair", note="outer columns the gap of a pair depends on")
+    coupled: DeviceArray = integers("pair", "coupled", note="these")
+    friction: DeviceArray = reals("pair", note="coefficient mu, 0 without")
+    slip_velocity: DeviceArray = reals(
+        "pair", unit="m/s", note="of the regularised law of friction, 0 of a law that sticks"
+    )
+
+
+@topic
+class Points:
+    """Points of a column of the first grid, of the pairs of family 1 and of those of few points, sorted by row."""
+
+    most: int  # largest number of a pair, 0 without such pairs
+    start: DeviceArray = integers("pair", note="first point")
+    count: DeviceArray = integers("pair")
+    row_start: DeviceArray = integers("pair", note="into row_at")
+    row_at: DeviceArray = integers("row_of_points_entry", note="first point of each row of cells, from the pair's on")
+    x: DeviceArray = reals("point_entry", note="fraction of the column, in [0, 1)")
+    row: DeviceArray = integers("point_entry", note="row of cells")
+    zeta: DeviceArray = reals("point_entry", note="fraction of the row, in [0, 1]")
+    station: DeviceArray = integers("point_entry", note="where it stands on the line of centres, see `contact_few`")
+    weight: DeviceArray = reals("point_entry", unit="m2")
+    cosine: DeviceArray = reals("point_entry", note="of the angle from the column; of a plane 1")
+    sine: DeviceArray = reals("point_entry", note="of a plane the distance, m")
+    z: DeviceArray = reals("point_entry", unit="m")
+    radius: DeviceArray = reals("point_entry", unit="m", note="R(z)")
+
+
+@topic
+class Window:
+    """How far the windows of all pairs reach, and how many cells of one grid lie under one of the other."""
+
+    half: int  # grid columns on each side of the line of centres
+    columns: int  # 2 * half + 1
+    rows: int  # of the first surface, largest of all pairs
+    hats: int  # columns * rows
     stencil_columns: int  # extent of a hat of the first surface on the grid of the second
     stencil_rows: int
-    second_half_window: int
+    second_half: int
     second_columns: int
-    node_capacity: int  # second_columns * most rows of a second surface
-    pair_modes: int  # largest number of modes of a pair's two bodies
-    coupled_count: wp.array(dtype=int)  # (pairs,) outer columns the gap of a pair depends on
-    coupled: wp.array2d(dtype=int)  # (pairs, largest coupled_count)
-    coupled_capacity: int
-    # layers whose yield is no constant, see `layer_laws`
-    layer_count: int  # pairs with one; 0: no kernel of `contact_layer` is recorded
-    layer_kind: wp.array(dtype=int)  # (pairs,)
-    layer_number: wp.array2d(dtype=real)  # (pairs, NUMBERS)
-    layer_table_start: wp.array(dtype=int)  # (pairs,) into layer_table
-    layer_table_count: wp.array(dtype=int)
-    layer_table: wp.array2d(dtype=real)  # depth m, pressure Pa, energy J/m2
-    # points of a column of the first grid at which the layer of a pair is evaluated, sorted by row
-    layer_point_start: wp.array(dtype=int)  # (pairs,) into layer_x and those that follow
-    layer_point_count: wp.array(dtype=int)  # (pairs,)
-    layer_row_start: wp.array(dtype=int)  # (pairs,) into layer_row_at
-    layer_row_at: wp.array(dtype=int)  # first point of each row of cells, counted from the pair's, and their number
-    layer_x: wp.array(dtype=real)  # fraction of the column, in [0, 1)
-    layer_row: wp.array(dtype=int)  # row of cells
-    layer_zeta: wp.array(dtype=real)  # fraction of the row, in [0, 1]
-    layer_area: wp.array(dtype=real)  # m2
-    # friction in cells, see `friction_geometry`
-    pair_friction: wp.array(dtype=real)  # (pairs,) mu, 0 without
-    pair_slip_velocity: wp.array(dtype=real)  # (pairs,) m/s of the regularised law, 0 of a law that sticks
-    cell_capacity: int  # cells that can carry friction at once, all pairs
-    cell_area: wp.array(dtype=real)  # m2, a row of cells of each surface, at surface_z_start
-    surface_shear: wp.array(dtype=int)  # into mode_tangent, -1 for a surface without tangential compliance
-    mode_tangent: wp.array(dtype=real)  # (columns, 2 rows, modes of the body), flat per surface
-    surface_tt: wp.array(dtype=int)  # into tangential: tangential displacement by tangential forces, D_tt
-    surface_nt: wp.array(dtype=int)  # normal one by tangential forces: M D_nt of a first, D_nt of a second surface
-    surface_tn: wp.array(dtype=int)  # its transpose
-    tangential: wp.array(
-        dtype=real
-    )  # tables (column of the block, source line, target column + reach, target line); 2 rows lines a tangential column
+    nodes: int  # second_columns * most rows of a second surface
     share_columns: int  # extent of a cell of the first grid on the cells of the second
     share_rows: int
-    # tolerances
+
+
+@topic
+class Capacity:
+    """Room for what is in play at once, all pairs."""
+
+    slots: int  # hats: rows of G
+    slot_limit: int  # the most that the capacities of the contacts allow
+    cells: int  # cells that can carry friction
+
+
+@topic
+class Layers:
+    """Layers whose yield is no constant, see `layer_laws`, and the points of a column of the first grid at which they
+    are evaluated, sorted by row."""
+
+    count: int  # pairs with one
+    kind: DeviceArray = integers("pair")
+    number: DeviceArray = reals("pair", "layer_number")
+    table_start: DeviceArray = integers("pair", note="into table")
+    table_count: DeviceArray = integers("pair")
+    table: DeviceArray = reals("layer_entry", 3, unit="m, Pa, J/m2", note="depth, pressure, energy")
+    point_start: DeviceArray = integers("pair", note="into x and those that follow")
+    point_count: DeviceArray = integers("pair")
+    row_start: DeviceArray = integers("pair", note="into row_at")
+    row_at: DeviceArray = integers("layer_row_entry", note="first point of each row of cells, from the pair's on")
+    x: DeviceArray = reals("layer_point_entry", note="fraction of the column, in [0, 1)")
+    row: DeviceArray = integers("layer_point_entry", note="row of cells")
+    zeta: DeviceArray = reals("layer_point_entry", note="fraction of the row, in [0, 1]")
+    area: DeviceArray = reals("layer_point_entry", unit="m2")
+
+
+@topic
+class Limits:
+    """Tolerances and counts at which an attempt ends."""
+
     residual_tolerance: real  # of the contact force
     max_iterations: int
     max_inner: int
@@ -218,3 +343,33 @@ class Model:
     max_level: int
     energy_tolerance: real
     most_made: real  # of the largest energy of a run: what may come from nowhere; 0: any
+
+
+@topic
+class Model:
+    """All of them, gravity [m/s2], and the length of the scene [m], which lengths of round-off size are fractions
+    of."""
+
+    gravity: vec3
+    length: real
+    bodies: Bodies
+    modes: Modes
+    dense: Dense
+    outer: Outer
+    interfaces: Interfaces
+    markers: Markers
+    rows: Rows
+    groups: Groups
+    signals: Signals
+    forces: Forces
+    torques: Torques
+    body_loads: BodyLoads
+    surfaces: Surfaces
+    shared: Shared
+    quadrature: Quadrature
+    pairs: Pairs
+    points: Points
+    window: Window
+    capacity: Capacity
+    layers: Layers
+    limits: Limits

@@ -30,13 +30,22 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Clock, Control
+from warpffrf_kernels.integration import (
+    EXACT,
+    algorithmic,
+    coefficients_from,
+    coefficients_of,
+    predicted,
+    rate_of,
+    rule_of,
+    velocity_of,
+)
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.rotation import exponential, hat, matrix, tangent_inverse
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
-
-UNRESOLVED = wp.constant(wp.float64(9.869604401089358))  # pi^2, of (omega h)^2
 
 
 @wp.kernel
@@ -44,121 +53,65 @@ def begin_step(
     models: wp.array(dtype=Model),
     coefficients: wp.array2d(dtype=real),
     local_coefficients: wp.array2d(dtype=real),
-    ctl: inout(wp.array2d(dtype=int)),
-    clk: inout(wp.array2d(dtype=real)),
+    ctl: inout(wp.array(dtype=Control)),
+    clk: inout(wp.array(dtype=Clock)),
 ):
     """Per world: step size, end time and coefficients (alpha_m, alpha_f, beta, gamma) of this attempt."""
     w = wp.tid()
-    ctl[w, k.RUN] = 0
-    ctl[w, k.ATTEMPT] = 0
-    ctl[w, k.ACCEPT] = 0
-    ctl[w, k.RECORD] = 0
-    if ctl[w, k.STATUS] != 0 or ctl[w, k.STEP] >= ctl[w, k.TARGET]:
+    ctl[w].run = 0
+    ctl[w].attempt = 0
+    ctl[w].accept = 0
+    ctl[w].record = 0
+    if ctl[w].status != 0 or ctl[w].step >= ctl[w].target:
         return
-    ctl[w, k.RUN] = 1
-    ctl[w, k.ATTEMPT] = 1
-    ctl[w, k.MOVED] = 1
-    ctl[w, k.REASSEMBLE] = 1
-    ctl[w, k.REFRESH] = 1
-    ctl[w, k.RECENTER] = 0
-    ctl[w, k.ITERATION] = 0
-    ctl[w, k.INNER] = 0
-    ctl[w, k.CHANGES] = 0
-    ctl[w, k.FAILURE] = 0
-    ctl[w, k.SLOTS] = 0
-    ctl[w, k.FRESH] = 0
-    ctl[w, k.TOUCHED] = ctl[w, k.ACTIVE]
-    h_user = clk[w, k.USER_STEP]
-    fraction = wp.pow(real(0.5), real(ctl[w, k.LEVEL]))
+    ctl[w].run = 1
+    ctl[w].attempt = 1
+    ctl[w].moved = 1
+    ctl[w].reassemble = 1
+    ctl[w].refresh = 1
+    ctl[w].recenter = 0
+    ctl[w].iteration = 0
+    ctl[w].inner = 0
+    ctl[w].changes = 0
+    ctl[w].failure = 0
+    ctl[w].slots = 0
+    ctl[w].fresh = 0
+    ctl[w].touched = ctl[w].active
+    h_user = clk[w].user_step
+    fraction = wp.pow(real(0.5), real(ctl[w].level))
     h = h_user * fraction
     am = real(0.0)
     af = real(0.0)
     beta = real(1.0)
     gamma = real(0.0)
-    clk[w, k.NEXT_TIME] = clk[w, k.TIME]
-    ctl[w, k.TRAPEZOIDAL] = 0
-    if ctl[w, k.MODE] == k.DYNAMIC:
+    clk[w].next_time = clk[w].time
+    ctl[w].trapezoidal = 0
+    if ctl[w].mode == k.DYNAMIC:
         am = coefficients[w, 0]
         af = coefficients[w, 1]
         beta = coefficients[w, 2]
         gamma = coefficients[w, 3]
         # see `impulsive_contact`
-        if ctl[w, k.AGAIN] != 0 and (ctl[w, k.SHAKEN] == 0 or models[0].layer_count > 0):
-            ctl[w, k.TRAPEZOIDAL] = 1
+        if ctl[w].again != 0 and (ctl[w].shaken == 0 or models[0].layers.count > 0):
+            ctl[w].trapezoidal = 1
             am = real(0.0)
             af = real(0.0)
             beta = real(0.25)
             gamma = real(0.5)
-        clk[w, k.NEXT_TIME] = clk[w, k.START_TIME] + h_user * (
-            real(ctl[w, k.STEP]) + real(ctl[w, k.SUB] + 1) * fraction
-        )
-    if ctl[w, k.MODE] == k.START or ctl[w, k.MODE] == k.PROJECT:
+        clk[w].next_time = clk[w].start_time + h_user * (real(ctl[w].step) + real(ctl[w].sub + 1) * fraction)
+    if ctl[w].mode == k.START or ctl[w].mode == k.PROJECT:
         gamma = real(1.0)
-        clk[w, k.NEXT_TIME] = clk[w, k.TIME] + h
-        if ctl[w, k.MODE] == k.START:
+        clk[w].next_time = clk[w].time + h
+        if ctl[w].mode == k.START:
             beta = real(0.5)
-    clk[w, k.H] = h
-    fill(clk, w, k.ALPHA_M, am, af, beta, gamma)
-    if ctl[w, k.MODE] == k.DYNAMIC:
+    clk[w].h = h
+    clk[w].outer = coefficients_from(am, af, beta, gamma, h)
+    if ctl[w].mode == k.DYNAMIC:
         am = local_coefficients[w, 0]
         af = local_coefficients[w, 1]
         beta = local_coefficients[w, 2]
         gamma = local_coefficients[w, 3]
-    fill(clk, w, k.LOCAL, am, af, beta, gamma)
-
-
-@wp.func
-def fill(c: wp.array2d(dtype=real), w: int, at: int, am: real, af: real, beta: real, gamma: real):
-    """alpha_m, alpha_f, beta, gamma, ACC and VEL, from column `at` on."""
-    h = c[w, k.H]
-    c[w, at] = am
-    c[w, at + 1] = af
-    c[w, at + 2] = beta
-    c[w, at + 3] = gamma
-    c[w, at + 4] = (real(1.0) - am) / (beta * h * h * (real(1.0) - af))
-    c[w, at + 5] = gamma / (beta * h)
-
-
-@wp.func
-def predicted(c: wp.array2d(dtype=real), w: int, at: int, v0: vec3, rate0: vec3, a0: vec3) -> vec3:
-    """Increment that keeps the rate of the old state, with the coefficients from column `at` on."""
-    h = c[w, k.H]
-    a1 = (rate0 - c[w, at] * a0) / (real(1.0) - c[w, at])
-    return h * v0 + h * h * ((real(0.5) - c[w, at + 2]) * a0 + c[w, at + 2] * a1)
-
-
-@wp.func
-def algorithmic(c: wp.array2d(dtype=real), w: int, at: int, d: vec3, v0: vec3, a0: vec3) -> vec3:
-    h = c[w, k.H]
-    return (d - h * v0 - h * h * (real(0.5) - c[w, at + 2]) * a0) / (c[w, at + 2] * h * h)
-
-
-@wp.func
-def velocity_of(c: wp.array2d(dtype=real), w: int, at: int, v0: vec3, a0: vec3, a1: vec3) -> vec3:
-    return v0 + c[w, k.H] * ((real(1.0) - c[w, at + 3]) * a0 + c[w, at + 3] * a1)
-
-
-@wp.func
-def rate_of(c: wp.array2d(dtype=real), w: int, at: int, rate0: vec3, a0: vec3, a1: vec3) -> vec3:
-    am = c[w, at]
-    af = c[w, at + 1]
-    return ((real(1.0) - am) * a1 + am * a0 - af * rate0) / (real(1.0) - af)
-
-
-@wp.func
-def rule_of(model: Model, ctl: wp.array2d(dtype=int), clk: wp.array2d(dtype=real), w: int, m: int) -> int:
-    """How mode m steps: 0 like the bodies, 1 by HHT, 2 exactly for a linear load.
-
-    The exact step is for modes that the step does not resolve, omega h >= pi. Contact asks for the load f1 that brings
-    the surface to a given place; with the load of before that makes a recursion f1 = -(C/D) f0, and |C/D| is 2 for
-    small omega h and at most 1 from pi on.
-    """
-    if ctl[w, k.MODE] != k.DYNAMIC or model.mode_kind[m] == 0:
-        return 0
-    h = clk[w, k.H]
-    if model.mode_kind[m] == 2 and model.stiffness[m] * h * h >= UNRESOLVED:
-        return 2
-    return 1
+    clk[w].local = coefficients_from(am, af, beta, gamma, h)
 
 
 @wp.func
@@ -197,11 +150,11 @@ def exact_step(table: wp.array3d(dtype=real), w: int, m: int, q0: real, v0: real
 
 @wp.func
 def driven_step(
-    ctl: wp.array2d(dtype=int), table: wp.array3d(dtype=real), w: int, m: int, q0: real, v0: real, f0: real
+    ctl: wp.array(dtype=Control), table: wp.array3d(dtype=real), w: int, m: int, q0: real, v0: real, f0: real
 ):
     """`exact_step`, and where contact is impulsive the same for the load f1 all through the step."""
     held, D, slid, S = exact_step(table, w, m, q0, v0, f0)
-    if ctl[w, k.SUDDEN] == k.IMPULSIVE:
+    if ctl[w].impulsive == k.IMPULSIVE:
         held -= table[w, m, 3] * f0
         D += table[w, m, 3]
         slid -= table[w, m, 7] * f0
@@ -211,8 +164,8 @@ def driven_step(
 
 @wp.kernel
 def predict_bodies(
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     v: wp.array2d(dtype=vec3),
     v_rate: wp.array2d(dtype=vec3),
     v_alg: wp.array2d(dtype=vec3),
@@ -223,20 +176,22 @@ def predict_bodies(
     psi: out(wp.array2d(dtype=vec3)),
 ):
     w, lane = wp.tid()
-    if ctl[w, k.RUN] == 0 or ctl[w, k.AGAIN] != 0:  # an attempt that repeats one starts from where that has led
+    if ctl[w].run == 0 or ctl[w].again != 0:  # an attempt that repeats one starts from where that has led
         return
+    h = clk[w].h
+    rule = clk[w].outer
     b = lane
     while b < v.shape[1]:
-        dx[w, b] = predicted(clk, w, k.ALPHA_M, v[w, b], v_rate[w, b], v_alg[w, b])
-        psi[w, b] = predicted(clk, w, k.ALPHA_M, omega[w, b], omega_rate[w, b], omega_alg[w, b])
+        dx[w, b] = predicted(h, rule, v[w, b], v_rate[w, b], v_alg[w, b])
+        psi[w, b] = predicted(h, rule, omega[w, b], omega_rate[w, b], omega_alg[w, b])
         b += wp.block_dim()
 
 
 @wp.kernel
 def predict_modes(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     q: wp.array2d(dtype=real),
     qd: wp.array2d(dtype=real),
     qd_rate: wp.array2d(dtype=real),
@@ -247,20 +202,18 @@ def predict_modes(
 ):
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0:
+    if ctl[w].run == 0:
         return
     m = lane
     while m < qd.shape[1]:
-        at = int(k.ALPHA_M)
-        if rule_of(model, ctl, clk, w, m) == 1:
-            at = int(k.LOCAL)
-        if ctl[w, k.AGAIN] == 0:
-            p = predicted(clk, w, at, vec3(qd[w, m]), vec3(qd_rate[w, m]), vec3(qd_alg[w, m]))
+        if ctl[w].again == 0:
+            rule = coefficients_of(clk, w, rule_of(model, ctl, clk, w, m))
+            p = predicted(clk[w].h, rule, vec3(qd[w, m]), vec3(qd_rate[w, m]), vec3(qd_alg[w, m]))
             dq[w, m] = p[0]
-        if rule_of(model, ctl, clk, w, m) == 2:  # the load of before, kept
+        if rule_of(model, ctl, clk, w, m) == EXACT:  # the load of before, kept
             f0 = modal_load[w, 0, m]
-            if exact[w, m, 0] != clk[w, k.H]:
-                write_exact(model.stiffness[m], model.damping[m], clk[w, k.H], exact, w, m)
+            if exact[w, m, 0] != clk[w].h:
+                write_exact(model.modes.stiffness[m], model.modes.damping[m], clk[w].h, exact, w, m)
             held, D, slid, S = driven_step(ctl, exact, w, m, q[w, m], qd[w, m], f0)
             dq[w, m] = held + D * f0 - q[w, m]
         m += wp.block_dim()
@@ -269,8 +222,8 @@ def predict_modes(
 @wp.kernel
 def move_bodies(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     r: wp.array2d(dtype=vec3),
     p: wp.array2d(dtype=quat),
     v: wp.array2d(dtype=vec3),
@@ -295,16 +248,18 @@ def move_bodies(
     """Trial state of each body, its unbalanced inertia and gravity forces, and their tangent (blocks of `tangent`)."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
+    h = clk[w].h
+    rule = clk[w].outer
     b = lane
-    while b < model.body_count:
-        a_t = algorithmic(clk, w, k.ALPHA_M, dx[w, b], v[w, b], v_alg[w, b])
-        a_r = algorithmic(clk, w, k.ALPHA_M, psi[w, b], omega[w, b], omega_alg[w, b])
-        vel = velocity_of(clk, w, k.ALPHA_M, v[w, b], v_alg[w, b], a_t)
-        spin = velocity_of(clk, w, k.ALPHA_M, omega[w, b], omega_alg[w, b], a_r)
-        acc = rate_of(clk, w, k.ALPHA_M, v_rate[w, b], v_alg[w, b], a_t)
-        spin_rate = rate_of(clk, w, k.ALPHA_M, omega_rate[w, b], omega_alg[w, b], a_r)
+    while b < model.bodies.count:
+        a_t = algorithmic(h, rule, dx[w, b], v[w, b], v_alg[w, b])
+        a_r = algorithmic(h, rule, psi[w, b], omega[w, b], omega_alg[w, b])
+        vel = velocity_of(h, rule, v[w, b], v_alg[w, b], a_t)
+        spin = velocity_of(h, rule, omega[w, b], omega_alg[w, b], a_r)
+        acc = rate_of(rule, v_rate[w, b], v_alg[w, b], a_t)
+        spin_rate = rate_of(rule, omega_rate[w, b], omega_alg[w, b], a_r)
         q1 = wp.normalize(p[w, b] * exponential(psi[w, b]))
         r1[w, b] = r[w, b] + dx[w, b]
         p1[w, b] = q1
@@ -313,13 +268,13 @@ def move_bodies(
         v1_rate[w, b] = acc
         omega1[w, b] = spin
         omega1_rate[w, b] = spin_rate
-        m = model.mass[b]
-        J = model.inertia[b]
+        m = model.bodies.mass[b]
+        J = model.bodies.inertia[b]
         f = m * acc - m * model.gravity
         t = J * spin_rate + wp.cross(spin, J * spin)
         Ti = tangent_inverse(psi[w, b])
         psi_inverse[w, b] = Ti
-        S = (clk[w, k.ACC] * J + clk[w, k.VEL] * (hat(spin) * J - hat(J * spin))) * Ti
+        S = (clk[w].outer.acc * J + clk[w].outer.vel * (hat(spin) * J - hat(J * spin))) * Ti
         o = 6 * b
         for i in range(3):
             residual[w, o + i] = f[i]
@@ -329,14 +284,14 @@ def move_bodies(
                 tangent[w, o + i, o + 3 + j] = real(0.0)
                 tangent[w, o + 3 + i, o + j] = real(0.0)
                 tangent[w, o + 3 + i, o + 3 + j] = S[i, j]
-            tangent[w, o + i, o + i] = m * clk[w, k.ACC]
+            tangent[w, o + i, o + i] = m * clk[w].outer.acc
         b += wp.block_dim()
 
 
 @wp.kernel
 def hold_motions(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     dx: wp.array2d(dtype=vec3),
     psi: wp.array2d(dtype=vec3),
     hold: wp.array3d(dtype=real),
@@ -346,18 +301,18 @@ def hold_motions(
     """Per world, in static steps: the force n (n.d) of each held motion n."""
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.MODE] != k.STATIC:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].mode != k.STATIC:
         return
     h = int(0)
     while h < hold_count[w]:
         along = real(0.0)
         b = int(0)
-        while b < model.body_count:
+        while b < model.bodies.count:
             for c in range(3):
                 along += hold[w, h, 6 * b + c] * dx[w, b][c] + hold[w, h, 6 * b + 3 + c] * psi[w, b][c]
             b += 1
         i = int(0)
-        while i < 6 * model.body_count:
+        while i < 6 * model.bodies.count:
             residual[w, i] = residual[w, i] + hold[w, h, i] * along
             i += 1
         h += 1
@@ -366,7 +321,7 @@ def hold_motions(
 @wp.kernel
 def add_held(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     hold: wp.array3d(dtype=real),
     hold_count: wp.array(dtype=int),
     tangent: inout(wp.array3d(dtype=real)),
@@ -374,15 +329,15 @@ def add_held(
     """Per world, lanes over rows, in static steps: n n^T of each held motion n in the outer matrix."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.REFRESH] == 0 or ctl[w, k.MODE] != k.STATIC:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0 or ctl[w].mode != k.STATIC:
         return
     i = lane
-    while i < 6 * model.body_count:
+    while i < 6 * model.bodies.count:
         h = int(0)
         while h < hold_count[w]:
             if hold[w, h, i] != real(0.0):
                 j = int(0)
-                while j < 6 * model.body_count:
+                while j < 6 * model.bodies.count:
                     tangent[w, i, j] = tangent[w, i, j] + hold[w, h, i] * hold[w, h, j]
                     j += 1
             h += 1
@@ -392,8 +347,8 @@ def add_held(
 @wp.kernel
 def move_modes(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     q: wp.array2d(dtype=real),
     qd: wp.array2d(dtype=real),
     qd_rate: wp.array2d(dtype=real),
@@ -410,14 +365,14 @@ def move_modes(
     """Trial state of each global mode, its unbalanced force, and the inverse of its (diagonal) tangent."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     m = lane
-    while m < model.modal_count:
-        c = model.damping[m]
-        stiffness = model.stiffness[m]
+    while m < model.modes.count:
+        c = model.modes.damping[m]
+        stiffness = model.modes.stiffness[m]
         q1[w, m] = q[w, m] + dq[w, m]
-        if rule_of(model, ctl, clk, w, m) == 2:
+        if rule_of(model, ctl, clk, w, m) == EXACT:
             held, D, slid, S = driven_step(ctl, exact, w, m, q[w, m], qd[w, m], modal_load[w, 0, m])
             f1 = (q1[w, m] - held) / D
             qd1[w, m] = slid + S * f1
@@ -425,14 +380,13 @@ def move_modes(
             modal_residual[w, m] = f1
             receptance[w, m] = D
         else:
-            at = int(k.ALPHA_M)
-            if rule_of(model, ctl, clk, w, m) == 1:
-                at = int(k.LOCAL)
-            a = algorithmic(clk, w, at, vec3(dq[w, m]), vec3(qd[w, m]), vec3(qd_alg[w, m]))
-            vel = velocity_of(clk, w, at, vec3(qd[w, m]), vec3(qd_alg[w, m]), a)
-            rate = rate_of(clk, w, at, vec3(qd_rate[w, m]), vec3(qd_alg[w, m]), a)
+            h = clk[w].h
+            rule = coefficients_of(clk, w, rule_of(model, ctl, clk, w, m))
+            a = algorithmic(h, rule, vec3(dq[w, m]), vec3(qd[w, m]), vec3(qd_alg[w, m]))
+            vel = velocity_of(h, rule, vec3(qd[w, m]), vec3(qd_alg[w, m]), a)
+            rate = rate_of(rule, vec3(qd_rate[w, m]), vec3(qd_alg[w, m]), a)
             qd1[w, m] = vel[0]
             qd1_rate[w, m] = rate[0]
             modal_residual[w, m] = rate[0] + c * vel[0] + stiffness * q1[w, m]
-            receptance[w, m] = real(1.0) / (clk[w, at + 4] + c * clk[w, at + 5] + stiffness)
+            receptance[w, m] = real(1.0) / (rule.acc + c * rule.vel + stiffness)
         m += wp.block_dim()

@@ -22,6 +22,7 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.interfaces import compliance, modal_line, pulled, side_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
@@ -34,7 +35,7 @@ PIVOT_TOLERANCE = wp.constant(wp.float64(1.0e-13))  # of the equilibrated matrix
 @wp.kernel
 def add_multipliers(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     lam: wp.array2d(dtype=real),
     C: wp.array3d(dtype=real),
     C_modal: wp.array(dtype=real),
@@ -44,24 +45,26 @@ def add_multipliers(
     """Lanes over rigid coordinates, then over modes: r += C^T lambda."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     i = lane
-    while i < 6 * model.body_count:
+    while i < 6 * model.bodies.count:
         total = real(0.0)
         row = int(0)
-        while row < model.row_count:
+        while row < model.rows.count:
             total += C[w, row, i] * lam[w, row]
             row += 1
         residual[w, i] = residual[w, i] + total
         i += wp.block_dim()
     row = int(0)
-    while row < model.row_count:
+    while row < model.rows.count:
         for side in range(2):
             b = side_of(model, row, side)
             if b >= 0:
-                at = w * model.modal_count + model.modal_start[b]
-                axpy(model.global_count[b], lam[w, row], C_modal, modal_line(model, w, row, b), modal_residual, at)
+                at = w * model.modes.count + model.bodies.modal_start[b]
+                axpy(
+                    model.bodies.global_count[b], lam[w, row], C_modal, modal_line(model, w, row, b), modal_residual, at
+                )
         row += 1
 
 
@@ -78,11 +81,11 @@ def entry_of_rows(
 ) -> real:
     """-C_m sigma^-1 C_m^T - E of two rows; E couples the rows of a group of springs, else it is diagonal."""
     total = -compliance(model, w, row, other, C_modal, receptance)
-    group = model.row_group[row]
-    if group >= 0 and group == model.row_group[other]:
-        first = model.group_start[group]
+    group = model.rows.group[row]
+    if group >= 0 and group == model.rows.group[other]:
+        first = model.groups.start[group]
         entry = 6 * (row - first) + other - first
-        total -= flexibility[(w * model.group_count + group) * 36 + entry]
+        total -= flexibility[(w * model.groups.count + group) * 36 + entry]
     elif other == row:
         total -= softness[w, row]
     return total
@@ -91,7 +94,7 @@ def entry_of_rows(
 @wp.kernel
 def condense(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     C: wp.array3d(dtype=real),
     C_modal: wp.array(dtype=real),
     receptance: wp.array(dtype=real),
@@ -109,47 +112,47 @@ def condense(
     """
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     i = lane
-    while i < model.outer_count:
-        rigid = model.row_offset
-        if i < 6 * model.body_count:
+    while i < model.outer.count:
+        rigid = model.outer.row_offset
+        if i < 6 * model.bodies.count:
             rhs[w, i] = -residual[w, i]
         elif i < rigid:
-            rhs[w, i] = -modal_residual[w * model.modal_count + model.dense_mode[i - 6 * model.body_count]]
+            rhs[w, i] = -modal_residual[w * model.modes.count + model.dense.mode[i - 6 * model.bodies.count]]
         else:
             rhs[w, i] = -defect[w, i - rigid] + pulled(model, w, i - rigid, C_modal, receptance, modal_residual)
-        if ctl[w, k.REFRESH] != 0:
+        if ctl[w].refresh != 0:
             if i >= rigid:
                 for side in range(2):
                     b = side_of(model, i - rigid, side)
                     if b >= 0:
                         line = modal_line(model, w, i - rigid, b)
-                        first = w * model.modal_count + model.modal_start[b]
+                        first = w * model.modes.count + model.bodies.modal_start[b]
                         n = int(0)
-                        while n < model.global_count[b]:
+                        while n < model.bodies.global_count[b]:
                             C_receptance[line + n] = C_modal[line + n] * receptance[first + n]
                             n += 1
             j = int(0)
             while j < rigid:
                 if i >= rigid:
-                    if j < 6 * model.body_count:
+                    if j < 6 * model.bodies.count:
                         tangent[w, i, j] = C[w, i - rigid, j]
                     else:
-                        line = (w * model.row_count + i - rigid) * model.modal_count
-                        tangent[w, i, j] = C_modal[line + model.dense_mode[j - 6 * model.body_count]]
-                elif j < 6 * model.body_count and i < 6 * model.body_count and j / 6 != i / 6:
+                        line = (w * model.rows.count + i - rigid) * model.modes.count
+                        tangent[w, i, j] = C_modal[line + model.dense.mode[j - 6 * model.bodies.count]]
+                elif j < 6 * model.bodies.count and i < 6 * model.bodies.count and j / 6 != i / 6:
                     tangent[w, i, j] = real(0.0)
                 j += 1
             other = int(0)
-            while other < model.row_count:
+            while other < model.rows.count:
                 total = real(0.0)
-                if i < 6 * model.body_count:
+                if i < 6 * model.bodies.count:
                     total = C[w, other, i]
                 elif i < rigid:
-                    line = (w * model.row_count + other) * model.modal_count
-                    total = C_modal[line + model.dense_mode[i - 6 * model.body_count]]
+                    line = (w * model.rows.count + other) * model.modes.count
+                    total = C_modal[line + model.dense.mode[i - 6 * model.bodies.count]]
                 else:
                     total = entry_of_rows(model, w, i - rigid, other, C_modal, receptance, softness, flexibility)
                 tangent[w, i, rigid + other] = total
@@ -160,7 +163,7 @@ def condense(
 # Inverse of the equilibrated matrix by Gauss-Jordan elimination in place, with row pivoting; rows stay contiguous.
 # Native for contiguous inner loops like `axpy`; not measured separately. Returns 1 if a pivot is below `tolerance`.
 @wp.func_native("""
-    const int n = model.outer_count, rigid = model.row_offset, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
+    const int n = model.outer.count, rigid = model.outer.row_offset, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
     double* a = work.data + (size_t)w * n * n;
     double* scale = scaling.data + (size_t)w * n;
     int* swapped = pivots.data + (size_t)w * n;
@@ -242,7 +245,7 @@ def apply_inverse(
     z: wp.array(dtype=real),
 ):
     """z[w] = H (0, rhs[at:]), `first` zeros in front; one block per world."""
-    N = model.outer_count
+    N = model.outer.count
     i = lane
     while i < N:
         z[w * N + i] = real(0.0)
@@ -259,7 +262,7 @@ def factor_outer(
     models: wp.array(dtype=Model),
     tangent: wp.array3d(dtype=real),
     rhs: wp.array(dtype=real),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     scaling: inout(wp.array2d(dtype=real)),
     pivots: inout(wp.array2d(dtype=int)),
     work: inout(wp.array3d(dtype=real)),
@@ -269,19 +272,19 @@ def factor_outer(
     """Per world: H^T (where it is to be renewed), and z without contact, H rhs."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
-    if ctl[w, k.REFRESH] != 0:
+    if ctl[w].refresh != 0:
         bad = invert(model, w, PIVOT_TOLERANCE, tangent, scaling, pivots, work, inverse_transposed)
         if bad != 0 and lane == 0:
-            ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.SINGULAR
-    apply_inverse(model, w, lane, 0, rhs, w * model.outer_count, inverse_transposed, z_free)
+            ctl[w].failure = ctl[w].failure | k.SINGULAR
+    apply_inverse(model, w, lane, 0, rhs, w * model.outer.count, inverse_transposed, z_free)
 
 
 @wp.kernel
 def advance_outer(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     z: wp.array(dtype=real),
     psi_inverse: wp.array2d(dtype=mat33),
     dx: inout(wp.array2d(dtype=vec3)),
@@ -290,11 +293,11 @@ def advance_outer(
     """Per body: apply the Newton increments once the active set has settled."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     b = lane
-    while b < model.body_count:
-        o = w * model.outer_count + 6 * b
+    while b < model.bodies.count:
+        o = w * model.outer.count + 6 * b
         dx[w, b] = dx[w, b] + vec3(z[o], z[o + 1], z[o + 2])
         psi[w, b] = psi[w, b] + psi_inverse[w, b] * vec3(z[o + 3], z[o + 4], z[o + 5])
         b += wp.block_dim()
@@ -303,7 +306,7 @@ def advance_outer(
 @wp.kernel
 def advance_rest(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     z: wp.array(dtype=real),
     modal_step: wp.array(dtype=real),
     lam: inout(wp.array2d(dtype=real)),
@@ -312,22 +315,22 @@ def advance_rest(
     """Lanes over rows and modes."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.CHANGES] != 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     i = lane
-    while i < model.row_count + model.modal_count:
-        if i < model.row_count:
-            lam[w, i] = lam[w, i] + z[w * model.outer_count + model.row_offset + i]
+    while i < model.rows.count + model.modes.count:
+        if i < model.rows.count:
+            lam[w, i] = lam[w, i] + z[w * model.outer.count + model.outer.row_offset + i]
         else:
-            n = i - model.row_count
-            dq[w, n] = dq[w, n] + modal_step[w * model.modal_count + n]
+            n = i - model.rows.count
+            dq[w, n] = dq[w, n] + modal_step[w * model.modes.count + n]
         i += wp.block_dim()
 
 
 @wp.kernel
 def count_iteration(
     models: wp.array(dtype=Model),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     any_running: out(wp.array(dtype=int)),
 ):
     """One thread for all worlds: bookkeeping of the loop, and its condition."""
@@ -335,21 +338,21 @@ def count_iteration(
     running = int(0)
     w = int(0)
     while w < ctl.shape[0]:
-        if ctl[w, k.RUN] != 0:
-            ctl[w, k.MOVED] = 0
-            ctl[w, k.PENDING_SOLVES] = ctl[w, k.PENDING_SOLVES] + 1
-            ctl[w, k.INNER] = ctl[w, k.INNER] + 1
-            if ctl[w, k.CHANGES] == 0:
-                ctl[w, k.MOVED] = 1
-                ctl[w, k.ITERATION] = ctl[w, k.ITERATION] + 1
-                ctl[w, k.INNER] = 0
-            elif ctl[w, k.REASSEMBLE] != 0:
-                ctl[w, k.MOVED] = 1  # a window was widened: evaluate again, with the pressures found so far
-            elif ctl[w, k.INNER] >= model.max_inner + model.max_guarded:
-                ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.CYCLING
-                ctl[w, k.RUN] = 0
-            if ctl[w, k.FAILURE] != 0:
-                ctl[w, k.RUN] = 0
-            running += ctl[w, k.RUN]
+        if ctl[w].run != 0:
+            ctl[w].moved = 0
+            ctl[w].pending_solves = ctl[w].pending_solves + 1
+            ctl[w].inner = ctl[w].inner + 1
+            if ctl[w].changes == 0:
+                ctl[w].moved = 1
+                ctl[w].iteration = ctl[w].iteration + 1
+                ctl[w].inner = 0
+            elif ctl[w].reassemble != 0:
+                ctl[w].moved = 1  # a window was widened: evaluate again, with the pressures found so far
+            elif ctl[w].inner >= model.limits.max_inner + model.limits.max_guarded:
+                ctl[w].failure = ctl[w].failure | k.CYCLING
+                ctl[w].run = 0
+            if ctl[w].failure != 0:
+                ctl[w].run = 0
+            running += ctl[w].run
         w += 1
     any_running[0] = running

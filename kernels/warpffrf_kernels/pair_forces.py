@@ -14,8 +14,8 @@ wp.set_module_options(MODULE_OPTIONS)
 def surface_of(model: Model, pair: int, side: int) -> int:
     """The first (0) or the second (1) surface of a pair."""
     if side == 0:
-        return model.pair_first[pair]
-    return model.pair_second[pair]
+        return model.pairs.first[pair]
+    return model.pairs.second[pair]
 
 
 @wp.func
@@ -24,7 +24,7 @@ def force_on(model: Model, force: wp.array4d(dtype=real), w: int, pair: int, sid
     f = vec3(real(0.0), real(0.0), real(0.0))
     t = vec3(real(0.0), real(0.0), real(0.0))
     for i in range(2):
-        if model.surface_body[surface_of(model, pair, i)] == b:
+        if model.surfaces.body[surface_of(model, pair, i)] == b:
             for c in range(3):
                 f[c] = f[c] + force[w, pair, side, 6 * i + c]
                 t[c] = t[c] + force[w, pair, side, 6 * i + 3 + c]
@@ -34,14 +34,14 @@ def force_on(model: Model, force: wp.array4d(dtype=real), w: int, pair: int, sid
 @wp.func
 def modal_place(model: Model, pair: int, n: int) -> int:
     """Where mode n of all modes stands among those of a pair's two bodies; -1 where it is of neither."""
-    A = model.pair_first[pair]
-    count = model.surface_modal_count[A]
-    at = n - model.surface_modal_start[A]
+    A = model.pairs.first[pair]
+    count = model.surfaces.modal_count[A]
+    at = n - model.surfaces.modal_start[A]
     if at >= 0 and at < count:
         return at
-    B = model.pair_second[pair]
-    at = n - model.surface_modal_start[B]
-    if at >= 0 and at < model.surface_modal_count[B]:
+    B = model.pairs.second[pair]
+    at = n - model.surfaces.modal_start[B]
+    if at >= 0 and at < model.surfaces.modal_count[B]:
         return count + at
     return -1
 
@@ -58,7 +58,7 @@ def is_closed(pair_force: wp.array4d(dtype=real), w: int, pair: int, side: int) 
 @wp.func
 def modal_line(model: Model, w: int, pair: int) -> int:
     """Where the trial loads of a pair on the modes of its bodies begin, flat."""
-    return ((w * model.pair_count + pair) * 2 + 1) * model.pair_modes
+    return ((w * model.pairs.count + pair) * 2 + 1) * model.pairs.most_modes
 
 
 @wp.func
@@ -73,7 +73,7 @@ def whole(
 ) -> real:
     """Component i of a pair's normal force and friction."""
     total = normal[w, pair, entry, i]
-    if model.cell_capacity > 0:
+    if model.capacity.cells > 0:
         total += friction[w, pair, entry, i]
     return total
 
@@ -112,7 +112,7 @@ def body_work(
     total = real(0.0)
     for i in range(2):
         surface = surface_of(model, pair, i)
-        b = model.surface_body[surface]
+        b = model.surfaces.body[surface]
         if b >= 0:
             for c in range(3):
                 total += force[w, pair, side, 6 * i + c] * dx[w, b][c]
@@ -129,10 +129,10 @@ def modal_work(
     for i in range(2):
         surface = surface_of(model, pair, i)
         n = int(0)
-        while n < model.surface_modal_count[surface]:
-            total += modal[w, pair, side, at + n] * dq[w, model.surface_modal_start[surface] + n]
+        while n < model.surfaces.modal_count[surface]:
+            total += modal[w, pair, side, at + n] * dq[w, model.surfaces.modal_start[surface] + n]
             n += 1
-        at += model.surface_modal_count[surface]
+        at += model.surfaces.modal_count[surface]
     return total
 
 
@@ -142,19 +142,19 @@ def body_mobility(model: Model, w: int, pair: int, side: int, force: wp.array4d(
     total = real(0.0)
     for i in range(2):
         surface = surface_of(model, pair, i)
-        b = model.surface_body[surface]
+        b = model.surfaces.body[surface]
         if b >= 0:
             o = 6 * i
             f = vec3(force[w, pair, side, o], force[w, pair, side, o + 1], force[w, pair, side, o + 2])
             t = vec3(force[w, pair, side, o + 3], force[w, pair, side, o + 4], force[w, pair, side, o + 5])
-            total += wp.dot(f, f) / model.mass[b] + wp.dot(t, wp.inverse(model.inertia[b]) * t)
+            total += wp.dot(f, f) / model.bodies.mass[b] + wp.dot(t, wp.inverse(model.bodies.inertia[b]) * t)
     return total
 
 
 @wp.func
 def modal_mobility(model: Model, w: int, pair: int, side: int, modal: wp.array4d(dtype=real)) -> real:
     """f.M^-1 f of a pair on the modes, whose mass is 1 [N2/kg]."""
-    count = model.surface_modal_count[model.pair_first[pair]] + model.surface_modal_count[model.pair_second[pair]]
+    count = model.surfaces.modal_count[model.pairs.first[pair]] + model.surfaces.modal_count[model.pairs.second[pair]]
     total = real(0.0)
     n = int(0)
     while n < count:

@@ -5,6 +5,7 @@ import warp as wp
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
 from warpffrf_kernels.contact_geometry import slope_at
+from warpffrf_kernels.control import Clock, Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
 
@@ -14,7 +15,7 @@ wp.set_module_options(MODULE_OPTIONS)
 @wp.kernel
 def sum_second(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     second_load: wp.array3d(dtype=real),
@@ -31,35 +32,35 @@ def sum_second(
     """
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w, k.RECORD] == 0 or model.pair_family[pair] != 0:
+    if ctl[w].record == 0 or model.pairs.family[pair] != 0:
         return
-    A = model.pair_first[pair]
-    B = model.pair_second[pair]
-    body_a = model.surface_body[A]
-    body_b = model.surface_body[B]
-    rows_b = model.surface_rows[B]
-    frame_a = axes[w, body_a] * model.surface_frame[A]
-    frame_b = axes[w, body_b] * model.surface_frame[B]
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    body_a = model.surfaces.body[A]
+    body_b = model.surfaces.body[B]
+    rows_b = model.surfaces.rows[B]
+    frame_a = axes[w, body_a] * model.surfaces.frame[A]
+    frame_b = axes[w, body_b] * model.surfaces.frame[B]
     e_A = vec3(frame_a[0, 2], frame_a[1, 2], frame_a[2, 2])
     e_B = vec3(frame_b[0, 2], frame_b[1, 2], frame_b[2, 2])
     cosine = wp.dot(e_A, e_B)
-    arm_a = axes[w, body_a] * model.surface_origin[A]
-    between = (r1[w, body_b] - r1[w, body_a]) + axes[w, body_b] * model.surface_origin[B]
+    arm_a = axes[w, body_a] * model.surfaces.origin[A]
+    between = (r1[w, body_b] - r1[w, body_a]) + axes[w, body_b] * model.surfaces.origin[B]
     force = vec3(real(0.0), real(0.0), real(0.0))
     moment = vec3(real(0.0), real(0.0), real(0.0))
     row = int(0)
     while row < rows_b:
         load = real(0.0)
         column = int(0)
-        while column < model.second_columns:
+        while column < model.window.second_columns:
             load += second_load[w, pair, column * rows_b + row]
             column += 1
         if load != real(0.0):
-            z = model.surface_z[model.surface_z_start[B] + row]
+            z = model.surfaces.z[model.surfaces.z_start[B] + row]
             b = between + z * e_B
             v = b - arm_a
             c = wp.normalize(v - wp.dot(v, e_A) * e_A)
-            f = c + e_A * ((slope_at(model.surface_crown[B], z) - wp.dot(c, e_B)) / cosine)
+            f = c + e_A * ((slope_at(model.surfaces.crown[B], z) - wp.dot(c, e_B)) / cosine)
             force += load * f
             moment += load * wp.cross(b, f)
         row += 1
@@ -71,7 +72,7 @@ def sum_second(
 @wp.kernel
 def record(
     models: wp.array(dtype=Model),
-    clk: wp.array2d(dtype=real),
+    clk: wp.array(dtype=Clock),
     r: wp.array2d(dtype=vec3),
     p: wp.array2d(dtype=quat),
     v: wp.array2d(dtype=vec3),
@@ -92,27 +93,27 @@ def record(
     pressure: wp.array3d(dtype=real),
     second_load: wp.array3d(dtype=real),
     energy: wp.array3d(dtype=real),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     ring: out(wp.array3d(dtype=real)),
 ):
     """Per world: one row of the ring. Layout: `warpffrf.online.record`."""
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.RECORD] == 0:
+    if ctl[w].record == 0:
         return
-    at = ctl[w, k.SAVED] % ring.shape[1]
-    ctl[w, k.SAVED] = ctl[w, k.SAVED] + 1
-    ring[w, at, 0] = clk[w, k.TIME]
-    ring[w, at, 1] = clk[w, k.DONE_STEP]
-    ring[w, at, 2] = real(ctl[w, k.PENDING])
-    ring[w, at, 3] = real(ctl[w, k.PENDING_SOLVES])
-    ctl[w, k.PENDING] = 0
-    ctl[w, k.PENDING_SOLVES] = 0
+    at = ctl[w].saved % ring.shape[1]
+    ctl[w].saved = ctl[w].saved + 1
+    ring[w, at, 0] = clk[w].time
+    ring[w, at, 1] = clk[w].done_step
+    ring[w, at, 2] = real(ctl[w].pending)
+    ring[w, at, 3] = real(ctl[w].pending_solves)
+    ctl[w].pending = 0
+    ctl[w].pending_solves = 0
     for line in range(k.LINES):
         ring[w, at, 4 + line] = energy[w, 0, line]
     o = int(4 + k.LINES)
     b = int(0)
-    while b < model.body_count:
+    while b < model.bodies.count:
         for i in range(3):
             ring[w, at, o + i] = r[w, b][i]
             ring[w, at, o + 7 + i] = v[w, b][i]
@@ -124,22 +125,22 @@ def record(
         o += 19
         b += 1
     n = int(0)
-    while n < model.modal_count:
+    while n < model.modes.count:
         ring[w, at, o + n] = q[w, n]
-        ring[w, at, o + model.modal_count + n] = qd[w, n]
-        ring[w, at, o + 2 * model.modal_count + n] = qd_rate[w, n]
+        ring[w, at, o + model.modes.count + n] = qd[w, n]
+        ring[w, at, o + 2 * model.modes.count + n] = qd_rate[w, n]
         n += 1
-    o += 3 * model.modal_count
+    o += 3 * model.modes.count
     row = int(0)
-    while row < model.row_count:
+    while row < model.rows.count:
         ring[w, at, o] = coordinate[w, row]
         for i in range(6):
             ring[w, at, o + 1 + i] = -lam[w, row] * row_wrench[w, row, i]
         o += 7
         row += 1
     pair = int(0)
-    while pair < model.pair_count:
-        last = (model.surface_rows[model.pair_first[pair]] - 1) * model.z_points - 1
+    while pair < model.pairs.count:
+        last = (model.surfaces.rows[model.pairs.first[pair]] - 1) * model.quadrature.z_points - 1
         ring[w, at, o] = real(center[w, pair, 0])
         ring[w, at, o + 1] = real(center[w, pair, 1])
         ring[w, at, o + 2] = real(0.5) * (station[w, pair, 0, 1] + station[w, pair, last, 1])
@@ -150,19 +151,19 @@ def record(
         o += 16
         number = int(0)
         m = int(0)
-        while m < model.mode_capacity:
+        while m < model.window.hats:
             value = real(0.0)
             if active[w, pair, m] != 0:
                 value = pressure[w, pair, m]
                 number += 1
             ring[w, at, o + m] = value
             m += 1
-        o += model.mode_capacity
+        o += model.window.hats
         ring[w, at, o] = real(number)
         o += 1
         m = int(0)
-        while m < model.node_capacity:
+        while m < model.window.nodes:
             ring[w, at, o + m] = second_load[w, pair, m]
             m += 1
-        o += model.node_capacity
+        o += model.window.nodes
         pair += 1

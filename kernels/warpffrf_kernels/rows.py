@@ -31,6 +31,7 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Clock, Control
 from warpffrf_kernels.interfaces import (
     add_load,
     arm_on_interface,
@@ -52,19 +53,19 @@ TURN = wp.constant(wp.float64(6.283185307179586))  # 2 pi
 @wp.func
 def evaluate_signal(model: Model, s: int, t: real, order: int) -> real:
     """Value (order 0) or first derivative (order 1) of signal s at time t."""
-    first = model.signal_start[s]
-    last = model.signal_start[s + 1] - 1
+    first = model.signals.start[s]
+    last = model.signals.start[s + 1] - 1
     piece = first
-    while piece < last and t >= model.signal_break[piece + 1]:
+    while piece < last and t >= model.signals.breaks[piece + 1]:
         piece += 1
-    x = wp.max(t - model.signal_break[piece], real(0.0))
-    held = t < model.signal_break[first]
+    x = wp.max(t - model.signals.breaks[piece], real(0.0))
+    held = t < model.signals.breaks[first]
     value = real(0.0)
     slope = real(0.0)
     i = int(7)
     while i >= 0:
         slope = slope * x + value
-        value = value * x + model.signal_coefficient[piece, i]
+        value = value * x + model.signals.coefficient[piece, i]
         i -= 1
     if order == 0:
         return value
@@ -93,7 +94,7 @@ def write_side(
 ):
     """Enter the wrench (force at x, torque), world axes, into the row's entries of the body that carries the marker;
     `row_pull` keeps what acts on its interface, body axes."""
-    b = model.marker_body[marker]
+    b = model.markers.body[marker]
     if b < 0:
         return
     At = wp.transpose(axes[w, b])
@@ -101,32 +102,32 @@ def write_side(
     for i in range(3):
         C[w, row, 6 * b + i] = C[w, row, 6 * b + i] + force[i]
         C[w, row, 6 * b + 3 + i] = C[w, row, 6 * b + 3 + i] + moment[i]
-    f = model.marker_interface[marker]
+    f = model.markers.interface[marker]
     if f < 0:
         return
     # the interface turns about its undeformed point: du = Phi_t dq + (Phi_r dq) x (X - X_if)
     fb = At * force
     tb = At * (wp.cross(x - x_marker, force) + torque)
-    tb += wp.cross(model.marker_point[marker] - model.interface_point[f], fb)
+    tb += wp.cross(model.markers.point[marker] - model.interfaces.point[f], fb)
     for i in range(3):
         row_pull[w, 2 * row + side, i] = fb[i]
         row_pull[w, 2 * row + side, 3 + i] = tb[i]
     line = modal_line(model, w, row, b)
-    width = model.interface_width
-    add_load(model.global_count[b], real(1.0), fb, tb, width, slope, line_of(model, w, f), C_modal, line)
+    width = model.interfaces.width
+    add_load(model.bodies.global_count[b], real(1.0), fb, tb, width, slope, line_of(model, w, f), C_modal, line)
 
 
 @wp.func
 def clear_side(model: Model, w: int, row: int, marker: int, C: wp.array3d(dtype=real), C_modal: wp.array(dtype=real)):
-    b = model.marker_body[marker]
+    b = model.markers.body[marker]
     if b < 0:
         return
     for i in range(6):
         C[w, row, 6 * b + i] = real(0.0)
-    if model.marker_interface[marker] >= 0:
+    if model.markers.interface[marker] >= 0:
         line = modal_line(model, w, row, b)
         n = int(0)
-        while n < model.global_count[b]:
+        while n < model.bodies.global_count[b]:
             C_modal[line + n] = real(0.0)
             n += 1
 
@@ -134,8 +135,8 @@ def clear_side(model: Model, w: int, row: int, marker: int, C: wp.array3d(dtype=
 @wp.kernel
 def evaluate_rows(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     v1: wp.array2d(dtype=vec3),
@@ -157,14 +158,14 @@ def evaluate_rows(
     """Per row: value, gradient, defect (c, or the spring law divided by its stiffness) and compliance."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     row = lane
-    while row < model.row_count:
-        a = model.row_a[row]
-        b = model.row_b[row]
-        body_a = model.marker_body[a]
-        body_b = model.marker_body[b]
+    while row < model.rows.count:
+        a = model.rows.a[row]
+        b = model.rows.b[row]
+        body_a = model.markers.body[a]
+        body_b = model.markers.body[b]
         x_a = arm_on_interface(model, a, motion, w)
         x_b = arm_on_interface(model, b, motion, w)
         R_a = axes_on_interface(model, a, motion, w)
@@ -175,15 +176,15 @@ def evaluate_rows(
         if body_b >= 0:
             x_b = r1[w, body_b] + axes[w, body_b] * x_b
             R_b = axes[w, body_b] * R_b
-        t = clk[w, k.NEXT_TIME]
+        t = clk[w].next_time
         s = real(0.0)
         s_rate = real(0.0)
-        if model.row_signal[row] >= 0:
-            s = evaluate_signal(model, model.row_signal[row], t, 0)
-            s_rate = evaluate_signal(model, model.row_signal[row], t, 1)
-        kind = model.row_kind[row]
-        i = model.row_i[row]
-        j = model.row_j[row]
+        if model.rows.signal[row] >= 0:
+            s = evaluate_signal(model, model.rows.signal[row], t, 0)
+            s_rate = evaluate_signal(model, model.rows.signal[row], t, 1)
+        kind = model.rows.kind[row]
+        i = model.rows.i[row]
+        j = model.rows.j[row]
         force = vec3(real(0.0))
         torque = vec3(real(0.0))
         value = real(0.0)
@@ -217,11 +218,11 @@ def evaluate_rows(
             value = wp.length(gap) - s
             force = gap / wp.max(value + s, real(1.0e-300))
         if kind == k.ANGLE or kind == k.SECOND_ANGLE:
-            if model.row_rigid[row] == 0:  # a spring counts turns from the last accepted state
+            if model.rows.rigid[row] == 0:  # a spring counts turns from the last accepted state
                 value += TURN * wp.round((stretch[w, row] - value) / TURN)
         if kind == k.BUSHING:
-            along = vec3(model.row_vector[row, 0], model.row_vector[row, 1], model.row_vector[row, 2])
-            about = vec3(model.row_vector[row, 3], model.row_vector[row, 4], model.row_vector[row, 5])
+            along = vec3(model.rows.vector[row, 0], model.rows.vector[row, 1], model.rows.vector[row, 2])
+            about = vec3(model.rows.vector[row, 3], model.rows.vector[row, 4], model.rows.vector[row, 5])
             phi = rotation_vector(wp.transpose(R_a) * R_b)
             force = R_a * along
             torque = R_a * (tangent_inverse(phi) * about)
@@ -231,21 +232,21 @@ def evaluate_rows(
         write_side(model, w, row, b, force, torque, x_b, x_b, 1, r1, axes, slope, C, C_modal, row_pull)
         write_side(model, w, row, a, -force, -torque, x_b, x_a, 0, r1, axes, slope, C, C_modal, row_pull)
         coordinate[w, row] = value + s
-        value -= model.row_reference[row]
+        value -= model.rows.reference[row]
         drive_rate[w, 1, row] = s_rate
         for c in range(3):
             row_wrench[w, row, c] = force[c]
             row_wrench[w, row, 3 + c] = torque[c]
         defect[w, row] = value
         softness[w, row] = real(0.0)
-        if model.row_rigid[row] == 0:
+        if model.rows.rigid[row] == 0:
             rate = real(0.0)
             if body_a >= 0:
                 rate += row_rate(model, w, row, a, C, C_modal, v1, omega1, qd1)
             if body_b >= 0 and body_b != body_a:
                 rate += row_rate(model, w, row, b, C, C_modal, v1, omega1, qd1)
-            k_e = model.row_stiffness[row] + model.row_damping[row] * clk[w, k.VEL]
-            law = model.row_stiffness[row] * value + model.row_damping[row] * rate + model.row_preload[row]
+            k_e = model.rows.stiffness[row] + model.rows.damping[row] * clk[w].outer.vel
+            law = model.rows.stiffness[row] * value + model.rows.damping[row] * rate + model.rows.preload[row]
             if k_e > real(0.0):
                 defect[w, row] = (law - lam[w, row]) / k_e
                 softness[w, row] = real(1.0) / k_e
@@ -268,21 +269,21 @@ def row_rate(
     omega1: wp.array2d(dtype=vec3),
     qd1: wp.array(dtype=real),
 ) -> real:
-    b = model.marker_body[marker]
+    b = model.markers.body[marker]
     rate = real(0.0)
     for i in range(3):
         rate += C[w, row, 6 * b + i] * v1[w, b][i] + C[w, row, 6 * b + 3 + i] * omega1[w, b][i]
-    if model.marker_interface[marker] >= 0:
-        modes = w * model.modal_count + model.modal_start[b]
-        rate += dot(model.global_count[b], C_modal, modal_line(model, w, row, b), qd1, modes)
+    if model.markers.interface[marker] >= 0:
+        modes = w * model.modes.count + model.bodies.modal_start[b]
+        rate += dot(model.bodies.global_count[b], C_modal, modal_line(model, w, row, b), qd1, modes)
     return rate
 
 
 @wp.kernel
 def apply_forces(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
-    clk: wp.array2d(dtype=real),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     slope: wp.array(dtype=real),
@@ -297,37 +298,37 @@ def apply_forces(
     """
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
-    t = clk[w, k.NEXT_TIME]
+    t = clk[w].next_time
     i = int(0)
-    while i < model.force_count:
-        b = model.force_body[i]
+    while i < model.forces.count:
+        b = model.forces.body[i]
         A = axes[w, b]
         f = vec3(
-            evaluate_signal(model, model.force_signal[i, 0], t, 0),
-            evaluate_signal(model, model.force_signal[i, 1], t, 0),
-            evaluate_signal(model, model.force_signal[i, 2], t, 0),
+            evaluate_signal(model, model.forces.signal[i, 0], t, 0),
+            evaluate_signal(model, model.forces.signal[i, 1], t, 0),
+            evaluate_signal(model, model.forces.signal[i, 2], t, 0),
         )
-        if model.force_in_body[i] != 0:
+        if model.forces.in_body[i] != 0:
             f = A * f
-        X = model.force_point[i]
+        X = model.forces.point[i]
         arm = X
-        interface = model.force_interface[i]
+        interface = model.forces.interface[i]
         if interface >= 0:
             arm = X + translation_of(motion, w, interface)
-            arm += wp.cross(rotation_of(motion, w, interface), X - model.interface_point[interface])
+            arm += wp.cross(rotation_of(motion, w, interface), X - model.interfaces.point[interface])
         fb = wp.transpose(A) * f
         moment = wp.cross(arm, fb)
         for c in range(3):
             residual[w, 6 * b + c] = residual[w, 6 * b + c] - f[c]
             residual[w, 6 * b + 3 + c] = residual[w, 6 * b + 3 + c] - moment[c]
         if interface >= 0:
-            tb = wp.cross(X - model.interface_point[interface], fb)
-            modes = w * model.modal_count + model.modal_start[b]
+            tb = wp.cross(X - model.interfaces.point[interface], fb)
+            modes = w * model.modes.count + model.bodies.modal_start[b]
             line = line_of(model, w, interface)
-            n = model.global_count[b]
-            add_load(n, real(-1.0), fb, tb, model.interface_width, slope, line, modal_residual, modes)
+            n = model.bodies.global_count[b]
+            add_load(n, real(-1.0), fb, tb, model.interfaces.width, slope, line, modal_residual, modes)
         applied[w, 1, i] = f
         applied_at[w, 1, i] = r1[w, b] + A * arm
         i += 1

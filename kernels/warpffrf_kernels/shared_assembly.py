@@ -11,9 +11,9 @@ pair, by the tables of `shared_surface`, and read by all hats of that pair.
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout
 from warpffrf_kernels.contact_compliance import place_in_table
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, real, sync
 from warpffrf_kernels.shared_surface import first_column, nearest_turn
@@ -24,10 +24,10 @@ wp.set_module_options(MODULE_OPTIONS)
 @wp.func
 def table_between(model: Model, reads: int, loads: int) -> int:
     """Where the table begins of what surface number `reads` sees of loads on number `loads`, the same surface."""
-    n = model.neighbour_start[reads]
-    while model.neighbour[n] != loads:
+    n = model.shared.start[reads]
+    while model.shared.neighbour[n] != loads:
         n += 1
-    return model.neighbour_table[n]
+    return model.shared.table[n]
 
 
 @wp.func
@@ -48,7 +48,7 @@ def lay_out(
 ):
     """Adds to `field`, `columns` of the window of surface number `reads` from `low` on, what hat m of `pair` displaces
     by its load on `surface`."""
-    rows = model.surface_rows[surface]
+    rows = model.surfaces.rows[surface]
     target = first_column(model, w, reads, center) + low
     middle = target + columns / 2
     table = table_between(model, reads, surface)
@@ -56,24 +56,24 @@ def lay_out(
     if surface % 2 == 0:
         at = place_in_table(model, surface, nearest_turn(model, surface, origin + m / rows, middle), m % rows, target)
         if at >= 0:
-            axpy(columns * rows, real(1.0), model.shared_compliance, table + at, field, start)
+            axpy(columns * rows, real(1.0), model.shared.compliance, table + at, field, start)
     else:
         e = int(0)
-        while e < model.stencil_columns * model.stencil_rows:
+        while e < model.window.stencil_columns * model.window.stencil_rows:
             weight = stencil[w, pair, m, e]
             if weight != real(0.0):
-                column = origin + stencil_at[w, pair, m, 0] + e / model.stencil_rows
-                row = stencil_at[w, pair, m, 1] + e % model.stencil_rows
+                column = origin + stencil_at[w, pair, m, 0] + e / model.window.stencil_rows
+                row = stencil_at[w, pair, m, 1] + e % model.window.stencil_rows
                 at = place_in_table(model, surface, nearest_turn(model, surface, column, middle), row, target)
                 if at >= 0:
-                    axpy(columns * rows, weight, model.shared_compliance, table + at, field, start)
+                    axpy(columns * rows, weight, model.shared.compliance, table + at, field, start)
             e += 1
 
 
 @wp.kernel
 def assemble_shared(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
     slot_mode: wp.array3d(dtype=int),
@@ -86,23 +86,23 @@ def assemble_shared(
     """Per world: adds the shared surfaces to the rows of G of the fresh slots, after `contact_assembly.assemble`."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0:
+    if ctl[w].run == 0:
         return
-    start = w * wp.max(model.mode_capacity, model.node_capacity)
-    slot = ctl[w, k.FRESH]
-    while slot < ctl[w, k.SLOTS]:
+    start = w * wp.max(model.window.hats, model.window.nodes)
+    slot = ctl[w].fresh
+    while slot < ctl[w].slots:
         pair = slot_mode[w, slot, 0]
         m = slot_mode[w, slot, 1]
         for side in range(2):
             surface = 2 * pair + side
-            n = model.neighbour_start[surface]
-            while n < model.neighbour_start[surface + 1]:
-                reads = model.neighbour[n]
+            n = model.shared.start[surface]
+            while n < model.shared.start[surface + 1]:
+                reads = model.shared.neighbour[n]
                 other = reads / 2
                 ratio = wp.min(weight[w, pair], weight[w, other]) / wp.max(weight[w, pair], weight[w, other])
-                rows = model.surface_rows[reads]
+                rows = model.surfaces.rows[reads]
                 low = int(0)
-                columns = model.window_columns
+                columns = model.window.columns
                 if reads % 2 != 0:
                     low = second_window[w, other, 0]
                     columns = second_window[w, other, 1] - low + 1
@@ -124,11 +124,11 @@ def assemble_shared(
                             g = field[start + hat]
                         else:
                             e = int(0)
-                            while e < model.stencil_columns * model.stencil_rows:
+                            while e < model.window.stencil_columns * model.window.stencil_rows:
                                 part = stencil[w, other, hat, e]
                                 if part != real(0.0):
-                                    column = stencil_at[w, other, hat, 0] + e / model.stencil_rows - low
-                                    row = stencil_at[w, other, hat, 1] + e % model.stencil_rows
+                                    column = stencil_at[w, other, hat, 0] + e / model.window.stencil_rows - low
+                                    row = stencil_at[w, other, hat, 1] + e % model.window.stencil_rows
                                     if column >= 0 and column < columns:
                                         g += part * field[start + column * rows + row]
                                 e += 1

@@ -21,9 +21,9 @@ iteration takes it in from one pass to the next.
 
 import warp as wp
 
-from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout
 from warpffrf_kernels.contact_compliance import place_in_table
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.friction_shares import response_at
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, real, sync
@@ -34,13 +34,13 @@ wp.set_module_options(MODULE_OPTIONS)
 @wp.func
 def has_neighbours(model: Model, pair: int) -> bool:
     """Whether either surface of the pair serves another pair too."""
-    return model.neighbour_start[2 * pair] < model.neighbour_start[2 * pair + 2]
+    return model.shared.start[2 * pair] < model.shared.start[2 * pair + 2]
 
 
 @wp.func
 def nearest_turn(model: Model, surface: int, column: int, middle: int) -> int:
     """The grid column `column` of a full turn, counted so that it is nearest to `middle`."""
-    turn = model.surface_turn[surface]
+    turn = model.surfaces.turn[surface]
     if turn == 0:
         return column
     away = (((column - middle) % turn) + turn) % turn
@@ -54,8 +54,8 @@ def first_column(model: Model, w: int, surface: int, center: wp.array3d(dtype=in
     """Column of the grid at which the window of a pair begins on its surface `surface`."""
     pair = surface / 2
     if surface % 2 == 0:
-        return center[w, pair, 0] - model.half_window
-    return center[w, pair, 1] - model.second_half_window
+        return center[w, pair, 0] - model.window.half
+    return center[w, pair, 1] - model.window.second_half
 
 
 @wp.func
@@ -75,32 +75,32 @@ def add_pressed(
 ):
     """Adds to `field` (from `start`, the columns `low` and following of the surface's window) the normal displacement
     by the pressures of the other pairs on it."""
-    rows = model.surface_rows[surface]
+    rows = model.surfaces.rows[surface]
     target = first_column(model, w, surface, center) + low
     middle = target + columns / 2
-    n = model.neighbour_start[surface]
-    while n < model.neighbour_start[surface + 1]:
-        other = model.neighbour[n]
+    n = model.shared.start[surface]
+    while n < model.shared.start[surface + 1]:
+        other = model.shared.neighbour[n]
         pair = other / 2
         origin = first_column(model, w, other, center)
         m = int(0)
-        end = model.second_columns * rows
+        end = model.window.second_columns * rows
         if other % 2 == 0:
-            m = (window[w, pair, 0] + model.half_window) * rows
-            end = (window[w, pair, 1] + model.half_window + 1) * rows
+            m = (window[w, pair, 0] + model.window.half) * rows
+            end = (window[w, pair, 1] + model.window.half + 1) * rows
         while m < end:
             load = real(0.0)
             if other % 2 == 0:
                 if active[w, pair, m] != 0:
                     load = pressure[w, pair, m]
             else:
-                load = second_load[(w * model.pair_count + pair) * model.node_capacity + m]
+                load = second_load[(w * model.pairs.count + pair) * model.window.nodes + m]
             if load != real(0.0):
                 source = nearest_turn(model, surface, origin + m / rows, middle)
                 at = place_in_table(model, surface, source, m % rows, target)
                 if at >= 0:
-                    at += model.neighbour_table[n]
-                    axpy(columns * rows, load, model.shared_compliance, at, field, start)
+                    at += model.shared.table[n]
+                    axpy(columns * rows, load, model.shared.compliance, at, field, start)
             m += 1
         n += 1
 
@@ -108,7 +108,7 @@ def add_pressed(
 @wp.kernel
 def share_pressures(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
@@ -122,17 +122,17 @@ def share_pressures(
     after `contact_fields.local_fields`."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or not has_neighbours(model, pair):
+    if ctl[w].run == 0 or not has_neighbours(model, pair):
         return
     A = 2 * pair
-    at = w * model.pair_count + pair
-    low = window[w, pair, 0] + model.half_window
+    at = w * model.pairs.count + pair
+    low = window[w, pair, 0] + model.window.half
     columns = window[w, pair, 1] - window[w, pair, 0] + 1
-    start = at * model.mode_capacity + low * model.surface_rows[A]
+    start = at * model.window.hats + low * model.surfaces.rows[A]
     add_pressed(model, w, A, low, columns, center, window, active, pressure, second_load, start, first_local)
     low = second_window[w, pair, 0]
     columns = second_window[w, pair, 1] - low + 1
-    start = at * model.node_capacity + low * model.surface_rows[A + 1]
+    start = at * model.window.nodes + low * model.surfaces.rows[A + 1]
     add_pressed(
         model, w, A + 1, low, columns, center, window, active, pressure, second_load, start, second_local
     )  # fmt: skip
@@ -155,19 +155,19 @@ def add_rubbed(
 ):
     """Adds to `field` the displacement by the tractions of the other pairs on the surface: with `tangential` the one
     along it (2 rows lines a column), else what its normal displacement opens the gaps by (rows lines)."""
-    rows = model.surface_rows[surface]
+    rows = model.surfaces.rows[surface]
     target = first_column(model, w, surface, center) + low
     middle = target + columns / 2
-    n = model.neighbour_start[surface]
-    while n < model.neighbour_start[surface + 1]:
-        other = model.neighbour[n]
+    n = model.shared.start[surface]
+    while n < model.shared.start[surface + 1]:
+        other = model.shared.neighbour[n]
         pair = other / 2
-        if model.pair_friction[pair] > real(0.0):
+        if model.pairs.friction[pair] > real(0.0):
             origin = first_column(model, w, other, center)
             i = int(0)
-            end = 2 * model.window_columns * rows
+            end = 2 * model.window.columns * rows
             if other % 2 != 0:
-                end = 2 * model.second_columns * rows
+                end = 2 * model.window.second_columns * rows
             while i < end:
                 force = real(0.0)
                 if other % 2 == 0:
@@ -179,16 +179,16 @@ def add_rubbed(
                     line = i % (2 * rows)
                     if tangential != 0:
                         at = response_at(
-                            model, surface, model.surface_tt[surface], source, line, 2 * rows, target, 2 * rows
+                            model, surface, model.surfaces.tt_start[surface], source, line, 2 * rows, target, 2 * rows
                         )
                         if at >= 0:
-                            axpy(2 * columns * rows, force, model.tangential, at, field, start)
+                            axpy(2 * columns * rows, force, model.surfaces.tangential, at, field, start)
                     else:
                         at = response_at(
-                            model, surface, model.surface_nt[surface], source, line, 2 * rows, target, rows
+                            model, surface, model.surfaces.nt_start[surface], source, line, 2 * rows, target, rows
                         )
                         if at >= 0:
-                            axpy(columns * rows, -force, model.tangential, at, field, start)
+                            axpy(columns * rows, -force, model.surfaces.tangential, at, field, start)
                 i += 1
         n += 1
 
@@ -196,7 +196,7 @@ def add_rubbed(
 @wp.kernel
 def share_push(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
@@ -210,27 +210,27 @@ def share_push(
     `friction_fields.push_gaps`, which leaves the arrays of a pair without friction alone."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or not has_neighbours(model, pair):
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not has_neighbours(model, pair):
         return
     A = 2 * pair
-    at = w * model.pair_count + pair
-    if model.pair_friction[pair] == real(0.0):
+    at = w * model.pairs.count + pair
+    if model.pairs.friction[pair] == real(0.0):
         i = lane
-        while i < model.mode_capacity:
-            first_push[at * model.mode_capacity + i] = real(0.0)
+        while i < model.window.hats:
+            first_push[at * model.window.hats + i] = real(0.0)
             i += wp.block_dim()
         i = lane
-        while i < model.node_capacity:
-            second_push[at * model.node_capacity + i] = real(0.0)
+        while i < model.window.nodes:
+            second_push[at * model.window.nodes + i] = real(0.0)
             i += wp.block_dim()
         sync()
-    low = window[w, pair, 0] + model.half_window
+    low = window[w, pair, 0] + model.window.half
     columns = window[w, pair, 1] - window[w, pair, 0] + 1
-    start = at * model.mode_capacity + low * model.surface_rows[A]
+    start = at * model.window.hats + low * model.surfaces.rows[A]
     add_rubbed(model, w, A, low, columns, 0, center, cell_area, traction, second_force, start, first_push)
     low = second_window[w, pair, 0]
     columns = second_window[w, pair, 1] - low + 1
-    start = at * model.node_capacity + low * model.surface_rows[A + 1]
+    start = at * model.window.nodes + low * model.surfaces.rows[A + 1]
     add_rubbed(
         model, w, A + 1, low, columns, 0, center, cell_area, traction, second_force, start, second_push
     )  # fmt: skip
@@ -252,19 +252,19 @@ def add_shifted(
 ):
     """Adds to `field` the displacement along the surface by the pressures of the other pairs on it (`pressure` on their
     first surfaces, `load` on their second ones)."""
-    rows = model.surface_rows[surface]
+    rows = model.surfaces.rows[surface]
     target = first_column(model, w, surface, center) + low
     middle = target + columns / 2
-    n = model.neighbour_start[surface]
-    while n < model.neighbour_start[surface + 1]:
-        other = model.neighbour[n]
+    n = model.shared.start[surface]
+    while n < model.shared.start[surface + 1]:
+        other = model.shared.neighbour[n]
         pair = other / 2
         origin = first_column(model, w, other, center)
         m = int(0)
-        end = model.second_columns * rows
+        end = model.window.second_columns * rows
         if other % 2 == 0:
-            m = (window[w, pair, 0] + model.half_window) * rows
-            end = (window[w, pair, 1] + model.half_window + 1) * rows
+            m = (window[w, pair, 0] + model.window.half) * rows
+            end = (window[w, pair, 1] + model.window.half + 1) * rows
         while m < end:
             p = real(0.0)
             if other % 2 == 0:
@@ -273,9 +273,11 @@ def add_shifted(
                 p = load[w, pair, m]
             if p != real(0.0):
                 source = nearest_turn(model, surface, origin + m / rows, middle)
-                at = response_at(model, surface, model.surface_tn[other], source, m % rows, rows, target, 2 * rows)
+                at = response_at(
+                    model, surface, model.surfaces.tn_start[other], source, m % rows, rows, target, 2 * rows
+                )
                 if at >= 0:
-                    axpy(2 * columns * rows, -p, model.tangential, at, field, start)
+                    axpy(2 * columns * rows, -p, model.surfaces.tangential, at, field, start)
             m += 1
         n += 1
 
@@ -283,7 +285,7 @@ def add_shifted(
 @wp.kernel
 def share_shift(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
@@ -299,24 +301,24 @@ def share_shift(
     tractions, of a solve by the change of the pressures. After `friction_fields.press_cells`."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or model.pair_friction[pair] == real(0.0) or not has_neighbours(model, pair):
+    if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0) or not has_neighbours(model, pair):
         return
-    if (of_state != 0 and ctl[w, k.MOVED] == 0) or (of_state == 0 and ctl[w, k.CHANGES] != 0):
+    if (of_state != 0 and ctl[w].moved == 0) or (of_state == 0 and ctl[w].changes != 0):
         return
     A = 2 * pair
-    at = w * model.pair_count + pair
-    low = window[w, pair, 0] + model.half_window
+    at = w * model.pairs.count + pair
+    low = window[w, pair, 0] + model.window.half
     columns = window[w, pair, 1] - window[w, pair, 0] + 1
-    start = 2 * (at * model.mode_capacity + low * model.surface_rows[A])
+    start = 2 * (at * model.window.hats + low * model.surfaces.rows[A])
     add_shifted(model, w, A, low, columns, center, window, pressure, load, start, first_shift)
     if of_state != 0:
         add_rubbed(
             model, w, A, low, columns, 1, center, cell_area, traction, second_force, start, first_shift
         )  # fmt: skip
-    if model.surface_shear[A + 1] < 0:
+    if model.surfaces.shear_start[A + 1] < 0:
         return
-    start = 2 * at * model.node_capacity
-    columns = model.second_columns
+    start = 2 * at * model.window.nodes
+    columns = model.window.second_columns
     add_shifted(model, w, A + 1, 0, columns, center, window, pressure, load, start, second_shift)
     if of_state != 0:
         add_rubbed(

@@ -47,7 +47,7 @@ class Pattern:
 # it is eliminated, over the lines of its update after that; each lane collects a line of the update before it is
 # spread, so that the inner loops are contiguous.
 @wp.func_native("""
-    const int n = p.outer_count, rigid = model.row_offset, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
+    const int n = p.outer_count, rigid = model.outer.row_offset, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
     const double* A = tangent.data + (size_t)w * n * n;
     double* a = factor.data + (size_t)w * p.factor_size;
     double* scale = scaling.data + (size_t)w * n;

@@ -14,6 +14,7 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout, out
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.interfaces import pulled
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.outer import PIVOT_TOLERANCE, apply_inverse, entry_of_rows, invert
@@ -32,7 +33,7 @@ COUNT = wp.constant(1)  # how often it had to
 def pull(
     models: wp.array(dtype=Model),
     patterns: wp.array(dtype=Pattern),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     lam: wp.array2d(dtype=real),
     C: wp.array3d(dtype=real),
     C_modal: wp.array(dtype=real),
@@ -43,10 +44,10 @@ def pull(
     w, lane = wp.tid()
     model = models[0]
     p = patterns[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     b = lane
-    while b < model.body_count:
+    while b < model.bodies.count:
         at = p.row_start[b]
         while at < p.row_start[b + 1]:
             row = p.row[at]
@@ -55,15 +56,15 @@ def pull(
             at += 1
         b += wp.block_dim()
     b = int(0)
-    while b < model.body_count:  # lanes over the modes of each body, which are contiguous
+    while b < model.bodies.count:  # lanes over the modes of each body, which are contiguous
         at = p.row_start[b]
-        first = model.modal_start[b]
-        count = model.global_count[b]
+        first = model.bodies.modal_start[b]
+        count = model.bodies.global_count[b]
         while at < p.row_start[b + 1]:
             if p.row_flexible[at] != 0:
                 row = p.row[at]
-                line = (w * model.row_count + row) * model.modal_count + first
-                axpy(count, lam[w, row], C_modal, line, modal_residual, w * model.modal_count + first)
+                line = (w * model.rows.count + row) * model.modes.count + first
+                axpy(count, lam[w, row], C_modal, line, modal_residual, w * model.modes.count + first)
             at += 1
         b += 1
 
@@ -72,7 +73,7 @@ def pull(
 def condense_sparse(
     models: wp.array(dtype=Model),
     patterns: wp.array(dtype=Pattern),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     C: wp.array3d(dtype=real),
     C_modal: wp.array(dtype=real),
     receptance: wp.array(dtype=real),
@@ -88,23 +89,23 @@ def condense_sparse(
     w, lane = wp.tid()
     model = models[0]
     p = patterns[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
-    rigid = 6 * model.body_count
+    rigid = 6 * model.bodies.count
     i = lane
-    while i < model.outer_count:
-        row = i - model.row_offset
+    while i < model.outer.count:
+        row = i - model.outer.row_offset
         if i < rigid:
             rhs[w, i] = -residual[w, i]
         elif row < 0:
-            rhs[w, i] = -modal_residual[w * model.modal_count + model.dense_mode[i - rigid]]
+            rhs[w, i] = -modal_residual[w * model.modes.count + model.dense.mode[i - rigid]]
         else:
             rhs[w, i] = -defect[w, row] + pulled(model, w, row, C_modal, receptance, modal_residual)
-        if ctl[w, k.REFRESH] != 0:
+        if ctl[w].refresh != 0:
             at = p.entry_start[i]
             while at < p.entry_start[i + 1]:
                 j = p.entry_column[at]
-                other = j - model.row_offset
+                other = j - model.outer.row_offset
                 if row < 0 and other < 0:
                     if i < rigid and j < rigid and i / 6 != j / 6:  # geometric stiffness comes later
                         tangent[w, i, j] = real(0.0)
@@ -114,8 +115,8 @@ def condense_sparse(
                     if column < rigid:
                         tangent[w, i, j] = C[w, line, column]
                     else:
-                        mode = model.dense_mode[column - rigid]
-                        tangent[w, i, j] = C_modal[(w * model.row_count + line) * model.modal_count + mode]
+                        mode = model.dense.mode[column - rigid]
+                        tangent[w, i, j] = C_modal[(w * model.rows.count + line) * model.modes.count + mode]
                 else:
                     entry = entry_of_rows(model, w, row, other, C_modal, receptance, softness, flexibility)
                     tangent[w, i, j] = entry
@@ -129,7 +130,7 @@ def solve_outer(
     patterns: wp.array(dtype=Pattern),
     tangent: wp.array3d(dtype=real),
     rhs: wp.array(dtype=real),
-    ctl: inout(wp.array2d(dtype=int)),
+    ctl: inout(wp.array(dtype=Control)),
     scaling: inout(wp.array2d(dtype=real)),
     pivots: inout(wp.array2d(dtype=int)),
     factor: inout(wp.array(dtype=real)),
@@ -144,15 +145,15 @@ def solve_outer(
     w, lane = wp.tid()
     model = models[0]
     p = patterns[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
-    N = model.outer_count
+    N = model.outer.count
     i = lane
     while i < N:
         z[w * N + i] = real(0.0)
         i += wp.block_dim()
     sync()
-    renew = ctl[w, k.REFRESH]
+    renew = ctl[w].refresh
     dense = fallback[w, DENSE]
     if renew != 0:
         dense = factorise(model, p, w, wp.block_dim(), PIVOT_TOLERANCE, tangent, scaling, pivots, factor, lines)
@@ -170,7 +171,7 @@ def solve_outer(
         if dense != 0:
             bad = invert(model, w, PIVOT_TOLERANCE, tangent, scaling, pivots, work, inverse_transposed)
             if bad != 0 and lane == 0:
-                ctl[w, k.FAILURE] = ctl[w, k.FAILURE] | k.SINGULAR
+                ctl[w].failure = ctl[w].failure | k.SINGULAR
         if lane == 0:
             fallback[w, DENSE] = dense
             fallback[w, COUNT] = fallback[w, COUNT] + dense

@@ -32,6 +32,7 @@ import warp as wp
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.access import inout
+from warpffrf_kernels.control import Control
 from warpffrf_kernels.interfaces import arm_on_interface, axes_on_interface, line_of
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.rotation import hat
@@ -63,18 +64,18 @@ class Pull:
 
 
 @wp.func
-def modes_here(model: Model, ctl: wp.array2d(dtype=int), w: int, body: int, interface: int) -> int:
+def modes_here(model: Model, ctl: wp.array(dtype=Control), w: int, body: int, interface: int) -> int:
     """Modes of a body that are unknowns of the outer system and move an interface, in static steps."""
-    if ctl[w, k.MODE] != k.STATIC or body < 0 or interface < 0:
+    if ctl[w].mode != k.STATIC or body < 0 or interface < 0:
         return 0
-    return model.inertia_count[body]
+    return model.bodies.dense_count[body]
 
 
 @wp.func
 def mode_slope(model: Model, slope: wp.array(dtype=real), w: int, interface: int, i: int, lever: vec3):
     """Translation of the place at `lever` from the interface's point, and rotation, by mode i; body axes."""
     at = line_of(model, w, interface) + i
-    width = model.interface_width
+    width = model.interfaces.width
     turn = vec3(slope[at + 3 * width], slope[at + 4 * width], slope[at + 5 * width])
     return vec3(slope[at], slope[at + width], slope[at + 2 * width]) + wp.cross(turn, lever), turn
 
@@ -112,7 +113,7 @@ def column_of(model: Model, body: int, coordinate: int) -> int:
     """Outer column of a coordinate of `change_by`."""
     if coordinate < 6:
         return 6 * body + coordinate
-    return 6 * model.body_count + model.dense_start[body] + coordinate - 6
+    return 6 * model.bodies.count + model.bodies.dense_start[body] + coordinate - 6
 
 
 @wp.func
@@ -203,7 +204,7 @@ def pull_of(kind: int, pull: real, f: vec3, t: vec3, R_a: mat33, R_b: mat33, i: 
 @wp.kernel
 def stiffen(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     slope: wp.array(dtype=real),
@@ -215,16 +216,16 @@ def stiffen(
     """Per world: add the geometric stiffness of all rows to the outer matrix."""
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.REFRESH] == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
         return
     one = wp.identity(n=3, dtype=real)
     row = int(0)
-    while row < model.row_count:
+    while row < model.rows.count:
         if lam[w, row] != real(0.0):
-            a = model.row_a[row]
-            b = model.row_b[row]
-            body_a = model.marker_body[a]
-            body_b = model.marker_body[b]
+            a = model.rows.a[row]
+            b = model.rows.b[row]
+            body_a = model.markers.body[a]
+            body_b = model.markers.body[b]
             A_a = one
             A_b = one
             r_a = vec3(real(0.0))
@@ -235,14 +236,14 @@ def stiffen(
             if body_b >= 0:
                 A_b = axes[w, body_b]
                 r_b = r1[w, body_b]
-            f_a = model.marker_interface[a]
-            f_b = model.marker_interface[b]
+            f_a = model.markers.interface[a]
+            f_b = model.markers.interface[b]
             lever_a = vec3(real(0.0))
             lever_b = vec3(real(0.0))
             if f_a >= 0:
-                lever_a = model.marker_point[a] - model.interface_point[f_a]
+                lever_a = model.markers.point[a] - model.interfaces.point[f_a]
             if f_b >= 0:
-                lever_b = model.marker_point[b] - model.interface_point[f_b]
+                lever_b = model.markers.point[b] - model.interfaces.point[f_b]
             d_a = A_a * arm_on_interface(model, a, motion, w)
             d_b = A_b * arm_on_interface(model, b, motion, w)
             c_a = r_b + d_b - r_a
@@ -250,8 +251,8 @@ def stiffen(
             f = vec3(row_wrench[w, row, 0], row_wrench[w, row, 1], row_wrench[w, row, 2])
             t = vec3(row_wrench[w, row, 3], row_wrench[w, row, 4], row_wrench[w, row, 5])
             p = pull_of(
-                model.row_kind[row], lam[w, row], f, t, A_a * axes_on_interface(model, a, motion, w),
-                A_b * axes_on_interface(model, b, motion, w), model.row_i[row], model.row_j[row], wp.length(c),
+                model.rows.kind[row], lam[w, row], f, t, A_a * axes_on_interface(model, a, motion, w),
+                A_b * axes_on_interface(model, b, motion, w), model.rows.i[row], model.rows.j[row], wp.length(c),
             )  # fmt: skip
             modes_a = modes_here(model, ctl, w, body_a, f_a)
             modes_b = modes_here(model, ctl, w, body_b, f_b)
@@ -295,7 +296,7 @@ def stiffen(
 @wp.kernel
 def stiffen_applied(
     models: wp.array(dtype=Model),
-    ctl: wp.array2d(dtype=int),
+    ctl: wp.array(dtype=Control),
     axes: wp.array2d(dtype=mat33),
     slope: wp.array(dtype=real),
     motion: wp.array3d(dtype=real),
@@ -306,11 +307,11 @@ def stiffen_applied(
     """Per world, in static steps: add the geometric stiffness of the point forces and torques to the outer matrix."""
     w = wp.tid()
     model = models[0]
-    if ctl[w, k.RUN] == 0 or ctl[w, k.MOVED] == 0 or ctl[w, k.REFRESH] == 0 or ctl[w, k.MODE] != k.STATIC:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0 or ctl[w].mode != k.STATIC:
         return
     none = vec3(real(0.0))
     i = int(0)
-    while i < model.force_count + model.torque_count:
+    while i < model.forces.count + model.torques.count:
         F = none
         T = none
         body = int(0)
@@ -318,22 +319,22 @@ def stiffen_applied(
         follows = int(0)
         arm = none
         lever = none
-        if i < model.force_count:
-            body = model.force_body[i]
-            interface = model.force_interface[i]
-            follows = model.force_in_body[i]
+        if i < model.forces.count:
+            body = model.forces.body[i]
+            interface = model.forces.interface[i]
+            follows = model.forces.in_body[i]
             F = applied[w, 1, i]
-            arm = model.force_point[i]
+            arm = model.forces.point[i]
             if interface >= 0:
-                lever = arm - model.interface_point[interface]
+                lever = arm - model.interfaces.point[interface]
                 turn = vec3(motion[w, interface, 3], motion[w, interface, 4], motion[w, interface, 5])
                 arm += vec3(motion[w, interface, 0], motion[w, interface, 1], motion[w, interface, 2])
                 arm += wp.cross(turn, lever)
         else:
-            at = i - model.force_count
-            body = model.torque_body[at]
-            interface = model.torque_interface[at]
-            follows = model.torque_in_body[at]
+            at = i - model.forces.count
+            body = model.torques.body[at]
+            interface = model.torques.interface[at]
+            follows = model.torques.in_body[at]
             T = axes[w, body] * applied_torque[w, at]
         A = axes[w, body]
         d = A * arm
@@ -353,7 +354,7 @@ def stiffen_applied(
                 column_of(model, body, coordinate), tangent,
             )  # fmt: skip
             coordinate += 1
-        if modes > 0 and model.interface_stiffening_start[interface] >= 0:
+        if modes > 0 and model.interfaces.stiffening_start[interface] >= 0:
             bend_modes(model, w, body, interface, wp.transpose(A) * F, lever, wp.transpose(A) * T, tangent)
         i += 1
 
@@ -363,9 +364,9 @@ def bend_modes(
     model: Model, w: int, body: int, interface: int, f: vec3, lever: vec3, torque: vec3, tangent: wp.array3d(dtype=real)
 ):
     """What B of an interface changes by with the modes, times a force at `lever` and a torque there (body axes)."""
-    count = model.inertia_count[body]
+    count = model.bodies.dense_count[body]
     t = wp.cross(lever, f) + torque
-    first = model.interface_stiffening_start[interface]
+    first = model.interfaces.stiffening_start[interface]
     i = int(0)
     while i < count:
         row = column_of(model, body, 6 + i)
@@ -374,8 +375,8 @@ def bend_modes(
             total = real(0.0)
             for c in range(3):
                 at = first + (c * count + i) * count + j
-                total += f[c] * model.interface_stiffening[at]
-                total += t[c] * model.interface_stiffening[at + 3 * count * count]
+                total += f[c] * model.interfaces.stiffening[at]
+                total += t[c] * model.interfaces.stiffening[at + 3 * count * count]
             column = column_of(model, body, 6 + j)
             tangent[w, row, column] = tangent[w, row, column] + total
             j += 1

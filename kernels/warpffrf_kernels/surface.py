@@ -46,36 +46,36 @@ CENTRE = wp.constant(wp.float64(1.0e-14))  # m: closer to an arc's centre there 
 @wp.func
 def table_of(model: Model, s: int, z: real) -> vec3:
     """Drop of the profile table at z [m], its slope and its curvature."""
-    count = model.surface_table_count[s]
+    count = model.surfaces.table_count[s]
     if count == 0:
         return vec3(real(0.0), real(0.0), real(0.0))
-    first = model.surface_table_start[s]
+    first = model.surfaces.table_start[s]
     low = int(0)
     high = count
     while high - low > 1:
         middle = (low + high) / 2
-        if z >= model.surface_table_break[first + middle]:
+        if z >= model.surfaces.table_break[first + middle]:
             low = middle
         else:
             high = middle
     i = first + low
-    t = z - model.surface_table_break[i]
-    c1 = model.surface_table_coefficient[i, 1]
-    c2 = model.surface_table_coefficient[i, 2]
-    c3 = model.surface_table_coefficient[i, 3]
+    t = z - model.surfaces.table_break[i]
+    c1 = model.surfaces.table_coefficient[i, 1]
+    c2 = model.surfaces.table_coefficient[i, 2]
+    c3 = model.surfaces.table_coefficient[i, 3]
     slope = c1 + t * (real(2.0) * c2 + t * real(3.0) * c3)
     bend = real(2.0) * c2 + real(6.0) * c3 * t
-    value = model.surface_table_coefficient[i, 0] + t * (c1 + t * (c2 + t * c3))
+    value = model.surfaces.table_coefficient[i, 0] + t * (c1 + t * (c2 + t * c3))
     return vec3(value, slope, bend)
 
 
 @wp.func
 def profile_of(model: Model, s: int, z: real) -> vec3:
     """R [m], R' and R'' [1/m] of a surface of revolution at z [m]."""
-    value = model.surface_radius[s] + model.surface_tangent[s] * z
-    slope = model.surface_tangent[s]
+    value = model.surfaces.radius[s] + model.surfaces.tangent[s] * z
+    slope = model.surfaces.tangent[s]
     bend = real(0.0)
-    crown = model.surface_crown[s]
+    crown = model.surfaces.crown[s]
     if crown != real(0.0):
         a = wp.abs(crown)
         sign = crown / a
@@ -83,7 +83,7 @@ def profile_of(model: Model, s: int, z: real) -> vec3:
         value -= sign * z * z / (a + root)
         slope -= sign * z / root
         bend -= sign * a * a / (root * root * root)
-    if model.surface_table_count[s] > 0:
+    if model.surfaces.table_count[s] > 0:
         drop = table_of(model, s, z)
         value -= drop[0]
         slope -= drop[1]
@@ -94,7 +94,7 @@ def profile_of(model: Model, s: int, z: real) -> vec3:
 @wp.func
 def radius_of(model: Model, s: int, z: real) -> real:
     """R [m] at z [m]; of a plane 1, so that arc length is radius * theta everywhere."""
-    if model.surface_planar[s] != 0:
+    if model.surfaces.planar[s] != 0:
         return real(1.0)
     return profile_of(model, s, z)[0]
 
@@ -102,7 +102,7 @@ def radius_of(model: Model, s: int, z: real) -> real:
 @wp.func
 def slope_of(model: Model, s: int, z: real) -> real:
     """dR/dz at z [m]; of a plane 0."""
-    if model.surface_planar[s] != 0:
+    if model.surfaces.planar[s] != 0:
         return real(0.0)
     return profile_of(model, s, z)[1]
 
@@ -110,7 +110,7 @@ def slope_of(model: Model, s: int, z: real) -> real:
 @wp.func
 def local_point(model: Model, s: int, theta: real, z: real) -> vec3:
     """Point of the surface [m] at its chart coordinates."""
-    if model.surface_planar[s] != 0:
+    if model.surfaces.planar[s] != 0:
         return vec3(real(0.0), theta, z)
     R = profile_of(model, s, z)[0]
     return vec3(R * wp.cos(theta), R * wp.sin(theta), z)
@@ -119,19 +119,19 @@ def local_point(model: Model, s: int, theta: real, z: real) -> vec3:
 @wp.func
 def local_normal(model: Model, s: int, theta: real, z: real) -> vec3:
     """Unit normal away from the material."""
-    if model.surface_planar[s] != 0:
+    if model.surfaces.planar[s] != 0:
         return vec3(real(1.0), real(0.0), real(0.0))
     slope = profile_of(model, s, z)[1]
-    scale = model.surface_side[s] / wp.sqrt(real(1.0) + slope * slope)
+    scale = model.surfaces.side[s] / wp.sqrt(real(1.0) + slope * slope)
     return vec3(scale * wp.cos(theta), scale * wp.sin(theta), -scale * slope)
 
 
 @wp.func
 def local_around(model: Model, s: int, theta: real) -> vec3:
     """e_theta, the first tangential direction: against increasing theta on an inside surface."""
-    if model.surface_planar[s] != 0:
+    if model.surfaces.planar[s] != 0:
         return vec3(real(0.0), real(1.0), real(0.0))
-    side = model.surface_side[s]
+    side = model.surfaces.side[s]
     return vec3(-side * wp.sin(theta), side * wp.cos(theta), real(0.0))
 
 
@@ -139,11 +139,11 @@ def local_around(model: Model, s: int, theta: real) -> vec3:
 def meridian_of(model: Model, s: int, rho: real, zeta: real) -> wp.vec4d:
     """Of a point at radius rho and axial position zeta [m]: z of its foot, the signed distance counted away from the
     axis, and the gradient of that by rho and zeta."""
-    d = rho - model.surface_radius[s]
-    crown = model.surface_crown[s]
-    tangent = model.surface_tangent[s]
+    d = rho - model.surfaces.radius[s]
+    crown = model.surfaces.crown[s]
+    tangent = model.surfaces.tangent[s]
     one = real(1.0)
-    if model.surface_table_count[s] == 0:
+    if model.surfaces.table_count[s] == 0:
         if crown == real(0.0):
             square = one + tangent * tangent
             root = wp.sqrt(square)
@@ -153,7 +153,7 @@ def meridian_of(model: Model, s: int, rho: real, zeta: real) -> wp.vec4d:
             sign = crown / a
             h = wp.sqrt((d + crown) * (d + crown) + zeta * zeta)
             distance = sign * (d * (d + real(2.0) * crown) + zeta * zeta) / (h + a)
-            side = model.surface_side[s]
+            side = model.surfaces.side[s]
             if side * sign < real(0.0) and sign * (d + crown) < real(0.0):
                 end = a
                 if zeta < real(0.0):
@@ -178,7 +178,7 @@ def meridian_of(model: Model, s: int, rho: real, zeta: real) -> wp.vec4d:
         z = wp.clamp(z + move, -limit, limit)
         p = profile_of(model, s, z)
         step += 1
-        if wp.abs(move) <= FOOT_TOLERANCE * model.surface_radius[s]:
+        if wp.abs(move) <= FOOT_TOLERANCE * model.surfaces.radius[s]:
             step = FOOT_STEPS
     root = wp.sqrt(one + p[1] * p[1])
     return wp.vec4d(z, (rho - p[0] - (zeta - z) * p[1]) / root, one / root, -p[1] / root)
@@ -187,28 +187,28 @@ def meridian_of(model: Model, s: int, rho: real, zeta: real) -> wp.vec4d:
 @wp.func
 def distance_of(model: Model, s: int, x: vec3) -> real:
     """Signed distance [m] of x from the surface, positive in the free space."""
-    if model.surface_planar[s] != 0:
+    if model.surfaces.planar[s] != 0:
         return x[0]
-    return model.surface_side[s] * meridian_of(model, s, wp.sqrt(x[0] * x[0] + x[1] * x[1]), x[2])[1]
+    return model.surfaces.side[s] * meridian_of(model, s, wp.sqrt(x[0] * x[0] + x[1] * x[1]), x[2])[1]
 
 
 @wp.func
 def chart_of(model: Model, s: int, x: vec3) -> vec3:
     """theta (rad, of a plane m) and z [m] of the foot of x, and the signed distance [m] as `distance_of`."""
-    if model.surface_planar[s] != 0:
+    if model.surfaces.planar[s] != 0:
         return vec3(x[1], x[2], x[0])
     foot = meridian_of(model, s, wp.sqrt(x[0] * x[0] + x[1] * x[1]), x[2])
-    return vec3(wp.atan2(x[1], x[0]), foot[0], model.surface_side[s] * foot[1])
+    return vec3(wp.atan2(x[1], x[0]), foot[0], model.surfaces.side[s] * foot[1])
 
 
 @wp.func
 def gradient_of(model: Model, s: int, x: vec3) -> vec3:
     """Unit gradient of the signed distance at x: the normal at its foot. On the axis it has no radial part."""
-    if model.surface_planar[s] != 0:
+    if model.surfaces.planar[s] != 0:
         return vec3(real(1.0), real(0.0), real(0.0))
     rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])
     foot = meridian_of(model, s, rho, x[2])
-    side = model.surface_side[s]
+    side = model.surfaces.side[s]
     if rho < CENTRE:
         return vec3(real(0.0), real(0.0), side * foot[3])
     scale = side * foot[2] / rho
@@ -218,19 +218,19 @@ def gradient_of(model: Model, s: int, x: vec3) -> vec3:
 @wp.func
 def gradient_slope_of(model: Model, s: int, x: vec3) -> mat33:
     """Derivative [1/m] of `gradient_of` by x: symmetric, and 0 along the normal. On the axis it has no part around."""
-    if model.surface_planar[s] != 0:
+    if model.surfaces.planar[s] != 0:
         return mat33()
     rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])
     if rho < CENTRE:
         return mat33()
     foot = meridian_of(model, s, rho, x[2])
-    side = model.surface_side[s]
+    side = model.surfaces.side[s]
     radial = vec3(x[0] / rho, x[1] / rho, real(0.0))
     around = vec3(-radial[1], radial[0], real(0.0))
     along = foot[2] * vec3(real(0.0), real(0.0), real(1.0)) - foot[3] * radial
-    crown = model.surface_crown[s]
+    crown = model.surfaces.crown[s]
     kappa = real(0.0)
-    if model.surface_table_count[s] == 0 and model.surface_tangent[s] == real(0.0):
+    if model.surfaces.table_count[s] == 0 and model.surfaces.tangent[s] == real(0.0):
         if crown != real(0.0):
             kappa = real(1.0) / crown
     else:

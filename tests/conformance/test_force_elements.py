@@ -94,7 +94,7 @@ class Rows:
 
     def __init__(self, scene: Scene) -> None:
         self.engine = Engine(scene)
-        self.engine.control(RUN=1, MOVED=1)
+        self.engine.control(run=1, moved=1)
 
     def __call__(self, r: np.ndarray, A: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Values (rows,), gradients (rows, 6 bodies) and wrenches (rows, 6)."""
@@ -160,9 +160,9 @@ def test_geometric_stiffness_agrees_with_differences(name: str) -> None:
     evaluate = Rows(scene)
     x, s, m = evaluate.engine.work, evaluate.engine.state, evaluate.engine.compiled
     rng = np.random.default_rng(0)
-    lam = rng.normal(size=(1, m.model.row_count))
+    lam = rng.normal(size=(1, m.model.rows.count))
     s.lam.assign(lam)
-    evaluate.engine.control(REFRESH=1)
+    evaluate.engine.control(refresh=1)
     r = np.array([b.to_world(b.center_of_mass) for b in scene.bodies]) + 0.02 * rng.normal(size=(2, 3))
     turns = [rot.rotation_vector_matrix(1e-3 * rng.normal(size=3)) for _ in scene.bodies]
     A = np.array([rot.matrix(b.rotation) @ turn for b, turn in zip(scene.bodies, turns, strict=True)])

@@ -109,7 +109,7 @@ def evaluate_on_device(scene: Scene, pose: Pose) -> tuple[np.ndarray, np.ndarray
     x.axes.assign(pose.axes[None])
     if len(q):
         x.q1.assign(q[None])
-    engine.control(RUN=1, MOVED=1)
+    engine.control(run=1, moved=1)
     wp.launch_tiled(
         interfaces.move_interfaces, dim=(1,), inputs=[m.models, s.ctl, x.q1.flatten(), x.slope, x.interface_motion],
         block_dim=BLOCK,

@@ -21,12 +21,12 @@ def engine() -> Engine:
     )  # fmt: skip
     scene = prescribed_pair(first, second, Path.of([1500e-6], 0.021, -0.013), tilt=4e-3)
     engine = Engine(scene, settings=Settings(window_strain=0.5))
-    engine.control(MODE=int(k.STATIC), STEP=0, SUB=0, LEVEL=0, TARGET=1)
-    engine.clock(USER_STEP=1.0)
+    engine.control(mode=int(k.STATIC), step=0, sub=0, level=0, target=1)
+    engine.clock(user_step=1.0)
     engine.replay(1)
-    assert engine.word("STATUS")[0] == 0
-    engine.control(RUN=1, MOVED=1, REASSEMBLE=1, REFRESH=1, RECENTER=0, ITERATION=0, FAILURE=0)
+    assert engine.word("status")[0] == 0
+    engine.control(run=1, moved=1, reassemble=1, refresh=1, recenter=0, iteration=0, failure=0)
     engine.graph.iterate()
-    assert engine.word("FAILURE")[0] == 0 and engine.word("ACTIVE")[0] > 10
-    assert np.count_nonzero(engine.compiled.model.coupled_count.numpy()) == 1
+    assert engine.word("failure")[0] == 0 and engine.word("active")[0] > 10
+    assert np.count_nonzero(engine.compiled.model.pairs.coupled_count.numpy()) == 1
     return engine

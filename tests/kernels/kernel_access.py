@@ -46,15 +46,33 @@ def _of_python(function: Any) -> Access:
     module = importlib.import_module(function.__module__)
     names = {a.arg for a in tree.args.args}
     found = Access()
+    fields: set[int] = set()  # elements of structs of which a field is set: met on the way to it
+    node: Any
+    element: Any
     for node in ast.walk(tree):
-        if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name) and node.value.id in names:
-            (found.written if isinstance(node.ctx, ast.Store) else found.read).add(node.value.id)
+        stored = isinstance(getattr(node, "ctx", None), ast.Store)
+        if isinstance(node, ast.Attribute) and stored and _is_element(_owner(node), names):
+            element = _owner(node)
+            found.written.add(element.value.id)
+            fields.add(id(element))
+        elif _is_element(node, names) and id(node) not in fields:
+            element = node.value
+            (found.written if stored else found.read).add(element.id)
         elif isinstance(node, ast.AugAssign) and isinstance(node.target, ast.Subscript):
             found.read.add(ast.unparse(node.target.value))
         elif isinstance(node, ast.Call):
             _follow(node, names, module, found)
     found.read &= names
     return found
+
+
+def _owner(node: Any) -> Any:
+    """What the fields `element.field.field` belong to."""
+    return _owner(node.value) if isinstance(node, ast.Attribute) else node
+
+
+def _is_element(node: Any, names: set[str]) -> bool:
+    return isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name) and node.value.id in names
 
 
 def _follow(call: ast.Call, names: set[str], module: ModuleType, found: Access) -> None:

@@ -19,7 +19,7 @@ ROUND_OFF = 1e-12  # relative to the largest entry: sums of some hundred terms
 
 def slots(engine: Engine) -> tuple[np.ndarray, int]:
     """Hats of the window that have a slot, and their number."""
-    count = int(engine.word("SLOTS")[0])
+    count = int(engine.word("slots")[0])
     return engine.work.slot_mode.numpy()[0, :count, 1].copy(), count
 
 
@@ -32,20 +32,20 @@ def hats_of_points(engine: Engine) -> dict[str, np.ndarray]:
     """What `weigh` sums, point by point: every Gauss point adds to four hats of A, and there to four hats of B."""
     m, x = engine.compiled.model, engine.work
     a, b = surfaces(engine)
-    rows, rows_b, NT, NZ = a.grid.rows, b.grid.rows, m.theta_points, m.z_points
+    rows, rows_b, NT, NZ = a.grid.rows, b.grid.rows, m.quadrature.theta_points, m.quadrature.z_points
     NS = (rows - 1) * NZ
-    cells = m.window_columns + 1
+    cells = m.window.columns + 1
     gap = x.point_gap.numpy()[0, 0][: cells * NT * NS].reshape(cells, NT, NS)
     place = x.point_place.numpy()[0, 0][: cells * NT * NS].reshape(cells, NT, NS, 2)
     weight, wrench = x.station.numpy()[0, 0, :, 6], x.station_wrench.numpy()[0, 0]
-    xt, wt = m.theta_abscissa.numpy(), m.theta_weight.numpy()
-    xz = m.z_abscissa.numpy()
-    origin = int(x.center.numpy()[0, 0, 1]) - m.second_half_window
-    low, high = x.window.numpy()[0, 0] + m.half_window
+    xt, wt = m.quadrature.theta_abscissa.numpy(), m.quadrature.theta_weight.numpy()
+    xz = m.quadrature.z_abscissa.numpy()
+    origin = int(x.center.numpy()[0, 0, 1]) - m.window.second_half
+    low, high = x.window.numpy()[0, 0] + m.window.half
     found = {
-        "weak_gap": np.zeros((m.window_columns, rows)), "area": np.zeros((m.window_columns, rows)),
-        "wrench": np.zeros((m.window_columns, rows, 6)),
-        "load": np.zeros((m.window_columns, rows, m.second_columns, rows_b)),
+        "weak_gap": np.zeros((m.window.columns, rows)), "area": np.zeros((m.window.columns, rows)),
+        "wrench": np.zeros((m.window.columns, rows, 6)),
+        "load": np.zeros((m.window.columns, rows, m.window.second_columns, rows_b)),
     }  # fmt: skip
     for cell in range(low, high + 2):
         for t in range(NT):
@@ -73,15 +73,15 @@ def stencils(engine: Engine) -> np.ndarray:
     """Loads on B's hats of the second window under unit pressure hats, (columns, rows, columns of B, rows of B)."""
     m, x = engine.compiled.model, engine.work
     a, b = surfaces(engine)
-    rows, rows_b, SC, SR = a.grid.rows, b.grid.rows, m.stencil_columns, m.stencil_rows
+    rows, rows_b, SC, SR = a.grid.rows, b.grid.rows, m.window.stencil_columns, m.window.stencil_rows
     weight, at = x.stencil.numpy()[0, 0], x.stencil_at.numpy()[0, 0]
-    load = np.zeros((m.mode_capacity, m.second_columns, rows_b + SR))
-    low, high = x.window.numpy()[0, 0] + m.half_window
+    load = np.zeros((m.window.hats, m.window.second_columns, rows_b + SR))
+    low, high = x.window.numpy()[0, 0] + m.window.half
     for i in range(low * rows, (high + 1) * rows):
         if x.area.numpy()[0, 0, i] > 0.0:
             load[i, at[i, 0] : at[i, 0] + SC, at[i, 1] : at[i, 1] + SR] += weight[i].reshape(SC, SR)
     assert not load[:, :, rows_b:].any()
-    return load[: m.window_columns * rows, :, :rows_b].reshape(m.window_columns, rows, m.second_columns, rows_b)
+    return load[: m.window.columns * rows, :, :rows_b].reshape(m.window.columns, rows, m.window.second_columns, rows_b)
 
 
 ASYMMETRY = 1e-3  # of L H L^T: gyroscopic and geometric terms of the outer tangent
@@ -95,10 +95,10 @@ def test_sum_hat(engine: Engine) -> None:
     m, x = engine.compiled.model, engine.work
     expected = hats_of_points(engine)
     rows = surfaces(engine)[0].grid.rows
-    low, high = x.window.numpy()[0, 0] + m.half_window
+    low, high = x.window.numpy()[0, 0] + m.window.half
     inside = slice(low, high + 1)
     for name, shape in (("weak_gap", ()), ("area", ()), ("wrench", (6,))):
-        values = getattr(x, name).numpy()[0, 0][: m.window_columns * rows].reshape(m.window_columns, rows, *shape)
+        values = getattr(x, name).numpy()[0, 0][: m.window.columns * rows].reshape(m.window.columns, rows, *shape)
         assert close(values[inside], expected[name][inside]), name
     assert close(stencils(engine)[inside], expected["load"][inside])
 
@@ -107,31 +107,31 @@ def test_stencil_holds_a_row_that_only_inner_points_reach(engine: Engine) -> Non
     """The lowest row of B under a hat may lie under any of its points: the load of a hat is its area all the same."""
     m, x = engine.compiled.model, engine.work
     a = surfaces(engine)[0]
-    rows, NT = a.grid.rows, m.theta_points
-    NS = (rows - 1) * m.z_points
+    rows, NT = a.grid.rows, m.quadrature.theta_points
+    NS = (rows - 1) * m.quadrature.z_points
     place = x.point_place.numpy().copy()
     changed = place.copy()
-    points = changed[0, 0][: (m.window_columns + 1) * NT * NS].reshape(-1, NT, NS, 2)
+    points = changed[0, 0][: (m.window.columns + 1) * NT * NS].reshape(-1, NT, NS, 2)
     points[..., 1] = 1.0 + 1e-9
     points[:, NT // 2, :, 1] = 1.0 - 1e-9
     names = ("weak_gap", "area", "wrench", "stencil", "stencil_at")
     kept = {name: getattr(x, name).numpy().copy() for name in names}
     x.point_place.assign(changed)
-    engine.control(RUN=1, MOVED=1)
+    engine.control(run=1, moved=1)
     wp.launch_tiled(
         contact_weights.weigh, dim=(1, 1),
         inputs=[engine.compiled.models, x.center, x.window, x.station, x.station_wrench, x.point_gap, x.point_place],
         outputs=[engine.state.ctl, *(getattr(x, name) for name in names)], block_dim=BLOCK, device="cpu",
     )  # fmt: skip
-    failure = int(engine.word("FAILURE")[0])
-    low, high = x.window.numpy()[0, 0] + m.half_window
+    failure = int(engine.word("failure")[0])
+    low, high = x.window.numpy()[0, 0] + m.window.half
     inside = slice(low * rows, (high + 1) * rows)
     load = x.stencil.numpy()[0, 0, inside].sum(axis=1)
     area = x.area.numpy()[0, 0, inside].copy()
     x.point_place.assign(place)
     for name, values in kept.items():
         getattr(x, name).assign(values)
-    engine.control(FAILURE=0)
+    engine.control(failure=0)
     assert failure & int(k.STENCIL) == 0
     assert close(load, area)
 
@@ -141,10 +141,10 @@ def test_couple(engine: Engine) -> None:
     m, x = engine.compiled.model, engine.work
     a, b = surfaces(engine)
     mode, count = slots(engine)
-    load = stencils(engine).reshape(m.window_columns * a.grid.rows, -1)[mode]
-    first = (int(x.center.numpy()[0, 0, 0]) - m.half_window + mode // a.grid.rows) % a.grid.columns
+    load = stencils(engine).reshape(m.window.columns * a.grid.rows, -1)[mode]
+    first = (int(x.center.numpy()[0, 0, 0]) - m.window.half + mode // a.grid.rows) % a.grid.columns
     node = first * a.grid.rows + mode % a.grid.rows
-    second = np.arange(m.second_columns) + int(x.center.numpy()[0, 0, 1]) - m.second_half_window
+    second = np.arange(m.window.second_columns) + int(x.center.numpy()[0, 0, 1]) - m.window.second_half
     node_b = ((second % b.grid.columns)[:, None] * b.grid.rows + np.arange(b.grid.rows)).ravel()
     D_A, D_B = (s.compliance(np.arange(s.grid.columns)) for s in (a, b))
     M_A = np.kron(a.grid.gram_theta(), a.gram_z)[node]
@@ -152,7 +152,7 @@ def test_couple(engine: Engine) -> None:
     J = np.hstack([-M_A @ a.mode_normal, -load @ b.mode_normal[node_b]])
     receptance = x.receptance.numpy()[0]
     G += J * receptance @ J.T
-    found_J = x.J.numpy().reshape(-1, m.pair_modes)[:count, : J.shape[1]]
+    found_J = x.J.numpy().reshape(-1, m.pairs.most_modes)[:count, : J.shape[1]]
     assert close(found_J, J)
     assert close(x.G.numpy()[0, :count, :count], G)
     assert np.linalg.eigvalsh(G).min() > 0.0
@@ -163,8 +163,8 @@ def test_add_outer(engine: Engine) -> None:
     it only sets the rate of convergence."""
     m, x = engine.compiled.model, engine.work
     _, count = slots(engine)
-    N = m.outer_count
-    columns = m.coupled.numpy()[0, : m.coupled_count.numpy()[0]]
+    N = m.outer.count
+    columns = m.pairs.coupled.numpy()[0, : m.pairs.coupled_count.numpy()[0]]
     L = np.zeros((count, N))
     L[:, columns] = x.L.numpy()[0, :count, : len(columns)]
     H = x.inverse_transposed.numpy().reshape(N, N).T
@@ -183,4 +183,4 @@ def test_first_rigid_columns_of_the_gradient(engine: Engine) -> None:
     _, count = slots(engine)
     L = x.L.numpy()[0, :count]
     assert close(L[:, 6:9], -L[:, 0:3])
-    assert m.outer_count == 6 * m.body_count + m.dense_count + m.row_count
+    assert m.outer.count == 6 * m.bodies.count + m.dense.count + m.rows.count

@@ -62,14 +62,14 @@ def stopped(request: pytest.FixtureRequest, body: wf.ReducedBody) -> Engine:
     assert settle(engine)
     engine.initial_rates()
     engine.start()
-    engine.control(EVERY=1)
+    engine.control(every=1)
     engine.enter(k.DYNAMIC, STEP, target=2)
     engine.replay(8)
-    assert engine.word("STATUS")[0] == 0 and engine.word("STEP")[0] == 2
+    assert engine.word("status")[0] == 0 and engine.word("step")[0] == 2
     for _ in range(8):
-        engine.control(RUN=1, MOVED=1, REASSEMBLE=1, REFRESH=1, RECENTER=0, ITERATION=0, FAILURE=0)
+        engine.control(run=1, moved=1, reassemble=1, refresh=1, recenter=0, iteration=0, failure=0)
         engine.graph.iterate()
-    assert engine.word("CHANGES")[0] == 0 and engine.word("CELLS")[0] > 5
+    assert engine.word("changes")[0] == 0 and engine.word("cells")[0] > 5
     return engine
 
 
@@ -77,9 +77,9 @@ def operators(engine: Engine) -> tuple[np.ndarray, ...]:
     """G_c of the active slots and L_n of these, in the order of the last solve; L, V and K without the answer of the
     cells' lines; all over the outer columns."""
     m, x, state = engine.compiled.model, engine.work, engine.state
-    lines, N, width = 2 * int(engine.word("CELLS")[0]), m.outer_count, int(m.coupled_count.numpy()[0])
+    lines, N, width = 2 * int(engine.word("cells")[0]), m.outer.count, int(m.pairs.coupled_count.numpy()[0])
     place = np.zeros((width, N))
-    place[np.arange(width), m.coupled.numpy()[0, :width]] = 1.0
+    place[np.arange(width), m.pairs.coupled.numpy()[0, :width]] = 1.0
     n = int(x.answer_state.numpy()[0, 0])
     order = x.order.numpy()[0, :n]
     hats = x.slot_mode.numpy()[0, order, 1]
@@ -95,8 +95,8 @@ def operators(engine: Engine) -> tuple[np.ndarray, ...]:
 def coupling(engine: Engine) -> np.ndarray:
     """N^T (active slots, lines of the cells) without the outer coordinates: how the gaps open with each traction by the
     local modes, evaluated, and by the global ones."""
-    x, state, width = engine.work, engine.state, engine.compiled.model.pair_modes
-    n, cells = int(x.answer_state.numpy()[0, 0]), int(engine.word("CELLS")[0])
+    x, state, width = engine.work, engine.state, engine.compiled.model.pairs.most_modes
+    n, cells = int(x.answer_state.numpy()[0, 0]), int(engine.word("cells")[0])
     order = x.order.numpy()[0, :n]
     hats = x.slot_mode.numpy()[0, order, 1]
     rows = len(engine.scene.contacts[0].a.surface.grid.z)
@@ -109,12 +109,12 @@ def coupling(engine: Engine) -> np.ndarray:
                 trial = np.zeros_like(kept)
                 trial[0, 0, (m // rows) * 2 * rows + d * rows + m % rows] = size * bound[m]
                 state.traction.assign(trial)
-                engine.control(RUN=1, MOVED=1)
+                engine.control(run=1, moved=1)
                 engine.graph.evaluate()
                 gaps.append(x.opened.numpy()[0, 0, hats])
             found.append((gaps[0] - gaps[1]) / max(bound[m], np.finfo(float).tiny))
     state.traction.assign(kept)
-    engine.control(RUN=1, MOVED=1)
+    engine.control(run=1, moved=1)
     engine.graph.evaluate()
     J_n, J = x.J.numpy().reshape(-1, width)[order], x.cell_J.numpy().reshape(-1, width)[: 2 * cells]
     return np.array(found).T + (J_n * x.receptance.numpy()[0, :width]) @ J.T

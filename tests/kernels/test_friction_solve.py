@@ -10,6 +10,7 @@ from warpffrf_kernels import friction_solve
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import BLOCK
 
+from warpffrf.online.arrays.declaration import host_structs
 from warpffrf.study.friction_program import residual, solve
 
 SAME = 1e-10  # of the largest bound: both stop at 1e-12 of it, and the compliances' condition is below 100
@@ -29,7 +30,7 @@ def device_solve(K, right, bound, start, softness=None) -> tuple[np.ndarray, np.
     """Tractions and control words after one solve on the device."""
     n = len(bound)
     model = Model()
-    model.cell_capacity = n
+    model.capacity.cells = n
 
     def zeros(*shape: int) -> wp.array:
         return wp.zeros((1, *shape), dtype=wp.float64)
@@ -37,9 +38,9 @@ def device_solve(K, right, bound, start, softness=None) -> tuple[np.ndarray, np.
     def put(values) -> wp.array:
         return wp.array(np.asarray(values, float)[None], dtype=wp.float64)
 
-    words = np.zeros((1, k.CTL), np.int32)
-    words[0, int(k.RUN)], words[0, int(k.CELLS)] = 1, n
-    ctl, tau = wp.array(words, dtype=wp.int32), put(start)
+    words = host_structs(k.Control, 1)
+    words["run"], words["cells"] = 1, n
+    ctl, tau = wp.array(words, dtype=k.Control), put(start)
     whole = wp.zeros((1, 2 * n), dtype=wp.int32)
     wp.launch_tiled(
         friction_solve.solve_tractions, dim=(1,), block_dim=BLOCK,
@@ -63,7 +64,7 @@ def test_stick_and_slip_equal_the_convex_program(seed: int, load: float) -> None
     tau, words = device_solve(K, right, bound, generator.normal(size=2 * count))
     loaded = np.repeat(bound > 0.0, 2)
     exact = solve(K[np.ix_(loaded, loaded)], right[loaded].reshape(-1, 2), bound[bound > 0.0]).ravel()
-    assert words[int(k.FAILURE)] == 0
+    assert words["failure"] == 0
     np.testing.assert_allclose(tau[loaded], exact, atol=SAME * bound.max(), rtol=0.0)
     assert np.all(tau[~loaded] == 0.0)
     kept = tau[loaded].reshape(-1, 2)
@@ -83,7 +84,7 @@ def test_tractions_that_all_move_a_free_body(seed: int, common: float) -> None:
     K = compliance(count, generator) + common * np.outer(along, along)
     right, bound = 2.0 * generator.normal(size=2 * count), generator.uniform(0.2, 1.5, count)
     tau, words = device_solve(K, right, bound, -np.repeat(bound, 2) * along)
-    assert words[int(k.FAILURE)] == 0 and words[int(k.SOLVES)] < 80
+    assert words["failure"] == 0 and words["solves"] < 80
     exact = solve(K, right.reshape(-1, 2), bound).ravel()
     np.testing.assert_allclose(tau, exact, atol=STIFF * bound.max(), rtol=0.0)
     stick = np.hypot(*tau.reshape(-1, 2).T) < (1.0 - STIFF) * bound
@@ -95,7 +96,7 @@ def test_a_warm_start_needs_no_factorisation_of_a_solved_problem() -> None:
     K, right, bound = compliance(20, generator), generator.normal(size=40), generator.uniform(0.5, 1.0, 20)
     tau, first = device_solve(K, right, bound, np.zeros(40))
     again, second = device_solve(K, right, bound, tau)
-    assert first[int(k.SOLVES)] > 0 and second[int(k.SOLVES)] == 0
+    assert first["solves"] > 0 and second["solves"] == 0
     np.testing.assert_array_equal(again, tau)
 
 
@@ -106,11 +107,11 @@ def test_softness_is_one_more_compliance_of_each_cell() -> None:
     softness = generator.uniform(0.1, 2.0, 16)
     tau, words = device_solve(K, right, bound, np.zeros(32), softness)
     exact = solve(K + np.diag(np.repeat(softness, 2)), right.reshape(-1, 2), bound).ravel()
-    assert words[int(k.FAILURE)] == 0
+    assert words["failure"] == 0
     np.testing.assert_allclose(tau, exact, atol=SAME, rtol=0.0)
 
 
 def test_an_indefinite_compliance_is_a_failure_of_the_step() -> None:
     K = -np.eye(8)
     _, words = device_solve(K, 0.1 * np.ones(8), np.ones(4), np.zeros(8))
-    assert words[int(k.FAILURE)] & int(k.INDEFINITE)
+    assert words["failure"] & int(k.INDEFINITE)

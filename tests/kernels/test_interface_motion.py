@@ -61,27 +61,27 @@ def test_interfaces_move_as_their_modes_say(engine: Engine) -> None:
     """Phi q; and the mean of Phi q and slope q where loads stiffen the body."""
     x, m = engine.work, engine.compiled
     random = np.random.default_rng(0)
-    q = random.normal(size=m.model.modal_count)
+    q = random.normal(size=m.model.modes.count)
     slope = random.normal(size=m.interface_modes.shape)
     x.q1.assign(q[None])
-    engine.control(RUN=1, MOVED=1)
-    parts = [q[m.modal_start[b] : m.modal_start[b + 1]] for b in m.model.interface_body.numpy()]
+    engine.control(run=1, moved=1)
+    parts = [q[m.modal_start[b] : m.modal_start[b + 1]] for b in m.model.interfaces.body.numpy()]
     straight = [m.interface_modes[i, :, : len(p)] @ p for i, p in enumerate(parts)]
     bent = [slope[i, :, : len(p)] @ p for i, p in enumerate(parts)]
-    start = m.model.interface_stiffening_start.numpy()
+    start = m.model.interfaces.stiffening_start.numpy()
     for stiffened, now, expected in (
         (False, m.interface_modes, straight),
         (True, slope, [0.5 * (a + b) for a, b in zip(straight, bent, strict=True)]),
     ):
         x.slope.assign(now.ravel())
-        m.model.interface_stiffening_start.assign(np.zeros_like(start) if stiffened else start)
+        m.model.interfaces.stiffening_start.assign(np.zeros_like(start) if stiffened else start)
         wp.launch_tiled(
             interfaces.move_interfaces, dim=(1,), inputs=[m.models, engine.state.ctl, x.q1.flatten(), x.slope],
             outputs=[x.interface_motion], block_dim=BLOCK, device="cpu",
         )  # fmt: skip
         found = x.interface_motion.numpy()[0]
         assert found == pytest.approx(np.array(expected), abs=1e-12 * np.abs(expected).max())
-    m.model.interface_stiffening_start.assign(start)
+    m.model.interfaces.stiffening_start.assign(start)
 
 
 @wp.kernel

@@ -16,6 +16,7 @@ from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, real
 
 from warpffrf.model import laws
+from warpffrf.online.arrays.constants import Constants
 from warpffrf.online.compile_layers import fill_layers
 from warpffrf.online.layer_yield import yield_of
 from warpffrf.online.settings import Settings
@@ -58,15 +59,11 @@ def device_model() -> tuple[wp.array, Any]:
     grid = SimpleNamespace(z=np.array([0.0, 1.0]), rows=2, pitch=1.0)
     port = SimpleNamespace(surface=SimpleNamespace(grid=grid, shape=shape))
     contacts = [SimpleNamespace(name="pair", law=law, a=port, evaluation="semi") for law in LAWS]
-
-    def array(values: Any, dtype: Any = wp.float64, shape: Any = None) -> wp.array:
-        data = np.asarray(values, dtype=np.int32 if dtype is int else np.float64)
-        return wp.array(data if shape is None else data.reshape(shape), dtype=wp.int32 if dtype is int else dtype)
-
-    compiler = SimpleNamespace(scene=SimpleNamespace(contacts=contacts), settings=Settings(), notes=[], array=array)
+    scene, fill = SimpleNamespace(contacts=contacts), Constants("cpu").fill
+    compiler = SimpleNamespace(scene=scene, settings=Settings(), notes=[], fill=fill)
     model = Model()
     fill_layers(compiler, model)
-    assert model.layer_count == len(LAWS)
+    assert model.layers.count == len(LAWS)
     assert any("ends at" in note for note in compiler.notes)
     return wp.array([model], dtype=Model), model
 

@@ -4,6 +4,8 @@
 # pyright: reportInvalidTypeForm=false, reportAssignmentType=false, reportGeneralTypeIssues=false
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import warp as wp
@@ -12,6 +14,8 @@ from warpffrf_kernels import outer
 from warpffrf_kernels.contact_solve import factor_and_solve
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, real
+
+from warpffrf.online.arrays.declaration import host_structs
 
 wp.set_module_options(MODULE_OPTIONS)
 DEVICE = "cpu"
@@ -48,10 +52,11 @@ def device(values: np.ndarray, dtype: type = wp.float64) -> wp.array:
 
 
 def models(**values: int) -> wp.array:
-    """A model of which only the named sizes are set."""
+    """A model of which only the named sizes are set, topic__field=size."""
     model = Model()
     for name, value in values.items():
-        setattr(model, name, value)
+        topic, field = name.split("__")
+        setattr(getattr(model, topic), field, value)
     return wp.array([model], dtype=Model, device=DEVICE)
 
 
@@ -84,7 +89,7 @@ def test_cholesky_solve(n: int) -> None:
     solution, bad = device(np.zeros((2, capacity))), device(np.zeros(2, int), int)
     wp.launch_tiled(
         solve, dim=(2,),
-        inputs=[models(slot_capacity=capacity), n, device(np.stack([np.eye(capacity), G])), device(right),
+        inputs=[models(capacity__slots=capacity), n, device(np.stack([np.eye(capacity), G])), device(right),
                 device(np.stack([order, order]), int)],
         outputs=[device(np.zeros((2, capacity, capacity + 1))), solution, bad], block_dim=64, device=DEVICE,
     )  # fmt: skip
@@ -102,7 +107,8 @@ def test_cholesky_names_what_is_not_definite(broken: float) -> None:
     bad = device(np.zeros(1, int), int)
     wp.launch_tiled(
         solve, dim=(1,),
-        inputs=[models(slot_capacity=6), 6, device(G[None]), device(np.ones((1, 6))), device(np.arange(6)[None], int)],
+        inputs=[models(capacity__slots=6), 6, device(G[None]), device(np.ones((1, 6))),
+                device(np.arange(6)[None], int)],
         outputs=[device(np.zeros((1, 6, 7))), device(np.zeros((1, 6))), bad], block_dim=64, device=DEVICE,
     )  # fmt: skip
     assert bad.numpy()[0] == 1
@@ -111,18 +117,19 @@ def test_cholesky_names_what_is_not_definite(broken: float) -> None:
 def inverted(matrix: np.ndarray, bodies: int, rhs: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
     """H, H rhs and the failure bits of `factor_outer`."""
     n = len(matrix)
-    words = np.zeros((1, k.CTL), int)
-    words[0, [int(k.RUN), int(k.MOVED), int(k.REFRESH)]] = 1
-    ctl, transposed, z = device(words, int), device(np.zeros(n * n)), device(np.zeros(n))
+    words = host_structs(k.Control, 1)
+    words["run"] = words["moved"] = words["refresh"] = 1
+    ctl: Any = wp.array(words, dtype=k.Control, device=DEVICE)
+    transposed, z = device(np.zeros(n * n)), device(np.zeros(n))
     wp.launch_tiled(
         outer.factor_outer, dim=(1,),
-        inputs=[models(outer_count=n, body_count=bodies, row_offset=6 * bodies), device(matrix[None]),
+        inputs=[models(outer__count=n, bodies__count=bodies, outer__row_offset=6 * bodies), device(matrix[None]),
                 device(rhs)],
         outputs=[ctl, device(np.zeros((1, n))), device(np.zeros((1, n)), int), device(np.zeros((1, n, n))), transposed,
                  z],
         block_dim=64, device=DEVICE,
     )  # fmt: skip
-    return transposed.numpy().reshape(n, n).T, z.numpy(), int(ctl.numpy()[0, int(k.FAILURE)])
+    return transposed.numpy().reshape(n, n).T, z.numpy(), int(ctl.numpy()["failure"][0])
 
 
 @pytest.mark.parametrize("rows", [0, 1, 5])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import warp as wp
@@ -10,6 +12,7 @@ from warpffrf_kernels import sparse_outer
 from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import BLOCK
 
+from warpffrf.online.arrays.declaration import host_structs
 from warpffrf.online.outer_pattern import GROUND, OuterPattern, find_pattern, on_device
 
 DEVIATION = 1e-13  # of the solution, times the condition number: some hundred times round-off
@@ -69,11 +72,14 @@ def solve(pattern: OuterPattern, A: np.ndarray, b: np.ndarray, refresh: int = 1)
     """z, fallback words and failure bits of `solve_outer`."""
     size = pattern.outer_count
     m = Model()
-    m.outer_count, m.row_offset = size, int(np.flatnonzero(np.diag(A) <= 0.0)[0]) if np.any(np.diag(A) <= 0) else size
+    m.outer.count, m.outer.row_offset = (
+        size,
+        int(np.flatnonzero(np.diag(A) <= 0.0)[0]) if np.any(np.diag(A) <= 0) else size,
+    )
     kept, patterns = on_device(pattern, "cpu")
-    ctl = np.zeros((1, k.CTL), np.int32)
-    ctl[0, [int(k.RUN), int(k.MOVED), int(k.REFRESH)]] = 1, 1, refresh
-    ctl_w = wp.array(ctl, dtype=int)
+    ctl = host_structs(k.Control, 1)
+    ctl["run"], ctl["moved"], ctl["refresh"] = 1, 1, refresh
+    ctl_w: Any = wp.array(ctl, dtype=k.Control)
     sizes = (pattern.factor_size, 2 * pattern.outer_count, BLOCK * pattern.widest)
     scratch = [wp.zeros(max(n, 1), dtype=wp.float64) for n in sizes]
     fallback, z = wp.zeros((1, 2), dtype=int), wp.zeros(size, dtype=wp.float64)
@@ -85,7 +91,7 @@ def solve(pattern: OuterPattern, A: np.ndarray, b: np.ndarray, refresh: int = 1)
                  wp.zeros((1, size, size), dtype=wp.float64), wp.zeros(size * size, dtype=wp.float64), z],
     )  # fmt: skip
     del kept
-    return z.numpy(), fallback.numpy()[0], int(ctl_w.numpy()[0, int(k.FAILURE)])
+    return z.numpy(), fallback.numpy()[0], int(ctl_w.numpy()["failure"][0])
 
 
 @pytest.mark.parametrize("modes, flexible", [(0, False), (0, True), (3, True)])

@@ -74,12 +74,12 @@ def model_of(s: Numbers) -> Model:
     """The caller keeps it: its arrays live as long as it does."""
     m = Model()
     for name, value in (("radius", s.radius), ("side", s.side), ("tangent", s.tangent), ("crown", s.crown)):
-        setattr(m, f"surface_{name}", wp.array([value], dtype=wp.float64, device="cpu"))
+        setattr(m.surfaces, name, wp.array([value], dtype=wp.float64, device="cpu"))
     for name, value in (("planar", s.planar), ("table_start", 0), ("table_count", len(s.coefficients))):
-        setattr(m, f"surface_{name}", wp.array([value], dtype=wp.int32, device="cpu"))
-    m.surface_table_break = wp.array([*s.breaks, 0.0], dtype=wp.float64, device="cpu")
+        setattr(m.surfaces, name, wp.array([value], dtype=wp.int32, device="cpu"))
+    m.surfaces.table_break = wp.array([*s.breaks, 0.0], dtype=wp.float64, device="cpu")
     rows = np.concatenate([s.coefficients, np.zeros((1, 4))])
-    m.surface_table_coefficient = wp.array(rows, dtype=wp.float64, device="cpu")
+    m.surfaces.table_coefficient = wp.array(rows, dtype=wp.float64, device="cpu")
     return m
 
 

@@ -57,7 +57,7 @@ def test_what_is_not_finite_is_named() -> None:
     engine.state.v.assign(values)
     engine.enter(int(k.DYNAMIC), 1e-3)
     engine.replay(40)
-    bits = int(engine.word("STATUS")[0])
+    bits = int(engine.word("status")[0])
     assert bits & int(k.NOT_FINITE)
     said = blame(engine, bits)
     assert "the motion of body 'second' is not finite" in said and "'spring'" not in said
@@ -85,9 +85,9 @@ def test_modes_with_inertia_terms_have_names_too(plain_body: ReducedBody) -> Non
     engine = Engine(scene)
     engine.start()
     m = engine.compiled.model
-    assert m.dense_count > 0
-    for unknown, said in ((6, "deformation of body 'ring'"), (m.row_offset, "reaction of joint 'clamp'")):
-        A = np.diag(np.arange(1.0, m.outer_count + 1.0))[None]
+    assert m.dense.count > 0
+    for unknown, said in ((6, "deformation of body 'ring'"), (m.outer.row_offset, "reaction of joint 'clamp'")):
+        A = np.diag(np.arange(1.0, m.outer.count + 1.0))[None]
         A[0, unknown, unknown] = 0.0
         engine.work.tangent.assign(A)
         assert said in blame(engine, int(k.SINGULAR))

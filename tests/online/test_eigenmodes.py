@@ -156,13 +156,14 @@ def test_differences_agree_with_the_tangent_of_the_step() -> None:
     engine.start()
     linear = linearise(engine)
     acc, vel = 1e6, 1e3
-    engine.control(RUN=1, MOVED=1, REFRESH=1, ITERATION=0)
-    engine.clock(ACC=acc, VEL=vel, H=1e-20, BETA=1.0, GAMMA=0.0, ALPHA_M=1.0, ALPHA_F=0.0)
+    engine.control(run=1, moved=1, refresh=1, iteration=0)
+    engine.clock(h=1e-20)
+    engine.coefficients(acc=acc, vel=vel, beta=1.0, gamma=0.0, alpha_m=1.0, alpha_f=0.0)
     for name in ("dx", "psi"):
         getattr(engine.work, name).zero_()
     engine.graph.iterate()
     full = engine.work.tangent.numpy()[0]
-    rigid = engine.compiled.model.row_rigid.numpy()[: engine.compiled.row_count]
+    rigid = engine.compiled.model.rows.rigid.numpy()[: engine.compiled.row_count]
     soft = 18 + np.flatnonzero(rigid == 0)
     S = full[:18, :18] - full[:18, soft] @ np.linalg.solve(full[np.ix_(soft, soft)], full[soft, :18])
     S = linear.T.T @ S @ linear.T - acc * linear.M  # what springs and joints make, and gyroscopic terms

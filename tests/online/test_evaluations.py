@@ -200,8 +200,8 @@ def test_points_off_the_stations_are_looked_at_in_the_general_way(plain_body) ->
         scene = pressing(body, plain_body, "hyper")
         assert on_stations(scene.contacts[0], ALL_AROUND, ALL_ALONG) == (family == 0)
         model = Engine(scene).compiled.model
-        assert int(model.pair_family.numpy()[0]) == family
-        assert int(model.pair_point_count.numpy()[0]) == points.count
+        assert int(model.pairs.family.numpy()[0]) == family
+        assert int(model.points.count.numpy()[0]) == points.count
 
 
 def test_what_is_refused(plain_body) -> None:

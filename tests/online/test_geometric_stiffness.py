@@ -65,7 +65,7 @@ def evaluated(engine: Engine, q: np.ndarray, dx: np.ndarray, psi: np.ndarray, dq
     work.dx.assign(dx[None])
     work.psi.assign(psi[None])
     work.dq.assign((dq + q)[None])
-    engine.control(MODE=int(k.STATIC), RUN=1, MOVED=1, REFRESH=1, ITERATION=1)
+    engine.control(mode=int(k.STATIC), run=1, moved=1, refresh=1, iteration=1)
     engine.graph.evaluate()
     return np.concatenate([work.residual.numpy()[0], work.modal_residual.numpy()[0]])
 
@@ -74,12 +74,13 @@ def evaluated(engine: Engine, q: np.ndarray, dx: np.ndarray, psi: np.ndarray, dq
 def test_the_tangent_is_that_of_the_residuals(kind: str) -> None:
     scene = chain(kind)
     engine = Engine(scene)
-    engine.clock(H=STEP, BETA=1.0, ACC=1.0 / STEP**2)
-    engine.control(MODE=int(k.STATIC))
+    engine.clock(h=STEP)
+    engine.coefficients(beta=1.0, acc=1.0 / STEP**2)
+    engine.control(mode=int(k.STATIC))
     m, rng = engine.compiled.model, np.random.default_rng(3)
-    B, Q, R = m.body_count, m.modal_count, m.row_count
-    assert m.dense_count == Q
-    reach = np.abs(m.interface_modes.numpy()).max()
+    B, Q, R = m.bodies.count, m.modes.count, m.rows.count
+    assert m.dense.count == Q
+    reach = np.abs(m.interfaces.modes.numpy()).max()
     q = 1e-3 / reach * rng.normal(size=Q)  # interfaces move by a millimetre and turn by a thousandth
     dx, psi = 1e-3 * rng.normal(size=(B, 3)), 1e-3 * rng.normal(size=(B, 3))
     engine.state.lam.assign(rng.normal(size=(1, R)) * 1e3)
@@ -104,7 +105,7 @@ def test_the_tangent_is_that_of_the_residuals(kind: str) -> None:
             ends.append(evaluated(engine, q, moved, turned, modes))
         found[:, i] = (ends[0] - ends[1]) / (2.0 * by)
     elastic = np.zeros((size, size))
-    elastic[6 * B :, 6 * B :] = np.diag(m.stiffness.numpy()[:Q])
+    elastic[6 * B :, 6 * B :] = np.diag(m.modes.stiffness.numpy()[:Q])
     for rows in (slice(0, 6 * B), slice(6 * B, size)):
         for columns in (slice(0, 6 * B), slice(6 * B, size)):
             geometric = (found - elastic)[rows, columns]

@@ -119,7 +119,7 @@ def test_a_run_goes_on_from_the_middle_of_an_impact(block: ReducedBody) -> None:
     sudden = 0
     for steps in (2, 5, 9):
         part = run(scene, steps * h, step=h, local="hht", progress=False)
-        sudden += int(part.checkpoint["ctl"][0, int(k.SUDDEN)] == int(k.IMPULSIVE))
+        sudden += int(part.checkpoint["ctl"]["impulsive"][0] == int(k.IMPULSIVE))
         rest = run(scene, (20 - steps) * h, step=h, start=part, local="hht", progress=False)
         for name in ("r", "v", "q", "qd", "qd_alg", "pressure"):
             assert np.array_equal(rest.checkpoint[name], whole.checkpoint[name]), name
@@ -150,13 +150,13 @@ def test_impacts_together_gain_a_hundredth() -> None:
         force = np.zeros_like(state.pair_force.numpy())
         force[0, 0, 0, 0] = 1.0
         state.pair_force.assign(force)
-        engine.control(EVERY=1, ATTEMPT=1, ACCEPT=0, FAILURE=0, LEVEL=0, SUB=0, STATUS=0)
+        engine.control(every=1, attempt=1, accept=0, failure=0, level=0, sub=0, status=0)
         inputs = [
             engine.compiled.models, state.energy, work.dx, state.pair_force, work.restless, work.wanted,
             work.created_now,
         ]  # fmt: skip
         wp.launch(decide, dim=1, inputs=inputs, outputs=[state.impulsive, state.ctl, state.clk], device="cpu")
-        return bool(engine.word("ACCEPT")[0])
+        return bool(engine.word("accept")[0])
 
     assert not accepted(1.1 * tolerance) and accepted(-1.1 * tolerance)
     gain, total = 0.9 * tolerance, 0.0

@@ -62,9 +62,11 @@ class Evaluated:
             array = getattr(state, name)
             array.assign(size * rng.normal(size=array.numpy().shape))
         h, beta, gamma = 1e-3, 0.3, 0.6
-        engine.control(RUN=1, MOVED=1, REFRESH=1, MODE=0)
-        engine.clock(H=h, BETA=beta, GAMMA=gamma, ALPHA_M=0.0, ALPHA_F=0.0, ACC=1.0 / (beta * h * h),
-                     VEL=gamma / (beta * h))  # fmt: skip
+        engine.control(run=1, moved=1, refresh=1, mode=0)
+        engine.clock(h=h)
+        engine.coefficients(
+            beta=beta, gamma=gamma, alpha_m=0.0, alpha_f=0.0, acc=1.0 / (beta * h * h), vel=gamma / (beta * h)
+        )
 
     def __call__(self, dx: np.ndarray, psi: np.ndarray, dq: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         x = self.engine.work
@@ -112,9 +114,9 @@ def test_kernels_agree_with_the_equations(body: ReducedBody, level: str) -> None
 def differences(e: Evaluated, columns: range) -> tuple[np.ndarray, np.ndarray]:
     """The outer matrix of rigid and dense unknowns, and its `columns` by central differences of the residual."""
     rng = np.random.default_rng(2)
-    Q = e.m.modal_count
+    Q = e.m.modes.count
     dx, psi, dq = rng.normal(size=(1, 3)) * 1e-3, rng.normal(size=(1, 3)) * 0.02, rng.normal(size=Q) * 1e-4
-    size = 6 + e.m.dense_count
+    size = 6 + e.m.dense.count
     e(dx, psi, dq)
     matrix = e.outer_matrix()[:size, :size]
     inverse = e.engine.work.psi_inverse.numpy()[0, 0].reshape(3, 3)
@@ -128,7 +130,7 @@ def differences(e: Evaluated, columns: range) -> tuple[np.ndarray, np.ndarray]:
         else:
             y[column - 6] += amount
         r, m = e(x, p, y)
-        return np.concatenate([r, m[: e.m.dense_count]])
+        return np.concatenate([r, m[: e.m.dense.count]])
 
     found = np.zeros((size, len(columns)))
     for i, column in enumerate(columns):
@@ -142,7 +144,7 @@ def test_tangent_agrees_with_differences(body: ReducedBody) -> None:
     scene = Scene()
     scene.add_body(body, name="a", inertia="full", stiffening=True)
     e = Evaluated(scene)
-    matrix, found = differences(e, range(6 + e.m.dense_count))
+    matrix, found = differences(e, range(6 + e.m.dense.count))
     assert np.all(np.abs(found - matrix).max(axis=0) < DIFFERENCE * np.abs(matrix).max(axis=0))
 
 
@@ -154,7 +156,7 @@ def test_forces_at_an_interface_stiffen(body: ReducedBody) -> None:
         handle = scene.add_body(body, name="a", inertia="full", stiffening=stiffening)
         scene.add(Fixed(scene.ground, handle["bore"]))
         e = Evaluated(scene)
-        matrices.append(differences(e, range(6, 6 + e.m.dense_count)))
+        matrices.append(differences(e, range(6, 6 + e.m.dense.count)))
     added, found = (matrices[0][i] - matrices[1][i] for i in (0, 1))
     added = added[6:, 6:]
     assert np.abs(added).max() > 1e4  # N/m

@@ -126,7 +126,7 @@ def test_the_tangent_of_few_points_is_symmetric_and_not_negative(few: ReducedBod
     model = engine.compiled.model
     sampling = few.contact_surfaces["rim"].sampling
     assert sampling is not None
-    assert layer_points(model) == (model.window_columns + 1) * sampling.count
+    assert layer_points(model) == (model.window.columns + 1) * sampling.count
     assert settle(engine)
     slots = int(np.count_nonzero(engine.work.slot_of.numpy()[0] >= 0))
     assert slots >= 4

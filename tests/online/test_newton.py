@@ -21,7 +21,7 @@ QUADRATIC = 5e3
 
 def residuals(engine: Engine) -> np.ndarray:
     """Residuals of the last attempt, one an iteration, from the second on (the first is not balanced)."""
-    count = int(engine.word("ITERATION")[0])
+    count = int(engine.word("iteration")[0])
     return engine.work.residual_history.numpy()[0, 1 : count + 1].copy()
 
 
@@ -40,7 +40,7 @@ def test_residuals_fall_quadratically(plain_body: ReducedBody, crowned_body: Red
     settings = Settings(window_strain=0.2, residual_tolerance=ROUND_OFF)
     engine = Engine(prescribed_pair(plain_body, second, path, tilt=tilt), settings=settings)
     static(engine)
-    assert engine.word("STATUS")[0] == 0
+    assert engine.word("status")[0] == 0
     r = residuals(engine)
     print(f"{case}: " + " ".join(f"{x:.1e}" for x in r))
     assert len(r) <= 8 and r[-1] <= ROUND_OFF
@@ -79,7 +79,7 @@ def test_one_change_at_a_time_finds_the_same_contact(plain_body: ReducedBody) ->
     free, guarded = (engine.state.pressure.numpy()[0] * engine.state.active.numpy()[0] for engine in engines)
     assert np.array_equal(free > 0.0, guarded > 0.0)
     assert np.abs(free - guarded).max() < 1e-8 * free.max()
-    assert engines[1].word("PENDING_SOLVES")[0] > engines[0].word("PENDING_SOLVES")[0]
+    assert engines[1].word("pending_solves")[0] > engines[0].word("pending_solves")[0]
 
 
 def test_cycling_and_too_few_iterations_are_reported(plain_body: ReducedBody) -> None:
@@ -88,9 +88,9 @@ def test_cycling_and_too_few_iterations_are_reported(plain_body: ReducedBody) ->
     few = Settings(max_inner=1, max_guarded=0, window_strain=0.2)
     engine = Engine(prescribed_pair(plain_body, plain_body, path), settings=few)
     static(engine)
-    assert int(engine.word("STATUS")[0]) & int(k.CYCLING)
+    assert int(engine.word("status")[0]) & int(k.CYCLING)
     engine = Engine(
         prescribed_pair(plain_body, plain_body, path), settings=Settings(max_iterations=1, window_strain=0.2)
     )
     static(engine)
-    assert int(engine.word("STATUS")[0]) & int(k.NOT_CONVERGED)
+    assert int(engine.word("status")[0]) & int(k.NOT_CONVERGED)

@@ -151,8 +151,8 @@ def evaluated(name: str) -> tuple[Scene, Engine]:
     """A case's scene, and an engine whose contact arrays are those of its initial pose."""
     scene = touching(CASES[name])
     engine = Engine(scene, settings=SETTINGS)
-    engine.control(MODE=int(k.STATIC), RUN=1, MOVED=1, REASSEMBLE=1, REFRESH=1, ITERATION=0)
-    engine.clock(USER_STEP=1.0, H=1.0)
+    engine.control(mode=int(k.STATIC), run=1, moved=1, reassemble=1, refresh=1, iteration=0)
+    engine.clock(user_step=1.0, h=1.0)
     engine.graph.evaluate()
     return scene, engine
 
@@ -161,7 +161,7 @@ def evaluated(name: str) -> tuple[Scene, Engine]:
 def test_fields_of_a_pose(name: str) -> None:
     case = CASES[name]
     scene, engine = evaluated(name)
-    assert engine.word("FAILURE")[0] == 0
+    assert engine.word("failure")[0] == 0
     m, work = engine.compiled.model, engine.work
     A, B = scene.bodies
     first, second = A["face"].surface, B["face"].surface
@@ -171,7 +171,7 @@ def test_fields_of_a_pose(name: str) -> None:
     poses = [Pose(b.position, rot.matrix(b.rotation), np.zeros(MODES)) for b in (A, B)]
     place = work.nearest.numpy()[0, 0]
     problem = point_problem(first, second, poses[0], poses[1], columns, place, theta_points=3, z_points=2)
-    at = slice((window[0] + m.half_window) * rows_a, (window[1] + m.half_window + 1) * rows_a)
+    at = slice((window[0] + m.window.half) * rows_a, (window[1] + m.window.half + 1) * rows_a)
     found = {key: getattr(work, key).numpy()[0, 0, at] for key in ("weak_gap", "area", "wrench", "stencil")}
     used = found["area"] > 0.0
     assert np.array_equal(used, problem.area > 0.0) and used.sum() >= 6
@@ -191,9 +191,9 @@ def test_fields_of_a_pose(name: str) -> None:
     load = np.zeros_like(problem.load)
     gb = second.grid
     for i in np.flatnonzero(used):
-        weights = found["stencil"][i].reshape(m.stencil_columns, m.stencil_rows)
+        weights = found["stencil"][i].reshape(m.window.stencil_columns, m.window.stencil_rows)
         for c, r in np.argwhere(weights):
-            column = center[1] - m.second_half_window + stencil_at[i, 0] + c
+            column = center[1] - m.window.second_half + stencil_at[i, 0] + c
             column = column % gb.columns if gb.periodic else column
             if 0 <= column < gb.columns:
                 load[i, column * gb.rows + stencil_at[i, 1] + r] += weights[c, r]
@@ -245,7 +245,7 @@ def test_a_pair_that_is_open_is_looked_for_where_it_is_nearest(name: str) -> Non
         for key, array in poses.items():
             getattr(engine.state, key).assign(array)
         engine.state.active.zero_()
-        engine.control(MODE=int(k.STATIC), RUN=1, MOVED=1, REASSEMBLE=1, REFRESH=1, ITERATION=0, FAILURE=0)
+        engine.control(mode=int(k.STATIC), run=1, moved=1, reassemble=1, refresh=1, iteration=0, failure=0)
         engine.graph.evaluate()
         center, window = engine.work.center.numpy()[0, 0, 0], engine.work.window.numpy()[0, 0]
         theta = grid.theta_start + np.arange(grid.columns) * grid.pitch
@@ -271,7 +271,7 @@ def test_no_pressure_turns_a_body_about_its_own_axle(name: str) -> None:
     A, B = scene.bodies
     m, work = engine.compiled.model, engine.work
     rows, window = A["face"].surface.grid.rows, work.window.numpy()[0, 0]
-    at = slice((window[0] + m.half_window) * rows, (window[1] + m.half_window + 1) * rows)
+    at = slice((window[0] + m.window.half) * rows, (window[1] + m.window.half + 1) * rows)
     wrench = work.wrench.numpy()[0, 0, at] + work.more_wrench.numpy()[0, 0, at]
     wrench = wrench[work.area.numpy()[0, 0, at] > 0.0]
     origin = A.to_world(A.center_of_mass)

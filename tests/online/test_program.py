@@ -12,6 +12,8 @@ import pytest
 import warp as wp
 from warpffrf_kernels import control as k
 from warpffrf_kernels import motion
+from warpffrf_kernels.declaration import Declaration, integers, parts, reals
+from warpffrf_kernels.model import Model
 
 import warpffrf as wf
 from warpffrf.model import laws
@@ -21,8 +23,9 @@ from warpffrf.offline.contact.cubature import choose_sampling
 from warpffrf.online import Engine, Settings
 from warpffrf.online.arrays import Scratch, State
 from warpffrf.online.arrays.axes import NAMES
-from warpffrf.online.arrays.declaration import Arrays, Declaration, integers, parts, reals
-from warpffrf.online.arrays.table import markdown
+from warpffrf.online.arrays.constants import Constants
+from warpffrf.online.arrays.declaration import Arrays, numbers_of
+from warpffrf.online.arrays.table import markdown, topics
 from warpffrf.online.settle import settle
 from warpffrf.online.step import phases
 from warpffrf.online.step.launches import DECLARED, blocks, threads
@@ -88,13 +91,13 @@ def steps(scene: wf.Scene, step: float, poison: bool, **options: Any) -> tuple[d
     assert not scene.contacts or settle(engine)
     engine.initial_rates()
     engine.start()
-    engine.control(EVERY=1)
+    engine.control(every=1)
     engine.enter(k.DYNAMIC, step, target=STEPS)
     for _ in range(4 * STEPS):
         if poison:
             make_unusable(engine)
         engine.replay(1)
-    assert engine.word("STATUS")[0] == 0 and engine.word("STEP")[0] == STEPS
+    assert engine.word("status")[0] == 0 and engine.word("step")[0] == STEPS
     return engine.state.to_numpy(), np.concatenate(engine.rows[0])
 
 
@@ -117,9 +120,9 @@ def test_scratch_carries_nothing_from_step_to_step(name: str, bodies: Bodies) ->
     step = SUDDEN if name == "sudden" else STEP
     clean, rows = steps(SCENES[name](bodies), step, False, **options)
     other, other_rows = steps(SCENES[name](bodies), step, True, **options)
-    assert (clean["ctl"][0, int(k.REPEATED)] > 0) == (name == "sudden")
+    assert (clean["ctl"]["repeated"][0] > 0) == (name == "sudden")
     for key, values in clean.items():
-        assert np.array_equal(values, other[key], equal_nan=True), key
+        assert np.array_equal(numbers_of(values), numbers_of(other[key]), equal_nan=True), key
     assert np.array_equal(rows, other_rows)
 
 
@@ -163,12 +166,12 @@ def test_a_phase_that_is_none_is_refused() -> None:
         ({"nothing": "dx"}, "it has no parameter nothing"),
         ({"dx": "dq"}, "dq does not have the type of parameter dx"),
         ({"dx": "held_ball"}, "held_ball does not have the type of parameter dx"),
-        ({"clk": "T"}, "parameter clk has 2 axes, T is declared with 1"),
+        ({"dx": "applied"}, "parameter dx has 2 axes, applied is declared with 3"),
         ({"when": "nowhere"}, "'nowhere' is no axis"),
     ],
 )
 def test_a_launch_that_does_not_fit_is_refused(given: dict[str, str], message: str) -> None:
-    blocks(motion.predict_bodies, ctl="cell_order")  # another array of the same form fits
+    blocks(motion.predict_bodies, dx="psi", psi="dx")  # other arrays of the same form fit
     with pytest.raises(TypeError, match=message):
         blocks(motion.predict_bodies, **given)
 
@@ -183,11 +186,23 @@ def test_declarations_that_do_not_fit_are_refused() -> None:
     with pytest.raises(TypeError, match="Both: x declared twice"):
         type("Both", (One, Other), {})
     with pytest.raises(ValueError, match="'3 bodies' is no axis"):
-        reals("3 bodies").allocate({"body": 1}, "cpu")
+        reals("3 bodies").shape({"body": 1})
+
+
+def test_constants_that_do_not_fit_each_other_are_refused() -> None:
+    constants, model = Constants("cpu"), Model()
+    constants.fill(model.rows, kind=[0, 1], a=[0, 0], vector=np.zeros((2, 6)))
+    with pytest.raises(TypeError, match="b: 3 entries along 'row', 2 were expected"):
+        constants.fill(model.rows, b=[0, 1, 2])
+    with pytest.raises(TypeError, match="vector: 5 entries along 6, 6 were expected"):
+        constants.fill(model.rows, vector=np.zeros((2, 5)))
+    with pytest.raises(TypeError, match="is no array of 1 axes"):
+        constants.fill(model.rows, j=np.zeros((2, 2)))
 
 
 def test_axes_are_known() -> None:
-    for name, declaration in DECLARED.items():
+    constants = {f"{name}.{array}": d for name, topic in topics().items() for array, d in topic.declarations.items()}
+    for name, declaration in {**DECLARED, **constants}.items():
         for axis in declaration.axes:
             assert isinstance(axis, int) or parts(axis)[1] in NAMES, (name, axis)
 

@@ -85,8 +85,8 @@ def test_a_world_that_is_not_short_keeps_what_is_recorded_of_it(little: None) ->
         e.start()
         e.enter(k.DYNAMIC, STEP, target=0)
         e.save_now()
-        assert not np.any(e.word("STATUS"))
-    assert alone[0].compiled.model.slot_capacity < alone[1].compiled.model.slot_capacity
+        assert not np.any(e.word("status"))
+    assert alone[0].compiled.model.capacity.slots < alone[1].compiled.model.capacity.slots
     for w, e in enumerate(alone):
         np.testing.assert_array_equal(engine.rows[w][0], e.rows[0][0])
 

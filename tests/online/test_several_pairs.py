@@ -53,11 +53,11 @@ def test_a_wide_window_of_one_pair_reaches_the_surface_of_the_other(
     narrow = add_stack(scene, *bodies, "narrow", 1.0, gap=1e-6, load=0.0)
     wide.capacity, narrow.capacity = 160, 12
     model = Engine(scene).compiled.model
-    assert model.half_window >= 20
+    assert model.window.half >= 20
     a, b = narrow.a.surface, narrow.b.surface
-    side = a.shape.radius * np.sin(min((model.half_window + 1) * a.grid.pitch, 0.5 * np.pi))
+    side = a.shape.radius * np.sin(min((model.window.half + 1) * a.grid.pitch, 0.5 * np.pi))
     opposite = np.arcsin(min(side / b.shape.radius, 1.0)) / b.grid.pitch
-    assert model.second_half_window >= opposite
+    assert model.window.second_half >= opposite
 
 
 def test_an_impact_is_noticed_while_another_pair_is_in_contact(plain_body: ReducedBody) -> None:

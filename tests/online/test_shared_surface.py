@@ -183,7 +183,7 @@ def dense_forces(engine: Engine, number: int) -> tuple[np.ndarray, np.ndarray]:
     m, x, s = engine.compiled.model, engine.work, engine.state
     pair, side = divmod(number, 2)
     grid = engine.scene.contacts[pair].ports[side].surface.grid
-    half = m.second_half_window if side else m.half_window
+    half = m.window.second_half if side else m.window.half
     columns = (int(x.center.numpy()[0, pair, side]) - half + np.arange(2 * half + 1)) % grid.columns
     normal, along = np.zeros((grid.columns, grid.rows)), np.zeros((2, grid.columns, grid.rows))
     size = len(columns) * grid.rows
@@ -215,10 +215,10 @@ def test_cells_and_gaps_move_by_the_loads_of_both_pairs(
     assert settle(engine)
     engine.initial_rates()
     engine.start()
-    engine.control(EVERY=1)
+    engine.control(every=1)
     engine.enter(k.DYNAMIC, STEP, target=6)
     engine.replay(24)
-    assert engine.word("STEP")[0] == 6 and not engine.word("STATUS").any()
+    assert engine.word("step")[0] == 6 and not engine.word("status").any()
     m, x = engine.compiled.model, engine.work
     loads = [dense_forces(engine, number) for number in range(4)]
     places = [(port.body.name, port.name) for contact in scene.contacts for port in contact.ports]
@@ -237,36 +237,43 @@ def test_cells_and_gaps_move_by_the_loads_of_both_pairs(
 
     centers = x.center.numpy()[0]
     for pair in range(2):
-        low, high = x.window.numpy()[0, pair] + m.half_window
-        columns = (centers[pair, 0] - m.half_window + np.arange(m.window_columns)) % grid.columns
-        second = (centers[pair, 1] - m.second_half_window + np.arange(m.second_columns)) % grid.columns
+        low, high = x.window.numpy()[0, pair] + m.window.half
+        columns = (centers[pair, 0] - m.window.half + np.arange(m.window.columns)) % grid.columns
+        second = (centers[pair, 1] - m.window.second_half + np.arange(m.window.second_columns)) % grid.columns
         (n_a, t_a), (n_b, t_b) = displaced(2 * pair), displaced(2 * pair + 1)
         inside = slice(low, high + 1)
-        hats = engine.state.active.numpy()[0, pair].reshape(m.window_columns, -1)[:, : grid.rows] != 0
+        hats = engine.state.active.numpy()[0, pair].reshape(m.window.columns, -1)[:, : grid.rows] != 0
         weak = (M @ n_a).reshape(grid.columns, grid.rows)[columns]
-        stencil = x.stencil.numpy()[0, pair].reshape(m.window_columns, grid.rows, m.stencil_columns, m.stencil_rows)
-        at = x.stencil_at.numpy()[0, pair].reshape(m.window_columns, grid.rows, 2)
+        stencil = x.stencil.numpy()[0, pair].reshape(
+            m.window.columns, grid.rows, m.window.stencil_columns, m.window.stencil_rows
+        )
+        at = x.stencil_at.numpy()[0, pair].reshape(m.window.columns, grid.rows, 2)
         on_b = n_b.reshape(grid.columns, grid.rows)[second]
-        opened = (x.opened.numpy() - x.gap.numpy())[0, pair].reshape(m.window_columns, grid.rows)
+        opened = (x.opened.numpy() - x.gap.numpy())[0, pair].reshape(m.window.columns, grid.rows)
         for j, row in np.argwhere(hats):
             c, r = at[j, row]
-            held = stencil[j, row] * np.pad(on_b, ((0, 9), (0, 9)))[c : c + m.stencil_columns, r : r + m.stencil_rows]
+            held = (
+                stencil[j, row]
+                * np.pad(on_b, ((0, 9), (0, 9)))[c : c + m.window.stencil_columns, r : r + m.window.stencil_rows]
+            )
             assert opened[j, row] == pytest.approx(weak[j, row] + held.sum(), rel=ROUND_OFF)
         if friction[pair] == 0.0:
             continue
-        turn = x.cell_turn.numpy()[0, pair].reshape(m.window_columns, grid.rows, 2, 2)
-        share = x.share.numpy()[0, pair].reshape(m.window_columns, grid.rows, m.share_columns, m.share_rows)
-        share_at = x.share_at.numpy()[0, pair].reshape(m.window_columns, grid.rows, 2)
-        found = x.elastic_local.numpy()[0, pair].reshape(m.window_columns, 2, grid.rows)[inside]
+        turn = x.cell_turn.numpy()[0, pair].reshape(m.window.columns, grid.rows, 2, 2)
+        share = x.share.numpy()[0, pair].reshape(
+            m.window.columns, grid.rows, m.window.share_columns, m.window.share_rows
+        )
+        share_at = x.share_at.numpy()[0, pair].reshape(m.window.columns, grid.rows, 2)
+        found = x.elastic_local.numpy()[0, pair].reshape(m.window.columns, 2, grid.rows)[inside]
         expected = t_a[:, columns].transpose(1, 0, 2)[inside].copy()
         wide = np.pad(t_b[:, second], ((0, 0), (0, 9), (0, 9)))
         for j in range(low, high + 1):
             for row in range(grid.rows):
                 c, r = share_at[j, row]
                 if share[j, row].any():
-                    part = wide[:, c : c + m.share_columns, r : r + m.share_rows]
+                    part = wide[:, c : c + m.window.share_columns, r : r + m.window.share_rows]
                     expected[j - low, :, row] -= turn[j, row] @ (share[j, row] * part).sum(axis=(1, 2))
-        loaded = x.bound.numpy()[0, pair].reshape(m.window_columns, grid.rows)[inside].any(axis=1)
+        loaded = x.bound.numpy()[0, pair].reshape(m.window.columns, grid.rows)[inside].any(axis=1)
         assert loaded.sum() >= 2
         np.testing.assert_allclose(found[loaded], expected[loaded], atol=ROUND_OFF * np.abs(expected).max(), rtol=0.0)
 
@@ -292,7 +299,7 @@ def test_room_for_hats_grows_without_a_trace(rubbing_body: ReducedBody, monkeypa
     plain = run(scene, 6 * STEP, step=STEP, start="equilibrium", progress=False)
     monkeypatch.setattr(compile_contact, "LEAST_SLOTS", 1)
     monkeypatch.setattr(compile_contact, "USUAL_PATCH", 10**6)
-    assert Engine(scene).compiled.model.slot_capacity == 3
+    assert Engine(scene).compiled.model.capacity.slots == 3
     grown = run(scene, 6 * STEP, step=STEP, start="equilibrium", progress=False)
     assert plain.status == grown.status == "completed"
     assert grown.counters["rejected_steps"] == plain.counters["rejected_steps"]

@@ -26,8 +26,8 @@ def stepping_engine(scene: Scene, worlds: int, step: float = 1e-4, steps: int = 
     assert settle(engine)
     engine.initial_rates()
     engine.start()
-    engine.control(MODE=int(k.DYNAMIC), STEP=0, SUB=0, LEVEL=0, EVERY=1, TARGET=steps)
-    engine.clock(USER_STEP=step)
+    engine.control(mode=int(k.DYNAMIC), step=0, sub=0, level=0, every=1, target=steps)
+    engine.clock(user_step=step)
     return engine
 
 
@@ -43,8 +43,8 @@ def test_a_failing_world_does_not_stop_the_others(plain_body: ReducedBody, array
     getattr(engine.state, array).assign(values)
     for e in (engine, alone):
         e.replay(400)
-    status = engine.word("STATUS")
-    assert list(status[[0, 2]]) == [0, 0] and list(engine.word("STEP")[[0, 2]]) == [20, 20]
+    status = engine.word("status")
+    assert list(status[[0, 2]]) == [0, 0] and list(engine.word("step")[[0, 2]]) == [20, 20]
     if array != "pressure":  # pressures are found anew in every step
         assert describe(int(status[1]), 0)[0] == "not_finite"
     r = engine.state.r.numpy()
@@ -216,7 +216,7 @@ def test_a_pressure_left_by_a_failed_attempt_does_not_end_the_run(plain_body: Re
     pressure[0, 0, np.flatnonzero(engine.state.active.numpy()[0, 0])] = np.nan
     engine.state.pressure.assign(pressure)
     engine.replay(400)
-    assert engine.word("STATUS")[0] == 0 and engine.word("STEP")[0] == 20
+    assert engine.word("status")[0] == 0 and engine.word("step")[0] == 20
 
 
 def test_a_spring_obeys_its_law_in_every_accepted_state() -> None:
@@ -229,15 +229,15 @@ def test_a_spring_obeys_its_law_in_every_accepted_state() -> None:
     engine = Engine(scene)
     engine.initial_rates()
     engine.start()
-    engine.control(MODE=int(k.DYNAMIC), STEP=0, SUB=0, LEVEL=0, EVERY=1)
-    engine.clock(USER_STEP=1e-2)
+    engine.control(mode=int(k.DYNAMIC), step=0, sub=0, level=0, every=1)
+    engine.clock(user_step=1e-2)
     for step in range(1, 40):
-        engine.control(TARGET=step)
+        engine.control(target=step)
         engine.replay(40)
         force = engine.state.lam.numpy()[0, 0]
         stretch = np.linalg.norm(engine.state.r.numpy()[0, 0]) - length
         assert force == pytest.approx(stiffness * stretch, rel=1e-8, abs=1e-9)
-    assert engine.word("STATUS")[0] == 0
+    assert engine.word("status")[0] == 0
 
 
 def test_ctrl_c_keeps_the_results_so_far(monkeypatch: pytest.MonkeyPatch) -> None:

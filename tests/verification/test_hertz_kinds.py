@@ -98,7 +98,7 @@ def resting(engine: Engine) -> History:
     engine.rates_to_zero()
     for tau in 10.0 ** np.arange(-7.0, -1.0):
         engine.static_step(float(tau))
-        assert not engine.word("STATUS")[0]
+        assert not engine.word("status")[0]
     engine.save_now()
     return history_from_rows(engine.compiled, engine.rows[0])
 

@@ -46,10 +46,10 @@ def refine(engine: Any, given: Mapping[str, np.ndarray]) -> bool:
     """
     refined = [_World(engine, w).refine(given) for w in range(engine.worlds)]
     engine.graph.open_books()
-    if engine.compiled.model.pair_count:  # START left gaps and forces of the end of its tiny step, turned by omega h
-        engine.control(RUN=1, MOVED=1, ITERATION=0)
+    if engine.compiled.model.pairs.count:  # START left gaps and forces of the end of its tiny step, turned by omega h
+        engine.control(run=1, moved=1, iteration=0)
         engine.graph.contact()
-    engine.control(RUN=0, MOVED=0)
+    engine.control(run=0, moved=0)
     return all(refined)
 
 
@@ -59,10 +59,10 @@ class _World:
     def __init__(self, engine: Any, w: int) -> None:
         self.engine, self.w = engine, w
         m = engine.compiled.model
-        self.bodies, self.modes, self.rows = m.body_count, m.modal_count, m.row_count
-        self.rigid = m.row_rigid.numpy()[: self.rows].astype(bool)
-        self.mass = m.mass.numpy()[: self.bodies]
-        self.inertia = m.inertia.numpy()[: self.bodies]
+        self.bodies, self.modes, self.rows = m.bodies.count, m.modes.count, m.rows.count
+        self.rigid = m.rows.rigid.numpy()[: self.rows].astype(bool)
+        self.mass = m.bodies.mass.numpy()[: self.bodies]
+        self.inertia = m.bodies.inertia.numpy()[: self.bodies]
 
     # --- what the state says
 
@@ -95,14 +95,14 @@ class _World:
         `vdot_1 = -vdot_0`."""
         engine = self.engine
         words, reals = engine.state.ctl.numpy().copy(), engine.state.clk.numpy().copy()
-        words[:, int(k.RUN)] = 0  # of the other worlds
-        for word, value in ((k.RUN, 1), (k.MOVED, 1), (k.ITERATION, 0)):
-            words[self.w, int(word)] = value
+        words["run"] = 0  # of the other worlds
+        for word, value in (("run", 1), ("moved", 1), ("iteration", 0)):
+            words[word][self.w] = value
+        reals["h"][self.w], reals["next_time"][self.w] = NEVER, self.time
         for word, value in (
-            (k.H, NEVER), (k.ALPHA_M, 0.0), (k.ALPHA_F, 0.5), (k.BETA, 0.5), (k.GAMMA, 0.0), (k.ACC, 0.0), (k.VEL, 1.0),
-            (k.NEXT_TIME, self.time),
+            ("alpha_m", 0.0), ("alpha_f", 0.5), ("beta", 0.5), ("gamma", 0.0), ("acc", 0.0), ("vel", 1.0),
         ):  # fmt: skip
-            reals[self.w, int(word)] = value
+            reals["outer"][word][self.w] = value
         engine.state.ctl.assign(words)
         engine.state.clk.assign(reals)
         rigid = shift[: 6 * self.bodies].reshape(-1, 6)
@@ -123,12 +123,12 @@ class _World:
         rigid = work.residual.numpy()[w, : 6 * self.bodies].astype(np.float64)
         modal = work.modal_residual.numpy()[w, : self.modes].astype(np.float64)
         m = self.engine.compiled.model
-        if m.pair_count:
-            wrench, body = state.pair_force.numpy()[w, : m.pair_count, 0], m.surface_body.numpy()
-            if m.cell_capacity:
-                wrench = wrench + state.friction_force.numpy()[w, : m.pair_count, 0]
-            for pair in range(m.pair_count):
-                for side, surface in enumerate((m.pair_first.numpy()[pair], m.pair_second.numpy()[pair])):
+        if m.pairs.count:
+            wrench, body = state.pair_force.numpy()[w, : m.pairs.count, 0], m.surfaces.body.numpy()
+            if m.capacity.cells:
+                wrench = wrench + state.friction_force.numpy()[w, : m.pairs.count, 0]
+            for pair in range(m.pairs.count):
+                for side, surface in enumerate((m.pairs.first.numpy()[pair], m.pairs.second.numpy()[pair])):
                     if body[surface] < 0:
                         continue  # the ground
                     at = 6 * body[surface]
@@ -151,8 +151,8 @@ class _World:
         """First and second derivative of the signals of all rows at the present time."""
         m = self.engine.compiled.model
         first, second = np.zeros(self.rows), np.zeros(self.rows)
-        start, breaks, c = (getattr(m, f"signal_{name}").numpy() for name in ("start", "break", "coefficient"))
-        for row, s in enumerate(m.row_signal.numpy()[: self.rows]):
+        start, breaks, c = (getattr(m.signals, name).numpy() for name in ("start", "breaks", "coefficient"))
+        for row, s in enumerate(m.rows.signal.numpy()[: self.rows]):
             if s < 0 or self.time < breaks[start[s]]:
                 continue
             piece = start[s] + np.searchsorted(breaks[start[s] : start[s + 1]], self.time, side="right") - 1
@@ -165,7 +165,7 @@ class _World:
 
     def refine(self, given: Mapping[str, np.ndarray]) -> bool:
         """See `refine`."""
-        self.time = float(self.engine.word("TIME")[self.w])
+        self.time = float(self.engine.word("time")[self.w])
         names = ("v_rate", "omega_rate", "qd_rate")
         V, found = self._of_state("v", "omega", "qd"), self._of_state(*names)
         lam = self.engine.state.lam.numpy()[self.w, : self.rows].copy()
@@ -225,12 +225,12 @@ class _World:
     def _pace(self, V: np.ndarray) -> float:
         """A bound [1/s] of how fast axes turn and distances change by their length."""
         rigid, m = V[: 6 * self.bodies].reshape(-1, 6), self.engine.compiled.model
-        kinds, lengths = m.row_kind.numpy()[: self.rows], self.engine.work.coordinate.numpy()[self.w, : self.rows]
+        kinds, lengths = m.rows.kind.numpy()[: self.rows], self.engine.work.coordinate.numpy()[self.w, : self.rows]
         distances = np.abs(lengths[kinds == int(k.DISTANCE)])
         length = float(min(distances[distances > 0.0], default=scene_length(self.engine.scene)))
         turning = np.linalg.norm(rigid[:, 3:], axis=1).max(initial=0.0)
         moving = np.linalg.norm(rigid[:, :3], axis=1).max(initial=0.0)
-        swinging = np.abs(V[6 * self.bodies :]).sum() * np.abs(m.interface_modes.numpy()).max(initial=0.0)
+        swinging = np.abs(V[6 * self.bodies :]).sum() * np.abs(m.interfaces.modes.numpy()).max(initial=0.0)
         return float(turning + swinging + (moving + swinging) / length)
 
     def _accept(self) -> None:

@@ -64,10 +64,10 @@ def _array(owner: Any, name: str, world: int) -> np.ndarray:
 def largest_force(engine: Any, world: int) -> float:
     """The largest of weight, inertia force, multiplier of a length, and contact force [N]."""
     m, work, state = engine.compiled.model, engine.work, engine.state
-    B, R, P = m.body_count, m.row_count, m.pair_count
+    B, R, P = m.bodies.count, m.rows.count, m.pairs.count
     rate = np.linalg.norm(_array(work, "v1_rate", world)[:B], axis=1)
-    forces = m.mass.numpy()[:B] * (np.linalg.norm(engine.scene.gravity) + rate)
-    lengths = np.isin(m.row_kind.numpy()[:R], (int(k.TRANSLATION), int(k.DISTANCE)))
+    forces = m.bodies.mass.numpy()[:B] * (np.linalg.norm(engine.scene.gravity) + rate)
+    lengths = np.isin(m.rows.kind.numpy()[:R], (int(k.TRANSLATION), int(k.DISTANCE)))
     pulls = np.abs(_array(state, "lam", world)[:R][lengths])
     contact = np.linalg.norm(_array(work, "pair_wrench", world)[:P, :3], axis=1)
     values = np.concatenate([forces, pulls, contact])
@@ -76,13 +76,13 @@ def largest_force(engine: Any, world: int) -> float:
 
 def _bodies(engine: Any, world: int) -> list[Residual]:
     m, work, found = engine.compiled.model, engine.work, []
-    residual = _array(work, "residual", world)[: 6 * m.body_count].reshape(-1, 6)
-    mass, inertia = m.mass.numpy(), m.inertia.numpy()
+    residual = _array(work, "residual", world)[: 6 * m.bodies.count].reshape(-1, 6)
+    mass, inertia = m.bodies.mass.numpy(), m.bodies.inertia.numpy()
     scale = largest_force(engine, world)
-    modal = np.abs(_array(work, "modal_residual", world)[: m.modal_count])
-    elastic = np.abs(m.stiffness.numpy()[: m.modal_count] * _array(work, "q1", world)[: m.modal_count])
-    pairs = np.abs(_array(engine.state, "pair_modal", world)[: m.pair_count, 1]).ravel()
-    loads = np.concatenate([elastic, np.abs(_array(work, "qd1_rate", world)[: m.modal_count]), pairs])
+    modal = np.abs(_array(work, "modal_residual", world)[: m.modes.count])
+    elastic = np.abs(m.modes.stiffness.numpy()[: m.modes.count] * _array(work, "q1", world)[: m.modes.count])
+    pairs = np.abs(_array(engine.state, "pair_modal", world)[: m.pairs.count, 1]).ravel()
+    loads = np.concatenate([elastic, np.abs(_array(work, "qd1_rate", world)[: m.modes.count]), pairs])
     modal_scale = float(max(loads[np.isfinite(loads)], default=0.0)) + NO_FORCE
     starts = engine.compiled.modal_start
     for i, body in enumerate(engine.scene.bodies):
@@ -105,8 +105,8 @@ def _bodies(engine: Any, world: int) -> list[Residual]:
 
 def _rows(engine: Any, world: int) -> list[Residual]:
     m, work, found = engine.compiled.model, engine.work, []
-    defect, softness = (_array(work, name, world)[: m.row_count] for name in ("defect", "softness"))
-    kinds, rigid = m.row_kind.numpy(), m.row_rigid.numpy()
+    defect, softness = (_array(work, name, world)[: m.rows.count] for name in ("defect", "softness"))
+    kinds, rigid = m.rows.kind.numpy(), m.rows.rigid.numpy()
     scale = largest_force(engine, world)
     for row, owner in enumerate(row_owners(engine)):
         if not np.isfinite(defect[row]):
@@ -122,7 +122,7 @@ def _rows(engine: Any, world: int) -> list[Residual]:
 
 def _pairs(engine: Any, world: int) -> list[Residual]:
     m, work, found = engine.compiled.model, engine.work, []
-    if not m.pair_count:
+    if not m.pairs.count:
         return found
     opened, area = _array(work, "opened", world), _array(work, "area", world)
     active = _array(engine.state, "active", world) != 0
@@ -144,7 +144,7 @@ def _at_pair(engine: Any, bits: int, world: int) -> str:
     if len(contacts) == 1:
         return f"at contact {contacts[0].name!r}"
     if bits & int(k.CAPACITY):
-        H = engine.compiled.model.half_window
+        H = engine.compiled.model.window.half
         window = _array(engine.work, "window", world)[: len(contacts)]
         widest = [c.name for c, (low, high) in zip(contacts, window, strict=True) if low <= -H or high >= H]
         if widest:
@@ -156,20 +156,20 @@ def _at_pair(engine: Any, bits: int, world: int) -> str:
 def _undetermined(engine: Any, world: int) -> str:
     """Names what the singular system leaves open: the row or body that its singular vector is largest in."""
     m = engine.compiled.model
-    if not 0 < m.outer_count <= LARGEST_SYSTEM:
+    if not 0 < m.outer.count <= LARGEST_SYSTEM:
         return ""
-    A = _array(engine.work, "tangent", world)[: m.outer_count, : m.outer_count]
+    A = _array(engine.work, "tangent", world)[: m.outer.count, : m.outer.count]
     if not np.all(np.isfinite(A)):
         return ""
     scale = 1.0 / np.sqrt(np.where(np.diag(A) > 0.0, np.diag(A), 1.0))
-    scale[m.row_offset :] = 1.0
+    scale[m.outer.row_offset :] = 1.0
     rows = np.linalg.norm(A * scale, axis=1)
-    scale[m.row_offset :] = 1.0 / np.where(rows > 0.0, rows, 1.0)[m.row_offset :]
+    scale[m.outer.row_offset :] = 1.0 / np.where(rows > 0.0, rows, 1.0)[m.outer.row_offset :]
     vector = np.abs(np.linalg.svd(scale[:, None] * A * scale)[2][-1])
     at = int(np.argmax(vector))
-    if at < 6 * m.body_count:
+    if at < 6 * m.bodies.count:
         return f"nothing determines the motion of body {engine.scene.bodies[at // 6].name!r}"
-    if at < m.row_offset:
-        body = int(m.dense_body.numpy()[at - 6 * m.body_count])
+    if at < m.outer.row_offset:
+        body = int(m.dense.body.numpy()[at - 6 * m.bodies.count])
         return f"nothing determines the deformation of body {engine.scene.bodies[body].name!r}"
-    return f"nothing determines the reaction of {row_owners(engine)[at - m.row_offset]}"
+    return f"nothing determines the reaction of {row_owners(engine)[at - m.outer.row_offset]}"

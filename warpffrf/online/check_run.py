@@ -12,7 +12,7 @@ import time
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels import control as k
+from warpffrf_kernels.control import Clock
 
 from warpffrf.model.errors import InputError, require_count
 from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
@@ -20,6 +20,7 @@ from warpffrf.model.progress import Progress
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.online import energy_momentum, runge_kutta
+from warpffrf.online.arrays.declaration import host_structs
 from warpffrf.online.checkpoint import is_dynamic, time_of
 from warpffrf.online.compile_forces import ForceTable
 from warpffrf.online.compile_inertia import InertiaPlan
@@ -191,8 +192,8 @@ def _checkpoint(states: list[Motion], energy: list[float], t: float) -> dict[str
     found = {name: np.array([[getattr(s, field) for s in states]]) for name, field in _FIELDS.items()}
     for name in ("q", "qd"):
         found[name] = np.concatenate([np.zeros(0), *(getattr(s, name) for s in states)])[None]
-    clock = np.zeros((1, int(k.CLK)))
-    clock[0, int(k.TIME)] = t
+    clock = host_structs(Clock, 1)
+    clock["time"] = t
     return {**found, "energy": np.array([[energy, energy]]), "clk": clock, "stretch": np.zeros((1, 0))}
 
 

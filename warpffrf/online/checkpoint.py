@@ -15,6 +15,7 @@ import numpy as np
 from warpffrf_kernels import control as k
 
 from warpffrf.model.errors import InputError
+from warpffrf.online.arrays.declaration import numbers_of
 from warpffrf.online.engine import Engine
 
 SAME_STEP = 1e-9  # relative: steps that differ by less were meant to be the same
@@ -23,13 +24,13 @@ SAME_STEP = 1e-9  # relative: steps that differ by less were meant to be the sam
 def is_dynamic(checkpoint: Mapping[str, Any]) -> bool:
     """Whether the checkpoint is of a run in time; False: of a static state, where velocities are still to be set."""
     words = checkpoint.get("ctl")
-    return words is None or bool(np.all(np.asarray(words)[:, int(k.MODE)] == int(k.DYNAMIC)))
+    return words is None or bool(np.all(np.asarray(words)["mode"] == int(k.DYNAMIC)))
 
 
 def time_of(checkpoint: Mapping[str, Any]) -> float:
     """The time [s] at which a checkpoint was taken; 0 of one that does not say (it is refused elsewhere)."""
-    clock = np.asarray(checkpoint.get("clk", np.zeros((0, 0))))
-    return float(clock[0, int(k.TIME)]) if clock.ndim == 2 and clock.size > int(k.TIME) else 0.0
+    clock = np.asarray(checkpoint.get("clk", np.zeros(0)))
+    return float(clock["time"][0]) if "time" in (clock.dtype.names or ()) else 0.0
 
 
 def check_checkpoint(present: Mapping[str, np.ndarray], checkpoint: Mapping[str, Any], label: str) -> None:
@@ -60,7 +61,7 @@ def check_checkpoint(present: Mapping[str, np.ndarray], checkpoint: Mapping[str,
                 f"{array.dtype}{array.shape}: another scene or device; {cure}"
             )
     for name in ("clk", "r", "p", "q"):
-        if not np.all(np.isfinite(checkpoint[name])):
+        if not np.all(np.isfinite(numbers_of(checkpoint[name]))):
             raise InputError(f"{label}: {name} of the checkpoint holds NaN or infinite numbers: it is damaged; {cure}")
 
 
@@ -72,13 +73,13 @@ def restore(engine: Engine, checkpoint: Mapping[str, Any], step: float, label: s
     """
     check_checkpoint(engine.state.to_numpy(), checkpoint, label)
     engine.state.assign(dict(checkpoint))
-    engine.drained = engine.word("SAVED")
-    if np.any(engine.word("STATUS") & int(k.GAIN)):  # what was made up to there is no reason to end again
-        engine.clock(LEAST=engine.state.made.numpy().sum(axis=1))
-    engine.control(STATUS=0, REASON=0, AGAIN=0, SPELL=0)  # an attempt that was to be repeated is made anew
-    if np.isclose(engine.word("USER_STEP")[0], step, rtol=SAME_STEP):
-        return int(engine.word("STEP")[0])
+    engine.drained = engine.word("saved")
+    if np.any(engine.word("status") & int(k.GAIN)):  # what was made up to there is no reason to end again
+        engine.clock(least=engine.state.made.numpy().sum(axis=1))
+    engine.control(status=0, reason=0, again=0, spell=0)  # an attempt that was to be repeated is made anew
+    if np.isclose(engine.word("user_step")[0], step, rtol=SAME_STEP):
+        return int(engine.word("step")[0])
     # time is counted in steps from START_TIME: begin a new count here
-    engine.clock(START_TIME=float(engine.word("TIME")[0]), USER_STEP=step)
-    engine.control(STEP=0, SUB=0, LEVEL=0)
+    engine.clock(start_time=float(engine.word("time")[0]), user_step=step)
+    engine.control(step=0, sub=0, level=0)
     return 0

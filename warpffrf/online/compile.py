@@ -15,6 +15,7 @@ from warpffrf_kernels.model import Model
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.slopes import leanings, leant
+from warpffrf.online.arrays.constants import Constants
 from warpffrf.online.compile_contact import fill_pairs
 from warpffrf.online.compile_forces import ForceTable, compile_forces, fill_forces
 from warpffrf.online.compile_friction import fill_friction
@@ -24,7 +25,7 @@ from warpffrf.online.compile_layers import LAYER_ITERATIONS, fill_layers
 from warpffrf.online.compile_shared import fill_shared
 from warpffrf.online.compile_surfaces import fill_surfaces
 from warpffrf.online.local_dynamics import FOLLOWS, LocalDynamics, LocalPlan
-from warpffrf.online.settings import LARGEST_INDEX, Settings
+from warpffrf.online.settings import Settings
 
 
 @dataclass
@@ -60,7 +61,7 @@ class CompiledScene:
     """Device constants of a scene and the host-side map from rows and surfaces back to names."""
 
     scene: Any
-    model: Any  # warpffrf_kernels.model.Model
+    model: Model
     models: wp.array  # the same as a device array of one entry: kernels read it by address, launches stay small
     device: str
     joints: JointTable  # rows of each joint, drives included, and those left out
@@ -77,14 +78,16 @@ class CompiledScene:
     def enlarge(self, slots: int) -> None:
         """Room for `slots` hats in play, and cells where there is friction; scratch arrays are to be made anew."""
         m = self.model
-        m.slot_capacity = slots
-        m.cell_capacity = slots + self.cell_margin if m.cell_capacity else 0
+        m.capacity.slots = slots
+        m.capacity.cells = slots + self.cell_margin if m.capacity.cells else 0
         self.models = wp.array([m], dtype=Model, device=self.device)
 
 
 class _Compiler:
     def __init__(self, scene: Any, settings: Settings, device: str, local: LocalDynamics) -> None:
         self.scene, self.settings, self.device = scene, settings, device
+        self.constants = Constants(device)
+        self.fill = self.constants.fill
         self.rows = Rows()
         self.markers: list[tuple[int, int, np.ndarray, np.ndarray]] = []
         self.signals: list[tuple[np.ndarray, np.ndarray]] = []
@@ -116,21 +119,6 @@ class _Compiler:
         self.signals.append(signal.polynomial())
         return len(self.signals) - 1
 
-    def array(self, values: Any, dtype: Any = wp.float64, shape: tuple[int, ...] | None = None) -> wp.array:
-        """Device array; an empty one gets a single unused entry, so that kernels can be given it."""
-        kind = np.int32 if dtype is int or dtype is wp.int32 else np.float64
-        data = np.ascontiguousarray(values, dtype=kind)
-        if shape is not None:
-            data = data.reshape(shape)
-        if data.size > LARGEST_INDEX:
-            raise InputError(
-                f"scene: a table of {data.size} numbers is needed, at most {LARGEST_INDEX} can be indexed; reduce with "
-                "a coarser traction_spacing"
-            )
-        if data.size == 0:
-            data = np.zeros([max(n, 1) for n in data.shape], kind)
-        return wp.array(data, dtype=wp.int32 if kind is np.int32 else dtype, device=self.device)
-
     # --- the whole
 
     def compile(self) -> CompiledScene:
@@ -150,16 +138,16 @@ class _Compiler:
                 self.surfaces.append((port.body, surface))
                 self.places.append(place)
         modal_start = np.cumsum([0, *self.mode_counts])
-        m.body_count, m.modal_count, m.row_count = len(bodies), int(modal_start[-1]), len(self.rows)
+        self.fill(
+            m.bodies, count=len(bodies), mass=[b.mass for b in bodies], inertia=[b.inertia for b in bodies],
+            modal_start=modal_start, global_count=[b.mode_count for b in bodies],
+        )  # fmt: skip
+        m.modes.count, m.rows.count = int(modal_start[-1]), len(self.rows)
         fill_inertia(self, m)
-        m.row_offset = 6 * m.body_count + m.dense_count
-        m.outer_count = m.row_offset + m.row_count
-        m.pair_count = len(scene.contacts)
-        m.gravity = wp.vec3d(*scene.gravity)
-        m.length = self._length()
-        m.mass = self.array([b.mass for b in bodies])
-        m.inertia = self.array([b.inertia for b in bodies], wp.mat33d, (-1, 3, 3))
-        m.modal_start = self.array(modal_start, int)
+        m.outer.row_offset = 6 * m.bodies.count + m.dense.count
+        m.outer.count = m.outer.row_offset + m.rows.count
+        m.pairs.count = len(scene.contacts)
+        self.fill(m, gravity=wp.vec3d(*scene.gravity), length=self._length())
         self._modes(m)
         modes = self._interfaces(m)
         stiffened = fill_stiffening(self, m)
@@ -170,13 +158,12 @@ class _Compiler:
         fill_shared(self, m)
         fill_friction(self, m)
         fill_layers(self, m)
-        m.residual_tolerance = settings.residual_tolerance
-        m.max_iterations = settings.max_iterations * (LAYER_ITERATIONS if m.layer_count else 1)
-        m.max_inner = settings.max_inner
-        m.max_guarded = settings.max_guarded
-        m.max_level = settings.max_level
-        m.energy_tolerance = settings.energy_tolerance
-        m.most_made = settings.most_made
+        self.fill(
+            m.limits, residual_tolerance=settings.residual_tolerance, energy_tolerance=settings.energy_tolerance,
+            max_iterations=settings.max_iterations * (LAYER_ITERATIONS if m.layers.count else 1),
+            max_inner=settings.max_inner, max_guarded=settings.max_guarded, max_level=settings.max_level,
+            most_made=settings.most_made,
+        )  # fmt: skip
         return CompiledScene(
             scene, m, wp.array([m], dtype=Model, device=self.device), self.device, self.joint_table, self.force_table,
             len(self.rows), modal_start, modes, stiffened, self.local, self.inertia, self.cell_margin,
@@ -190,7 +177,7 @@ class _Compiler:
         places = [b.to_world(b.center_of_mass) for b in self.scene.bodies] + [marker[2] for marker in self.markers]
         return max([*sizes, *(float(np.linalg.norm(place)) for place in places)]) or 1.0
 
-    def _modes(self, m: Any) -> None:
+    def _modes(self, m: Model) -> None:
         """Stiffness and damping of all modes: of each body the global ones, then its dynamic local ones."""
         local, empty = self.local, [np.zeros(0)]
         omega, ratios, kinds, reach = list(empty), list(empty), list(empty), list(empty)
@@ -204,16 +191,15 @@ class _Compiler:
             kinds += [np.full(body.mode_count, FOLLOWS), np.full(n, local.options.kind)]
             reach.append(np.zeros(n))  # the accuracy asked for is that of the motion, not of the stiff modes
         w = np.concatenate(omega)
-        m.stiffness, m.damping = self.array(w**2), self.array(2.0 * np.concatenate(ratios) * w)
-        m.mode_kind = self.array(np.concatenate(kinds), int)
-        m.top_frequency = float(np.max(w, initial=0.0))
         own = np.concatenate(kinds) != FOLLOWS
-        m.dynamic_count = int(np.count_nonzero(own))
-        m.outer_frequency = float(np.max(w[~own], initial=0.0))
-        m.mode_reach = self.array(np.concatenate(reach))
+        self.fill(
+            m.modes, stiffness=w**2, damping=2.0 * np.concatenate(ratios) * w, kind=np.concatenate(kinds),
+            reach=np.concatenate(reach), dynamic_count=int(np.count_nonzero(own)),
+            top_frequency=float(np.max(w, initial=0.0)), outer_frequency=float(np.max(w[~own], initial=0.0)),
+        )  # fmt: skip
         self.notes.extend(local.notes)
 
-    def _interfaces(self, m: Any) -> np.ndarray:
+    def _interfaces(self, m: Model) -> np.ndarray:
         bodies = self.scene.bodies
         count = max(len(self.interfaces), 1)
         points = np.zeros((count, 3))
@@ -222,27 +208,20 @@ class _Compiler:
             interface = bodies[body].reduced.interfaces[name]
             points[i] = interface.point - bodies[body].center_of_mass
             modes[i, :, : bodies[body].mode_count] = interface.modes.T
-        m.interface_point = self.array(points, wp.vec3d)
-        m.global_count, m.interface_width = self.array([b.mode_count for b in bodies], int), modes.shape[2]
-        m.interface_modes = self.array(modes.ravel())
-        m.interface_reach = self.array(np.abs(modes).max(axis=2))
+        self.fill(
+            m.interfaces, point=points, width=modes.shape[2], modes=modes.ravel(), reach=np.abs(modes).max(axis=2)
+        )
         return modes
 
-    def _markers_rows_signals(self, m: Any) -> None:
-        m.marker_body = self.array([x[0] for x in self.markers], int)
-        m.marker_interface = self.array([x[1] for x in self.markers], int)
-        m.marker_point = self.array([x[2] for x in self.markers], wp.vec3d, (-1, 3))
-        m.marker_axes = self.array([x[3] for x in self.markers], wp.mat33d, (-1, 3, 3))
-        rows = self.rows
-        for name in rows.__dataclass_fields__:
-            dtype = wp.float64 if name in ("stiffness", "damping", "reference", "preload") else int
-            setattr(m, f"row_{name}", self.array(getattr(rows, name), dtype))
-        start = np.cumsum([0] + [len(c) for _, c in self.signals])
-        m.signal_start = self.array(start, int)
-        m.signal_break = self.array(np.concatenate([np.zeros(0)] + [b[: len(c)] for b, c in self.signals]))
-        m.signal_coefficient = self.array(
-            np.concatenate([np.zeros((0, 8))] + [c for _, c in self.signals]), shape=(-1, 8)
-        )
+    def _markers_rows_signals(self, m: Model) -> None:
+        body, interface, point, axes = zip(*self.markers, strict=True) if self.markers else ([], [], [], [])
+        self.fill(m.markers, body=body, interface=interface, point=point, axes=axes)
+        self.fill(m.rows, **vars(self.rows))
+        self.fill(
+            m.signals, start=np.cumsum([0] + [len(c) for _, c in self.signals]),
+            breaks=np.concatenate([np.zeros(0)] + [b[: len(c)] for b, c in self.signals]),
+            coefficient=np.concatenate([np.zeros((0, 8))] + [c for _, c in self.signals]),
+        )  # fmt: skip
 
 
 def compile_scene(scene: Any, settings: Settings, device: str, local: LocalDynamics | None = None) -> CompiledScene:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from warpffrf_kernels import control as k
 from warpffrf_kernels.contact_geometry import GUARD
+from warpffrf_kernels.model import Model
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.compile_inertia import dense_columns
@@ -32,19 +33,16 @@ LEAST_SLOTS, USUAL_PATCH = 64, 4
 SKEW = 0.02  # rad between the axes: the line of centres drops terms of the order of its square, 4e-4
 
 
-def fill_pairs(compiler: Any, m: Any) -> None:
+def fill_pairs(compiler: Any, m: Model) -> None:
     """Quadrature, windows and stencils of the pairs, and the outer columns that their gaps depend on."""
     _fill_quadrature(compiler, m)
     contacts = compiler.scene.contacts
-    m.pair_first = compiler.array(np.arange(0, 2 * m.pair_count, 2), int)
-    m.pair_second = compiler.array(np.arange(1, 2 * m.pair_count, 2), int)
-    pairs = [(compiler.surfaces[2 * i], compiler.surfaces[2 * i + 1]) for i in range(m.pair_count)]
+    pairs = [(compiler.surfaces[2 * i], compiler.surfaces[2 * i + 1]) for i in range(m.pairs.count)]
     turned = [between_axes(contact) for contact in contacts]
     families = [
         family_of(compiler, contact, a, b, angle)
         for contact, ((_, a), (_, b)), angle in zip(contacts, pairs, turned, strict=True)
     ]
-    m.pair_family = compiler.array(families, int)
     halves = [
         _half_window(compiler, contact, a, b, angle)
         for contact, ((_, a), (_, b)), angle in zip(contacts, pairs, turned, strict=True)
@@ -73,17 +71,16 @@ def fill_pairs(compiler: Any, m: Any) -> None:
         slots += most if contact.capacity is not None else min(most, max(LEAST_SLOTS, hats // USUAL_PATCH))
         coupled.append(_coupled_columns(compiler, m, body_a, body_b))
     second_half = max(second_half, stencil[0])  # also the window of a rigid surface holds a stencil
-    m.half_window, m.window_columns, m.max_rows = half, 2 * half + 1, rows
-    m.mode_capacity = m.window_columns * rows
-    m.stencil_columns, m.stencil_rows = stencil
-    m.second_half_window, m.second_columns = second_half, 2 * second_half + 1
-    m.node_capacity = m.second_columns * second_rows
-    m.pair_modes = pair_modes
-    m.slot_capacity, m.slot_limit = slots, limit
-    m.coupled_capacity = max([len(c) for c in coupled], default=1)
-    if m.coupled_capacity > k.MOST_COUPLED_COLUMNS:
+    compiler.fill(
+        m.window, half=half, columns=2 * half + 1, rows=rows, hats=(2 * half + 1) * rows,
+        second_half=second_half, second_columns=2 * second_half + 1, nodes=(2 * second_half + 1) * second_rows,
+        stencil_columns=stencil[0], stencil_rows=stencil[1],
+    )  # fmt: skip
+    m.capacity.slots, m.capacity.slot_limit = slots, limit
+    most_coupled = max([len(c) for c in coupled], default=1)
+    if most_coupled > k.MOST_COUPLED_COLUMNS:
         raise InputError(
-            f"scene: the gap of a contact pair depends on {m.coupled_capacity} outer columns, at most "
+            f"scene: the gap of a contact pair depends on {most_coupled} outer columns, at most "
             f"{k.MOST_COUPLED_COLUMNS}: fewer modes with inertia terms, see the inertia levels of its bodies"
         )
     if stencil[0] * stencil[1] > k.MOST_STENCIL:
@@ -91,10 +88,11 @@ def fill_pairs(compiler: Any, m: Any) -> None:
             f"scene: a hat of a contact's first grid covers {stencil[0]} x {stencil[1]} nodes of the second, at "
             f"most {k.MOST_STENCIL}: swap the two surfaces, or give the second a coarser traction_spacing"
         )
-    m.coupled_count = compiler.array([len(c) for c in coupled], int)
-    m.coupled = compiler.array(
-        [c + [0] * (m.coupled_capacity - len(c)) for c in coupled], int, (-1, m.coupled_capacity)
-    )
+    compiler.fill(
+        m.pairs, first=np.arange(0, 2 * m.pairs.count, 2), second=np.arange(1, 2 * m.pairs.count, 2), family=families,
+        most_modes=pair_modes, coupled_capacity=most_coupled, coupled_count=[len(c) for c in coupled],
+        coupled=[c + [0] * (most_coupled - len(c)) for c in coupled],
+    )  # fmt: skip
     rules = [
         rule_of(contact, family == AT_POINTS, compiler.settings.theta_points, compiler.settings.z_points)
         for contact, family in zip(contacts, families, strict=True)
@@ -132,13 +130,12 @@ def _require_common_width(compiler: Any, contact: Any, a: Any, b: Any) -> None:
         )
 
 
-def _fill_quadrature(compiler: Any, m: Any) -> None:
+def _fill_quadrature(compiler: Any, m: Model) -> None:
     settings = compiler.settings
     for name, count in (("theta", settings.theta_points), ("z", settings.z_points)):
         x, weight = np.polynomial.legendre.leggauss(count)
-        setattr(m, f"{name}_points", count)
-        setattr(m, f"{name}_abscissa", compiler.array(0.5 * (x + 1.0)))
-        setattr(m, f"{name}_weight", compiler.array(0.5 * weight))
+        found = {"points": count, "abscissa": 0.5 * (x + 1.0), "weight": 0.5 * weight}
+        compiler.fill(m.quadrature, **{f"{name}_{what}": value for what, value in found.items()})
 
 
 def _moving(*bodies: Any) -> list[Any]:
@@ -146,7 +143,7 @@ def _moving(*bodies: Any) -> list[Any]:
     return [body for body in bodies if body.index >= 0]
 
 
-def _coupled_columns(compiler: Any, m: Any, body_a: Any, body_b: Any) -> list[int]:
+def _coupled_columns(compiler: Any, m: Model, body_a: Any, body_b: Any) -> list[int]:
     """Outer columns that the gap of a pair depends on: of its bodies, their modes with inertia terms, and the rows that
     end on one of their flexible interfaces. The ground has none: those of A stand for them, with a gradient of zero."""
     moving = _moving(body_a, body_b)
@@ -154,7 +151,7 @@ def _coupled_columns(compiler: Any, m: Any, body_a: Any, body_b: Any) -> list[in
     rigid = [6 * index + c for index in (own if len(own) == 2 else 2 * own) for c in range(6)]
     markers = [body in own and interface >= 0 for body, interface, *_ in compiler.markers]
     ends = zip(compiler.rows.a, compiler.rows.b, strict=True)
-    touching = [m.row_offset + r for r, (a, b) in enumerate(ends) if markers[a] or markers[b]]
+    touching = [m.outer.row_offset + r for r, (a, b) in enumerate(ends) if markers[a] or markers[b]]
     return rigid + dense_columns(m, compiler, tuple(moving)) + touching
 
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import warp as wp
 from warpffrf_kernels import control as k
 from warpffrf_kernels.forces import MOST_COUPLED
+from warpffrf_kernels.model import Model
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import BodyLoad, PointLoad, SpringLaw
@@ -91,7 +91,7 @@ def _spring(compiler: Any, table: ForceTable, law: SpringLaw) -> list[int]:
     return rows
 
 
-def fill_forces(compiler: Any, table: ForceTable, m: Any) -> None:
+def fill_forces(compiler: Any, table: ForceTable, m: Model) -> None:
     """Device arrays of groups and loads; the signals of loads are entered, so call it before those are laid out."""
     rows, bodies = len(compiler.rows), compiler.scene.bodies
     group = np.full(rows, -1)
@@ -99,35 +99,29 @@ def fill_forces(compiler: Any, table: ForceTable, m: Any) -> None:
     vectors = np.zeros((rows, 6))
     for row, vector in table.vectors.items():
         vectors[row] = vector
-    m.row_group = compiler.array(group, int)
-    m.row_vector = compiler.array(vectors, shape=(-1, 6))
-    m.group_count = len(table.groups)
-    m.group_start = compiler.array(table.group_start, int)
-    m.group_size = compiler.array([len(law.coordinates) for law in table.groups], int)
-    m.group_sprung = compiler.array([law.sprung for law in table.groups], int)
-    for name in ("stiffness", "damping"):
-        packed = np.zeros((len(table.groups), MOST_COUPLED, MOST_COUPLED))
+    compiler.fill(m.rows, group=group, vector=vectors)
+    packed = {name: np.zeros((len(table.groups), MOST_COUPLED, MOST_COUPLED)) for name in ("stiffness", "damping")}
+    for name, matrices in packed.items():
         for g, law in enumerate(table.groups):
             n = len(law.coordinates)
-            packed[g, :n, :n] = getattr(law, name)
-        setattr(m, f"group_{name}", compiler.array(packed, shape=(-1, MOST_COUPLED, MOST_COUPLED)))
-    for what, loads in (("force", table.forces), ("torque", table.torques)):
-        setattr(m, f"{what}_count", len(loads))
-        setattr(m, f"{what}_body", compiler.array([x.port.body.index for x in loads], int))
-        setattr(m, f"{what}_interface", compiler.array([compiler.interface(x.port) for x in loads], int))
-        setattr(m, f"{what}_in_body", compiler.array([int(x.frame == "body") for x in loads], int))
-        signals = [[compiler.signal(s) for s in x.components] for x in loads]
-        setattr(m, f"{what}_signal", compiler.array(signals, int, (-1, 3)))
-    points = [x.port.point - x.port.body.center_of_mass for x in table.forces]
-    m.force_point = compiler.array(points, wp.vec3d, (-1, 3))
+            matrices[g, :n, :n] = getattr(law, name)
+    compiler.fill(
+        m.groups, count=len(table.groups), start=table.group_start,
+        size=[len(law.coordinates) for law in table.groups], sprung=[law.sprung for law in table.groups], **packed,
+    )  # fmt: skip
+    for topic, loads in ((m.forces, table.forces), (m.torques, table.torques)):
+        compiler.fill(
+            topic, count=len(loads), body=[x.port.body.index for x in loads],
+            interface=[compiler.interface(x.port) for x in loads], in_body=[int(x.frame == "body") for x in loads],
+            signal=[[compiler.signal(s) for s in x.components] for x in loads],
+        )  # fmt: skip
+    compiler.fill(m.forces, point=[x.port.point - x.port.body.center_of_mass for x in table.forces])
     widest = max([b.mode_count for b in bodies], default=0)
     modal = np.zeros((len(table.bodies), max(widest, 1)))
     for i, load in enumerate(table.bodies):
         modal[i, : len(load.modal)] = load.modal
-    m.load_count = len(table.bodies)
-    m.load_body = compiler.array([x.body.index for x in table.bodies], int)
-    m.load_signal = compiler.array([compiler.signal(x.signal) for x in table.bodies], int)
-    m.load_force = compiler.array([x.force for x in table.bodies], wp.vec3d, (-1, 3))
-    torques = [x.torque - np.cross(x.body.center_of_mass, x.force) for x in table.bodies]
-    m.load_torque = compiler.array(torques, wp.vec3d, (-1, 3))
-    m.load_modal = compiler.array(modal)
+    compiler.fill(
+        m.body_loads, count=len(table.bodies), body=[x.body.index for x in table.bodies],
+        signal=[compiler.signal(x.signal) for x in table.bodies], force=[x.force for x in table.bodies],
+        torque=[x.torque - np.cross(x.body.center_of_mass, x.force) for x in table.bodies], modal=modal,
+    )  # fmt: skip

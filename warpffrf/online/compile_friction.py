@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from warpffrf_kernels.model import Model
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.compile_shared import neighbours, surface_reaches
@@ -25,20 +26,22 @@ def has_friction(scene: Any) -> bool:
     return any(contact.friction.coefficient > 0.0 for contact in scene.contacts)
 
 
-def fill_friction(compiler: Any, m: Any) -> None:
+def fill_friction(compiler: Any, m: Model) -> None:
     """Friction fields of the model; after `fill_pairs` and `fill_surfaces`."""
     contacts = compiler.scene.contacts
-    m.pair_friction = compiler.array([c.friction.coefficient for c in contacts])
-    m.pair_slip_velocity = compiler.array([c.friction.slip_velocity for c in contacts])
+    compiler.fill(
+        m.pairs, friction=[c.friction.coefficient for c in contacts],
+        slip_velocity=[c.friction.slip_velocity for c in contacts],
+    )  # fmt: skip
     present = has_friction(compiler.scene)
-    if present and m.dynamic_count:  # tangential compliances are those of static local modes
+    if present and m.modes.dynamic_count:  # tangential compliances are those of static local modes
         rubbing_pair = next(c for c in contacts if c.friction.coefficient > 0.0)
         raise InputError(
             f"contact {rubbing_pair.name!r}: friction needs quasi-static local modes in the whole scene, and "
-            f"{m.dynamic_count} of it have inertia; use local='quasi_static'"
+            f"{m.modes.dynamic_count} of it have inertia; use local='quasi_static'"
         )
     compiler.cell_margin = _cells_beside(compiler, m) if present else 0
-    m.cell_capacity = m.slot_capacity + compiler.cell_margin if present else 0
+    m.capacity.cells = m.capacity.slots + compiler.cell_margin if present else 0
     shear, tt, nt, tn = [], [], [], []
     modes: list[np.ndarray] = []
     tables: list[np.ndarray] = []
@@ -46,8 +49,8 @@ def fill_friction(compiler: Any, m: Any) -> None:
     share = (1, 1)
     rubbing = [contact.friction.coefficient > 0.0 for contact in contacts]
     found, reaches = neighbours(compiler), surface_reaches(compiler, m)
-    z_start = m.surface_z_start.numpy()
-    area = np.zeros(m.surface_z.shape[0])
+    z_start = m.surfaces.z_start.numpy()
+    area = np.zeros(compiler.constants.sizes["z_entry"])
     for number, (_, surface) in enumerate(compiler.surfaces):
         side = number % 2
         # what others rub on a surface that it shares is felt by a pair without friction too
@@ -76,23 +79,22 @@ def fill_friction(compiler: Any, m: Any) -> None:
         if contact.friction.coefficient > 0.0 and b.grid is not None:
             crossed = sine_between(Extent.of(a), Extent.of(b), between_axes(contact))
             share = tuple(np.maximum(share, _extent(a, b, crossed)))
-    m.share_columns, m.share_rows = (int(n) for n in share)
+    m.window.share_columns, m.window.share_rows = (int(n) for n in share)
     none = [np.zeros(0)]
-    m.cell_area = compiler.array(area)
-    m.surface_shear = compiler.array(shear, int)
-    m.surface_tt, m.surface_nt, m.surface_tn = (compiler.array(starts, int) for starts in (tt, nt, tn))
-    m.mode_tangent = compiler.array(np.concatenate(none + modes))
-    m.tangential = compiler.array(np.concatenate(none + tables))
+    compiler.fill(
+        m.surfaces, cell_area=area, shear_start=shear, tt_start=tt, nt_start=nt, tn_start=tn,
+        mode_tangent=np.concatenate(none + modes), tangential=np.concatenate(none + tables),
+    )  # fmt: skip
 
 
-def _cells_beside(compiler: Any, m: Any) -> int:
+def _cells_beside(compiler: Any, m: Model) -> int:
     """Most cells that are loaded beside those where hats are (`friction_bounds`): a patch of n hats in r rows and c
     columns has at most 2 (c + r) neighbours."""
     beside = 0
     for i, contact in enumerate(compiler.scene.contacts):
         rows = compiler.surfaces[2 * i][1].grid.rows
-        hats = m.mode_capacity if contact.capacity is None else contact.capacity
-        beside += 2 * (min(hats, m.window_columns) + min(hats, rows))
+        hats = m.window.hats if contact.capacity is None else contact.capacity
+        beside += 2 * (min(hats, m.window.columns) + min(hats, rows))
     return beside
 
 

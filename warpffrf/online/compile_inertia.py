@@ -27,6 +27,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from warpffrf_kernels.model import Model
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.inertia import LEVELS, PRODUCTS, TERM_NAMES
@@ -134,7 +135,7 @@ def least_level(wanted: Sequence[bool]) -> str:
     return next(name for name, kept in LEVELS.items() if all(k or not w for k, w in zip(kept, wanted, strict=True)))
 
 
-def fill_inertia(compiler: Any, m: Any) -> None:
+def fill_inertia(compiler: Any, m: Model) -> None:
     """Tables of the modes that carry inertia."""
     plans = compiler.inertia.bodies
     counts = [plan.count for plan in plans]
@@ -153,13 +154,15 @@ def fill_inertia(compiler: Any, m: Any) -> None:
             channels = [J2[:, :, i, j] for i, j in PRODUCTS]
             channels += [G[:, :, c].T for c in range(3)]  # line j, column i
             tables.append(np.stack(channels).ravel())
-    m.dense_count = int(starts[-1])
-    m.dense_body, m.dense_mode = compiler.array(dense_body, int), compiler.array(dense_mode, int)
-    m.dense_of, m.dense_start = compiler.array(dense_of, int), compiler.array(starts[:-1], int)
-    m.inertia_count = compiler.array(counts, int)
-    m.inertia_start = compiler.array(np.cumsum([0] + [9 * n * n for n in counts])[:-1], int)
-    m.inertia_first = compiler.array(np.concatenate([np.zeros((0, 6)), *first]), shape=(-1, 6))
-    m.inertia_table = compiler.array(np.concatenate([np.zeros(0), *tables]))
+    compiler.fill(
+        m.dense, count=int(starts[-1]), body=dense_body, mode=dense_mode,
+        first=np.concatenate([np.zeros((0, 6)), *first]), table=np.concatenate([np.zeros(0), *tables]),
+    )  # fmt: skip
+    compiler.fill(m.modes, dense_of=dense_of)
+    compiler.fill(
+        m.bodies, dense_start=starts[:-1], dense_count=counts,
+        inertia_start=np.cumsum([0] + [9 * n * n for n in counts])[:-1],
+    )  # fmt: skip
     compiler.notes.extend(compiler.inertia.notes)
 
 
@@ -170,7 +173,7 @@ def mode_reach(reduced: Any) -> np.ndarray:
     return np.max(largest, axis=0)
 
 
-def fill_stiffening(compiler: Any, m: Any) -> bool:
+def fill_stiffening(compiler: Any, m: Model) -> bool:
     """Tables of what loads at interfaces stiffen; True where there are any."""
     start = np.full(max(len(compiler.interfaces), 1), -1)
     bodies = np.full(max(len(compiler.interfaces), 1), -1)
@@ -182,16 +185,16 @@ def fill_stiffening(compiler: Any, m: Any) -> bool:
             K = np.asarray(plan.terms.stiffening.interfaces[name])
             start[f], size = size, size + K.size
             tables.append(K.ravel())
-    m.interface_count = len(compiler.interfaces)
-    m.interface_body = compiler.array(bodies, int)
-    m.interface_stiffening_start = compiler.array(start, int)
-    m.interface_stiffening = compiler.array(np.concatenate([np.zeros(0), *tables]))
+    compiler.fill(
+        m.interfaces, count=len(compiler.interfaces), body=bodies, stiffening_start=start,
+        stiffening=np.concatenate([np.zeros(0), *tables]),
+    )  # fmt: skip
     return bool(tables)
 
 
-def dense_columns(m: Any, compiler: Any, bodies: tuple[Any, Any]) -> list[int]:
+def dense_columns(m: Model, compiler: Any, bodies: tuple[Any, Any]) -> list[int]:
     """Outer columns of the modes of `bodies` that carry inertia."""
     counts = [plan.count for plan in compiler.inertia.bodies]
     starts = np.cumsum([0, *counts])
     indices = dict.fromkeys(body.index for body in bodies)
-    return [6 * m.body_count + int(d) for i in indices for d in range(starts[i], starts[i + 1])]
+    return [6 * m.bodies.count + int(d) for i in indices for d in range(starts[i], starts[i + 1])]

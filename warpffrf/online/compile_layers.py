@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from warpffrf_kernels import layer_laws as device
+from warpffrf_kernels.model import Model
 
 from warpffrf.online.contact_rules import PointRule
 from warpffrf.online.sampling_rules import layer_rule
@@ -14,7 +15,7 @@ LAYER_ITERATIONS = 2  # times as many Newton iterations: pressures of asperities
 FORMS = {"power": device.POWER, "exponential": device.EXPONENTIAL, "table": device.TABLE}
 
 
-def fill_layers(compiler: Any, m: Any) -> None:
+def fill_layers(compiler: Any, m: Model) -> None:
     """Curves of the layers whose yield is no constant, and the points where they count; after the grids and quadratures
     of the pairs."""
     kinds, starts, counts = [], [], []
@@ -36,19 +37,14 @@ def fill_layers(compiler: Any, m: Any) -> None:
             compiler.notes.append(
                 f"contact {contact.name!r}: the pressure of its {contact.law.kind} ends at {end:.3g} m"
             )
-    m.layer_count = sum(kind != int(device.CONSTANT) for kind in kinds)
-    for name, values in (
-        ("kind", kinds),
-        ("table_start", starts),
-        ("table_count", counts),
-    ):
-        setattr(m, f"layer_{name}", compiler.array(values, int))
-    m.layer_number = compiler.array(numbers, shape=(-1, device.NUMBERS))
-    m.layer_table = compiler.array(np.concatenate(tables), shape=(-1, 3))
+    compiler.fill(
+        m.layers, count=sum(kind != int(device.CONSTANT) for kind in kinds), kind=kinds, number=numbers,
+        table_start=starts, table_count=counts, table=np.concatenate(tables),
+    )  # fmt: skip
     _fill_points(compiler, m, rules)
 
 
-def _fill_points(compiler: Any, m: Any, rules: list[tuple[PointRule, int] | None]) -> None:
+def _fill_points(compiler: Any, m: Model, rules: list[tuple[PointRule, int] | None]) -> None:
     """Tables of the points of each pair's layer, given with the rows of its grid; None: a pair without such a layer."""
     starts, counts, row_starts = [], [], []
     columns: dict[str, list[Any]] = {name: [] for name in ("x", "row", "zeta", "area", "row_at")}
@@ -61,11 +57,10 @@ def _fill_points(compiler: Any, m: Any, rules: list[tuple[PointRule, int] | None
             row_at = np.searchsorted(rule.row, np.arange(rows))
             for name, value in zip(columns, (rule.x, rule.row, rule.zeta, rule.weight, row_at), strict=True):
                 columns[name].append(value)
-    m.layer_point_start, m.layer_point_count = compiler.array(starts, int), compiler.array(counts, int)
-    m.layer_row_start = compiler.array(row_starts, int)
-    for name, parts in columns.items():
-        kind: Any = {"dtype": int} if name in ("row", "row_at") else {}
-        setattr(m, f"layer_{name}", compiler.array(np.concatenate([np.zeros(0), *parts]), **kind))
+    compiler.fill(
+        m.layers, point_start=starts, point_count=counts, row_start=row_starts,
+        **{name: np.concatenate([np.zeros(0), *parts]) for name, parts in columns.items()},
+    )  # fmt: skip
 
 
 def curve_numbers(curve: Any) -> list[float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from warpffrf_kernels.model import Model
 
 from warpffrf.online.compliance_tables import hat_gram, response_table
 
@@ -20,16 +21,16 @@ def neighbours(compiler: Any) -> list[list[int]]:
     ]
 
 
-def serves_several(m: Any) -> bool:
+def serves_several(m: Model) -> bool:
     """Whether any surface of the model serves more than one pair."""
-    return bool(m.neighbour_start.numpy()[-1])
+    return bool(m.shared.start.numpy()[-1])
 
 
-def surface_reaches(compiler: Any, m: Any) -> list[int]:
+def surface_reaches(compiler: Any, m: Model) -> list[int]:
     """Grid columns on each side of a block that the compliance tables of every surface hold: what a pair sees of its
     own, and half a turn where other pairs load the same surface."""
-    near = m.window_columns + m.second_columns + m.stencil_columns
-    half = max(m.half_window, m.second_half_window) + SPARE
+    near = m.window.columns + m.window.second_columns + m.window.stencil_columns
+    half = max(m.window.half, m.window.second_half) + SPARE
     reaches = []
     for (_, surface), others in zip(compiler.surfaces, neighbours(compiler), strict=True):
         turn = 0
@@ -41,7 +42,7 @@ def surface_reaches(compiler: Any, m: Any) -> list[int]:
     return reaches
 
 
-def fill_shared(compiler: Any, m: Any) -> None:
+def fill_shared(compiler: Any, m: Model) -> None:
     """Neighbours of the surfaces and the tables between them; after `fill_surfaces`."""
     found = neighbours(compiler)
     compiler.notes.extend(_apart(compiler))
@@ -57,10 +58,10 @@ def fill_shared(compiler: Any, m: Any) -> None:
                 begins[key] = sum(map(len, tables))
                 tables.append(_between(compiler.surfaces[s][1], s % 2, t % 2, reaches[s]))
             at.append(begins[key])
-    m.neighbour_start = compiler.array(start, int)
-    m.neighbour = compiler.array([t for others in found for t in others], int)
-    m.neighbour_table = compiler.array(at, int)
-    m.shared_compliance = compiler.array(np.concatenate([np.zeros(0), *tables]))
+    compiler.fill(
+        m.shared, start=start, neighbour=[t for others in found for t in others], table=at,
+        compliance=np.concatenate([np.zeros(0), *tables]),
+    )  # fmt: skip
 
 
 def _apart(compiler: Any) -> list[str]:

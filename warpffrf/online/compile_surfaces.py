@@ -9,18 +9,18 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import warp as wp
+from warpffrf_kernels.model import Model
 
 from warpffrf.online.compile_shared import surface_reaches
 from warpffrf.online.compliance_tables import modal_moments, response_table, weak_compliance
 
 NO_NODES = 2  # columns and rows of a rigid surface's empty grid: the fewest between which can be interpolated
 
-INTEGERS = (
-    "body", "modal_start", "modal_count", "planar", "table_start", "table_count", "rigid", "columns", "periodic",
-    "turn", "rows", "block", "reach", "z_start", "lag_start", "mode_start",
+FIELDS = (
+    "body", "modal_start", "modal_count", "origin", "frame", "planar", "side", "radius", "tangent", "crown",
+    "table_start", "table_count", "rigid", "theta", "pitch", "columns", "periodic", "turn", "rows", "block", "reach",
+    "z_start", "lag_start", "mode_start",
 )  # fmt: skip
-REALS = ("side", "radius", "tangent", "crown", "theta", "pitch")
 
 
 def is_rigid(surface: Any) -> bool:
@@ -28,10 +28,10 @@ def is_rigid(surface: Any) -> bool:
     return surface.grid is None
 
 
-def fill_surfaces(compiler: Any, m: Any) -> None:
+def fill_surfaces(compiler: Any, m: Model) -> None:
     """Tables of the surfaces in contact, those of one that serves several pairs once; after `fill_pairs`, which knows
     how far the compliance is asked for."""
-    lists: dict[str, list] = {name: [] for name in (*INTEGERS, *REALS, "origin", "frame")}
+    lists: dict[str, list] = {name: [] for name in FIELDS}
     breaks, coefficients, z = [], [], []
     D, MDM, modes, moments = [], [], [], []
     yieldings = [value for contact in compiler.scene.contacts for value in (contact.law.yielding, 0.0)]  # on the first
@@ -86,15 +86,10 @@ def fill_surfaces(compiler: Any, m: Any) -> None:
                 moments.append(modal_moments(surface).ravel())
         for name, value in values.items():
             lists[name].append(value)
-    m.surface_origin = compiler.array(lists.pop("origin"), wp.vec3d, (-1, 3))
-    m.surface_frame = compiler.array(lists.pop("frame"), wp.mat33d, (-1, 3, 3))
-    for name, found in lists.items():
-        setattr(m, f"surface_{name}", compiler.array(found, int if name in INTEGERS else wp.float64))
     none = [np.zeros(0)]
-    m.surface_table_break = compiler.array(np.concatenate(none + breaks))
-    m.surface_table_coefficient = compiler.array(np.concatenate([np.zeros((0, 4)), *coefficients]), shape=(-1, 4))
-    m.surface_z = compiler.array(np.concatenate(none + z))
-    m.compliance = compiler.array(np.concatenate(none + D))
-    m.self_compliance = compiler.array(np.concatenate(none + MDM))
-    m.mode_normal = compiler.array(np.concatenate(none + modes))
-    m.mode_moment = compiler.array(np.concatenate(none + moments))
+    compiler.fill(
+        m.surfaces, **lists, table_break=np.concatenate(none + breaks),
+        table_coefficient=np.concatenate([np.zeros((0, 4)), *coefficients]), z=np.concatenate(none + z),
+        compliance=np.concatenate(none + D), self_compliance=np.concatenate(none + MDM),
+        mode_normal=np.concatenate(none + modes), mode_moment=np.concatenate(none + moments),
+    )  # fmt: skip

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from warpffrf_kernels.model import Model
 
 from warpffrf.model.errors import InputError
 
@@ -49,7 +50,7 @@ def gauss_rule(surface: Any, theta_points: int, z_points: int) -> PointRule:
     return PointRule(place, row, zeta, weight)
 
 
-def fill_points(compiler: Any, m: Any, surfaces: list[Any], rules: list[PointRule | None]) -> None:
+def fill_points(compiler: Any, m: Model, surfaces: list[Any], rules: list[PointRule | None]) -> None:
     """Tables of the points of each pair's first surface; None for a pair whose gaps are not taken at points."""
     counts, row_starts = [], []
     columns: dict[str, list[np.ndarray]] = {
@@ -71,14 +72,11 @@ def fill_points(compiler: Any, m: Any, surfaces: list[Any], rules: list[PointRul
             "cosine": np.ones(len(at)) if planar else np.cos(angle), "sine": angle if planar else np.sin(angle),
             "radius": shape.radius_at(at),
             "row_at": np.searchsorted(rule.row, np.arange(grid.rows)),
-            "station": rule.stations(m.z_points),
+            "station": rule.stations(m.quadrature.z_points),
         }  # fmt: skip
         for name, value in values.items():
             columns[name].append(np.asarray(value))
-    m.most_points = max(counts, default=0)
-    m.pair_point_start = compiler.array(np.cumsum([0, *counts])[:-1], int)
-    m.pair_point_count = compiler.array(counts, int)
-    m.pair_row_start = compiler.array(row_starts, int)
-    for name, parts in columns.items():
-        kind: Any = {"dtype": int} if name in ("row", "row_at", "station") else {}
-        setattr(m, f"point_{name}", compiler.array(np.concatenate(parts), **kind))
+    compiler.fill(
+        m.points, most=max(counts, default=0), start=np.cumsum([0, *counts])[:-1], count=counts, row_start=row_starts,
+        **{name: np.concatenate(parts) for name, parts in columns.items()},
+    )  # fmt: skip

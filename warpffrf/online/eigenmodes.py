@@ -184,8 +184,8 @@ def _prepare(engine: Engine, about: Any, notes: list[str]) -> str:
     """Bring the engine to the state that `about` means; says in words which it is."""
     if about is None:
         if not settle(engine):
-            bits = int(engine.word("STATUS")[0])
-            why = describe(bits, int(engine.word("SPARE")[0]))[1] if bits else "a body does not come to rest"
+            bits = int(engine.word("status")[0])
+            why = describe(bits, int(engine.word("spare")[0]))[1] if bits else "a body does not come to rest"
             raise InputError(
                 f"eigenmodes: no equilibrium was found ({why}); add a spring, joint or contact that carries the load, "
                 "or use about='initial', or the Result of a run"
@@ -196,8 +196,8 @@ def _prepare(engine: Engine, about: Any, notes: list[str]) -> str:
         engine.initial_rates()
         engine.start()
         notes.extend(engine.start_notes)
-        if np.any(engine.word("STATUS")):
-            why = describe(int(engine.word("STATUS")[0]), int(engine.word("SPARE")[0]))[1]
+        if np.any(engine.word("status")):
+            why = describe(int(engine.word("status")[0]), int(engine.word("spare")[0]))[1]
             raise InputError(f"eigenmodes: the initial state is not consistent ({why})")
         return "initial state"
     if isinstance(about, History):
@@ -209,7 +209,7 @@ def _prepare(engine: Engine, about: Any, notes: list[str]) -> str:
                 "(GeneralizedAlpha, HHT, Newmark), or from an equilibrium"
             )
         words = state.get("clk") if state else None
-        restore(engine, state, 1.0 if words is None else float(words[0, 1]), "eigenmodes: about")
+        restore(engine, state, 1.0 if words is None else float(words["user_step"][0]), "eigenmodes: about")
         return "last state of a run" if is_dynamic(about.checkpoint) else "equilibrium of a result"
     raise InputError(
         f"eigenmodes: about must be None (equilibrium), 'initial', or a Result of this scene, got {about!r}"
@@ -263,7 +263,7 @@ def _wrapped(
     vectors = linear.T @ vectors
     shapes: dict[str, list[BodyShape]] = {}
     position, rotation, modal, shares = {}, {}, {}, {}
-    start, B = engine.compiled.modal_start, engine.compiled.model.body_count
+    start, B = engine.compiled.modal_start, engine.compiled.model.bodies.count
     state = engine.state.to_numpy()
     for b in engine.scene.bodies:
         A = rot.matrix(state["p"][0, b.index])
@@ -279,5 +279,5 @@ def _wrapped(
             turn = A @ rows[3:, i]
             q = vectors[6 * B + own.start : 6 * B + own.stop, i]
             shapes[b.name].append(BodyShape(rows[:3, i] - np.cross(turn, arm), turn, q))
-    time = float(engine.word("TIME")[0])
+    time = float(engine.word("time")[0])
     return SceneModes(engine.scene, name, time, values, shapes, position, rotation, modal, shares, notes)

@@ -37,32 +37,32 @@ class EnergyWatch:
 
     def look(self) -> bool:
         """Whether the run has to end; goes on where what was made is round-off, of scenes in which nothing moves."""
-        if not self.engine.word("STATUS")[0] & int(k.GAIN):
-            if self.engine.word("STEP")[0] - self.last["ctl"][0, int(k.STEP)] >= KEPT_EVERY:
+        if not self.engine.word("status")[0] & int(k.GAIN):
+            if self.engine.word("step")[0] - self.last["ctl"]["step"][0] >= KEPT_EVERY:
                 self.kept, self.last = self.last, self.engine.state.to_numpy()
             return False
         noise = round_off_energy(self.engine)
         if self._made() > noise:
             return True
-        self.engine.clock(NOISE=noise)
-        self.engine.control(STATUS=0)
+        self.engine.clock(noise=noise)
+        self.engine.control(status=0)
         return False
 
     def _made(self) -> float:
-        return float(self.engine.word("MADE")[0])
+        return float(self.engine.word("made")[0])
 
     def end(self) -> str:
         """Who has made energy, how much, and what smaller steps do over the last steps."""
         engine = self.engine
         last, rows, drained = engine.state.to_numpy(), engine.rows[0], engine.drained.copy()
-        made, most, t = self._made(), float(engine.word("MOST")[0]), float(engine.word("TIME")[0])
+        made, most, t = self._made(), float(engine.word("most")[0]), float(engine.word("time")[0])
         by_pair = engine.state.made.numpy()[0]
         owner = "the integrator"
-        if by_pair.size and by_pair.sum() - float(engine.word("LEAST")[0]) > 0.5 * made:
+        if by_pair.size and by_pair.sum() - float(engine.word("least")[0]) > 0.5 * made:
             owner = f"contact {engine.scene.contacts[int(np.argmax(by_pair))].name!r}"
-        began = float(self.kept["clk"][0, int(k.TIME)])
+        began = float(self.kept["clk"]["time"][0])
         try:
-            cure = self._cure(made - float(self.kept["clk"][0, int(k.MADE)]), most, began, t)
+            cure = self._cure(made - float(self.kept["clk"]["made"][0]), most, began, t)
         except KeyboardInterrupt:
             cure = "interrupted before smaller steps were tried"
         finally:
@@ -90,10 +90,10 @@ class EnergyWatch:
         engine = self.engine
         engine.rows[0] = []
         restore(engine, self.kept, step)
-        engine.clock(NOISE=np.inf)  # never mind what is made
-        begin = done = int(engine.word("STEP")[0])
-        while done < begin + steps and not engine.word("STATUS")[0]:
-            engine.control(TARGET=min(done + engine.settings.ring_rows - 1, begin + steps))
+        engine.clock(noise=np.inf)  # never mind what is made
+        begin = done = int(engine.word("step")[0])
+        while done < begin + steps and not engine.word("status")[0]:
+            engine.control(target=min(done + engine.settings.ring_rows - 1, begin + steps))
             engine.replay(4 * engine.settings.ring_rows)
-            done = int(engine.word("STEP")[0])
-        return np.inf if engine.word("STATUS")[0] else self._made() - float(self.kept["clk"][0, int(k.MADE)])
+            done = int(engine.word("step")[0])
+        return np.inf if engine.word("status")[0] else self._made() - float(self.kept["clk"]["made"][0])

@@ -23,10 +23,6 @@ from warpffrf.online.start import start
 from warpffrf.online.step.graph import StepGraph
 
 ROOM_GROWTH = 2  # of the slots, each time they are too few
-REALS = {
-    "START_TIME", "USER_STEP", "TIME", "H", "NEXT_TIME", "ALPHA_M", "ALPHA_F", "BETA", "GAMMA", "ACC", "VEL",
-    "MOVE", "DONE_STEP", "ERROR", "GAINED", "RISE", "MOST", "MADE", "LEAST", "NOISE",
-}  # fmt: skip
 
 
 def _start_warp() -> None:
@@ -73,7 +69,7 @@ class Engine:
         self.scene, self.worlds = scene, worlds
         self.compiled = compile_scene(scene, self.settings, device, local)
         self._integrator, self._accuracy, self._progress = integrator or GeneralizedAlpha(), accuracy, progress
-        self._projected = self._integrator.project_velocities and self.compiled.model.row_count > 0
+        self._projected = self._integrator.project_velocities and self.compiled.model.rows.count > 0
         # contact and the projection of velocities need the inverse of the outer matrix
         self._pattern = None if self._projected else pattern_of(self.compiled)
         self.state = initial_state(self.compiled, self._sizes())
@@ -110,17 +106,17 @@ class Engine:
         says how many were wanted.
         """
         m = self.compiled.model
-        slots = min(slots, m.slot_limit)
-        if slots <= m.slot_capacity:
+        slots = min(slots, m.capacity.slot_limit)
+        if slots <= m.capacity.slots:
             return
         self.drain()
-        kept = (m.slot_capacity, m.cell_capacity), self.compiled.models, self.work, self.graph
+        kept = (m.capacity.slots, m.capacity.cells), self.compiled.models, self.work, self.graph
         before = vars(self.work)
         try:
             self.compiled.enlarge(slots)
             self._allocate()
         except (InputError, MemoryError, RuntimeError):
-            (m.slot_capacity, m.cell_capacity), self.compiled.models, self.work, self.graph = kept
+            (m.capacity.slots, m.capacity.cells), self.compiled.models, self.work, self.graph = kept
             self.no_room = slots
             return
         for name, array in vars(self.work).items():
@@ -129,42 +125,50 @@ class Engine:
 
     def _relieve(self) -> bool:
         """More room where an attempt ran short of it, so that it can come again; False where none did."""
-        status = self.word("STATUS")
+        status = self.word("status")
         short = (status & int(k.ROOM)) != 0
         if not np.any(short):
             return False
         if self.no_room:
             return False
-        self.make_room(max(ROOM_GROWTH * self.compiled.model.slot_capacity, int(self.word("SPARE")[short].max())))
+        self.make_room(max(ROOM_GROWTH * self.compiled.model.capacity.slots, int(self.word("spare")[short].max())))
         if self.no_room:
             return False
         words = self.state.ctl.numpy().copy()
-        for word in (k.STATUS, k.SPARE):
-            words[short, int(word)] = 0
+        for word in ("status", "spare"):
+            words[word][short] = 0
         self.state.ctl.assign(words)
         return True
 
     # --- control words, all worlds alike
 
     def control(self, **values: int) -> None:
-        """Set integer control words by name (see `warpffrf_kernels.control`)."""
+        """Set words of `warpffrf_kernels.control.Control` by name."""
         words = self.state.ctl.numpy().copy()
         for name, value in values.items():
-            words[:, int(getattr(k, name))] = value
+            words[name] = value
         self.state.ctl.assign(words)
 
     def clock(self, **values: float | np.ndarray) -> None:
-        """Set real control words by name."""
+        """Set words of `warpffrf_kernels.control.Clock` by name."""
         words = self.state.clk.numpy().copy()
         for name, value in values.items():
-            words[:, int(getattr(k, name))] = value
+            words[name] = value
+        self.state.clk.assign(words)
+
+    def coefficients(self, **values: float) -> None:
+        """Set coefficients of the step of bodies, by their names in `warpffrf_kernels.control.Coefficients`."""
+        words = self.state.clk.numpy().copy()
+        for name, value in values.items():
+            words["outer"][name] = value
         self.state.clk.assign(words)
 
     def word(self, name: str) -> np.ndarray:
-        """A control word of every world."""
-        index = int(getattr(k, name))
-        source = self.state.clk if name in REALS else self.state.ctl
-        return source.numpy()[:, index].copy()
+        """A word of `Control` or `Clock`, of every world."""
+        words = self.state.ctl.numpy()
+        if name not in (words.dtype.names or ()):
+            words = self.state.clk.numpy()
+        return words[name].copy()
 
     def replay(self, attempts: int) -> float:
         """Run the graph, with more room where an attempt asks for it, and drain the ring; returns the wall time [s]."""
@@ -179,7 +183,7 @@ class Engine:
 
     def drain(self) -> None:
         """Take the rows that the graph has saved since the last time out of the ring."""
-        saved = self.word("SAVED")
+        saved = self.word("saved")
         if np.any(saved > self.drained):
             ring = self.work.ring.numpy()
             for w in range(self.worlds):
@@ -192,8 +196,8 @@ class Engine:
 
     def enter(self, mode: int, step: float, target: int = 1) -> None:
         """Begin a count of `target` user steps of `step` [s] in a mode (DYNAMIC, STATIC, PROJECT, START)."""
-        self.control(MODE=int(mode), STEP=0, SUB=0, LEVEL=0, TARGET=target)
-        self.clock(USER_STEP=step)
+        self.control(mode=int(mode), step=0, sub=0, level=0, target=target)
+        self.clock(user_step=step)
 
     def static_step(self, tau: float) -> None:
         """One proximal step of size tau [s] towards the static state; rates must be zero."""
@@ -207,9 +211,9 @@ class Engine:
 
     def save_now(self) -> None:
         """Append the present state to the rows."""
-        self.control(RECORD=1)
+        self.control(record=1)
         self.graph.record()
-        self.control(RECORD=0)
+        self.control(record=0)
         self.replay(0)
 
     def rates_to_zero(self) -> None:

@@ -45,7 +45,7 @@ class FreeMotions:
     def possible(self) -> bool:
         """Scenes without contact have no grids that drive what is free, and their outer matrix no room for holding
         it."""
-        return self.engine.compiled.model.pair_count > 0 and len(self.engine.scene.bodies) > 0
+        return self.engine.compiled.model.pairs.count > 0 and len(self.engine.scene.bodies) > 0
 
     def look(self) -> None:
         """Find the free motions at the state of the last step."""
@@ -158,12 +158,12 @@ class FreeMotions:
         return f"{SLIDE if slides else 'turn about'} ({', '.join(f'{c:g}' for c in direction)})"
 
     def _mass(self) -> np.ndarray:
-        return np.asarray(self.engine.compiled.model.mass.numpy()[: len(self.engine.scene.bodies)])
+        return np.asarray(self.engine.compiled.model.bodies.mass.numpy()[: len(self.engine.scene.bodies)])
 
     def _weight(self) -> np.ndarray:
         """Root of mass, and of the mean moment of inertia (6 bodies,)."""
         mass = self._mass()
-        inertia = self.engine.compiled.model.inertia.numpy()[: len(mass)]
+        inertia = self.engine.compiled.model.bodies.inertia.numpy()[: len(mass)]
         turning = np.sqrt(np.trace(inertia, axis1=1, axis2=2) / 3.0)
         return np.repeat(np.stack([np.sqrt(mass), turning], axis=1), 3, axis=1).ravel()
 
@@ -171,7 +171,7 @@ class FreeMotions:
         """What the last proximal step left over: force, torque in body axes (6 bodies,); with that which holds."""
         engine, mass = self.engine, self._mass()
         n = len(mass)
-        inertia = engine.compiled.model.inertia.numpy()[:n]
+        inertia = engine.compiled.model.bodies.inertia.numpy()[:n]
         rate, turn = (np.asarray(a.numpy()[world][:n]) for a in (engine.work.v1_rate, engine.work.omega1_rate))
         own = np.hstack([mass[:, None] * rate, np.einsum("bij,bj->bi", inertia, turn)]).ravel()
         count = int(engine.work.hold_count.numpy()[world])
@@ -184,9 +184,9 @@ def free_motions(engine: Any, world: int, weight: np.ndarray) -> np.ndarray:
     """Orthonormal lines (n, 6 bodies) in coordinates times `weight`: displacement in world, turn in body axes."""
     m, work = engine.compiled.model, engine.work
     size = len(weight)
-    rows = np.asarray(work.C.numpy()[world][: m.row_count, :size])
-    holds = (m.row_rigid.numpy()[: m.row_count] != 0) | (m.row_stiffness.numpy()[: m.row_count] > 0.0)
-    for start, sprung in zip(m.group_start.numpy()[: m.group_count], m.group_sprung.numpy(), strict=False):
+    rows = np.asarray(work.C.numpy()[world][: m.rows.count, :size])
+    holds = (m.rows.rigid.numpy()[: m.rows.count] != 0) | (m.rows.stiffness.numpy()[: m.rows.count] > 0.0)
+    for start, sprung in zip(m.groups.start.numpy()[: m.groups.count], m.groups.sprung.numpy(), strict=False):
         holds[start : start + sprung] = True
     lines = np.vstack([rows[holds], _gap_gradients(engine, world, size)]) / weight
     length = np.linalg.norm(lines, axis=1, keepdims=True)
@@ -201,16 +201,16 @@ def _gap_gradients(engine: Any, world: int, size: int) -> np.ndarray:
     m, work = engine.compiled.model, engine.work
     active = (engine.state.active.numpy()[world] != 0) & (work.area.numpy()[world] > 0.0)
     wrench = work.wrench.numpy()[world]
-    families = m.pair_family.numpy()
+    families = m.pairs.family.numpy()
     axes, r = work.axes.numpy()[world], work.r1.numpy()[world]
     lines = []
-    for pair in range(m.pair_count):
+    for pair in range(m.pairs.count):
         at = active[pair, : wrench.shape[1]]
         own = wrench[pair][at]
         if families[pair] == 1:
             own = own + work.more_wrench.numpy()[world, pair][at]
         line = np.zeros((len(own), size))
-        A, B = (int(m.surface_body.numpy()[s.numpy()[pair]]) for s in (m.pair_first, m.pair_second))
+        A, B = (int(m.surfaces.body.numpy()[s.numpy()[pair]]) for s in (m.pairs.first, m.pairs.second))
         force, moment = own[:, :3], own[:, 3:]
         line[:, 6 * A : 6 * A + 6] = np.hstack([force, moment @ axes[A]])
         if B >= 0:

@@ -39,7 +39,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels import control as k
 
 from warpffrf.model import rotation as rot
 from warpffrf.online.compile_inertia import mode_reach
@@ -83,17 +82,18 @@ class _Probe:
     def __init__(self, engine: Engine) -> None:
         self.engine, self.state, self.work = engine, engine.state, engine.work
         self.model = engine.compiled.model
-        self.bodies, self.modes, self.rows = self.model.body_count, self.model.modal_count, self.model.row_count
+        self.bodies, self.modes, self.rows = self.model.bodies.count, self.model.modes.count, self.model.rows.count
         self.count = 6 * self.bodies + self.modes
         self.base = engine.state.to_numpy()
         clk, ctl = self.base["clk"], self.base["ctl"]
-        clk[:, int(k.NEXT_TIME)] = clk[:, int(k.TIME)]
-        for word, value in (("H", NO_TIME), ("ALPHA_M", 1.0), ("ALPHA_F", 0.0), ("BETA", 1.0), ("GAMMA", 0.0)):
-            clk[:, int(getattr(k, word))] = value
-        clk[:, int(k.ACC)], clk[:, int(k.VEL)] = RIGID_TANGENT, 1.0  # dampers show their law where VEL > 0
-        for word, value in (("RUN", 1), ("MOVED", 1), ("REASSEMBLE", 1), ("REFRESH", 1), ("RECENTER", 0),
-                            ("ITERATION", 0), ("FAILURE", 0), ("SLOTS", 0), ("FRESH", 0), ("CHANGES", 0)):  # fmt: skip
-            ctl[:, int(getattr(k, word))] = value
+        clk["next_time"] = clk["time"]
+        clk["h"] = NO_TIME
+        for word, value in (("alpha_m", 1.0), ("alpha_f", 0.0), ("beta", 1.0), ("gamma", 0.0),
+                            ("acc", RIGID_TANGENT), ("vel", 1.0)):  # fmt: skip
+            clk["outer"][word] = value  # dampers show their law where vel > 0
+        for word, value in (("run", 1), ("moved", 1), ("reassemble", 1), ("refresh", 1), ("recenter", 0),
+                            ("iteration", 0), ("failure", 0), ("slots", 0), ("fresh", 0), ("changes", 0)):  # fmt: skip
+            ctl[word] = value
         self.rates = (
             self._joined("v_rate", "omega_rate", "qd_rate"),
             self._joined("v", "omega", "qd"),
@@ -102,7 +102,7 @@ class _Probe:
 
     def settle_windows(self) -> None:
         """Lay the windows of the contact pairs as a step does when it begins; keep the active set that they show."""
-        if not self.model.pair_count:
+        if not self.model.pairs.count:
             return
         zero = np.zeros(self.count)
         self.place(zero, zero, zero, first=True)
@@ -119,7 +119,7 @@ class _Probe:
 
     def _springs(self) -> list[int]:
         """Rows that are springs."""
-        rigid = self.model.row_rigid.numpy()
+        rigid = self.model.rows.rigid.numpy()
         return [i for i in range(self.rows) if not rigid[i]]
 
     def _put(self, array: Any, value: Array, like: Array) -> None:
@@ -134,7 +134,7 @@ class _Probe:
             getattr(s, name).assign(base[name])
         if not first:
             words = base["ctl"].copy()
-            words[:, int(k.ITERATION)], words[:, int(k.REFRESH)] = FAR_ITERATION, 0
+            words["iteration"], words["refresh"] = FAR_ITERATION, 0
             s.ctl.assign(words)
         for values, (linear, angular, modal) in (
             (dx, (x.dx, x.psi, x.dq)),
@@ -154,7 +154,7 @@ class _Probe:
         self.place(dx, dv, da)
         rigid = self.work.residual.numpy()[0, : 6 * self.bodies]
         modal = self.work.modal_residual.numpy()[0, : self.modes]
-        if self.model.pair_count:  # pressures move with the patch over the modes' shapes: held
+        if self.model.pairs.count:  # pressures move with the patch over the modes' shapes: held
             modal = modal + self.state.modal_load.numpy()[0, 1, : self.modes]
         return np.concatenate([rigid, modal, self.laws()])
 
@@ -165,12 +165,12 @@ class _Probe:
         x, m = self.work, self.model
         lam = self.base["lam"][0, : self.rows]
         defect, softness = x.defect.numpy()[0, : self.rows], x.softness.numpy()[0, : self.rows]
-        group = m.row_group.numpy()[: self.rows]
+        group = m.rows.group.numpy()[: self.rows]
         stiffness = np.zeros(self.rows)
         single = [i for i in self.spring if group[i] < 0]
         stiffness[single] = defect[single] / softness[single]
-        for g in range(m.group_count):
-            start, size = int(m.group_start.numpy()[g]), int(m.group_size.numpy()[g])
+        for g in range(m.groups.count):
+            start, size = int(m.groups.start.numpy()[g]), int(m.groups.size.numpy()[g])
             F = x.flexibility.numpy()[36 * g : 36 * (g + 1)].reshape(6, 6)[:size, :size]
             stiffness[start : start + size] = np.linalg.solve(F, defect[start : start + size])
         return (lam + stiffness)[self.spring]
@@ -245,7 +245,7 @@ def _resolution(probe: _Probe, C: Array) -> float:
         b.mass * float(np.linalg.norm(probe.engine.scene.gravity) + np.linalg.norm(base["v_rate"][0, b.index]))
         for b in bodies
     ]
-    contact = float(np.abs(probe.work.pair_wrench.numpy()[0, : probe.model.pair_count]).max(initial=0.0))
+    contact = float(np.abs(probe.work.pair_wrench.numpy()[0, : probe.model.pairs.count]).max(initial=0.0))
     noise = ROUND_OFF * max(pulls, contact, *weights) / LENGTH_STEP  # N/m, and on arms as long as positions N m/rad
     extent = float(np.linalg.norm(base["r"][0, :B], axis=-1).max())
     lightest = min(float(np.linalg.eigvalsh(b.inertia)[0]) for b in bodies)
@@ -261,15 +261,15 @@ def _closed_contacts(probe: _Probe) -> tuple[Array, int]:
     """L^T G^-1 L of the active hats (n, n), and their number; after an evaluation with rigid modes."""
     n, m, x = probe.count, probe.model, probe.work
     total = np.zeros((n, n))
-    count = int(probe.state.ctl.numpy()[0, int(k.SLOTS)]) if m.pair_count else 0
+    count = int(probe.state.ctl.numpy()["slots"][0]) if m.pairs.count else 0
     if not count:
         return total, 0
     slot_pair = x.slot_mode.numpy()[0, :count, 0]
     L = np.zeros((count, n))
     local = x.L.numpy()[0, :count, :12]
-    J = x.J.numpy()[: m.slot_capacity * m.pair_modes].reshape(m.slot_capacity, m.pair_modes)[:count]
-    start, sizes = m.surface_modal_start.numpy(), m.surface_modal_count.numpy()
-    surface_body = m.surface_body.numpy()
+    J = x.J.numpy()[: m.capacity.slots * m.pairs.most_modes].reshape(m.capacity.slots, m.pairs.most_modes)[:count]
+    start, sizes = m.surfaces.modal_start.numpy(), m.surfaces.modal_count.numpy()
+    surface_body = m.surfaces.body.numpy()
     for slot in range(count):
         at = 0
         for side in (0, 1):
@@ -280,7 +280,7 @@ def _closed_contacts(probe: _Probe) -> tuple[Array, int]:
             L[slot, 6 * probe.bodies + first : 6 * probe.bodies + first + size] += J[slot, at : at + size]
             at += size
     G = x.G.numpy()[0, :count, :count]
-    if m.layer_count:
+    if m.layers.count:
         G = G + slot_flexibility(m, x, count)
     return L.T @ np.linalg.solve(0.5 * (G + G.T), L), count
 

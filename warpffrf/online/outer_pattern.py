@@ -108,12 +108,12 @@ def find_pattern(body_count: int, dense: np.ndarray, rows: np.ndarray, flexible:
 def pattern_of(compiled: Any) -> OuterPattern | None:
     """Pattern of a compiled scene; None for one with contact, whose solve needs the whole inverse."""
     m = compiled.model
-    if m.pair_count:
+    if m.pairs.count:
         return None
-    dense = m.inertia_count.numpy()[: m.body_count] if m.dense_count else np.zeros(m.body_count, int)
-    ends = np.stack([m.row_a.numpy(), m.row_b.numpy()], axis=1)[: m.row_count]
-    bodies, interfaces = m.marker_body.numpy(), m.marker_interface.numpy()
-    return find_pattern(m.body_count, dense, bodies[ends], interfaces[ends] >= 0)
+    dense = m.bodies.dense_count.numpy()[: m.bodies.count] if m.dense.count else np.zeros(m.bodies.count, int)
+    ends = np.stack([m.rows.a.numpy(), m.rows.b.numpy()], axis=1)[: m.rows.count]
+    bodies, interfaces = m.markers.body.numpy(), m.markers.interface.numpy()
+    return find_pattern(m.bodies.count, dense, bodies[ends], interfaces[ends] >= 0)
 
 
 def on_device(pattern: OuterPattern, device: str) -> tuple[Any, wp.array]:

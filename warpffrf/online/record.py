@@ -22,19 +22,19 @@ def history_from_rows(compiled: CompiledScene, chunks: list[np.ndarray]) -> Hist
     energy = {name: rows[:, at + i].copy() for i, name in enumerate(ENERGY_LINES)}
     at += k.LINES
     bodies: dict[str, BodyHistory] = {}
-    modal = at + 19 * m.body_count
+    modal = at + 19 * m.bodies.count
     for i, body in enumerate(scene.bodies):
         x = rows[:, at : at + 19]
         at += 19
         q, qd, qdd = (
             rows[:, at_modes + compiled.modal_start[i] :][:, : body.mode_count]  # the global ones
-            for at_modes in modal + m.modal_count * np.arange(3)
+            for at_modes in modal + m.modes.count * np.arange(3)
         )
         r, p, v, w, vdot, wdot = np.split(x, np.cumsum([3, 4, 3, 3, 3]), axis=1)
         bodies[body.name] = user_frame(body.center_of_mass, r, p, v, w, vdot, wdot, q, qd, qdd)
-    at += 3 * m.modal_count
-    row_data = rows[:, at : at + 7 * m.row_count].reshape(T, m.row_count, 7)
-    at += 7 * m.row_count
+    at += 3 * m.modes.count
+    row_data = rows[:, at : at + 7 * m.rows.count].reshape(T, m.rows.count, 7)
+    at += 7 * m.rows.count
     joints = {}
     for joint in scene.joints:
         drives = {d.coordinate: d for d in scene.drives if d.joint is joint}
@@ -48,7 +48,7 @@ def history_from_rows(compiled: CompiledScene, chunks: list[np.ndarray]) -> Hist
         contacts[contact.name] = _contact(compiled, i, rows[:, at:], bodies)
         if contact.friction.coefficient > 0.0:
             contacts[contact.name].friction = _friction(compiled, i, rows)
-        at += 17 + m.mode_capacity + m.node_capacity
+        at += 17 + m.window.hats + m.window.nodes
     return History(
         scene=scene, time=rows[:, 0].copy(), step_size=rows[:, 1].copy(),
         bodies=bodies, joints=joints, contacts=contacts, forces=forces,
@@ -70,20 +70,20 @@ def _contact(compiled: CompiledScene, i: int, x: np.ndarray, bodies: dict[str, B
     torque = about_r_a + np.cross(r_a - bodies[first.name].position, force)
     about = bodies[second.name].position if second.name in bodies else np.zeros(3)  # of the ground the world's origin
     torque_second = second_about_r_a + np.cross(r_a - about, force_second)
-    hats = x[:, 16 : 16 + m.mode_capacity]
-    pressure = hats[:, : m.window_columns * a.grid.rows].reshape(T, m.window_columns, a.grid.rows).copy()
-    after = 16 + m.mode_capacity
+    hats = x[:, 16 : 16 + m.window.hats]
+    pressure = hats[:, : m.window.columns * a.grid.rows].reshape(T, m.window.columns, a.grid.rows).copy()
+    after = 16 + m.window.hats
     load = np.zeros((T, 0, 0))  # a rigid second surface has no grid
     if b.grid is not None:
-        load = x[:, after + 1 : after + 1 + m.second_columns * b.grid.rows]
-        load = load.reshape(T, m.second_columns, b.grid.rows).copy()
+        load = x[:, after + 1 : after + 1 + m.window.second_columns * b.grid.rows]
+        load = load.reshape(T, m.window.second_columns, b.grid.rows).copy()
     # distance of the axes at mid-width, or the smallest gap of a pair whose gaps are taken at points
-    family = m.pair_family.numpy()[i]
+    family = m.pairs.family.numpy()[i]
     approach = -x[:, 3] if family == 1 else a.shape.radius + b.shape.radius - x[:, 3]
     return ContactHistory(
         force=force, torque=torque, force_second=force_second, torque_second=torque_second,
-        first_column=x[:, 0].astype(int) - m.half_window, center_column=x[:, 2].copy(), pressure=pressure,
-        first_column_second=x[:, 1].astype(int) - m.second_half_window, load_second=load,
+        first_column=x[:, 0].astype(int) - m.window.half, center_column=x[:, 2].copy(), pressure=pressure,
+        first_column_second=x[:, 1].astype(int) - m.window.second_half, load_second=load,
         approach=approach, active_modes=x[:, after].astype(int),
     )  # fmt: skip
 
@@ -91,13 +91,13 @@ def _contact(compiled: CompiledScene, i: int, x: np.ndarray, bodies: dict[str, B
 def _friction(compiled: CompiledScene, i: int, rows: np.ndarray) -> FrictionHistory:
     """Friction of pair i, from the end of the rows."""
     m, grid = compiled.model, compiled.scene.contacts[i].a.surface.grid
-    T, width, C = len(rows), friction_width(m), m.mode_capacity
-    x = rows[:, rows.shape[1] - (m.pair_count - i) * width :][:, :width]
-    cells = m.window_columns * grid.rows
+    T, width, C = len(rows), friction_width(m), m.window.hats
+    x = rows[:, rows.shape[1] - (m.pairs.count - i) * width :][:, :width]
+    cells = m.window.columns * grid.rows
 
     def field(first: int, count: int) -> np.ndarray:
         values = x[:, first * C : (first + count) * C].reshape(T, count, C)[:, :, :cells]
-        return values.reshape(T, count, m.window_columns, grid.rows).copy()
+        return values.reshape(T, count, m.window.columns, grid.rows).copy()
 
     last = x[:, 5 * C :]
     return FrictionHistory(

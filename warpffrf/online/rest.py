@@ -21,7 +21,7 @@ def left_over(engine: Any, world: int) -> tuple[float, str]:
     m, work, bodies = engine.compiled.model, engine.work, engine.scene.bodies
     if not bodies:
         return 0.0, ""
-    mass, inertia = m.mass.numpy()[: len(bodies)], m.inertia.numpy()[: len(bodies)]
+    mass, inertia = m.bodies.mass.numpy()[: len(bodies)], m.bodies.inertia.numpy()[: len(bodies)]
     rate, turn = (np.asarray(a.numpy()[world][: len(bodies)]) for a in (work.v1_rate, work.omega1_rate))
     force = mass * np.linalg.norm(rate, axis=1)
     torque = np.linalg.norm(np.einsum("bij,bj->bi", inertia, turn), axis=1)

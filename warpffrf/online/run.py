@@ -145,10 +145,10 @@ def run(
         )
     if isinstance(start, History):
         first_step = restore(engine, start.checkpoint, step)
-        rejected = int(engine.word("REJECTED")[0])
+        rejected = int(engine.word("rejected")[0])
     if at_rest:
         rejected = 0
-        engine.control(SAVED=0)
+        engine.control(saved=0)
         engine.drained[:] = 0
     if not continued or at_rest:
         if start == "equilibrium":
@@ -162,15 +162,15 @@ def run(
         engine.initial_rates()
         engine.start(step)
         notes.extend(engine.start_notes)
-        if np.any(engine.word("STATUS")):
+        if np.any(engine.word("status")):
             return _finish(engine, begin, built, notes, "start: ")
-        engine.control(REJECTED=0, REPEATED=0, IMPULSES=0, STEPS=0, ITERATIONS=0, WORST=0, PENDING=0, PENDING_SOLVES=0)
+        engine.control(rejected=0, repeated=0, impulses=0, steps=0, iterations=0, worst=0, pending=0, pending_solves=0)
         engine.enter(k.DYNAMIC, step, target=0)
-        if engine.compiled.model.cell_capacity:
-            engine.control(LEVEL=min(RUB_IN, engine.settings.max_level))
+        if engine.compiled.model.capacity.cells:
+            engine.control(level=min(RUB_IN, engine.settings.max_level))
         engine.save_now()
         first_step = 0
-    engine.control(EVERY=save_every)
+    engine.control(every=save_every)
     engine.seconds_in_graph = 0.0
     loop = time.perf_counter()
     interrupted = False
@@ -181,11 +181,11 @@ def run(
     try:
         chunk = 4
         done = first_step
-        while done < last_step and not np.any(engine.word("STATUS")):
+        while done < last_step and not np.any(engine.word("status")):
             target = min(done + chunk, last_step)
-            engine.control(TARGET=target)
+            engine.control(target=target)
             seconds = engine.replay(4 * chunk)
-            now = int(engine.word("STEP").min())
+            now = int(engine.word("step").min())
             rate = max(now - done, 1) / max(seconds, 1e-9)
             chunk = int(np.clip(rate * engine.settings.chunk_seconds, 1, engine.settings.ring_rows * save_every - 1))
             done = now
@@ -196,7 +196,7 @@ def run(
         interrupted = True
         engine.drain()
     bar.close()
-    if not interrupted and not np.any(engine.word("STATUS")) and last_step % save_every:
+    if not interrupted and not np.any(engine.word("status")) and last_step % save_every:
         engine.save_now()
     history = _finish(engine, begin, built, notes, "", rejected)
     history.message = gain or history.message
@@ -222,10 +222,10 @@ def _finish(
     engine: Engine, begin: float, built: float, notes: list[str], prefix: str, rejected_before: int = 0
 ) -> History:
     """The History of what was saved; `rejected_before`: attempts that an earlier run, which is continued, rejected."""
-    bits = int(engine.word("STATUS")[0])
+    bits = int(engine.word("status")[0])
     if not engine.no_room:
         bits &= ~int(k.ROOM)  # left where the user interrupts
-    status, message = describe(bits, engine.no_room or int(engine.word("SPARE")[0]))
+    status, message = describe(bits, engine.no_room or int(engine.word("spare")[0]))
     at_rest = prefix.startswith("equilibrium")
     if at_rest and bits:
         message = UPHILL if bits & int(k.ENERGY) else message.replace("; reduce step", STATIC_CURE)
@@ -240,33 +240,33 @@ def _finish(
         status, message = "no_equilibrium", _no_load_path(engine)
     history = history_from_rows(engine.compiled, engine.rows[0])
     history.status, history.message = status, (prefix + message if message else "")
-    steps = int(engine.word("STEPS")[0])
+    steps = int(engine.word("steps")[0])
     history.counters = {
         "steps": steps,
-        "rejected_steps": int(engine.word("REJECTED")[0]),
-        "max_iterations": int(engine.word("WORST")[0]),
-        "mean_iterations": float(engine.word("ITERATIONS")[0]) / max(steps, 1),
+        "rejected_steps": int(engine.word("rejected")[0]),
+        "max_iterations": int(engine.word("worst")[0]),
+        "mean_iterations": float(engine.word("iterations")[0]) / max(steps, 1),
         "build_seconds": built - begin,
         "seconds_in_graph": engine.seconds_in_graph,
-        "coarse_steps": int(engine.word("COARSE")[0]),
-        "repeated_steps": int(engine.word("REPEATED")[0]),
-        "impulsive_steps": int(engine.word("IMPULSES")[0]),
-        "outer_columns": engine.compiled.model.outer_count + engine.compiled.model.modal_count,
+        "coarse_steps": int(engine.word("coarse")[0]),
+        "repeated_steps": int(engine.word("repeated")[0]),
+        "impulsive_steps": int(engine.word("impulses")[0]),
+        "outer_columns": engine.compiled.model.outer.count + engine.compiled.model.modes.count,
     }
     if engine.graph.pattern is not None:
         history.counters["dense_fallbacks"] = int(engine.work.fallback.numpy()[0, 1])
-    if engine.word("EDGE")[0]:
+    if engine.word("edge")[0]:
         arcs = [c.name for c in engine.scene.contacts if not c.a.surface.grid.periodic]
         notes.append(
             f"a contact patch reached the end of a contact surface that covers an arc only ({', '.join(arcs)}): the "
             "pressure is cut there; give the body a larger contact surface"
         )
-    halved = int(engine.word("REJECTED")[0]) - rejected_before
+    halved = int(engine.word("rejected")[0]) - rejected_before
     if halved and not at_rest:
-        reasons = [text for bit, (text, _) in MESSAGES.items() if int(engine.word("REASON")[0]) & int(bit)]
+        reasons = [text for bit, (text, _) in MESSAGES.items() if int(engine.word("reason")[0]) & int(bit)]
         notes.append(f"{halved} steps were halved ({', '.join(reasons)})")
-    repeated = int(engine.word("REPEATED")[0])
-    if repeated and engine.compiled.model.dynamic_count:
+    repeated = int(engine.word("repeated")[0])
+    if repeated and engine.compiled.model.modes.dynamic_count:
         notes.append(
             f"{repeated} steps were repeated with a contact force that keeps no memory: impacts on local modes with "
             "inertia, in which the faces lose their own kinetic energy"
@@ -277,7 +277,7 @@ def _finish(
     stiffened = {body.name for body in engine.scene.bodies if body.stiffening}
     inertia = indicator_lines(term_sizes(engine.scene, history, levels), levels, stiffened)
     inertia += unheld_lines(engine.scene, history)
-    families = engine.compiled.model.pair_family.numpy()
+    families = engine.compiled.model.pairs.family.numpy()
     on_axes = [c.name for c, f in zip(engine.scene.contacts, families, strict=False) if f == LINE_OF_CENTRES]
     contact = [*contact_notes(engine.scene, history, on_axes), *sampling_notes(engine.scene, history)]
     contact = [note for note in contact if note not in notes]

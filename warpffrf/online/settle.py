@@ -45,13 +45,13 @@ def settle(engine: Any) -> bool:
     """
     engine.rates_to_zero()
     free = FreeMotions(engine)
-    engine.control(DOWNHILL=1)
+    engine.control(downhill=1)
     try:
         at_rest = _stepped(engine, free)
         engine.not_at_rest = "" if at_rest else free.driven
         return at_rest
     finally:
-        engine.control(DOWNHILL=0)
+        engine.control(downhill=0)
         free.release()
 
 
@@ -61,12 +61,12 @@ def _stepped(engine: Any, free: FreeMotions) -> bool:
     least, tau, last = (time * model.length for time in (LEAST, FIRST, LAST))
     too_long = np.inf
     before = moved = failed_at = np.full(engine.worlds, np.inf)
-    retreats = RETREATS if model.layer_count or model.pair_count > 1 else 0
+    retreats = RETREATS if model.layers.count or model.pairs.count > 1 else 0
     settled = balanced = False
     for _ in range(MOST_STEPS):
         words = engine.state.ctl.numpy().copy()
         engine.static_step(tau)
-        status = engine.word("STATUS")
+        status = engine.word("status")
         if np.any(status):
             can_be_shorter = not np.any(status & ~int(k.NOT_CONVERGED | k.ENERGY)) and tau > least
             if retreats == 0 and not (settled or balanced or can_be_shorter):
@@ -78,18 +78,18 @@ def _stepped(engine: Any, free: FreeMotions) -> bool:
                 too_long, failed_at, tau = tau, moved, tau / GROWTH
                 before = np.zeros(engine.worlds)
             continue
-        moved = engine.word("MOVE")
+        moved = engine.word("move")
         left = np.array([left_over(engine, world)[0] for world in range(engine.worlds)])
         free.look()
         if np.all(left <= NEARLY):
             free.hold()
-            engine.control(DOWNHILL=0)  # from here on energies differ by no more than the grids of contact make of them
+            engine.control(downhill=0)  # from here on energies differ by no more than the grids of contact make of them
         if np.all(moved <= failed_at / GROWTH):
             too_long, before = np.inf, np.full(engine.worlds, np.inf)
         longer = [min(tau * growth, last) for growth in (GROWTH, CAREFUL, 1.0)]
         longer = next(t for t in longer if t < too_long)
         settled = bool(np.all(moved <= TOLERANCE * model.length))
-        balanced = bool(np.all(left <= model.residual_tolerance))
+        balanced = bool(np.all(left <= model.limits.residual_tolerance))
         creeping = balanced and bool(np.any(moved > CREEP * before))
         if longer == tau and (creeping or (settled and (balanced or tau >= last))):
             return _at_rest(engine, free, creeping=not settled)

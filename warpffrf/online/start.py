@@ -29,7 +29,7 @@ def start(engine: Any, step: float | None) -> list[str]:
     for mode in (k.PROJECT, k.START):
         engine.enter(mode, engine.settings.start_fraction * step)
         engine.replay(1)
-    if np.any(engine.word("STATUS")):
+    if np.any(engine.word("status")):
         return []
     refine(engine, given)
     notes = []

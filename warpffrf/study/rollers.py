@@ -168,14 +168,14 @@ class StaticPath:
         engine = self.engine
         for i in range(count):
             engine.rates_to_zero()
-            engine.clock(TIME=float(i))
+            engine.clock(time=float(i))
             for _ in range(CORRECTIONS):
                 engine.static_step(STATIC_STEP)
-            if engine.word("STATUS")[0]:
+            if engine.word("status")[0]:
                 break
             engine.save_now()
         history = history_from_rows(engine.compiled, engine.rows[0])
-        history.status, history.message = describe(int(engine.word("STATUS")[0]), int(engine.word("SPARE")[0]))
+        history.status, history.message = describe(int(engine.word("status")[0]), int(engine.word("spare")[0]))
         return history
 
 

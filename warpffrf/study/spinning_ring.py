@@ -102,7 +102,7 @@ def bent_start(scene: Scene, body: str, q: Array) -> History:
     rest; the start of the run finds the accelerations that belong to them."""
     first = run(scene, SAMPLE, step=SAMPLE, progress=False)
     state = Engine(scene).state.to_numpy()
-    state["ctl"][:, int(k.MODE)] = int(k.STATIC)  # positions only: rates are to be set
+    state["ctl"]["mode"] = int(k.STATIC)  # positions only: rates are to be set
     at = sum(b.mode_count for b in scene.bodies[: scene.body(body).index])
     state["q"][:, at : at + len(q)] = q
     return replace(first, checkpoint=state)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 from warpffrf_kernels import control as k
 from warpffrf_kernels.contact_points import LINE
+from warpffrf_kernels.model import Model
 from warpffrf_kernels.scalars import BLOCK
 
 from warpffrf.online.compile import CompiledScene
@@ -33,8 +33,6 @@ NAMES = {
     "dynamic_mode": "modes, where local ones are dynamic",
     "outer": "outer unknowns",
     "line": "lines of the energy ledger",
-    "integer_word": "control words",
-    "real_word": "clock words",
     "residual": "residuals kept for the report of a failure",
     "ring_row": "rows of the ring",
     "ring_number": "numbers of a row",
@@ -65,6 +63,38 @@ NAMES = {
     "factor_number": "numbers of the sparse factor",
     "factor_line": "numbers of a line of it, of all lanes",
     "one": "always 1",
+    # of the model only
+    "surface": "contact surfaces, two a pair",
+    "marker": "joint frames",
+    "signal": "signals",
+    "body_load": "loads that are constant in body axes",
+    "body_load_mode": "modes of a body, the most",
+    "group_row": "spring rows that share matrices, the most",
+    "table_interface": "flexible interfaces, one at least",
+    "layer_number": "numbers of a law",
+    "theta_point": "Gauss points across a cell",
+    "z_point": "Gauss points along a cell",
+    **dict.fromkeys(
+        (
+            "inertia_entry",
+            "stiffening_entry",
+            "signal_entry",
+            "profile_entry",
+            "z_entry",
+            "compliance_entry",
+            "trace_entry",
+            "shear_entry",
+            "tangential_entry",
+            "neighbour_entry",
+            "shared_entry",
+            "point_entry",
+            "row_of_points_entry",
+            "layer_entry",
+            "layer_row_entry",
+            "layer_point_entry",
+        ),
+        "entries of tables that stand one behind the other",
+    ),
     # what launches ask for, no axes
     "applied": "forces and torques",
     "row_or_mode": "rows and modes",
@@ -93,34 +123,43 @@ def sizes_of(
     adaptive: bool,
 ) -> dict[str, int]:
     """Length of each axis of `NAMES`; `pattern`: of the sparse outer matrix, None where it is inverted."""
-    m: Any = compiled.model
-    P, B, Q, S, rows, outer = m.pair_count, m.body_count, m.modal_count, m.slot_capacity, m.row_count, m.outer_count
-    hat, node = m.mode_capacity, m.node_capacity
-    families, counts = m.pair_family.numpy()[:P], m.pair_point_count.numpy()[:P]
-    stations = (m.max_rows - 1) * m.z_points
-    rubbing = bool(m.cell_capacity)
+    m: Model = compiled.model
+    P, B, Q, S, rows, outer = (
+        m.pairs.count,
+        m.bodies.count,
+        m.modes.count,
+        m.capacity.slots,
+        m.rows.count,
+        m.outer.count,
+    )
+    hat, node = m.window.hats, m.window.nodes
+    families, counts = m.pairs.family.numpy()[:P], m.points.count.numpy()[:P]
+    stations = (m.window.rows - 1) * m.quadrature.z_points
+    rubbing = bool(m.capacity.cells)
     shared = serves_several(m)
     layer_point = layer_points(m)
     dense = pattern is None
     return {
-        "world": worlds, "body": B, "mode": Q, "row": rows, "force": m.force_count, "torque": m.torque_count,
-        "load": m.torque_count + m.load_count, "interface": m.interface_count,
-        "interface_shape": compiled.interface_modes.size, "group": m.group_count, "dense": m.dense_count,
-        "exact_mode": Q if compiled.local.exact else 0, "dynamic_mode": Q if m.dynamic_count else 0, "outer": outer,
-        "line": k.LINES, "integer_word": k.CTL, "real_word": k.CLK, "residual": RESIDUALS_KEPT,
+        "world": worlds, "body": B, "mode": Q, "row": rows, "force": m.forces.count, "torque": m.torques.count,
+        "load": m.torques.count + m.body_loads.count, "interface": m.interfaces.count,
+        "interface_shape": compiled.interface_modes.size, "group": m.groups.count, "dense": m.dense.count,
+        "exact_mode": Q if compiled.local.exact else 0, "dynamic_mode": Q if m.modes.dynamic_count else 0,
+        "outer": outer, "line": k.LINES, "residual": RESIDUALS_KEPT,
         "ring_row": ring_rows, "ring_number": ring_width(m), "pair": P, "contact_body": B if P else 0,
-        "contact_mode": Q if P else 0, "contact_outer": outer if P else 0, "pair_mode": m.pair_modes,
-        "coupled": m.coupled_capacity, "hat": hat, "node": node, "slot": S, "station": stations,
-        "window_point": (m.window_columns + 1) * m.theta_points * max(stations, 1), "column_point": m.most_points,
-        "point_number": (m.window_columns + 1) * m.most_points * LINE, "held_hat": hat if m.most_points else 0,
-        "stencil": m.stencil_columns * m.stencil_rows, "layer_point": layer_point,
+        "contact_mode": Q if P else 0, "contact_outer": outer if P else 0, "pair_mode": m.pairs.most_modes,
+        "coupled": m.pairs.coupled_capacity, "hat": hat, "node": node, "slot": S, "station": stations,
+        "window_point": (m.window.columns + 1) * m.quadrature.theta_points * max(stations, 1),
+        "column_point": m.points.most,
+        "point_number": (m.window.columns + 1) * m.points.most * LINE, "held_hat": hat if m.points.most else 0,
+        "stencil": m.window.stencil_columns * m.window.stencil_rows, "layer_point": layer_point,
         "layer_hat": hat if layer_point else 0, "friction_pair": P if rubbing else 0,
         "friction_hat": hat if rubbing else 0, "friction_node": node if rubbing else 0,
-        "friction_slot": S if rubbing else 0, "cell": m.cell_capacity, "share": m.share_columns * m.share_rows,
+        "friction_slot": S if rubbing else 0, "cell": m.capacity.cells,
+        "share": m.window.share_columns * m.window.share_rows,
         "surface_place": max(hat, node), "factor_number": 0 if dense else pattern.factor_size,
         "factor_line": 0 if dense else BLOCK * pattern.widest, "one": 1,
-        "applied": m.force_count + m.torque_count, "row_or_mode": rows + Q,
-        "stiffened_interface": m.interface_count if compiled.stiffened else 0,
+        "applied": m.forces.count + m.torques.count, "row_or_mode": rows + Q,
+        "stiffened_interface": m.interfaces.count if compiled.stiffened else 0,
         "dense_outer": outer if dense else 0, "dense_row": rows if dense else 0,
         "sparse_outer": 0 if dense else outer, "sparse_row": 0 if dense else rows,
         "projected_row": rows if projected else 0, "adaptive_world": worlds if adaptive else 0,
@@ -130,12 +169,12 @@ def sizes_of(
     }  # fmt: skip
 
 
-def friction_width(m: Any) -> int:
+def friction_width(m: Model) -> int:
     """Numbers a pair adds to a record in scenes with friction, see `warpffrf_kernels.friction_keep`."""
-    return 5 * m.mode_capacity + 5 if m.cell_capacity else 0
+    return 5 * m.window.hats + 5 if m.capacity.cells else 0
 
 
-def ring_width(m: Any) -> int:
+def ring_width(m: Model) -> int:
     """Numbers in one record, see `warpffrf_kernels.record.record`."""
-    pair = 16 + m.mode_capacity + 1 + m.node_capacity + friction_width(m)
-    return 4 + k.LINES + 19 * m.body_count + 3 * m.modal_count + 7 * m.row_count + pair * m.pair_count
+    pair = 16 + m.window.hats + 1 + m.window.nodes + friction_width(m)
+    return 4 + k.LINES + 19 * m.bodies.count + 3 * m.modes.count + 7 * m.rows.count + pair * m.pairs.count

@@ -5,18 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 from warpffrf_kernels.contact_wrench import Held
+from warpffrf_kernels.declaration import DeviceArray, integers, matrices, quaternions, reals, structs, vectors
 
 from warpffrf.online.arrays.axes import Sizes
-from warpffrf.online.arrays.declaration import (
-    Arrays,
-    DeviceArray,
-    integers,
-    matrices,
-    quaternions,
-    reals,
-    structs,
-    vectors,
-)
+from warpffrf.online.arrays.declaration import Arrays
 from warpffrf.online.arrays.state import State
 from warpffrf.online.compile import CompiledScene
 

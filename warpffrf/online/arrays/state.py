@@ -4,10 +4,12 @@ bit. A checkpoint is all of it."""
 from __future__ import annotations
 
 import numpy as np
+from warpffrf_kernels.control import Clock, Control
+from warpffrf_kernels.declaration import DeviceArray, integers, quaternions, reals, structs, vectors
 
 from warpffrf.model import rotation as rot
 from warpffrf.online.arrays.axes import Sizes
-from warpffrf.online.arrays.declaration import Arrays, DeviceArray, integers, quaternions, reals, vectors
+from warpffrf.online.arrays.declaration import Arrays
 from warpffrf.online.compile import CompiledScene
 
 
@@ -113,8 +115,8 @@ class Books(Arrays, carried=True):
     """Ledger, control words and clock."""
 
     energy: DeviceArray = reals("world", 2, "line", unit="J", note="accepted, trial")
-    ctl: DeviceArray = integers("world", "integer_word", note="see `warpffrf_kernels.control`")
-    clk: DeviceArray = reals("world", "real_word", note="see `warpffrf_kernels.control`")
+    ctl: DeviceArray = structs(Control, "world", note="control words")
+    clk: DeviceArray = structs(Clock, "world", note="time, step and coefficients")
 
 
 class State(MotionState, LoadState, ContactState, FrictionState, LayerState, Books):

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
+from typing import Any
+
+from warpffrf_kernels.declaration import Declaration, parts
+from warpffrf_kernels.model import Model
+
 from warpffrf.online.arrays.axes import NAMES
-from warpffrf.online.arrays.declaration import Arrays, Declaration, parts
+from warpffrf.online.arrays.declaration import Arrays
 from warpffrf.online.arrays.scratch import Scratch
 from warpffrf.online.arrays.state import State
 
@@ -16,20 +22,34 @@ def markdown() -> str:
         "# Arrays of a run",
         "",
         "Made from the declarations in `warpffrf/online/arrays/` by `python -m warpffrf.online.arrays.table`.",
-        "Worlds come first. A *run* is read and written along contiguous stretches by index, as one axis. What is",
-        "*carried* keeps something from attempt to attempt; all of `State` does.",
+        "Worlds come first; the model, which holds for all, has none. A *run* is read and written along contiguous",
+        "stretches by index, as one axis. What is *carried* keeps something from attempt to attempt, as all of `State`",
+        "does.",
+    ]
+    tables = [
+        (f"{whole.__name__}: {part.__name__}", str(inspect.getdoc(part)), part.declarations, whole is Scratch)
+        for whole in (State, Scratch)
+        for part in whole.__bases__
+        if issubclass(part, Arrays)
+    ]
+    tables += [
+        (f"Model: {name}", str(inspect.getdoc(topic)), topic.declarations, False) for name, topic in topics().items()
     ]
     used: set[str] = set()
-    for whole in (State, Scratch):
-        for part in whole.__bases__:
-            lines += ["", f"## {whole.__name__}: {part.__name__}", "", str(part.__doc__), ""]
-            lines += ["| array | type | axes | unit | |", "|---|---|---|---|---|"]
-            if issubclass(part, Arrays):
-                lines += [_row(name, d, whole is Scratch) for name, d in part.declarations.items()]
-                used |= {parts(a)[1] for d in part.declarations.values() for a in d.axes if isinstance(a, str)}
+    for title, text, declarations, scratch in tables:
+        lines += ["", f"## {title}", "", text, ""]
+        lines += ["| array | type | axes | unit | |", "|---|---|---|---|---|"]
+        lines += [_row(name, d, scratch) for name, d in declarations.items()]
+        used |= {parts(a)[1] for d in declarations.values() for a in d.axes if isinstance(a, str)}
     lines += ["", "## Axes", "", "| axis | entries |", "|---|---|"]
     lines += [f"| {name} | {text} |" for name, text in NAMES.items() if name in used]
     return "\n".join(lines) + "\n"
+
+
+def topics() -> dict[str, Any]:
+    """Those of the model that have arrays, by the name of their field."""
+    found = {name: type(value) for name, value in vars(Model()).items() if hasattr(value, "declarations")}
+    return {name: topic for name, topic in found.items() if topic.declarations}
 
 
 def _row(name: str, d: Declaration, scratch: bool) -> str:

@@ -11,7 +11,6 @@ from __future__ import annotations
 from typing import Any
 
 import warp as wp
-from warpffrf_kernels import control as k
 
 from warpffrf.online.arrays import Scratch, Sizes, State
 from warpffrf.online.compile import CompiledScene
@@ -86,10 +85,10 @@ class StepGraph:
     def open_books(self) -> None:
         """The energies of the state that was evaluated last, in every world, as the first of the ledger."""
         words = self.state.ctl.numpy().copy()
-        words[:, int(k.ATTEMPT)] = 1
+        words["attempt"] = 1
         self.state.ctl.assign(words)
         self.program.run(("book",))
-        words[:, int(k.ATTEMPT)] = 0
+        words["attempt"] = 0
         self.state.ctl.assign(words)
         lines = self.state.energy.numpy().copy()
         lines[:, 0] = lines[:, 1]
@@ -98,7 +97,7 @@ class StepGraph:
     def stand_still(self) -> None:
         """Before an evaluation that is no part of an attempt: accelerations as they are, no pair impulsive."""
         s, x = self.state, self.work
-        if self.compiled.model.pair_count:
+        if self.compiled.model.pairs.count:
             for name in STARTING:
                 getattr(x, name + "0").assign(getattr(s, name))
             s.impulsive.zero_()

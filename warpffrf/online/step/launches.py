@@ -14,10 +14,10 @@ from typing import Any
 
 import warp as wp
 from warpffrf_kernels.access import is_read, is_written
+from warpffrf_kernels.declaration import Declaration
 from warpffrf_kernels.scalars import BLOCK
 
 from warpffrf.online.arrays.axes import NAMES
-from warpffrf.online.arrays.declaration import Declaration
 from warpffrf.online.arrays.scratch import Scratch
 from warpffrf.online.arrays.state import State
 

@@ -13,8 +13,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import warp as wp
+from warpffrf_kernels.declaration import Declaration
 
-from warpffrf.online.arrays.declaration import Declaration
 from warpffrf.online.step.launches import DECLARED, Launch
 
 ATTEMPT = ("begin", "predict", "remember")

@@ -1,0 +1,66 @@
+"""Constants of a scene: the declared arrays of the model, filled topic by topic."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import warp as wp
+from warpffrf_kernels.declaration import Declaration, parts
+
+from warpffrf.model.errors import InputError
+from warpffrf.online.settings import LARGEST_INDEX
+
+WITHIN = {wp.vec3d: (3,), wp.mat33d: (3, 3)}  # numbers of an entry
+
+
+class Constants:
+    """Fills topics of `warpffrf_kernels.model`; `sizes`: of all axes met so far, which later arrays have to agree
+    with."""
+
+    def __init__(self, device: str) -> None:
+        self.device = device
+        self.sizes: dict[str, int] = {}
+
+    def fill(self, topic: Any, **values: Any) -> None:
+        """Set numbers and arrays of a topic by name; arrays in the shapes that are declared, or empty.
+
+        Raises TypeError for an array that is not as long as others along the same axis, InputError for one longer than
+        the indices of kernels reach.
+        """
+        for name, value in values.items():
+            declaration = topic.declarations.get(name)
+            if declaration is None:
+                setattr(topic, name, value)
+            else:
+                setattr(topic, name, self._array(f"{type(topic).__name__}.{name}", declaration, value))
+
+    def _array(self, label: str, declaration: Declaration, values: Any) -> Any:
+        kind = np.int32 if declaration.dtype is wp.int32 else np.float64
+        data = np.ascontiguousarray(values, dtype=kind)
+        if data.size > LARGEST_INDEX:
+            raise InputError(
+                f"scene: a table of {data.size} numbers is needed, at most {LARGEST_INDEX} can be indexed; reduce with "
+                "a coarser traction_spacing"
+            )
+        within = WITHIN.get(declaration.dtype, ())
+        if data.size == 0:  # one entry that nobody uses, so that kernels can be given it
+            self._meet(label, declaration.axes[0], 0)
+            data = np.zeros((*(n if isinstance(n, int) else 1 for n in declaration.axes), *within), kind)
+        else:
+            if data.shape[declaration.ndim :] != within:
+                raise TypeError(f"{label}: {data.shape} is no array of {declaration.ndim} axes")
+            for axis, n in zip(declaration.axes, data.shape, strict=False):
+                self._meet(label, axis, n)
+        return wp.array(data, dtype=declaration.dtype, device=self.device)
+
+    def _meet(self, label: str, axis: str | int, n: int) -> None:
+        """Take the size of an axis from the first array that has it, and compare those of the others."""
+        if isinstance(axis, int):
+            known, found = axis, n
+        else:
+            factor, name, more = parts(axis)
+            found = max(n - more, 0) // factor
+            known = self.sizes.setdefault(name, found)
+        if known != found:
+            raise TypeError(f"{label}: {n} entries along {axis!r}, {known} were expected")
