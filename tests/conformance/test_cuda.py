@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import warp as wp
 import warpffrf_kernels
-from warpffrf_kernels.scalars import BLOCK
+from warpffrf_kernels.core.scalars import BLOCK
 
 ARCH = 90  # compute capability 9.0
 FOLDER = Path(warpffrf_kernels.__file__).parent

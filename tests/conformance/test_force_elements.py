@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import warp as wp
-from warpffrf_kernels import rows, stiffen
+from warpffrf_kernels.constraints import geometric_stiffness, rows
 
 from warpffrf.model import forces, joints
 from warpffrf.model import rotation as rot
@@ -177,7 +177,7 @@ def test_geometric_stiffness_agrees_with_differences(name: str) -> None:
     evaluate(r, A)
     x.tangent.zero_()
     inputs = [m.models, s.ctl, x.r1, x.axes, x.slope, x.interface_motion, s.lam, x.row_wrench]
-    wp.launch(stiffen.stiffen, dim=1, inputs=inputs, outputs=[x.tangent], device="cpu")
+    wp.launch(geometric_stiffness.stiffen, dim=1, inputs=inputs, outputs=[x.tangent], device="cpu")
     found = x.tangent.numpy()[0][:12, :12]
     tolerance = 1e-3 if "bushing" in name else 1e-8
     assert np.abs(found - expected).max() < tolerance * np.abs(expected).max()

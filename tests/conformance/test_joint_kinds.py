@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import warp as wp
 from joint_scenes import FREE, KINDS, PLACE, SPAN, make_joint, moved, pair
-from warpffrf_kernels import control as k
-from warpffrf_kernels import interfaces
-from warpffrf_kernels import rows as row_kernels
-from warpffrf_kernels.scalars import BLOCK
+from warpffrf_kernels.bodies import interfaces
+from warpffrf_kernels.constraints import rows as row_kernels
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.scalars import BLOCK
 
 from warpffrf.model import joints
 from warpffrf.model import rotation as rot

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from warpffrf_kernels import control as k
+from warpffrf_kernels.core import control as k
 
 from warpffrf.online import Engine, Settings
 from warpffrf.study.rollers import Path, prescribed_pair, roller_body

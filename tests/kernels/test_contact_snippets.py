@@ -1,16 +1,16 @@
 """The contact snippets against NumPy, written from the equations, on the arrays of an engine inside a step.
 
-sum_hat: the sums over Gauss points of the module docstring of `contact_weights`; couple: G of `contact_compliance`
-from the dense compliance of both surfaces, without the tables; add_outer: G + L H L^T with H inverted here.
-"""
+sum_hat: the sums over Gauss points of the module docstring of `line_of_centres_weights`; couple: G of
+`contact_compliance` from the dense compliance of both surfaces, without the tables; add_outer: G + L H L^T with H
+inverted here."""
 
 from __future__ import annotations
 
 import numpy as np
 import warp as wp
-from warpffrf_kernels import contact_weights
-from warpffrf_kernels import control as k
-from warpffrf_kernels.scalars import BLOCK
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.scalars import BLOCK
+from warpffrf_kernels.kinematics import line_of_centres_weights
 
 from warpffrf.online import Engine
 
@@ -119,7 +119,7 @@ def test_stencil_holds_a_row_that_only_inner_points_reach(engine: Engine) -> Non
     x.point_place.assign(changed)
     engine.control(run=1, moved=1)
     wp.launch_tiled(
-        contact_weights.weigh, dim=(1, 1),
+        line_of_centres_weights.weigh, dim=(1, 1),
         inputs=[engine.compiled.models, x.center, x.window, x.station, x.station_wrench, x.point_gap, x.point_place],
         outputs=[engine.state.ctl, *(getattr(x, name) for name in names)], block_dim=BLOCK, device="cpu",
     )  # fmt: skip

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from warpffrf_kernels import control as k
+from warpffrf_kernels.core import control as k
 
 import warpffrf as wf
 from warpffrf.online import Engine, Settings

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import warp as wp
-from warpffrf_kernels import control as k
-from warpffrf_kernels import friction_solve
-from warpffrf_kernels.model import Model
-from warpffrf_kernels.scalars import BLOCK
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import BLOCK
+from warpffrf_kernels.friction import stick_slip_solve
 
 from warpffrf.online.arrays.declaration import host_structs
 from warpffrf.study.friction_program import residual, solve
@@ -43,7 +43,7 @@ def device_solve(K, right, bound, start, softness=None) -> tuple[np.ndarray, np.
     ctl, tau = wp.array(words, dtype=k.Control), put(start)
     whole = wp.zeros((1, 2 * n), dtype=wp.int32)
     wp.launch_tiled(
-        friction_solve.solve_tractions, dim=(1,), block_dim=BLOCK,
+        stick_slip_solve.solve_tractions, dim=(1,), block_dim=BLOCK,
         inputs=[wp.array([model], dtype=Model), put(K), put(right), put(bound),
                 zeros(n) if softness is None else put(softness)],
         outputs=[ctl, tau, zeros(2 * n), zeros(2 * n), zeros(2 * n), zeros(2 * n), zeros(n), whole,

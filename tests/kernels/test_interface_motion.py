@@ -7,8 +7,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import warp as wp
-from warpffrf_kernels import interfaces
-from warpffrf_kernels.scalars import BLOCK, dot, weighted
+from warpffrf_kernels.bodies import interfaces
+from warpffrf_kernels.core.scalars import BLOCK, dot, weighted
 
 from warpffrf.model import joints
 from warpffrf.model.scene import Scene

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 import warp as wp
-from warpffrf_kernels import layer_laws
-from warpffrf_kernels.model import Model
-from warpffrf_kernels.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.layers import layer_laws
 
 from warpffrf.model import laws
 from warpffrf.online.arrays.constants import Constants

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import warp as wp
 from scipy.linalg import expm
-from warpffrf_kernels.rotation import exponential, matrix, tangent_inverse
-from warpffrf_kernels.scalars import MODULE_OPTIONS, mat33, vec3
+from warpffrf_kernels.core.rotation import exponential, matrix, tangent_inverse
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -13,7 +13,7 @@ import sample_kernels
 import warp as wp
 import warpffrf_kernels
 from kernel_access import access_of
-from warpffrf_kernels.access import is_read, is_written
+from warpffrf_kernels.core.access import is_read, is_written
 
 MODULES = [
     importlib.import_module(f"warpffrf_kernels.{m.name}") for m in pkgutil.iter_modules(warpffrf_kernels.__path__)

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 import warp as wp
-from warpffrf_kernels import control as k
-from warpffrf_kernels import outer
-from warpffrf_kernels.contact_solve import factor_and_solve
-from warpffrf_kernels.model import Model
-from warpffrf_kernels.scalars import MODULE_OPTIONS, axpy, dot, real
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real
+from warpffrf_kernels.linear import outer
+from warpffrf_kernels.normal.contact_solve import factor_and_solve
 
 from warpffrf.online.arrays.declaration import host_structs
 

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 import warp as wp
-from warpffrf_kernels import control as k
-from warpffrf_kernels import sparse_outer
-from warpffrf_kernels.model import Model
-from warpffrf_kernels.scalars import BLOCK
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import BLOCK
+from warpffrf_kernels.linear import sparse_outer
 
 from warpffrf.online.arrays.declaration import host_structs
 from warpffrf.online.outer_pattern import GROUND, OuterPattern, find_pattern, on_device

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 import warp as wp
 from scipy.optimize import minimize_scalar
-from warpffrf_kernels import surface
-from warpffrf_kernels.model import Model
-from warpffrf_kernels.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.surfaces import surface
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -1,5 +1,5 @@
 """Impulsive and smooth steps of a bar that hits its mirror image, in NumPy, by the equations of
-`warpffrf_kernels.impulsive_contact` as they stand, one scalar equation a coordinate and no factor kappa."""
+`warpffrf_kernels.impulsive.impulsive_contact` as they stand, one scalar equation a coordinate and no factor kappa."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The contact problem of two bodies of revolution in plain NumPy: dense, every hat of a window, every cell, no reuse.
 
-Written from the equations (module docstrings of `contact_geometry` and `contact_compliance`), not from the kernels:
+Written from the equations (module docstrings of `line_of_centres` and `contact_compliance`), not from the kernels:
 positions of
 points are built in the world, the gap is found as the root of a quadratic, hats are evaluated as functions. The
 complementarity problem 0 <= s, g + G s >= 0, s.(g + G s) = 0 is the optimality condition of min s.G.s/2 + g.s over s

@@ -1,6 +1,6 @@
 """The contact problem of two surfaces of any shape in plain NumPy: every point of every cell, hats as functions.
 
-Written from the equations (module docstring of `contact_points`), not from the kernels: points are built in the world
+Written from the equations (module docstring of `at_points`), not from the kernels: points are built in the world
 and looked at from B with the shape's own chart.
 """
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 from impact_reference import Half, collide
-from warpffrf_kernels import control as k
-from warpffrf_kernels.commit import LEAST_GAIN, MOST_GAINED, decide
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.step.commit import LEAST_GAIN, MOST_GAINED, decide
 
 from warpffrf.model.contact import Contact
 from warpffrf.model.damping import default_damping

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from warpffrf_kernels import control as k
+from warpffrf_kernels.core import control as k
 
 from warpffrf.model import rotation as rot
 from warpffrf.model import surfaces

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 import warp as wp
-from warpffrf_kernels import control as k
-from warpffrf_kernels import motion
-from warpffrf_kernels.declaration import Declaration, integers, parts, reals
-from warpffrf_kernels.model import Model
+from warpffrf_kernels.bodies import motion
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.declaration import Declaration, integers, parts, reals
+from warpffrf_kernels.core.model import Model
 
 import warpffrf as wf
 from warpffrf.model import laws

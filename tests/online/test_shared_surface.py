@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from warpffrf_kernels import control as k
+from warpffrf_kernels.core import control as k
 
 from warpffrf.model import forces, joints, surfaces
 from warpffrf.model import rotation as rot

@@ -1,8 +1,8 @@
 r"""Integrators to choose from: one stepper with a table of coefficients, and two host integrators for checks.
 
-The stepper (`warpffrf_kernels.motion`) is the generalized-alpha method on the rotation group in the form of Arnold and
-Bruels (2007, eq. 17 to 19): the equations of motion hold at the end of the step with the true acceleration vdot_1, the
-update uses an algorithmic acceleration a,
+The stepper (`warpffrf_kernels.bodies.motion`) is the generalized-alpha method on the rotation group in the form of
+Arnold and Bruels (2007, eq. 17 to 19): the equations of motion hold at the end of the step with the true acceleration
+vdot_1, the update uses an algorithmic acceleration a,
 
     d = h v_0 + h^2 ((1/2 - beta) a_0 + beta a_1),      v_1 = v_0 + h ((1 - gamma) a_0 + gamma a_1),
     (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) vdot_1 + alpha_f vdot_0.

@@ -1,8 +1,8 @@
 r"""Contact frame of two surfaces of revolution at axial stations of the first, with all derivatives.
 
-The geometry is that of the separated solver (`warpffrf_kernels.contact_geometry`): at the axial station z of A,
-`a = O_A + z e_A`; b is where B's axis pierces the section; d = |b - a|, c = (b - a)/d, t = e_A x c. The gap along c at
-the angle xi from c and the wrench of a unit pressure are
+The geometry is that of the separated solver (`warpffrf_kernels.kinematics.line_of_centres`): at the axial station z of
+A, `a = O_A + z e_A`; b is where B's axis pierces the section; d = |b - a|, c = (b - a)/d, t = e_A x c. The gap along c
+at the angle xi from c and the wrench of a unit pressure are
 
     g = d - sqrt(R_B^2 - y^2) - R_A cos xi,   y = R_A sin xi,
     f on B at b, -f on A,     f = c - e_A (c.e_B)/(e_A.e_B) + e_A R_B'/(e_A.e_B).

@@ -22,7 +22,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels import control as k
+from warpffrf_kernels.core import control as k
 
 from warpffrf.model.redundancy import scene_length
 
@@ -91,7 +91,7 @@ class _World:
 
     def _evaluate(self, shift: np.ndarray) -> None:
         """Residuals and rows at the present state moved by `shift`, with accelerations `-v_rate` and so on: with
-        alpha_f = 1/2 and a step without end, the formulas of `warpffrf_kernels.motion` give `v_1 = v_0` and
+        alpha_f = 1/2 and a step without end, the formulas of `warpffrf_kernels.bodies.motion` give `v_1 = v_0` and
         `vdot_1 = -vdot_0`."""
         engine = self.engine
         words, reals = engine.state.ctl.numpy().copy(), engine.state.clk.numpy().copy()

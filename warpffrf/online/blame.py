@@ -1,10 +1,9 @@
 """Where a step failed: the joint, body or pair with the largest residual, from what its last attempt left behind.
 
-Residuals are compared as fractions, each of what it is measured by in `warpffrf_kernels.balance.balance`: forces of the
-largest force in play, modal forces of the largest modal force, joints of 1 m or 1 rad, spring forces of their laws,
-gaps of the penetration. A singular system has no residual to speak of: there the direction that it does not determine
-is told, the singular vector of the equilibrated matrix.
-"""
+Residuals are compared as fractions, each of what it is measured by in `warpffrf_kernels.step.balance.balance`: forces
+of the largest force in play, modal forces of the largest modal force, joints of 1 m or 1 rad, spring forces of their
+laws, gaps of the penetration. A singular system has no residual to speak of: there the direction that it does not
+determine is told, the singular vector of the equilibrated matrix."""
 
 from __future__ import annotations
 
@@ -12,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels import control as k
+from warpffrf_kernels.core import control as k
 
 TOLD = 1e-8  # a share below it is converged
 MOST_LOST = 4  # names of what is not finite: it spreads through joints within an iteration

@@ -12,7 +12,7 @@ import time
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels.control import Clock
+from warpffrf_kernels.core.control import Clock
 
 from warpffrf.model.errors import InputError, require_count
 from warpffrf.model.integrators import EnergyMomentum, RungeKutta4

@@ -1,4 +1,4 @@
-"""Scene -> constant device data (`warpffrf_kernels.model.Model`).
+"""Scene -> constant device data (`warpffrf_kernels.core.model.Model`).
 
 Body frames are moved to the centre of mass here and nowhere else; `CompiledScene` keeps what is needed to move results
 back.
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import warp as wp
-from warpffrf_kernels.model import Model
+from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.slopes import leanings, leant

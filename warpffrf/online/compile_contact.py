@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels import control as k
-from warpffrf_kernels.contact_geometry import GUARD
-from warpffrf_kernels.model import Model
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.kinematics.line_of_centres import GUARD
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.compile_inertia import dense_columns
@@ -25,7 +25,7 @@ from warpffrf.online.contact_windows import (
 )
 from warpffrf.online.sampling_rules import on_stations, rule_of
 
-LINE_OF_CENTRES, AT_POINTS = 0, 1  # families of geometry: `contact_geometry`, `contact_points`
+LINE_OF_CENTRES, AT_POINTS = 0, 1  # families of geometry: `line_of_centres`, `at_points`
 LEAST_CROWN = 1.0  # radii: below, the crown is no small drop along the width
 # room for hats in play, to begin with: matrices grow with its square, so pairs that never load a whole window need not
 # pay for one; `Engine` doubles it where it is short

@@ -1,7 +1,7 @@
 """Forces of a scene -> spring rows, point loads and body loads of the device model.
 
 Elements describe themselves in the terms of `warpffrf.model.forces.laws`. A spring law on one coordinate is a row with
-its own stiffness; a law on several is a *group* of rows that share matrices (`warpffrf_kernels.forces`).
+its own stiffness; a law on several is a *group* of rows that share matrices (`warpffrf_kernels.constraints.forces`).
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels import control as k
-from warpffrf_kernels.forces import MOST_COUPLED
-from warpffrf_kernels.model import Model
+from warpffrf_kernels.constraints.forces import MOST_COUPLED
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import BodyLoad, PointLoad, SpringLaw

@@ -10,14 +10,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels.model import Model
+from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.compile_shared import neighbours, surface_reaches
 from warpffrf.online.compliance_tables import hat_gram
 from warpffrf.online.contact_windows import Extent, between_axes, sine_between
 
-CUBIC_SPARE = 2  # columns beyond the overlap that a cubic reaches, see `friction_shares.spread_cells`
+CUBIC_SPARE = 2  # columns beyond the overlap that a cubic reaches, see `cell_shares.spread_cells`
 ROUND_OFF = 1e-9  # cells: a ratio of two grids that is a whole number up to this is one
 
 
@@ -88,7 +88,7 @@ def fill_friction(compiler: Any, m: Model) -> None:
 
 
 def _cells_beside(compiler: Any, m: Model) -> int:
-    """Most cells that are loaded beside those where hats are (`friction_bounds`): a patch of n hats in r rows and c
+    """Most cells that are loaded beside those where hats are (`bounds`): a patch of n hats in r rows and c
     columns has at most 2 (c + r) neighbours."""
     beside = 0
     for i, contact in enumerate(compiler.scene.contacts):

@@ -1,4 +1,5 @@
-r"""Inertia levels of the bodies of a scene -> tables of the modes that carry inertia (`warpffrf_kernels.inertia`).
+r"""Inertia levels of the bodies of a scene -> tables of the modes that carry inertia
+(`warpffrf_kernels.bodies.inertia`).
 
 A level says which parts of J(q) = J0 + sum q_i J1_i + sum q_i q_j J2_ij and h = sum q_i qdot_j G_ij a body keeps:
 
@@ -27,7 +28,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels.model import Model
+from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.inertia import LEVELS, PRODUCTS, TERM_NAMES

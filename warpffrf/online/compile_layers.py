@@ -1,12 +1,12 @@
-"""Laws of contact pairs -> device tables (`warpffrf_kernels.layer_laws`)."""
+"""Laws of contact pairs -> device tables (`warpffrf_kernels.layers.layer_laws`)."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels import layer_laws as device
-from warpffrf_kernels.model import Model
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.layers import layer_laws as device
 
 from warpffrf.online.contact_rules import PointRule
 from warpffrf.online.sampling_rules import layer_rule

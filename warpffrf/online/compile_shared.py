@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels.model import Model
+from warpffrf_kernels.core.model import Model
 
 from warpffrf.online.compliance_tables import hat_gram, response_table
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels.model import Model
+from warpffrf_kernels.core.model import Model
 
 from warpffrf.online.compile_shared import surface_reaches
 from warpffrf.online.compliance_tables import modal_moments, response_table, weak_compliance

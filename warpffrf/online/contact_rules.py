@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels.model import Model
+from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.errors import InputError
 

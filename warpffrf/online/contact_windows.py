@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels.contact_geometry import GUARD
+from warpffrf_kernels.kinematics.line_of_centres import GUARD
 
 MIN_HALF_WINDOW = 6  # columns: margin and guard columns of a patch of a few columns
 MAX_HALF_WINDOW = 60  # columns: 121 in all; a patch that needs more has a contact grid finer than any use

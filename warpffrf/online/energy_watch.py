@@ -1,15 +1,14 @@
 """The end of a run that makes energy: who has made it, and a cure that was tried.
 
-`warpffrf_kernels.energy_watch` stops a run in which energy has come from nowhere. Here states are kept to go back to,
-and the last steps are repeated with smaller ones, to tell whether these are a cure.
-"""
+`warpffrf_kernels.step.energy_watch` stops a run in which energy has come from nowhere. Here states are kept to go back
+to, and the last steps are repeated with smaller ones, to tell whether these are a cure."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels import control as k
+from warpffrf_kernels.core import control as k
 
 from warpffrf.online.checkpoint import restore
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import warp as wp
-from warpffrf_kernels import control as k
+from warpffrf_kernels.core import control as k
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import GeneralizedAlpha
@@ -143,21 +143,21 @@ class Engine:
     # --- control words, all worlds alike
 
     def control(self, **values: int) -> None:
-        """Set words of `warpffrf_kernels.control.Control` by name."""
+        """Set words of `warpffrf_kernels.core.control.Control` by name."""
         words = self.state.ctl.numpy().copy()
         for name, value in values.items():
             words[name] = value
         self.state.ctl.assign(words)
 
     def clock(self, **values: float | np.ndarray) -> None:
-        """Set words of `warpffrf_kernels.control.Clock` by name."""
+        """Set words of `warpffrf_kernels.core.control.Clock` by name."""
         words = self.state.clk.numpy().copy()
         for name, value in values.items():
             words[name] = value
         self.state.clk.assign(words)
 
     def coefficients(self, **values: float) -> None:
-        """Set coefficients of the step of bodies, by their names in `warpffrf_kernels.control.Coefficients`."""
+        """Set coefficients of the step of bodies, by their names in `warpffrf_kernels.core.control.Coefficients`."""
         words = self.state.clk.numpy().copy()
         for name, value in values.items():
             words["outer"][name] = value

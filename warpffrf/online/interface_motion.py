@@ -5,7 +5,7 @@ that loads stiffen, the geometric stiffness K_c of a unit load (`warpffrf.model.
 
     d_c = Phi_c.q - q.K_c q/2,   d_c' = Phi_c.qd - q.K_c qd,   d_c'' = Phi_c.qdd - q.K_c qdd - qd.K_c qd,
 
-as the constraint rows see it (`warpffrf_kernels.interfaces`).
+as the constraint rows see it (`warpffrf_kernels.bodies.interfaces`).
 """
 
 from __future__ import annotations

@@ -1,11 +1,12 @@
-"""Shapes of the arrays that layers between surfaces need (`warpffrf_kernels.contact_layer`); none without a layer."""
+"""Shapes of the arrays that layers between surfaces need (`warpffrf_kernels.layers.weak_layer`); none without a
+layer."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels.model import Model
+from warpffrf_kernels.core.model import Model
 
 
 def layer_points(m: Model) -> int:

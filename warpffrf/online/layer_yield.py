@@ -1,4 +1,5 @@
-r"""The yield of a layer on the host: depth under a pressure and its derivative, what `warpffrf_kernels.layer_laws` has.
+r"""The yield of a layer on the host: depth under a pressure and its derivative, what
+`warpffrf_kernels.layers.layer_laws` has.
 
     power         y = (p/k + e^n)^(1/n) - e,               y' = (p/k + e^n)^(1/n - 1)/(n k)
     exponential   y = lambda ln(p/p_0 + exp(-g_end/lambda)),  y' = lambda/(p + p_0 exp(-g_end/lambda))

@@ -9,13 +9,12 @@ What is cut or held stays in the compliance (D_rest), so that the static respons
 `G = Psi^T (D_rest + T sigma^-1 T^T) Psi` and stays inside the local solve in all of them; the price of the dynamic ones
 grows with the number of modes (kernels `motion`, `contact_compliance`), and G changes with the step size.
 
-The steps (`warpffrf_kernels.motion.move_modes`). HHT: the four coefficients of alpha, of its own, in place of those of
-the outer integrator. Exponential, for q'' + 2 zeta omega q' + omega^2 q = f0 + (f1 - f0) t/h (Nigam and Jennings 1969):
-q1 = A q0 + B q0' + C f0 + D f1; D is the receptance. It serves modes that the step does not resolve, omega h >= pi;
-below, together with contact, it would be unstable (`warpffrf_kernels.motion.rule_of`), and those modes step by HHT. At
-exactly undamped modes it is marginal, hence their default damping. Impacts on these modes are stepped without a memory
-of the contact force, see `warpffrf_kernels.impulsive_means`.
-"""
+The steps (`warpffrf_kernels.bodies.motion.move_modes`). HHT: the four coefficients of alpha, of its own, in place of
+those of the outer integrator. Exponential, for q'' + 2 zeta omega q' + omega^2 q = f0 + (f1 - f0) t/h (Nigam and
+Jennings 1969): q1 = A q0 + B q0' + C f0 + D f1; D is the receptance. It serves modes that the step does not resolve,
+omega h >= pi; below, together with contact, it would be unstable (`warpffrf_kernels.bodies.motion.rule_of`), and those
+modes step by HHT. At exactly undamped modes it is marginal, hence their default damping. Impacts on these modes are
+stepped without a memory of the contact force, see `warpffrf_kernels.impulsive.impulsive_means`."""
 
 from __future__ import annotations
 

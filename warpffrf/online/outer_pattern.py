@@ -1,9 +1,10 @@
-r"""Where the outer matrix of a scene is not zero, and the order of its elimination (`warpffrf_kernels.sparse_outer`).
+r"""Where the outer matrix of a scene is not zero, and the order of its elimination
+(`warpffrf_kernels.linear.sparse_outer`).
 
-The outer matrix [[S, C^T], [C, -E]] (`warpffrf_kernels.outer`) couples few of its unknowns: S has a block for each body
-(six rigid coordinates and the modes that carry inertia) and one for each two bodies that share a row; C has in a row
-the blocks of its two bodies; E couples rows that end on one flexible body. With a good order its factors are hardly
-larger: a chain or a tree of n bodies costs O(n).
+The outer matrix [[S, C^T], [C, -E]] (`warpffrf_kernels.linear.outer`) couples few of its unknowns: S has a block for
+each body (six rigid coordinates and the modes that carry inertia) and one for each two bodies that share a row; C has
+in a row the blocks of its two bodies; E couples rows that end on one flexible body. With a good order its factors are
+hardly larger: a chain or a tree of n bodies costs O(n).
 
 Unknowns are gathered in *nodes*, one for each body and one for all rows between the same two bodies. The order is found
 here once, before the numbers are known, and no pivot is sought outside a node. Why the pivots exist: lay a spanning
@@ -32,7 +33,7 @@ from typing import Any
 
 import numpy as np
 import warp as wp
-from warpffrf_kernels.sparse_factor import Pattern
+from warpffrf_kernels.linear.sparse_factor import Pattern
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.settings import LARGEST_INDEX

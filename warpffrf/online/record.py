@@ -1,9 +1,9 @@
-"""From ring rows (layout of `warpffrf_kernels.record.record`) to a History in user frames."""
+"""From ring rows (layout of `warpffrf_kernels.step.record.record`) to a History in user frames."""
 
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels import control as k
+from warpffrf_kernels.core import control as k
 
 from warpffrf.online.arrays.axes import friction_width, ring_width
 from warpffrf.online.compile import CompiledScene

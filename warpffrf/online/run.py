@@ -7,7 +7,7 @@ import time
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels import control as k
+from warpffrf_kernels.core import control as k
 
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError, require_count, require_number
@@ -96,7 +96,7 @@ def run(
     """Simulate `scene` for `duration` [s] in steps of `step` [s]; a solver that fails says so in `History.status`.
 
     start: "initial", "equilibrium", or the History of an earlier run of the same scene, or of its equilibrium, which
-    is continued bit for bit. accuracy: halve steps whose local error exceeds it, see `warpffrf_kernels.accuracy`.
+    is continued bit for bit. accuracy: halve steps whose local error exceeds it, see `warpffrf_kernels.step.accuracy`.
     project_start: initial velocities that do not agree with the joints are changed as little as possible (in the
     kinetic energy of the change) instead of refused. Raises InputError for wrong input.
     """

@@ -2,8 +2,8 @@
 
 Points chosen among the Gauss points along the axis stand on the *stations* of the line of centres, where a pair of
 cylinders is measured anyway; such a pair stays in that family of geometry and looks at fewer points around
-(`warpffrf_kernels.contact_few`). Other choices take the general one, `warpffrf_kernels.contact_points`.
-"""
+(`warpffrf_kernels.kinematics.line_of_centres_sampled`). Other choices take the general one,
+`warpffrf_kernels.kinematics.at_points`."""
 
 from __future__ import annotations
 

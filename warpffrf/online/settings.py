@@ -23,7 +23,7 @@ class Settings:
     theta_points: int = 3  # Gauss points across a grid cell: the second grid's hats have kinks inside the cell
     z_points: int = 2  # Gauss points along a grid cell: exact for products of two linear hats
     window_strain: float = 0.07  # half of the default window over the pair's effective radius (Hertz: p0 = 0.035 E*)
-    force_points: bool = False  # gaps at points for every pair: to compare the two families of `contact_points`
+    force_points: bool = False  # gaps at points for every pair: to compare the two families of `at_points`
     ring_rows: int = 512  # saved steps a chunk can hold
     start_fraction: float = 1e-3  # of the user's step: the tiny steps of `start`, which refines what they find
     chunk_seconds: float = 0.05  # wall time of a replay, so that Ctrl-C and the progress bar stay quick

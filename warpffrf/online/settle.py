@@ -15,7 +15,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels import control as k
+from warpffrf_kernels.core import control as k
 
 from warpffrf.online.free_motions import FreeMotions
 from warpffrf.online.rest import creeping_note, left_over

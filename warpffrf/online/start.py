@@ -1,10 +1,10 @@
 """The start of a run: velocities that agree with joints and drives, then accelerations and multipliers.
 
-Two tiny steps on the device come first (`warpffrf_kernels.motion`: PROJECT makes the velocities consistent in the mass
-metric, START finds accelerations, multipliers, and the pressures of what touches). They are a fraction of the user's
-step, so that contact does next to nothing in them of what it does in a step. Both divide displacements by their size,
-so that round-off of the positions returns as errors of the accelerations; `accelerations` then takes those out, with
-the joints' equations differentiated instead, and opens the ledger with the energies of the state that it leaves.
+Two tiny steps on the device come first (`warpffrf_kernels.bodies.motion`: PROJECT makes the velocities consistent in
+the mass metric, START finds accelerations, multipliers, and the pressures of what touches). They are a fraction of the
+user's step, so that contact does next to nothing in them of what it does in a step. Both divide displacements by their
+size, so that round-off of the positions returns as errors of the accelerations; `accelerations` then takes those out,
+with the joints' equations differentiated instead, and opens the ledger with the energies of the state that it leaves.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels import control as k
+from warpffrf_kernels.core import control as k
 
 from warpffrf.online.accelerations import refine
 

@@ -3,7 +3,7 @@ r"""Writes docs/studies/colliding_bars.md: `python -m warpffrf.study.colliding_b
 Two equal free bars meet end to end, flat face on flat face: St Venant's impact (`closed_forms.BarImpact`, case C8).
 With quasi-static local modes the contact boundary carries no mass, and the highest retained modes ring against its
 compliance after the step of load; with dynamic ones it carries mass and has hardly any compliance left, so that the
-faces would bounce (`warpffrf_kernels.impulsive_means`).
+faces would bounce (`warpffrf_kernels.impulsive.impulsive_means`).
 
 The bars are made from the closed form of a rod without lateral inertia, length L, so that nothing but the number N of
 modes and the treatment of the rest differs from St Venant: with x from the left end and the mass m

@@ -27,7 +27,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels import control as k
+from warpffrf_kernels.core import control as k
 
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller

@@ -16,9 +16,8 @@ dc = (Q dP - P dQ)/(P^2 + Q^2). For `angle` e = w_j turns against p = u_i x u_j,
 t = e x (Q p - P q)/(P^2 + Q^2); for `second_angle` p = w_j x w_i, q = w_j turn against e = u_j, and t is the opposite
 of the same expression. On the joint (e perpendicular to the axis) t is the axis itself.
 
-`warpffrf_kernels.rows` computes the same on the device; this is the independent copy that checks of scenes, recorded
-coordinates and tests use.
-"""
+`warpffrf_kernels.constraints.rows` computes the same on the device; this is the independent copy that checks of scenes,
+recorded coordinates and tests use."""
 
 from __future__ import annotations
 

@@ -9,10 +9,9 @@ negative for one that reaches out), and holds the energy
 A law that also depends on how fast it is compressed has p = P(d) (1 + chi d_dot), cut at zero: surfaces do not pull.
 The part P(d) alone is elastic; p - P(d) dissipates (p - P) d_dot >= 0.
 
-The solver wants the inverse: contact is solved for pressures (`warpffrf_kernels.contact_layer`), in which a layer is
-the yield y(p) = P^-1(p). P must rise strictly, with a slope that is nowhere zero: laws whose slope would vanish at
-touch are shifted by a depth far below any of use, and say so.
-"""
+The solver wants the inverse: contact is solved for pressures (`warpffrf_kernels.layers.weak_layer`), in which a layer
+is the yield y(p) = P^-1(p). P must rise strictly, with a slope that is nowhere zero: laws whose slope would vanish at
+touch are shifted by a depth far below any of use, and say so."""
 
 from __future__ import annotations
 
@@ -24,8 +23,8 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Curve:
-    """A law as the kernels read it (`warpffrf_kernels.layer_laws`): the name of its form, its numbers, and the table
-    (n, 2) of depth [m] and pressure [Pa] of a tabulated one."""
+    """A law as the kernels read it (`warpffrf_kernels.layers.layer_laws`): the name of its form, its numbers, and the
+    table (n, 2) of depth [m] and pressure [Pa] of a tabulated one."""
 
     form: str
     numbers: tuple[float, ...]

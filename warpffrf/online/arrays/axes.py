@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from warpffrf_kernels import control as k
-from warpffrf_kernels.contact_points import LINE
-from warpffrf_kernels.model import Model
-from warpffrf_kernels.scalars import BLOCK
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import BLOCK
+from warpffrf_kernels.kinematics.at_points import LINE
 
 from warpffrf.online.compile import CompiledScene
 from warpffrf.online.compile_shared import serves_several
@@ -170,11 +170,11 @@ def sizes_of(
 
 
 def friction_width(m: Model) -> int:
-    """Numbers a pair adds to a record in scenes with friction, see `warpffrf_kernels.friction_keep`."""
+    """Numbers a pair adds to a record in scenes with friction, see `warpffrf_kernels.friction.history`."""
     return 5 * m.window.hats + 5 if m.capacity.cells else 0
 
 
 def ring_width(m: Model) -> int:
-    """Numbers in one record, see `warpffrf_kernels.record.record`."""
+    """Numbers in one record, see `warpffrf_kernels.step.record.record`."""
     pair = 16 + m.window.hats + 1 + m.window.nodes + friction_width(m)
     return 4 + k.LINES + 19 * m.bodies.count + 3 * m.modes.count + 7 * m.rows.count + pair * m.pairs.count

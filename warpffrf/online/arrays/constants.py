@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import warp as wp
-from warpffrf_kernels.declaration import Declaration, parts
+from warpffrf_kernels.core.declaration import Declaration, parts
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.settings import LARGEST_INDEX
@@ -15,7 +15,7 @@ WITHIN = {wp.vec3d: (3,), wp.mat33d: (3, 3)}  # numbers of an entry
 
 
 class Constants:
-    """Fills topics of `warpffrf_kernels.model`; `sizes`: of all axes met so far, which later arrays have to agree
+    """Fills topics of `warpffrf_kernels.core.model`; `sizes`: of all axes met so far, which later arrays have to agree
     with."""
 
     def __init__(self, device: str) -> None:

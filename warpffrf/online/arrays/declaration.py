@@ -1,4 +1,4 @@
-"""Arrays as attributes of a class, each declared once (`warpffrf_kernels.declaration`).
+"""Arrays as attributes of a class, each declared once (`warpffrf_kernels.core.declaration`).
 
 class State(Arrays):
     pressure: DeviceArray = reals("world", "pair", "hat", unit="Pa", note="at the nodes")
@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 from numpy.lib.recfunctions import structured_to_unstructured
-from warpffrf_kernels.declaration import Declaration
+from warpffrf_kernels.core.declaration import Declaration
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.settings import LARGEST_INDEX

@@ -4,8 +4,8 @@ or the set-up of the run, has left."""
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.contact_wrench import Held
-from warpffrf_kernels.declaration import DeviceArray, integers, matrices, quaternions, reals, structs, vectors
+from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, quaternions, reals, structs, vectors
+from warpffrf_kernels.normal.contact_wrench import Held
 
 from warpffrf.online.arrays.axes import Sizes
 from warpffrf.online.arrays.declaration import Arrays
@@ -143,7 +143,7 @@ class ContactGeometry(Arrays):
     second_window: DeviceArray = integers("world", "pair", 2)
     point_gap: DeviceArray = reals("world", "pair", "window_point", unit="m")
     point_place: DeviceArray = reals("world", "pair", "window_point", 2, note="column and row on B")
-    point_line: DeviceArray = reals("world", "pair", "point_number", note="see `contact_points`")
+    point_line: DeviceArray = reals("world", "pair", "point_number", note="see `at_points`")
     held: DeviceArray = structs(Held, "world", "pair", "column_point", note="contact frames, see `contact_wrench`")
     held_ball: DeviceArray = matrices("world", "pair")
     weak_gap: DeviceArray = reals("world", "pair", "hat", unit="m")
@@ -197,7 +197,7 @@ class ContactSolve(Arrays):
 
 
 class Layers(Arrays):
-    """Layers whose yield is no constant, see `contact_layer`."""
+    """Layers whose yield is no constant, see `weak_layer`."""
 
     layer_past: DeviceArray = reals("world", "pair", "layer_point", unit="m")
     layer_past_drag: DeviceArray = reals("world", "pair", "layer_point", unit="Pa")

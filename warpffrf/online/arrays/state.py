@@ -4,8 +4,8 @@ bit. A checkpoint is all of it."""
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.control import Clock, Control
-from warpffrf_kernels.declaration import DeviceArray, integers, quaternions, reals, structs, vectors
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.declaration import DeviceArray, integers, quaternions, reals, structs, vectors
 
 from warpffrf.model import rotation as rot
 from warpffrf.online.arrays.axes import Sizes
@@ -102,7 +102,7 @@ class FrictionState(Arrays, carried=True):
 
 
 class LayerState(Arrays, carried=True):
-    """Damped layers, see `warpffrf_kernels.layer_energy`."""
+    """Damped layers, see `warpffrf_kernels.layers.layer_energy`."""
 
     layer_depth: DeviceArray = reals("world", "pair", "layer_point", unit="m")
     layer_drag: DeviceArray = reals(

@@ -5,8 +5,8 @@ from __future__ import annotations
 import inspect
 from typing import Any
 
-from warpffrf_kernels.declaration import Declaration, parts
-from warpffrf_kernels.model import Model
+from warpffrf_kernels.core.declaration import Declaration, parts
+from warpffrf_kernels.core.model import Model
 
 from warpffrf.online.arrays.axes import NAMES
 from warpffrf.online.arrays.declaration import Arrays

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels import (
+from warpffrf_kernels.impulsive import impulsive_contact, impulsive_means, impulsive_memory
+from warpffrf_kernels.kinematics import (
+    at_points,
+    closest_point,
+    line_of_centres,
+    line_of_centres_sampled,
+    line_of_centres_weights,
+    windows,
+)
+from warpffrf_kernels.normal import (
     contact_assembly,
     contact_compliance,
-    contact_few,
     contact_fields,
-    contact_geometry,
-    contact_place,
-    contact_points,
+    contact_snapshot,
     contact_solve,
-    contact_weights,
-    contact_window,
     contact_wrench,
-    impulsive_contact,
-    impulsive_means,
-    impulsive_memory,
-    keep_contact,
-    record,
 )
+from warpffrf_kernels.step import record
 
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.phases import Participant
@@ -31,24 +31,24 @@ CONTACT = Participant(
     "contact",
     when="pair",
     begin=[blocks(impulsive_contact.begin_contact)],
-    remember=[blocks(keep_contact.remember_contact, "pair")],
+    remember=[blocks(contact_snapshot.remember_contact, "pair")],
     locate=[
-        threads(contact_geometry.locate, "pair", when=LINE),
-        threads(contact_place.locate_points, "pair", when=POINT),
-        threads(contact_window.open_window, "pair"),
-        blocks(contact_geometry.sample, "pair", when=LINE),
-        blocks(contact_weights.weigh, "pair", when=LINE),
+        threads(line_of_centres.locate, "pair", when=LINE),
+        threads(closest_point.locate_points, "pair", when=POINT),
+        threads(windows.open_window, "pair"),
+        blocks(line_of_centres.sample, "pair", when=LINE),
+        blocks(line_of_centres_weights.weigh, "pair", when=LINE),
         blocks(contact_wrench.hold_contact_frame, "pair", when=POINT),
-        blocks(contact_points.sample_points, "pair", when=POINT),
-        blocks(contact_points.weigh_points, "pair", when=POINT),
+        blocks(at_points.sample_points, "pair", when=POINT),
+        blocks(at_points.weigh_points, "pair", when=POINT),
     ],
     few=[
-        blocks(contact_few.sample_few, "pair", when=FEW),
-        blocks(contact_few.weigh_few, "pair", when=FEW),
-        blocks(contact_few.shift_few, "pair", when=FEW),
+        blocks(line_of_centres_sampled.sample_few, "pair", when=FEW),
+        blocks(line_of_centres_sampled.weigh_few, "pair", when=FEW),
+        blocks(line_of_centres_sampled.shift_few, "pair", when=FEW),
     ],
     shift=[
-        blocks(contact_weights.shift, "pair"),
+        blocks(line_of_centres_weights.shift, "pair"),
         threads(contact_fields.set_second_window, "pair"),
         blocks(contact_fields.modal_fields, "pair", amplitude="q1", of_state=1),
     ],
@@ -78,11 +78,11 @@ CONTACT = Participant(
     ],
     keep=[
         blocks(impulsive_memory.keep_memory, "pair", created="created_now", created_so_far="created"),
-        blocks(keep_contact.restore_contact, "pair"),
+        blocks(contact_snapshot.restore_contact, "pair"),
     ],
     record=[
         threads(record.sum_second, "pair"),
-        threads(contact_points.sum_points_second, "pair", when=POINT),
-        threads(contact_place.measure_approach, "pair", when=POINT),
+        threads(at_points.sum_points_second, "pair", when=POINT),
+        threads(closest_point.measure_approach, "pair", when=POINT),
     ],
 )

@@ -13,9 +13,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import warp as wp
-from warpffrf_kernels.access import is_read, is_written
-from warpffrf_kernels.declaration import Declaration
-from warpffrf_kernels.scalars import BLOCK
+from warpffrf_kernels.core.access import is_read, is_written
+from warpffrf_kernels.core.declaration import Declaration
+from warpffrf_kernels.core.scalars import BLOCK
 
 from warpffrf.online.arrays.axes import NAMES
 from warpffrf.online.arrays.scratch import Scratch

@@ -1,8 +1,8 @@
-"""Layers whose yield is no constant (`warpffrf_kernels.contact_layer`, `layer_energy`)."""
+"""Layers whose yield is no constant (`warpffrf_kernels.layers.weak_layer`, `layer_energy`)."""
 
 from __future__ import annotations
 
-from warpffrf_kernels import contact_layer, layer_energy
+from warpffrf_kernels.layers import layer_energy, weak_layer
 
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.phases import Participant
@@ -18,11 +18,11 @@ LAYERS = Participant(
     "layers",
     when="layer_point",
     cells=[
-        blocks(contact_layer.linearise_layer, "pair", depth="layer_at", **BEFORE, **PAST, **LAW, **SUPPORT),
-        blocks(contact_layer.weigh_layer, "pair", **LAW, **WEAK),
+        blocks(weak_layer.linearise_layer, "pair", depth="layer_at", **BEFORE, **PAST, **LAW, **SUPPORT),
+        blocks(weak_layer.weigh_layer, "pair", **LAW, **WEAK),
     ],
-    displace=[blocks(contact_layer.add_yield, "pair", **WEAK)],
+    displace=[blocks(weak_layer.add_yield, "pair", **WEAK)],
     store=[threads(layer_energy.add_layer_energy, **NOW, **PAST, **WEAK)],
-    condense=[blocks(contact_layer.add_flexibility, tangent="layer_tangent", **SUPPORT)],
+    condense=[blocks(weak_layer.add_flexibility, tangent="layer_tangent", **SUPPORT)],
     keep=[blocks(layer_energy.keep_layer, "pair", **BEFORE, **NOW)],
 )

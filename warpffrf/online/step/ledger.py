@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels import commit, energy_watch, ledger, record
+from warpffrf_kernels.step import commit, energy_watch, ledger, record
 
 from warpffrf.online.step.launches import once, threads
 from warpffrf.online.step.phases import Participant

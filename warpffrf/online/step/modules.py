@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from typing import Any
 
 import warp as wp
-from warpffrf_kernels.scalars import BLOCK
+from warpffrf_kernels.core.scalars import BLOCK
 
 from warpffrf.model.progress import Progress
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels import accuracy, commit, forces, inertia, interfaces, motion, rows
+from warpffrf_kernels.bodies import inertia, interfaces, motion
+from warpffrf_kernels.constraints import forces, rows
+from warpffrf_kernels.step import accuracy, commit
 
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.phases import Participant

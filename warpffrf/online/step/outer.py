@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels import balance, contact_solve, impulsive_contact, inertia, motion, outer, sparse_outer, stiffen
+from warpffrf_kernels.bodies import inertia, motion
+from warpffrf_kernels.constraints import geometric_stiffness
+from warpffrf_kernels.impulsive import impulsive_contact
+from warpffrf_kernels.linear import outer, sparse_outer
+from warpffrf_kernels.normal import contact_solve
+from warpffrf_kernels.step import balance
 
 from warpffrf.online.step.launches import blocks, once, threads
 from warpffrf.online.step.phases import Participant
@@ -20,9 +25,9 @@ OUTER = Participant(
         blocks(outer.condense, when="dense_outer"),
         blocks(sparse_outer.condense_sparse, when="sparse_outer"),
         blocks(inertia.couple_modes, when="dense"),
-        threads(stiffen.stiffen, when="row", **INTERFACES),
+        threads(geometric_stiffness.stiffen, when="row", **INTERFACES),
         blocks(motion.add_held, when="pair"),
-        threads(stiffen.stiffen_applied, when="applied", **INTERFACES),
+        threads(geometric_stiffness.stiffen_applied, when="applied", **INTERFACES),
     ],
     eliminate=[
         blocks(outer.factor_outer, when="dense_outer", work="elimination"),

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import warp as wp
-from warpffrf_kernels.declaration import Declaration
+from warpffrf_kernels.core.declaration import Declaration
 
 from warpffrf.online.step.launches import DECLARED, Launch
 

@@ -1,8 +1,9 @@
-"""Surfaces that serve several pairs: what the loads of one do to the others (`warpffrf_kernels.shared_surface`)."""
+"""Surfaces that serve several pairs: what the loads of one do to the others
+(`warpffrf_kernels.surfaces.shared_surface`)."""
 
 from __future__ import annotations
 
-from warpffrf_kernels import shared_assembly, shared_surface
+from warpffrf_kernels.surfaces import shared_assembly, shared_surface
 
 from warpffrf.online.step.launches import blocks
 from warpffrf.online.step.phases import Participant

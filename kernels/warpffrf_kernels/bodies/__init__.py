@@ -1,0 +1,1 @@
+"""Motion and inertia of bodies, their modes and interfaces."""

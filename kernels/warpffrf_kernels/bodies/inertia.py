@@ -1,0 +1,259 @@
+"""Inertia of a deforming body: what turning and deforming do to each other, for the modes that carry it.
+
+With the body frame in the centre of mass and modes without linear or angular momentum (Tisserand) the kinetic energy is
+
+    T = m v.v/2 + w.J(q) w/2 + w.h(q, qdot) + |qdot|^2/2,
+    J = J0 + sum_i q_i J1_i + sum_ij q_i q_j J2_ij,        h = sum_ij q_i qdot_j G_ij,      G_ij = -G_ji,
+
+w in body axes. With the sums over the first k modes of a body
+
+    P_j = J1_j + 2 sum_i J2_ij q_i    (slope of J by q_j),    P'_j = 2 sum_i J2_ij qdot_i,
+    g_j = sum_i q_i G_ij,   g'_j = sum_i qdot_i G_ij,   g''_j = sum_i qddot_i G_ij
+
+the angular momentum is L = J w + h, h = sum_j g_j qdot_j, and (Lagrange) these terms add to the unbalanced forces
+
+    torque    dJ wdot + (sum_j qdot_j P_j) w + sum_j g_j qddot_j + w x (dJ w + h),       dJ = J - J0,
+    mode j    2 w.g'_j + wdot.g_j - w.P_j w/2          (Coriolis, Euler, centrifugal).
+
+Their change with dw = VEL dpsi, dwdot = ACC dpsi, dqdot = VEL dq, dqddot = ACC dq gives the blocks of the tangent;
+modes that carry inertia are therefore unknowns of the outer system beside the rigid ones, "dense", with zero
+receptance; the others stay diagonal and are condensed.
+
+Which of J1, J2, G a body has is its inertia level: the tables of the others are zero. Geometric stiffening by rotation
+enters as J2 - K_c (the shortening of a bent body moves its mass), that by loads at an interface as the second-order
+motion -q.K_k q/2 of the interface: its derivative is `slope`, the force of a row on the modes then contains -F_k K_k q.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.bodies.interfaces import line_of, marker_of
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.rotation import hat
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.func
+def symmetric(a: wp.array3d(dtype=real), w: int, d: int, at: int) -> mat33:
+    return mat33(
+        a[w, d, at], a[w, d, at + 3], a[w, d, at + 5],
+        a[w, d, at + 3], a[w, d, at + 1], a[w, d, at + 4],
+        a[w, d, at + 5], a[w, d, at + 4], a[w, d, at + 2],
+    )  # fmt: skip
+
+
+@wp.func
+def first_order(model: Model, d: int) -> mat33:
+    a = model.dense.first
+    return mat33(a[d, 0], a[d, 3], a[d, 5], a[d, 3], a[d, 1], a[d, 4], a[d, 5], a[d, 4], a[d, 2])
+
+
+@wp.func
+def triple(a: wp.array3d(dtype=real), w: int, d: int, at: int) -> vec3:
+    return vec3(a[w, d, at], a[w, d, at + 1], a[w, d, at + 2])
+
+
+@wp.kernel
+def sum_modes(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    q1: wp.array(dtype=real),
+    qd1: wp.array(dtype=real),
+    qd1_rate: wp.array(dtype=real),
+    sums: out(wp.array3d(dtype=real)),
+):
+    """Lanes over dense modes: P, P', g, g', g'' of each."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    d = lane
+    while d < model.dense.count:
+        b = model.dense.body[d]
+        count = model.bodies.dense_count[b]
+        start = w * model.modes.count + model.bodies.modal_start[b]
+        at = model.bodies.inertia_start[b] + (d - model.bodies.dense_start[b]) * count
+        stride = count * count
+        for c in range(6):
+            row = at + c * stride
+            sums[w, d, c] = model.dense.first[d, c] + real(2.0) * dot(count, model.dense.table, row, q1, start)
+            sums[w, d, 6 + c] = real(2.0) * dot(count, model.dense.table, row, qd1, start)
+        for c in range(3):
+            row = at + (6 + c) * stride
+            sums[w, d, 12 + c] = dot(count, model.dense.table, row, q1, start)
+            sums[w, d, 15 + c] = dot(count, model.dense.table, row, qd1, start)
+            sums[w, d, 18 + c] = dot(count, model.dense.table, row, qd1_rate, start)
+        d += wp.block_dim()
+
+
+@wp.kernel
+def add_inertia(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    omega1: wp.array2d(dtype=vec3),
+    omega1_rate: wp.array2d(dtype=vec3),
+    q1: wp.array2d(dtype=real),
+    qd1: wp.array2d(dtype=real),
+    qd1_rate: wp.array2d(dtype=real),
+    psi_inverse: wp.array2d(dtype=mat33),
+    sums: wp.array3d(dtype=real),
+    residual: inout(wp.array2d(dtype=real)),
+    modal_residual: inout(wp.array2d(dtype=real)),
+    receptance: inout(wp.array2d(dtype=real)),
+    tangent: inout(wp.array3d(dtype=real)),
+    extra_energy: out(wp.array2d(dtype=real)),
+):
+    """Lanes over bodies: unbalanced torque and modal forces, the dense blocks of the tangent but their pair terms
+    (`couple_modes`), and the kinetic energy of these terms.
+    """
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    half = real(0.5)
+    acc = clk[w].outer.acc
+    vel = clk[w].outer.vel
+    b = lane
+    while b < model.bodies.count:
+        extra_energy[w, b] = real(0.0)
+        count = model.bodies.dense_count[b]
+        if count > 0:
+            spin = omega1[w, b]
+            turn = omega1_rate[w, b]
+            dJ = mat33(real(0.0))
+            dJ_rate = mat33(real(0.0))
+            h = vec3(real(0.0))
+            h_rate = vec3(real(0.0))
+            n = model.bodies.modal_start[b]
+            first = model.bodies.dense_start[b]
+            i = int(0)
+            while i < count:
+                d = first + i
+                P = symmetric(sums, w, d, 0)
+                g = triple(sums, w, d, 12)
+                dJ += (half * q1[w, n + i]) * (P + first_order(model, d))
+                dJ_rate += qd1[w, n + i] * P
+                h += qd1[w, n + i] * g
+                h_rate += qd1_rate[w, n + i] * g
+                i += 1
+            extra = dJ * spin
+            t = dJ * turn + dJ_rate * spin + h_rate + wp.cross(spin, extra + h)
+            extra_energy[w, b] = half * wp.dot(spin, extra) + wp.dot(spin, h)
+            Ti = psi_inverse[w, b]
+            S = (acc * dJ + vel * (hat(spin) * dJ - hat(extra + h) + dJ_rate)) * Ti
+            o = 6 * b + 3
+            for r in range(3):
+                residual[w, o + r] = residual[w, o + r] + t[r]
+                for c in range(3):
+                    tangent[w, o + r, o + c] = tangent[w, o + r, o + c] + S[r, c]
+            i = int(0)
+            while i < count:
+                d = first + i
+                m = n + i
+                P = symmetric(sums, w, d, 0)
+                g = triple(sums, w, d, 12)
+                g1 = triple(sums, w, d, 15)
+                g2 = triple(sums, w, d, 18)
+                P_spin = P * spin
+                value = real(2.0) * wp.dot(spin, g1) + wp.dot(turn, g) - half * wp.dot(spin, P_spin)
+                modal_residual[w, m] = modal_residual[w, m] + value
+                column = P * turn + vel * P_spin + symmetric(sums, w, d, 6) * spin - g2 + acc * g
+                column += wp.cross(spin, P_spin + vel * g - g1)
+                line = vel * (real(2.0) * g1 - P_spin) + acc * g
+                line = wp.transpose(Ti) * line
+                at = 6 * model.bodies.count + d
+                c = int(0)
+                while c < model.outer.row_offset:
+                    tangent[w, at, c] = real(0.0)
+                    if c < 6 * model.bodies.count:
+                        tangent[w, c, at] = real(0.0)
+                    c += 1
+                for r in range(3):
+                    tangent[w, o + r, at] = column[r]
+                    tangent[w, at, o + r] = line[r]
+                tangent[w, at, at] = real(1.0) / receptance[w, m]
+                receptance[w, m] = real(0.0)
+                i += 1
+        b += wp.block_dim()
+
+
+@wp.kernel
+def couple_modes(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    omega1: wp.array2d(dtype=vec3),
+    omega1_rate: wp.array2d(dtype=vec3),
+    lam: wp.array2d(dtype=real),
+    row_pull: wp.array3d(dtype=real),
+    tangent: inout(wp.array(dtype=real)),
+):
+    """Lanes over dense modes: 2 VEL w.G_ij + wdot.G_ij - w.J2_ij w in line j, column i, and the geometric stiffness of
+    the forces at interfaces.
+    """
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
+        return
+    d = lane
+    N = model.outer.count
+    while d < model.dense.count:
+        b = model.dense.body[d]
+        count = model.bodies.dense_count[b]
+        s = omega1[w, b]
+        line = (w * N + 6 * model.bodies.count + d) * N + 6 * model.bodies.count + model.bodies.dense_start[b]
+        at = model.bodies.inertia_start[b] + (d - model.bodies.dense_start[b]) * count
+        stride = count * count
+        two = real(2.0)
+        for c in range(3):
+            axpy(count, -s[c] * s[c], model.dense.table, at + c * stride, tangent, line)
+            along = two * clk[w].outer.vel * s[c] + omega1_rate[w, b][c]
+            axpy(count, along, model.dense.table, at + (6 + c) * stride, tangent, line)
+        axpy(count, -two * s[0] * s[1], model.dense.table, at + 3 * stride, tangent, line)
+        axpy(count, -two * s[1] * s[2], model.dense.table, at + 4 * stride, tangent, line)
+        axpy(count, -two * s[2] * s[0], model.dense.table, at + 5 * stride, tangent, line)
+        row = int(0)
+        while row < model.rows.count:
+            for side in range(2):
+                marker = marker_of(model, row, side)
+                f = model.markers.interface[marker]
+                if f >= 0 and model.markers.body[marker] == b and model.interfaces.stiffening_start[f] >= 0:
+                    begin = model.interfaces.stiffening_start[f] + (d - model.bodies.dense_start[b]) * count
+                    for c in range(6):
+                        pull = -lam[w, row] * row_pull[w, 2 * row + side, c]
+                        axpy(count, pull, model.interfaces.stiffening, begin + c * stride, tangent, line)
+            row += 1
+        d += wp.block_dim()
+
+
+@wp.kernel
+def shorten_interfaces(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    q1: wp.array(dtype=real),
+    slope: out(wp.array(dtype=real)),
+):
+    """Lanes over interfaces: derivative of their motion by the modes, Phi - K_k q where loads stiffen the body."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    f = lane
+    while f < model.interfaces.count:
+        start = model.interfaces.stiffening_start[f]
+        if start >= 0:
+            b = model.interfaces.body[f]
+            count = model.bodies.dense_count[b]
+            modes = w * model.modes.count + model.bodies.modal_start[b]
+            i = int(0)
+            while i < count:
+                for c in range(6):
+                    less = dot(count, model.interfaces.stiffening, start + (c * count + i) * count, q1, modes)
+                    straight = model.interfaces.modes[(6 * f + c) * model.interfaces.width + i]
+                    slope[line_of(model, w, f) + c * model.interfaces.width + i] = straight - less
+                i += 1
+        f += wp.block_dim()

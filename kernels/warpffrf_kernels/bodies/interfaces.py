@@ -1,0 +1,178 @@
+"""Flexible interfaces: how the modes move them, and what a load on them is to the modes.
+
+The motion (u, theta) of an interface, translation and rotation in body axes, is `(Phi + slope) q / 2`: linear in the
+modes with slope = Phi, and with the second-order part `-q.K q / 2` besides where loads stiffen the body, slope = Phi -
+K q being its derivative (`inertia.shorten_interfaces`). It is taken once for each evaluation; rows and forces read it.
+A force and torque (f, t) at the interface's point is the load `slope^T (f, t)` on the modes.
+
+`slope` lies flat as (worlds, interfaces, 6, interface_width), `interface_modes` as (interfaces, 6, interface_width), so
+that every sum over modes is contiguous; only the first `global_count` entries of a line are in use.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.access import out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.rotation import exponential, matrix
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, real, vec3, weighted
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.func
+def line_of(model: Model, w: int, interface: int) -> int:
+    """Where the six lines of an interface begin in `slope`."""
+    return (w * model.interfaces.count + interface) * 6 * model.interfaces.width
+
+
+# y[at_y : at_y + n] += sign slope^T (force, torque), `at` from `line_of`; by one lane. Components that are zero, most
+# of a joint's along the axes of its body, cost nothing.
+@wp.func_native("""
+    double* __restrict out = y.data + at_y;
+    for (int c = 0; c < 6; ++c) {
+        const double a = sign * (c < 3 ? force[c] : torque[c - 3]);
+        if (a == 0.0) continue;
+        const double* __restrict line = slope.data + at + (size_t)c * width;
+        for (int i = 0; i < n; ++i) out[i] += a * line[i];
+    }
+""")
+def add_load(
+    n: int,
+    sign: real,
+    force: vec3,
+    torque: vec3,
+    width: int,
+    slope: wp.array(dtype=real),
+    at: int,
+    y: wp.array(dtype=real),
+    at_y: int,
+): ...
+
+
+@wp.kernel
+def move_interfaces(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    q1: wp.array(dtype=real),
+    slope: wp.array(dtype=real),
+    motion: out(wp.array3d(dtype=real)),
+):
+    """Lanes over the six components of all interfaces: `motion` (W, interfaces, 6), m and rad."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    i = lane
+    while i < 6 * model.interfaces.count:
+        f = i / 6
+        c = i - 6 * f
+        b = model.interfaces.body[f]
+        n = model.bodies.global_count[b]
+        modes = w * model.modes.count + model.bodies.modal_start[b]
+        value = dot(n, slope, line_of(model, w, f) + c * model.interfaces.width, q1, modes)
+        if model.interfaces.stiffening_start[f] >= 0:
+            straight = dot(n, model.interfaces.modes, i * model.interfaces.width, q1, modes)
+            value = real(0.5) * (value + straight)
+        motion[w, f, c] = value
+        i += wp.block_dim()
+
+
+@wp.func
+def translation_of(motion: wp.array3d(dtype=real), w: int, interface: int) -> vec3:
+    return vec3(motion[w, interface, 0], motion[w, interface, 1], motion[w, interface, 2])
+
+
+@wp.func
+def rotation_of(motion: wp.array3d(dtype=real), w: int, interface: int) -> vec3:
+    return vec3(motion[w, interface, 3], motion[w, interface, 4], motion[w, interface, 5])
+
+
+@wp.func
+def arm_on_interface(model: Model, i: int, motion: wp.array3d(dtype=real), w: int) -> vec3:
+    """Position of marker i in its body frame, deformed."""
+    X = model.markers.point[i]
+    f = model.markers.interface[i]
+    if f < 0:
+        return X
+    return X + translation_of(motion, w, f) + wp.cross(rotation_of(motion, w, f), X - model.interfaces.point[f])
+
+
+@wp.func
+def axes_on_interface(model: Model, i: int, motion: wp.array3d(dtype=real), w: int) -> mat33:
+    """Axes of marker i in its body frame, turned with its interface."""
+    f = model.markers.interface[i]
+    if f < 0:
+        return model.markers.axes[i]
+    return matrix(exponential(rotation_of(motion, w, f))) * model.markers.axes[i]
+
+
+@wp.func
+def marker_of(model: Model, row: int, side: int) -> int:
+    """Marker a (side 0) or b (1) of a row."""
+    if side == 0:
+        return model.rows.a[row]
+    return model.rows.b[row]
+
+
+@wp.func
+def side_of(model: Model, row: int, side: int) -> int:
+    """Body whose modes a row pulls at on its side a (0) or b (1); -1 for none, and for one that side a has named."""
+    a = model.rows.a[row]
+    b = model.rows.b[row]
+    body = model.markers.body[a]
+    if model.markers.interface[a] < 0:
+        body = -1
+    if side == 0:
+        return body
+    if model.markers.interface[b] < 0 or model.markers.body[b] == body:
+        return -1
+    return model.markers.body[b]
+
+
+@wp.func
+def modal_line(model: Model, w: int, row: int, b: int) -> int:
+    """Where the entries of body b begin in a row's line of C_modal, flat."""
+    return (w * model.rows.count + row) * model.modes.count + model.bodies.modal_start[b]
+
+
+@wp.func
+def pulled(
+    model: Model,
+    w: int,
+    row: int,
+    C_modal: wp.array(dtype=real),
+    receptance: wp.array(dtype=real),
+    load: wp.array(dtype=real),
+) -> real:
+    """C_m sigma^-1 load of a row, over the global modes of the bodies that it ends on."""
+    total = real(0.0)
+    for side in range(2):
+        b = side_of(model, row, side)
+        if b >= 0:
+            at = w * model.modes.count + model.bodies.modal_start[b]
+            line = modal_line(model, w, row, b)
+            total += weighted(model.bodies.global_count[b], C_modal, line, receptance, at, load, at)
+    return total
+
+
+@wp.func
+def compliance(
+    model: Model,
+    w: int,
+    row: int,
+    other: int,
+    C_modal: wp.array(dtype=real),
+    receptance: wp.array(dtype=real),
+) -> real:
+    """C_m sigma^-1 C_m^T of two rows, over the global modes of the bodies that both end on."""
+    total = real(0.0)
+    for side in range(2):
+        b = side_of(model, row, side)
+        if b >= 0 and (side_of(model, other, 0) == b or side_of(model, other, 1) == b):
+            at = w * model.modes.count + model.bodies.modal_start[b]
+            line = modal_line(model, w, row, b)
+            total += weighted(
+                model.bodies.global_count[b], C_modal, line, receptance, at, C_modal, modal_line(model, w, other, b)
+            )
+    return total

@@ -1,0 +1,1 @@
+"""Joints, springs and applied loads, and their geometric stiffness."""

@@ -1,0 +1,250 @@
+"""Springs whose rows share matrices, torques, and loads that are constant in body axes.
+
+A group of spring rows with values c, gradient C and matrices K, D has `lambda = K c + D cdot + preload`. With the
+effective stiffness `K_e = K + VEL D` (VEL = d(velocity)/d(displacement) of the step) the linearised law
+`K_e C dx - dlam = -(law - lambda)` becomes, multiplied by the flexibility F = K_e^-1, rows of the same form as those of
+single springs and constraints,
+
+    C dx - F dlam = -F (law - lambda),
+
+so a full matrix costs a block of F instead of one entry on the diagonal, and modes and contact see nothing new. Rows
+that have no stiffness are dampers; at rest (VEL = 0, static steps) they carry no force: F = 1 and the defect -lambda.
+The host has chosen the rows so that K_e has full rank (`warpffrf.model.forces.laws.split_directions`).
+
+Ledger of a group: `1/2 c^T K_s c` is stored (K_s the symmetric part), `cdot^T D cdot` is taken by the dampers, and the
+skew part K_a works, `-1/2 (K_a (c_0 + c_1)) . (c_1 - c_0)` a step.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.bodies.interfaces import add_load, line_of
+from warpffrf_kernels.constraints.rows import evaluate_signal
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+MOST_COUPLED = 6  # rows of a group; also the size of the buffers in `flexibility_of`
+
+
+# F = K_e^-1 of one group by Gauss-Jordan elimination with row pivoting, into flexibility[w, g]; damper rows from `size`
+# on are unit rows. Returns 1 if a pivot vanishes.
+@wp.func_native("""
+    double a[36], b[36]; double* out = flexibility.data + ((size_t)w * groups + g) * 36;
+    const double* K = stiffness.data + (size_t)g * 36; const double* D = damping.data + (size_t)g * 36;
+    for (int i = 0; i < 6; ++i) for (int j = 0; j < 6; ++j) {
+        const int inside = i < size && j < size;
+        a[6 * i + j] = inside ? K[6 * i + j] + slope * D[6 * i + j] : (i == j ? 1.0 : 0.0);
+        b[6 * i + j] = i == j ? 1.0 : 0.0;
+    }
+    int bad = 0;
+    for (int p = 0; p < 6; ++p) {
+        int best = p;
+        for (int i = p + 1; i < 6; ++i) if (::fabs(a[6 * i + p]) > ::fabs(a[6 * best + p])) best = i;
+        if (best != p) for (int j = 0; j < 6; ++j) {
+            double t = a[6 * p + j]; a[6 * p + j] = a[6 * best + j]; a[6 * best + j] = t;
+            t = b[6 * p + j]; b[6 * p + j] = b[6 * best + j]; b[6 * best + j] = t;
+        }
+        double pivot = a[6 * p + p];
+        if (!(::fabs(pivot) > 0.0)) { bad = 1; pivot = 1.0; }
+        const double r = 1.0 / pivot;
+        for (int j = 0; j < 6; ++j) { a[6 * p + j] *= r; b[6 * p + j] *= r; }
+        for (int i = 0; i < 6; ++i) {
+            const double m = a[6 * i + p];
+            if (i == p || m == 0.0) continue;
+            for (int j = 0; j < 6; ++j) { a[6 * i + j] -= m * a[6 * p + j]; b[6 * i + j] -= m * b[6 * p + j]; }
+        }
+    }
+    for (int e = 0; e < 36; ++e) out[e] = b[e];
+    return bad;
+""")
+def flexibility_of(
+    w: int,
+    g: int,
+    groups: int,
+    size: int,
+    slope: real,
+    stiffness: wp.array3d(dtype=real),
+    damping: wp.array3d(dtype=real),
+    flexibility: wp.array(dtype=real),
+) -> int: ...
+
+
+@wp.kernel
+def couple_springs(
+    models: wp.array(dtype=Model),
+    clk: wp.array(dtype=Clock),
+    lam: wp.array2d(dtype=real),
+    coordinate: wp.array2d(dtype=real),
+    drive_rate: wp.array3d(dtype=real),
+    ctl: inout(wp.array(dtype=Control)),
+    flexibility: inout(wp.array(dtype=real)),
+    defect: out(wp.array2d(dtype=real)),
+    softness: out(wp.array2d(dtype=real)),
+):
+    """Lanes over groups: their flexibility, and the defects of their rows; `softness` gets its diagonal."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    g = lane
+    while g < model.groups.count:
+        first = model.groups.start[g]
+        n = model.groups.size[g]
+        size = n
+        slope = clk[w].outer.vel
+        if slope == real(0.0):
+            size = model.groups.sprung[g]
+        at = (w * model.groups.count + g) * 36
+        stiffness = model.groups.stiffness
+        damping = model.groups.damping
+        bad = flexibility_of(w, g, model.groups.count, size, slope, stiffness, damping, flexibility)
+        if bad != 0:
+            ctl[w].failure = ctl[w].failure | k.SINGULAR
+        i = int(0)
+        while i < n:
+            row = first + i
+            value = -lam[w, row]
+            if i < size:
+                value = real(0.0)
+                j = int(0)
+                while j < size:
+                    value += flexibility[at + 6 * i + j] * (
+                        law(model, w, g, j, coordinate, drive_rate) - lam[w, first + j]
+                    )
+                    j += 1
+            defect[w, row] = value
+            softness[w, row] = wp.abs(flexibility[at + 6 * i + i])
+            i += 1
+        g += wp.block_dim()
+
+
+@wp.func
+def law(
+    model: Model, w: int, g: int, i: int, coordinate: wp.array2d(dtype=real), drive_rate: wp.array3d(dtype=real)
+) -> real:
+    """lambda of row i of group g by its law."""
+    first = model.groups.start[g]
+    total = model.rows.preload[first + i]
+    j = int(0)
+    while j < model.groups.size[g]:
+        row = first + j
+        total += model.groups.stiffness[g, i, j] * (coordinate[w, row] - model.rows.reference[row])
+        total += model.groups.damping[g, i, j] * drive_rate[w, 1, row]
+        j += 1
+    return total
+
+
+@wp.func
+def group_energy(
+    model: Model,
+    w: int,
+    h: real,
+    coordinate: wp.array2d(dtype=real),
+    stretch: wp.array2d(dtype=real),
+) -> vec3:
+    """Stored energy of all groups, what their dampers took in the step, and the work of the skew parts."""
+    half = real(0.5)
+    stored = real(0.0)
+    taken = real(0.0)
+    worked = real(0.0)
+    g = int(0)
+    while g < model.groups.count:
+        first = model.groups.start[g]
+        n = model.groups.size[g]
+        i = int(0)
+        while i < n:
+            c = coordinate[w, first + i] - model.rows.reference[first + i]
+            step = coordinate[w, first + i] - stretch[w, first + i]
+            j = int(0)
+            while j < n:
+                K = model.groups.stiffness[g, i, j]
+                D = model.groups.damping[g, i, j]
+                other = coordinate[w, first + j] - model.rows.reference[first + j]
+                before = stretch[w, first + j] - model.rows.reference[first + j]
+                stored += half * K * c * other
+                taken += D * step * (coordinate[w, first + j] - stretch[w, first + j]) / h
+                skew = half * (K - model.groups.stiffness[g, j, i])
+                worked -= half * skew * (before + other) * step
+                j += 1
+            i += 1
+        g += 1
+    return vec3(stored, taken, worked)
+
+
+@wp.kernel
+def apply_loads(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    axes: wp.array2d(dtype=mat33),
+    slope: wp.array(dtype=real),
+    residual: inout(wp.array2d(dtype=real)),
+    modal_residual: inout(wp.array(dtype=real)),
+    load: inout(wp.array3d(dtype=real)),
+    load_on_modes: inout(wp.array(dtype=real)),
+    applied_torque: out(wp.array2d(dtype=vec3)),
+):
+    """Per world: point torques and body loads as generalised forces (force in world axes, torque in body axes, modal),
+    subtracted from the residuals and kept for the ledger; `applied_torque`: each by itself, body axes.
+    """
+    w = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    i = int(0)
+    while i < 6 * model.bodies.count:
+        load[w, 1, i] = real(0.0)
+        i += 1
+    kept = (2 * w + 1) * model.modes.count  # of the trial state
+    i = int(0)
+    while i < model.modes.count:
+        load_on_modes[kept + i] = real(0.0)
+        i += 1
+    t = clk[w].next_time
+    i = int(0)
+    while i < model.torques.count:
+        b = model.torques.body[i]
+        torque = vec3(
+            evaluate_signal(model, model.torques.signal[i, 0], t, 0),
+            evaluate_signal(model, model.torques.signal[i, 1], t, 0),
+            evaluate_signal(model, model.torques.signal[i, 2], t, 0),
+        )
+        if model.torques.in_body[i] == 0:
+            torque = wp.transpose(axes[w, b]) * torque
+        applied_torque[w, i] = torque
+        for c in range(3):
+            load[w, 1, 6 * b + 3 + c] = load[w, 1, 6 * b + 3 + c] + torque[c]
+        interface = model.torques.interface[i]
+        if interface >= 0:
+            modes = kept + model.bodies.modal_start[b]
+            line = line_of(model, w, interface)
+            n = model.bodies.global_count[b]
+            none = vec3(real(0.0))
+            add_load(n, real(1.0), none, torque, model.interfaces.width, slope, line, load_on_modes, modes)
+        i += 1
+    i = int(0)
+    while i < model.body_loads.count:
+        b = model.body_loads.body[i]
+        s = evaluate_signal(model, model.body_loads.signal[i], t, 0)
+        force = axes[w, b] * (s * model.body_loads.force[i])
+        for c in range(3):
+            load[w, 1, 6 * b + c] = load[w, 1, 6 * b + c] + force[c]
+            load[w, 1, 6 * b + 3 + c] = load[w, 1, 6 * b + 3 + c] + s * model.body_loads.torque[i][c]
+        m = model.bodies.modal_start[b]
+        o = m
+        while m < model.bodies.modal_start[b + 1]:
+            load_on_modes[kept + m] = load_on_modes[kept + m] + s * model.body_loads.modal[i, m - o]
+            m += 1
+        i += 1
+    i = int(0)
+    while i < 6 * model.bodies.count:
+        residual[w, i] = residual[w, i] - load[w, 1, i]
+        i += 1
+    i = int(0)
+    while i < model.modes.count:
+        modal_residual[w * model.modes.count + i] = modal_residual[w * model.modes.count + i] - load_on_modes[kept + i]
+        i += 1

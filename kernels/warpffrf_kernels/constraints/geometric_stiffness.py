@@ -1,0 +1,383 @@
+"""How the forces of rows, and applied forces, turn and shift with bodies and modes: their geometric stiffness.
+
+A row pulls on marker b with the force P = lambda f at x_b and the couple Q = lambda t, on marker a with the opposite at
+the same place. With d_b = x_b - r_b, c_a = x_b - r_a, c = x_b - x_a the residuals of rigid coordinates and modes
+contain
+
+    b:   P,   A_b^T M_b,   M_b = d_b x P + Q,          B_b^T (A_b^T P, A_b^T Q),
+    a:  -P,   A_a^T M_a,   M_a = -(c_a x P + Q),      -B_a^T (A_a^T P, A_a^T (c x P + Q)),
+
+B the motion, translation at the marker's point and rotation, by the modes (body axes). A coordinate moves the markers'
+points by dx, turns them by dT and the bodies by dTheta. For fixed lambda
+
+    dP = P_a dT_a + P_x (dx_b - dx_a),      dQ = Q_a dT_a + Q_b dT_b,
+
+    TRANSLATION, BUSHING   f turns with a:            P_a = -P^,  BUSHING also Q_a = Q_b = -Q^/2 (to first order in phi)
+    DISTANCE               f = (x_b - x_a)/l:         P_x = lambda (1 - f f^T)/l
+    DIRECTION              t = w x u:                 Q_a = -lambda w^ u^,   Q_b = lambda u^ w^
+    ANGLE, SECOND_ANGLE    t = e x n/N, n = (q.e) p - (p.e) q, N = (p.e)^2 + (q.e)^2, e turning with one body, p and q
+                           with the other, d(p.e) = (dTheta_e - dTheta_pq).(e x p), likewise q
+
+and d(A^T v) = A^T (dv + v x dTheta). An applied force F is half a row: the residual has -F at its place, dF = 0, or
+dTheta x F where it turns with the body; a torque likewise. What B itself changes by with the modes is in
+`inertia.couple_modes`, for rows, and here for applied forces.
+
+The residual does not depend on any of this, only how fast it is brought to zero: without it a static state under a load
+whose arm moves was found with a contraction of (geometric over elastic stiffness), 0.3 for a soft mount. The part by
+modes is taken in static steps, of the modes that are unknowns of the outer system: in a step in time inertia outweighs
+it.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.bodies.interfaces import arm_on_interface, axes_on_interface, line_of
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.rotation import hat
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.struct
+class Change:
+    """What one coordinate does to a marker and its body: `point` dx, `marker` dT, `body` dTheta, `origin` dr; world."""
+
+    point: vec3
+    marker: vec3
+    body: vec3
+    origin: vec3
+
+
+@wp.struct
+class Pull:
+    """A row's force and couple on its second marker, and their derivatives."""
+
+    P: vec3
+    Q: vec3
+    P_a: mat33
+    P_x: mat33
+    Q_a: mat33
+    Q_b: mat33
+
+
+@wp.func
+def modes_here(model: Model, ctl: wp.array(dtype=Control), w: int, body: int, interface: int) -> int:
+    """Modes of a body that are unknowns of the outer system and move an interface, in static steps."""
+    if ctl[w].mode != k.STATIC or body < 0 or interface < 0:
+        return 0
+    return model.bodies.dense_count[body]
+
+
+@wp.func
+def mode_slope(model: Model, slope: wp.array(dtype=real), w: int, interface: int, i: int, lever: vec3):
+    """Translation of the place at `lever` from the interface's point, and rotation, by mode i; body axes."""
+    at = line_of(model, w, interface) + i
+    width = model.interfaces.width
+    turn = vec3(slope[at + 3 * width], slope[at + 4 * width], slope[at + 5 * width])
+    return vec3(slope[at], slope[at + width], slope[at + 2 * width]) + wp.cross(turn, lever), turn
+
+
+@wp.func
+def change_by(
+    model: Model,
+    slope: wp.array(dtype=real),
+    w: int,
+    interface: int,
+    A: mat33,
+    d: vec3,
+    lever: vec3,
+    coordinate: int,
+) -> Change:
+    """Of coordinate 0 to 2 (translation), 3 to 5 (turn about the body's axes) or 6 + i (mode i) of the marker's
+    body."""
+    out = Change()
+    if coordinate < 3:
+        out.origin[coordinate] = real(1.0)
+        out.point = out.origin
+    elif coordinate < 6:
+        out.body = vec3(A[0, coordinate - 3], A[1, coordinate - 3], A[2, coordinate - 3])
+        out.marker = out.body
+        out.point = wp.cross(out.body, d)
+    else:
+        move, turn = mode_slope(model, slope, w, interface, coordinate - 6, lever)
+        out.point = A * move
+        out.marker = A * turn
+    return out
+
+
+@wp.func
+def column_of(model: Model, body: int, coordinate: int) -> int:
+    """Outer column of a coordinate of `change_by`."""
+    if coordinate < 6:
+        return 6 * body + coordinate
+    return 6 * model.bodies.count + model.bodies.dense_start[body] + coordinate - 6
+
+
+@wp.func
+def add_change(
+    model: Model,
+    slope: wp.array(dtype=real),
+    w: int,
+    body: int,
+    interface: int,
+    modes: int,
+    A: mat33,
+    lever: vec3,
+    turned: vec3,
+    P: vec3,
+    dP: vec3,
+    M: vec3,
+    dM: vec3,
+    N: vec3,
+    dN: vec3,
+    column: int,
+    tangent: wp.array3d(dtype=real),
+):
+    """Adds to a column what a body's residuals change by: force P, moment M about its origin, couple N at the marker
+    (all world axes) and their changes; the body turns by `turned`."""
+    moment = wp.transpose(A) * (dM + wp.cross(M, turned))
+    row = 6 * body
+    for i in range(3):
+        tangent[w, row + i, column] = tangent[w, row + i, column] + dP[i]
+        tangent[w, row + 3 + i, column] = tangent[w, row + 3 + i, column] + moment[i]
+    if modes > 0:
+        f = wp.transpose(A) * (dP + wp.cross(P, turned))
+        t = wp.transpose(A) * (dN + wp.cross(N, turned))
+        i = int(0)
+        while i < modes:
+            move, turn = mode_slope(model, slope, w, interface, i, lever)
+            at = column_of(model, body, 6 + i)
+            tangent[w, at, column] = tangent[w, at, column] + wp.dot(move, f) + wp.dot(turn, t)
+            i += 1
+
+
+@wp.func
+def pull_of(kind: int, pull: real, f: vec3, t: vec3, R_a: mat33, R_b: mat33, i: int, j: int, length: real) -> Pull:
+    """Of a row of multiplier `pull` and wrench (f, t) on markers with the axes R_a, R_b."""
+    out = Pull()
+    out.P = pull * f
+    out.Q = pull * t
+    if kind == k.TRANSLATION or kind == k.BUSHING:
+        out.P_a = -hat(out.P)
+    if kind == k.BUSHING:
+        out.Q_a = real(-0.5) * hat(out.Q)
+        out.Q_b = out.Q_a
+    if kind == k.DISTANCE:
+        one = wp.identity(n=3, dtype=real)
+        out.P_x = (pull / wp.max(length, real(1.0e-300))) * (one - wp.outer(f, f))
+    if kind == k.DIRECTION:
+        U = hat(vec3(R_a[0, i], R_a[1, i], R_a[2, i]))
+        W = hat(vec3(R_b[0, j], R_b[1, j], R_b[2, j]))
+        out.Q_a = -pull * (W * U)
+        out.Q_b = pull * (U * W)
+    if kind == k.ANGLE or kind == k.SECOND_ANGLE:
+        held = R_a
+        turned = R_b
+        sign = real(1.0)
+        if kind == k.SECOND_ANGLE:
+            held = R_b
+            turned = R_a
+            sign = real(-1.0)
+        q = vec3(held[0, j], held[1, j], held[2, j])
+        p = sign * wp.cross(vec3(held[0, i], held[1, i], held[2, i]), q)
+        e = vec3(turned[0, j], turned[1, j], turned[2, j])
+        along_p = wp.dot(p, e)
+        along_q = wp.dot(q, e)
+        N = along_p * along_p + along_q * along_q
+        n = along_q * p - along_p * q
+        u = wp.cross(e, n) / N
+        steep = hat(e) * (wp.outer(p, wp.cross(e, q)) - wp.outer(q, wp.cross(e, p)))
+        steep = steep - wp.outer(u, real(2.0) * (along_p * wp.cross(e, p) + along_q * wp.cross(e, q)))
+        by_turned = (sign * pull / N) * (hat(n) * hat(e) + steep)
+        by_held = (sign * pull / N) * (-(hat(e) * hat(n)) - steep)
+        out.Q_a = by_held
+        out.Q_b = by_turned
+        if kind == k.SECOND_ANGLE:
+            out.Q_a = by_turned
+            out.Q_b = by_held
+    return out
+
+
+@wp.kernel
+def stiffen(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    slope: wp.array(dtype=real),
+    motion: wp.array3d(dtype=real),
+    lam: wp.array2d(dtype=real),
+    row_wrench: wp.array3d(dtype=real),
+    tangent: inout(wp.array3d(dtype=real)),
+):
+    """Per world: add the geometric stiffness of all rows to the outer matrix."""
+    w = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
+        return
+    one = wp.identity(n=3, dtype=real)
+    row = int(0)
+    while row < model.rows.count:
+        if lam[w, row] != real(0.0):
+            a = model.rows.a[row]
+            b = model.rows.b[row]
+            body_a = model.markers.body[a]
+            body_b = model.markers.body[b]
+            A_a = one
+            A_b = one
+            r_a = vec3(real(0.0))
+            r_b = vec3(real(0.0))
+            if body_a >= 0:
+                A_a = axes[w, body_a]
+                r_a = r1[w, body_a]
+            if body_b >= 0:
+                A_b = axes[w, body_b]
+                r_b = r1[w, body_b]
+            f_a = model.markers.interface[a]
+            f_b = model.markers.interface[b]
+            lever_a = vec3(real(0.0))
+            lever_b = vec3(real(0.0))
+            if f_a >= 0:
+                lever_a = model.markers.point[a] - model.interfaces.point[f_a]
+            if f_b >= 0:
+                lever_b = model.markers.point[b] - model.interfaces.point[f_b]
+            d_a = A_a * arm_on_interface(model, a, motion, w)
+            d_b = A_b * arm_on_interface(model, b, motion, w)
+            c_a = r_b + d_b - r_a
+            c = c_a - d_a
+            f = vec3(row_wrench[w, row, 0], row_wrench[w, row, 1], row_wrench[w, row, 2])
+            t = vec3(row_wrench[w, row, 3], row_wrench[w, row, 4], row_wrench[w, row, 5])
+            p = pull_of(
+                model.rows.kind[row], lam[w, row], f, t, A_a * axes_on_interface(model, a, motion, w),
+                A_b * axes_on_interface(model, b, motion, w), model.rows.i[row], model.rows.j[row], wp.length(c),
+            )  # fmt: skip
+            modes_a = modes_here(model, ctl, w, body_a, f_a)
+            modes_b = modes_here(model, ctl, w, body_b, f_b)
+            for side in range(2):
+                body = body_a
+                modes = modes_a
+                if side == 1:
+                    body = body_b
+                    modes = modes_b
+                coordinate = int(0)
+                while body >= 0 and coordinate < 6 + modes:
+                    by_a = Change()
+                    by_b = Change()
+                    if side == 0:
+                        by_a = change_by(model, slope, w, f_a, A_a, d_a, lever_a, coordinate)
+                    else:
+                        by_b = change_by(model, slope, w, f_b, A_b, d_b, lever_b, coordinate)
+                    column = column_of(model, body, coordinate)
+                    dP = p.P_a * by_a.marker + p.P_x * (by_b.point - by_a.point)
+                    dQ = p.Q_a * by_a.marker + p.Q_b * by_b.marker
+                    if body_b >= 0:
+                        M = wp.cross(d_b, p.P) + p.Q
+                        dM = wp.cross(by_b.point - by_b.origin, p.P) + wp.cross(d_b, dP) + dQ
+                        add_change(
+                            model, slope, w, body_b, f_b, modes_b, A_b, lever_b, by_b.body, p.P, dP, M, dM, p.Q, dQ,
+                            column, tangent,
+                        )  # fmt: skip
+                    if body_a >= 0:
+                        M = -(wp.cross(c_a, p.P) + p.Q)
+                        dM = -(wp.cross(by_b.point - by_a.origin, p.P) + wp.cross(c_a, dP) + dQ)
+                        N = -(wp.cross(c, p.P) + p.Q)
+                        dN = -(wp.cross(by_b.point - by_a.point, p.P) + wp.cross(c, dP) + dQ)
+                        add_change(
+                            model, slope, w, body_a, f_a, modes_a, A_a, lever_a, by_a.body, -p.P, -dP, M, dM, N, dN,
+                            column, tangent,
+                        )  # fmt: skip
+                    coordinate += 1
+        row += 1
+
+
+@wp.kernel
+def stiffen_applied(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    axes: wp.array2d(dtype=mat33),
+    slope: wp.array(dtype=real),
+    motion: wp.array3d(dtype=real),
+    applied: wp.array3d(dtype=vec3),
+    applied_torque: wp.array2d(dtype=vec3),
+    tangent: inout(wp.array3d(dtype=real)),
+):
+    """Per world, in static steps: add the geometric stiffness of the point forces and torques to the outer matrix."""
+    w = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0 or ctl[w].mode != k.STATIC:
+        return
+    none = vec3(real(0.0))
+    i = int(0)
+    while i < model.forces.count + model.torques.count:
+        F = none
+        T = none
+        body = int(0)
+        interface = int(-1)
+        follows = int(0)
+        arm = none
+        lever = none
+        if i < model.forces.count:
+            body = model.forces.body[i]
+            interface = model.forces.interface[i]
+            follows = model.forces.in_body[i]
+            F = applied[w, 1, i]
+            arm = model.forces.point[i]
+            if interface >= 0:
+                lever = arm - model.interfaces.point[interface]
+                turn = vec3(motion[w, interface, 3], motion[w, interface, 4], motion[w, interface, 5])
+                arm += vec3(motion[w, interface, 0], motion[w, interface, 1], motion[w, interface, 2])
+                arm += wp.cross(turn, lever)
+        else:
+            at = i - model.forces.count
+            body = model.torques.body[at]
+            interface = model.torques.interface[at]
+            follows = model.torques.in_body[at]
+            T = axes[w, body] * applied_torque[w, at]
+        A = axes[w, body]
+        d = A * arm
+        modes = modes_here(model, ctl, w, body, interface)
+        coordinate = int(0)
+        while coordinate < 6 + modes:
+            by = change_by(model, slope, w, interface, A, d, lever, coordinate)
+            dF = none
+            dT = none
+            if follows != 0:
+                dF = wp.cross(by.body, F)
+                dT = wp.cross(by.body, T)
+            M = wp.cross(d, F) + T
+            dM = wp.cross(by.point - by.origin, F) + wp.cross(d, dF) + dT
+            add_change(
+                model, slope, w, body, interface, modes, A, lever, by.body, -F, -dF, -M, -dM, -T, -dT,
+                column_of(model, body, coordinate), tangent,
+            )  # fmt: skip
+            coordinate += 1
+        if modes > 0 and model.interfaces.stiffening_start[interface] >= 0:
+            bend_modes(model, w, body, interface, wp.transpose(A) * F, lever, wp.transpose(A) * T, tangent)
+        i += 1
+
+
+@wp.func
+def bend_modes(
+    model: Model, w: int, body: int, interface: int, f: vec3, lever: vec3, torque: vec3, tangent: wp.array3d(dtype=real)
+):
+    """What B of an interface changes by with the modes, times a force at `lever` and a torque there (body axes)."""
+    count = model.bodies.dense_count[body]
+    t = wp.cross(lever, f) + torque
+    first = model.interfaces.stiffening_start[interface]
+    i = int(0)
+    while i < count:
+        row = column_of(model, body, 6 + i)
+        j = int(0)
+        while j < count:
+            total = real(0.0)
+            for c in range(3):
+                at = first + (c * count + i) * count + j
+                total += f[c] * model.interfaces.stiffening[at]
+                total += t[c] * model.interfaces.stiffening[at + 3 * count * count]
+            column = column_of(model, body, 6 + j)
+            tangent[w, row, column] = tangent[w, row, column] + total
+            j += 1
+        i += 1

@@ -1,0 +1,334 @@
+"""Joint constraints, prescribed motion and springs: one scalar row each.
+
+A row is a function c(x, t) of two markers (joint frames) a and b with axes `u_i` (of a), `w_j` (of b) and positions
+x_a, x_b:
+
+    TRANSLATION   c = u_i . (x_b - x_a) - s(t)
+    DIRECTION     c = u_i . w_j
+    ANGLE         c = angle of w_j about u_i from u_j, minus s(t), in (-pi, pi]: needs no counting of turns
+    SECOND_ANGLE  the same of the other side's axes: angle of w_j about w_i against u_j (universal joints)
+    DISTANCE      c = |x_b - x_a| - s(t)
+
+with s the signal of the row (0 without one). Every variation has the form `f.(dx_b - dx_a) + t.(dTheta_b - dTheta_a)`,
+where dx are material displacements of the point x_b carried by either body and dTheta their turns, so a row pulls with
+the wrench (f, t) at x_b on b and the opposite on a: action equals reaction by construction.
+    TRANSLATION: f = u_i, t = 0;  DIRECTION: f = 0, t = w_j x u_i;  DISTANCE: f = (x_b - x_a)/|x_b - x_a|, t = 0;
+    ANGLE: f = 0, t = u_i where w_j is perpendicular to it (in general, and for SECOND_ANGLE: `model/joints/rows.py`).
+    BUSHING       c = v.d + z.phi of the row's vector (v, z), with d = A_a^T (x_b - x_a) and exp(phi^) = A_a^T A_b:
+                  f = A_a v, t = A_a T(phi)^-1 z, since phi turns by T(phi)^-T A_a^T (dTheta_b - dTheta_a).
+An angle that is a spring counts its turns.
+
+A constraint row demands c = 0 and carries the multiplier lambda, generalized force -C^T lambda. A spring row has
+`lambda = k c + d cdot + preload`; divided by its effective stiffness `k_e = k + d VEL` it is a constraint row with the
+compliance 1/k_e on its diagonal, so that springs on flexible interfaces need no special treatment (the modes stay
+diagonal).
+
+A marker on a flexible rigid interface moves with the interface: x = r + A (X + u + theta x (X - X_if)),
+axes A exp(theta^) L, with (u, theta) = Phi_if q, and -q.K q/2 in addition where loads stiffen the body (`interfaces`).
+"""
+
+import warp as wp
+
+from warpffrf_kernels.bodies.interfaces import (
+    add_load,
+    arm_on_interface,
+    axes_on_interface,
+    line_of,
+    modal_line,
+    rotation_of,
+    translation_of,
+)
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.rotation import rotation_vector, tangent_inverse
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+TURN = wp.constant(wp.float64(6.283185307179586))  # 2 pi
+
+
+@wp.func
+def evaluate_signal(model: Model, s: int, t: real, order: int) -> real:
+    """Value (order 0) or first derivative (order 1) of signal s at time t."""
+    first = model.signals.start[s]
+    last = model.signals.start[s + 1] - 1
+    piece = first
+    while piece < last and t >= model.signals.breaks[piece + 1]:
+        piece += 1
+    x = wp.max(t - model.signals.breaks[piece], real(0.0))
+    held = t < model.signals.breaks[first]
+    value = real(0.0)
+    slope = real(0.0)
+    i = int(7)
+    while i >= 0:
+        slope = slope * x + value
+        value = value * x + model.signals.coefficient[piece, i]
+        i -= 1
+    if order == 0:
+        return value
+    if held:
+        return real(0.0)
+    return slope
+
+
+@wp.func
+def write_side(
+    model: Model,
+    w: int,
+    row: int,
+    marker: int,
+    force: vec3,
+    torque: vec3,
+    x: vec3,
+    x_marker: vec3,
+    side: int,
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    slope: wp.array(dtype=real),
+    C: wp.array3d(dtype=real),
+    C_modal: wp.array(dtype=real),
+    row_pull: wp.array3d(dtype=real),
+):
+    """Enter the wrench (force at x, torque), world axes, into the row's entries of the body that carries the marker;
+    `row_pull` keeps what acts on its interface, body axes."""
+    b = model.markers.body[marker]
+    if b < 0:
+        return
+    At = wp.transpose(axes[w, b])
+    moment = At * (wp.cross(x - r1[w, b], force) + torque)
+    for i in range(3):
+        C[w, row, 6 * b + i] = C[w, row, 6 * b + i] + force[i]
+        C[w, row, 6 * b + 3 + i] = C[w, row, 6 * b + 3 + i] + moment[i]
+    f = model.markers.interface[marker]
+    if f < 0:
+        return
+    # the interface turns about its undeformed point: du = Phi_t dq + (Phi_r dq) x (X - X_if)
+    fb = At * force
+    tb = At * (wp.cross(x - x_marker, force) + torque)
+    tb += wp.cross(model.markers.point[marker] - model.interfaces.point[f], fb)
+    for i in range(3):
+        row_pull[w, 2 * row + side, i] = fb[i]
+        row_pull[w, 2 * row + side, 3 + i] = tb[i]
+    line = modal_line(model, w, row, b)
+    width = model.interfaces.width
+    add_load(model.bodies.global_count[b], real(1.0), fb, tb, width, slope, line_of(model, w, f), C_modal, line)
+
+
+@wp.func
+def clear_side(model: Model, w: int, row: int, marker: int, C: wp.array3d(dtype=real), C_modal: wp.array(dtype=real)):
+    b = model.markers.body[marker]
+    if b < 0:
+        return
+    for i in range(6):
+        C[w, row, 6 * b + i] = real(0.0)
+    if model.markers.interface[marker] >= 0:
+        line = modal_line(model, w, row, b)
+        n = int(0)
+        while n < model.bodies.global_count[b]:
+            C_modal[line + n] = real(0.0)
+            n += 1
+
+
+@wp.kernel
+def evaluate_rows(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    v1: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    qd1: wp.array(dtype=real),
+    lam: wp.array2d(dtype=real),
+    stretch: wp.array2d(dtype=real),
+    slope: wp.array(dtype=real),
+    motion: wp.array3d(dtype=real),
+    C: inout(wp.array3d(dtype=real)),
+    C_modal: inout(wp.array(dtype=real)),
+    coordinate: out(wp.array2d(dtype=real)),
+    defect: out(wp.array2d(dtype=real)),
+    softness: out(wp.array2d(dtype=real)),
+    drive_rate: out(wp.array3d(dtype=real)),
+    row_wrench: out(wp.array3d(dtype=real)),
+    row_pull: out(wp.array3d(dtype=real)),
+):
+    """Per row: value, gradient, defect (c, or the spring law divided by its stiffness) and compliance."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    row = lane
+    while row < model.rows.count:
+        a = model.rows.a[row]
+        b = model.rows.b[row]
+        body_a = model.markers.body[a]
+        body_b = model.markers.body[b]
+        x_a = arm_on_interface(model, a, motion, w)
+        x_b = arm_on_interface(model, b, motion, w)
+        R_a = axes_on_interface(model, a, motion, w)
+        R_b = axes_on_interface(model, b, motion, w)
+        if body_a >= 0:
+            x_a = r1[w, body_a] + axes[w, body_a] * x_a
+            R_a = axes[w, body_a] * R_a
+        if body_b >= 0:
+            x_b = r1[w, body_b] + axes[w, body_b] * x_b
+            R_b = axes[w, body_b] * R_b
+        t = clk[w].next_time
+        s = real(0.0)
+        s_rate = real(0.0)
+        if model.rows.signal[row] >= 0:
+            s = evaluate_signal(model, model.rows.signal[row], t, 0)
+            s_rate = evaluate_signal(model, model.rows.signal[row], t, 1)
+        kind = model.rows.kind[row]
+        i = model.rows.i[row]
+        j = model.rows.j[row]
+        force = vec3(real(0.0))
+        torque = vec3(real(0.0))
+        value = real(0.0)
+        if kind == k.TRANSLATION:
+            u = vec3(R_a[0, i], R_a[1, i], R_a[2, i])
+            value = wp.dot(u, x_b - x_a) - s
+            force = u
+        if kind == k.DIRECTION:
+            u = vec3(R_a[0, i], R_a[1, i], R_a[2, i])
+            z = vec3(R_b[0, j], R_b[1, j], R_b[2, j])
+            value = wp.dot(u, z)
+            torque = wp.cross(z, u)
+        if kind == k.ANGLE or kind == k.SECOND_ANGLE:
+            held = R_a
+            turned = R_b
+            sign = real(1.0)
+            if kind == k.SECOND_ANGLE:
+                held = R_b
+                turned = R_a
+                sign = real(-1.0)
+            axis = vec3(held[0, i], held[1, i], held[2, i])
+            u = vec3(held[0, j], held[1, j], held[2, j])
+            v = sign * wp.cross(axis, u)
+            z = vec3(turned[0, j], turned[1, j], turned[2, j])
+            P = wp.dot(v, z)
+            Q = wp.dot(u, z)
+            value = wp.atan2(P * wp.cos(s) - Q * wp.sin(s), Q * wp.cos(s) + P * wp.sin(s))
+            torque = (sign / (P * P + Q * Q)) * wp.cross(z, Q * v - P * u)
+        if kind == k.DISTANCE:
+            gap = x_b - x_a
+            value = wp.length(gap) - s
+            force = gap / wp.max(value + s, real(1.0e-300))
+        if kind == k.ANGLE or kind == k.SECOND_ANGLE:
+            if model.rows.rigid[row] == 0:  # a spring counts turns from the last accepted state
+                value += TURN * wp.round((stretch[w, row] - value) / TURN)
+        if kind == k.BUSHING:
+            along = vec3(model.rows.vector[row, 0], model.rows.vector[row, 1], model.rows.vector[row, 2])
+            about = vec3(model.rows.vector[row, 3], model.rows.vector[row, 4], model.rows.vector[row, 5])
+            phi = rotation_vector(wp.transpose(R_a) * R_b)
+            force = R_a * along
+            torque = R_a * (tangent_inverse(phi) * about)
+            value = wp.dot(force, x_b - x_a) + wp.dot(about, phi)
+        clear_side(model, w, row, a, C, C_modal)
+        clear_side(model, w, row, b, C, C_modal)
+        write_side(model, w, row, b, force, torque, x_b, x_b, 1, r1, axes, slope, C, C_modal, row_pull)
+        write_side(model, w, row, a, -force, -torque, x_b, x_a, 0, r1, axes, slope, C, C_modal, row_pull)
+        coordinate[w, row] = value + s
+        value -= model.rows.reference[row]
+        drive_rate[w, 1, row] = s_rate
+        for c in range(3):
+            row_wrench[w, row, c] = force[c]
+            row_wrench[w, row, 3 + c] = torque[c]
+        defect[w, row] = value
+        softness[w, row] = real(0.0)
+        if model.rows.rigid[row] == 0:
+            rate = real(0.0)
+            if body_a >= 0:
+                rate += row_rate(model, w, row, a, C, C_modal, v1, omega1, qd1)
+            if body_b >= 0 and body_b != body_a:
+                rate += row_rate(model, w, row, b, C, C_modal, v1, omega1, qd1)
+            k_e = model.rows.stiffness[row] + model.rows.damping[row] * clk[w].outer.vel
+            law = model.rows.stiffness[row] * value + model.rows.damping[row] * rate + model.rows.preload[row]
+            if k_e > real(0.0):
+                defect[w, row] = (law - lam[w, row]) / k_e
+                softness[w, row] = real(1.0) / k_e
+            else:  # a pure damper at rest: no force
+                defect[w, row] = -lam[w, row]
+                softness[w, row] = real(1.0)
+            drive_rate[w, 1, row] = rate
+        row += wp.block_dim()
+
+
+@wp.func
+def row_rate(
+    model: Model,
+    w: int,
+    row: int,
+    marker: int,
+    C: wp.array3d(dtype=real),
+    C_modal: wp.array(dtype=real),
+    v1: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    qd1: wp.array(dtype=real),
+) -> real:
+    b = model.markers.body[marker]
+    rate = real(0.0)
+    for i in range(3):
+        rate += C[w, row, 6 * b + i] * v1[w, b][i] + C[w, row, 6 * b + 3 + i] * omega1[w, b][i]
+    if model.markers.interface[marker] >= 0:
+        modes = w * model.modes.count + model.bodies.modal_start[b]
+        rate += dot(model.bodies.global_count[b], C_modal, modal_line(model, w, row, b), qd1, modes)
+    return rate
+
+
+@wp.kernel
+def apply_forces(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    slope: wp.array(dtype=real),
+    motion: wp.array3d(dtype=real),
+    residual: inout(wp.array2d(dtype=real)),
+    modal_residual: inout(wp.array(dtype=real)),
+    applied: out(wp.array3d(dtype=vec3)),
+    applied_at: out(wp.array3d(dtype=vec3)),
+):
+    """Per world: subtract the point forces from the residuals; their world components and points are kept for the
+    ledger.
+    """
+    w = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    t = clk[w].next_time
+    i = int(0)
+    while i < model.forces.count:
+        b = model.forces.body[i]
+        A = axes[w, b]
+        f = vec3(
+            evaluate_signal(model, model.forces.signal[i, 0], t, 0),
+            evaluate_signal(model, model.forces.signal[i, 1], t, 0),
+            evaluate_signal(model, model.forces.signal[i, 2], t, 0),
+        )
+        if model.forces.in_body[i] != 0:
+            f = A * f
+        X = model.forces.point[i]
+        arm = X
+        interface = model.forces.interface[i]
+        if interface >= 0:
+            arm = X + translation_of(motion, w, interface)
+            arm += wp.cross(rotation_of(motion, w, interface), X - model.interfaces.point[interface])
+        fb = wp.transpose(A) * f
+        moment = wp.cross(arm, fb)
+        for c in range(3):
+            residual[w, 6 * b + c] = residual[w, 6 * b + c] - f[c]
+            residual[w, 6 * b + 3 + c] = residual[w, 6 * b + 3 + c] - moment[c]
+        if interface >= 0:
+            tb = wp.cross(X - model.interfaces.point[interface], fb)
+            modes = w * model.modes.count + model.bodies.modal_start[b]
+            line = line_of(model, w, interface)
+            n = model.bodies.global_count[b]
+            add_load(n, real(-1.0), fb, tb, model.interfaces.width, slope, line, modal_residual, modes)
+        applied[w, 1, i] = f
+        applied_at[w, 1, i] = r1[w, b] + A * arm
+        i += 1

@@ -1,0 +1,78 @@
+"""Formulas of the step in time: generalized-alpha with the coefficients of bodies and of local modes (`motion`)."""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.control import Clock, Coefficients, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+UNRESOLVED = wp.constant(wp.float64(9.869604401089358))  # pi^2, of (omega h)^2
+
+# --- how a coordinate steps
+OUTER = wp.constant(0)
+LOCAL = wp.constant(1)
+EXACT = wp.constant(2)
+
+
+@wp.func
+def coefficients_from(am: real, af: real, beta: real, gamma: real, h: real) -> Coefficients:
+    """Of a step of length h."""
+    c = Coefficients()
+    c.alpha_m = am
+    c.alpha_f = af
+    c.beta = beta
+    c.gamma = gamma
+    c.acc = (real(1.0) - am) / (beta * h * h * (real(1.0) - af))
+    c.vel = gamma / (beta * h)
+    return c
+
+
+@wp.func
+def coefficients_of(clk: wp.array(dtype=Clock), w: int, rule: int) -> Coefficients:
+    """Of the coordinates that step by `rule`; those that step EXACT need none."""
+    if rule == LOCAL:
+        return clk[w].local
+    return clk[w].outer
+
+
+@wp.func
+def predicted(h: real, c: Coefficients, v0: vec3, rate0: vec3, a0: vec3) -> vec3:
+    """Increment that keeps the rate of the old state."""
+    a1 = (rate0 - c.alpha_m * a0) / (real(1.0) - c.alpha_m)
+    return h * v0 + h * h * ((real(0.5) - c.beta) * a0 + c.beta * a1)
+
+
+@wp.func
+def algorithmic(h: real, c: Coefficients, d: vec3, v0: vec3, a0: vec3) -> vec3:
+    return (d - h * v0 - h * h * (real(0.5) - c.beta) * a0) / (c.beta * h * h)
+
+
+@wp.func
+def velocity_of(h: real, c: Coefficients, v0: vec3, a0: vec3, a1: vec3) -> vec3:
+    return v0 + h * ((real(1.0) - c.gamma) * a0 + c.gamma * a1)
+
+
+@wp.func
+def rate_of(c: Coefficients, rate0: vec3, a0: vec3, a1: vec3) -> vec3:
+    am = c.alpha_m
+    af = c.alpha_f
+    return ((real(1.0) - am) * a1 + am * a0 - af * rate0) / (real(1.0) - af)
+
+
+@wp.func
+def rule_of(model: Model, ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int, m: int) -> int:
+    """How mode m steps: OUTER, like the bodies; LOCAL, by HHT; or EXACT for a linear load.
+
+    The exact step is for modes that the step does not resolve, omega h >= pi. Contact asks for the load f1 that brings
+    the surface to a given place; with the load of before that makes a recursion f1 = -(C/D) f0, and |C/D| is 2 for
+    small omega h and at most 1 from pi on.
+    """
+    if ctl[w].mode != k.DYNAMIC or model.modes.kind[m] == 0:
+        return OUTER
+    h = clk[w].h
+    if model.modes.kind[m] == 2 and model.modes.stiffness[m] * h * h >= UNRESOLVED:
+        return EXACT
+    return LOCAL

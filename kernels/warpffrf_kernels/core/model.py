@@ -1,0 +1,377 @@
+"""Constant data of a scene on the device, by topic; `warpffrf.online.compile` fills it, docs/arrays.md lists it.
+
+Indices of absent things are -1. Body frames have their origin in the centre of mass (Tisserand frame). Axes whose names
+end in "_entry" are those of tables that stand one behind the other.
+"""
+
+from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, reals, topic, vectors
+from warpffrf_kernels.core.scalars import real, vec3
+
+
+@topic
+class Bodies:
+    """Rigid parts, and where each body's modes begin."""
+
+    count: int
+    mass: DeviceArray = reals("body", unit="kg")
+    inertia: DeviceArray = matrices("body", unit="kg m2", note="about the centre of mass, body axes")
+    modal_start: DeviceArray = integers("body+1", note="first mode")
+    global_count: DeviceArray = integers("body", note="modes that move interfaces, the first ones of the body")
+    dense_start: DeviceArray = integers("body", note="first mode that carries inertia")
+    dense_count: DeviceArray = integers("body", note="modes that carry inertia")
+    inertia_start: DeviceArray = integers("body", note="into the table of `Dense`")
+
+
+@topic
+class Modes:
+    """Modes of all bodies."""
+
+    count: int
+    dynamic_count: int  # modes of kind 1 and 2
+    top_frequency: real  # rad/s, the highest of all modes
+    outer_frequency: real  # rad/s, the highest of kind 0
+    stiffness: DeviceArray = reals("mode", unit="rad2/s2", note="omega^2")
+    damping: DeviceArray = reals("mode", unit="rad/s", note="2 zeta omega")
+    kind: DeviceArray = integers("mode", note="0 the outer integrator's, 1 HHT, 2 exact for a linear load")
+    reach: DeviceArray = reals("mode", unit="kg^-1/2", note="largest displacement per unit coordinate")
+    dense_of: DeviceArray = integers("mode", note="number among those that carry inertia, -1 for a diagonal one")
+
+
+@topic
+class Dense:
+    """Modes that carry inertia, the first ones of a body: see `inertia`."""
+
+    count: int
+    body: DeviceArray = integers("dense")
+    mode: DeviceArray = integers("dense", note="which of all modes")
+    first: DeviceArray = reals("dense", 6, unit="kg^1/2 m", note="J1: xx yy zz xy yz zx")
+    table: DeviceArray = reals(
+        "inertia_entry", note="(9, count, count) a body: J2 in the order of J1, then G_ij with line j, column i"
+    )
+
+
+@topic
+class Outer:
+    """The outer unknowns: motions of bodies, modes that carry inertia, multipliers."""
+
+    row_offset: int  # 6 * bodies + modes that carry inertia
+    count: int  # row_offset + rows
+
+
+@topic
+class Interfaces:
+    """Flexible interfaces."""
+
+    count: int
+    width: int  # largest number of modes that move interfaces
+    body: DeviceArray = integers("table_interface")
+    point: DeviceArray = vectors("table_interface", unit="m", note="body frame")
+    modes: DeviceArray = reals(
+        "interface_shape", unit="kg^-1/2", note="(interfaces, 6, width): translation, rotation by the modes"
+    )
+    reach: DeviceArray = reals("table_interface", 6, note="largest of `modes` over the modes")
+    stiffening_start: DeviceArray = integers("table_interface", note="into `stiffening`, -1 without")
+    stiffening: DeviceArray = reals(
+        "stiffening_entry", note="(6, count, count) an interface: K per unit force and torque"
+    )
+
+
+@topic
+class Markers:
+    """Joint frames."""
+
+    body: DeviceArray = integers("marker")
+    interface: DeviceArray = integers("marker")
+    point: DeviceArray = vectors("marker", unit="m", note="body frame, world when on ground")
+    axes: DeviceArray = matrices("marker", note="columns x, y, z of the marker in the body frame")
+
+
+@topic
+class Rows:
+    """Constraints and springs, c(x, t) = 0 or lambda = k c + d cdot + preload."""
+
+    count: int
+    kind: DeviceArray = integers("row", note="see `control`")
+    a: DeviceArray = integers("row", note="marker")
+    b: DeviceArray = integers("row", note="marker")
+    i: DeviceArray = integers("row", note="axis of marker a")
+    j: DeviceArray = integers("row", note="axis of marker b")
+    signal: DeviceArray = integers("row", note="prescribed motion")
+    stiffness: DeviceArray = reals("row", unit="N/m or N m/rad", note="0 for a rigid row")
+    damping: DeviceArray = reals("row", unit="N s/m or N m s/rad")
+    reference: DeviceArray = reals("row", unit="m or rad", note="subtracted from c")
+    preload: DeviceArray = reals("row", unit="N or N m")
+    rigid: DeviceArray = integers("row", note="1: constraint, 0: spring")
+    group: DeviceArray = integers("row", note="group of a spring row that shares matrices with others")
+    vector: DeviceArray = reals("row", 6, note="a bushing coordinate's part of displacement and rotation vector")
+
+
+@topic
+class Groups:
+    """Groups of spring rows with lambda = K c + D cdot + preload, see `forces`."""
+
+    count: int
+    start: DeviceArray = integers("group", note="first row; the others follow")
+    size: DeviceArray = integers("group")
+    sprung: DeviceArray = integers("group", note="rows with stiffness, the first ones; the rest are dampers only")
+    stiffness: DeviceArray = reals("group", "group_row", "group_row", unit="N/m, N m/rad")
+    damping: DeviceArray = reals("group", "group_row", "group_row", unit="N s/m, N m s/rad")
+
+
+@topic
+class Signals:
+    """Piecewise polynomials of degree 7."""
+
+    start: DeviceArray = integers("signal+1", note="first piece")
+    breaks: DeviceArray = reals("signal_entry", unit="s", note="where each piece begins")
+    coefficient: DeviceArray = reals("signal_entry", 8, note="ascending powers of t - break")
+
+
+@topic
+class Forces:
+    """Point forces."""
+
+    count: int
+    body: DeviceArray = integers("force")
+    interface: DeviceArray = integers("force")
+    point: DeviceArray = vectors("force", unit="m")
+    in_body: DeviceArray = integers("force", note="1: components in body axes")
+    signal: DeviceArray = integers("force", 3)
+
+
+@topic
+class Torques:
+    """Point torques."""
+
+    count: int
+    body: DeviceArray = integers("torque")
+    interface: DeviceArray = integers("torque")
+    in_body: DeviceArray = integers("torque", note="1: components in body axes")
+    signal: DeviceArray = integers("torque", 3)
+
+
+@topic
+class BodyLoads:
+    """Loads that are constant in body axes but for a signal: surface and nodal loads."""
+
+    count: int
+    body: DeviceArray = integers("body_load")
+    signal: DeviceArray = integers("body_load")
+    force: DeviceArray = vectors("body_load", unit="N", note="per unit signal, body axes")
+    torque: DeviceArray = vectors("body_load", unit="N m", note="about the centre of mass")
+    modal: DeviceArray = reals("body_load", "body_load_mode", unit="N/kg^1/2", note="on the modes of the body")
+
+
+@topic
+class Surfaces:
+    """Contact surfaces, two a pair, body frame; see `surface`. Fields that end in `_start` say where tables begin."""
+
+    body: DeviceArray = integers("surface", note="-1 for the ground, whose frame is the world")
+    modal_start: DeviceArray = integers("surface", note="first mode of its body, 0 where it has none")
+    modal_count: DeviceArray = integers("surface", note="modes of its body, 0 for a rigid one and the ground")
+    origin: DeviceArray = vectors("surface", unit="m", note="axis point")
+    frame: DeviceArray = matrices("surface", note="columns e_0, e_1, e_a")
+    planar: DeviceArray = integers("surface", note="1: a plane, theta in metres; 0: a surface of revolution")
+    side: DeviceArray = reals("surface", note="1 material inside, -1 outside")
+    radius: DeviceArray = reals("surface", unit="m", note="1 of a plane")
+    tangent: DeviceArray = reals("surface", note="of a cone's slope dR/dz, 0 without")
+    crown: DeviceArray = reals(
+        "surface", unit="m", note="radius of the crown's arc, negative for a groove around a shaft, 0 without"
+    )
+    table_start: DeviceArray = integers("surface", note="into the two tables of the profile")
+    table_count: DeviceArray = integers("surface", note="pieces of the profile table, 0 without")
+    table_break: DeviceArray = reals("profile_entry", unit="m", note="count + 1 a table")
+    table_coefficient: DeviceArray = reals(
+        "profile_entry", 4, note="count + 1 a table: powers of z - break; the last is unused"
+    )
+    rigid: DeviceArray = integers("surface", note="1: no grid of its own, the tables hold two empty columns and rows")
+    theta: DeviceArray = reals("surface", unit="rad", note="angle of column 0")
+    pitch: DeviceArray = reals("surface", unit="rad", note="between columns")
+    columns: DeviceArray = integers("surface")
+    periodic: DeviceArray = integers("surface", note="1: hats all around; 0: hats on an arc only")
+    turn: DeviceArray = integers(
+        "surface", note="columns of the full turn that the compliance counts, 0 when it covers an arc"
+    )
+    reach: DeviceArray = integers(
+        "surface", note="grid columns on each side of a block that its compliance tables hold"
+    )
+    rows: DeviceArray = integers("surface")
+    block: DeviceArray = integers("surface", note="columns of a block of the compliance")
+    z_start: DeviceArray = integers("surface", note="into z and cell_area")
+    z: DeviceArray = reals("z_entry", unit="m", note="of the rows")
+    lag_start: DeviceArray = integers("surface", note="into compliance and self_compliance")
+    compliance: DeviceArray = reals(
+        "compliance_entry", unit="m/N",
+        note="D as a table (column of the block, source row, target column + reach, target row)",
+    )  # fmt: skip
+    self_compliance: DeviceArray = reals("compliance_entry", unit="m5/N", note="M D M, same layout")
+    mode_start: DeviceArray = integers("surface", note="into mode_normal and mode_moment")
+    mode_normal: DeviceArray = reals("trace_entry", unit="kg^-1/2", note="(nodes, modes of the body) a surface")
+    mode_moment: DeviceArray = reals("trace_entry", unit="m2 kg^-1/2", note="M Phi, same layout")
+    cell_area: DeviceArray = reals("z_entry", unit="m2", note="a row of cells of friction")
+    shear_start: DeviceArray = integers("surface", note="into mode_tangent, -1 without tangential compliance")
+    mode_tangent: DeviceArray = reals(
+        "shear_entry", unit="kg^-1/2", note="(columns, 2 rows, modes of the body) a surface"
+    )
+    tt_start: DeviceArray = integers("surface", note="tangential displacement by tangential forces, D_tt")
+    nt_start: DeviceArray = integers(
+        "surface", note="normal one by tangential forces: M D_nt of a first, D_nt of a second surface"
+    )
+    tn_start: DeviceArray = integers("surface", note="its transpose")
+    tangential: DeviceArray = reals(
+        "tangential_entry",
+        note="these three as tables (column of the block, source line, target column + reach, target line), "
+        "2 rows lines a tangential column",
+    )
+
+
+@topic
+class Shared:
+    """Surfaces that serve several pairs, see `shared_surface`."""
+
+    start: DeviceArray = integers("surface+1", note="into neighbour and table")
+    neighbour: DeviceArray = integers("neighbour_entry", note="the same surface as another pair has it")
+    table: DeviceArray = integers("neighbour_entry", note="into compliance: what a load there does here")
+    compliance: DeviceArray = reals("shared_entry", note="M D M, M D, D M and D in the layout of `Surfaces.compliance`")
+
+
+@topic
+class Quadrature:
+    """Of a cell of the first grid of each pair."""
+
+    theta_points: int
+    z_points: int
+    theta_abscissa: DeviceArray = reals("theta_point", note="in (0, 1)")
+    theta_weight: DeviceArray = reals("theta_point")
+    z_abscissa: DeviceArray = reals("z_point")
+    z_weight: DeviceArray = reals("z_point")
+
+
+@topic
+class Pairs:
+    """Pairs in contact."""
+
+    count: int
+    most_modes: int  # of a pair's two bodies
+    coupled_capacity: int  # largest of coupled_count
+    first: DeviceArray = integers("pair", note="surface")
+    second: DeviceArray = integers("pair", note="surface")
+    family: DeviceArray = integers("pair", note="0: gap along the line of centres, 1: at points, see `at_points`")
+    coupled_count: DeviceArray = integers("pair", note="outer columns the gap of a pair depends on")
+    coupled: DeviceArray = integers("pair", "coupled", note="these")
+    friction: DeviceArray = reals("pair", note="coefficient mu, 0 without")
+    slip_velocity: DeviceArray = reals(
+        "pair", unit="m/s", note="of the regularised law of friction, 0 of a law that sticks"
+    )
+
+
+@topic
+class Points:
+    """Points of a column of the first grid, of the pairs of family 1 and of those of few points, sorted by row."""
+
+    most: int  # largest number of a pair, 0 without such pairs
+    start: DeviceArray = integers("pair", note="first point")
+    count: DeviceArray = integers("pair")
+    row_start: DeviceArray = integers("pair", note="into row_at")
+    row_at: DeviceArray = integers("row_of_points_entry", note="first point of each row of cells, from the pair's on")
+    x: DeviceArray = reals("point_entry", note="fraction of the column, in [0, 1)")
+    row: DeviceArray = integers("point_entry", note="row of cells")
+    zeta: DeviceArray = reals("point_entry", note="fraction of the row, in [0, 1]")
+    station: DeviceArray = integers(
+        "point_entry", note="where it stands on the line of centres, see `line_of_centres_sampled`"
+    )
+    weight: DeviceArray = reals("point_entry", unit="m2")
+    cosine: DeviceArray = reals("point_entry", note="of the angle from the column; of a plane 1")
+    sine: DeviceArray = reals("point_entry", note="of a plane the distance, m")
+    z: DeviceArray = reals("point_entry", unit="m")
+    radius: DeviceArray = reals("point_entry", unit="m", note="R(z)")
+
+
+@topic
+class Window:
+    """How far the windows of all pairs reach, and how many cells of one grid lie under one of the other."""
+
+    half: int  # grid columns on each side of the line of centres
+    columns: int  # 2 * half + 1
+    rows: int  # of the first surface, largest of all pairs
+    hats: int  # columns * rows
+    stencil_columns: int  # extent of a hat of the first surface on the grid of the second
+    stencil_rows: int
+    second_half: int
+    second_columns: int
+    nodes: int  # second_columns * most rows of a second surface
+    share_columns: int  # extent of a cell of the first grid on the cells of the second
+    share_rows: int
+
+
+@topic
+class Capacity:
+    """Room for what is in play at once, all pairs."""
+
+    slots: int  # hats: rows of G
+    slot_limit: int  # the most that the capacities of the contacts allow
+    cells: int  # cells that can carry friction
+
+
+@topic
+class Layers:
+    """Layers whose yield is no constant, see `layer_laws`, and the points of a column of the first grid at which they
+    are evaluated, sorted by row."""
+
+    count: int  # pairs with one
+    kind: DeviceArray = integers("pair")
+    number: DeviceArray = reals("pair", "layer_number")
+    table_start: DeviceArray = integers("pair", note="into table")
+    table_count: DeviceArray = integers("pair")
+    table: DeviceArray = reals("layer_entry", 3, unit="m, Pa, J/m2", note="depth, pressure, energy")
+    point_start: DeviceArray = integers("pair", note="into x and those that follow")
+    point_count: DeviceArray = integers("pair")
+    row_start: DeviceArray = integers("pair", note="into row_at")
+    row_at: DeviceArray = integers("layer_row_entry", note="first point of each row of cells, from the pair's on")
+    x: DeviceArray = reals("layer_point_entry", note="fraction of the column, in [0, 1)")
+    row: DeviceArray = integers("layer_point_entry", note="row of cells")
+    zeta: DeviceArray = reals("layer_point_entry", note="fraction of the row, in [0, 1]")
+    area: DeviceArray = reals("layer_point_entry", unit="m2")
+
+
+@topic
+class Limits:
+    """Tolerances and counts at which an attempt ends."""
+
+    residual_tolerance: real  # of the contact force
+    max_iterations: int
+    max_inner: int
+    max_guarded: int
+    max_level: int
+    energy_tolerance: real
+    most_made: real  # of the largest energy of a run: what may come from nowhere; 0: any
+
+
+@topic
+class Model:
+    """All of them, gravity [m/s2], and the length of the scene [m], which lengths of round-off size are fractions
+    of."""
+
+    gravity: vec3
+    length: real
+    bodies: Bodies
+    modes: Modes
+    dense: Dense
+    outer: Outer
+    interfaces: Interfaces
+    markers: Markers
+    rows: Rows
+    groups: Groups
+    signals: Signals
+    forces: Forces
+    torques: Torques
+    body_loads: BodyLoads
+    surfaces: Surfaces
+    shared: Shared
+    quadrature: Quadrature
+    pairs: Pairs
+    points: Points
+    window: Window
+    capacity: Capacity
+    layers: Layers
+    limits: Limits

@@ -1,0 +1,230 @@
+"""Slip of the cells in a step, and the forces, energy and work of their tractions.
+
+The slip is what the surfaces slide as rigid bodies over the whole step and what the difference of their elastic
+displacements changes by on the same material of the first body. Work of friction in a step is sum tau.S with the
+tractions at its end, never positive: what the iteration leaves of slip in a cell that sticks, of either sign, is booked
+where it is negative only, and is otherwise a part of the contact grid's line. The contact energy takes up tau.e/2 with
+the part of e that the local modes have.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
+from warpffrf_kernels.friction.cell_shares import line_of, response_at
+from warpffrf_kernels.friction.cells import cell_at
+from warpffrf_kernels.normal.pair_forces import modal_line
+
+wp.set_module_options(MODULE_OPTIONS)
+
+# Tractions are converged to this many times the tolerance of forces and gaps (of the largest bound): forces and moments
+# of the tractions at hand are balanced to that tolerance itself.
+TRACTION_SLACK = wp.constant(wp.float64(100.0))
+OPEN = wp.constant(0)
+STICK = wp.constant(1)
+SLIP = wp.constant(2)
+
+
+@wp.func
+def before_at(
+    model: Model,
+    w: int,
+    pair: int,
+    rows: int,
+    m: int,
+    center: wp.array3d(dtype=int),
+    history_center: wp.array2d(dtype=int),
+) -> int:
+    """Cell of the window of the last accepted step that lies on the same material; -1 outside that window."""
+    A = model.pairs.first[pair]
+    moved = center[w, pair, 0] - history_center[w, pair]
+    turn = model.surfaces.turn[A]
+    if turn > 0:
+        moved = moved - turn * int(wp.floor(real(moved) / real(turn) + real(0.5)))
+    column = m / rows + moved
+    if column < 0 or column >= model.window.columns:
+        return -1
+    return column * rows + m % rows
+
+
+@wp.kernel
+def slide_cells(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    rigid_slip: wp.array3d(dtype=real),
+    elastic: wp.array3d(dtype=real),
+    elastic_before: wp.array3d(dtype=real),
+    history_center: wp.array2d(dtype=int),
+    slip: out(wp.array3d(dtype=real)),
+):
+    """Per (world, pair), lanes over cells: slip of the step [m]. Material without a history, from beyond the last
+    window, is credited with the rigid slip alone."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
+        return
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    H = model.window.half
+    m = (window[w, pair, 0] + H) * rows + lane
+    while m < (window[w, pair, 1] + H + 1) * rows:
+        old = before_at(model, w, pair, rows, m, center, history_center)
+        for d in range(2):
+            i = cell_at(rows, m, d)
+            value = rigid_slip[w, pair, i]
+            if old >= 0:
+                value += elastic[w, pair, i] - elastic_before[w, pair, cell_at(rows, old, d)]
+            slip[w, pair, i] = value
+        m += wp.block_dim()
+
+
+@wp.kernel
+def load_tractions(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    cell_area: wp.array3d(dtype=real),
+    traction: wp.array3d(dtype=real),
+    second_force: wp.array3d(dtype=real),
+    friction_modal: inout(wp.array(dtype=real)),
+):
+    """Per (world, pair): load of the tractions on the modes of A, then of B."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    trial = modal_line(model, w, pair)
+    i = lane
+    while i < model.pairs.most_modes:
+        friction_modal[trial + i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    if model.pairs.friction[pair] == real(0.0):
+        return
+    A = model.pairs.first[pair]
+    rows = model.surfaces.rows[A]
+    modes_a = model.surfaces.modal_count[A]
+    m = (window[w, pair, 0] + model.window.half) * rows
+    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
+        for d in range(2):
+            f = cell_area[w, pair, m] * traction[w, pair, cell_at(rows, m, d)]
+            line = line_of(model, A, center[w, pair, 0] + m / rows - model.window.half, d * rows + m % rows)
+            if f != real(0.0) and line >= 0:
+                at = model.surfaces.shear_start[A] + line * modes_a
+                axpy(modes_a, f, model.surfaces.mode_tangent, at, friction_modal, trial)
+        m += 1
+    B = model.pairs.second[pair]
+    if model.surfaces.shear_start[B] >= 0:
+        rows_b = model.surfaces.rows[B]
+        modes = model.surfaces.modal_count[B]
+        i = int(0)
+        while i < 2 * model.window.second_columns * rows_b:
+            f = second_force[w, pair, i]
+            if f != real(0.0):
+                column = center[w, pair, 1] - model.window.second_half + i / (2 * rows_b)
+                line = line_of(model, B, column, i % (2 * rows_b))
+                if line >= 0:
+                    at = model.surfaces.shear_start[B] + line * modes
+                    axpy(modes, f, model.surfaces.mode_tangent, at, friction_modal, trial + modes_a)
+            i += 1
+
+
+@wp.func
+def cell_softness(model: Model, A: int, row: int, area: real) -> real:
+    """Tangential displacement of a cell of the first surface under a unit traction on itself [m/Pa]."""
+    rows = model.surfaces.rows[A]
+    at = response_at(model, A, model.surfaces.tt_start[A], 0, row, 2 * rows, 0, 2 * rows)
+    return area * model.surfaces.tangential[at + row]
+
+
+@wp.func
+def creep_softness(model: Model, clk: wp.array(dtype=Clock), w: int, pair: int, bound: real) -> real:
+    """Slip of the step per traction that the regularised law adds [m/Pa]: h v_slip / (mu p)."""
+    return clk[w].h * model.pairs.slip_velocity[pair] / bound
+
+
+@wp.kernel
+def add_friction(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    window: wp.array3d(dtype=int),
+    cell_area: wp.array3d(dtype=real),
+    cell_wrench: wp.array4d(dtype=real),
+    bound: wp.array3d(dtype=real),
+    late: wp.array3d(dtype=real),
+    traction: wp.array3d(dtype=real),
+    slip: wp.array3d(dtype=real),
+    elastic_local: wp.array3d(dtype=real),
+    pair_wrench: inout(wp.array3d(dtype=real)),
+    normal_wrench: out(wp.array3d(dtype=real)),
+    gap_defect: inout(wp.array2d(dtype=real)),
+    elastic_energy: out(wp.array3d(dtype=real)),
+    friction_work: inout(wp.array3d(dtype=real)),
+    cell_state: out(wp.array3d(dtype=int)),
+    traction_base: out(wp.array3d(dtype=real)),
+):
+    """Per world: wrench, elastic energy and work of the tractions of every pair, and by how much they are not those of
+    their slip, as a fraction of the largest bound.
+
+    A traction is right where it is the projection of tau - slip/c on the disc of its bound, for any c > 0.
+    """
+    w = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    worst = real(0.0)
+    pair = int(0)
+    while pair < model.pairs.count:
+        energy = real(0.0)
+        for i in range(6):
+            normal_wrench[w, pair, i] = pair_wrench[w, pair, i]
+        friction_work[w, pair, 0] = real(0.0)
+        if model.pairs.friction[pair] > real(0.0):
+            A = model.pairs.first[pair]
+            rows = model.surfaces.rows[A]
+            largest = real(0.0)
+            defect = real(0.0)
+            m = (window[w, pair, 0] + model.window.half) * rows
+            while m < (window[w, pair, 1] + model.window.half + 1) * rows:
+                i_1 = cell_at(rows, m, 0)
+                i_2 = cell_at(rows, m, 1)
+                t_1 = traction[w, pair, i_1]
+                t_2 = traction[w, pair, i_2]
+                traction_base[w, pair, i_1] = t_1
+                traction_base[w, pair, i_2] = t_2
+                cell_state[w, pair, m] = OPEN
+                b = bound[w, pair, m]
+                if b > real(0.0):
+                    largest = wp.max(largest, b)
+                    area = cell_area[w, pair, m]
+                    for i in range(6):
+                        force = t_1 * cell_wrench[w, pair, i_1, i] + t_2 * cell_wrench[w, pair, i_2, i]
+                        pair_wrench[w, pair, i] = pair_wrench[w, pair, i] + force
+                    energy += real(0.5) * area * (t_1 * elastic_local[w, pair, i_1] + t_2 * elastic_local[w, pair, i_2])
+                    s_1 = slip[w, pair, i_1]
+                    s_2 = slip[w, pair, i_2]
+                    friction_work[w, pair, 0] = friction_work[w, pair, 0] + area * wp.min(
+                        t_1 * s_1 + t_2 * s_2, real(0.0)
+                    )
+                    soft = creep_softness(model, clk, w, pair, b) + late[w, pair, m]
+                    c = cell_softness(model, A, m % rows, area) + late[w, pair, m]
+                    y_1 = t_1 - (s_1 + soft * t_1) / c
+                    y_2 = t_2 - (s_2 + soft * t_2) / c
+                    size = wp.sqrt(y_1 * y_1 + y_2 * y_2)
+                    cell_state[w, pair, m] = STICK
+                    if size > b:
+                        y_1 = y_1 * b / size
+                        y_2 = y_2 * b / size
+                        cell_state[w, pair, m] = SLIP
+                    defect = wp.max(defect, wp.max(wp.abs(y_1 - t_1), wp.abs(y_2 - t_2)))
+                m += 1
+            if largest > real(0.0):
+                worst = wp.max(worst, defect / largest)
+        elastic_energy[w, pair, 1] = energy
+        pair += 1
+    gap_defect[w, 0] = wp.max(gap_defect[w, 0], worst / TRACTION_SLACK)

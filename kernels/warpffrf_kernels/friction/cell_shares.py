@@ -1,0 +1,187 @@
+"""Where the cells of the first surface lie on those of the second, and the tables of tangential responses.
+
+The mean of a displacement over a cell of the first grid is the difference of its integral between the cell's two ends,
+which is known at the edges of the second grid's cells: interpolated linearly between them the parts would be those of
+the overlapping areas, and on grids half a cell apart the second body would look too stiff. A cubic through four edges
+is exact for quadratic displacements. Along the meridian, where tractions change little from row to row, the parts are
+the overlaps. Grids that are turned against each other are met by the cell's extents (root of the squares of its sides'
+projections, exact at right angles). The transposed parts spread the traction of a cell: loads and displacements are
+conjugate.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.access import out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.kinematics.line_of_centres import TWO_PI, wrap
+from warpffrf_kernels.normal.contact_compliance import node_of
+from warpffrf_kernels.surfaces.surface import radius_of
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.func
+def lower_edge(model: Model, s: int, row: int) -> real:
+    """Lower edge of the cells of a row: half way to the next node, or the outermost node."""
+    z0 = model.surfaces.z_start[s]
+    return real(0.5) * (model.surfaces.z[z0 + wp.max(row - 1, 0)] + model.surfaces.z[z0 + row])
+
+
+@wp.func
+def overlap(low: real, high: real, a: real, b: real) -> real:
+    return wp.max(wp.min(high, b) - wp.max(low, a), real(0.0))
+
+
+@wp.func
+def reached(y: real, j: int) -> real:
+    """Derivative by the mean over cell j, which spans [j, j + 1], of the integral up to y: cubic between the edges."""
+    k_low = int(wp.floor(y))
+    f = y - real(k_low)
+    above = (f + real(1.0)) * f * (f - real(1.0)) / real(6.0)
+    if j > k_low + 1:
+        return real(0.0)
+    if j == k_low + 1:
+        return above
+    above -= (f + real(1.0)) * f * (f - real(2.0)) / real(2.0)
+    if j == k_low:
+        return above
+    if j == k_low - 1:
+        return above + (f + real(1.0)) * (f - real(1.0)) * (f - real(2.0)) / real(2.0)
+    return real(1.0)
+
+
+@wp.kernel
+def spread_cells(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    cell_area: wp.array3d(dtype=real),
+    cell_place: wp.array4d(dtype=real),
+    cell_turn: wp.array4d(dtype=real),
+    share: out(wp.array4d(dtype=real)),
+    share_at: out(wp.array4d(dtype=int)),
+):
+    """Per (world, pair), lanes over cells: the parts of a cell that lie on the cells of the second grid; 0 beyond the
+    second window, which only cells far from any patch reach: their hats would have failed the step (`keep_hat`)."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
+        return
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    if model.surfaces.shear_start[B] < 0:
+        return
+    rows = model.surfaces.rows[A]
+    rows_b = model.surfaces.rows[B]
+    z0 = model.surfaces.z_start[A]
+    H = model.window.half
+    m = (window[w, pair, 0] + H) * rows + lane
+    while m < (window[w, pair, 1] + H + 1) * rows:
+        row = m % rows
+        z = model.surfaces.z[z0 + row]
+        zb = cell_place[w, pair, m, 1]
+        metric = model.surfaces.pitch[B] * radius_of(model, B, zb)
+        half_around = real(0.5) * model.surfaces.pitch[A] * radius_of(model, A, z)
+        below = lower_edge(model, A, row) - z
+        above = real(0.0)
+        if row + 1 < rows:
+            above = lower_edge(model, A, row + 1) - z
+        # the cell's rectangle, turned by Q: its extents along the second surface's tangents, and where its middle lies
+        half_along = real(0.5) * (above - below)
+        middle = real(0.5) * (above + below)
+        q_1 = cell_turn[w, pair, m, 0]
+        q_2 = cell_turn[w, pair, m, 1]
+        q_3 = cell_turn[w, pair, m, 2]
+        q_4 = cell_turn[w, pair, m, 3]
+        x = cell_place[w, pair, m, 0] + model.surfaces.side[B] * q_3 * middle / metric
+        if model.surfaces.turn[B] > 0:
+            x = wrap(x, TWO_PI / model.surfaces.pitch[B], real(center[w, pair, 1]))
+        half = wp.sqrt(q_1 * q_1 * half_around * half_around + q_3 * q_3 * half_along * half_along) / metric
+        first = int(wp.floor(x - half + real(0.5))) - 1
+        reach = wp.sqrt(q_2 * q_2 * half_around * half_around + q_4 * q_4 * half_along * half_along)
+        low = zb + q_4 * middle - reach
+        high = zb + q_4 * middle + reach
+        start = int(0)
+        while start + 1 < rows_b and lower_edge(model, B, start + 1) <= low:
+            start += 1
+        start = wp.max(wp.min(start, rows_b - model.window.share_rows), 0)
+        at = first - (center[w, pair, 1] - model.window.second_half)
+        c = int(0)
+        while c < model.window.share_columns:
+            around = reached(x + half + real(0.5), first + c) - reached(x - half + real(0.5), first + c)
+            around = around / (real(2.0) * half)
+            q = int(0)
+            while q < model.window.share_rows:
+                value = real(0.0)
+                inside = start + q < rows_b and at + c >= 0 and at + c < model.window.second_columns
+                if inside and cell_area[w, pair, m] > real(0.0):
+                    top = model.surfaces.z[model.surfaces.z_start[B] + rows_b - 1]
+                    if start + q + 1 < rows_b:
+                        top = lower_edge(model, B, start + q + 1)
+                    value = around * overlap(low, high, lower_edge(model, B, start + q), top) / (high - low)
+                share[w, pair, m, c * model.window.share_rows + q] = value
+                q += 1
+            c += 1
+        share_at[w, pair, m, 0] = at
+        share_at[w, pair, m, 1] = start
+        m += wp.block_dim()
+
+
+@wp.func
+def on_shares(
+    model: Model,
+    w: int,
+    pair: int,
+    m: int,
+    cell_turn: wp.array4d(dtype=real),
+    share: wp.array4d(dtype=real),
+    share_at: wp.array4d(dtype=int),
+    second: wp.array(dtype=real),
+) -> vec3:
+    """Q o u_B: mean of the second surface's displacement over cell m, along the first one's tangents (two entries)."""
+    rows_b = model.surfaces.rows[model.pairs.second[pair]]
+    base_b = (w * model.pairs.count + pair) * 2 * model.window.nodes
+    v_1 = real(0.0)
+    v_2 = real(0.0)
+    c = int(0)
+    while c < model.window.share_columns:
+        at_c = share_at[w, pair, m, 0] + c
+        q = int(0)
+        while q < model.window.share_rows:
+            part = share[w, pair, m, c * model.window.share_rows + q]
+            at_r = share_at[w, pair, m, 1] + q
+            if part != real(0.0):
+                e = base_b + at_c * 2 * rows_b + at_r
+                v_1 += part * second[e]
+                v_2 += part * second[e + rows_b]
+            q += 1
+        c += 1
+    u_1 = cell_turn[w, pair, m, 0] * v_1 + cell_turn[w, pair, m, 1] * v_2
+    u_2 = cell_turn[w, pair, m, 2] * v_1 + cell_turn[w, pair, m, 3] * v_2
+    return vec3(u_1, u_2, real(0.0))
+
+
+@wp.func
+def response_at(model: Model, s: int, table: int, source: int, line: int, lines: int, target: int, wide: int) -> int:
+    """Index, in `tangential`, of the response at grid column `target` of surface s to a unit force on line `line` of
+    `lines` of grid column `source`; `wide` lines a target column follow contiguously. -1 when the source does not
+    exist. As `contact_compliance.table_row`."""
+    block = model.surfaces.block[s]
+    if model.surfaces.turn[s] == 0 and (source < 0 or source >= block):
+        return -1
+    part = ((source % block) + block) % block
+    reach = model.surfaces.reach[s]
+    at = (part * lines + line) * (block + 2 * reach) + target - (source - part) + reach
+    return table + at * wide
+
+
+@wp.func
+def line_of(model: Model, s: int, column: int, line: int) -> int:
+    """Line of `mode_tangent` of a grid column counted over full turns; -1 where the grid has none."""
+    node = node_of(model, s, column, 0)
+    if node < 0:
+        return -1
+    return 2 * node + line

@@ -1,0 +1,227 @@
+r"""Cells of friction in the window of a pair: where they are, what they weigh, and how far they slide as rigid bodies.
+
+A cell (j, k) surrounds the node (j, k) of the first surface's grid. On it the tangential traction tau (2,) on the first
+body is constant, along (e_theta, t_z) there. Numbers of a cell and direction d stand at column*2*rows + d*rows + row,
+so that the columns of a window are one contiguous run.
+
+Rigid slip of a step. Let y_k(t) be the point of the second true surface that lies opposite the centre x_k of a cell,
+along the common normal c of the pair, that of its force at the end of the last step (along the normal of the first
+surface where one of the two is an inside form),
+and (theta, z) its place in the chart of the second surface. Material that sticks keeps its partner, so the step's slip
+of the first surface relative to the second is what y_k has travelled over the second body's *material*,
+
+    s_k = R_B (theta(t1) - theta(t0)) e_theta^B + (z(t1) - z(t0)) (R_B' e_r + e_a),
+
+arc lengths of the undeformed surfaces: for two rollers (Omega_A R_A - Omega_B R_B) h to all orders in the angle, since
+the opposite point shares the coordinate across c. Both places are computed from the two poses of the step, so that a
+cell that enters the patch is credited with the creep over the *whole* step, as Carter's solution needs.
+
+Directions of the tractions are (e_theta, t_z) projected on the plane across c where both forms are convex: that is the
+tangent plane of the deformed surfaces, in which all of a patch lies. In gross slip friction is then mu times the normal
+force and across it, however wide the patch and wherever it has moved to. Inside forms hug each other, and their
+tractions follow the surface.
+
+The traction acts half way between the two true surfaces; its wrench on the first body, per unit traction, is also the
+gradient of the weak slip `S_k = area_k s_k` by a motion of the first body relative to the second.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
+from warpffrf_kernels.kinematics.line_of_centres import TWO_PI, wrap
+from warpffrf_kernels.surfaces.surface import (
+    axes_of,
+    chart_of,
+    gradient_of,
+    local_around,
+    local_normal,
+    local_point,
+    origin_of,
+    radius_of,
+    slope_of,
+)
+
+wp.set_module_options(MODULE_OPTIONS)
+
+STEEPEST = wp.constant(wp.float64(0.1))  # cosine between c and the second normal: cells beyond are far from any patch
+# columns that the grids may move against each other before the compliance of the cells is assembled anew: it changes by
+# about this fraction, and serves as a tangent only
+PHASE_TOLERANCE = wp.constant(wp.float64(1.0e-2))
+
+
+@wp.func
+def cell_at(rows: int, m: int, d: int) -> int:
+    """Place of cell m, direction d in tangential arrays, see the module."""
+    return (m / rows) * 2 * rows + d * rows + m % rows
+
+
+@wp.func
+def opposite(model: Model, B: int, origin: vec3, frame: mat33, x: vec3, c: vec3, along_c: int) -> vec3:
+    """Chart place (theta, z) on surface B opposite the world point x, and the gap along the direction."""
+    local = wp.transpose(frame) * (x - origin)
+    place = chart_of(model, B, local)
+    steep = -wp.dot(wp.transpose(frame) * c, gradient_of(model, B, local))
+    gap = place[2] / wp.max(steep, STEEPEST)
+    if along_c != 0:
+        place = chart_of(model, B, local + gap * (wp.transpose(frame) * c))
+    return vec3(place[0], place[1], gap)
+
+
+@wp.kernel
+def open_cells(
+    models: wp.array(dtype=Model),
+    phase: wp.array3d(dtype=real),
+    center: wp.array3d(dtype=int),
+    ctl: inout(wp.array(dtype=Control)),
+    cell_phase: inout(wp.array3d(dtype=real)),
+    traction: inout(wp.array3d(dtype=real)),
+    friction_offset: inout(wp.array2d(dtype=real)),
+):
+    """Per (world, pair): the tractions of the last attempt put where the patch is now (as `open_window` does with the
+    pressures); whether the compliance of the cells is to be assembled anew."""
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
+        return
+    moved = real(0.0)
+    for i in range(4):
+        moved = wp.max(moved, wp.abs(phase[w, pair, 4 + i] - cell_phase[w, pair, i]))
+    if ctl[w].iteration == 0 or ctl[w].recenter != 0 or not (moved < PHASE_TOLERANCE):
+        ctl[w].stale = 1
+        for i in range(4):
+            cell_phase[w, pair, i] = phase[w, pair, 4 + i]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    offset = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6]) - real(center[w, pair, 0])
+    shift = int(wp.floor(offset - friction_offset[w, pair] + real(0.5))) * 2 * rows
+    if shift == 0:
+        return
+    friction_offset[w, pair] = offset
+    size = model.window.columns * 2 * rows
+    n = int(0)
+    while n < size:
+        to = n
+        if shift > 0:
+            to = size - 1 - n
+        source = to - shift
+        value = real(0.0)
+        if source >= 0 and source < size:
+            value = traction[w, pair, source]
+            if not wp.isfinite(value):  # left by a rejected attempt
+                value = real(0.0)
+        traction[w, pair, to] = value
+        n += 1
+
+
+@wp.kernel
+def place_cells(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    r: wp.array2d(dtype=vec3),
+    p: wp.array2d(dtype=quat),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    contact_normal: wp.array2d(dtype=vec3),
+    cell_area: out(wp.array3d(dtype=real)),
+    cell_place: out(wp.array4d(dtype=real)),
+    cell_turn: out(wp.array4d(dtype=real)),
+    cell_wrench: out(wp.array4d(dtype=real)),
+    rigid_slip: out(wp.array3d(dtype=real)),
+):
+    """Per (world, pair), lanes over the cells of the window: area, opposite grid place (column, row coordinate) on the
+    second surface, components of its tangents in those of the first, wrench per unit traction, and rigid slip."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
+        return
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    a = model.surfaces.body[A]
+    b = model.surfaces.body[B]
+    rows = model.surfaces.rows[A]
+    H = model.window.half
+    axes_a = axes_of(axes, w, a)
+    axes_b = axes_of(axes, w, b)
+    F_A = axes_a * model.surfaces.frame[A]
+    F_B = axes_b * model.surfaces.frame[B]
+    O_A = origin_of(r1, w, a) + axes_a * model.surfaces.origin[A]
+    O_B = origin_of(r1, w, b) + axes_b * model.surfaces.origin[B]
+    before_a = wp.identity(n=3, dtype=real)
+    before_b = wp.identity(n=3, dtype=real)
+    if a >= 0:
+        before_a = wp.quat_to_matrix(p[w, a])
+    if b >= 0:
+        before_b = wp.quat_to_matrix(p[w, b])
+    F_A0 = before_a * model.surfaces.frame[A]
+    F_B0 = before_b * model.surfaces.frame[B]
+    O_A0 = origin_of(r, w, a) + before_a * model.surfaces.origin[A]
+    O_B0 = origin_of(r, w, b) + before_b * model.surfaces.origin[B]
+    inside = int(0)
+    if model.surfaces.side[A] < real(0.0) or model.surfaces.side[B] < real(0.0):
+        inside = int(1)
+    common = contact_normal[w, pair]
+    if wp.length(common) == real(0.0):  # the first touch
+        middle = model.surfaces.theta[A] + real(center[w, pair, 0]) * model.surfaces.pitch[A]
+        common = F_A * local_normal(model, A, middle, model.surfaces.z[model.surfaces.z_start[A] + rows / 2])
+    m = (window[w, pair, 0] + H) * rows + lane
+    while m < (window[w, pair, 1] + H + 1) * rows:
+        column = center[w, pair, 0] + m / rows - H
+        row = m % rows
+        area = model.surfaces.cell_area[model.surfaces.z_start[A] + row]
+        if model.surfaces.periodic[A] == 0 and (column < 0 or column >= model.surfaces.columns[A]):
+            area = real(0.0)
+        theta = model.surfaces.theta[A] + real(column) * model.surfaces.pitch[A]
+        z = model.surfaces.z[model.surfaces.z_start[A] + row]
+        point = local_point(model, A, theta, z)
+        n = local_normal(model, A, theta, z)
+        t_1 = local_around(model, A, theta)
+        t_2 = wp.cross(n, t_1)
+        x = O_A + F_A * point
+        c = common
+        if inside != 0:
+            c = F_A * n
+        now = opposite(model, B, O_B, F_B, x, c, 1)
+        c_0 = c
+        if inside != 0:
+            c_0 = F_A0 * n
+        then = opposite(model, B, O_B0, F_B0, O_A0 + F_A0 * point, c_0, 1)
+        around = local_around(model, B, now[0])
+        grown = now[0] - then[0]
+        R = real(1.0)
+        along = vec3(real(0.0), real(0.0), real(1.0))
+        if model.surfaces.planar[B] == 0:
+            grown = wrap(grown, TWO_PI, real(0.0))
+            R = radius_of(model, B, now[1])
+            slope = slope_of(model, B, now[1])
+            along = vec3(slope * wp.cos(now[0]), slope * wp.sin(now[0]), real(1.0))
+        slip = F_B * (model.surfaces.side[B] * R * grown * around + (now[1] - then[1]) * along)
+        u_1 = F_A * t_1
+        u_2 = F_A * t_2
+        if inside == 0:  # the line of centres is the normal of the deformed surfaces
+            u_1 = wp.normalize(u_1 - wp.dot(u_1, c) * c)
+            u_2 = wp.normalize(wp.cross(wp.sign(wp.dot(F_A * n, c)) * c, u_1))
+        v_1 = F_B * around
+        v_2 = F_B * wp.cross(local_normal(model, B, now[0], now[1]), around)
+        # the second surface's tangents span the same plane but for the angle between the normals: 1 - cos of it is lost
+        cell_turn[w, pair, m, 0] = wp.dot(u_1, v_1)
+        cell_turn[w, pair, m, 1] = wp.dot(u_1, v_2)
+        cell_turn[w, pair, m, 2] = wp.dot(u_2, v_1)
+        cell_turn[w, pair, m, 3] = wp.dot(u_2, v_2)
+        rigid_slip[w, pair, cell_at(rows, m, 0)] = wp.dot(u_1, slip)
+        rigid_slip[w, pair, cell_at(rows, m, 1)] = wp.dot(u_2, slip)
+        arm = x + real(0.5) * now[2] * c - origin_of(r1, w, a)
+        first = wp.cross(arm, u_1)
+        second = wp.cross(arm, u_2)
+        for i in range(3):
+            cell_wrench[w, pair, cell_at(rows, m, 0), i] = area * u_1[i]
+            cell_wrench[w, pair, cell_at(rows, m, 0), 3 + i] = area * first[i]
+            cell_wrench[w, pair, cell_at(rows, m, 1), i] = area * u_2[i]
+            cell_wrench[w, pair, cell_at(rows, m, 1), 3 + i] = area * second[i]
+        cell_area[w, pair, m] = area
+        cell_place[w, pair, m, 0] = (now[0] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+        cell_place[w, pair, m, 1] = now[1]
+        m += wp.block_dim()

@@ -1,0 +1,237 @@
+r"""Cells that the patch reaches during a step: how far they resist what is left of it.
+
+Slip is counted over the whole step. Material that the patch reaches after the part 1 - phi of the step slides freely
+until then, and only what happens afterwards is resisted. With the other tractions linear in time and its own growing
+from zero at that moment, the elastic slip until the touch is (1 - phi) (e_1 - e_0 - c tau), c tau the displacement by
+the cell's own traction, and the rigid one (1 - phi) s_r.
+"No slip since the touch" is then, divided by phi,
+
+    s + k tau = 0,      k = (1 - phi)/phi c,      s the slip of the whole step:
+
+a softness on the diagonal, zero for a cell that was under pressure all the time, and so large for one just reached that
+it carries nothing yet. It takes work tau.s = -k tau^2, never energy given.
+
+What one cell gains the others lose, so that the displacement far away, in common to all of them, must not count:
+c = 2 (D_mm - D_mn) area, n the cell behind. The patch advances by a columns in the step, and its edge is d columns
+ahead of the node: then (1 - phi)/phi = a/d - 1. The pressure of the last hat grows in proportion to how far the edge is
+beyond it, up to 0.91 of its neighbour's a column later (half-planes of 5 to 12 cells in a half-width, every phase). A
+cell's front touches half a column before its node; 1/8 is added to d. The factor 2 and the 1/8 are measured: with
+them Carter's force is right to 0.5 % at eight cells in a half-width, at every phase of the grid and at up to two cells
+a step; charged with the whole step it is 1 to 6 % high, by the phase, and 3 to 7 % at two (docs/studies/carter.md).
+
+A node that was under pressure before is not reached anew, whatever the advance is said to be (where there are two
+patches it may jump). Along the rows the advance is not known: cells that are reached that way count the whole step.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.access import out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.friction.cell_forces import before_at
+from warpffrf_kernels.friction.cell_shares import response_at
+from warpffrf_kernels.friction.traction_bounds import pressed
+from warpffrf_kernels.kinematics.line_of_centres import wrap
+
+wp.set_module_options(MODULE_OPTIONS)
+
+COLUMNS_PER_RATIO = wp.constant(wp.float64(1.1))  # edge beyond the last hat, over its pressure's ratio to the next
+BOTH = wp.constant(wp.float64(2.0))  # what a cell gains its neighbour loses
+AHEAD = wp.constant(wp.float64(0.125))  # columns; between the touch of the node, 0, and that of the cell's front, 1/2
+# columns: a cell that the edge has not reached resists as one it has passed by this much, so that what stands still
+# (advances of less) is not touched by it and gross sliding still loads every cell
+JUST_REACHED = wp.constant(wp.float64(0.02))
+
+
+@wp.func
+def advanced_columns(
+    model: Model,
+    w: int,
+    pair: int,
+    phase: wp.array3d(dtype=real),
+    nearest: wp.array3d(dtype=real),
+    history_phase: wp.array2d(dtype=real),
+) -> real:
+    """Columns of the first grid by which the patch has advanced since the end of the last step."""
+    at = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6])
+    if model.pairs.family[pair] == 1:
+        at = nearest[w, pair, 0]
+    advanced = at - history_phase[w, pair]
+    A = model.pairs.first[pair]
+    if model.surfaces.turn[A] > 0:
+        advanced = wrap(advanced, real(model.surfaces.turn[A]), real(0.0))
+    return advanced
+
+
+@wp.func
+def response_between(
+    model: Model,
+    w: int,
+    pair: int,
+    m: int,
+    n: int,
+    center: wp.array3d(dtype=int),
+    share: wp.array4d(dtype=real),
+    share_at: wp.array4d(dtype=int),
+) -> real:
+    """Displacement around of both surfaces' local modes, mean over cell n, under a unit force around on cell m of the
+    same row [m/N]."""
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    rows = model.surfaces.rows[A]
+    origin = center[w, pair, 0] - model.window.half
+    total = real(0.0)
+    at = response_at(
+        model, A, model.surfaces.tt_start[A], origin + m / rows, m % rows, 2 * rows, origin + n / rows, 2 * rows
+    )
+    if at >= 0:
+        total = model.surfaces.tangential[at + n % rows]
+    if model.surfaces.shear_start[B] < 0:
+        return total
+    rows_b = model.surfaces.rows[B]
+    origin_b = center[w, pair, 1] - model.window.second_half
+    shares = model.window.share_columns * model.window.share_rows
+    i = int(0)
+    while i < shares:
+        j = int(0)
+        while share[w, pair, m, i] != real(0.0) and j < shares:
+            if share[w, pair, n, j] != real(0.0):
+                source = origin_b + share_at[w, pair, m, 0] + i / model.window.share_rows
+                target = origin_b + share_at[w, pair, n, 0] + j / model.window.share_rows
+                line = share_at[w, pair, m, 1] + i % model.window.share_rows
+                at = response_at(model, B, model.surfaces.tt_start[B], source, line, 2 * rows_b, target, 2 * rows_b)
+                if at >= 0:
+                    part = share[w, pair, m, i] * share[w, pair, n, j]
+                    total += (
+                        part * model.surfaces.tangential[at + share_at[w, pair, n, 1] + j % model.window.share_rows]
+                    )
+            j += 1
+        i += 1
+    return total
+
+
+@wp.func
+def lag_of_touch(
+    model: Model,
+    w: int,
+    pair: int,
+    m: int,
+    advanced: real,
+    low: int,
+    high: int,
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    cell_area: wp.array3d(dtype=real),
+    area: wp.array3d(dtype=real),
+) -> real:
+    """(1 - phi)/phi = a/d - 1 of cell m, not below 0."""
+    ahead = model.surfaces.rows[model.pairs.first[pair]]
+    if advanced < real(0.0):
+        ahead = -ahead
+    # the last hat under pressure ahead of the cell, or the one behind it
+    last = m
+    d = real(0.0)
+    if not (pressed(model, w, pair, m, low, high, active, pressure, cell_area, area) > real(0.0)):
+        last = m - ahead
+        d = real(-1.0)
+    here = pressed(model, w, pair, last, low, high, active, pressure, cell_area, area)
+    if not (here > real(0.0)):
+        return real(0.0)  # beside the patch
+    following = pressed(model, w, pair, last + ahead, low, high, active, pressure, cell_area, area)
+    while following > real(0.0):
+        last += ahead
+        d += real(1.0)
+        if d > wp.abs(advanced):
+            return real(0.0)
+        here = following
+        following = pressed(model, w, pair, last + ahead, low, high, active, pressure, cell_area, area)
+    behind = pressed(model, w, pair, last - ahead, low, high, active, pressure, cell_area, area)
+    ratio = real(1.0)
+    if behind > real(0.0):
+        ratio = wp.min(COLUMNS_PER_RATIO * here / behind, real(1.0))
+    d += ratio + AHEAD
+    return wp.max(wp.abs(advanced) / wp.max(d, JUST_REACHED) - real(1.0), real(0.0))
+
+
+@wp.kernel
+def soften_late(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    center: wp.array3d(dtype=int),
+    phase: wp.array3d(dtype=real),
+    nearest: wp.array3d(dtype=real),
+    history_center: wp.array2d(dtype=int),
+    history_phase: wp.array2d(dtype=real),
+    last_normal: wp.array2d(dtype=vec3),
+    pressed_before: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    cell_area: wp.array3d(dtype=real),
+    area: wp.array3d(dtype=real),
+    share: wp.array4d(dtype=real),
+    share_at: wp.array4d(dtype=int),
+    of_state: int,
+    bound: wp.array3d(dtype=real),
+    late: out(wp.array3d(dtype=real)),
+):
+    """Per (world, pair), lanes over cells: the softness `late` [m/Pa] of the loaded cells, after `bound_cells` and with
+    the same pressures. last_normal: zero where the last step ended without contact: the patch advances from nowhere."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0):
+        return
+    if (of_state != 0 and ctl[w].moved == 0) or (of_state == 0 and ctl[w].changes != 0):
+        return
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    low = (window[w, pair, 0] + model.window.half) * rows
+    high = (window[w, pair, 1] + model.window.half + 1) * rows - 1
+    advanced = real(0.0)
+    if wp.length(last_normal[w, pair]) > real(0.0):
+        advanced = advanced_columns(model, w, pair, phase, nearest, history_phase)
+    m = lane
+    while m < model.window.columns * rows:
+        soft = real(0.0)
+        if bound[w, pair, m] > real(0.0) and advanced != real(0.0):
+            old = before_at(model, w, pair, rows, m, center, history_center)
+            touched = int(0)
+            if old >= 0:
+                touched = pressed_before[w, pair, old]
+            lag = real(0.0)
+            if touched == 0:
+                lag = lag_of_touch(model, w, pair, m, advanced, low, high, active, pressure, cell_area, area)
+            n = m - rows
+            if (advanced < real(0.0) or n < low) and m + rows <= high:
+                n = m + rows
+            if lag > real(0.0) and n >= low:
+                own = response_between(model, w, pair, m, m, center, share, share_at)
+                apart = own - response_between(model, w, pair, m, n, center, share, share_at)
+                soft = BOTH * wp.max(apart, real(0.0)) * cell_area[w, pair, m] * lag
+        late[w, pair, m] = soft
+        m += wp.block_dim()
+
+
+@wp.kernel
+def keep_pressed(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    window: wp.array3d(dtype=int),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    pressed_before: out(wp.array3d(dtype=int)),
+):
+    """Per (world, pair), lanes over cells: which nodes an accepted step leaves under pressure, for the next one."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].attempt == 0 or ctl[w].accept == 0 or model.pairs.friction[pair] == real(0.0):
+        return
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    m = lane
+    while m < model.window.columns * rows:
+        o = m / rows - model.window.half
+        inside = o >= window[w, pair, 0] and o <= window[w, pair, 1]
+        pressed_before[w, pair, m] = 0
+        if inside and active[w, pair, m] != 0 and pressure[w, pair, m] > real(0.0):
+            pressed_before[w, pair, m] = 1
+        m += wp.block_dim()

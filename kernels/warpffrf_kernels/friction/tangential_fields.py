@@ -1,0 +1,367 @@
+r"""Tangential displacement of the cells by the modes of both bodies, and what tractions do to gaps and bodies.
+
+With the cell forces f_k = area_k tau_k on the first body and their shares on the cells of the second, f^B = -o^T Q^T f
+(o: part of the cell that lies on a cell of the second grid, Q: tangents of the second surface in those of the first),
+
+    u_A = Phi_tA q + D_tt^A f - (M D_nt^A)^T s,        u_B = Phi_tB q + D_tt^B f^B - D_nt^B^T l s,
+    e_k = u_A - Q o u_B,        slip of the step    s_k = rigid_k + e_k - e_k(before),
+
+s pressures, l the stencils of the pressures on the second surface. e(before) is carried with the first body's material.
+The tractions open the weak gap by -(M D_nt^A f)_i - l_i D_nt^B f^B (the coupling of unlike materials, and of bodies
+that are no half-spaces). All operators are applied to the present loads, never read off the matrix of the solve.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync
+from warpffrf_kernels.friction.cell_shares import line_of, on_shares, response_at
+from warpffrf_kernels.friction.cells import cell_at
+from warpffrf_kernels.surfaces.shared_surface import has_neighbours
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.kernel
+def push_gaps(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    second_window: wp.array3d(dtype=int),
+    cell_area: wp.array3d(dtype=real),
+    cell_turn: wp.array4d(dtype=real),
+    share: wp.array4d(dtype=real),
+    share_at: wp.array4d(dtype=int),
+    traction: wp.array3d(dtype=real),
+    second_force: inout(wp.array3d(dtype=real)),
+    first_push: inout(wp.array(dtype=real)),
+    second_push: inout(wp.array(dtype=real)),
+):
+    """Per (world, pair): shares of the tractions on the second surface's cells [N], and the displacements by the local
+    modes with which the tractions open the gaps, as those of `contact_fields.local_fields`."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
+        return
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    rows = model.surfaces.rows[A]
+    rows_b = model.surfaces.rows[B]
+    H = model.window.half
+    first = window[w, pair, 0] + H
+    count = (window[w, pair, 1] + H - first + 1) * rows
+    base = (w * model.pairs.count + pair) * model.window.hats
+    low = second_window[w, pair, 0]
+    count_b = (second_window[w, pair, 1] - low + 1) * rows_b
+    base_b = (w * model.pairs.count + pair) * model.window.nodes
+    origin = center[w, pair, 0] - H
+    origin_b = center[w, pair, 1] - model.window.second_half
+    i = lane
+    while i < 2 * model.window.nodes:
+        second_force[w, pair, i] = real(0.0)
+        i += wp.block_dim()
+    i = lane
+    while i < model.window.hats:
+        first_push[base + i] = real(0.0)
+        i += wp.block_dim()
+    i = lane
+    while i < model.window.nodes:
+        second_push[base_b + i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    m = first * rows
+    while m < first * rows + count:
+        f_1 = cell_area[w, pair, m] * traction[w, pair, cell_at(rows, m, 0)]
+        f_2 = cell_area[w, pair, m] * traction[w, pair, cell_at(rows, m, 1)]
+        if f_1 != real(0.0) or f_2 != real(0.0):
+            column = m / rows
+            row = m % rows
+            at = response_at(model, A, model.surfaces.nt_start[A], origin + column, row, 2 * rows, origin + first, rows)
+            if at >= 0:
+                axpy(count, -f_1, model.surfaces.tangential, at, first_push, base + first * rows)
+            at = response_at(
+                model, A, model.surfaces.nt_start[A], origin + column, rows + row, 2 * rows, origin + first, rows
+            )
+            if at >= 0:
+                axpy(count, -f_2, model.surfaces.tangential, at, first_push, base + first * rows)
+            if lane == 0 and model.surfaces.shear_start[B] >= 0:
+                g_1 = -(cell_turn[w, pair, m, 0] * f_1 + cell_turn[w, pair, m, 2] * f_2)
+                g_2 = -(cell_turn[w, pair, m, 1] * f_1 + cell_turn[w, pair, m, 3] * f_2)
+                c = int(0)
+                while c < model.window.share_columns:
+                    at_c = share_at[w, pair, m, 0] + c
+                    q = int(0)
+                    while q < model.window.share_rows:
+                        part = share[w, pair, m, c * model.window.share_rows + q]
+                        at_r = share_at[w, pair, m, 1] + q
+                        if part != real(0.0):
+                            e = at_c * 2 * rows_b + at_r
+                            second_force[w, pair, e] = second_force[w, pair, e] + part * g_1
+                            second_force[w, pair, e + rows_b] = second_force[w, pair, e + rows_b] + part * g_2
+                        q += 1
+                    c += 1
+        m += 1
+    sync()
+    if model.surfaces.shear_start[B] < 0:
+        return
+    i = int(0)
+    while i < 2 * model.window.second_columns * rows_b:
+        f = second_force[w, pair, i]
+        if f != real(0.0):
+            at = response_at(
+                model, B, model.surfaces.nt_start[B], origin_b + i / (2 * rows_b), i % (2 * rows_b), 2 * rows_b,
+                origin_b + low, rows_b,
+            )  # fmt: skip
+            if at >= 0:
+                axpy(count_b, -f, model.surfaces.tangential, at, second_push, base_b + low * rows_b)
+        i += 1
+
+
+@wp.kernel
+def add_push(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    first_push: wp.array(dtype=real),
+    second_push: wp.array(dtype=real),
+    first_local: inout(wp.array(dtype=real)),
+    second_local: inout(wp.array(dtype=real)),
+):
+    """Per (world, pair): adds what `push_gaps` and `shared_surface.share_push` found to the displacements by the
+    pressures."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or (model.pairs.friction[pair] == real(0.0) and not has_neighbours(model, pair)):
+        return
+    at = w * model.pairs.count + pair
+    axpy(model.window.hats, real(1.0), first_push, at * model.window.hats, first_local, at * model.window.hats)
+    axpy(model.window.nodes, real(1.0), second_push, at * model.window.nodes, second_local, at * model.window.nodes)
+    sync()
+
+
+@wp.kernel
+def press_cells(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    second_load: wp.array3d(dtype=real),
+    of_state: int,
+    first_shift: inout(wp.array(dtype=real)),
+    second_shift: inout(wp.array(dtype=real)),
+):
+    """Per (world, pair): tangential displacements of both surfaces' cells by the pressures (0 where inactive) and the
+    loads that they are on the second surface."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0):
+        return
+    if (of_state != 0 and ctl[w].moved == 0) or (of_state == 0 and ctl[w].changes != 0):
+        return
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    rows = model.surfaces.rows[A]
+    rows_b = model.surfaces.rows[B]
+    H = model.window.half
+    first = window[w, pair, 0] + H
+    cells = (window[w, pair, 1] + H - first + 1) * rows
+    origin = center[w, pair, 0] - H
+    origin_b = center[w, pair, 1] - model.window.second_half
+    base = (w * model.pairs.count + pair) * 2 * model.window.hats
+    base_b = (w * model.pairs.count + pair) * 2 * model.window.nodes
+    i = lane
+    while i < 2 * model.window.hats:
+        first_shift[base + i] = real(0.0)
+        i += wp.block_dim()
+    i = lane
+    while i < 2 * model.window.nodes:
+        second_shift[base_b + i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    m = first * rows
+    while m < first * rows + cells:
+        p = pressure[w, pair, m]
+        if p != real(0.0):
+            at = response_at(
+                model, A, model.surfaces.tn_start[A], origin + m / rows, m % rows, rows, origin + first, 2 * rows
+            )
+            if at >= 0:
+                axpy(2 * cells, -p, model.surfaces.tangential, at, first_shift, base + 2 * first * rows)
+        m += 1
+    if model.surfaces.shear_start[B] < 0:
+        return
+    i = int(0)
+    while i < model.window.second_columns * rows_b:
+        f = second_load[w, pair, i]
+        if f != real(0.0):
+            at = response_at(
+                model, B, model.surfaces.tn_start[B], origin_b + i / rows_b, i % rows_b, rows_b, origin_b, 2 * rows_b
+            )
+            if at >= 0:
+                axpy(2 * model.window.second_columns * rows_b, -f, model.surfaces.tangential, at, second_shift, base_b)
+        i += 1
+
+
+@wp.kernel
+def displace_cells(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    second_window: wp.array3d(dtype=int),
+    second_force: wp.array3d(dtype=real),
+    cell_area: wp.array3d(dtype=real),
+    cell_turn: wp.array4d(dtype=real),
+    share: wp.array4d(dtype=real),
+    share_at: wp.array4d(dtype=int),
+    traction: wp.array3d(dtype=real),
+    amplitude: wp.array(dtype=real),
+    first_shift: inout(wp.array(dtype=real)),
+    second_shift: inout(wp.array(dtype=real)),
+    second_modal: inout(wp.array(dtype=real)),
+    elastic_local: out(wp.array3d(dtype=real)),
+    elastic: out(wp.array3d(dtype=real)),
+):
+    """Per (world, pair), lanes over the cells: difference e of the tangential displacements of both bodies [m], by the
+    local modes alone and in all; `press_cells` has begun the shifts with the part of the pressures."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0) or ctl[w].moved == 0:
+        return
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    rows = model.surfaces.rows[A]
+    rows_b = model.surfaces.rows[B]
+    H = model.window.half
+    first = window[w, pair, 0] + H
+    cells = (window[w, pair, 1] + H - first + 1) * rows
+    origin = center[w, pair, 0] - H
+    origin_b = center[w, pair, 1] - model.window.second_half
+    base = (w * model.pairs.count + pair) * 2 * model.window.hats
+    base_b = (w * model.pairs.count + pair) * 2 * model.window.nodes
+    i = 2 * first * rows
+    while i < 2 * (first * rows + cells):
+        f = cell_area[w, pair, (i / (2 * rows)) * rows + i % rows] * traction[w, pair, i]
+        if f != real(0.0):
+            at = response_at(
+                model, A, model.surfaces.tt_start[A], origin + i / (2 * rows), i % (2 * rows), 2 * rows, origin + first,
+                2 * rows,
+            )  # fmt: skip
+            if at >= 0:
+                axpy(2 * cells, f, model.surfaces.tangential, at, first_shift, base + 2 * first * rows)
+        i += 1
+    flexible = model.surfaces.shear_start[B] >= 0
+    if flexible:
+        wide = 2 * model.window.second_columns * rows_b
+        i = int(0)
+        while i < wide:
+            f = second_force[w, pair, i]
+            if f != real(0.0):
+                at = response_at(
+                    model, B, model.surfaces.tt_start[B], origin_b + i / (2 * rows_b), i % (2 * rows_b), 2 * rows_b,
+                    origin_b, 2 * rows_b,
+                )  # fmt: skip
+                if at >= 0:
+                    axpy(wide, f, model.surfaces.tangential, at, second_shift, base_b)
+            i += 1
+        # the cubic of the shares reaches beyond the columns that the hats of the window do
+        low = wp.max(second_window[w, pair, 0] - model.window.share_columns, 0)
+        high = wp.min(second_window[w, pair, 1] + model.window.share_columns, model.window.second_columns - 1)
+        modes_b = model.surfaces.modal_count[B]
+        i = 2 * low * rows_b + lane
+        while i < 2 * (high + 1) * rows_b:
+            value = real(0.0)
+            line = line_of(model, B, origin_b + i / (2 * rows_b), i % (2 * rows_b))
+            if line >= 0:
+                at = model.surfaces.shear_start[B] + line * modes_b
+                start_b = w * model.modes.count + model.surfaces.modal_start[B]
+                value = dot(modes_b, model.surfaces.mode_tangent, at, amplitude, start_b)
+            second_modal[base_b + i] = value
+            i += wp.block_dim()
+    sync()
+    modes_a = model.surfaces.modal_count[A]
+    start_a = w * model.modes.count + model.surfaces.modal_start[A]
+    m = first * rows + lane
+    while m < first * rows + cells:
+        i_1 = cell_at(rows, m, 0)
+        i_2 = cell_at(rows, m, 1)
+        u_1 = first_shift[base + i_1]
+        u_2 = first_shift[base + i_2]
+        q_1 = real(0.0)
+        q_2 = real(0.0)
+        line = line_of(model, A, origin + m / rows, m % rows)
+        if line >= 0:
+            q_1 = dot(
+                modes_a, model.surfaces.mode_tangent, model.surfaces.shear_start[A] + line * modes_a, amplitude, start_a
+            )
+            q_2 = dot(
+                modes_a,
+                model.surfaces.mode_tangent,
+                model.surfaces.shear_start[A] + (line + rows) * modes_a,
+                amplitude,
+                start_a,
+            )
+        if flexible and cell_area[w, pair, m] > real(0.0):
+            u = on_shares(model, w, pair, m, cell_turn, share, share_at, second_shift)
+            q = on_shares(model, w, pair, m, cell_turn, share, share_at, second_modal)
+            u_1 -= u[0]
+            u_2 -= u[1]
+            q_1 -= q[0]
+            q_2 -= q[1]
+        elastic_local[w, pair, i_1] = u_1
+        elastic_local[w, pair, i_2] = u_2
+        elastic[w, pair, i_1] = u_1 + q_1
+        elastic[w, pair, i_2] = u_2 + q_2
+        m += wp.block_dim()
+
+
+@wp.kernel
+def change_pressures(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    window: wp.array3d(dtype=int),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    base: wp.array3d(dtype=real),
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+    pressure_change: out(wp.array3d(dtype=real)),
+    load_change: inout(wp.array3d(dtype=real)),
+):
+    """Per (world, pair): what the solve of the pressures has changed, and the loads that this is on the second
+    surface."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].changes != 0:
+        return
+    if model.pairs.friction[pair] == real(0.0) and not has_neighbours(model, pair):
+        return
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    rows_b = model.surfaces.rows[model.pairs.second[pair]]
+    i = lane
+    while i < model.window.nodes:
+        load_change[w, pair, i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    if lane != 0:
+        return
+    m = (window[w, pair, 0] + model.window.half) * rows
+    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
+        change = -base[w, pair, m]
+        if active[w, pair, m] != 0:
+            change += pressure[w, pair, m]
+        pressure_change[w, pair, m] = change
+        c = int(0)
+        while change != real(0.0) and c < model.window.stencil_columns:
+            q = int(0)
+            while q < model.window.stencil_rows:
+                part = stencil[w, pair, m, c * model.window.stencil_rows + q]
+                if part != real(0.0):
+                    e = (stencil_at[w, pair, m, 0] + c) * rows_b + stencil_at[w, pair, m, 1] + q
+                    load_change[w, pair, e] = load_change[w, pair, e] + part * change
+                q += 1
+            c += 1
+        m += 1

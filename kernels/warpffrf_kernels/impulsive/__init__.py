@@ -1,0 +1,1 @@
+"""Contact that opens, closes or rebounds within a step."""

@@ -1,0 +1,418 @@
+r"""Contact that opens, closes or rebounds within a step: impulsive steps of a pair, in which its force keeps no memory.
+
+The integrators of `motion` remember forces, in a_0 and vdot_0: of a force f that acts at the end of one step only,
+
+    v_1 = v_0 + gamma h f/m,      v_2 = v_1 + (1 - gamma) h f/m,
+
+the second part comes after contact has opened. A body that meets a stiff partner with speed V after the part t of a
+step needs f/m = V (1 - t)/(beta h) to be there at its end; both parts are up to V/beta, 4 V for the trapezoidal rule,
+where 2 V is all that an elastic impact takes. Generalized-alpha (rho 0.8) multiplies the energy of an unresolved impact
+by up to 8.5, whatever the step. So a pair whose contact does not go on through a step takes it as an *impulsive* one
+(after Kane, Repetto, Ortiz and Marsden 1999; like schemes that keep impulses out of the recursion of generalized-alpha,
+Bruels, Acary and Cardona 2014): a mean f of its force acts all through it and stays out of the accelerations. With a
+and vdot without it, w = M^-1 f,
+
+    d = h v_0 + h^2 ((1/2 - beta) a_0 + beta a_1 + b w),
+    v_1 = v_0 + h ((1 - gamma) a_0 + gamma a_1 + w),           M vdot_1 = F_1, the pair left out.
+
+With f_0 and f_1 the pair's generalised forces at both ends of the step, friction among them,
+
+    f = (1 - theta) f_0 + theta f_1;
+
+`impulsive_means` says which theta gives back the energy that contact takes, and when a step is impulsive. Next to such
+a step the pair goes on as usual, of second order and damped as the integrator damps: its part of the accelerations is
+known as f_0 and the *memory* of it, generalized-alpha's filter of the pair's force,
+
+    (1 - alpha_m) m_1 + alpha_m m_0 = (1 - alpha_f) f_1 + alpha_f f_0,
+
+so that it can be taken out (`begin_contact`) and put in again (`impulsive_memory.finish_rates`) without a trace.
+
+b is 1/2: the impulse f h does the work f.(v_0 + v_1) h/2 = f.d on the motion that it is part of. In the first step of
+an impact all other forces act by the trapezoidal rule (alphas 0, beta 1/4, gamma 1/2, from the true accelerations):
+what holds a body against the impulse, a joint or a stiff mode, then acts as the impulse does, and v_1 = 2 d/h - v_0.
+With the weights of generalized-alpha it would be left with the velocity h (1 - gamma/(2 beta)) w, and a force that a
+load pushes up slowly would end too high by (2 gamma - 1) of its rise. In impulsive steps that follow one upon the other
+they act as the integrator takes them, which is damped: by the trapezoidal rule what is stiff and not resolved would
+ring on from one step to the next, as the loads of a bearing do whose idle rollers chatter. Scenes with layers keep the
+trapezoidal rule: the work of a damped one may be more than any mean of its force balances.
+
+In scenes with dynamic local modes, where theta is 1 and all steps keep their rule, b is a little more: 1/2 keeps what
+is pressed at rest, a_0 = a_1 = -w, d = v_1 = 0, and makes v_1 = -v_0 where a rigid surface holds a face; beta/gamma
+damps that alternation, v_1 = -(gamma/beta - 1) v_0, and gives what is pressed the velocity -h (b - 1/2) w. Hence,
+omega that of a local mode, and for bodies and global modes that of the highest global mode,
+
+    b = 1/2 + (beta/gamma - 1/2)/(1 + (omega h)^2).
+
+**In the unknowns of `motion`** the above is: its formulas, with a_0 and vdot_0 freed of contact, and a contact force in
+the balance that is multiplied by
+
+    kappa = (1 - alpha_m)/(1 - alpha_f) b/beta - c h (1 - gamma b/beta),
+
+c the damping; the formulas' vdot^, a^ and v^ are vdot_1 + (1 - alpha_m)/(1 - alpha_f) (b/beta) w, a_1 + (b/beta) w, and
+v_1 - h (1 - gamma b/beta) w. Joints' dampers and gyroscopic forces see v^. A mode with the exact step takes the
+constant load all through the step, kappa = 1, which does exactly the work of it.
+
+In the linear systems an end force f_1 moves what it acts on as kappa theta f_1 would. With D = diag(kappa theta) over
+the hats of impulsive pairs, 1 of others, the contact matrix G + B D, B = L H L^T + J sigma^-1 J^T, becomes symmetric in
+D^(1/2) ds, rows times D^(1/2): G + D^(1/2) B D^(1/2). So L, V and J sigma^-1 carry the *weight* (kappa theta)^(1/2) of
+their pair, as do gaps, slips, bounds and tractions where they meet them; the local part G needs none but between pairs
+that differ.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Clock, Coefficients, Control
+from warpffrf_kernels.core.integration import EXACT, LOCAL, OUTER, coefficients_of, rule_of
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
+from warpffrf_kernels.normal.contact_solve import push_by_slots
+from warpffrf_kernels.normal.pair_forces import force_on, is_closed, mean_of, modal_place, whole
+
+wp.set_module_options(MODULE_OPTIONS)
+
+LEAST_WEIGHT = wp.constant(wp.float64(1.0e-4))  # of a pair that closes as the step ends
+
+
+@wp.func
+def share(h: real, c: Coefficients, stiffness: real) -> real:
+    """b over beta, of coordinates with omega^2 = stiffness."""
+    excess = c.beta / c.gamma - real(0.5)
+    b = real(0.5) + excess / (real(1.0) + stiffness * h * h)
+    return b / c.beta
+
+
+@wp.func
+def outer_share(model: Model, clk: wp.array(dtype=Clock), w: int) -> real:
+    """b over beta of bodies and global modes."""
+    if model.modes.dynamic_count == 0:
+        return real(0.5) / clk[w].outer.beta
+    return share(clk[w].h, clk[w].outer, model.modes.outer_frequency * model.modes.outer_frequency)
+
+
+@wp.func
+def kappa_of(c: Coefficients, part: real) -> real:
+    """kappa, of b/beta = part."""
+    return (real(1.0) - c.alpha_m) / (real(1.0) - c.alpha_f) * part
+
+
+@wp.func
+def slip_of(h: real, c: Coefficients, part: real) -> real:
+    """What the velocity has above the formula's, over w [s]."""
+    return h * (real(1.0) - c.gamma * part)
+
+
+@wp.func
+def outer_kappa(model: Model, clk: wp.array(dtype=Clock), w: int) -> real:
+    """kappa of bodies."""
+    return kappa_of(clk[w].outer, outer_share(model, clk, w))
+
+
+@wp.func
+def mode_share(model: Model, ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int, m: int) -> real:
+    """b over beta of mode m; 0 where it steps exactly and needs none."""
+    rule = rule_of(model, ctl, clk, w, m)
+    part = real(0.0)
+    if rule == OUTER:
+        part = outer_share(model, clk, w)
+    if rule == LOCAL:
+        part = share(clk[w].h, clk[w].local, model.modes.stiffness[m])
+    return part
+
+
+@wp.func
+def mode_kappa(model: Model, ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int, m: int) -> real:
+    """kappa of mode m, less what its damper makes of the velocity."""
+    rule = rule_of(model, ctl, clk, w, m)
+    if rule == EXACT:
+        return real(1.0)
+    part = mode_share(model, ctl, clk, w, m)
+    c = coefficients_of(clk, w, rule)
+    return kappa_of(c, part) - model.modes.damping[m] * slip_of(clk[w].h, c, part)
+
+
+@wp.func
+def weight_of(kappa: real, theta: real) -> real:
+    """(kappa theta)^(1/2) of an impulsive pair."""
+    return wp.max(wp.sqrt(kappa * theta), LEAST_WEIGHT)
+
+
+# --- the beginning of an attempt
+
+
+@wp.kernel
+def begin_contact(
+    models: wp.array(dtype=Model),
+    clk: wp.array(dtype=Clock),
+    v_rate: wp.array2d(dtype=vec3),
+    v_alg: wp.array2d(dtype=vec3),
+    omega_rate: wp.array2d(dtype=vec3),
+    omega_alg: wp.array2d(dtype=vec3),
+    qd_rate: wp.array2d(dtype=real),
+    qd_alg: wp.array2d(dtype=real),
+    pair_force: wp.array4d(dtype=real),
+    pair_modal: wp.array4d(dtype=real),
+    friction_force: wp.array4d(dtype=real),
+    friction_modal: wp.array4d(dtype=real),
+    memory: wp.array4d(dtype=real),
+    modal_memory: wp.array4d(dtype=real),
+    friction_memory: wp.array4d(dtype=real),
+    modal_friction_memory: wp.array4d(dtype=real),
+    ctl: inout(wp.array(dtype=Control)),
+    impulsive: inout(wp.array2d(dtype=int)),
+    theta: inout(wp.array2d(dtype=real)),
+    bracket: out(wp.array3d(dtype=real)),
+    weight: out(wp.array2d(dtype=real)),
+    v_rate0: inout(wp.array2d(dtype=vec3)),
+    v_alg0: out(wp.array2d(dtype=vec3)),
+    omega_rate0: inout(wp.array2d(dtype=vec3)),
+    omega_alg0: out(wp.array2d(dtype=vec3)),
+    qd_rate0: inout(wp.array2d(dtype=real)),
+    qd_alg0: out(wp.array2d(dtype=real)),
+):
+    """Per world: which pairs are impulsive in this attempt, and the accelerations of its beginning without them."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0:
+        return
+    if lane == 0:
+        ctl[w].round = 0
+        ctl[w].even = 0
+        ctl[w].reweighed = 0
+        pair = int(0)
+        while pair < model.pairs.count:
+            kind = int(0)
+            if ctl[w].mode == k.DYNAMIC:
+                if model.modes.dynamic_count > 0:
+                    if ctl[w].impulsive == k.IMPULSIVE:
+                        kind = 1
+                elif ctl[w].again != 0:
+                    kind = impulsive[w, pair]
+                elif not is_closed(pair_force, w, pair, 0):
+                    kind = 1
+            impulsive[w, pair] = kind
+            if model.modes.dynamic_count > 0:
+                theta[w, pair] = real(1.0)
+            elif ctl[w].again == 0:
+                theta[w, pair] = real(0.5)
+            bracket[w, pair, 0] = real(0.0)
+            bracket[w, pair, 1] = real(1.0)
+            bracket[w, pair, 2] = real(0.0)
+            bracket[w, pair, 3] = real(0.0)
+            bracket[w, pair, 4] = real(-1.0)
+            bracket[w, pair, 5] = real(-1.0)
+            bracket[w, pair, 7] = real(-1.0)
+            weight[w, pair] = real(1.0)
+            if kind != 0:
+                weight[w, pair] = weight_of(outer_kappa(model, clk, w), theta[w, pair])
+            pair += 1
+    sync()
+    rubs = model.capacity.cells > 0
+    b = lane
+    while b < model.bodies.count:
+        f = vec3(real(0.0), real(0.0), real(0.0))
+        t = f
+        m_f = f
+        m_t = f
+        pair = int(0)
+        while pair < model.pairs.count:
+            if impulsive[w, pair] != 0:
+                f_p, t_p = force_on(model, pair_force, w, pair, 0, b)
+                f += f_p
+                t += t_p
+                f_p, t_p = force_on(model, memory, w, pair, 0, b)
+                m_f += f_p
+                m_t += t_p
+                if rubs:
+                    f_p, t_p = force_on(model, friction_force, w, pair, 0, b)
+                    f += f_p
+                    t += t_p
+                    f_p, t_p = force_on(model, friction_memory, w, pair, 0, b)
+                    m_f += f_p
+                    m_t += t_p
+            pair += 1
+        soft = wp.inverse(model.bodies.inertia[b])
+        v_rate0[w, b] = v_rate[w, b] - f / model.bodies.mass[b]
+        omega_rate0[w, b] = omega_rate[w, b] - soft * t
+        if ctl[w].trapezoidal == 0:
+            v_alg0[w, b] = v_alg[w, b] - m_f / model.bodies.mass[b]
+            omega_alg0[w, b] = omega_alg[w, b] - soft * m_t
+        else:
+            v_alg0[w, b] = v_rate0[w, b]
+            omega_alg0[w, b] = omega_rate0[w, b]
+        b += wp.block_dim()
+    n = lane
+    while n < model.modes.count:
+        f_n = real(0.0)
+        m_n = real(0.0)
+        pair = int(0)
+        while pair < model.pairs.count:
+            at = modal_place(model, pair, n)
+            if impulsive[w, pair] != 0 and at >= 0:
+                f_n += whole(model, pair_modal, friction_modal, w, pair, 0, at)
+                m_n += whole(model, modal_memory, modal_friction_memory, w, pair, 0, at)
+            pair += 1
+        qd_rate0[w, n] = qd_rate[w, n] - f_n
+        if ctl[w].trapezoidal == 0:
+            qd_alg0[w, n] = qd_alg[w, n] - m_n
+        else:
+            qd_alg0[w, n] = qd_rate0[w, n]
+        n += wp.block_dim()
+
+
+# --- within the Newton loop
+
+
+@wp.kernel
+def push_bodies(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    pair_wrench: wp.array3d(dtype=real),
+    normal_wrench: wp.array3d(dtype=real),
+    impulsive: wp.array2d(dtype=int),
+    theta: wp.array2d(dtype=real),
+    pair_modal: wp.array4d(dtype=real),
+    friction_modal: wp.array4d(dtype=real),
+    pair_force: inout(wp.array4d(dtype=real)),
+    friction_force: inout(wp.array4d(dtype=real)),
+    modal_load: out(wp.array3d(dtype=real)),
+    residual: inout(wp.array2d(dtype=real)),
+    modal_residual: inout(wp.array2d(dtype=real)),
+):
+    """Per world: contact forces (world axes) and torques (body axes) of the trial state on A, then on B, normal ones
+    and friction, and what of them acts in the step, off the residuals."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    rubs = model.capacity.cells > 0
+    if lane == 0:
+        kappa = outer_kappa(model, clk, w)
+        pair = int(0)
+        while pair < model.pairs.count:
+            A = model.surfaces.body[model.pairs.first[pair]]
+            B = model.surfaces.body[model.pairs.second[pair]]
+            for part in range(2):
+                if part == 0 or rubs:
+                    f = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
+                    t = vec3(pair_wrench[w, pair, 3], pair_wrench[w, pair, 4], pair_wrench[w, pair, 5])
+                    if rubs:
+                        f_n = vec3(normal_wrench[w, pair, 0], normal_wrench[w, pair, 1], normal_wrench[w, pair, 2])
+                        t_n = vec3(normal_wrench[w, pair, 3], normal_wrench[w, pair, 4], normal_wrench[w, pair, 5])
+                        if part == 0:
+                            f = f_n
+                            t = t_n
+                        else:
+                            f -= f_n
+                            t -= t_n
+                    t_a = wp.transpose(axes[w, A]) * t
+                    t_b = vec3(real(0.0), real(0.0), real(0.0))  # on the ground it does nothing
+                    if B >= 0:
+                        t_b = -(wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f)))
+                    for i in range(3):
+                        if part == 0:
+                            pair_force[w, pair, 1, i] = f[i]
+                            pair_force[w, pair, 1, 3 + i] = t_a[i]
+                            pair_force[w, pair, 1, 6 + i] = -f[i]
+                            pair_force[w, pair, 1, 9 + i] = t_b[i]
+                        else:
+                            friction_force[w, pair, 1, i] = f[i]
+                            friction_force[w, pair, 1, 3 + i] = t_a[i]
+                            friction_force[w, pair, 1, 6 + i] = -f[i]
+                            friction_force[w, pair, 1, 9 + i] = t_b[i]
+            for i in range(12):
+                before = whole(model, pair_force, friction_force, w, pair, 0, i)
+                after = whole(model, pair_force, friction_force, w, pair, 1, i)
+                force = after
+                if impulsive[w, pair] != 0:
+                    force = kappa * mean_of(theta[w, pair], before, after)
+                body = A
+                if i >= 6:
+                    body = B
+                if body >= 0:
+                    at = 6 * body + i % 6
+                    residual[w, at] = residual[w, at] - force
+            pair += 1
+    n = lane
+    while n < model.modes.count:
+        load = real(0.0)
+        acts = real(0.0)
+        kappa = mode_kappa(model, ctl, clk, w, n)
+        pair = int(0)
+        while pair < model.pairs.count:
+            at = modal_place(model, pair, n)
+            if at >= 0:
+                before = whole(model, pair_modal, friction_modal, w, pair, 0, at)
+                after = whole(model, pair_modal, friction_modal, w, pair, 1, at)
+                load += after
+                force = after
+                if impulsive[w, pair] != 0:
+                    force = kappa * mean_of(theta[w, pair], before, after)
+                acts += force
+            pair += 1
+        modal_load[w, 1, n] = load
+        modal_residual[w, n] = modal_residual[w, n] - acts
+        n += wp.block_dim()
+
+
+@wp.kernel
+def compare_receptances(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    receptance: wp.array2d(dtype=real),
+    contact_receptance: out(wp.array2d(dtype=real)),
+):
+    """Per world: kappa sigma^-1 of the modes over kappa of bodies, the answer to a contact force without its pair's
+    weight; of scenes with dynamic local modes, which have a kappa of their own."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    n = lane
+    while n < model.modes.count:
+        factor = real(1.0)
+        if ctl[w].mode == k.DYNAMIC and ctl[w].impulsive == k.IMPULSIVE:
+            factor = mode_kappa(model, ctl, clk, w, n) / outer_kappa(model, clk, w)
+        contact_receptance[w, n] = factor * receptance[w, n]
+        n += wp.block_dim()
+
+
+@wp.kernel
+def push_further(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    active: wp.array3d(dtype=int),
+    slot_mode: wp.array3d(dtype=int),
+    J: wp.array(dtype=real),
+    pressure: wp.array3d(dtype=real),
+    base: wp.array3d(dtype=real),
+    weight: wp.array2d(dtype=real),
+    receptance: wp.array2d(dtype=real),
+    contact_receptance: wp.array2d(dtype=real),
+    push: inout(wp.array(dtype=real)),
+    modal_step: inout(wp.array(dtype=real)),
+):
+    """Per world, lanes over modes: what the modal increments lack of `contact_receptance`. Modes that carry inertia
+    terms have it from the outer system (their receptance is 0)."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].impulsive != k.IMPULSIVE or ctl[w].mode != k.DYNAMIC:
+        return
+    first = w * model.modes.count
+    n = lane
+    while n < model.modes.count:
+        push[first + n] = real(0.0)
+        n += wp.block_dim()
+    sync()
+    push_by_slots(model, ctl, w, slot_mode, active, pressure, base, weight, J, push)
+    sync()
+    n = lane
+    while n < model.modes.count:
+        excess = contact_receptance[w, n] - receptance[w, n]
+        modal_step[first + n] = modal_step[first + n] + excess * push[first + n]
+        n += wp.block_dim()

@@ -1,0 +1,419 @@
+r"""Means of impulsive pairs: the theta with which contact gives back its energy, and the pairs that are impulsive.
+
+**The mean.** The force of an impulsive pair (`impulsive_contact`) acts through the step as its mean (1 - theta) f_0 +
+theta f_1. With d the motion in the step, W = f.d of the normal forces, and E the energy of the pair's contact,
+
+    created = (1 - theta) W_0 + theta W_1 + E_1 - E_0 + what a damped layer takes = 0,
+
+a discrete gradient of E. E is a convex function of the gaps, f its negative gradient, so that E_1 - E_0 lies between
+-W_0 and -W_1: theta is in [0, 1]. While the active set stays it is 1/2; a spring that closes after the part 1 - rho of
+the motion has rho/2. Contact gives back what it was given, at any step and any stiffness, pair by pair, however light a
+body is beside others: a bounce that takes a step or less ends with the velocity that momentum and energy say, halving
+nothing. Friction acts through the same mean and is none of the balance; it takes what it takes.
+
+theta is found in rounds: the Newton loop converges with one, then the next is chosen (`balance_means`), where the pair
+*swings*: takes up or gives back more than SWING of its contact energy. Elsewhere theta stays 1/2: there E also changes
+because the patch moves over the grids, which no mean of forces makes good. Such a change may be more than any theta in
+[0, 1] balances, where a body is carried along a deformed surface until it touches: forces act along undeformed normals
+and do not resist. Then theta is 1, which gives the motion the least. A step that must end takes the end of its bracket
+on which energy is lost.
+
+**When.** A pair is impulsive in a step that it begins open: without forces at its beginning there is nothing to forget,
+and where it stays open both kinds of step are the same. A step in which it swings, or in which the memory of its force
+does more work than the trapezoidal rule by OWN of the pair's own energy (contact energy, or kinetic energy along the
+force), is taken again as an impulsive one (`judge_pairs`).
+
+**Local modes with inertia** leave contact next to no compliance (D_rest), and what stops a face in a step would chatter
+on it. There theta is 1, the force at the end: E is convex, so that nothing is gained and a face may lose all of its own
+kinetic energy, which is less the more modes there are. Scenes that have such modes take all pairs as impulsive
+together, from the repetition of a step in which the forces of the hats change by more than CALM of their sum, or in
+which the integrator gains more than the energy tolerance, until contact is calm (`find_restless`); the gate of `commit`
+holds for both.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.integration import OUTER
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.impulsive.impulsive_contact import mode_kappa, outer_kappa, weight_of
+from warpffrf_kernels.impulsive.impulsive_memory import filtered
+from warpffrf_kernels.normal.pair_forces import (
+    body_mobility,
+    body_work,
+    is_closed,
+    mean_of,
+    modal_mobility,
+    modal_place,
+    modal_work,
+    pair_work,
+    surface_of,
+    whole,
+)
+
+wp.set_module_options(MODULE_OPTIONS)
+
+# of the larger contact force: a step in which the forces of the hats change by more does not resolve them
+CALM = wp.constant(wp.float64(0.5))
+# of a pair's own energy: what a step in which it stays closed may create; more than the grids of a patch of a few
+# columns do
+OWN = wp.constant(wp.float64(2.0e-3))
+# of the larger contact energy: what a pair takes up or gives back by more than that is no matter of the grids
+SWING = wp.constant(wp.float64(0.5))
+# of a pair's own energy: what the mean force of an impulsive step is to lose, and may miss that by: it makes none
+LOST = wp.constant(wp.float64(1.0e-4))
+MISSED = wp.constant(wp.float64(1.0001e-4))  # round-off apart
+MOST_ROUNDS = wp.constant(12)  # of theta; then the end of the bracket that loses
+
+
+@wp.func
+def kinetic_along(
+    model: Model,
+    w: int,
+    pair: int,
+    force: wp.array4d(dtype=real),
+    modal: wp.array4d(dtype=real),
+    v: wp.array2d(dtype=vec3),
+    omega: wp.array2d(dtype=vec3),
+    qd: wp.array2d(dtype=real),
+) -> real:
+    """Kinetic energy [J] of the motion along the force of a pair, before or after the attempt, of the bodies alone or
+    with their modes, the largest: against stiff modes the motion of the bodies is little of a force on both."""
+    energy = real(0.0)
+    for side in range(2):
+        power = body_work(model, w, pair, side, force, v, omega)
+        mobility = body_mobility(model, w, pair, side, force)
+        if mobility > real(0.0):
+            energy = wp.max(energy, real(0.5) * power * power / mobility)
+        power += modal_work(model, w, pair, side, modal, qd)
+        mobility += modal_mobility(model, w, pair, side, modal)
+        if mobility > real(0.0):
+            energy = wp.max(energy, real(0.5) * power * power / mobility)
+    return energy
+
+
+@wp.func
+def own_energy(
+    model: Model,
+    w: int,
+    pair: int,
+    pair_energy: wp.array3d(dtype=real),
+    force: wp.array4d(dtype=real),
+    modal: wp.array4d(dtype=real),
+    v: wp.array2d(dtype=vec3),
+    omega: wp.array2d(dtype=vec3),
+    qd: wp.array2d(dtype=real),
+) -> real:
+    """Of a pair: contact energy, or the kinetic energy along its force with which the step begins, the largest."""
+    approach = kinetic_along(model, w, pair, force, modal, v, omega, qd)
+    return wp.max(approach, wp.max(pair_energy[w, pair, 0], pair_energy[w, pair, 1]))
+
+
+@wp.func
+def swings(pair_energy: wp.array3d(dtype=real), w: int, pair: int) -> bool:
+    """Whether a pair takes up or gives back most of its contact energy in the attempt."""
+    before = pair_energy[w, pair, 0]
+    after = pair_energy[w, pair, 1]
+    return wp.abs(after - before) > SWING * wp.max(before, after)
+
+
+@wp.func
+def has_converged(ctl: wp.array(dtype=Control), w: int) -> bool:
+    """Whether the iteration of a world has just converged, with means of impulsive pairs that may have to be found."""
+    return ctl[w].attempt != 0 and ctl[w].run == 0 and ctl[w].failure == 0 and ctl[w].even == 0
+
+
+@wp.kernel
+def balance_means(
+    models: wp.array(dtype=Model),
+    clk: wp.array(dtype=Clock),
+    v: wp.array2d(dtype=vec3),
+    omega: wp.array2d(dtype=vec3),
+    qd: wp.array2d(dtype=real),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+    dq: wp.array2d(dtype=real),
+    pair_force: wp.array4d(dtype=real),
+    pair_modal: wp.array4d(dtype=real),
+    friction_force: wp.array4d(dtype=real),
+    friction_modal: wp.array4d(dtype=real),
+    pair_energy: wp.array3d(dtype=real),
+    pair_loss: wp.array2d(dtype=real),
+    impulsive: wp.array2d(dtype=int),
+    ctl: inout(wp.array(dtype=Control)),
+    theta: inout(wp.array2d(dtype=real)),
+    bracket: inout(wp.array3d(dtype=real)),
+    weight: out(wp.array2d(dtype=real)),
+    residual: inout(wp.array2d(dtype=real)),
+    modal_residual: inout(wp.array2d(dtype=real)),
+):
+    """Per world whose iteration has just converged: theta of the impulsive pairs that do not give back their energy,
+    and another round of the loop with them. `pair_loss`: what a damped layer takes.
+
+    bracket: the lower and the upper end, what the pair creates with the one (positive) and the other (negative), 0
+    where it is not known.
+    """
+    w = wp.tid()
+    model = models[0]
+    if not has_converged(ctl, w):
+        return
+    # an attempt that is not a repeated one is repeated where a pair swings
+    if ctl[w].mode != k.DYNAMIC or ctl[w].again == 0 or ctl[w].round > MOST_ROUNDS:
+        ctl[w].even = 1
+        return
+    kappa = outer_kappa(model, clk, w)
+    changed = int(0)
+    pair = int(0)
+    while pair < model.pairs.count:
+        if impulsive[w, pair] != 0 and swings(pair_energy, w, pair):
+            before = pair_work(model, w, pair, 0, pair_force, pair_modal, dx, psi, dq)
+            after = pair_work(model, w, pair, 1, pair_force, pair_modal, dx, psi, dq)
+            stored = pair_energy[w, pair, 1] - pair_energy[w, pair, 0] + pair_loss[w, pair]
+            at = theta[w, pair]
+            own = own_energy(model, w, pair, pair_energy, pair_force, pair_modal, v, omega, qd)
+            excess = mean_of(at, before, after) + stored + LOST * own
+            to = at
+            if wp.abs(excess) > MISSED * own:
+                side = int(0)
+                if excess < real(0.0):
+                    side = 1
+                narrow(bracket, w, pair, side, at, excess)
+                force = real(0.0)
+                ease = real(0.5) * clk[w].h * clk[w].h
+                if pair_energy[w, pair, 0] == real(0.0):
+                    force = wp.sqrt(
+                        body_mobility(model, w, pair, 1, pair_force) + modal_mobility(model, w, pair, 1, pair_modal)
+                    )
+                elif pair_energy[w, pair, 1] == real(0.0):
+                    force = wp.sqrt(
+                        body_mobility(model, w, pair, 0, pair_force) + modal_mobility(model, w, pair, 0, pair_modal)
+                    )
+                to = next_theta(bracket, w, pair, at, excess, force, before, after, stored, ease)
+            if ctl[w].round == MOST_ROUNDS:
+                to = at
+                if excess > MISSED * own:
+                    to = bracket[w, pair, 1]
+            if to != at:
+                changed = int(1)
+                theta[w, pair] = to
+                weight[w, pair] = weight_of(kappa, to)
+                # what the balance sees of it
+                for side in range(2):
+                    surface = surface_of(model, pair, side)
+                    b = model.surfaces.body[surface]
+                    if b >= 0:
+                        for c in range(6):
+                            i = 6 * side + c
+                            change = whole(model, pair_force, friction_force, w, pair, 1, i)
+                            change -= whole(model, pair_force, friction_force, w, pair, 0, i)
+                            residual[w, 6 * b + c] = residual[w, 6 * b + c] - kappa * (to - at) * change
+                    n = int(0)
+                    while n < model.surfaces.modal_count[surface]:
+                        m = model.surfaces.modal_start[surface] + n
+                        i = modal_place(model, pair, m)
+                        change = whole(model, pair_modal, friction_modal, w, pair, 1, i)
+                        change -= whole(model, pair_modal, friction_modal, w, pair, 0, i)
+                        own_kappa = mode_kappa(model, ctl, clk, w, m)
+                        modal_residual[w, m] = modal_residual[w, m] - own_kappa * (to - at) * change
+                        n += 1
+        pair += 1
+    if changed == 0:
+        ctl[w].even = 1
+        return
+    ctl[w].round = ctl[w].round + 1
+    ctl[w].run = 1
+    ctl[w].reweighed = 1
+    ctl[w].stale = 1
+
+
+@wp.func
+def narrow(bracket: wp.array3d(dtype=real), w: int, pair: int, side: int, at: real, excess: real):
+    """Put one end of the bracket there. Where the same end moves twice running, what the other one is known to make is
+    scaled, so that it moves too (Anderson and Bjoerck 1973)."""
+    if bracket[w, pair, 4] == real(side) and bracket[w, pair, 2 + side] != real(0.0):
+        scale = real(1.0) - excess / bracket[w, pair, 2 + side]
+        if scale <= real(0.0):
+            scale = real(0.5)
+        bracket[w, pair, 3 - side] = scale * bracket[w, pair, 3 - side]
+    bracket[w, pair, side] = at
+    bracket[w, pair, 2 + side] = excess
+    bracket[w, pair, 4] = real(side)
+
+
+@wp.func
+def next_theta(
+    bracket: wp.array3d(dtype=real),
+    w: int,
+    pair: int,
+    at: real,
+    excess: real,
+    force: real,
+    before: real,
+    after: real,
+    stored: real,
+    ease: real,
+) -> real:
+    """Between the ends of the bracket, the upper one if it must be more: where a spring between two masses that closes
+    or opens would give back its energy; of one that stays closed by W_1 - W_0 (`after - before`), what it makes of a
+    change of theta, be it the motion or the mean force that is given. From the second time on by the secant, but of one
+    that opens, which the formula then knows.
+
+    With F the size of the force that changes (M^-1 the metric), d the motion along it and x F the mean, a motion
+    without contact loses or gains c x F, c = h^2/2 (`ease`) where no joint holds the bodies, in the second round from
+    what has changed. A spring of stiffness k = F/delta that closes (x = theta, E_1 = F delta/2) stores x F d where c k
+    (d - delta) x^2 + (d + c x_0 F) x = (delta + c x_0 F)/2, x_0 its present value; one that opens (x = 1 - theta) has
+    given E_0 where c F x^2 + (d - c x_0 F) x = E_0/F.
+    """
+    low = bracket[w, pair, 0]
+    high = bracket[w, pair, 1]
+    gain = bracket[w, pair, 2]
+    loss = bracket[w, pair, 3]
+    last = bracket[w, pair, 7]
+    change = excess - bracket[w, pair, 8]
+    bracket[w, pair, 7] = at
+    bracket[w, pair, 8] = excess
+    to = real(0.5) * (low + high)
+    if gain > real(0.0) and loss < real(0.0):
+        to = low + (high - low) * gain / (gain - loss)
+    guess = real(-1.0)
+    opens = force > real(0.0) and before + after > real(0.0)
+    if last >= real(0.0) and not opens and change != real(0.0):
+        guess = at - excess * (at - last) / change
+        if loss == real(0.0) and guess > high:
+            return high
+    elif force == real(0.0) and after < before:
+        guess = at - excess / (after - before)
+    if guess > low and guess < high:
+        return guess
+    if force > real(0.0):
+        done = before + after
+        x = at
+        if opens:
+            x = real(1.0) - at
+        d = wp.abs(done) / force
+        c = ease
+        known = bracket[w, pair, 5]
+        if known >= real(0.0) and x * force != known:
+            found = wp.abs((d - bracket[w, pair, 6]) / (x * force - known))
+            if found > real(0.0):
+                c = found
+        bracket[w, pair, 5] = x * force
+        bracket[w, pair, 6] = d
+        moved = c * x * force
+        by_spring = real(-1.0)
+        if opens:
+            by_spring = real(1.0) - root(c * force, d - moved, wp.abs(stored) / force)
+        else:
+            deep = real(2.0) * stored / force
+            stiff = force * force / (real(2.0) * stored)
+            by_spring = root(c * stiff * wp.max(d - deep, real(0.0)), d + moved, real(0.5) * (deep + moved))
+        if by_spring > low and by_spring < high:
+            to = by_spring
+    return to
+
+
+@wp.func
+def root(a: real, b: real, c: real) -> real:
+    """The positive x of a x^2 + b x = c, for a >= 0 and c > 0."""
+    under = wp.sqrt(b * b + real(4.0) * a * c)
+    if b > real(0.0):
+        return real(2.0) * c / (b + under)
+    return (under - b) / (real(2.0) * a)
+
+
+@wp.kernel
+def judge_pairs(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    impulsive: wp.array2d(dtype=int),
+    theta: wp.array2d(dtype=real),
+    pair_force: wp.array4d(dtype=real),
+    pair_modal: wp.array4d(dtype=real),
+    memory: wp.array4d(dtype=real),
+    modal_memory: wp.array4d(dtype=real),
+    pair_energy: wp.array3d(dtype=real),
+    pair_loss: wp.array2d(dtype=real),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+    dq: wp.array2d(dtype=real),
+    v: wp.array2d(dtype=vec3),
+    omega: wp.array2d(dtype=vec3),
+    qd: wp.array2d(dtype=real),
+    wanted: out(wp.array2d(dtype=int)),
+    created: out(wp.array2d(dtype=real)),
+):
+    """Per (world, pair): the energy that its contact creates in the attempt, and whether it is to be taken again as
+    impulsive: where it swings and its mean was not looked for, or its memory creates more than OWN of its own energy.
+
+    Created is the work of what the normal force is through the step, what the contact energy changes by, and what
+    damped layers take. Local modes with inertia may step exactly, by other forces: nothing is judged there.
+    """
+    w, pair = wp.tid()
+    model = models[0]
+    wanted[w, pair] = 0
+    created[w, pair] = real(0.0)
+    if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC or model.modes.dynamic_count > 0:
+        return
+    if not is_closed(pair_force, w, pair, 0) and not is_closed(pair_force, w, pair, 1):
+        return
+    before = pair_work(model, w, pair, 0, pair_force, pair_modal, dx, psi, dq)
+    after = pair_work(model, w, pair, 1, pair_force, pair_modal, dx, psi, dq)
+    worked = mean_of(clk[w].outer.gamma, before, after)
+    if impulsive[w, pair] != 0:
+        worked = mean_of(theta[w, pair], before, after)
+    elif ctl[w].trapezoidal == 0:
+        recalled = pair_work(model, w, pair, 0, memory, modal_memory, dx, psi, dq)
+        ahead = filtered(clk, w, OUTER, before, after, recalled)
+        worked = mean_of(clk[w].outer.gamma, recalled, ahead)
+    total = worked + pair_energy[w, pair, 1] - pair_energy[w, pair, 0] + pair_loss[w, pair]
+    own = own_energy(model, w, pair, pair_energy, pair_force, pair_modal, v, omega, qd)
+    swung = swings(pair_energy, w, pair)
+    if impulsive[w, pair] == 0:
+        if swung or worked - mean_of(real(0.5), before, after) > OWN * own:
+            wanted[w, pair] = 1
+    elif swung and ctl[w].again == 0:
+        wanted[w, pair] = 1
+    created[w, pair] = total
+
+
+@wp.kernel
+def find_restless(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    area: wp.array3d(dtype=real),
+    pressure: wp.array3d(dtype=real),
+    pressure_before: wp.array3d(dtype=real),
+    offset: wp.array2d(dtype=real),
+    offset_before: wp.array2d(dtype=real),
+    restless: out(wp.array2d(dtype=int)),
+):
+    """Per (world, pair): 1 where the forces of the hats changed by more than CALM in the attempt, the sum of |change|.
+    Where the window was laid anew, the hats of before are those that `line_of_centres.open_window` put in their place.
+    """
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w].attempt == 0:
+        return
+    shift = int(wp.floor(offset[w, pair] - offset_before[w, pair] + real(0.5)))
+    shift = shift * model.surfaces.rows[model.pairs.first[pair]]
+    change = real(0.0)
+    before = real(0.0)
+    after = real(0.0)
+    m = int(0)
+    while m < model.window.hats:
+        weight = wp.max(area[w, pair, m], real(0.0))
+        p0 = real(0.0)
+        if m - shift >= 0 and m - shift < model.window.hats:
+            p0 = weight * pressure_before[w, pair, m - shift]
+        p1 = weight * pressure[w, pair, m]
+        change += wp.abs(p1 - p0)
+        before += p0
+        after += p1
+        m += 1
+    restless[w, pair] = 0
+    if change > CALM * wp.max(before, after):
+        restless[w, pair] = 1

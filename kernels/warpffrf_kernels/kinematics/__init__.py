@@ -1,0 +1,1 @@
+"""Which places of two surfaces face each other: gaps, their weak form, and windows."""

@@ -1,0 +1,340 @@
+"""Weak gaps at points fixed in the grid of the first surface, for surfaces of any shape.
+
+Points x_k lie on A's true surface, at places of the cells of A's grid that do not change: a rule per column (fractions
+of column and row, weights w_k in m^2), Gauss points in every cell or fewer chosen offline. With d_B the signed distance
+from B's true surface and psi_i A's hats
+
+    g_i = sum_k w_k psi_i(x_k) d_B(x_k),          l_i[node] = sum_k w_k psi_i(x_k) psi^B_node(foot of x_k on B),
+
+weak gap and load of B's hats under a unit pressure hat. A unit pressure hat also does
+
+    F_i = sum_k w_k psi_i f_k,         M_i = sum_k w_k psi_i m_k         on A, the opposite at the same points on B,
+
+f_k, m_k the wrench of a unit pressure at x_k: its direction is grad d_B, the normal of B at the foot, less what would
+turn either body about its own axle (`contact_wrench`). Action equals reaction exactly, and F_i, M_i are the gradient of
+g_i by the motion of A relative to B, so that the contact gives back the energy that it was given, also where a patch
+slides over an edge. What the energy changes when the patch moves over A's grid is the grid defect of the ledger.
+
+Points whose foot lies beside B's grid face nothing and count neither in gap, area, force nor load: a patch that runs
+off an edge ends there. A rigid B has no edges, no grid and no load.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.kinematics.closest_point import TWO_PI, view_of
+from warpffrf_kernels.kinematics.line_of_centres import row_below, wrap
+from warpffrf_kernels.normal.contact_wrench import Held, point_wrench
+from warpffrf_kernels.surfaces.surface import CENTRE, axes_of, meridian_of
+
+wp.set_module_options(MODULE_OPTIONS)
+
+# numbers of a point: gap, column and row on B, weight; force and moment about A's centre of mass, in A's surface frame,
+# as the linear systems take them, and what the true ones have beside (`contact_wrench`)
+LINE = 16
+
+
+@wp.kernel
+def sample_points(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    held: wp.array3d(dtype=Held),
+    held_ball: wp.array2d(dtype=mat33),
+    point_line: out(wp.array3d(dtype=real)),
+):
+    """Per (world, pair of family 1), lanes over points of the window: gap, place on B's grid, weight (0 where B ends),
+    and the wrench of a unit pressure."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != 1:
+        return
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    view = view_of(model, w, pair, r1, axes)
+    arm_a = wp.transpose(model.surfaces.frame[A]) * model.surfaces.origin[A]
+    planar = model.surfaces.planar[A]
+    pitch = model.surfaces.pitch[A]
+    start = model.points.start[pair]
+    count = model.points.count[pair]
+    first = window[w, pair, 0] + model.window.half
+    strips = window[w, pair, 1] + model.window.half + 2 - first
+    rigid = model.surfaces.rigid[B]
+    planar_b = model.surfaces.planar[B]
+    side_b = model.surfaces.side[B]
+    z0 = model.surfaces.z_start[B]
+    rows_b = model.surfaces.rows[B]
+    low = model.surfaces.z[z0]
+    high = model.surfaces.z[z0 + rows_b - 1]
+    last = real(model.surfaces.columns[B])
+    turn_b = TWO_PI / model.surfaces.pitch[B]
+    middle = real(center[w, pair, 1])
+    known = int(-1)
+    cosine = real(1.0)
+    sine = real(0.0)
+    e = lane
+    while e < strips * count:
+        strip = first + e / count
+        p = e % count
+        if strip != known:  # angle of the column that the strip begins at
+            known = strip
+            column = center[w, pair, 0] + strip - model.window.half - 1
+            angle = model.surfaces.theta[A] + real(column) * pitch
+            sine = angle
+            if planar == 0:
+                sine = wp.sin(angle)
+                cosine = wp.cos(angle)
+        c = model.points.cosine[start + p]
+        s = model.points.sine[start + p]
+        z = model.points.z[start + p]
+        x = vec3(real(0.0), sine + s, z)
+        if planar == 0:
+            R = model.points.radius[start + p]
+            u = cosine * c - sine * s
+            v = sine * c + cosine * s
+            x = vec3(R * u, R * v, z)
+        weight = model.points.weight[start + p]
+        y = view.at + view.turn * x
+        g = y[0]
+        foot_z = y[2]
+        f = vec3(real(1.0), real(0.0), real(0.0))
+        if planar_b == 0:
+            rho = wp.sqrt(y[0] * y[0] + y[1] * y[1])
+            foot = meridian_of(model, B, rho, y[2])
+            g = side_b * foot[1]
+            foot_z = foot[0]
+            scale = side_b * foot[2] / wp.max(rho, CENTRE)
+            f = vec3(scale * y[0], scale * y[1], side_b * foot[3])
+        f = wp.transpose(view.turn) * f
+        unit = point_wrench(model, A, x, f, held[w, pair, p], held_ball[w, pair])
+        m = unit.moment + wp.cross(arm_a, unit.force)
+        more = unit.more_moment + wp.cross(arm_a, unit.more_force)
+        column_b = real(0.0)
+        row_b = real(0.0)
+        if rigid == 0:
+            if planar_b == 0:
+                column_b = (wp.atan2(y[1], y[0]) - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+                column_b = wrap(column_b, turn_b, middle)
+            else:
+                column_b = (y[1] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+            if model.surfaces.periodic[B] == 0 and (column_b < real(-1.0) or column_b > last):
+                weight = real(0.0)
+            if foot_z < low or foot_z > high:
+                weight = real(0.0)
+            row = row_below(model, B, foot_z)
+            below = model.surfaces.z[z0 + row]
+            row_b = real(row) + (foot_z - below) / (model.surfaces.z[z0 + row + 1] - below)
+            row_b = wp.clamp(row_b, real(0.0), real(rows_b - 1))
+        i = (strip * count + p) * LINE
+        point_line[w, pair, i] = g
+        point_line[w, pair, i + 1] = column_b
+        point_line[w, pair, i + 2] = row_b
+        point_line[w, pair, i + 3] = weight
+        for axis in range(3):
+            point_line[w, pair, i + 4 + axis] = unit.force[axis]
+            point_line[w, pair, i + 7 + axis] = m[axis]
+            point_line[w, pair, i + 10 + axis] = unit.more_force[axis]
+            point_line[w, pair, i + 13 + axis] = more[axis]
+        e += wp.block_dim()
+
+
+# Weak gap, area, wrench and stencil of one hat: the sum over the points of its (up to) four cells. Returns 1 if the
+# stencil has no room for all of B's nodes. Native like `line_of_centres_weights.sum_hat`.
+@wp.func_native("""
+    const int start = model.points.start.data[pair], count = model.points.count.data[pair];
+    const int SC = model.window.stencil_columns, SR = model.window.stencil_rows;
+    const size_t p0 = (size_t)(w * model.pairs.count + pair);
+    const size_t hat = p0 * model.window.hats + m;
+    const int column = m / rows, row = m % rows;
+    const int* begin = model.points.row_at.data + model.points.row_start.data[pair];
+    const int from = begin[row > 0 ? row - 1 : 0], to = begin[row + 1 < rows ? row + 1 : rows - 1];
+    const double* line = point_line.data + p0 * (model.window.columns + 1) * model.points.most * 16;
+    double* l = stencil.data + hat * SC * SR;
+    double* f = wrench.data + hat * 6;
+    double* more = more_wrench.data + hat * 6;
+    for (int e = 0; e < SC * SR; ++e) l[e] = 0.0;
+    double sum[12] = {0.0};
+    double total = 0.0, size = 0.0, lowest_c = 1e300, lowest_r = 1e300;
+    for (int t = 0; t < 2; ++t) for (int p = from; p < to; ++p) {
+        const double* q = line + (size_t)((column + t) * count + p) * 16;
+        if (q[3] == 0.0) continue;
+        const double x = model.points.x.data[start + p], zeta = model.points.zeta.data[start + p];
+        const double psi = q[3] * (t ? 1.0 - x : x) * (model.points.row.data[start + p] == row ? 1.0 - zeta : zeta);
+        total += psi * q[0]; size += psi;
+        for (int c = 0; c < 12; ++c) sum[c] += psi * q[4 + c];
+        if (q[1] < lowest_c) lowest_c = q[1];
+        if (q[2] < lowest_r) lowest_r = q[2];
+    }
+    weak_gap.data[hat] = total; area.data[hat] = size;
+    for (int i = 0; i < 3; ++i) for (int c = 0; c < 2; ++c) {
+        const double* v = sum + 3 * c;
+        f[3 * c + i] = turn.data[i][0] * v[0] + turn.data[i][1] * v[1] + turn.data[i][2] * v[2];
+        more[3 * c + i] = turn.data[i][0] * v[6] + turn.data[i][1] * v[7] + turn.data[i][2] * v[8];
+    }
+    stencil_at.data[2 * hat] = model.window.second_half; stencil_at.data[2 * hat + 1] = 0;
+    if (rigid || size == 0.0) return 0;
+    const int oc = (int)::floor(lowest_c), last = rows_b - 2;
+    const int orow = (int)::floor(lowest_r) > last ? last : (int)::floor(lowest_r);
+    int beyond = 0;
+    for (int t = 0; t < 2; ++t) for (int p = from; p < to; ++p) {
+        const double* q = line + (size_t)((column + t) * count + p) * 16;
+        if (q[3] == 0.0) continue;
+        const double x = model.points.x.data[start + p], zeta = model.points.zeta.data[start + p];
+        const double psi = q[3] * (t ? 1.0 - x : x) * (model.points.row.data[start + p] == row ? 1.0 - zeta : zeta);
+        const double cf = ::floor(q[1]), rf0 = ::floor(q[2]), rf = rf0 > last ? last : rf0;
+        const double u = q[1] - cf, v = q[2] - rf;
+        const int ci = (int)cf - oc, ri = (int)rf - orow;
+        if (ci < 0 || ci + 1 >= SC || ri < 0 || ri + 1 >= SR) { beyond = 1; continue; }
+        double* d = l + ci * SR + ri;
+        d[0] += psi * (1.0 - u) * (1.0 - v); d[1] += psi * (1.0 - u) * v;
+        d[SR] += psi * u * (1.0 - v); d[SR + 1] += psi * u * v;
+    }
+    stencil_at.data[2 * hat] = oc - origin; stencil_at.data[2 * hat + 1] = orow;
+    return beyond;
+""")
+def sum_points(
+    model: Model,
+    w: int,
+    pair: int,
+    m: int,
+    rows: int,
+    rows_b: int,
+    rigid: int,
+    origin: int,
+    turn: mat33,
+    point_line: wp.array3d(dtype=real),
+    weak_gap: wp.array3d(dtype=real),
+    area: wp.array3d(dtype=real),
+    wrench: wp.array4d(dtype=real),
+    more_wrench: wp.array4d(dtype=real),
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+) -> int: ...
+
+
+@wp.kernel
+def weigh_points(
+    models: wp.array(dtype=Model),
+    axes: wp.array2d(dtype=mat33),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    point_line: wp.array3d(dtype=real),
+    ctl: inout(wp.array(dtype=Control)),
+    weak_gap: inout(wp.array3d(dtype=real)),
+    area: out(wp.array3d(dtype=real)),
+    wrench: out(wp.array4d(dtype=real)),
+    more_wrench: out(wp.array4d(dtype=real)),
+    stencil: inout(wp.array4d(dtype=real)),
+    stencil_at: inout(wp.array4d(dtype=int)),
+):
+    """Per (world, pair of family 1), lanes over hats of the window: as `line_of_centres_weights.weigh` for the
+    others."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != 1:
+        return
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    rows = model.surfaces.rows[A]
+    H = model.window.half
+    origin = center[w, pair, 1] - model.window.second_half
+    turn = axes_of(axes, w, model.surfaces.body[A]) * model.surfaces.frame[A]
+    m = (window[w, pair, 0] + H) * rows + lane
+    end = (window[w, pair, 1] + H + 1) * rows
+    while m < end:
+        beyond = sum_points(
+            model, w, pair, m, rows, model.surfaces.rows[B], model.surfaces.rigid[B], origin, turn, point_line,
+            weak_gap, area, wrench, more_wrench, stencil, stencil_at,
+        )  # fmt: skip
+        absolute = center[w, pair, 0] + m / rows - H
+        dropped = int(0)
+        if model.surfaces.periodic[A] == 0 and (absolute < 0 or absolute >= model.surfaces.columns[A]):
+            dropped = int(1)
+        reached = stencil_at[w, pair, m, 0]
+        if reached < 0 or reached + model.window.stencil_columns > model.window.second_columns:
+            if dropped == 0 and weak_gap[w, pair, m] <= real(0.0):
+                ctl[w].failure = ctl[w].failure | k.STENCIL  # overlaps, where the second window does not reach
+            dropped = int(1)  # so far round the bodies that nothing of the second window is opposite
+        if beyond != 0 and dropped == 0:
+            # where surfaces part, the places opposite spread; a hat that overlaps is one that may be needed
+            if weak_gap[w, pair, m] > real(0.0):
+                dropped = int(1)
+            else:
+                ctl[w].failure = ctl[w].failure | k.STENCIL
+        if dropped != 0:
+            area[w, pair, m] = real(0.0)
+            stencil_at[w, pair, m, 0] = model.window.second_half
+            stencil_at[w, pair, m, 1] = 0
+            e = int(0)
+            while e < model.window.stencil_columns * model.window.stencil_rows:
+                stencil[w, pair, m, e] = real(0.0)
+                e += 1
+        m += wp.block_dim()
+
+
+@wp.kernel
+def sum_points_second(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    axes: wp.array2d(dtype=mat33),
+    window: wp.array3d(dtype=int),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    point_line: wp.array3d(dtype=real),
+    second_wrench: out(wp.array3d(dtype=real)),
+):
+    """Per (world, pair of family 1): force on B and its moment about A's centre of mass, from the pressure at every
+    point."""
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w].record == 0 or model.pairs.family[pair] != 1:
+        return
+    A = model.pairs.first[pair]
+    rows = model.surfaces.rows[A]
+    start = model.points.start[pair]
+    count = model.points.count[pair]
+    force = vec3(real(0.0), real(0.0), real(0.0))
+    moment = vec3(real(0.0), real(0.0), real(0.0))
+    strip = window[w, pair, 0] + model.window.half
+    end = window[w, pair, 1] + model.window.half + 1
+    while strip <= end:
+        p = int(0)
+        while p < count:
+            i = (strip * count + p) * LINE
+            x = model.points.x[start + p]
+            zeta = model.points.zeta[start + p]
+            load = real(0.0)
+            for corner in range(4):
+                column = strip - 1 + corner / 2
+                m = column * rows + model.points.row[start + p] + corner % 2
+                if column >= 0 and column < model.window.columns:
+                    if active[w, pair, m] != 0:
+                        psi = real(1.0) - x
+                        if corner / 2 == 1:
+                            psi = x
+                        if corner % 2 == 1:
+                            psi = psi * zeta
+                        else:
+                            psi = psi * (real(1.0) - zeta)
+                        load += psi * pressure[w, pair, m]
+            if load != real(0.0):
+                load *= point_line[w, pair, i + 3]
+                for axis in range(3):
+                    j = i + 4 + axis
+                    force[axis] += load * (point_line[w, pair, j] + point_line[w, pair, j + 6])
+                    moment[axis] += load * (point_line[w, pair, j + 3] + point_line[w, pair, j + 9])
+            p += 1
+        strip += 1
+    turn = axes_of(axes, w, model.surfaces.body[A]) * model.surfaces.frame[A]
+    force = turn * force
+    moment = turn * moment
+    for c in range(3):
+        second_wrench[w, pair, c] = -force[c]
+        second_wrench[w, pair, 3 + c] = -moment[c]

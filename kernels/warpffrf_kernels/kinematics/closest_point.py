@@ -1,0 +1,407 @@
+"""Where two surfaces of any shape are nearest, for the pairs whose gaps are taken at points (`at_points`).
+
+With x_A(theta, z) a point of A's true surface and d_B the signed distance from B's, the gap is g = d_B(x_A). In a
+section z of A its minima by the angle (of a plane by the place) are roots of
+
+    dg/dtheta = grad d_B . dx_A/dtheta.
+
+A step begins with a look all around: in three sections every minimum among SCAN angles is followed by secants over half
+a column, and a secant that leaves the bracket is replaced by halving it. From the least of them the nearest place of
+all is found by Newton's method along the chart, with differences of the gradient for the second derivatives; directions
+that the gap does not curve in are held back by REGULAR, and steps end at the edges of A's grid. (Its gap is recorded as
+the approach.) Within a step the place is followed by secants in its section. A gap that is the same everywhere (plane
+on plane) leaves it in the middle.
+
+The place is the middle of what is looked at, whether anything touches or not: a pair that has come apart is looked for
+where it will meet again, to a fraction of a column. It is also the *phase* of A's grid; the opposite place on B, its
+row, and how B's columns turn along A's width are those of B's. Other minima that overlap (a second patch) are kept
+inside the window too (`touched`). A pair whose first grid is an arc of no more columns than the window looks at the
+whole arc, and its window never moves.
+"""
+
+import math
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.kinematics.line_of_centres import DRIFT, FARTHEST, PHASE_TOLERANCE, row_below, wrap
+from warpffrf_kernels.surfaces.surface import (
+    axes_of,
+    chart_of,
+    distance_of,
+    gradient_of,
+    local_point,
+    origin_of,
+    radius_of,
+    slope_of,
+)
+
+wp.set_module_options(MODULE_OPTIONS)
+
+TWO_PI = wp.constant(wp.float64(2.0 * math.pi))
+SCAN = wp.constant(24)  # angles of the first look, 15 degrees apart: brackets the one minimum of a convex section
+SECTIONS = wp.constant(3)  # both ends and the middle
+# of the scene's length: gaps that differ by less are the same, the middle one is taken
+TIE = wp.constant(wp.float64(1.0e-11))
+SECANTS = wp.constant(40)  # halving 15 degrees so often leaves 1e-11; secants take five
+SETTLED = wp.constant(wp.float64(1.0e-9))  # columns
+LOOKS = wp.constant(9)  # sections that the smallest gap is looked for in first
+STEPS = wp.constant(12)  # of Newton's method from there
+HALVINGS = wp.constant(6)
+EDGE_STEP = wp.constant(wp.float64(1.0e-3))  # of A's width: step of the differences along it
+REGULAR = wp.constant(wp.float64(1.0e-6))  # of the curvature at hand, and of 1/width
+FLAT = wp.constant(wp.float64(1.0e-12))  # of the scene's length a column: a change of slope by less is round-off
+BEYOND = wp.constant(wp.float64(1.0e300))  # m: the gap beyond the end of an arc
+NOWHERE = wp.constant(-(2**30))  # column of a place that there is not
+MOST_OVERLAPS = wp.constant(12)  # minima of the gap that overlap, in all sections: two surfaces of revolution have two
+Columns = wp.types.vector(length=12, dtype=wp.float64)
+
+
+@wp.struct
+class View:
+    """A's surface frame seen from B's: a point x of A is at `at + turn x` there."""
+
+    at: vec3
+    turn: mat33
+
+
+@wp.func
+def view_of(model: Model, w: int, pair: int, r1: wp.array2d(dtype=vec3), axes: wp.array2d(dtype=mat33)) -> View:
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    body_a = model.surfaces.body[A]
+    body_b = model.surfaces.body[B]
+    turn_a = axes_of(axes, w, body_a)
+    turn_b = axes_of(axes, w, body_b)
+    # the difference of the centres of mass first: positions may be large against the bodies
+    between = origin_of(r1, w, body_a) - origin_of(r1, w, body_b)
+    between += turn_a * model.surfaces.origin[A] - turn_b * model.surfaces.origin[B]
+    to_b = wp.transpose(turn_b * model.surfaces.frame[B])
+    view = View()
+    view.at = to_b * between
+    view.turn = to_b * (turn_a * model.surfaces.frame[A])
+    return view
+
+
+@wp.func
+def gap_at(model: Model, A: int, B: int, view: View, theta: real, z: real) -> real:
+    """g [m] at chart coordinates of A."""
+    return distance_of(model, B, view.at + view.turn * local_point(model, A, theta, z))
+
+
+@wp.func
+def slopes(model: Model, A: int, B: int, view: View, column: real, z: real) -> wp.vec2d:
+    """dg/dtheta and dg/dz at a column and axial position of A."""
+    theta = model.surfaces.theta[A] + column * model.surfaces.pitch[A]
+    x = local_point(model, A, theta, z)
+    around = vec3(-x[1], x[0], real(0.0))
+    along = vec3(real(0.0), real(0.0), real(1.0))
+    if model.surfaces.planar[A] != 0:
+        around = vec3(real(0.0), real(1.0), real(0.0))
+    else:
+        slope = slope_of(model, A, z)
+        along = vec3(slope * wp.cos(theta), slope * wp.sin(theta), real(1.0))
+    gradient = wp.transpose(view.turn) * gradient_of(model, B, view.at + view.turn * x)
+    return wp.vec2d(wp.dot(gradient, around), wp.dot(gradient, along))
+
+
+@wp.func
+def section_of(model: Model, A: int, section: int) -> real:
+    """z of a section: the middle first."""
+    z0 = model.surfaces.z_start[A]
+    low = model.surfaces.z[z0]
+    high = model.surfaces.z[z0 + model.surfaces.rows[A] - 1]
+    if section == 1:
+        return low
+    if section == 2:
+        return high
+    return real(0.5) * (low + high)
+
+
+@wp.func
+def spacing_of(model: Model, A: int) -> real:
+    """Columns between two angles of the first look."""
+    angles = int(SCAN)
+    if model.surfaces.periodic[A] != 0:
+        return real(model.surfaces.columns[A]) / real(angles)
+    return real(model.surfaces.columns[A] - 1) / real(angles - 1)
+
+
+@wp.func
+def settle(model: Model, A: int, B: int, view: View, start: real, z: real) -> real:
+    """Column of A nearest to the column `start` where the gap of the section z is least."""
+    pitch = model.surfaces.pitch[A]
+    flat = FLAT * model.length
+    last = real(model.surfaces.columns[A] - 1)
+    around = model.surfaces.periodic[A] != 0
+    farthest = wp.max(spacing_of(model, A), real(1.0))  # columns a step
+    low = real(-1.0e300)  # the bracket: where the gap still falls and where it rises again
+    high = real(1.0e300)
+    x = start
+    step = int(0)
+    while step < SECANTS:
+        slope = slopes(model, A, B, view, x, z)[0]
+        turn = slopes(model, A, B, view, x + real(0.5), z)[0] - slope  # half a column on
+        to = x
+        if wp.abs(slope) * pitch > flat or turn * pitch > flat:
+            if slope > real(0.0):
+                high = x
+            else:
+                low = x
+            to = x - wp.sign(slope) * farthest
+            if turn * pitch > flat:
+                to = x + wp.clamp(-real(0.5) * slope / turn, -farthest, farthest)
+            if to < low or to > high:
+                to = real(0.5) * (low + high)
+        if not around:
+            to = wp.clamp(to, real(0.0), last)
+        step += 1
+        if wp.abs(to - x) <= SETTLED:
+            step = SECANTS
+        x = to
+    return x
+
+
+@wp.func
+def least_place(model: Model, A: int, B: int, view: View, column: real, z_start: real) -> vec3:
+    """Smallest gap [m] about a column and axial position of A, over the extent of A's grid, and its column and z."""
+    pitch = model.surfaces.pitch[A]
+    low = model.surfaces.z[model.surfaces.z_start[A]]
+    high = model.surfaces.z[model.surfaces.z_start[A] + model.surfaces.rows[A] - 1]
+    z = z_start
+    theta = model.surfaces.theta[A] + column * pitch
+    best = gap_at(model, A, B, view, theta, z)
+    looks = int(LOOKS)
+    i = int(0)
+    while i < looks:
+        at = low + (high - low) * real(i) / real(looks - 1)
+        g = gap_at(model, A, B, view, theta, at)
+        if g < best - TIE * model.length:
+            best = g
+            z = at
+        i += 1
+    x = column
+    step = int(0)
+    while step < STEPS:
+        R = radius_of(model, A, z)
+        dz = EDGE_STEP * (high - low)
+        if z + dz > high:
+            dz = -dz
+        here = slopes(model, A, B, view, x, z) / R
+        by_x = slopes(model, A, B, view, x + real(0.5), z) / R
+        by_z = slopes(model, A, B, view, x, z + dz) / R
+        # gradient and second derivatives by arc length around and by z
+        h_aa = (by_x[0] - here[0]) / (real(0.5) * pitch * R)
+        h_zz = (by_z[1] - here[1]) * R / dz
+        h_az = (by_z[0] - here[0]) / dz
+        least = REGULAR * (wp.abs(h_aa) + wp.abs(h_zz)) + REGULAR / (high - low)
+        h_aa = wp.max(h_aa, least)
+        h_zz = wp.max(h_zz, least)
+        bound = real(0.9) * wp.sqrt(h_aa * h_zz)
+        h_az = wp.clamp(h_az, -bound, bound)
+        g_a = here[0]
+        g_z = here[1] * R
+        if (z <= low and g_z > real(0.0)) or (z >= high and g_z < real(0.0)):
+            g_z = real(0.0)
+            h_az = real(0.0)
+        determinant = h_aa * h_zz - h_az * h_az
+        move_a = -(h_zz * g_a - h_az * g_z) / determinant
+        move_z = -(h_aa * g_z - h_az * g_a) / determinant
+        share = real(1.0)
+        tries = int(0)
+        while tries < HALVINGS:
+            x_to = x + share * wp.clamp(move_a / (R * pitch), -real(8.0), real(8.0))
+            if model.surfaces.periodic[A] == 0:
+                x_to = wp.clamp(x_to, real(0.0), real(model.surfaces.columns[A] - 1))
+            z_to = wp.clamp(z + share * move_z, low, high)
+            g = gap_at(model, A, B, view, model.surfaces.theta[A] + x_to * pitch, z_to)
+            tries += 1
+            share *= real(0.5)
+            if g < best:
+                best = g
+                x = x_to
+                z = z_to
+                tries = HALVINGS + 1
+        step += 1
+        if tries == HALVINGS:
+            step = STEPS
+    return vec3(best, x, z)
+
+
+@wp.func
+def scan(
+    model: Model,
+    w: int,
+    pair: int,
+    A: int,
+    B: int,
+    view: View,
+    nearest: wp.array3d(dtype=real),
+    touched: wp.array3d(dtype=int),
+):
+    """The first look: the nearest place, and the columns of other minima that overlap."""
+    around = model.surfaces.periodic[A] != 0
+    spacing = spacing_of(model, A)
+    pitch = model.surfaces.pitch[A]
+    theta = model.surfaces.theta[A]
+    x_at = real(0.5) * real(model.surfaces.columns[A] - 1)
+    z_at = section_of(model, A, 0)
+    first = real(0.0)
+    if around:
+        first = x_at - spacing * real(SCAN / 2)
+    best = gap_at(model, A, B, view, theta + x_at * pitch, z_at)
+    overlaps = Columns()
+    count = int(0)
+    section = int(0)
+    while section < SECTIONS:
+        z = section_of(model, A, section)
+        before = BEYOND
+        here = BEYOND
+        if around:
+            before = gap_at(model, A, B, view, theta + (first - spacing) * pitch, z)
+        i = int(0)
+        while i <= SCAN:
+            after = BEYOND
+            if around or i < SCAN:
+                after = gap_at(model, A, B, view, theta + (first + spacing * real(i)) * pitch, z)
+            if i > 0:
+                if here < before - TIE * model.length and here <= after:
+                    x = settle(model, A, B, view, first + spacing * real(i - 1), z)
+                    g = gap_at(model, A, B, view, theta + x * pitch, z)
+                    if g < best - TIE * model.length:
+                        best = g
+                        x_at = x
+                        z_at = z
+                    if g < real(0.0) and count < MOST_OVERLAPS:
+                        overlaps[count] = x
+                        count += 1
+                before = here
+            here = after
+            i += 1
+        section += 1
+    place = least_place(model, A, B, view, x_at, z_at)
+    x_at = place[1]
+    low = int(NOWHERE)
+    high = int(NOWHERE)
+    i = int(0)
+    while i < count:
+        away = overlaps[i] - x_at
+        if around:
+            away = wrap(away, TWO_PI / pitch, real(0.0))
+        column = int(wp.floor(x_at + away + real(0.5)))
+        if low == NOWHERE:
+            low = column
+            high = column
+        low = wp.min(low, column)
+        high = wp.max(high, column)
+        i += 1
+    nearest[w, pair, 0] = x_at
+    nearest[w, pair, 1] = place[2]
+    touched[w, pair, 0] = low
+    touched[w, pair, 1] = high
+
+
+@wp.kernel
+def locate_points(
+    models: wp.array(dtype=Model),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    ctl: inout(wp.array(dtype=Control)),
+    phase: inout(wp.array3d(dtype=real)),
+    center: inout(wp.array3d(dtype=int)),
+    nearest: inout(wp.array3d(dtype=real)),
+    touched: out(wp.array3d(dtype=int)),
+):
+    """Per (world, pair of family 1): nearest place, phases, centre columns; `line_of_centres.locate` for the others.
+
+    phase: column on A and B twice (as of the first and last station there), in use then new; then B's row and the
+    columns by which B's chart turns along A's width, in use then new. nearest: column of A, z [m]. touched: lowest and
+    highest column of the minima of the gap that overlap, NOWHERE without.
+    """
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != 1:
+        return
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    view = view_of(model, w, pair, r1, axes)
+    columns = model.surfaces.columns[A]
+    whole = model.surfaces.periodic[A] == 0 and columns <= model.window.columns
+    if ctl[w].iteration == 0:
+        scan(model, w, pair, A, B, view, nearest, touched)
+    z = nearest[w, pair, 1]
+    x = settle(model, A, B, view, nearest[w, pair, 0], z)
+    nearest[w, pair, 0] = x
+    x_a = x
+    if whole:
+        x_a = real((columns - 1) / 2)
+    theta = model.surfaces.theta[A] + x_a * model.surfaces.pitch[A]
+    x_b = real(0.0)
+    row_b = real(0.0)
+    turned = real(0.0)
+    if model.surfaces.rigid[B] == 0:
+        foot = chart_of(model, B, view.at + view.turn * local_point(model, A, theta, z))
+        x_b = (foot[0] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+        end = model.surfaces.z[model.surfaces.z_start[A] + model.surfaces.rows[A] - 1]
+        if z > real(0.5) * (end + model.surfaces.z[model.surfaces.z_start[A]]):
+            end = model.surfaces.z[model.surfaces.z_start[A]]
+        other = chart_of(model, B, view.at + view.turn * local_point(model, A, theta, end))
+        turned = (other[0] - foot[0]) / model.surfaces.pitch[B]
+        if model.surfaces.planar[B] == 0:
+            turn_b = TWO_PI / model.surfaces.pitch[B]
+            middle = real(0.5) * real(model.surfaces.columns[B] - 1)
+            if ctl[w].iteration > 0:  # stay on the branch of the window
+                middle = real(center[w, pair, 1])
+            x_b = wrap(x_b, turn_b, middle)
+            turned = wrap(turned, turn_b, real(0.0))
+        row = row_below(model, B, foot[1])
+        z0 = model.surfaces.z_start[B] + row
+        row_b = real(row) + (foot[1] - model.surfaces.z[z0]) / (model.surfaces.z[z0 + 1] - model.surfaces.z[z0])
+    if not (wp.abs(x_a) < FARTHEST and wp.abs(x_b) < FARTHEST):  # also where they are not numbers
+        ctl[w].failure = ctl[w].failure | k.NOT_FINITE
+        ctl[w].run = 0
+        return
+    largest = wp.max(wp.abs(x_a - phase[w, pair, 0]), wp.abs(x_b - phase[w, pair, 1]))
+    largest = wp.max(largest, wp.max(wp.abs(row_b - phase[w, pair, 8]), wp.abs(turned - phase[w, pair, 9])))
+    if largest > PHASE_TOLERANCE:
+        ctl[w].reassemble = 1
+    for i in range(2):
+        phase[w, pair, 4 + 2 * i] = x_a
+        phase[w, pair, 5 + 2 * i] = x_b
+    phase[w, pair, 10] = row_b
+    phase[w, pair, 11] = turned
+    center[w, pair, 2] = 0
+    drift = wp.max(wp.abs(x_a - real(center[w, pair, 0])), wp.abs(x_b - real(center[w, pair, 1])))
+    if ctl[w].iteration == 0 or drift > DRIFT:
+        center[w, pair, 0] = int(wp.floor(x_a + real(0.5)))
+        center[w, pair, 1] = int(wp.floor(x_b + real(0.5)))
+        ctl[w].reassemble = 1
+        ctl[w].recenter = 1
+
+
+@wp.kernel
+def measure_approach(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    nearest: wp.array3d(dtype=real),
+    station: out(wp.array4d(dtype=real)),
+):
+    """Per (world, pair of family 1), where a state is recorded: smallest undeformed gap and nearest column, put where
+    `record` finds distance and column of the first and the last station of the other pairs."""
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w].record == 0 or model.pairs.family[pair] != 1:
+        return
+    A = model.pairs.first[pair]
+    view = view_of(model, w, pair, r1, axes)
+    place = least_place(model, A, model.pairs.second[pair], view, nearest[w, pair, 0], nearest[w, pair, 1])
+    for end in range(2):
+        s = end * ((model.surfaces.rows[A] - 1) * model.quadrature.z_points - 1)
+        station[w, pair, s, 0] = place[0]
+        station[w, pair, s, 1] = nearest[w, pair, 0]

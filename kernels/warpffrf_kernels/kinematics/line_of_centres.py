@@ -1,0 +1,298 @@
+"""Undeformed gap between two bodies of revolution, weak gaps, and their gradient.
+
+Contact frame. Take an axial station z of the first surface A: its axis point `a = O_A + z e_A`, and the point b where
+the axis of the second surface B pierces the plane of the section. With `v = b - a`, `d = |v|`, `c = v/d`, `t = e_A x
+c`, the point of A at the angle xi from the line of centres is `a + R_A (cos xi c + sin xi t)`. With `y = R_A sin xi`
+the gap is measured *along c*:
+
+    g(xi, z) = d - sqrt(R_B^2 - y^2) - R_A cos xi,          R_B at the axial station of the opposite point of B.
+
+(Terms of the order of the tilt squared, from the ellipse that an oblique section of B is, are dropped.) Small xi: d -
+R_A - R_B + y^2/2 (1/R_A + 1/R_B), Hertz's gap. The pressure acts along c, so that dg/dd = 1, the weights of forces,
+moments and elastic displacements are the same, and the wrench is
+
+    on B: force f at b,  on A: -f at b,          f = N + R_B'/(e_A.e_B) e_A,
+
+N the gradient of d, the second term that of a crowned B's radius (B moved by w is met at an axial station smaller by
+w.e_A/(e_A.e_B)): action equals reaction exactly; the line of action meets both axes, so that the torque about either
+axle is zero exactly. The gradient is taken at fixed (xi, z): the *material* angles at which the line of centres meets
+the two grids (their phases) are parameters, not coordinates, of the contact energy. What its energy changes when a
+phase changes is the grid defect of the ledger.
+
+Gradient of d. A displacement field w of B's axis relative to A moves b by w + sigma e_B with e_A.(w + sigma e_B) = 0,
+hence `dd = N.w`, `N = c - e_A (c.e_B)/(e_A.e_B)`.
+
+The phases of a step are those of its first evaluation, the predicted state, until an iteration moves the grids by more
+than FREEZE: the force ripples by a fraction of a percent a column, so that is below the residual tolerance. At fixed
+phases the gap of two cylinders is linear in d, and an evaluation only shifts the weak gaps instead of sampling them
+again. `line_of_centres_weights` sums what is sampled here, gap and opposite place on B's grid (column, row) at Gauss
+points of A's cells, to weak gaps."""
+
+import math
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+PHASE_TOLERANCE = wp.constant(
+    wp.float64(1.0e-4)
+)  # columns: G changes by about this fraction; as a tangent it may, see contact_solve
+SERIES = wp.constant(wp.float64(5.0e-6))  # rad: third-order terms are then below round-off
+TWO_PI = wp.constant(wp.float64(2.0 * math.pi))
+FREEZE = wp.constant(wp.float64(2.0e-7))  # columns: phases that an iteration changes by less stay, see above
+DRIFT = wp.constant(wp.float64(0.75))  # columns off the centre column, beyond which the windows are moved
+FARTHEST = wp.constant(wp.float64(1.0e6))  # columns: a phase beyond is that of a state that has left the scene
+GUARD = wp.constant(2)  # outermost columns of a full window that must end inactive
+
+
+@wp.func
+def radius_at(R: real, crown: real, z: real) -> real:
+    if crown == real(0.0):
+        return R
+    return R - (crown - wp.sqrt(crown * crown - z * z))
+
+
+@wp.func
+def slope_at(crown: real, z: real) -> real:
+    if crown == real(0.0):
+        return real(0.0)
+    return -z / wp.sqrt(crown * crown - z * z)
+
+
+@wp.func
+def wrap(x: real, turn: real, middle: real) -> real:
+    """x modulo a full turn, nearest to `middle`."""
+    return x - turn * wp.floor((x - middle) / turn + real(0.5))
+
+
+@wp.kernel
+def locate(
+    models: wp.array(dtype=Model),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    ctl: inout(wp.array(dtype=Control)),
+    phase: inout(wp.array3d(dtype=real)),
+    center: inout(wp.array3d(dtype=int)),
+    station: inout(wp.array4d(dtype=real)),
+    station_wrench: out(wp.array4d(dtype=real)),
+):
+    """Per (world, pair): contact frame and grid phases of every axial station.
+
+    station: d, column on A, column on B, axial position on B, t.e_B, c.e_B, weight int dz R_A, sense of B's angle, d
+    where the gaps were sampled, columns of this evaluation.
+    """
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != 0:
+        return
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    body_a = model.surfaces.body[A]
+    body_b = model.surfaces.body[B]
+    O_A = r1[w, body_a] + axes[w, body_a] * model.surfaces.origin[A]
+    O_B = r1[w, body_b] + axes[w, body_b] * model.surfaces.origin[B]
+    F_A = axes[w, body_a] * model.surfaces.frame[A]
+    F_B = axes[w, body_b] * model.surfaces.frame[B]
+    e_A = vec3(F_A[0, 2], F_A[1, 2], F_A[2, 2])
+    e_B = vec3(F_B[0, 2], F_B[1, 2], F_B[2, 2])
+    cosine = wp.dot(e_A, e_B)
+    turn_a = TWO_PI / model.surfaces.pitch[A]
+    turn_b = TWO_PI / model.surfaces.pitch[B]
+    middle_a = real(0.5) * real(model.surfaces.columns[A] - 1)
+    middle_b = real(0.5) * real(model.surfaces.columns[B] - 1)
+    rows = model.surfaces.rows[A]
+    z0 = model.surfaces.z_start[A]
+    zb0 = model.surfaces.z_start[B]
+    zb_low = model.surfaces.z[zb0]
+    zb_high = model.surfaces.z[zb0 + model.surfaces.rows[B] - 1]
+    count = (rows - 1) * model.quadrature.z_points
+    column_a = real(0.0)
+    column_b = real(0.0)
+    largest = real(0.0)
+    moved = real(0.0)
+    s = int(0)
+    while s < count:
+        cell = s / model.quadrature.z_points
+        g = s - cell * model.quadrature.z_points
+        low = model.surfaces.z[z0 + cell]
+        dz = model.surfaces.z[z0 + cell + 1] - low
+        z = low + model.quadrature.z_abscissa[g] * dz
+        a = O_A + z * e_A
+        axial = wp.dot(e_A, a - O_B) / cosine
+        b = O_B + axial * e_B
+        v = b - a
+        d = wp.length(v)
+        c = v / d
+        t = wp.cross(e_A, c)
+        u = wp.transpose(F_A) * c
+        x_a = (wp.atan2(u[1], u[0]) - model.surfaces.theta[A]) / model.surfaces.pitch[A]
+        u = wp.transpose(F_B) * c
+        x_b = (wp.atan2(-u[1], -u[0]) - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+        if s == 0:
+            x_a = wrap(x_a, turn_a, middle_a)
+            x_b = wrap(x_b, turn_b, middle_b)
+            if ctl[w].iteration > 0:  # stay on the branch of the window
+                x_a = wrap(x_a, turn_a, real(center[w, pair, 0]))
+                x_b = wrap(x_b, turn_b, real(center[w, pair, 1]))
+            column_a = x_a
+            column_b = x_b
+        x_a = wrap(x_a, turn_a, column_a)
+        x_b = wrap(x_b, turn_b, column_b)
+        N = c - e_A * (wp.dot(c, e_B) / cosine)
+        f = N + e_A * (slope_at(model.surfaces.crown[B], axial) / cosine)
+        m = wp.cross(b - r1[w, body_a], f)
+        slope = slope_at(model.surfaces.crown[A], z)
+        weight = model.quadrature.z_weight[g] * dz * radius_at(model.surfaces.radius[A], model.surfaces.crown[A], z)
+        weight *= wp.sqrt(real(1.0) + slope * slope)
+        if axial < zb_low or axial > zb_high:
+            weight = real(0.0)  # no opposite surface here
+        station[w, pair, s, 0] = d
+        moved = wp.max(moved, wp.max(wp.abs(x_a - station[w, pair, s, 1]), wp.abs(x_b - station[w, pair, s, 2])))
+        station[w, pair, s, 9] = x_a
+        station[w, pair, s, 10] = x_b
+        station[w, pair, s, 3] = axial
+        station[w, pair, s, 4] = wp.dot(t, e_B)
+        station[w, pair, s, 5] = wp.dot(c, e_B)
+        station[w, pair, s, 6] = weight
+        station[w, pair, s, 7] = -wp.sign(cosine)
+        for i in range(3):
+            station_wrench[w, pair, s, i] = -f[i]
+            station_wrench[w, pair, s, 3 + i] = -m[i]
+        if s == 0:
+            largest = wp.max(wp.abs(x_a - phase[w, pair, 0]), wp.abs(x_b - phase[w, pair, 1]))
+            phase[w, pair, 4] = x_a
+            phase[w, pair, 5] = x_b
+        if s == count - 1:
+            largest = wp.max(largest, wp.max(wp.abs(x_a - phase[w, pair, 2]), wp.abs(x_b - phase[w, pair, 3])))
+            phase[w, pair, 6] = x_a
+            phase[w, pair, 7] = x_b
+        s += 1
+    if largest > PHASE_TOLERANCE:
+        ctl[w].reassemble = 1
+    mid_a = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6])
+    mid_b = real(0.5) * (phase[w, pair, 5] + phase[w, pair, 7])
+    if not (wp.abs(mid_a) < FARTHEST and wp.abs(mid_b) < FARTHEST):  # also where they are not numbers
+        ctl[w].failure = ctl[w].failure | k.NOT_FINITE
+        ctl[w].run = 0
+        return
+    center[w, pair, 2] = 0
+    drift = wp.max(wp.abs(mid_a - real(center[w, pair, 0])), wp.abs(mid_b - real(center[w, pair, 1])))
+    if ctl[w].iteration == 0 or drift > DRIFT:
+        center[w, pair, 0] = int(wp.floor(mid_a + real(0.5)))
+        center[w, pair, 1] = int(wp.floor(mid_b + real(0.5)))
+        ctl[w].reassemble = 1
+        ctl[w].recenter = 1
+    elif moved <= FREEZE and ctl[w].reassemble == 0 and model.surfaces.crown[B] == real(0.0):
+        center[w, pair, 2] = 1
+    if center[w, pair, 2] == 0:
+        s = int(0)
+        while s < count:
+            station[w, pair, s, 1] = station[w, pair, s, 9]
+            station[w, pair, s, 2] = station[w, pair, s, 10]
+            station[w, pair, s, 8] = station[w, pair, s, 0]
+            s += 1
+
+
+@wp.func
+def row_below(model: Model, B: int, z: real) -> int:
+    """Row of B's grid at or below z, kept inside the grid."""
+    z0 = model.surfaces.z_start[B]
+    last = model.surfaces.rows[B] - 2
+    i = int(0)
+    while i < last and z >= model.surfaces.z[z0 + i + 1]:
+        i += 1
+    return i
+
+
+@wp.kernel
+def sample(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    station: wp.array4d(dtype=real),
+    point_gap: out(wp.array3d(dtype=real)),
+    point_place: out(wp.array4d(dtype=real)),
+):
+    """Per (world, pair), lanes over points of the window: gap, and grid coordinates (column, row) of the opposite
+    point of B.
+    """
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or center[w, pair, 2] != 0 or model.pairs.family[pair] != 0:
+        return
+    if model.points.count[pair] != 0:  # few points: `line_of_centres_sampled`
+        return
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    stations = (model.surfaces.rows[A] - 1) * model.quadrature.z_points
+    per_cell = model.quadrature.theta_points * stations
+    first = window[w, pair, 0] + model.window.half
+    last = window[w, pair, 1] + model.window.half + 1
+    R_A = model.surfaces.radius[A]
+    crown_a = model.surfaces.crown[A]
+    crown_b = model.surfaces.crown[B]
+    z0 = model.surfaces.z_start[A]
+    zb0 = model.surfaces.z_start[B]
+    columns = (last + 1 - first) * model.quadrature.theta_points
+    e = lane
+    while e < columns:
+        cell = first + e / model.quadrature.theta_points
+        g = e % model.quadrature.theta_points
+        x = real(center[w, pair, 0] + cell - model.window.half - 1) + model.quadrature.theta_abscissa[g]
+        # stations differ little: sines and the angle on B are carried from the first one by their series
+        x_0 = station[w, pair, 0, 1]
+        xi = (x - x_0) * model.surfaces.pitch[A]
+        sine = wp.sin(xi)
+        cosine = wp.cos(xi)
+        R_B0 = radius_at(model.surfaces.radius[B], crown_b, station[w, pair, 0, 3])
+        y_0 = R_A * sine
+        h_0 = wp.sqrt(wp.max(R_B0 * R_B0 - y_0 * y_0, real(0.0)))
+        angle_0 = wp.atan2(y_0, h_0)
+        s = int(0)
+        while s < stations:
+            d = (x_0 - station[w, pair, s, 1]) * model.surfaces.pitch[A]
+            si = sine
+            co = cosine
+            if wp.abs(d) > SERIES:
+                si = wp.sin(xi + d)
+                co = wp.cos(xi + d)
+            elif d != real(0.0):
+                si = sine + d * (cosine - real(0.5) * d * sine)
+                co = cosine - d * (sine + real(0.5) * d * cosine)
+            R = R_A
+            if crown_a != real(0.0):
+                zc = s / model.quadrature.z_points
+                low = model.surfaces.z[z0 + zc]
+                z = low + model.quadrature.z_abscissa[s - zc * model.quadrature.z_points] * (
+                    model.surfaces.z[z0 + zc + 1] - low
+                )
+                R = radius_at(R_A, crown_a, z)
+            y = R * si
+            R_B = radius_at(model.surfaces.radius[B], crown_b, station[w, pair, s, 3])
+            h = wp.sqrt(wp.max(R_B * R_B - y * y, real(0.0)))
+            axial = station[w, pair, s, 3] + y * station[w, pair, s, 4] - h * station[w, pair, s, 5]
+            if crown_b != real(0.0):
+                R_B = radius_at(model.surfaces.radius[B], crown_b, axial)
+                h = wp.sqrt(wp.max(R_B * R_B - y * y, real(0.0)))
+            turned = (y * h_0 - h * y_0) / (R_B * R_B0)  # sine of the angle from the first station's point
+            angle = angle_0 + turned
+            if wp.abs(turned) > SERIES:
+                angle = wp.atan2(y, h)
+            i = cell * per_cell + g * stations + s
+            point_gap[w, pair, i] = station[w, pair, s, 0] - h - R * co
+            point_place[w, pair, i, 0] = (
+                station[w, pair, s, 2] + station[w, pair, s, 7] * angle / model.surfaces.pitch[B]
+            )
+            row = row_below(model, B, axial)
+            low = model.surfaces.z[zb0 + row]
+            place = real(row) + (axial - low) / (model.surfaces.z[zb0 + row + 1] - low)
+            point_place[w, pair, i, 1] = wp.clamp(place, real(0.0), real(model.surfaces.rows[B] - 1))
+            s += 1
+        e += wp.block_dim()

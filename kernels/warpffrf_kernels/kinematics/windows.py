@@ -1,0 +1,102 @@
+"""Where a pair's window begins and ends: the columns of the first grid that are looked at, for all pairs.
+
+The active set is kept in the contact frame: pressures stay where the patch is while the material runs through it. What
+is looked at are the active columns and MARGIN more on each side, at most the widest window that was laid out.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.kinematics.closest_point import NOWHERE
+
+wp.set_module_options(MODULE_OPTIONS)
+
+MARGIN = wp.constant(3)  # columns looked at beyond the active ones
+
+
+@wp.kernel
+def open_window(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    phase: wp.array3d(dtype=real),
+    nearest: wp.array3d(dtype=real),
+    touched: wp.array3d(dtype=int),
+    center: inout(wp.array3d(dtype=int)),
+    station: inout(wp.array4d(dtype=real)),
+    active: inout(wp.array3d(dtype=int)),
+    pressure: inout(wp.array3d(dtype=real)),
+    patch_offset: inout(wp.array2d(dtype=real)),
+    window: out(wp.array3d(dtype=int)),
+):
+    """Per (world, pair): the active set of the last attempt put where the patch is now, and the columns to look at: the
+    active ones, those where the surfaces are nearest (on the line of centres at both ends of the width, at points
+    `nearest` and `touched`) and MARGIN more on each side, relative to the centre column.
+
+    A pair whose sampled gaps would only have been shifted (`locate`) is sampled again where another pair had its
+    windows laid anew: its own may have grown.
+    """
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].recenter == 0:
+        return
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    H = model.window.half
+    if center[w, pair, 2] != 0:
+        center[w, pair, 2] = 0
+        s = int(0)
+        while s < (rows - 1) * model.quadrature.z_points:
+            station[w, pair, s, 8] = station[w, pair, s, 0]
+            s += 1
+    offset = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6]) - real(center[w, pair, 0])
+    shift = int(wp.floor(offset - patch_offset[w, pair] + real(0.5))) * rows
+    patch_offset[w, pair] = offset
+    size = model.window.columns * rows
+    n = int(0)
+    while shift != 0 and n < size:
+        to = n
+        if shift > 0:
+            to = size - 1 - n
+        source = to - shift
+        active[w, pair, to] = 0
+        pressure[w, pair, to] = real(0.0)
+        if source >= 0 and source < size:
+            active[w, pair, to] = active[w, pair, source]
+            pressure[w, pair, to] = pressure[w, pair, source]
+        n += 1
+    low = int(0)
+    high = int(0)
+    found = int(0)
+    m = int(0)
+    while m < model.window.columns * rows:
+        if active[w, pair, m] != 0 and not wp.isfinite(pressure[w, pair, m]):  # left by a rejected attempt
+            active[w, pair, m] = 0
+            pressure[w, pair, m] = real(0.0)
+        if active[w, pair, m] != 0:
+            o = m / rows - H
+            if found == 0:
+                low = o
+            high = o
+            found = int(1)
+        m += 1
+    one = phase[w, pair, 4]
+    other = phase[w, pair, 6]
+    if model.pairs.family[pair] == 1:
+        one = nearest[w, pair, 0]
+        other = one
+    first = int(wp.floor(wp.min(one, other) + real(0.5)))
+    last = int(wp.floor(wp.max(one, other) + real(0.5)))
+    if model.pairs.family[pair] == 1 and touched[w, pair, 0] != NOWHERE:
+        first = wp.min(first, touched[w, pair, 0])
+        last = wp.max(last, touched[w, pair, 1])
+    first = wp.clamp(first - center[w, pair, 0], -H, H)
+    last = wp.clamp(last - center[w, pair, 0], -H, H)
+    if found == 0:
+        low = first
+        high = last
+    low = wp.min(low, first)
+    high = wp.max(high, last)
+    window[w, pair, 0] = wp.max(low - MARGIN, -H)
+    window[w, pair, 1] = wp.min(high + MARGIN, H)

@@ -1,0 +1,1 @@
+"""Layers between the surfaces whose yield is no constant."""

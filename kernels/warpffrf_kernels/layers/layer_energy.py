@@ -1,0 +1,152 @@
+r"""What layers between surfaces hold and lose (`weak_layer`), and what damped ones remember.
+
+Energy. The contact energy gets int W(d) dA (in place of s.(E s)/2 that the solve's own sum counts), and a damped layer
+loses the work of its drag p - P_elastic(d), taken like that of all forces with the mean of both ends of the step (of an
+impulsive pair that of `impulsive_contact`), int (drag_0 + drag_1)/2 (d_1 - d_0) dA, nowhere below zero; the drag has
+the sign of the rate, also where the pressure is cut at zero: a surface that comes back slower than it is freed loses
+what is left in it. It is booked with the damping.
+
+Rates. A damped layer needs the depth of every point at the last accepted state. It is kept with the cell, that is with
+the material of the first surface, and looked up from the present position of the window. Where nothing presses, the
+depth is what the gap leaves: y(0) less the mean opening of the hats around, not below zero. In rolling the material
+enters the patch and leaves it, so that a damped layer loses energy in steady rolling too; its pressure, moved towards
+the inlet, acts along normals that meet the axes of both bodies and cannot brake them (a rolling resistance needs the
+slope of the deformed surface, which is no part of small displacements). That energy comes from nowhere and stands in
+the contact grid's line of the ledger.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.impulsive.impulsive_means import has_converged
+from warpffrf_kernels.layers.layer_laws import CHI, CONSTANT, layer_depth, layer_energy, layer_pressure
+from warpffrf_kernels.layers.weak_layer import cell_exists, corner_of, hat_value, linear_yield, rate_of
+from warpffrf_kernels.normal.pair_forces import mean_of
+
+wp.set_module_options(MODULE_OPTIONS)
+
+FAR = wp.constant(wp.float64(1.0e300))  # m: opening where nothing is opposite
+
+
+@wp.kernel
+def add_layer_energy(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    area: wp.array3d(dtype=real),
+    opened: wp.array3d(dtype=real),
+    offset: wp.array3d(dtype=real),
+    tangent: wp.array4d(dtype=real),
+    past: wp.array3d(dtype=real),
+    past_drag: wp.array3d(dtype=real),
+    impulsive: wp.array2d(dtype=int),
+    theta: wp.array2d(dtype=real),
+    depth_now: out(wp.array3d(dtype=real)),
+    drag_now: out(wp.array3d(dtype=real)),
+    pair_loss: out(wp.array2d(dtype=real)),
+    pair_energy: inout(wp.array3d(dtype=real)),
+):
+    """Per world, one lane, where the iteration has converged: the energy of the layers in place of what `sum_contact`
+    counted for them, depths and drags of damped ones, and what these lose in the step [J]."""
+    w = wp.tid()
+    model = models[0]
+    if not has_converged(ctl, w):
+        return
+    pair = int(0)
+    while pair < model.pairs.count:
+        if model.layers.kind[pair] != CONSTANT:
+            energy = real(0.0)
+            lost = real(0.0)
+            part = real(0.5)
+            if impulsive[w, pair] != 0:
+                part = theta[w, pair]
+            A = model.pairs.first[pair]
+            rows = model.surfaces.rows[A]
+            start = model.layers.point_start[pair]
+            per_column = model.layers.point_count[pair]
+            low = window[w, pair, 0] + model.window.half
+            high = window[w, pair, 1] + model.window.half
+            m = low * rows
+            while m < (high + 1) * rows:
+                if active[w, pair, m] != 0 and area[w, pair, m] > real(0.0):
+                    value = linear_yield(model, w, pair, m, rows, active, pressure, offset, tangent)
+                    energy -= real(0.5) * pressure[w, pair, m] * value
+                m += 1
+            damped = model.layers.number[pair, CHI] > real(0.0)
+            rate = rate_of(model, ctl, clk, w, pair)
+            origin = center[w, pair, 0] - 1 - model.window.half
+            if damped:
+                q = int(0)
+                while q < depth_now.shape[2]:
+                    depth_now[w, pair, q] = real(0.0)
+                    drag_now[w, pair, q] = real(0.0)
+                    q += 1
+            q = low * per_column
+            while q < (high + 2) * per_column:
+                cell = q / per_column
+                point = start + q - cell * per_column
+                row = model.layers.row[point]
+                p = real(0.0)
+                slack = real(0.0)
+                for node in range(4):
+                    m = corner_of(model, cell, row, rows, node)
+                    if m >= 0:
+                        value = hat_value(model, node, point)
+                        if active[w, pair, m] != 0:
+                            p += value * wp.max(pressure[w, pair, m], real(0.0))
+                        elif area[w, pair, m] > real(0.0):
+                            slack += value * wp.max(opened[w, pair, m], real(0.0)) / area[w, pair, m]
+                        else:
+                            slack = FAR
+                if (p > real(0.0) or damped) and cell_exists(model, A, origin + cell):
+                    d = layer_depth(model, pair, p, past[w, pair, q], rate)
+                    if damped:
+                        if p <= real(0.0):
+                            d = wp.max(d - slack, real(0.0))
+                        depth_now[w, pair, q] = d
+                    dA = model.layers.area[point]
+                    energy += dA * layer_energy(model, pair, d)
+                    if rate > real(0.0):
+                        elastic = layer_pressure(model, pair, d, real(0.0), real(0.0))
+                        drag_now[w, pair, q] = p - elastic[0]
+                        mean = mean_of(part, past_drag[w, pair, q], p - elastic[0])
+                        lost += dA * wp.max(mean * (d - past[w, pair, q]), real(0.0))  # below where the rate turns
+                q += 1
+            pair_energy[w, pair, 1] = pair_energy[w, pair, 1] + energy
+            pair_loss[w, pair] = lost
+        pair += 1
+
+
+@wp.kernel
+def keep_layer(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    center: wp.array3d(dtype=int),
+    depth_now: wp.array3d(dtype=real),
+    drag_now: wp.array3d(dtype=real),
+    depth_before: out(wp.array3d(dtype=real)),
+    drag_before: out(wp.array3d(dtype=real)),
+    column_before: out(wp.array2d(dtype=int)),
+):
+    """Per (world, pair), lanes over points: an accepted step leaves depths and drags, with the columns they belong
+    to."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
+        return
+    if model.layers.kind[pair] != CONSTANT and model.layers.number[pair, CHI] > real(0.0):
+        q = lane
+        while q < depth_before.shape[2]:
+            depth_before[w, pair, q] = depth_now[w, pair, q]
+            drag_before[w, pair, q] = drag_now[w, pair, q]
+            q += wp.block_dim()
+    if lane == 0:
+        column_before[w, pair] = center[w, pair, 0]

@@ -1,0 +1,367 @@
+r"""A layer whose yield is no constant (`layer_laws`), in the weak form and in the local solve.
+
+Weak form. On the surfaces p >= 0, g + y(p) >= 0, p (g + y(p)) = 0, with y = P^-1 the depth that the layer yields under
+p. Tested with the hats psi_i of the first surface, and with p = sum_j s_j psi_j,
+
+    0 <= s_i,      r_i = g_i + (G s)_i + int psi_i y(p) dA >= 0,      s_i r_i = 0,
+
+g_i the weak gap. The integral is taken at the points of the pair's evaluation, the Gauss points of the grid's cells or
+the few that were chosen for all of them; their weights are constants of the material, and positive. It is the gradient
+of int W*(p) dA, W* the complementary energy of the layer, so that its tangent
+
+    E_ij = int psi_i psi_j y'(p) dA,      y' = 1/P',
+
+is symmetric, positive definite (at few points semidefinite: fewer points than hats leave some combinations of hats
+without a yield of their own, not without the bodies'), and couples a hat to its eight neighbours. With a yield
+proportional to p this is M_psi/k, the constant of `LinearLayer`.
+
+Tangent. At each point the curve is replaced by its tangent at a depth d_q, y(p) = a + b p with b = 1/P'(d_q) and
+a = d_q - b P(d_q). The active set solve sees G + E instead of G and gaps that contain int psi (a + b p); it stays the
+same linear complementarity problem, for hats outside the set too.
+
+Where to put the tangent. y is concave and steep at p = 0: a Newton iteration in the pressures creeps up from below, one
+in the depths creeps down from above (a logarithm by one decay length a step), and each is exact where the other fails.
+After a solve a point has the pressure p and the depth y_t = a + b p, off the curve; the bodies answer a change of
+pressure by about -S, so that the solution is near the intersection of the curve and the line
+
+    d + S (P(d) - p) = y_t,
+
+which lies between the depths y(p) and y_t and is approached from the nearer of them, from either side without
+overshooting. For S the sum of the line of G (with the outer coordinates condensed) over the active hats is taken: the
+answer to a uniform change, the one that matters. Any S > 0 has the same fixed point; near it, d_q = y(p) is Newton's
+method. A step begins with the tangents at the present pressures; where there is none they hardly hold, so that the
+first iterate of a step that closes the contact finds how deep the bodies would sink without it.
+
+Rates. A damped layer needs the depth of every point at the last accepted state: `layer_energy`.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.layers.layer_laws import CHI, CONSTANT, layer_depth, layer_pressure, least_depth
+
+wp.set_module_options(MODULE_OPTIONS)
+
+NEAR = wp.constant(wp.float64(0.1))  # of the pressure: from there Newton's method in the pressures converges
+NO_TIME = wp.constant(wp.float64(1.0e-15))  # s: no step is shorter; a linearisation about a state is (1e-20 s)
+SIDE_STEPS = wp.constant(2)  # steps towards the intersection: it is a starting point only
+
+
+@wp.func
+def cell_exists(model: Model, surface: int, column: int) -> bool:
+    """Is there a cell between the grid columns `column` and the next, counted over full turns? On an arc the outermost
+    columns have one on their outer side too, where their hats end."""
+    return model.surfaces.periodic[surface] != 0 or (column >= -1 and column < model.surfaces.columns[surface])
+
+
+@wp.func
+def rate_of(model: Model, ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int, pair: int) -> real:
+    """chi/h [1/m] of a pair's law in a step in time, else 0."""
+    if ctl[w].mode != k.DYNAMIC or clk[w].h < NO_TIME:
+        return real(0.0)
+    return model.layers.number[pair, CHI] / clk[w].h
+
+
+@wp.func
+def hat_value(model: Model, node: int, point: int) -> real:
+    """Value of corner `node` = 2 c + r of a cell at its point with the number `point` in the tables."""
+    x = model.layers.x[point]
+    z = model.layers.zeta[point]
+    if node < 2:
+        x = real(1.0) - x
+    if node % 2 == 0:
+        z = real(1.0) - z
+    return x * z
+
+
+@wp.func
+def corner_of(model: Model, cell: int, row: int, rows: int, node: int) -> int:
+    """Window index of corner `node` = 2 c + r of the cell (cell, row), cell between the columns cell - 1 and cell of
+    the window; -1 beyond the window."""
+    column = cell - 1 + node / 2
+    if column < 0 or column >= model.window.columns:
+        return -1
+    return column * rows + row + node % 2
+
+
+@wp.kernel
+def linearise_layer(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    depth_before: wp.array3d(dtype=real),
+    drag_before: wp.array3d(dtype=real),
+    column_before: wp.array2d(dtype=int),
+    support: inout(wp.array3d(dtype=real)),
+    past: inout(wp.array3d(dtype=real)),
+    past_drag: out(wp.array3d(dtype=real)),
+    depth: inout(wp.array3d(dtype=real)),
+    flexibility: inout(wp.array3d(dtype=real)),
+    beginning: inout(wp.array3d(dtype=real)),
+):
+    """Per (world, pair), lanes over points: the tangent of the law at the points of the window, from the pressures of
+    the last solve; where the windows were laid anew, at the present pressures and all columns it may grow to.
+
+    depth: d_q, flexibility: b, beginning: a of the module docstring; past, past_drag: depth and drag at the last
+    accepted state.
+    """
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.layers.kind[pair] == CONSTANT:
+        return
+    A = model.pairs.first[pair]
+    rows = model.surfaces.rows[A]
+    start = model.layers.point_start[pair]
+    per_column = model.layers.point_count[pair]
+    rate = rate_of(model, ctl, clk, w, pair)
+    fresh = ctl[w].iteration == 0 or ctl[w].recenter != 0
+    moved = center[w, pair, 0] - column_before[w, pair]
+    turn = model.surfaces.turn[A]
+    if turn > 0:
+        moved = moved - turn * int(wp.floor(real(moved) / real(turn) + real(0.5)))
+    last = (model.window.columns + 1) * per_column
+    q = (window[w, pair, 0] + model.window.half) * per_column + lane
+    end = (window[w, pair, 1] + model.window.half + 2) * per_column
+    if fresh:
+        q = lane
+        end = last
+        m = lane
+        while m < model.window.hats:
+            support[w, pair, m] = real(0.0)
+            m += wp.block_dim()
+        sync()
+    least = least_depth(model, pair, real(0.0), real(0.0))  # of a point at rest
+    at_least = layer_pressure(model, pair, least, real(0.0), real(0.0))
+    while q < end:
+        cell = q / per_column
+        point = start + q - cell * per_column
+        row = model.layers.row[point]
+        p = real(0.0)
+        held = real(0.0)
+        share = real(0.0)
+        for node in range(4):
+            m = corner_of(model, cell, row, rows, node)
+            if m >= 0:
+                value = hat_value(model, node, point)
+                if active[w, pair, m] != 0:
+                    p += value * wp.max(pressure[w, pair, m], real(0.0))
+                if support[w, pair, m] > real(0.0):
+                    held += value * support[w, pair, m]
+                    share += value
+        if fresh:
+            old = real(0.0)
+            drag = real(0.0)
+            source = q + moved * per_column
+            if rate > real(0.0) and source >= 0 and source < last:
+                old = depth_before[w, pair, source]
+                drag = drag_before[w, pair, source]
+            past[w, pair, q] = old
+            past_drag[w, pair, q] = drag
+            depth[w, pair, q] = least
+            flexibility[w, pair, q] = real(1.0) / at_least[1]
+            beginning[w, pair, q] = least - at_least[0] / at_least[1]
+            if p > real(0.0) or old > real(0.0):
+                depth[w, pair, q] = layer_depth(model, pair, p, old, rate)
+        elif p > real(0.0) or share > real(0.0):
+            if share > real(0.0):
+                held = held / share
+            on_tangent = beginning[w, pair, q] + flexibility[w, pair, q] * p
+            depth[w, pair, q] = next_depth(
+                model, pair, p, depth[w, pair, q], on_tangent, held, past[w, pair, q], rate
+            )  # fmt: skip
+        if p > real(0.0) or past[w, pair, q] > real(0.0) or depth[w, pair, q] != least:
+            at = layer_pressure(model, pair, depth[w, pair, q], past[w, pair, q], rate)
+            flexibility[w, pair, q] = real(1.0) / at[1]
+            beginning[w, pair, q] = depth[w, pair, q] - at[0] / at[1]
+        q += wp.block_dim()
+
+
+@wp.func
+def next_depth(
+    model: Model, pair: int, p: real, tangent_at: real, on_tangent: real, held: real, past: real, rate: real
+) -> real:
+    """Where to put the tangent next, after a solve that gave the pressure p and the depth `on_tangent` on the tangent
+    at the depth `tangent_at`; `held`: S."""
+    low = layer_depth(model, pair, p, past, rate)
+    at = layer_pressure(model, pair, tangent_at, past, rate)
+    if held <= real(0.0) or wp.abs(p - at[0]) <= NEAR * at[0]:
+        return low
+    asked = wp.max(on_tangent, least_depth(model, pair, past, rate))
+    top = layer_pressure(model, pair, asked, past, rate)
+    x = low
+    beyond = low - asked  # what x is off the line
+    if wp.abs(held * (top[0] - p)) <= wp.abs(beyond):
+        x = asked
+        beyond = held * (top[0] - p)
+    pressed = layer_pressure(model, pair, x, past, rate)[0]
+    i = int(0)
+    while i < SIDE_STEPS:
+        here = layer_pressure(model, pair, x, past, rate)
+        if beyond > real(0.0):  # down, in the depths
+            x -= (x + held * (here[0] - p) - asked) / (real(1.0) + held * here[1])
+        else:  # up, in the pressures
+            pressed += (asked - x - held * (pressed - p)) / (real(1.0) / here[1] + held)
+            x = layer_depth(model, pair, pressed, past, rate)
+        i += 1
+    return wp.clamp(x, wp.min(low, asked), wp.max(low, asked))
+
+
+@wp.kernel
+def weigh_layer(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    flexibility: wp.array3d(dtype=real),
+    beginning: wp.array3d(dtype=real),
+    offset: out(wp.array3d(dtype=real)),
+    tangent: inout(wp.array4d(dtype=real)),
+):
+    """Per (world, pair), lanes over hats of the window: int psi_i a dA, and the line of E, neighbour (column + c - 1,
+    row + r - 1) at 3 c + r."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.layers.kind[pair] == CONSTANT:
+        return
+    A = model.pairs.first[pair]
+    rows = model.surfaces.rows[A]
+    start = model.layers.point_start[pair]
+    per_column = model.layers.point_count[pair]
+    row_at = model.layers.row_start[pair]
+    m = (window[w, pair, 0] + model.window.half) * rows + lane
+    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
+        column = m / rows
+        own_row = m - column * rows
+        for n in range(9):
+            tangent[w, pair, m, n] = real(0.0)
+        total = real(0.0)
+        for corner in range(4):  # which corner of the cell the hat is
+            cell = column + 1 - corner / 2
+            row = own_row - corner % 2
+            absolute = center[w, pair, 0] + cell - 1 - model.window.half
+            if row >= 0 and row < rows - 1 and cell_exists(model, A, absolute):
+                point = start + model.layers.row_at[row_at + row]
+                end = start + model.layers.row_at[row_at + row + 1]
+                q = cell * per_column + point - start
+                while point < end:
+                    weight = hat_value(model, corner, point) * model.layers.area[point]
+                    total += weight * beginning[w, pair, q]
+                    weight = weight * flexibility[w, pair, q]
+                    for node in range(4):
+                        n = 3 * (1 + node / 2 - corner / 2) + 1 + node % 2 - corner % 2
+                        value = weight * hat_value(model, node, point)
+                        tangent[w, pair, m, n] = tangent[w, pair, m, n] + value
+                    point += 1
+                    q += 1
+        offset[w, pair, m] = total
+        m += wp.block_dim()
+
+
+@wp.func
+def linear_yield(
+    model: Model,
+    w: int,
+    pair: int,
+    m: int,
+    rows: int,
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    offset: wp.array3d(dtype=real),
+    tangent: wp.array4d(dtype=real),
+) -> real:
+    """int psi_m (a + b p) dA under the present pressures of the active hats."""
+    value = offset[w, pair, m]
+    column = m / rows
+    row = m - column * rows
+    for c in range(3):
+        for r in range(3):
+            other = (column + c - 1) * rows + row + r - 1
+            inside = column + c >= 1 and column + c <= model.window.columns and row + r >= 1 and row + r <= rows
+            if inside:
+                if active[w, pair, other] != 0:
+                    value += tangent[w, pair, m, 3 * c + r] * pressure[w, pair, other]
+    return value
+
+
+@wp.kernel
+def add_yield(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    window: wp.array3d(dtype=int),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    offset: wp.array3d(dtype=real),
+    tangent: wp.array4d(dtype=real),
+    first_local: inout(wp.array(dtype=real)),
+):
+    """Per (world, pair), lanes over hats of the window: the layer's weak yield, added to what the local modes open."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or model.layers.kind[pair] == CONSTANT:
+        return
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    base = (w * model.pairs.count + pair) * model.window.hats
+    m = (window[w, pair, 0] + model.window.half) * rows + lane
+    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
+        value = linear_yield(model, w, pair, m, rows, active, pressure, offset, tangent)
+        first_local[base + m] = first_local[base + m] + value
+        m += wp.block_dim()
+
+
+@wp.kernel
+def add_flexibility(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    active: wp.array3d(dtype=int),
+    area: wp.array3d(dtype=real),
+    slot_of: wp.array3d(dtype=int),
+    slot_mode: wp.array3d(dtype=int),
+    tangent: wp.array4d(dtype=real),
+    support: out(wp.array3d(dtype=real)),
+    condensed: inout(wp.array3d(dtype=real)),
+):
+    """Per world, lanes over slots: E added to the entries of `condensed` that `condense_contact` has just written, and,
+    after an evaluation, S of the module docstring. A lane writes the line of its own slot only."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0:
+        return
+    slots = ctl[w].slots
+    fresh = ctl[w].fresh
+    if ctl[w].moved != 0:
+        fresh = int(0)
+    i = lane
+    while i < slots:
+        pair = slot_mode[w, i, 0]
+        m = slot_mode[w, i, 1]
+        if model.layers.kind[pair] != CONSTANT:
+            if ctl[w].moved != 0:
+                total = real(0.0)
+                j = int(0)
+                while j < slots:
+                    if slot_mode[w, j, 0] == pair:
+                        if active[w, pair, slot_mode[w, j, 1]] != 0:
+                            total += condensed[w, i, j]
+                    j += 1
+                support[w, pair, m] = real(0.0)
+                if area[w, pair, m] > real(0.0):
+                    support[w, pair, m] = wp.max(total / area[w, pair, m], real(0.0))
+            rows = model.surfaces.rows[model.pairs.first[pair]]
+            column = m / rows
+            row = m - column * rows
+            for c in range(3):
+                for r in range(3):
+                    inside = column + c >= 1 and column + c <= model.window.columns and row + r >= 1
+                    if inside and row + r <= rows:
+                        j = slot_of[w, pair, (column + c - 1) * rows + row + r - 1]
+                        if j >= 0 and wp.max(i, j) >= fresh:
+                            condensed[w, i, j] = condensed[w, i, j] + tangent[w, pair, m, 3 * c + r]
+        i += wp.block_dim()

@@ -1,0 +1,1 @@
+"""Normal contact: displacement, compliance, active set, forces."""

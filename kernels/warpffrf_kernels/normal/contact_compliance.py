@@ -1,0 +1,401 @@
+"""Rows of the local compliance G = Psi^T (C_A + C_B) Psi on the modes in play ("slots"), assembled once each.
+
+With the hat compliance D of each surface (`u = D f`, both in hats) and the stencil l_j, the load of the second surface
+under a unit pressure hat j of the first:
+
+    G_ij = (M D_A M)_ij + l_i . (D_B l_j) + J_i sigma^-1 J_j^T,      J_i = [-(M Phi_A)_i, -l_i Phi_B].
+
+The last term condenses the global modes: their tangent sigma is diagonal (`receptance` = 1/sigma), so it costs modes x
+slots^2 / 2. `M D_A M` is precomputed; `T_j = D_B l_j` is kept, because it also gives the displacement of the second
+surface at every node of the window. A slot stays assembled until the grids move against each other, so an active set
+that changes pays for the change only.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, sync, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.func
+def short_of(model: Model) -> int:
+    """What an attempt fails of that runs out of slots: the host's room, where the capacities of the contacts allow
+    more, else these: then a smaller step may do, whose iterations do not overshoot."""
+    if model.capacity.slots < model.capacity.slot_limit:
+        return int(k.ROOM)
+    return int(k.CAPACITY)
+
+
+@wp.kernel
+def take_slots(
+    models: wp.array(dtype=Model),
+    active: wp.array3d(dtype=int),
+    ctl: inout(wp.array(dtype=Control)),
+    phase: inout(wp.array3d(dtype=real)),
+    slot_of: inout(wp.array3d(dtype=int)),
+    slot_mode: out(wp.array3d(dtype=int)),
+):
+    """Per world: a slot for each active mode that has none; all slots are given back first when the grids have
+    moved.
+    """
+    w = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0:
+        return
+    capacity = model.window.hats
+    if ctl[w].reassemble != 0:
+        ctl[w].slots = 0
+        pair = int(0)
+        while pair < model.pairs.count:
+            m = int(0)
+            while m < capacity:
+                slot_of[w, pair, m] = -1
+                m += 1
+            for i in range(4):
+                phase[w, pair, i] = phase[w, pair, 4 + i]
+            for i in range(2):
+                phase[w, pair, 8 + i] = phase[w, pair, 10 + i]
+            pair += 1
+        ctl[w].reassemble = 0
+        ctl[w].recenter = 0
+    count = ctl[w].slots
+    ctl[w].fresh = count
+    if ctl[w].reweighed != 0:
+        ctl[w].fresh = 0
+        ctl[w].reweighed = 0
+    number = int(0)
+    pair = int(0)
+    while pair < model.pairs.count:
+        m = int(0)
+        while m < capacity:
+            if active[w, pair, m] != 0:
+                number += 1
+                if slot_of[w, pair, m] < 0:
+                    if count < model.capacity.slots:
+                        slot_of[w, pair, m] = count
+                        slot_mode[w, count, 0] = pair
+                        slot_mode[w, count, 1] = m
+                    count += 1
+            m += 1
+        pair += 1
+    if count > model.capacity.slots:
+        ctl[w].failure = ctl[w].failure | short_of(model)
+        ctl[w].spare = wp.max(ctl[w].spare, count)
+        ctl[w].run = 0
+        count = model.capacity.slots
+    ctl[w].slots = count
+    ctl[w].active = number
+
+
+@wp.func
+def place_in_table(model: Model, surface: int, source: int, row: int, target: int) -> int:
+    """Place, in a compliance table of the surface, of the response at grid column `target` (row 0) to hat (source,
+    row); columns counted over full turns. -1 when the hat does not exist. Targets of following columns and rows follow
+    contiguously."""
+    block = model.surfaces.block[surface]
+    rows = model.surfaces.rows[surface]
+    if model.surfaces.turn[surface] == 0 and (source < 0 or source >= block):
+        return -1
+    part = ((source % block) + block) % block
+    reach = model.surfaces.reach[surface]
+    return ((part * rows + row) * (block + 2 * reach) + target - (source - part) + reach) * rows
+
+
+@wp.func
+def table_row(model: Model, surface: int, source: int, row: int, target: int) -> int:
+    """`place_in_table` in the tables `compliance` and `self_compliance`."""
+    at = place_in_table(model, surface, source, row, target)
+    if at >= 0:
+        at += model.surfaces.lag_start[surface]
+    return at
+
+
+@wp.kernel
+def respond(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    center: wp.array3d(dtype=int),
+    second_window: wp.array3d(dtype=int),
+    slot_mode: wp.array3d(dtype=int),
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+    T: inout(wp.array(dtype=real)),
+):
+    """Per world: T_j = D_B l_j of the fresh slots on the nodes of the second window."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0:
+        return
+    slot = ctl[w].fresh
+    while slot < ctl[w].slots:
+        pair = slot_mode[w, slot, 0]
+        m = slot_mode[w, slot, 1]
+        B = model.pairs.second[pair]
+        rows = model.surfaces.rows[B]
+        first = second_window[w, pair, 0]
+        count = (second_window[w, pair, 1] - first + 1) * rows
+        start = (w * model.capacity.slots + slot) * model.window.nodes + first * rows
+        i = lane
+        while i < count:
+            T[start + i] = real(0.0)
+            i += wp.block_dim()
+        sync()
+        origin = center[w, pair, 1] - model.window.second_half
+        c = int(0)
+        while c < model.window.stencil_columns:
+            r = int(0)
+            while r < model.window.stencil_rows:
+                weight = stencil[w, pair, m, c * model.window.stencil_rows + r]
+                if weight != real(0.0):
+                    at = table_row(
+                        model, B, origin + stencil_at[w, pair, m, 0] + c, stencil_at[w, pair, m, 1] + r, origin + first
+                    )
+                    if at >= 0:
+                        axpy(count, weight, model.surfaces.compliance, at, T, start)
+                r += 1
+            c += 1
+        slot += 1
+
+
+@wp.func
+def node_of(model: Model, surface: int, column: int, row: int) -> int:
+    """Flat grid node of a column counted over full turns; -1 where the grid has none."""
+    turn = model.surfaces.turn[surface]
+    c = column
+    if turn > 0:
+        c = ((column % turn) + turn) % turn
+    if c < 0 or c >= model.surfaces.columns[surface]:
+        return -1
+    return c * model.surfaces.rows[surface] + row
+
+
+@wp.kernel
+def modal_rows(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    center: wp.array3d(dtype=int),
+    slot_mode: wp.array3d(dtype=int),
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+    weight: wp.array2d(dtype=real),
+    J: inout(wp.array(dtype=real)),
+):
+    """Per world: gradient of the weak gap of the fresh slots by the global modes of A, then of B, times the weight of
+    the pair."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0:
+        return
+    slot = ctl[w].fresh
+    while slot < ctl[w].slots:
+        pair = slot_mode[w, slot, 0]
+        m = slot_mode[w, slot, 1]
+        A = model.pairs.first[pair]
+        B = model.pairs.second[pair]
+        modes_a = model.surfaces.modal_count[A]
+        modes_b = model.surfaces.modal_count[B]
+        start = (w * model.capacity.slots + slot) * model.pairs.most_modes
+        i = lane
+        while i < modes_a + modes_b:
+            J[start + i] = real(0.0)
+            i += wp.block_dim()
+        sync()
+        column = m / model.surfaces.rows[A]
+        node = node_of(model, A, center[w, pair, 0] + column - model.window.half, m - column * model.surfaces.rows[A])
+        if node >= 0:
+            at = model.surfaces.mode_start[A] + node * modes_a
+            axpy(modes_a, -weight[w, pair], model.surfaces.mode_moment, at, J, start)
+        base = center[w, pair, 1] - model.window.second_half + stencil_at[w, pair, m, 0]
+        c = int(0)
+        while c < model.window.stencil_columns:
+            r = int(0)
+            while r < model.window.stencil_rows:
+                part = weight[w, pair] * stencil[w, pair, m, c * model.window.stencil_rows + r]
+                if part != real(0.0):
+                    node = node_of(model, B, base + c, stencil_at[w, pair, m, 1] + r)
+                    if node >= 0:
+                        at = model.surfaces.mode_start[B] + node * modes_b
+                        axpy(modes_b, -part, model.surfaces.mode_normal, at, J, start + modes_a)
+                r += 1
+            c += 1
+        slot += 1
+
+
+@wp.func
+def outer_row(
+    model: Model,
+    w: int,
+    pair: int,
+    row: int,
+    lane: int,
+    f: vec3,
+    t: vec3,
+    axes: wp.array2d(dtype=mat33),
+    r1: wp.array2d(dtype=vec3),
+    weight: wp.array2d(dtype=real),
+    J: wp.array(dtype=real),
+    start: int,
+    C_receptance: wp.array(dtype=real),
+    inverse_transposed: wp.array(dtype=real),
+    begin: int,
+    L: wp.array3d(dtype=real),
+    V: wp.array(dtype=real),
+):
+    """Line `row` of L, [d/d(rigid), -J sigma^-1 C_modal^T] over the columns in `coupled` of the pair, and V = H L from
+    `begin` on: of a quantity with the gradient (f, t) by the motion of A relative to B, and J (from `start`) by the
+    modes, times the weight of the pair, which J has already."""
+    A = model.surfaces.body[model.pairs.first[pair]]
+    B = model.surfaces.body[model.pairs.second[pair]]
+    if lane == 0:
+        push = weight[w, pair] * f
+        turn = weight[w, pair] * t
+        t_a = wp.transpose(axes[w, A]) * turn
+        for i in range(3):
+            L[w, row, i] = push[i]
+            L[w, row, 3 + i] = t_a[i]
+            L[w, row, 6 + i] = real(0.0)  # the ground does not move
+            L[w, row, 9 + i] = real(0.0)
+        if B >= 0:
+            t_b = wp.transpose(axes[w, B]) * (turn + wp.cross(r1[w, A] - r1[w, B], push))
+            for i in range(3):
+                L[w, row, 6 + i] = -push[i]
+                L[w, row, 9 + i] = -t_b[i]
+    first_a = model.surfaces.modal_start[model.pairs.first[pair]]
+    count_a = model.surfaces.modal_count[model.pairs.first[pair]]
+    first_b = model.surfaces.modal_start[model.pairs.second[pair]]
+    N = model.outer.count
+    count = model.pairs.coupled_count[pair]
+    c = 12 + lane
+    while c < count:
+        column = model.pairs.coupled[pair, c]
+        if column < model.outer.row_offset:  # a mode that carries inertia
+            mode = model.dense.mode[column - 6 * model.bodies.count]
+            at = mode - first_a
+            if at < 0 or at >= count_a:
+                at = count_a + mode - first_b
+            L[w, row, c] = J[start + at]
+        else:
+            at = (w * model.rows.count + column - model.outer.row_offset) * model.modes.count
+            value = -dot(model.bodies.global_count[A], J, start, C_receptance, at + first_a)
+            if B >= 0:
+                value -= dot(model.bodies.global_count[B], J, start + count_a, C_receptance, at + first_b)
+            L[w, row, c] = value
+        c += wp.block_dim()
+    c = lane
+    while c < N:
+        V[begin + c] = real(0.0)
+        c += wp.block_dim()
+    sync()
+    c = int(0)
+    while c < count:
+        axpy(N, L[w, row, c], inverse_transposed, (w * N + model.pairs.coupled[pair, c]) * N, V, begin)
+        c += 1
+
+
+@wp.kernel
+def outer_rows(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    axes: wp.array2d(dtype=mat33),
+    r1: wp.array2d(dtype=vec3),
+    wrench: wp.array4d(dtype=real),
+    weight: wp.array2d(dtype=real),
+    slot_mode: wp.array3d(dtype=int),
+    J: wp.array(dtype=real),
+    C_receptance: wp.array(dtype=real),
+    inverse_transposed: wp.array(dtype=real),
+    L: inout(wp.array3d(dtype=real)),
+    V: inout(wp.array(dtype=real)),
+):
+    """Per world: gradient L of the gap by the outer coordinates times the weight of the pair, and V = H L
+    (`outer_row`); for all slots when H is new, else for the fresh ones."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0:
+        return
+    slot = ctl[w].fresh
+    if ctl[w].refresh != 0 and ctl[w].moved != 0:
+        slot = int(0)
+    while slot < ctl[w].slots:
+        pair = slot_mode[w, slot, 0]
+        m = slot_mode[w, slot, 1]
+        f = vec3(wrench[w, pair, m, 0], wrench[w, pair, m, 1], wrench[w, pair, m, 2])
+        t = vec3(wrench[w, pair, m, 3], wrench[w, pair, m, 4], wrench[w, pair, m, 5])
+        line = w * model.capacity.slots + slot
+        outer_row(
+            model, w, pair, slot, lane, f, t, axes, r1, weight, J, line * model.pairs.most_modes, C_receptance,
+            inverse_transposed, line * model.outer.count, L, V,
+        )  # fmt: skip
+        slot += 1
+
+
+# condensed[i, first:last] = G[i, first:last] + V_i . L^T and the mirror, lanes over the columns; V_i is gathered once.
+# A slot of pressures has one line of these arrays, one of friction two: the lines of G over the slots of the table.
+# Native for contiguous inner loops like `axpy`; not measured separately.
+@wp.func_native("""
+    const int cap = G.shape[1], slots = slot_mode.shape[1], lines = cap / slots;
+    const int N = model.outer.count, width = model.pairs.coupled_capacity;
+    const double* v = V.data + ((size_t)w * cap + i) * N;
+    double picked[512];
+    int known = -1, count = 0;
+    for (int j = first + WP_TILE_THREAD_IDX; j < last; j += WP_TILE_BLOCK_DIM) {
+        const int pair = slot_mode.data[((size_t)w * slots + j / lines) * 2];
+        if (pair != known) {
+            const int* c = model.pairs.coupled.data + (size_t)pair * width;
+            known = pair; count = model.pairs.coupled_count.data[pair];
+            for (int q = 0; q < count; ++q) picked[q] = v[c[q]];
+        }
+        const double* l = L.data + ((size_t)w * cap + j) * width;
+        double x0 = 0.0, x1 = 0.0, x2 = 0.0, x3 = 0.0; int q = 0;
+        for (; q + 3 < count; q += 4) {
+            x0 += picked[q] * l[q]; x1 += picked[q + 1] * l[q + 1];
+            x2 += picked[q + 2] * l[q + 2]; x3 += picked[q + 3] * l[q + 3];
+        }
+        for (; q < count; ++q) x0 += picked[q] * l[q];
+        const double g = G.data[((size_t)w * cap + i) * cap + j] + (x0 + x1) + (x2 + x3);
+        condensed.data[((size_t)w * cap + i) * cap + j] = g; condensed.data[((size_t)w * cap + j) * cap + i] = g;
+    }
+""")
+def add_outer(
+    model: Model,
+    w: int,
+    i: int,
+    first: int,
+    last: int,
+    slot_mode: wp.array3d(dtype=int),
+    G: wp.array3d(dtype=real),
+    L: wp.array3d(dtype=real),
+    V: wp.array(dtype=real),
+    condensed: wp.array3d(dtype=real),
+): ...
+
+
+@wp.kernel
+def condense_contact(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    slot_mode: wp.array3d(dtype=int),
+    G: wp.array3d(dtype=real),
+    L: wp.array3d(dtype=real),
+    V: wp.array(dtype=real),
+    condensed: out(wp.array3d(dtype=real)),
+):
+    """Per world: G + L H L^T over all slots when H is new or a layer's flexibility is (`weak_layer`), else for the
+    fresh ones."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0:
+        return
+    count = ctl[w].slots
+    fresh = ctl[w].fresh
+    if ctl[w].moved != 0 and (ctl[w].refresh != 0 or model.layers.count > 0):  # a layer's flexibility is added
+        fresh = int(0)
+    i = int(0)
+    while i < count:
+        add_outer(model, w, i, wp.max(i, fresh), count, slot_mode, G, L, V, condensed)
+        i += 1

@@ -1,0 +1,189 @@
+"""The wrench of a pressure at points, free of torque about the axles of both bodies.
+
+Pressure acts along the gradient of the gap g = d_B(x), n = grad d_B, the normal of B at the foot of the point x on A.
+With u = tau + w x (x - O) the motion of A relative to B (translation of the point O of A's axis, turn w), the gap of a
+point fixed in A's material changes by n.u, which is a force n at x: a line through B's axis, but beside A's by the
+angle between the two normals. That torque about A's axle is not physical: A is a body of revolution, its turning about
+its axle moves nothing but its grid. As on the line of centres (`line_of_centres`) the place on the grid is therefore a
+parameter of the contact energy, and a point is held in the frame of the *contact*: where the surfaces are nearest, at
+the angle theta* of A's section through the point, moves with the bodies, and the point moves over A's material with it,
+
+    dg = n.u + (dg/dtheta) dtheta*(u),      dg/dtheta = n.(R e_theta) = q, the moment of n at x about A's axis.
+
+theta* is the root of h = n.e_theta, taken at x*, the angle of the nearest place of all in the point's section. With H =
+dn/dx, the derivative of the normal there,
+
+    dtheta*(u) = -[(H u*).e_theta + n.(w x e_theta)]/(R e_theta.H e_theta - n.e_r),      u* = tau + w x (x* - O).
+
+Turning A about its axle gives dtheta* = -1 and dg = 0. Turning B about its axle leaves d_B as it is: n.u = 0 at every
+point, and h too, as H (e_B x y) = e_B x n: dg = 0. Both hold for any x*. The unit pressure at x does on A
+
+    the force n + q D_f,      the moment about O  (x - O) x n + q D_m,      D_f = -H e_theta/N,
+    D_m = -((x* - O) x H e_theta + e_theta x n)/N,      N = R e_theta.H e_theta - n.e_r,
+
+and the opposite on B, at the same place: action equals reaction, and the torque about either axle vanishes identically.
+Parallel cylinders: H = e_theta e_theta/rho_B, D_f = -e_theta/|c|, c the vector from axis to axis, and the force is
+
+    n - e_theta (n.e_theta) R/|c| = c/|c| cos(angle of n to c):      along the line of centres.
+
+Against a plane H = 0: the force is n, its moment about A's axle is left out.
+
+A *sphere* turns about any line through its centre O without moving anything but its grid. Its nearest place is seen
+from the centre in the direction e = -n(O), de = -(H tau - w x n), and the frame of the contact turns by -w - e x H tau,
+less the part about e that B's turning about its own axle must not have. With q = (x - O) x n the unit pressure does
+
+    the force n - H (q x e) + (q.e) (e.e_B)/rho e_phi      at the centre, and no moment about it,
+
+rho the distance of O from B's axis e_B, e_phi the direction around that.
+
+**Surfaces that hug each other.** A pin in its bore has |c| = R_B - R_A: the line of centres turns by a degree for a
+motion of a few microns, and that turns the force. It is what the wrench above says, but its linearisation at fixed
+pressures says nothing of it. Where N (of a sphere 1/(R |H|)) is below HUGGING the linear systems take for the gradient
+of the gap n.u with no more than A's own turning left out, D_f = 0 and D_m = -e_A, under which pressures move from one
+side of the patch to the other as the pin moves; forces are those above all the same.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.access import out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.kinematics.closest_point import BEYOND, view_of
+from warpffrf_kernels.surfaces.surface import gradient_of, gradient_slope_of, local_point
+
+wp.set_module_options(MODULE_OPTIONS)
+
+HUGGING = wp.constant(wp.float64(0.05))  # distance of the axes over A's radius, of parallel cylinders
+COAXIAL = wp.constant(wp.float64(1.0e-9))  # the same: n.e_theta is then round-off, and nothing is left out
+
+
+@wp.func
+def is_sphere(model: Model, s: int) -> bool:
+    """Ball or cup, whose centre is the origin of its frame."""
+    plain = (
+        model.surfaces.planar[s] == 0 and model.surfaces.table_count[s] == 0 and model.surfaces.tangent[s] == real(0.0)
+    )
+    return plain and model.surfaces.crown[s] == model.surfaces.radius[s]
+
+
+@wp.struct
+class Held:
+    """How the frame of the contact turns about A's axis with a motion of A against B, of one section: D_f and D_m of
+    the module docstring, in A's surface frame; `hugs`: 1 where the linear systems leave D_f out."""
+
+    by_move: vec3
+    by_turn: vec3
+    hugs: int
+
+
+@wp.func
+def held_section(model: Model, A: int, B: int, at: vec3, turn: mat33, column: real, z: real) -> Held:
+    """Of the section z of A, seen from B as `at + turn x`; `column` of the nearest place."""
+    theta = model.surfaces.theta[A] + column * model.surfaces.pitch[A]
+    x = local_point(model, A, theta, z)
+    e_r = vec3(wp.cos(theta), wp.sin(theta), real(0.0))
+    around = vec3(-e_r[1], e_r[0], real(0.0))
+    y = at + turn * x
+    back = wp.transpose(turn)
+    n = back * gradient_of(model, B, y)
+    bent = back * (gradient_slope_of(model, B, y) * (turn * around))
+    N = wp.dot(x, e_r) * wp.dot(around, bent) - wp.dot(n, e_r)
+    out = Held()
+    if wp.abs(N) < COAXIAL:
+        return out
+    out.by_move = -bent / N
+    m = -(wp.cross(x, bent) + wp.cross(around, n)) / N
+    out.by_turn = vec3(m[0], m[1], real(-1.0))
+    if wp.abs(N) < HUGGING:
+        out.hugs = 1
+    return out
+
+
+@wp.func
+def held_sphere(model: Model, B: int, at: vec3, turn: mat33) -> mat33:
+    """The matrix that makes of q the force beside n, of a sphere A whose centre is `at` in B's frame."""
+    back = wp.transpose(turn)
+    e = -(back * gradient_of(model, B, at))
+    force = back * gradient_slope_of(model, B, at) * turn * wp.skew(e)
+    rho = wp.sqrt(at[0] * at[0] + at[1] * at[1])
+    if model.surfaces.planar[B] == 0 and rho > real(0.0):
+        around = back * vec3(-at[1] / rho, at[0] / rho, real(0.0))
+        axis = back * vec3(real(0.0), real(0.0), real(1.0))
+        force += wp.dot(e, axis) / rho * wp.outer(around, e)
+    return force
+
+
+@wp.kernel
+def hold_contact_frame(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    nearest: wp.array3d(dtype=real),
+    held: out(wp.array3d(dtype=Held)),
+    held_ball: out(wp.array2d(dtype=mat33)),
+):
+    """Per (world, pair of family 1), lanes over the points of a column: the frame of the contact in each one's section,
+    and that of a sphere."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != 1:
+        return
+    A = model.pairs.first[pair]
+    B = model.pairs.second[pair]
+    if model.surfaces.planar[A] != 0:
+        return
+    view = view_of(model, w, pair, r1, axes)
+    if is_sphere(model, A):
+        if lane == 0:
+            held_ball[w, pair] = held_sphere(model, B, view.at, view.turn)
+        return
+    p = lane
+    known = real(BEYOND)
+    section = Held()
+    while p < model.points.count[pair]:
+        z = model.points.z[model.points.start[pair] + p]
+        if z != known:
+            known = z
+            section = held_section(model, A, B, view.at, view.turn, nearest[w, pair, 0], z)
+        held[w, pair, p] = section
+        p += wp.block_dim()
+
+
+@wp.struct
+class Wrench:
+    """Of a unit pressure at a point: force and moment about the origin of A's surface frame, in it, as the linear
+    systems take them, and what the true ones have beside that."""
+
+    force: vec3
+    moment: vec3
+    more_force: vec3
+    more_moment: vec3
+
+
+@wp.func
+def point_wrench(model: Model, A: int, x: vec3, n: vec3, section: Held, ball: mat33) -> Wrench:
+    """At the point x of A with the normal n of B, both in A's surface frame."""
+    out = Wrench()
+    out.force = n
+    out.moment = wp.cross(x, n)
+    if model.surfaces.planar[A] != 0:
+        return out
+    if is_sphere(model, A):
+        more = ball * out.moment
+        out.moment = vec3(real(0.0), real(0.0), real(0.0))
+        if model.surfaces.radius[A] * wp.sqrt(wp.ddot(ball, ball)) * HUGGING > real(1.0):
+            out.more_force = more
+        else:
+            out.force += more
+        return out
+    q = out.moment[2]
+    if section.hugs != 0:
+        out.moment[2] = real(0.0)
+        out.more_force = q * section.by_move
+        out.more_moment = vec3(q * section.by_turn[0], q * section.by_turn[1], real(0.0))
+    else:
+        out.force += q * section.by_move
+        out.moment += q * section.by_turn
+    return out

@@ -1,0 +1,199 @@
+"""Is a state balanced? Residuals as fractions of the forces and lengths at hand, which end the Newton loop.
+
+A torque counts as the force that it is at the body's radius of gyration. What round-off leaves of sums of large terms
+that cancel (accelerations from increments, forces of joints on the modes) is no reason to go on.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.bodies.interfaces import marker_of
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+# residual below which the inverse of the last iteration serves once more
+REFRESH_ABOVE = wp.constant(wp.float64(1.0e-7))
+# of the coordinates: a joint defect is not measured against less, or round-off would exceed the tolerance
+SHORT = wp.constant(wp.float64(1.0e-5))
+# of accelerations, times the residual tolerance: a few digits above machine precision
+ROUND_OFF = wp.constant(wp.float64(1.0e-6))
+CANCELLED = wp.constant(wp.float64(1.0e-5))  # of a joint's force on the modes: round-off of its sums over the tolerance
+# of the force that moves a body by the scene's length in a step: below what round-off leaves where nothing acts
+NO_FORCE = wp.constant(wp.float64(1.0e-29))
+NONE = wp.constant(wp.float64(1.0e-300))  # keeps fractions finite where bodies have next to no mass
+
+
+@wp.func
+def gyration_of(J: mat33, mass: real) -> real:
+    """Mean radius of gyration: a torque is measured by the force that it is there, also of a slender body."""
+    return wp.sqrt(wp.trace(J) / (real(3.0) * mass))
+
+
+@wp.func
+def arm_of(model: Model, row: int) -> real:
+    """1 of a row that is a length, the scene's length [m] of one that is an angle: what makes the one of the other."""
+    kind = model.rows.kind[row]
+    if kind == k.TRANSLATION or kind == k.DISTANCE:
+        return real(1.0)
+    if kind == k.BUSHING:
+        along = vec3(model.rows.vector[row, 0], model.rows.vector[row, 1], model.rows.vector[row, 2])
+        if wp.length(along) > real(0.0):
+            return real(1.0)
+    return model.length
+
+
+@wp.kernel
+def balance(
+    models: wp.array(dtype=Model),
+    clk: wp.array(dtype=Clock),
+    r1: wp.array2d(dtype=vec3),
+    v1_rate: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    omega1_rate: wp.array2d(dtype=vec3),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+    lam: wp.array2d(dtype=real),
+    defect: wp.array2d(dtype=real),
+    softness: wp.array2d(dtype=real),
+    row_wrench: wp.array3d(dtype=real),
+    row_pull: wp.array3d(dtype=real),
+    load: wp.array3d(dtype=real),
+    load_on_modes: wp.array3d(dtype=real),
+    pair_wrench: wp.array3d(dtype=real),
+    gap_defect: wp.array2d(dtype=real),
+    modal_residual: wp.array2d(dtype=real),
+    modal_load: wp.array3d(dtype=real),
+    pair_modal: wp.array4d(dtype=real),
+    q1: wp.array2d(dtype=real),
+    qd1_rate: wp.array2d(dtype=real),
+    dq: wp.array2d(dtype=real),
+    residual: wp.array2d(dtype=real),
+    ctl: inout(wp.array(dtype=Control)),
+    history: out(wp.array2d(dtype=real)),
+):
+    """Per world: is the state balanced? Residual forces with contact, row defects, spring laws and gaps left open, all
+    as fractions.
+
+    The scale of forces is the largest of weight, inertia and gyroscopic force, multiplier and contact force, that of
+    modal ones the largest contact load, of all pairs and of each, elastic and inertia force; that of lengths the
+    penetration where there is contact, else the scene's (`gap_defect`: gaps left open as a fraction, penetration).
+    """
+    w = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].iteration == 0:
+        return
+    scale = NONE
+    modal_scale = NONE
+    b = int(0)
+    while b < model.bodies.count:
+        m = model.bodies.mass[b]
+        J = model.bodies.inertia[b]
+        gyration = gyration_of(J, m)
+        nothing = NO_FORCE * clk[w].outer.acc * model.length
+        scale = wp.max(scale, m * nothing)
+        modal_scale = wp.max(modal_scale, wp.sqrt(m) * nothing)
+        scale = wp.max(scale, m * (wp.length(model.gravity) + wp.length(v1_rate[w, b])))
+        turning = wp.length(J * omega1_rate[w, b]) + wp.length(wp.cross(omega1[w, b], J * omega1[w, b]))
+        scale = wp.max(scale, turning / gyration)
+        # accelerations are differences of increments: below this they are round-off
+        travel = wp.length(dx[w, b]) + gyration * wp.length(psi[w, b])
+        scale = wp.max(scale, ROUND_OFF * clk[w].outer.acc * m * travel)
+        for c in range(3):
+            scale = wp.max(scale, wp.abs(load[w, 1, 6 * b + c]))
+            scale = wp.max(scale, wp.abs(load[w, 1, 6 * b + 3 + c]) / gyration)
+        b += 1
+    extent = model.length
+    b = int(0)
+    while b < model.bodies.count:
+        extent = wp.max(extent, wp.length(r1[w, b]))
+        b += 1
+    length = model.length
+    if gap_defect[w, 1] > real(0.0):
+        length = wp.min(length, wp.max(gap_defect[w, 1], SHORT * extent))
+    worst = real(0.0)
+    sum = gap_defect[w, 0]  # a largest value drops what is not a number, a sum keeps it
+    row = int(0)
+    while row < model.rows.count:
+        if model.rows.kind[row] == k.TRANSLATION or model.rows.kind[row] == k.DISTANCE:
+            scale = wp.max(scale, wp.abs(lam[w, row]))
+        elif model.rows.rigid[row] == 0:  # a torsional spring, a bushing: force, and torque at the radius of gyration
+            f = vec3(row_wrench[w, row, 0], row_wrench[w, row, 1], row_wrench[w, row, 2])
+            t = vec3(row_wrench[w, row, 3], row_wrench[w, row, 4], row_wrench[w, row, 5])
+            scale = wp.max(scale, wp.abs(lam[w, row]) * wp.length(f))
+            for side in range(2):
+                b = model.markers.body[marker_of(model, row, side)]
+                if b >= 0:
+                    gyration = gyration_of(model.bodies.inertia[b], model.bodies.mass[b])
+                    scale = wp.max(scale, wp.abs(lam[w, row]) * wp.length(t) / gyration)
+        if softness[w, row] == real(0.0):
+            worst = wp.max(worst, wp.abs(defect[w, row]) * arm_of(model, row) / length)
+        row += 1
+    pair = int(0)
+    while pair < model.pairs.count:
+        f = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
+        scale = wp.max(scale, wp.length(f))
+        pair += 1
+    row = int(0)
+    while row < model.rows.count:  # a spring's force against its law; a stretch of round-off size passes
+        if softness[w, row] > real(0.0):
+            arm = arm_of(model, row)
+            given = wp.max(scale * softness[w, row] * arm, SHORT * extent / arm)
+            worst = wp.max(worst, wp.abs(defect[w, row]) / given)
+        sum += defect[w, row]
+        row += 1
+    b = int(0)
+    while b < model.bodies.count:
+        f = vec3(residual[w, 6 * b], residual[w, 6 * b + 1], residual[w, 6 * b + 2])
+        t = vec3(residual[w, 6 * b + 3], residual[w, 6 * b + 4], residual[w, 6 * b + 5])
+        # a torque is measured by the force that it is at the radius of gyration
+        gyration = gyration_of(model.bodies.inertia[b], model.bodies.mass[b])
+        worst = wp.max(worst, wp.max(wp.length(f), wp.length(t) / gyration) / scale)
+        sum += wp.length(f) + wp.length(t)
+        b += 1
+    worst = wp.max(worst, gap_defect[w, 0])
+    open_load = real(0.0)
+    n = int(0)
+    while n < model.modes.count:
+        modal_scale = wp.max(modal_scale, wp.abs(load_on_modes[w, 1, n]))
+        contact = modal_load[w, 1, n]
+        modal_scale = wp.max(modal_scale, wp.max(wp.abs(contact), wp.abs(model.modes.stiffness[n] * q1[w, n])))
+        travel = wp.abs(dq[w, n])
+        modal_scale = wp.max(modal_scale, wp.max(wp.abs(qd1_rate[w, n]), ROUND_OFF * clk[w].outer.acc * travel))
+        open_load = wp.max(open_load, wp.abs(modal_residual[w, n]))
+        sum += modal_residual[w, n]
+        n += 1
+    pair = int(0)
+    while pair < model.pairs.count:  # loads of pairs that cancel each other on the modes leave round-off
+        n = int(0)
+        while n < model.pairs.most_modes:
+            modal_scale = wp.max(modal_scale, wp.abs(pair_modal[w, pair, 1, n]))
+            n += 1
+        pair += 1
+    row = int(0)
+    while row < model.rows.count:  # forces of joints that cancel each other on the modes leave round-off
+        for side in range(2):
+            interface = model.markers.interface[marker_of(model, row, side)]
+            if interface >= 0:
+                pull = real(0.0)
+                for c in range(6):
+                    pull += wp.abs(row_pull[w, 2 * row + side, c]) * model.interfaces.reach[interface, c]
+                modal_scale = wp.max(modal_scale, CANCELLED * wp.abs(lam[w, row]) * pull)
+        row += 1
+    worst = wp.max(worst, open_load / modal_scale)
+    history[w, wp.min(ctl[w].iteration, history.shape[1] - 1)] = worst
+    if not wp.isfinite(worst + sum):
+        ctl[w].failure = ctl[w].failure | k.NOT_FINITE
+        ctl[w].run = 0
+        return
+    ctl[w].refresh = 0
+    if worst > REFRESH_ABOVE:
+        ctl[w].refresh = 1
+    if worst <= model.limits.residual_tolerance and (ctl[w].reassemble == 0 or model.pairs.count == 0):
+        ctl[w].run = 0
+    elif ctl[w].iteration >= model.limits.max_iterations * (1 + ctl[w].round):
+        ctl[w].failure = ctl[w].failure | k.NOT_CONVERGED
+        ctl[w].run = 0

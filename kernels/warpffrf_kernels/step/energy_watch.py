@@ -1,0 +1,67 @@
+"""Energy from nowhere: what the pairs and the integrator have made so far, and the end of a run that goes on like that.
+
+Where a pair is open, all that its contact has taken is given back, and what it has `created`
+(`impulsive_means.judge_pairs`) it has made or lost. While it is closed its energy also changes with the phases of the
+grids, and most of that comes back: what it holds is left in doubt, and made is what it has given to the motion beyond.
+A run in which that has risen by more than `most_made` of the largest energy (of all lines but the potential) above its
+least ends there.
+
+The numerical line of the ledger is the error of the integrator. It goes up and down with the motion, and is as large as
+the energy where a drive begins to move a machine at rest; so it counts, with what the pairs have made, where it stays
+too high for PATIENCE steps in a row.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+PATIENCE = wp.constant(30)  # steps: a drive that begins has moved the machine by then
+
+
+@wp.kernel
+def watch_energy(
+    models: wp.array(dtype=Model),
+    energy: wp.array3d(dtype=real),
+    pair_energy: wp.array3d(dtype=real),
+    created: wp.array2d(dtype=real),
+    made: inout(wp.array2d(dtype=real)),
+    ctl: inout(wp.array(dtype=Control)),
+    clk: inout(wp.array(dtype=Clock)),
+):
+    """Per world, after an accepted step: `made` (W, pairs), what each pair has created beyond doubt."""
+    w = wp.tid()
+    model = models[0]
+    if ctl[w].accept == 0 or ctl[w].mode != k.DYNAMIC:
+        return
+    line = int(0)
+    while line < k.LINES:
+        if line != k.POTENTIAL and line != k.NUMERICAL and line != k.CONTACT_GRID:
+            clk[w].most = wp.max(clk[w].most, wp.abs(energy[w, 0, line]))
+        line += 1
+    by_pairs = real(0.0)
+    pair = int(0)
+    while pair < model.pairs.count:
+        doubt = pair_energy[w, pair, 0]
+        made[w, pair] = wp.clamp(made[w, pair], created[w, pair] - doubt, created[w, pair] + doubt)
+        by_pairs += made[w, pair]
+        pair += 1
+    clk[w].least = wp.min(clk[w].least, by_pairs)
+    rise = by_pairs - clk[w].least
+    total = by_pairs + energy[w, 0, k.NUMERICAL]
+    clk[w].made = wp.max(rise, total)
+    if model.limits.most_made == real(0.0):
+        return
+    limit = wp.max(model.limits.most_made * clk[w].most, clk[w].noise)
+    if ctl[w].sub == 0:  # a whole step
+        ctl[w].spell = ctl[w].spell + 1
+    if total <= limit:
+        ctl[w].spell = 0
+    if rise > limit or ctl[w].spell > PATIENCE:
+        ctl[w].status = ctl[w].status | k.GAIN

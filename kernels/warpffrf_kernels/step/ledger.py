@@ -1,0 +1,172 @@
+"""The energy ledger of an attempt.
+
+With E the energy of the state (kinetic, strain of the modes, contact, potential of gravity and springs) every step
+books
+
+    work of forces    sum (F_0 + F_1)/2 . (x_1 - x_0)           drive   -(lambda_0 + lambda_1)/2 (s_1 - s_0)
+    damping           sum c (x_1 - x_0)^2/h of dampers and modal damping, never negative: what the trapezoidal rule
+                      takes at any step; what damped layers take
+    friction          sum tau_1 . S: the tractions at the end of the step times the slip over it, never positive
+    contact grid      dE_contact + (work of the contact forces on bodies and modes, trapezoidal; of pairs that are
+                      impulsive in the step of their mean force) - friction
+    numerical         what is left of dE: negative where the integrator dissipates.
+
+A proximal step towards a static state must not end higher than it began, dE no more than the work of forces: Newton's
+method would go to a maximum as well as to a minimum.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.constraints.forces import group_energy
+from warpffrf_kernels.constraints.rows import evaluate_signal
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.normal.pair_forces import mean_of, pair_work
+
+wp.set_module_options(MODULE_OPTIONS)
+
+UNSEEN = wp.constant(wp.float64(1.0e-8))  # of the energies: what joints work that close to the tolerance of 1e-9
+
+
+@wp.kernel
+def balance_energy(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    r1: wp.array2d(dtype=vec3),
+    v1: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+    q1: wp.array2d(dtype=real),
+    qd1: wp.array2d(dtype=real),
+    dq: wp.array2d(dtype=real),
+    lam0: wp.array2d(dtype=real),
+    lam: wp.array2d(dtype=real),
+    coordinate: wp.array2d(dtype=real),
+    stretch: wp.array2d(dtype=real),
+    applied: wp.array3d(dtype=vec3),
+    applied_at: wp.array3d(dtype=vec3),
+    load: wp.array3d(dtype=real),
+    load_on_modes: wp.array3d(dtype=real),
+    impulsive: wp.array2d(dtype=int),
+    theta: wp.array2d(dtype=real),
+    pair_force: wp.array4d(dtype=real),
+    pair_modal: wp.array4d(dtype=real),
+    friction_force: wp.array4d(dtype=real),
+    friction_modal: wp.array4d(dtype=real),
+    pair_energy: wp.array3d(dtype=real),
+    elastic_energy: wp.array3d(dtype=real),
+    pair_loss: wp.array2d(dtype=real),
+    extra_energy: wp.array2d(dtype=real),
+    friction_work: wp.array3d(dtype=real),
+    clk: inout(wp.array(dtype=Clock)),
+    energy: inout(wp.array3d(dtype=real)),
+):
+    """Per world: the ledger of the trial state, energy[w, 1], from that of the accepted one, energy[w, 0]; of a static
+    step whether it went downhill, `RISE`."""
+    w = wp.tid()
+    model = models[0]
+    if ctl[w].attempt == 0:
+        return
+    half = real(0.5)
+    h = clk[w].h
+    kinetic = real(0.0)
+    strain = real(0.0)
+    potential = real(0.0)
+    damping = real(0.0)
+    force_work = real(0.0)
+    drive_work = real(0.0)
+    held_work = real(0.0)
+    contact_work = real(0.0)
+    b = int(0)
+    while b < model.bodies.count:
+        kinetic += half * model.bodies.mass[b] * wp.dot(v1[w, b], v1[w, b])
+        kinetic += half * wp.dot(omega1[w, b], model.bodies.inertia[b] * omega1[w, b]) + extra_energy[w, b]
+        potential -= model.bodies.mass[b] * wp.dot(model.gravity, r1[w, b])
+        for c in range(3):
+            force_work += half * (load[w, 0, 6 * b + c] + load[w, 1, 6 * b + c]) * dx[w, b][c]
+            force_work += half * (load[w, 0, 6 * b + 3 + c] + load[w, 1, 6 * b + 3 + c]) * psi[w, b][c]
+        b += 1
+    n = int(0)
+    while n < model.modes.count:
+        kinetic += half * qd1[w, n] * qd1[w, n]
+        strain += half * model.modes.stiffness[n] * q1[w, n] * q1[w, n]
+        damping += model.modes.damping[n] * dq[w, n] * dq[w, n] / h
+        force_work += half * (load_on_modes[w, 0, n] + load_on_modes[w, 1, n]) * dq[w, n]
+        n += 1
+    row = int(0)
+    while row < model.rows.count:
+        if model.rows.rigid[row] == 0:
+            change = coordinate[w, row] - model.rows.reference[row]
+            potential += half * model.rows.stiffness[row] * change * change + model.rows.preload[row] * change
+            step = coordinate[w, row] - stretch[w, row]
+            damping += model.rows.damping[row] * step * step / h
+        else:
+            held_work -= half * (lam0[w, row] + lam[w, row]) * (coordinate[w, row] - stretch[w, row])
+        if model.rows.rigid[row] != 0 and model.rows.signal[row] >= 0:
+            s0 = evaluate_signal(model, model.rows.signal[row], clk[w].time, 0)
+            s1 = evaluate_signal(model, model.rows.signal[row], clk[w].next_time, 0)
+            drive_work -= half * (lam0[w, row] + lam[w, row]) * (s1 - s0)
+        row += 1
+    groups = group_energy(model, w, h, coordinate, stretch)
+    potential += groups[0]
+    damping += groups[1]
+    force_work += groups[2]
+    i = int(0)
+    while i < model.forces.count:
+        f = half * (applied[w, 0, i] + applied[w, 1, i])
+        force_work += wp.dot(f, applied_at[w, 1, i] - applied_at[w, 0, i])
+        i += 1
+    contact = real(0.0)
+    lost = real(0.0)
+    friction = real(0.0)
+    pair = int(0)
+    while pair < model.pairs.count:
+        mean = half
+        if impulsive[w, pair] != 0:
+            mean = theta[w, pair]
+        before = pair_work(model, w, pair, 0, pair_force, pair_modal, dx, psi, dq)
+        after = pair_work(model, w, pair, 1, pair_force, pair_modal, dx, psi, dq)
+        contact += pair_energy[w, pair, 1]
+        lost += pair_loss[w, pair]
+        if model.capacity.cells > 0:
+            before += pair_work(model, w, pair, 0, friction_force, friction_modal, dx, psi, dq)
+            after += pair_work(model, w, pair, 1, friction_force, friction_modal, dx, psi, dq)
+            contact += elastic_energy[w, pair, 1]
+            friction += friction_work[w, pair, 0]
+        contact_work += mean_of(mean, before, after)
+        pair += 1
+    energy[w, 1, k.KINETIC] = kinetic
+    energy[w, 1, k.STRAIN] = strain
+    energy[w, 1, k.CONTACT] = contact
+    energy[w, 1, k.POTENTIAL] = potential
+    total = kinetic + strain + contact + potential
+    before = energy[w, 0, k.KINETIC] + energy[w, 0, k.STRAIN] + energy[w, 0, k.CONTACT] + energy[w, 0, k.POTENTIAL]
+    grid = contact - energy[w, 0, k.CONTACT] + contact_work - friction
+    numerical = total - before - force_work - drive_work + damping - grid - friction
+    clk[w].rise = real(0.0)
+    if ctl[w].mode == k.STATIC and ctl[w].steps > 0:
+        largest = wp.max(wp.abs(strain - energy[w, 0, k.STRAIN]), wp.abs(potential - energy[w, 0, k.POTENTIAL]))
+        largest = wp.max(largest, wp.max(wp.abs(contact - energy[w, 0, k.CONTACT]), wp.abs(force_work)))
+        largest = wp.max(largest, wp.abs(held_work))
+        stored = strain + contact + potential - energy[w, 0, k.STRAIN] - energy[w, 0, k.CONTACT]
+        stored -= energy[w, 0, k.POTENTIAL] + force_work + held_work
+        if stored > UNSEEN * (wp.abs(strain) + wp.abs(potential) + wp.abs(contact)):
+            clk[w].rise = stored / largest
+    if ctl[w].mode != k.DYNAMIC:  # a start or a static step opens the books
+        force_work = real(0.0)
+        drive_work = real(0.0)
+        damping = real(0.0)
+        grid = real(0.0)
+        friction = real(0.0)
+        numerical = real(0.0)
+        lost = real(0.0)
+    energy[w, 1, k.FORCE_WORK] = energy[w, 0, k.FORCE_WORK] + force_work
+    energy[w, 1, k.DRIVE_WORK] = energy[w, 0, k.DRIVE_WORK] + drive_work
+    energy[w, 1, k.DAMPING] = energy[w, 0, k.DAMPING] + damping + lost
+    energy[w, 1, k.CONTACT_GRID] = energy[w, 0, k.CONTACT_GRID] + grid + lost
+    energy[w, 1, k.NUMERICAL] = energy[w, 0, k.NUMERICAL] + numerical
+    energy[w, 1, k.FRICTION] = energy[w, 0, k.FRICTION] + friction

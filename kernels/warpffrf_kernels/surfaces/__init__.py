@@ -1,0 +1,1 @@
+"""Contact surfaces: points, normals, charts; surfaces that serve several pairs."""

@@ -1,0 +1,259 @@
+"""True contact surfaces on the device: points, normals, charts and signed distances.
+
+Coordinates are components along e_0, e_1, e_a of the surface's frame, counted from its origin. A *plane* has the point
+(0, theta, z), theta in metres, and the normal e_0. A *surface of revolution* has the point (R cos theta, R sin theta,
+z) with the profile
+
+    R(z) = R_0 + T z - arc(z) - table(z),        arc(z) = sign(Rc) z^2/(|Rc| + sqrt(Rc^2 - z^2)),
+
+the arc written free of cancellation for a flat crown; Rc > 0 falls away from z = 0 (crown, sphere where Rc = R_0),
+Rc < 0 rises (a groove around a shaft). The table is cubic by pieces, of which the first and the last go on beyond it.
+`side` is 1 where the material is inside (shaft, ball), -1 where it is outside (bore, ring, cup); normals point away
+from it:
+
+    n = side (e_r - R' e_a)/sqrt(1 + R'^2),        e_theta = side (-sin theta, cos theta, 0),        e_theta x t_z = n.
+
+Signed distance, positive in the free space: side times that of the point (rho, zeta) of the meridian plane from the
+profile, counted away from the axis. With d = rho - R_0 it is
+
+    a straight line (cylinder, cone)   (d - T zeta)/sqrt(1 + T^2),            foot z = (zeta + T d)/(1 + T^2),
+    an arc (crown, sphere, groove)     sign(Rc) (d (d + 2 Rc) + zeta^2)/(h + |Rc|), h = sqrt((d + Rc)^2 + zeta^2),
+                                       foot z = |Rc| zeta/h,
+
+exactly: the arc's centre lies at radius R_0 - Rc, and (h - |Rc|)(h + |Rc|) is free of cancellation. Of a point beyond
+the centre of a hollow arc (sign(Rc) (d + Rc) < 0, side sign(Rc) = -1) the foot is the nearer end of the half circle.
+Other profiles need the foot, the root of f(z) = zeta - z + (rho - R) R', by Newton's method; the distance (rho - R -
+(zeta - z) R')/sqrt(1 + R'^2) errs by the square of what the foot is off. The gradient of the distance is the normal n
+at the foot. It turns with the point: around the axis by n_rho/rho, along the meridian by kappa/(1 + kappa d), the
+curvature of the surface that lies parallel through the point (kappa that of the foot, d the distance).
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+FOOT_STEPS = wp.constant(12)  # of Newton's method for a foot; four do where the gap is small against the curvature
+FOOT_TOLERANCE = wp.constant(wp.float64(1.0e-9))  # of the radius: the distance errs by its square
+STEEPEST = wp.constant(wp.float64(1.0e-6))  # of an arc's radius: least height over its ends, where the slope diverges
+LEAST_BEND = wp.constant(wp.float64(0.25))  # of 1 + R'^2: Newton's slope is kept off zero, also past the evolute
+EVOLUTE = wp.constant(wp.float64(1.0e-12))  # of 1 + kappa d: nearer to the evolute the normal has no direction
+CENTRE = wp.constant(wp.float64(1.0e-14))  # m: closer to an arc's centre there is no direction
+
+
+@wp.func
+def table_of(model: Model, s: int, z: real) -> vec3:
+    """Drop of the profile table at z [m], its slope and its curvature."""
+    count = model.surfaces.table_count[s]
+    if count == 0:
+        return vec3(real(0.0), real(0.0), real(0.0))
+    first = model.surfaces.table_start[s]
+    low = int(0)
+    high = count
+    while high - low > 1:
+        middle = (low + high) / 2
+        if z >= model.surfaces.table_break[first + middle]:
+            low = middle
+        else:
+            high = middle
+    i = first + low
+    t = z - model.surfaces.table_break[i]
+    c1 = model.surfaces.table_coefficient[i, 1]
+    c2 = model.surfaces.table_coefficient[i, 2]
+    c3 = model.surfaces.table_coefficient[i, 3]
+    slope = c1 + t * (real(2.0) * c2 + t * real(3.0) * c3)
+    bend = real(2.0) * c2 + real(6.0) * c3 * t
+    value = model.surfaces.table_coefficient[i, 0] + t * (c1 + t * (c2 + t * c3))
+    return vec3(value, slope, bend)
+
+
+@wp.func
+def profile_of(model: Model, s: int, z: real) -> vec3:
+    """R [m], R' and R'' [1/m] of a surface of revolution at z [m]."""
+    value = model.surfaces.radius[s] + model.surfaces.tangent[s] * z
+    slope = model.surfaces.tangent[s]
+    bend = real(0.0)
+    crown = model.surfaces.crown[s]
+    if crown != real(0.0):
+        a = wp.abs(crown)
+        sign = crown / a
+        root = wp.sqrt(wp.max(a * a - z * z, STEEPEST * STEEPEST * a * a))
+        value -= sign * z * z / (a + root)
+        slope -= sign * z / root
+        bend -= sign * a * a / (root * root * root)
+    if model.surfaces.table_count[s] > 0:
+        drop = table_of(model, s, z)
+        value -= drop[0]
+        slope -= drop[1]
+        bend -= drop[2]
+    return vec3(value, slope, bend)
+
+
+@wp.func
+def radius_of(model: Model, s: int, z: real) -> real:
+    """R [m] at z [m]; of a plane 1, so that arc length is radius * theta everywhere."""
+    if model.surfaces.planar[s] != 0:
+        return real(1.0)
+    return profile_of(model, s, z)[0]
+
+
+@wp.func
+def slope_of(model: Model, s: int, z: real) -> real:
+    """dR/dz at z [m]; of a plane 0."""
+    if model.surfaces.planar[s] != 0:
+        return real(0.0)
+    return profile_of(model, s, z)[1]
+
+
+@wp.func
+def local_point(model: Model, s: int, theta: real, z: real) -> vec3:
+    """Point of the surface [m] at its chart coordinates."""
+    if model.surfaces.planar[s] != 0:
+        return vec3(real(0.0), theta, z)
+    R = profile_of(model, s, z)[0]
+    return vec3(R * wp.cos(theta), R * wp.sin(theta), z)
+
+
+@wp.func
+def local_normal(model: Model, s: int, theta: real, z: real) -> vec3:
+    """Unit normal away from the material."""
+    if model.surfaces.planar[s] != 0:
+        return vec3(real(1.0), real(0.0), real(0.0))
+    slope = profile_of(model, s, z)[1]
+    scale = model.surfaces.side[s] / wp.sqrt(real(1.0) + slope * slope)
+    return vec3(scale * wp.cos(theta), scale * wp.sin(theta), -scale * slope)
+
+
+@wp.func
+def local_around(model: Model, s: int, theta: real) -> vec3:
+    """e_theta, the first tangential direction: against increasing theta on an inside surface."""
+    if model.surfaces.planar[s] != 0:
+        return vec3(real(0.0), real(1.0), real(0.0))
+    side = model.surfaces.side[s]
+    return vec3(-side * wp.sin(theta), side * wp.cos(theta), real(0.0))
+
+
+@wp.func
+def meridian_of(model: Model, s: int, rho: real, zeta: real) -> wp.vec4d:
+    """Of a point at radius rho and axial position zeta [m]: z of its foot, the signed distance counted away from the
+    axis, and the gradient of that by rho and zeta."""
+    d = rho - model.surfaces.radius[s]
+    crown = model.surfaces.crown[s]
+    tangent = model.surfaces.tangent[s]
+    one = real(1.0)
+    if model.surfaces.table_count[s] == 0:
+        if crown == real(0.0):
+            square = one + tangent * tangent
+            root = wp.sqrt(square)
+            return wp.vec4d((zeta + tangent * d) / square, (d - tangent * zeta) / root, one / root, -tangent / root)
+        if tangent == real(0.0):
+            a = wp.abs(crown)
+            sign = crown / a
+            h = wp.sqrt((d + crown) * (d + crown) + zeta * zeta)
+            distance = sign * (d * (d + real(2.0) * crown) + zeta * zeta) / (h + a)
+            side = model.surfaces.side[s]
+            if side * sign < real(0.0) and sign * (d + crown) < real(0.0):
+                end = a
+                if zeta < real(0.0):
+                    end = -a
+                away = wp.sqrt((d + crown) * (d + crown) + (zeta - end) * (zeta - end))
+                scale = side / wp.max(away, CENTRE)
+                return wp.vec4d(end, side * away, scale * (d + crown), scale * (zeta - end))
+            if h < CENTRE:
+                return wp.vec4d(real(0.0), distance, one, real(0.0))
+            return wp.vec4d(a * zeta / h, distance, sign * (d + crown) / h, sign * zeta / h)
+    z = zeta
+    limit = real(1.0e300)
+    if crown != real(0.0):
+        limit = wp.abs(crown) * (one - STEEPEST)
+        z = wp.clamp(z, -limit, limit)
+    p = profile_of(model, s, z)
+    step = int(0)
+    while step < FOOT_STEPS:
+        square = one + p[1] * p[1]
+        off = zeta - z + (rho - p[0]) * p[1]
+        move = off / wp.max(square - (rho - p[0]) * p[2], LEAST_BEND * square)
+        z = wp.clamp(z + move, -limit, limit)
+        p = profile_of(model, s, z)
+        step += 1
+        if wp.abs(move) <= FOOT_TOLERANCE * model.surfaces.radius[s]:
+            step = FOOT_STEPS
+    root = wp.sqrt(one + p[1] * p[1])
+    return wp.vec4d(z, (rho - p[0] - (zeta - z) * p[1]) / root, one / root, -p[1] / root)
+
+
+@wp.func
+def distance_of(model: Model, s: int, x: vec3) -> real:
+    """Signed distance [m] of x from the surface, positive in the free space."""
+    if model.surfaces.planar[s] != 0:
+        return x[0]
+    return model.surfaces.side[s] * meridian_of(model, s, wp.sqrt(x[0] * x[0] + x[1] * x[1]), x[2])[1]
+
+
+@wp.func
+def chart_of(model: Model, s: int, x: vec3) -> vec3:
+    """theta (rad, of a plane m) and z [m] of the foot of x, and the signed distance [m] as `distance_of`."""
+    if model.surfaces.planar[s] != 0:
+        return vec3(x[1], x[2], x[0])
+    foot = meridian_of(model, s, wp.sqrt(x[0] * x[0] + x[1] * x[1]), x[2])
+    return vec3(wp.atan2(x[1], x[0]), foot[0], model.surfaces.side[s] * foot[1])
+
+
+@wp.func
+def gradient_of(model: Model, s: int, x: vec3) -> vec3:
+    """Unit gradient of the signed distance at x: the normal at its foot. On the axis it has no radial part."""
+    if model.surfaces.planar[s] != 0:
+        return vec3(real(1.0), real(0.0), real(0.0))
+    rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])
+    foot = meridian_of(model, s, rho, x[2])
+    side = model.surfaces.side[s]
+    if rho < CENTRE:
+        return vec3(real(0.0), real(0.0), side * foot[3])
+    scale = side * foot[2] / rho
+    return vec3(scale * x[0], scale * x[1], side * foot[3])
+
+
+@wp.func
+def gradient_slope_of(model: Model, s: int, x: vec3) -> mat33:
+    """Derivative [1/m] of `gradient_of` by x: symmetric, and 0 along the normal. On the axis it has no part around."""
+    if model.surfaces.planar[s] != 0:
+        return mat33()
+    rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])
+    if rho < CENTRE:
+        return mat33()
+    foot = meridian_of(model, s, rho, x[2])
+    side = model.surfaces.side[s]
+    radial = vec3(x[0] / rho, x[1] / rho, real(0.0))
+    around = vec3(-radial[1], radial[0], real(0.0))
+    along = foot[2] * vec3(real(0.0), real(0.0), real(1.0)) - foot[3] * radial
+    crown = model.surfaces.crown[s]
+    kappa = real(0.0)
+    if model.surfaces.table_count[s] == 0 and model.surfaces.tangent[s] == real(0.0):
+        if crown != real(0.0):
+            kappa = real(1.0) / crown
+    else:
+        p = profile_of(model, s, foot[0])
+        square = real(1.0) + p[1] * p[1]
+        kappa = -p[2] / (square * wp.sqrt(square))
+    scale = real(1.0) + kappa * foot[1]
+    scale = wp.sign(scale) * wp.max(wp.abs(scale), EVOLUTE)
+    bend = side * kappa / scale
+    return side * foot[2] / rho * wp.outer(around, around) + bend * wp.outer(along, along)
+
+
+@wp.func
+def origin_of(r1: wp.array2d(dtype=vec3), w: int, body: int) -> vec3:
+    """Centre of mass of a body in the world; the ground's (body -1) is the origin."""
+    if body < 0:
+        return vec3(real(0.0), real(0.0), real(0.0))
+    return r1[w, body]
+
+
+@wp.func
+def axes_of(axes: wp.array2d(dtype=mat33), w: int, body: int) -> mat33:
+    """Axes of a body in the world; those of the ground (body -1) are the world's."""
+    if body < 0:
+        return wp.identity(n=3, dtype=real)
+    return axes[w, body]
