@@ -231,7 +231,7 @@ def flexible_body():
 
 
 def test_angle_row_kinds_have_the_kernel_numbers() -> None:
-    from warpffrf.online.compile_joints import ROW_KINDS
+    from warpffrf.online.compile.joints import ROW_KINDS
 
     assert len({int(v) for v in ROW_KINDS.values()}) == len(ROW_KINDS)
     assert int(k.ANGLE) == int(ROW_KINDS["angle"])

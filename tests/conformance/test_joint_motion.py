@@ -10,7 +10,7 @@ from warpffrf.model import joints, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.joints.rows import gradient
 from warpffrf.online import GeneralizedAlpha, run
-from warpffrf.online.history import BodyHistory
+from warpffrf.online.history.history import BodyHistory
 
 ROUND_OFF = 1e-8  # of the weight: of accelerations from positions at a step of 5e-4 s
 FIRST = 1e-11  # of the weight: round-off of the first reaction

@@ -12,7 +12,7 @@ from warpffrf_kernels.core import control as k
 
 import warpffrf as wf
 from warpffrf.online import Engine, Settings
-from warpffrf.online.settle import settle
+from warpffrf.online.start.settle import settle
 
 ROUND_OFF = 1e-9  # of the largest entry: a solve with the pressures' matrix, of condition 1e4 and more
 STEP, OMEGA, LOAD = 5e-4, 10.0, 300e3  # s, rad/s, N

@@ -17,8 +17,8 @@ from warpffrf_kernels.layers import layer_laws
 
 from warpffrf.model import laws
 from warpffrf.online.arrays.constants import Constants
-from warpffrf.online.compile_layers import fill_layers
-from warpffrf.online.layer_yield import yield_of
+from warpffrf.online.compile.layers import fill_layers
+from warpffrf.online.diagnosis.layer_compliance import yield_of
 from warpffrf.online.settings import Settings
 
 wp.set_module_options(MODULE_OPTIONS)

@@ -13,7 +13,7 @@ from warpffrf_kernels.core.scalars import BLOCK
 from warpffrf_kernels.linear import sparse_outer
 
 from warpffrf.online.arrays.declaration import host_structs
-from warpffrf.online.outer_pattern import GROUND, OuterPattern, find_pattern, on_device
+from warpffrf.online.compile.outer_pattern import GROUND, OuterPattern, find_pattern, on_device
 
 DEVIATION = 1e-13  # of the solution, times the condition number: some hundred times round-off
 

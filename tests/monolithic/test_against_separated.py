@@ -13,7 +13,7 @@ from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha, Settings, run
-from warpffrf.online.history import History
+from warpffrf.online.history.history import History
 
 RHO = 0.8
 TIGHT = 1e-12  # tolerance of both, of the forces

@@ -9,7 +9,7 @@ from offline_bodies import reduced
 from warpffrf.model.mesh import Mesh, roller
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.online.compliance_tables import modal_moments, weak_compliance
+from warpffrf.online.compile.compliance_tables import modal_moments, weak_compliance
 
 ROUND_OFF = 1e-9  # of the largest entry: two paths, or two sets of modes, that are exact both
 COARSE = {"traction_spacing": 0.019}  # a column every second of the 24 sectors

@@ -9,7 +9,7 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.inertia import InertiaTerms
 from warpffrf.model.reduced_body import DisplaySurface, Interface, ReducedBody
-from warpffrf.online.history import BodyHistory
+from warpffrf.online.history.history import BodyHistory
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import HHT, GeneralizedAlpha, Newmark
 from warpffrf.model.scene import Scene
-from warpffrf.online.history import History
+from warpffrf.online.history.history import History
 from warpffrf.online.run import run
 
 GRAVITY, LENGTH = 9.81, 1.0

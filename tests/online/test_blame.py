@@ -10,7 +10,7 @@ from warpffrf.model import forces, joints, signals
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
-from warpffrf.online.blame import blame, row_owners
+from warpffrf.online.diagnosis.failure_report import blame, row_owners
 from warpffrf.study.rollers import PAIR, guided_pair
 
 

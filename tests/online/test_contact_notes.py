@@ -7,8 +7,9 @@ import pytest
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
-from warpffrf.online import Settings, compile_contact
-from warpffrf.online.contact_notes import MOST_SKEW, angle_between_axes, energy_notes
+from warpffrf.online import Settings
+from warpffrf.online.compile import pairs
+from warpffrf.online.diagnosis.contact_notes import MOST_SKEW, angle_between_axes, energy_notes
 from warpffrf.study.rollers import StaticPath, guided_pair, roller_body
 
 SECOND_MOMENT = 2.0 / 4**2  # hats on n = 4 cells take z^2, W^2/12 in the mean, too large by W^2/(6 n^2)
@@ -97,7 +98,7 @@ def test_axes_that_turn_against_each_other_are_named(coarse, angle: float, named
 
 def test_up_to_the_named_skew_both_families_agree(fine, monkeypatch) -> None:
     """Same prescribed state, gaps along the line of centres and at points. The relative curvature differs by e^2/2."""
-    monkeypatch.setattr(compile_contact, "SKEW", np.inf)
+    monkeypatch.setattr(pairs, "SKEW", np.inf)
     found = []
     for points in (False, True):
         scene = wf.Scene(gravity=(0.0, 0.0, 0.0))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from warpffrf.model import surfaces
-from warpffrf.online.contact_windows import MAX_HALF_WINDOW, Extent, facing, half_window, second_reach
+from warpffrf.online.compile.windows import MAX_HALF_WINDOW, Extent, facing, half_window, second_reach
 
 sys.path.insert(0, str(FilePath(__file__).parent))
 from made_bodies import made_body

@@ -19,9 +19,9 @@ from warpffrf.offline import reduce
 from warpffrf.offline.fe.assembly import assemble
 from warpffrf.offline.fe.materials import assign
 from warpffrf.online import Engine, find_equilibrium, run
-from warpffrf.online.eigenmodes import complex_modes, find_modes, null_space
-from warpffrf.online.linearise import linearise
-from warpffrf.online.settle import settle
+from warpffrf.online.start.settle import settle
+from warpffrf.online.vibrations.eigenmodes import complex_modes, find_modes, null_space
+from warpffrf.online.vibrations.linearise import linearise
 from warpffrf.output.modes_result import eigenmodes
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate

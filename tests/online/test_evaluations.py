@@ -19,9 +19,9 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline.contact.cubature import choose_sampling
 from warpffrf.offline.contact.training import all_points
 from warpffrf.online import Engine, Settings, run
-from warpffrf.online.sampling_check import check_sampling
-from warpffrf.online.sampling_rules import on_stations
-from warpffrf.online.settle import settle
+from warpffrf.online.compile.sampling_rules import on_stations
+from warpffrf.online.diagnosis.sampling_check import check_sampling
+from warpffrf.online.start.settle import settle
 from warpffrf.study.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
 
 WANTED = 0.01

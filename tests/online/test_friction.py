@@ -10,7 +10,7 @@ import pytest
 import warpffrf as wf
 from warpffrf.model.errors import InputError
 from warpffrf.model.local_modes import dynamic_modes
-from warpffrf.online.history import FrictionHistory
+from warpffrf.online.history.history import FrictionHistory
 
 MU = 0.3
 LOAD = 300e3  # N on a width of 10 mm: a half-width of 2.9 mm, four to five columns of cells across the patch

@@ -14,10 +14,10 @@ from warpffrf.model import joints, signals
 from warpffrf.model.inertia import LEVELS, TERM_NAMES, InertiaTerms, modal_forces, momentum
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.online import indicator
-from warpffrf.online.compile_inertia import BOUNDS, NOTICEABLE, estimate, fastest_turning, least_level
-from warpffrf.online.history import BodyHistory
-from warpffrf.online.indicator import FLAG, MOST_STEPS, TermSize, indicator_lines, recommended, term_sizes
+from warpffrf.online.compile.inertia import BOUNDS, NOTICEABLE, estimate, fastest_turning, least_level
+from warpffrf.online.diagnosis import indicator
+from warpffrf.online.diagnosis.indicator import FLAG, MOST_STEPS, TermSize, indicator_lines, recommended, term_sizes
+from warpffrf.online.history.history import BodyHistory
 from warpffrf.online.run import run
 from warpffrf.output.result import Result
 

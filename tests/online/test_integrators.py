@@ -24,10 +24,11 @@ from warpffrf.model.integrators import (
 )
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.online import History, check_run, run
-from warpffrf.online.check_run import run_check
-from warpffrf.online.compile_inertia import InertiaPlan
-from warpffrf.online.free_bodies import Motion, free_body
+from warpffrf.online import History, run
+from warpffrf.online.compile.inertia import InertiaPlan
+from warpffrf.online.free_flight import check_run
+from warpffrf.online.free_flight.check_run import run_check
+from warpffrf.online.free_flight.free_bodies import Motion, free_body
 from warpffrf.scene_file.forms import snake_case
 from warpffrf.study.free_flight import deviations
 from warpffrf.study.oscillator import errors, roots

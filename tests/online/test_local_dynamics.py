@@ -15,11 +15,11 @@ from warpffrf.model.joints import Fixed, Prismatic
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.model.signals import SmoothStep
-from warpffrf.online.eigenmodes import find_modes
 from warpffrf.online.engine import Engine
-from warpffrf.online.history import History
+from warpffrf.online.history.history import History
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.run import run
+from warpffrf.online.vibrations.eigenmodes import find_modes
 
 TREATMENTS = ("hht", "exponential")
 

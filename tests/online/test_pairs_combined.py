@@ -23,9 +23,9 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.arrays.declaration import numbers_of
-from warpffrf.online.history import History
-from warpffrf.online.linearise import linearise
-from warpffrf.online.settle import settle
+from warpffrf.online.history.history import History
+from warpffrf.online.start.settle import settle
+from warpffrf.online.vibrations.linearise import linearise
 
 sys.path.insert(0, str(FilePath(__file__).parent))
 

@@ -26,7 +26,7 @@ from warpffrf.online.arrays.axes import NAMES
 from warpffrf.online.arrays.constants import Constants
 from warpffrf.online.arrays.declaration import Arrays, numbers_of
 from warpffrf.online.arrays.table import markdown, topics
-from warpffrf.online.settle import settle
+from warpffrf.online.start.settle import settle
 from warpffrf.online.step import phases
 from warpffrf.online.step.launches import DECLARED, blocks, threads
 from warpffrf.online.step.phases import Participant
@@ -141,7 +141,7 @@ def test_the_order_of_all_participants_is_right() -> None:
 
 def test_reading_what_nobody_sets_is_refused() -> None:
     found = wrong(*[p for p in PARTICIPANTS if p.name != "contact"])
-    assert any(line.startswith("phase 'sum': friction_forces.add_friction reads window") for line in found), found
+    assert any(line.startswith("phase 'sum': cell_forces.add_friction reads window") for line in found), found
 
 
 def test_reading_before_it_is_set_anew_is_refused() -> None:

@@ -12,8 +12,9 @@ from warpffrf_kernels.core import control as k
 from warpffrf.model import forces, joints, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.scene import Scene
-from warpffrf.online import Engine, compile_contact, find_equilibrium, run
-from warpffrf.online.eigenmodes import find_modes
+from warpffrf.online import Engine, find_equilibrium, run
+from warpffrf.online.compile import pairs
+from warpffrf.online.vibrations.eigenmodes import find_modes
 
 sys.path.insert(0, str(FilePath(__file__).parent))
 from made_bodies import made_body
@@ -47,8 +48,8 @@ def plate_on_balls(
 @pytest.fixture
 def little(monkeypatch: pytest.MonkeyPatch) -> None:
     """Room for one hat of each pair, to begin with."""
-    monkeypatch.setattr(compile_contact, "LEAST_SLOTS", 1)
-    monkeypatch.setattr(compile_contact, "USUAL_PATCH", 10**6)
+    monkeypatch.setattr(pairs, "LEAST_SLOTS", 1)
+    monkeypatch.setattr(pairs, "USUAL_PATCH", 10**6)
 
 
 def test_modes_about_a_given_state_have_room_for_its_patch(little: None) -> None:

@@ -20,8 +20,9 @@ from warpffrf.model.mesh import roller
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
-from warpffrf.online import Engine, Settings, compile_contact, find_equilibrium, run
-from warpffrf.online.settle import settle
+from warpffrf.online import Engine, Settings, find_equilibrium, run
+from warpffrf.online.compile import pairs
+from warpffrf.online.start.settle import settle
 
 sys.path.insert(0, str(FilePath(__file__).parent))
 from made_bodies import made_body
@@ -297,8 +298,8 @@ def test_room_for_hats_grows_without_a_trace(rubbing_body: ReducedBody, monkeypa
     bit; and a capacity that is asked for stays."""
     scene = train(rubbing_body, (False, True), (MU, MU))
     plain = run(scene, 6 * STEP, step=STEP, start="equilibrium", progress=False)
-    monkeypatch.setattr(compile_contact, "LEAST_SLOTS", 1)
-    monkeypatch.setattr(compile_contact, "USUAL_PATCH", 10**6)
+    monkeypatch.setattr(pairs, "LEAST_SLOTS", 1)
+    monkeypatch.setattr(pairs, "USUAL_PATCH", 10**6)
     assert Engine(scene).compiled.model.capacity.slots == 3
     grown = run(scene, 6 * STEP, step=STEP, start="equilibrium", progress=False)
     assert plain.status == grown.status == "completed"

@@ -12,8 +12,8 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, GeneralizedAlpha, run
-from warpffrf.online.compile_inertia import InertiaPlan
-from warpffrf.online.free_bodies import free_body, initial_motion
+from warpffrf.online.compile.inertia import InertiaPlan
+from warpffrf.online.free_flight.free_bodies import free_body, initial_motion
 
 EXACT = 1e-11  # relative: round-off of positions of some metres, and of central differences
 GRAVITY = np.array([0.5, -0.2, -9.81])

@@ -13,7 +13,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.run import MESSAGES, describe
-from warpffrf.online.settle import settle
+from warpffrf.online.start.settle import settle
 from warpffrf.online.step.graph import StepGraph
 from warpffrf.study.rollers import PAIR, guided_pair, roller_body
 

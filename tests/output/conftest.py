@@ -6,7 +6,7 @@ import pytest
 from synthetic_run import make_history, roller
 
 from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.online.history import History
+from warpffrf.online.history.history import History
 from warpffrf.output.result import Result
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from synthetic_run import DURATION, HALF_WIDTH, PEAK, PITCH, ROWS, STEPS, TURN, WIDTH, WINDOW, R, make_history
 
 from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.online.history import FrictionHistory, History
+from warpffrf.online.history.history import FrictionHistory, History
 from warpffrf.output.scene_view import PairView, SceneView
 
 MU = 0.3

@@ -11,7 +11,7 @@ from synthetic_run import STEPS, R, make_history
 
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.surfaces import Plane
-from warpffrf.online.history import BodyHistory, ContactHistory, History
+from warpffrf.online.history.history import BodyHistory, ContactHistory, History
 from warpffrf.output.contact_result import ContactResult
 from warpffrf.output.scene_view import BodyView, PairView, SceneView, ground_view
 

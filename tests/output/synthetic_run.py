@@ -17,7 +17,7 @@ from warpffrf.model.reduced_body import (
     ReducedBody,
 )
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.online.history import ENERGY_LINES, BodyHistory, ContactHistory, History, JointHistory
+from warpffrf.online.history.history import ENERGY_LINES, BodyHistory, ContactHistory, History, JointHistory
 from warpffrf.output.scene_view import BodyView, PairView, SceneView
 
 R, WIDTH, BORE = 0.05, 0.02, 0.015

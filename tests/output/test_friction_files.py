@@ -15,7 +15,7 @@ from shape_runs import on_the_floor
 from synthetic_run import COLUMNS, ROWS, STEPS, WINDOW, R, make_history
 
 from warpffrf.model.errors import InputError
-from warpffrf.online.history import FrictionHistory
+from warpffrf.online.history.history import FrictionHistory
 from warpffrf.output.fields import FRICTION_DERIVED, FRICTION_FIELDS
 from warpffrf.output.grid_places import rotate
 from warpffrf.output.result import Result

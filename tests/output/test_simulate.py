@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from warpffrf.model.errors import InputError
-from warpffrf.online.history import History
+from warpffrf.online.history.history import History
 from warpffrf.output import simulate as module
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium, simulate

@@ -13,9 +13,9 @@ from warpffrf.model.mesh import Mesh, box, roller
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
-from warpffrf.online.history import History
+from warpffrf.online.history.history import History
+from warpffrf.online.history.sensors import point_motion
 from warpffrf.online.run import find_equilibrium
-from warpffrf.online.sensors import point_motion
 
 STEEL = Material(210e9, 0.3, 7850.0)
 ACROSS = (0.0, 1.0, 0.0)

@@ -13,7 +13,7 @@ from warpffrf.model.mesh import roller
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
-from warpffrf.online.history import History
+from warpffrf.online.history.history import History
 from warpffrf.online.run import run
 from warpffrf.study.rollers import STEEL
 

@@ -15,7 +15,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import Engine, History
-from warpffrf.online.record import history_from_rows
+from warpffrf.online.history.record import history_from_rows
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium
 from warpffrf.study.closed_forms import LineContact, PointContact, contact_modulus

@@ -11,8 +11,8 @@ from warpffrf.model.inertia import LEVELS, TERM_NAMES
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, Settings, run
-from warpffrf.online.compile_inertia import InertiaPlan
-from warpffrf.online.indicator import FLAG, TermSize, recommended, term_sizes
+from warpffrf.online.compile.inertia import InertiaPlan
+from warpffrf.online.diagnosis.indicator import FLAG, TermSize, recommended, term_sizes
 from warpffrf.study import free_flight, rotating_bar, rotating_disc, spinning_ring
 
 MESH_ORDER = 2.0  # of the linear cells of the bar

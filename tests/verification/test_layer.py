@@ -13,7 +13,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.forces import PointForce
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.online.history import History
+from warpffrf.online.history.history import History
 from warpffrf.online.run import find_equilibrium, run
 from warpffrf.study.rollers import roller_body
 

@@ -12,7 +12,7 @@ from warpffrf.model import joints, laws, signals
 from warpffrf.model.contact import Contact
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.online.history import History
+from warpffrf.online.history.history import History
 from warpffrf.online.run import run
 from warpffrf.study.rollers import roller_body
 

@@ -10,7 +10,7 @@ from warpffrf.model import joints, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha, run
-from warpffrf.online.history import History
+from warpffrf.online.history.history import History
 
 GRAVITY = 9.81
 ORDER_LEAST = 1.9  # of a method of order 2, at steps where the next term is still seen

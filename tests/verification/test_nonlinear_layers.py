@@ -18,7 +18,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Plane
 from warpffrf.offline import reduce
-from warpffrf.online.history import History
+from warpffrf.online.history.history import History
 from warpffrf.online.run import find_equilibrium, run
 from warpffrf.study.rollers import STEEL, roller_body
 

@@ -15,7 +15,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
-from warpffrf.online.undeformed_normal import MOST, SECOND_ORDER, line_load_error
+from warpffrf.online.diagnosis.undeformed_normal import MOST, SECOND_ORDER, line_load_error
 from warpffrf.output.contact_hertz import THIN
 from warpffrf.output.hertz_patch import hertz_line
 from warpffrf.output.simulate import equilibrium

@@ -20,7 +20,7 @@ from warpffrf.model.mesh import Mesh, block, roller, sleeve
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
-from warpffrf.online.history import History
+from warpffrf.online.history.history import History
 from warpffrf.online.run import run
 
 STEEL = Material(210e9, 0.3, 7850.0)

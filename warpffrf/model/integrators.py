@@ -21,9 +21,8 @@ both (gamma - 3/2)/(gamma + 1/2).
 * **Newmark** (1959): a = vdot, alpha_m = alpha_f = 0. With gamma = 1/2, beta = 1/4 it is the trapezoidal rule, which
   dissipates nothing (double root -1), so that nothing removes what excites the multipliers of joints.
 
-The host integrators (`warpffrf.online.check_run`) step scenes of free bodies in NumPy. They share no code with the
-kernels: what they find is a check of them, and `EnergyMomentum` keeps energy and momenta to round-off.
-"""
+The host integrators (`warpffrf.online.free_flight.check_run`) step scenes of free bodies in NumPy. They share no code
+with the kernels: what they find is a check of them, and `EnergyMomentum` keeps energy and momenta to round-off."""
 
 from __future__ import annotations
 
@@ -131,14 +130,14 @@ class Newmark:
 class RungeKutta4:
     """The classical explicit Runge-Kutta method of order 4, on the host, for checks: scenes of free bodies under
     gravity, point forces and point torques, with steps below the stability limit of the stiffest mode
-    (`warpffrf.online.runge_kutta`)."""
+    (`warpffrf.online.free_flight.runge_kutta`)."""
 
 
 @dataclass(frozen=True)
 class EnergyMomentum:
     """Energy- and momentum-conserving steps of second order, on the host, for checks: scenes of free bodies, gravity
     allowed, nothing else. At any step, energy and both momenta keep to round-off
-    (`warpffrf.online.energy_momentum`)."""
+    (`warpffrf.online.free_flight.energy_momentum`)."""
 
 
 INTEGRATORS = {
@@ -148,7 +147,10 @@ INTEGRATORS = {
     "runge_kutta4": RungeKutta4,
     "energy_momentum": EnergyMomentum,
 }
-CHECK_INTEGRATORS = (RungeKutta4, EnergyMomentum)  # those of `warpffrf.online.check_run`, without coefficients
+CHECK_INTEGRATORS = (
+    RungeKutta4,
+    EnergyMomentum,
+)  # those of `warpffrf.online.free_flight.check_run`, without coefficients
 
 
 def roots_at_infinity(coefficients: Coefficients) -> np.ndarray:

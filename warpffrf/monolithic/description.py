@@ -1,6 +1,6 @@
 """Scene -> plain arrays: bodies about their centres of mass, markers, rows, springs and loads.
 
-The counterpart of `warpffrf.online.compile`, written from the model alone.
+The counterpart of `warpffrf.online.compile.scene`, written from the model alone.
 """
 
 from __future__ import annotations

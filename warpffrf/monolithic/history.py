@@ -1,4 +1,4 @@
-"""What a monolithic run leaves: arrays with one row per saved step, named as in `warpffrf.online.history`."""
+"""What a monolithic run leaves: arrays with one row per saved step, named as in `warpffrf.online.history.history`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from warpffrf.monolithic.state import State
 
 @dataclass
 class BodyMotion:
-    """User-frame motion of a body; fields as in `warpffrf.online.history.BodyHistory`, world axes."""
+    """User-frame motion of a body; fields as in `warpffrf.online.history.history.BodyHistory`, world axes."""
 
     position: np.ndarray  # (T, 3) m
     rotation: np.ndarray  # (T, 4)
@@ -26,7 +26,7 @@ class BodyMotion:
 
 @dataclass
 class ContactForces:
-    """A contact pair; fields as in `warpffrf.online.history.ContactHistory`, and what only this solver has."""
+    """A contact pair; fields as in `warpffrf.online.history.history.ContactHistory`, and what only this solver has."""
 
     force: np.ndarray  # (T, 3) N, on the first body
     torque: np.ndarray  # (T, 3) N m, about its user origin
@@ -41,7 +41,7 @@ class ContactForces:
     active: np.ndarray  # (T,) int, carrying tests
     pressures: list[dict[int, float]]  # multiplier by number of the test: Pa of a hat, N of a node
     local: tuple[np.ndarray, np.ndarray]  # local coordinates (T, n) of both surfaces
-    friction: dict[str, np.ndarray] | None = None  # fields of `warpffrf.online.history.FrictionHistory`
+    friction: dict[str, np.ndarray] | None = None  # fields of `warpffrf.online.history.history.FrictionHistory`
 
 
 @dataclass

@@ -25,8 +25,8 @@ HALF = 0.5  # of the area under a hat: it is said to slip above
 
 @dataclass(frozen=True, eq=False)
 class FrictionRow:
-    """Friction of a pair at a step, fields of `warpffrf.online.history.FrictionHistory`: windows over hats, and power
-    [W], creep (2,) [m/s], rolling velocity [m/s] and columns advanced."""
+    """Friction of a pair at a step, fields of `warpffrf.online.history.history.FrictionHistory`: windows over hats, and
+    power [W], creep (2,) [m/s], rolling velocity [m/s] and columns advanced."""
 
     windows: dict[str, Window]
     power: float

@@ -2,7 +2,7 @@
 
 from warpffrf.model.integrators import HHT, INTEGRATORS, EnergyMomentum, GeneralizedAlpha, Newmark, RungeKutta4
 from warpffrf.online.engine import Engine
-from warpffrf.online.history import History
+from warpffrf.online.history.history import History
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.run import find_equilibrium, run
 from warpffrf.online.settings import Settings

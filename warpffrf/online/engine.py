@@ -15,11 +15,11 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.online.arrays import Sizes, initial_state, sizes_of
 from warpffrf.online.arrays.scratch import scratch_for
-from warpffrf.online.compile import compile_scene
+from warpffrf.online.compile.outer_pattern import pattern_of
+from warpffrf.online.compile.scene import compile_scene
 from warpffrf.online.local_dynamics import LocalDynamics
-from warpffrf.online.outer_pattern import pattern_of
 from warpffrf.online.settings import Settings
-from warpffrf.online.start import start
+from warpffrf.online.start.consistent import start
 from warpffrf.online.step.graph import StepGraph
 
 ROOM_GROWTH = 2  # of the slots, each time they are too few
@@ -206,7 +206,7 @@ class Engine:
 
     def start(self, step: float | None = None) -> None:
         """Velocities, accelerations and multipliers that agree with joints and drives, for steps of `step` [s]; opens
-        the ledger (`warpffrf.online.start`). Velocities that had to change are noted in `start_notes`."""
+        the ledger (`warpffrf.online.start.consistent`). Velocities that had to change are noted in `start_notes`."""
         self.start_notes.extend(start(self, step))
 
     def save_now(self) -> None:

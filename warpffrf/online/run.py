@@ -18,20 +18,20 @@ from warpffrf.model.progress import Progress
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.model.wedge import find_wedge
-from warpffrf.online.blame import blame
-from warpffrf.online.check_run import run_check
 from warpffrf.online.checkpoint import is_dynamic, restore, time_of
-from warpffrf.online.compile_contact import LINE_OF_CENTRES
-from warpffrf.online.contact_notes import contact_notes, energy_notes, overlap_notes
-from warpffrf.online.energy_watch import EnergyWatch, round_off_energy
+from warpffrf.online.compile.pairs import LINE_OF_CENTRES
+from warpffrf.online.diagnosis.contact_notes import contact_notes, energy_notes, overlap_notes
+from warpffrf.online.diagnosis.energy_watch import EnergyWatch, round_off_energy
+from warpffrf.online.diagnosis.failure_report import blame
+from warpffrf.online.diagnosis.indicator import indicator_lines, term_sizes, unheld_lines
+from warpffrf.online.diagnosis.sampling_check import sampling_notes
 from warpffrf.online.engine import Engine
-from warpffrf.online.history import History
-from warpffrf.online.indicator import indicator_lines, term_sizes, unheld_lines
+from warpffrf.online.free_flight.check_run import run_check
+from warpffrf.online.history.history import History
+from warpffrf.online.history.record import history_from_rows
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
-from warpffrf.online.record import history_from_rows
-from warpffrf.online.sampling_check import sampling_notes
 from warpffrf.online.settings import Settings
-from warpffrf.online.settle import settle
+from warpffrf.online.start.settle import settle
 
 log = logging.getLogger("warpffrf")
 

@@ -27,7 +27,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
 from warpffrf.online.checkpoint import is_dynamic
-from warpffrf.online.history import ENERGY_LINES, History, JointHistory
+from warpffrf.online.history.history import ENERGY_LINES, History, JointHistory
 
 RUN_OPTIONS = ("save_every", "integrator", "local", "method", "accuracy")
 SCENE_VALUES = ("gravity", "forces")

@@ -8,7 +8,7 @@ import numpy as np
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, unknown_name
-from warpffrf.online.eigenmodes import BodyShape, SceneModes, find_modes
+from warpffrf.online.vibrations.eigenmodes import BodyShape, SceneModes, find_modes
 from warpffrf.output.result import Result
 
 UNDAMPED = 1e-6  # ratio: what the linearisation of an undamped machine about the end of a run leaves, some 1e-7
@@ -129,7 +129,7 @@ def eigenmodes(scene: Any, count: int = 20, *, about: Result | str | None = None
     about: None for its equilibrium, "initial" for its initial positions and velocities, or the Result of a run, or of
     `equilibrium`, of this scene, whose last state is meant with its velocities: of a turning machine the modes then
     have their gyroscopic and centrifugal parts, in axes that turn with the bodies. Raises InputError for wrong input
-    and where there is no equilibrium. How it is done: `warpffrf.online.linearise`.
+    and where there is no equilibrium. How it is done: `warpffrf.online.vibrations.linearise`.
     """
     if not hasattr(scene, "bodies") or not hasattr(scene, "content_hash"):
         raise InputError(f"eigenmodes: a Scene is needed, got {scene!r}")

@@ -23,8 +23,8 @@ from warpffrf.model.overlap import refuse_overlap
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.monolithic.checkpoint import from_arrays, is_monolithic, time_of, to_arrays
-from warpffrf.online.compile_forces import ForceTable
-from warpffrf.online.history import (
+from warpffrf.online.compile.forces import ForceTable
+from warpffrf.online.history.history import (
     ENERGY_LINES,
     BodyHistory,
     ContactHistory,
@@ -32,9 +32,9 @@ from warpffrf.online.history import (
     History,
     JointHistory,
 )
-from warpffrf.online.joint_motion import coordinates, half_turn_notes, left_out_notes
+from warpffrf.online.history.joint_motion import coordinates, half_turn_notes, left_out_notes
+from warpffrf.online.history.sensors import force_histories, sensor_histories
 from warpffrf.online.local_dynamics import LocalPlan, as_local_dynamics
-from warpffrf.online.sensors import force_histories, sensor_histories
 
 CONTACT_FIELDS = (
     "force", "torque", "force_second", "torque_second", "first_column", "center_column", "pressure",

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.online.history import BodyHistory, ForceHistory, History, JointHistory, SensorHistory
+from warpffrf.online.history.history import BodyHistory, ForceHistory, History, JointHistory, SensorHistory
 from warpffrf.output.contact_result import ContactResult
 from warpffrf.output.scene_view import SceneView, scene_view
 from warpffrf.output.skin import Skin
@@ -49,7 +49,7 @@ class Result:
 
     @property
     def energy(self) -> dict[str, np.ndarray]:
-        """The energy ledger, line -> (T,) J; see `warpffrf.online.history.ENERGY_LINES`."""
+        """The energy ledger, line -> (T,) J; see `warpffrf.online.history.history.ENERGY_LINES`."""
         return self.history.energy
 
     @property

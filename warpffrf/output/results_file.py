@@ -30,7 +30,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.surfaces import from_description
-from warpffrf.online.history import (
+from warpffrf.online.history.history import (
     BodyHistory,
     ContactHistory,
     ForceHistory,

@@ -16,7 +16,7 @@ from warpffrf.monolithic import Monolithic
 from warpffrf.monolithic import checkpoint as monolithic_checkpoint
 from warpffrf.online import GeneralizedAlpha, find_equilibrium, run
 from warpffrf.online.checkpoint import time_of
-from warpffrf.online.history import History
+from warpffrf.online.history.history import History
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics, refuse_other_modes
 from warpffrf.online.stages import Stage, check_stages, joined, with_potential
 from warpffrf.output.monolithic_run import refuse_other_method, run_monolithic, same_windows

@@ -21,7 +21,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.stress_field import StressField, max_shear, principal, von_mises
-from warpffrf.online.history import History
+from warpffrf.online.history.history import History
 from warpffrf.output.grid_places import spread
 from warpffrf.output.patch_on_skin import tangential_forces
 from warpffrf.output.scene_view import PairView, SceneView

@@ -39,7 +39,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import History, run
-from warpffrf.online.check_run import run_check
+from warpffrf.online.free_flight.check_run import run_check
 from warpffrf.study.oscillator import errors
 
 Array = np.ndarray

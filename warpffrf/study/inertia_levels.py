@@ -18,8 +18,8 @@ from warpffrf.model.inertia import LEVELS
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, run
-from warpffrf.online.compile_inertia import BOUNDS, InertiaPlan
-from warpffrf.online.indicator import FLAG, MOST_STEPS, percent, recommended, term_sizes
+from warpffrf.online.compile.inertia import BOUNDS, InertiaPlan
+from warpffrf.online.diagnosis.indicator import FLAG, MOST_STEPS, percent, recommended, term_sizes
 from warpffrf.study import rotating_bar, rotating_disc, spinning_ring
 from warpffrf.study.rollers import guided_pair, roller_body
 from warpffrf.study.tables import table

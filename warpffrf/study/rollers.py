@@ -23,7 +23,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import CrownedCylinder, Cylinder
 from warpffrf.offline import reduce
 from warpffrf.online import Engine, History, Settings
-from warpffrf.online.record import history_from_rows
+from warpffrf.online.history.record import history_from_rows
 from warpffrf.online.run import describe
 from warpffrf.output.result import Result
 

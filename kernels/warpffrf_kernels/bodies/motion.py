@@ -15,7 +15,7 @@ so that `a_1`, `v_1`, `vdot_1` are affine in `d` with slopes `1/(beta h^2)`, `VE
 * PROJECT (beta = gamma = 1, alphas 0): one tiny implicit Euler step; its velocity is the given one made consistent with
   joints and drives, in the mass metric.
 * START (beta = 1/2, gamma = 1, alphas 0): one tiny step of constant acceleration gives `vdot`, `lambda` and pressures
-  (`warpffrf.online.accelerations` then takes out the round-off of its size).
+  (`warpffrf.online.start.accelerations` then takes out the round-off of its size).
 
 Modes of kind 1 (HHT) have coefficients of their own in a dynamic step, those of kind 2 the exact step for a linear load
 (`exact_step`), in which the load at the end plays the part of the residual and D that of the receptance. The

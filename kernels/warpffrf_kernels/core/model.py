@@ -1,4 +1,4 @@
-"""Constant data of a scene on the device, by topic; `warpffrf.online.compile` fills it, docs/arrays.md lists it.
+"""Constant data of a scene on the device, by topic; `warpffrf.online.compile.scene` fills it, docs/arrays.md lists it.
 
 Indices of absent things are -1. Body frames have their origin in the centre of mass (Tisserand frame). Axes whose names
 end in "_entry" are those of tables that stand one behind the other.

@@ -19,7 +19,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.struct
 class Pattern:
-    """See `warpffrf.online.outer_pattern.OuterPattern`, whose arrays these are."""
+    """See `warpffrf.online.compile.outer_pattern.OuterPattern`, whose arrays these are."""
 
     node_count: int
     outer_count: int

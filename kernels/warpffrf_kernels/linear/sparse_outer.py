@@ -3,7 +3,7 @@
 Contact needs the inverse of the outer matrix (`outer`), other scenes only z in [[S, C^T], [C, -E]] z = rhs. Only the
 entries that can differ from zero are assembled, in their places of the dense matrix, where `geometric_stiffness` and
 `inertia` add theirs. They are factored by blocks, in an order found when the scene was compiled (`sparse_factor`;
-`warpffrf.online.outer_pattern` says why no pivot is sought outside a block).
+`warpffrf.online.compile.outer_pattern` says why no pivot is sought outside a block).
 
 A new factor is trusted only if it solves: |A z - rhs| is measured in the equilibrated system, corrected once where it
 exceeds CORRECT_ABOVE of |z| + |rhs|, and where a pivot is too small or the residual stays above REFUSE_ABOVE the dense

@@ -1,4 +1,4 @@
-"""What is saved of an accepted step: one row of the ring, whose layout `warpffrf.online.record` reads."""
+"""What is saved of an accepted step: one row of the ring, whose layout `warpffrf.online.history.record` reads."""
 
 import warp as wp
 
@@ -96,7 +96,7 @@ def record(
     ctl: inout(wp.array(dtype=Control)),
     ring: out(wp.array3d(dtype=real)),
 ):
-    """Per world: one row of the ring. Layout: `warpffrf.online.record`."""
+    """Per world: one row of the ring. Layout: `warpffrf.online.history.record`."""
     w = wp.tid()
     model = models[0]
     if ctl[w].record == 0:

@@ -9,10 +9,10 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import BLOCK
 from warpffrf_kernels.kinematics.at_points import LINE
 
-from warpffrf.online.compile import CompiledScene
-from warpffrf.online.compile_shared import serves_several
-from warpffrf.online.layer_arrays import layer_points
-from warpffrf.online.outer_pattern import OuterPattern
+from warpffrf.online.arrays.layers import layer_points
+from warpffrf.online.compile.outer_pattern import OuterPattern
+from warpffrf.online.compile.scene import CompiledScene
+from warpffrf.online.compile.shared import serves_several
 
 Sizes = Mapping[str, int]
 RESIDUALS_KEPT = 32

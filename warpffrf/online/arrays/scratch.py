@@ -10,7 +10,7 @@ from warpffrf_kernels.normal.contact_wrench import Held
 from warpffrf.online.arrays.axes import Sizes
 from warpffrf.online.arrays.declaration import Arrays
 from warpffrf.online.arrays.state import State
-from warpffrf.online.compile import CompiledScene
+from warpffrf.online.compile.scene import CompiledScene
 
 FORCE, MODAL = "N, N m", "N/kg^1/2"
 

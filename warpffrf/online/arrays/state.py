@@ -10,7 +10,7 @@ from warpffrf_kernels.core.declaration import DeviceArray, integers, quaternions
 from warpffrf.model import rotation as rot
 from warpffrf.online.arrays.axes import Sizes
 from warpffrf.online.arrays.declaration import Arrays
-from warpffrf.online.compile import CompiledScene
+from warpffrf.online.compile.scene import CompiledScene
 
 
 class MotionState(Arrays, carried=True):

@@ -13,8 +13,8 @@ from typing import Any
 import warp as wp
 
 from warpffrf.online.arrays import Scratch, Sizes, State
-from warpffrf.online.compile import CompiledScene
-from warpffrf.online.outer_pattern import OuterPattern, on_device
+from warpffrf.online.compile.outer_pattern import OuterPattern, on_device
+from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.step import phases
 from warpffrf.online.step.modules import load
 from warpffrf.online.step.program import Program

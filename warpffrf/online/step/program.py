@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from warpffrf.online.arrays.axes import Sizes
 from warpffrf.online.arrays.scratch import Scratch
 from warpffrf.online.arrays.state import State
-from warpffrf.online.compile import CompiledScene
+from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.step import phases
 from warpffrf.online.step.contact import CONTACT
 from warpffrf.online.step.friction import FRICTION

@@ -19,15 +19,15 @@ from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
 from warpffrf.model.progress import Progress
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
-from warpffrf.online import energy_momentum, runge_kutta
 from warpffrf.online.arrays.declaration import host_structs
 from warpffrf.online.checkpoint import is_dynamic, time_of
-from warpffrf.online.compile_forces import ForceTable
-from warpffrf.online.compile_inertia import InertiaPlan
-from warpffrf.online.free_bodies import FreeBody, Motion, check_free, free_body, initial_motion
-from warpffrf.online.history import ENERGY_LINES, History
-from warpffrf.online.sensors import force_histories, sensor_histories
-from warpffrf.online.user_frame import user_frame
+from warpffrf.online.compile.forces import ForceTable
+from warpffrf.online.compile.inertia import InertiaPlan
+from warpffrf.online.free_flight import energy_momentum, runge_kutta
+from warpffrf.online.free_flight.free_bodies import FreeBody, Motion, check_free, free_body, initial_motion
+from warpffrf.online.history.history import ENERGY_LINES, History
+from warpffrf.online.history.sensors import force_histories, sensor_histories
+from warpffrf.online.history.user_frame import user_frame
 
 ADVANCE = {EnergyMomentum: energy_momentum.advance, RungeKutta4: runge_kutta.advance}
 WITH_LOADS = {EnergyMomentum: False, RungeKutta4: True}

@@ -8,8 +8,8 @@ import numpy as np
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.layers import layer_laws as device
 
-from warpffrf.online.contact_rules import PointRule
-from warpffrf.online.sampling_rules import layer_rule
+from warpffrf.online.compile.points import PointRule
+from warpffrf.online.compile.sampling_rules import layer_rule
 
 LAYER_ITERATIONS = 2  # times as many Newton iterations: pressures of asperities span decades, a decade an iteration
 FORMS = {"power": device.POWER, "exponential": device.EXPONENTIAL, "table": device.TABLE}

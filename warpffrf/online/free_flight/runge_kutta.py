@@ -1,8 +1,8 @@
 r"""The classical Runge-Kutta method of order 4 (Kutta 1901) for free bodies, on the host.
 
-The equations of motion (`warpffrf.online.free_bodies`) are integrated as they stand, with pdot = p o (w, 0)/2 of the
-unit quaternion, which is brought back to length one after each step; its drift is of fifth order, so the order stays.
-The work of the loads and the loss in dampers are integrated along with the motion, to the same order.
+The equations of motion (`warpffrf.online.free_flight.free_bodies`) are integrated as they stand, with pdot = p o (w,
+0)/2 of the unit quaternion, which is brought back to length one after each step; its drift is of fifth order, so the
+order stays. The work of the loads and the loss in dampers are integrated along with the motion, to the same order.
 
 Explicit methods have a stability limit: with z = lambda h, lambda = -zeta omega +- i omega sqrt(1 - zeta^2) of a mode,
 the step multiplies it by R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24, and |R| <= 1 ends at omega h = 2 sqrt(2) without
@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.online.free_bodies import CURE, FreeBody, Motion, product
+from warpffrf.online.free_flight.free_bodies import CURE, FreeBody, Motion, product
 
 Array = np.ndarray
 GROWTH = 1e-9  # of |R|: rounding of a mode on the edge of stability

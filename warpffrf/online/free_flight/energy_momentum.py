@@ -1,7 +1,7 @@
 r"""Steps that conserve energy and momenta: the midpoint rule with the discrete derivative of the kinetic energy.
 
-In the notation of `warpffrf.online.free_bodies`: u = (w, qdot), T = u.M(q) u/2, momenta P = M u = (pi, p), a bar for
-the mean of both ends of the step h. Positions follow the mean velocities, rotations by the Cayley map,
+In the notation of `warpffrf.online.free_flight.free_bodies`: u = (w, qdot), T = u.M(q) u/2, momenta P = M u = (pi, p),
+a bar for the mean of both ends of the step h. Positions follow the mean velocities, rotations by the Cayley map,
 
     r_1 = r_0 + h vbar,      q_1 = q_0 + h qdbar,      A_1 = A_0 cay(h wbar),     cay(x) = (1 - x^/2)^-1 (1 + x^/2),
 
@@ -32,7 +32,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from warpffrf.online.free_bodies import FreeBody, Motion, product
+from warpffrf.online.free_flight.free_bodies import FreeBody, Motion, product
 
 Array = np.ndarray
 CORRECTION = 1e-9  # of the velocity, in the energy norm: its square is far below round-off

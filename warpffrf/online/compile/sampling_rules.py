@@ -13,7 +13,7 @@ import numpy as np
 
 from warpffrf.model.evaluations import evaluation_of, refuse_full
 from warpffrf.model.sampling import Sampling
-from warpffrf.online.contact_rules import PointRule, gauss_rule
+from warpffrf.online.compile.points import PointRule, gauss_rule
 
 ON_STATION = 1e-9  # of the distance of two rows: round-off of the Gauss points in a file is 1e-16
 

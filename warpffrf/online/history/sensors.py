@@ -18,8 +18,8 @@ import numpy as np
 
 from warpffrf.model.forces import BodyLoad, SpringLaw
 from warpffrf.model.joints import coincident_within
-from warpffrf.online.history import BodyHistory, ForceHistory, JointHistory, SensorHistory
-from warpffrf.online.interface_motion import interface_motion
+from warpffrf.online.history.history import BodyHistory, ForceHistory, JointHistory, SensorHistory
+from warpffrf.online.history.interface_motion import interface_motion
 
 
 def turned(p: np.ndarray, x: np.ndarray) -> np.ndarray:

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from warpffrf_kernels.core.model import Model
 
-from warpffrf.online.compile_shared import surface_reaches
-from warpffrf.online.compliance_tables import modal_moments, response_table, weak_compliance
+from warpffrf.online.compile.compliance_tables import modal_moments, response_table, weak_compliance
+from warpffrf.online.compile.shared import surface_reaches
 
 NO_NODES = 2  # columns and rows of a rigid surface's empty grid: the fewest between which can be interpolated
 

@@ -38,7 +38,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.inertia import LEVELS, TERM_NAMES, InertiaTerms
-from warpffrf.online.compile_inertia import NOTICEABLE, least_level
+from warpffrf.online.compile.inertia import NOTICEABLE, least_level
 
 FLAG = 0.01  # a term above 1 % of what is kept is worth its cost: forces and displacements are wanted to that
 SMALLEST = 1e-3  # %: what is smaller is no news

@@ -16,14 +16,14 @@ from warpffrf_kernels.core.model import Model
 from warpffrf.model.errors import InputError
 from warpffrf.model.slopes import leanings, leant
 from warpffrf.online.arrays.constants import Constants
-from warpffrf.online.compile_contact import fill_pairs
-from warpffrf.online.compile_forces import ForceTable, compile_forces, fill_forces
-from warpffrf.online.compile_friction import fill_friction
-from warpffrf.online.compile_inertia import InertiaPlan, fill_inertia, fill_stiffening, mode_reach
-from warpffrf.online.compile_joints import JointTable, compile_joints
-from warpffrf.online.compile_layers import LAYER_ITERATIONS, fill_layers
-from warpffrf.online.compile_shared import fill_shared
-from warpffrf.online.compile_surfaces import fill_surfaces
+from warpffrf.online.compile.forces import ForceTable, compile_forces, fill_forces
+from warpffrf.online.compile.friction import fill_friction
+from warpffrf.online.compile.inertia import InertiaPlan, fill_inertia, fill_stiffening, mode_reach
+from warpffrf.online.compile.joints import JointTable, compile_joints
+from warpffrf.online.compile.layers import LAYER_ITERATIONS, fill_layers
+from warpffrf.online.compile.pairs import fill_pairs
+from warpffrf.online.compile.shared import fill_shared
+from warpffrf.online.compile.surfaces import fill_surfaces
 from warpffrf.online.local_dynamics import FOLLOWS, LocalDynamics, LocalPlan
 from warpffrf.online.settings import Settings
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from warpffrf_kernels.core.model import Model
 
-from warpffrf.online.compliance_tables import hat_gram, response_table
+from warpffrf.online.compile.compliance_tables import hat_gram, response_table
 
 SPARE = 2  # columns that a window may have moved since the sources were counted
 

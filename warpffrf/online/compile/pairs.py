@@ -10,10 +10,11 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.kinematics.line_of_centres import GUARD
 
 from warpffrf.model.errors import InputError
-from warpffrf.online.compile_inertia import dense_columns
-from warpffrf.online.compile_surfaces import NO_NODES, is_rigid
-from warpffrf.online.contact_rules import fill_points
-from warpffrf.online.contact_windows import (
+from warpffrf.online.compile.inertia import dense_columns
+from warpffrf.online.compile.points import fill_points
+from warpffrf.online.compile.sampling_rules import on_stations, rule_of
+from warpffrf.online.compile.surfaces import NO_NODES, is_rigid
+from warpffrf.online.compile.windows import (
     MAX_HALF_WINDOW,
     REACH_SPARE,
     ROUND_OFF,
@@ -23,7 +24,6 @@ from warpffrf.online.contact_windows import (
     half_window,
     second_reach,
 )
-from warpffrf.online.sampling_rules import on_stations, rule_of
 
 LINE_OF_CENTRES, AT_POINTS = 0, 1  # families of geometry: `line_of_centres`, `at_points`
 LEAST_CROWN = 1.0  # radii: below, the crown is no small drop along the width

@@ -31,11 +31,11 @@ from warpffrf.model.errors import InputError, require_count
 from warpffrf.model.friction import friction_notes
 from warpffrf.online.checkpoint import is_dynamic, restore
 from warpffrf.online.engine import Engine
-from warpffrf.online.history import History
-from warpffrf.online.linearise import Linearisation, linearise
+from warpffrf.online.history.history import History
 from warpffrf.online.run import describe
 from warpffrf.online.settings import Settings
-from warpffrf.online.settle import settle
+from warpffrf.online.start.settle import settle
+from warpffrf.online.vibrations.linearise import Linearisation, linearise
 
 Array = np.ndarray
 RANK = 1e-10  # of the largest singular value: rows that hold nothing; the compiler has taken dependent rows out

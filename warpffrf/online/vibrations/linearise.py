@@ -41,9 +41,9 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.online.compile_inertia import mode_reach
+from warpffrf.online.arrays.layers import slot_flexibility
+from warpffrf.online.compile.inertia import mode_reach
 from warpffrf.online.engine import Engine
-from warpffrf.online.layer_arrays import slot_flexibility
 
 Array = np.ndarray
 LENGTH_STEP = 1e-5  # m, rad: fourth-order error 1e-12 at lengths of 10 mm, round-off 1e-11 of the forces in play per m

@@ -18,8 +18,8 @@ from warpffrf.model.forces import SpringLaw
 from warpffrf.model.joints import Joint, Marker, Row
 from warpffrf.model.joints.rows import gradient, value
 from warpffrf.model.redundancy import ConstraintRow, scene_length
-from warpffrf.online.history import BodyHistory
-from warpffrf.online.interface_motion import interface_motion
+from warpffrf.online.history.history import BodyHistory
+from warpffrf.online.history.interface_motion import interface_motion
 
 LEFT_OUT = 1e-6  # of the scene's length, or rad: a redundant row is kept to round-off; more means that it was needed
 NEAR_HALF_TURN = 0.75  # of half a turn: a bushing that comes so far is no bushing; leaves room for what is not saved

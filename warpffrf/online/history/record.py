@@ -6,11 +6,18 @@ import numpy as np
 from warpffrf_kernels.core import control as k
 
 from warpffrf.online.arrays.axes import friction_width, ring_width
-from warpffrf.online.compile import CompiledScene
-from warpffrf.online.history import ENERGY_LINES, BodyHistory, ContactHistory, FrictionHistory, History, JointHistory
-from warpffrf.online.joint_motion import coordinates, half_turn_notes, left_out_notes
-from warpffrf.online.sensors import force_histories, sensor_histories, turned
-from warpffrf.online.user_frame import user_frame
+from warpffrf.online.compile.scene import CompiledScene
+from warpffrf.online.history.history import (
+    ENERGY_LINES,
+    BodyHistory,
+    ContactHistory,
+    FrictionHistory,
+    History,
+    JointHistory,
+)
+from warpffrf.online.history.joint_motion import coordinates, half_turn_notes, left_out_notes
+from warpffrf.online.history.sensors import force_histories, sensor_histories, turned
+from warpffrf.online.history.user_frame import user_frame
 
 
 def history_from_rows(compiled: CompiledScene, chunks: list[np.ndarray]) -> History:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.online.blame import largest_force
+from warpffrf.online.diagnosis.failure_report import largest_force
 
 
 def left_over(engine: Any, world: int) -> tuple[float, str]:

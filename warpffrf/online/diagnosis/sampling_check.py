@@ -27,7 +27,7 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.evaluations import evaluation_of
 from warpffrf.model.sampling import gauss_points
-from warpffrf.online.layer_yield import yield_of
+from warpffrf.online.diagnosis.layer_compliance import yield_of
 from warpffrf.online.settings import Settings
 
 SAMPLED = 8  # saved steps that are looked at, evenly spread: a patch changes slowly beside a step

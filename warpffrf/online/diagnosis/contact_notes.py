@@ -20,10 +20,10 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.gap import facing_gap, smallest_gap
 from warpffrf.model.reach import out_of_reach
 from warpffrf.model.slopes import leanings
-from warpffrf.online.border_notes import border_notes
-from warpffrf.online.compile_contact import SKEW
-from warpffrf.online.sensors import turned
-from warpffrf.online.undeformed_normal import normal_notes
+from warpffrf.online.compile.pairs import SKEW
+from warpffrf.online.diagnosis.border_notes import border_notes
+from warpffrf.online.diagnosis.undeformed_normal import normal_notes
+from warpffrf.online.history.sensors import turned
 
 FEWEST_COLUMNS = 4  # across the largest patch: with fewer, peaks and half-widths are those of the grid
 CUT = 0.05  # of the load: hats that hang over the end of the second surface by more are worth a word

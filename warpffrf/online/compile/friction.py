@@ -13,9 +13,9 @@ import numpy as np
 from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.errors import InputError
-from warpffrf.online.compile_shared import neighbours, surface_reaches
-from warpffrf.online.compliance_tables import hat_gram
-from warpffrf.online.contact_windows import Extent, between_axes, sine_between
+from warpffrf.online.compile.compliance_tables import hat_gram
+from warpffrf.online.compile.shared import neighbours, surface_reaches
+from warpffrf.online.compile.windows import Extent, between_axes, sine_between
 
 CUBIC_SPARE = 2  # columns beyond the overlap that a cubic reaches, see `cell_shares.spread_cells`
 ROUND_OFF = 1e-9  # cells: a ratio of two grids that is a whole number up to this is one

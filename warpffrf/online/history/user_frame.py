@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from warpffrf.online.history import BodyHistory
-from warpffrf.online.sensors import turned
+from warpffrf.online.history.history import BodyHistory
+from warpffrf.online.history.sensors import turned
 
 
 def user_frame(

@@ -5,10 +5,9 @@ without velocity. A short one goes down the slope of the energy, a long one is N
 converge, and an iteration that fails, or a step that ends higher than it began (`kernels commit`), is taken again with
 a shorter one; once the scene has come much nearer to rest, longer ones are tried again.
 
-Motions that nothing resists (`warpffrf.online.free_motions`) are held where they are as soon as the rest is known to
-within the tolerance of Newton's method: round-off, and what the grids leave of torques that are zero, would carry them
-off.
-"""
+Motions that nothing resists (`warpffrf.online.start.free_motions`) are held where they are as soon as the rest is known
+to within the tolerance of Newton's method: round-off, and what the grids leave of torques that are zero, would carry
+them off."""
 
 from __future__ import annotations
 
@@ -17,8 +16,8 @@ from typing import Any
 import numpy as np
 from warpffrf_kernels.core import control as k
 
-from warpffrf.online.free_motions import FreeMotions
-from warpffrf.online.rest import creeping_note, left_over
+from warpffrf.online.start.free_motions import FreeMotions
+from warpffrf.online.start.rest import creeping_note, left_over
 
 MOST_STEPS = 150  # a snap-through takes about a hundred
 GROWTH = 10.0  # of the proximal step from one to the next, ...

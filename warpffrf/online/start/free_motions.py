@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.gap import facing_gap
-from warpffrf.online.blame import largest_force
+from warpffrf.online.diagnosis.failure_report import largest_force
 
 # of a line of length one: the modes move an axle off the axis of the rim by a hundred-thousandth of its radius
 FREE = 1e-5

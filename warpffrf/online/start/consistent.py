@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from warpffrf_kernels.core import control as k
 
-from warpffrf.online.accelerations import refine
+from warpffrf.online.start.accelerations import refine
 
 STEP = 1e-3  # s/m: 0.1 ms for a scene of 0.1 m, where no step is given
 VELOCITY_CHANGE = 1e-5  # of the largest velocity and 1 m/s: what is typed with six digits

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.online.history import BodyHistory
+from warpffrf.online.history.history import BodyHistory
 
 
 def interface_motion(port: Any, body: BodyHistory) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

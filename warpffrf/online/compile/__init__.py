@@ -1,0 +1,1 @@
+"""Scene -> constants on the device."""

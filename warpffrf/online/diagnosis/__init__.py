@@ -1,0 +1,1 @@
+"""What a run says about itself: why it failed, and what its results are worth."""

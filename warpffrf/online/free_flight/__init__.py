@@ -1,0 +1,1 @@
+"""Bodies in free flight on the host, by integrators that check the kernels."""

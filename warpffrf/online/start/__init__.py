@@ -1,0 +1,1 @@
+"""The state that a run begins with: equilibrium, consistent velocities, accelerations."""
