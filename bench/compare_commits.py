@@ -308,9 +308,7 @@ def main() -> int:
         folder = Path(name)
         subprocess.run([*git, "worktree", "add", "--quiet", "--detach", str(folder / "tree"), given.base], check=True)
         try:
-            print(
-                f"base: {commit.stdout.strip()}, head: the working tree; us a step, head over base (of single processes)"
-            )
+            print(f"base: {commit.stdout.strip()}, head: the working tree; us a step, head over base (by process)")
             bodies = (given.bodies or folder).resolve()
             bodies.mkdir(parents=True, exist_ok=True)
             rows = compare(folder / "tree", given.rounds, given.processes, given.scenes, folder, bodies)
