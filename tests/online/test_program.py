@@ -25,6 +25,7 @@ from warpffrf.online.arrays import Scratch, State
 from warpffrf.online.arrays.axes import NAMES
 from warpffrf.online.arrays.constants import Constants
 from warpffrf.online.arrays.declaration import Arrays, numbers_of
+from warpffrf.online.arrays.ring import Rows
 from warpffrf.online.arrays.table import markdown, topics
 from warpffrf.online.start.settle import settle
 from warpffrf.online.step import phases
@@ -85,7 +86,7 @@ SCENES: dict[str, Callable[[Bodies], wf.Scene]] = {
 }
 
 
-def steps(scene: wf.Scene, step: float, poison: bool, **options: Any) -> tuple[dict[str, np.ndarray], np.ndarray]:
+def steps(scene: wf.Scene, step: float, poison: bool, **options: Any) -> tuple[Rows, Rows]:
     """State and saved rows after some steps, each attempt replayed by itself, with scratch made unusable between."""
     engine = Engine(scene, settings=Settings(), **options)
     assert not scene.contacts or settle(engine)
@@ -98,7 +99,7 @@ def steps(scene: wf.Scene, step: float, poison: bool, **options: Any) -> tuple[d
             make_unusable(engine)
         engine.replay(1)
     assert engine.word("status")[0] == 0 and engine.word("step")[0] == STEPS
-    return engine.state.to_numpy(), np.concatenate(engine.rows[0])
+    return engine.state.to_numpy(), engine.saved()
 
 
 def make_unusable(engine: Engine) -> None:
@@ -123,7 +124,8 @@ def test_scratch_carries_nothing_from_step_to_step(name: str, bodies: Bodies) ->
     assert (clean["ctl"]["repeated"][0] > 0) == (name == "sudden")
     for key, values in clean.items():
         assert np.array_equal(numbers_of(values), numbers_of(other[key]), equal_nan=True), key
-    assert np.array_equal(rows, other_rows)
+    for row, array in rows.items():
+        assert np.array_equal(array, other_rows[row]), row
 
 
 # --- what is refused

@@ -89,7 +89,8 @@ def test_a_world_that_is_not_short_keeps_what_is_recorded_of_it(little: None) ->
         assert not np.any(e.word("status"))
     assert alone[0].compiled.model.capacity.slots < alone[1].compiled.model.capacity.slots
     for w, e in enumerate(alone):
-        np.testing.assert_array_equal(engine.rows[w][0], e.rows[0][0])
+        for name, rows in e.saved().items():
+            np.testing.assert_array_equal(engine.saved(w)[name], rows, name)
 
 
 def test_a_run_without_memory_for_more_keeps_what_it_has(little: None, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -100,7 +100,7 @@ def resting(engine: Engine) -> History:
         engine.static_step(float(tau))
         assert not engine.word("status")[0]
     engine.save_now()
-    return history_from_rows(engine.compiled, engine.rows[0])
+    return history_from_rows(engine.compiled, engine.saved())
 
 
 @pytest.mark.slow

@@ -13,7 +13,8 @@ from warpffrf_kernels.core import control as k
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import GeneralizedAlpha
-from warpffrf.online.arrays import Sizes, initial_state, sizes_of
+from warpffrf.online.arrays import Ring, Sizes, initial_state, sizes_of
+from warpffrf.online.arrays.ring import Rows, joined
 from warpffrf.online.arrays.scratch import scratch_for
 from warpffrf.online.compile.outer_pattern import pattern_of
 from warpffrf.online.compile.scene import compile_scene
@@ -73,9 +74,10 @@ class Engine:
         # contact and the projection of velocities need the inverse of the outer matrix
         self._pattern = None if self._projected else pattern_of(self.compiled)
         self.state = initial_state(self.compiled, self._sizes())
+        self.ring = Ring(self._sizes(), device)
         self._allocate()
         self.no_room = 0  # hats in play that there was no memory for
-        self.rows: list[list[np.ndarray]] = [[] for _ in range(worlds)]
+        self.chunks: list[list[Rows]] = [[] for _ in range(worlds)]  # taken out of the ring, in chunks
         self.drained = np.zeros(worlds, dtype=int)
         self.seconds_in_graph = 0.0
         self.start_notes: list[str] = []
@@ -90,7 +92,9 @@ class Engine:
         self.work.local_coefficients.assign(np.tile(compiled.local.options.coefficients, (worlds, 1)))
         self.work.project.fill_(int(integrator.project_velocities))
         self.work.accuracy.fill_(self._accuracy or 0.0)
-        self.graph = StepGraph(compiled, sizes, self.state, self.work, self._pattern, progress=self._progress)
+        self.graph = StepGraph(
+            compiled, sizes, self.state, self.ring, self.work, self._pattern, progress=self._progress
+        )
 
     def _sizes(self) -> Sizes:
         return sizes_of(
@@ -184,13 +188,14 @@ class Engine:
     def drain(self) -> None:
         """Take the rows that the graph has saved since the last time out of the ring."""
         saved = self.word("saved")
-        if np.any(saved > self.drained):
-            ring = self.work.ring.numpy()
-            for w in range(self.worlds):
-                if saved[w] > self.drained[w]:
-                    at = np.arange(self.drained[w], saved[w]) % ring.shape[1]
-                    self.rows[w].append(ring[w, at].copy())
-            self.drained = saved
+        for w in range(self.worlds):
+            if saved[w] > self.drained[w]:
+                self.chunks[w].append(self.ring.take(w, range(self.drained[w], saved[w])))
+        self.drained = saved
+
+    def saved(self, world: int = 0) -> Rows:
+        """All rows saved of a world so far."""
+        return joined(self.chunks[world] or [self.ring.take(world, range(0))])
 
     # --- phases
 

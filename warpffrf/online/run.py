@@ -236,9 +236,9 @@ def _finish(
         message = str(wedge) if wedge.all_round else f"{said}; {wedge}"
     if at_rest and engine.not_at_rest and not bits & ~RUNS_AWAY:
         status, message = "no_equilibrium", f"{engine.not_at_rest}: {NO_LOAD_PATH}"
-    elif at_rest and status == "completed" and not engine.rows[0]:
+    elif at_rest and status == "completed" and not engine.chunks[0]:
         status, message = "no_equilibrium", _no_load_path(engine)
-    history = history_from_rows(engine.compiled, engine.rows[0])
+    history = history_from_rows(engine.compiled, engine.saved())
     history.status, history.message = status, (prefix + message if message else "")
     steps = int(engine.word("steps")[0])
     history.counters = {

@@ -20,6 +20,7 @@ from warpffrf import monolithic
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError
 from warpffrf.model.overlap import refuse_overlap
+from warpffrf.model.scene import Scene
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.monolithic.checkpoint import from_arrays, is_monolithic, time_of, to_arrays
@@ -122,18 +123,16 @@ def refuse_other_method(checkpoint: Any, method: str, where: str) -> None:
         )
 
 
-class _Laws:
-    """Stands for a compiled scene where only its forces are asked for."""
-
-    def __init__(self, scene: Any) -> None:
-        self.scene, self.forces = scene, ForceTable()
-        at = 0
-        for item in scene.forces:
-            if hasattr(item, "law"):
-                law = item.law()
-                self.forces.laws[item.name] = law
-                self.forces.rows[item.name] = list(range(at, at + len(law.coordinates)))
-                at += len(law.coordinates)
+def _springs(scene: Scene) -> ForceTable:
+    """Laws of the springs of a scene, and their rows one behind the other."""
+    table, at = ForceTable(), 0
+    for item in scene.forces:
+        if hasattr(item, "law"):
+            law = item.law()
+            table.laws[item.name] = law
+            table.rows[item.name] = list(range(at, at + len(law.coordinates)))
+            at += len(law.coordinates)
+    return table
 
 
 def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History:
@@ -148,8 +147,9 @@ def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History
         first, second = [*named.values(), np.full(T, np.nan), np.full(T, np.nan)][:2]
         force, torque = found.reactions[str(joint.name)]
         joints[joint.name] = JointHistory(first, force, torque, second, tuple(named))
-    laws = _Laws(scene)
-    forces = force_histories(laws, time, found.spring_rows, bodies)
+    springs = _springs(scene)
+    rows = found.spring_rows
+    forces = force_histories(scene, springs, time, rows[:, :, 0], rows[:, :, 1:], bodies)
     contacts = {
         name: ContactHistory(
             **{field: getattr(c, field) for field in CONTACT_FIELDS},
@@ -167,7 +167,7 @@ def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History
         iterations=found.iterations, factorisations=found.factorisations, status=found.status, message=found.message,
         counters=counters, forces=forces, sensors=sensor_histories(scene, T, bodies, joints, forces),
         notes=[*notes, *found.notes, *left_out_notes(scene, found.dropped, bodies, T),
-               *half_turn_notes(laws.forces.laws, bodies, T)],
+               *half_turn_notes(springs.laws, bodies, T)],
         checkpoint={} if found.final is None else to_arrays(found.final),
     )  # fmt: skip
 

@@ -174,7 +174,7 @@ class StaticPath:
             if engine.word("status")[0]:
                 break
             engine.save_now()
-        history = history_from_rows(engine.compiled, engine.rows[0])
+        history = history_from_rows(engine.compiled, engine.saved())
         history.status, history.message = describe(int(engine.word("status")[0]), int(engine.word("spare")[0]))
         return history
 

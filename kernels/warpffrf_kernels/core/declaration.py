@@ -47,6 +47,7 @@ class Declaration:
     run: bool
     carried: bool = False  # what stands there from before the attempt is used
     zero_without: bool = False  # zero says what is to be said in a scene where no launch sets it
+    restored: bool = False  # a rejected attempt puts back what stood there before it
     instead: str = ""  # array that takes its place in a scene without its axes
 
     @property

@@ -20,27 +20,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 
 @wp.kernel
-def remember_tractions(
-    ctl: wp.array(dtype=Control),
-    traction: wp.array3d(dtype=real),
-    friction_offset: wp.array2d(dtype=real),
-    traction_before: out(wp.array3d(dtype=real)),
-    friction_offset_before: out(wp.array2d(dtype=real)),
-):
-    """Per (world, pair), lanes over cells: the tractions before an attempt."""
-    w, pair, lane = wp.tid()
-    if ctl[w].attempt == 0:
-        return
-    i = lane
-    while i < traction.shape[2]:
-        traction_before[w, pair, i] = traction[w, pair, i]
-        i += wp.block_dim()
-    if lane == 0:
-        friction_offset_before[w, pair] = friction_offset[w, pair]
-
-
-@wp.kernel
-def keep_tractions(
+def keep_slips(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
     clk: wp.array(dtype=Clock),
@@ -52,29 +32,18 @@ def keep_tractions(
     rigid_slip: wp.array3d(dtype=real),
     friction_work: wp.array3d(dtype=real),
     normal_wrench: wp.array3d(dtype=real),
-    traction_before: wp.array3d(dtype=real),
-    friction_offset_before: wp.array2d(dtype=real),
-    traction: out(wp.array3d(dtype=real)),
-    friction_offset: out(wp.array2d(dtype=real)),
     elastic_before: out(wp.array3d(dtype=real)),
     history_center: out(wp.array2d(dtype=int)),
     contact_normal: out(wp.array2d(dtype=vec3)),
     friction_record: out(wp.array3d(dtype=real)),
 ):
-    """Per (world, pair), lanes over cells: the history of an accepted step, or the tractions as an attempt found them.
-    friction_record: power, creep (2), rolling velocity."""
+    """Per (world, pair), lanes over cells: the history of an accepted step. friction_record: power, creep (2), rolling
+    velocity."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].attempt == 0 or model.pairs.friction[pair] == real(0.0):
+    if ctl[w].attempt == 0 or ctl[w].accept == 0 or model.pairs.friction[pair] == real(0.0):
         return
     i = lane
-    if ctl[w].accept == 0:
-        while i < traction.shape[2]:
-            traction[w, pair, i] = traction_before[w, pair, i]
-            i += wp.block_dim()
-        if lane == 0:
-            friction_offset[w, pair] = friction_offset_before[w, pair]
-        return
     A = model.pairs.first[pair]
     rows = model.surfaces.rows[A]
     H = model.window.half
@@ -109,6 +78,22 @@ def keep_tractions(
 
 
 @wp.kernel
+def add_friction_second(
+    ctl: wp.array(dtype=Control),
+    pair_wrench: wp.array3d(dtype=real),
+    normal_wrench: wp.array3d(dtype=real),
+    second_wrench: inout(wp.array3d(dtype=real)),
+):
+    """Per (world, pair): tractions act on the second body along the same lines, so that their wrench there is the
+    opposite."""
+    w, pair = wp.tid()
+    if ctl[w].record == 0:
+        return
+    for c in range(6):
+        second_wrench[w, pair, c] -= pair_wrench[w, pair, c] - normal_wrench[w, pair, c]
+
+
+@wp.kernel
 def record_friction(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
@@ -118,47 +103,41 @@ def record_friction(
     bound: wp.array3d(dtype=real),
     cell_state: wp.array3d(dtype=int),
     friction_record: wp.array3d(dtype=real),
-    pair_wrench: wp.array3d(dtype=real),
-    normal_wrench: wp.array3d(dtype=real),
     most_advanced: inout(wp.array2d(dtype=real)),
-    second_wrench: inout(wp.array3d(dtype=real)),
-    ring: out(wp.array3d(dtype=real)),
+    saved_traction: out(wp.array4d(dtype=real)),
+    saved_slip_velocity: out(wp.array4d(dtype=real)),
+    saved_cell_state: out(wp.array4d(dtype=int)),
+    saved_friction: out(wp.array4d(dtype=real)),
+    saved_advanced: out(wp.array3d(dtype=real)),
 ):
-    """Per (world, pair), lanes over cells: at the end of the row that `record.record` writes next, for every pair
-    tractions, slip velocities, states, `friction_record` and the most columns advanced, whose count begins anew; the
-    tractions act on the second body along the same lines,
-    so that their wrench there is the opposite."""
+    """Per (world, pair), lanes over cells. The most columns that the patch advanced are counted anew from here."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].record == 0:
         return
-    C = model.window.hats
-    at = ctl[w].saved % ring.shape[1]
-    start = ring.shape[2] - (model.pairs.count - pair) * (5 * C + 5)
+    at = ctl[w].saved % saved_advanced.shape[1]
     rows = model.surfaces.rows[model.pairs.first[pair]]
     h = clk[w].done_step
     m = lane
-    while m < C:
+    while m < model.window.hats:
+        loaded = m < model.window.columns * rows and model.pairs.friction[pair] > real(0.0)
+        loaded = loaded and bound[w, pair, m] > real(0.0) and ctl[w].mode == k.DYNAMIC
         for d in range(2):
             i = cell_at(rows, m, d)
             stress = real(0.0)
             speed = real(0.0)
-            if m < model.window.columns * rows and model.pairs.friction[pair] > real(0.0):
-                if bound[w, pair, m] > real(0.0) and ctl[w].mode == k.DYNAMIC and h > real(0.0):
-                    stress = traction[w, pair, i]
-                    speed = slip[w, pair, i] / h
-            ring[w, at, start + d * C + m] = stress
-            ring[w, at, start + (2 + d) * C + m] = speed
-        state = real(0.0)
-        loaded = m < model.window.columns * rows and model.pairs.friction[pair] > real(0.0)
-        if loaded and bound[w, pair, m] > real(0.0) and ctl[w].mode == k.DYNAMIC:
-            state = real(cell_state[w, pair, m])
-        ring[w, at, start + 4 * C + m] = state
+            if loaded and h > real(0.0):
+                stress = traction[w, pair, i]
+                speed = slip[w, pair, i] / h
+            saved_traction[w, at, pair, 2 * m + d] = stress
+            saved_slip_velocity[w, at, pair, 2 * m + d] = speed
+        state = int(0)
+        if loaded:
+            state = cell_state[w, pair, m]
+        saved_cell_state[w, at, pair, m] = state
         m += wp.block_dim()
     if lane == 0:
         for c in range(4):
-            ring[w, at, start + 5 * C + c] = friction_record[w, pair, c]
-        ring[w, at, start + 5 * C + 4] = most_advanced[w, pair]
+            saved_friction[w, at, pair, c] = friction_record[w, pair, c]
+        saved_advanced[w, at, pair] = most_advanced[w, pair]
         most_advanced[w, pair] = real(0.0)
-        for c in range(6):
-            second_wrench[w, pair, c] -= pair_wrench[w, pair, c] - normal_wrench[w, pair, c]

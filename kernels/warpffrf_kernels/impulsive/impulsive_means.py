@@ -388,7 +388,7 @@ def find_restless(
     pressure: wp.array3d(dtype=real),
     pressure_before: wp.array3d(dtype=real),
     offset: wp.array2d(dtype=real),
-    offset_before: wp.array2d(dtype=real),
+    patch_offset_before: wp.array2d(dtype=real),
     restless: out(wp.array2d(dtype=int)),
 ):
     """Per (world, pair): 1 where the forces of the hats changed by more than CALM in the attempt, the sum of |change|.
@@ -398,7 +398,7 @@ def find_restless(
     model = models[0]
     if ctl[w].attempt == 0:
         return
-    shift = int(wp.floor(offset[w, pair] - offset_before[w, pair] + real(0.5)))
+    shift = int(wp.floor(offset[w, pair] - patch_offset_before[w, pair] + real(0.5)))
     shift = shift * model.surfaces.rows[model.pairs.first[pair]]
     change = real(0.0)
     before = real(0.0)

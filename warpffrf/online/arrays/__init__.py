@@ -1,7 +1,8 @@
 """The arrays of a run, each declared once: allocation, checkpoints, launches and the tables of the docs follow."""
 
 from warpffrf.online.arrays.axes import Sizes, sizes_of
+from warpffrf.online.arrays.ring import Ring
 from warpffrf.online.arrays.scratch import Scratch
 from warpffrf.online.arrays.state import State, initial_state
 
-__all__ = ["Scratch", "Sizes", "State", "initial_state", "sizes_of"]
+__all__ = ["Ring", "Scratch", "Sizes", "State", "initial_state", "sizes_of"]

@@ -35,7 +35,6 @@ NAMES = {
     "line": "lines of the energy ledger",
     "residual": "residuals kept for the report of a failure",
     "ring_row": "rows of the ring",
-    "ring_number": "numbers of a row",
     "pair": "pairs in contact",
     "contact_body": "bodies, in scenes with contact",
     "contact_mode": "modes, in scenes with contact",
@@ -145,7 +144,7 @@ def sizes_of(
         "interface_shape": compiled.interface_modes.size, "group": m.groups.count, "dense": m.dense.count,
         "exact_mode": Q if compiled.local.exact else 0, "dynamic_mode": Q if m.modes.dynamic_count else 0,
         "outer": outer, "line": k.LINES, "residual": RESIDUALS_KEPT,
-        "ring_row": ring_rows, "ring_number": ring_width(m), "pair": P, "contact_body": B if P else 0,
+        "ring_row": ring_rows, "pair": P, "contact_body": B if P else 0,
         "contact_mode": Q if P else 0, "contact_outer": outer if P else 0, "pair_mode": m.pairs.most_modes,
         "coupled": m.pairs.coupled_capacity, "hat": hat, "node": node, "slot": S, "station": stations,
         "window_point": (m.window.columns + 1) * m.quadrature.theta_points * max(stations, 1),
@@ -167,14 +166,3 @@ def sizes_of(
         "few_pair": int(((families == 0) & (counts > 0)).sum()), "shared_pair": P if shared else 0,
         "shared_friction_pair": P if shared and rubbing else 0,
     }  # fmt: skip
-
-
-def friction_width(m: Model) -> int:
-    """Numbers a pair adds to a record in scenes with friction, see `warpffrf_kernels.friction.history`."""
-    return 5 * m.window.hats + 5 if m.capacity.cells else 0
-
-
-def ring_width(m: Model) -> int:
-    """Numbers in one record, see `warpffrf_kernels.step.record.record`."""
-    pair = 16 + m.window.hats + 1 + m.window.nodes + friction_width(m)
-    return 4 + k.LINES + 19 * m.bodies.count + 3 * m.modes.count + 7 * m.rows.count + pair * m.pairs.count

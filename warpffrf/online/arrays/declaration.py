@@ -56,12 +56,13 @@ class Arrays:
         if carried:
             own = {name: replace(value, carried=True) for name, value in own.items()}
         found: dict[str, Declaration] = {}
+        own |= vars(cls).get("declarations", {})
         for part in [getattr(base, "declarations", {}) for base in cls.__bases__] + [own]:
             twice = sorted(set(found) & set(part))
             if twice:
                 raise TypeError(f"{cls.__name__}: {', '.join(twice)} declared twice; choose another name")
             found |= part
-        for name in own:
+        for name in set(own) & set(vars(cls)):
             delattr(cls, name)  # there is one on instances only
         cls.declarations = found
 

@@ -3,6 +3,8 @@ or the set-up of the run, has left."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, quaternions, reals, structs, vectors
 from warpffrf_kernels.normal.contact_wrench import Held
@@ -26,7 +28,6 @@ class RunWords(Arrays):
     rubbing: DeviceArray = integers("one", note="1 while pressures and tractions go on answering each other")
     budget: DeviceArray = integers("one", note="attempts left", carried=True)
     more: DeviceArray = integers("one", note="1 while attempts are to be made", carried=True)
-    ring: DeviceArray = reals("world", "ring_row", "ring_number", note="saved rows, see `record`", carried=True)
 
 
 class Motion(Arrays):
@@ -171,9 +172,6 @@ class ContactFields(Arrays):
     second_local: DeviceArray = reals("world", "pair", "node", unit="m", note="by those of B", run=True)
     second_load: DeviceArray = reals("world", "pair", "node", unit="N")
     second_wrench: DeviceArray = reals("world", "pair", 6, unit=FORCE)
-    active_before: DeviceArray = integers("world", "pair", "hat", note="before the attempt")
-    pressure_before: DeviceArray = reals("world", "pair", "hat", unit="Pa")
-    offset_before: DeviceArray = reals("world", "pair", unit="columns")
     proposed: DeviceArray = integers("world", "pair", "hat", note="active set after a solve")
 
 
@@ -230,8 +228,6 @@ class FrictionCells(Arrays):
     load_change: DeviceArray = reals("world", "pair", "friction_node", unit="N")
     second_force: DeviceArray = reals("world", "pair", "2*friction_node", unit="N")
     traction_base: DeviceArray = reals("world", "pair", "2*friction_hat", unit="Pa", note="of the evaluation")
-    traction_before: DeviceArray = reals("world", "pair", "2*friction_hat", unit="Pa", note="before the attempt")
-    friction_offset_before: DeviceArray = reals("world", "pair", unit="columns")
     cell_phase: DeviceArray = reals("world", "pair", 4, unit="columns")
     cell_state: DeviceArray = integers("world", "pair", "friction_hat", note="sticks, slips or is free")
     friction_record: DeviceArray = reals("world", "pair", 4, note="power, creep (2), rolling velocity")
@@ -281,9 +277,21 @@ class FrictionSolve(Arrays):
     answer_change: DeviceArray = reals("world", 1)
 
 
+RESTORED = {name: declaration for name, declaration in State.declarations.items() if declaration.restored}
+
+
+class Before(Arrays):
+    """What a rejected attempt puts back: arrays of the state as it was before the attempt."""
+
+    declarations = {
+        f"{name}_before": replace(d, carried=False, restored=False, note="before the attempt")
+        for name, d in RESTORED.items()
+    }
+
+
 class Scratch(
     RunWords, Motion, Residuals, Outer, ImpulsiveContact, ContactGeometry, ContactFields, ContactSolve, Layers,
-    FrictionCells, FrictionSolve,
+    FrictionCells, FrictionSolve, Before,
 ):  # fmt: skip
     """Scratch arrays of a step."""
 

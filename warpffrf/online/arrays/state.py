@@ -49,10 +49,14 @@ class LoadState(Arrays, carried=True):
 class ContactState(Arrays, carried=True):
     """Pairs: the active set in the contact frame, and what the integrator remembers of their forces."""
 
-    active: DeviceArray = integers("world", "pair", "hat", note="1 where the window is under pressure")
-    pressure: DeviceArray = reals("world", "pair", "hat", unit="Pa")
+    active: DeviceArray = integers("world", "pair", "hat", note="1 where the window is under pressure", restored=True)
+    pressure: DeviceArray = reals("world", "pair", "hat", unit="Pa", restored=True)
     patch_offset: DeviceArray = reals(
-        "world", "pair", unit="columns", note="line of centres less the centre column, where the active set was found"
+        "world",
+        "pair",
+        unit="columns",
+        note="line of centres less the centre column, where the active set was found",
+        restored=True,
     )
     pair_force: DeviceArray = reals(
         "world", "pair", 2, 12, unit="N, N m", note="accepted, trial: by the pressures, see `impulsive_contact`"
@@ -71,9 +75,9 @@ class ContactState(Arrays, carried=True):
 class FrictionState(Arrays, carried=True):
     """Tractions in the contact frame, columns of (2, rows) of a window, and the history of slip."""
 
-    traction: DeviceArray = reals("world", "pair", "2*friction_hat", unit="Pa")
+    traction: DeviceArray = reals("world", "pair", "2*friction_hat", unit="Pa", restored=True)
     friction_offset: DeviceArray = reals(
-        "world", "pair", unit="columns", note="as patch_offset, where the tractions were found"
+        "world", "pair", unit="columns", note="as patch_offset, where the tractions were found", restored=True
     )
     elastic_before: DeviceArray = reals(
         "world", "pair", "2*friction_hat", unit="m", note="elastic slip at the end of the last step"

@@ -10,6 +10,7 @@ from warpffrf_kernels.core.model import Model
 
 from warpffrf.online.arrays.axes import NAMES
 from warpffrf.online.arrays.declaration import Arrays
+from warpffrf.online.arrays.ring import Ring
 from warpffrf.online.arrays.scratch import Scratch
 from warpffrf.online.arrays.state import State
 
@@ -28,7 +29,7 @@ def markdown() -> str:
     ]
     tables = [
         (f"{whole.__name__}: {part.__name__}", str(inspect.getdoc(part)), part.declarations, whole is Scratch)
-        for whole in (State, Scratch)
+        for whole in (State, Ring, Scratch)
         for part in whole.__bases__
         if issubclass(part, Arrays)
     ]
@@ -56,6 +57,7 @@ def _row(name: str, d: Declaration, scratch: bool) -> str:
     kind = TYPES.get(d.dtype.__name__, d.dtype.__name__) if isinstance(d.dtype, type) else d.dtype.key
     marks = [d.note] if d.note else []
     marks += ["run"] * d.run + ["carried"] * (d.carried and scratch)
+    marks += ["put back where an attempt is rejected"] * d.restored
     marks += [f"`{d.instead}` without its axes"] * bool(d.instead)
     axes = " x ".join(str(axis) for axis in d.axes)
     return f"| `{name}` | {kind} | {axes} | {d.unit} | {'; '.join(marks)} |"

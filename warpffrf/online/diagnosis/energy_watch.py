@@ -53,7 +53,7 @@ class EnergyWatch:
     def end(self) -> str:
         """Who has made energy, how much, and what smaller steps do over the last steps."""
         engine = self.engine
-        last, rows, drained = engine.state.to_numpy(), engine.rows[0], engine.drained.copy()
+        last, rows, drained = engine.state.to_numpy(), engine.chunks[0], engine.drained.copy()
         made, most, t = self._made(), float(engine.word("most")[0]), float(engine.word("time")[0])
         by_pair = engine.state.made.numpy()[0]
         owner = "the integrator"
@@ -66,7 +66,7 @@ class EnergyWatch:
             cure = "interrupted before smaller steps were tried"
         finally:
             engine.state.assign(last)
-            engine.rows[0], engine.drained = rows, drained
+            engine.chunks[0], engine.drained = rows, drained
         return (
             f"{owner} makes energy: by t = {t:.6g} s the run had gained {made:.3g} J, {made / most:.1%} of the largest "
             f"energy of the ledger, that nothing supplied; {cure}"
@@ -87,7 +87,7 @@ class EnergyWatch:
     def _made_with(self, step: float, steps: int) -> float:
         """What is made in so many steps from the state kept [J]."""
         engine = self.engine
-        engine.rows[0] = []
+        engine.chunks[0] = []
         restore(engine, self.kept, step)
         engine.clock(noise=np.inf)  # never mind what is made
         begin = done = int(engine.word("step")[0])

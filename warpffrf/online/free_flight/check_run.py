@@ -33,13 +33,6 @@ ADVANCE = {EnergyMomentum: energy_momentum.advance, RungeKutta4: runge_kutta.adv
 WITH_LOADS = {EnergyMomentum: False, RungeKutta4: True}
 
 
-class _Collected:
-    """Stands for a compiled scene where only its forces are asked for: all of them are loads."""
-
-    def __init__(self, scene: Any) -> None:
-        self.scene, self.forces = scene, ForceTable()
-
-
 class _Ledger:
     """The lines of the energy ledger of all bodies; `numerical` is what closes the balance."""
 
@@ -175,7 +168,7 @@ def _history(scene: Any, rows: _Rows, step: float, first: int) -> History:
         ends = np.cumsum([3, 4, 3, 3, m, m, 3, 3])
         r, p, v, w, q, qd, vdot, wdot, qdd = np.split(x, ends, axis=1)
         bodies[body.name] = user_frame(body.center_of_mass, r, p, v, w, vdot, wdot, q, qd, qdd)
-    forces = force_histories(_Collected(scene), times, np.zeros((T, 0, 7)), bodies)
+    forces = force_histories(scene, ForceTable(), times, np.zeros((T, 0)), np.zeros((T, 0, 6)), bodies)
     energy = np.array(rows.energy).reshape(T, len(ENERGY_LINES))
     sizes = np.full(T, step)
     sizes[: min(first, T)] = 0.0

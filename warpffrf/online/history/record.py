@@ -1,11 +1,10 @@
-"""From ring rows (layout of `warpffrf_kernels.step.record.record`) to a History in user frames."""
+"""From the rows that a run has saved (`warpffrf.online.arrays.ring`) to a History in user frames."""
 
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.core import control as k
 
-from warpffrf.online.arrays.axes import friction_width, ring_width
+from warpffrf.online.arrays.ring import Rows, SavedContact
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.history.history import (
     ENERGY_LINES,
@@ -20,95 +19,85 @@ from warpffrf.online.history.sensors import force_histories, sensor_histories, t
 from warpffrf.online.history.user_frame import user_frame
 
 
-def history_from_rows(compiled: CompiledScene, chunks: list[np.ndarray]) -> History:
-    """Unpack the saved rows of one world."""
-    m, scene = compiled.model, compiled.scene
-    rows = np.concatenate(chunks) if chunks else np.zeros((0, ring_width(m)))
-    T = len(rows)
-    at = 4
-    energy = {name: rows[:, at + i].copy() for i, name in enumerate(ENERGY_LINES)}
-    at += k.LINES
+def history_from_rows(compiled: CompiledScene, rows: Rows) -> History:
+    """The saved rows of one world as a History."""
+    scene, time = compiled.scene, rows["saved_time"]
+    T = len(time)
+    energy = {name: rows["saved_energy"][:, i].copy() for i, name in enumerate(ENERGY_LINES)}
     bodies: dict[str, BodyHistory] = {}
-    modal = at + 19 * m.bodies.count
     for i, body in enumerate(scene.bodies):
-        x = rows[:, at : at + 19]
-        at += 19
-        q, qd, qdd = (
-            rows[:, at_modes + compiled.modal_start[i] :][:, : body.mode_count]  # the global ones
-            for at_modes in modal + m.modes.count * np.arange(3)
+        first = compiled.modal_start[i]
+        modes = slice(first, first + body.mode_count)  # the global ones
+        bodies[body.name] = user_frame(
+            body.center_of_mass,
+            *(rows[f"saved_{name}"][:, i] for name in ("r", "p", "v", "omega", "v_rate", "omega_rate")),
+            *(rows[f"saved_{name}"][:, modes] for name in ("q", "qd", "qd_rate")),
         )
-        r, p, v, w, vdot, wdot = np.split(x, np.cumsum([3, 4, 3, 3, 3]), axis=1)
-        bodies[body.name] = user_frame(body.center_of_mass, r, p, v, w, vdot, wdot, q, qd, qdd)
-    at += 3 * m.modes.count
-    row_data = rows[:, at : at + 7 * m.rows.count].reshape(T, m.rows.count, 7)
-    at += 7 * m.rows.count
     joints = {}
     for joint in scene.joints:
         drives = {d.coordinate: d for d in scene.drives if d.joint is joint}
-        found = coordinates(joint, drives, rows[:, 0], bodies)
+        found = coordinates(joint, drives, time, bodies)
         first, second = [*found.values(), np.full(T, np.nan), np.full(T, np.nan)][:2]
-        wrench = row_data[:, compiled.joints.rows[joint.name], 1:].sum(axis=1)
+        wrench = rows["saved_row_wrench"][:, compiled.joints.rows[joint.name]].sum(axis=1)
         joints[joint.name] = JointHistory(first, wrench[:, :3], wrench[:, 3:], second, tuple(found))
-    forces = force_histories(compiled, rows[:, 0], row_data, bodies)
+    forces = force_histories(scene, compiled.forces, time, rows["saved_coordinate"], rows["saved_row_wrench"], bodies)
     contacts = {}
     for i, contact in enumerate(scene.contacts):
-        contacts[contact.name] = _contact(compiled, i, rows[:, at:], bodies)
+        contacts[contact.name] = _contact(compiled, i, rows, bodies)
         if contact.friction.coefficient > 0.0:
             contacts[contact.name].friction = _friction(compiled, i, rows)
-        at += 17 + m.window.hats + m.window.nodes
     return History(
-        scene=scene, time=rows[:, 0].copy(), step_size=rows[:, 1].copy(),
+        scene=scene, time=time, step_size=rows["saved_step"],
         bodies=bodies, joints=joints, contacts=contacts, forces=forces,
         sensors=sensor_histories(scene, T, bodies, joints, forces),
-        energy=energy, iterations=rows[:, 2].astype(int), factorisations=rows[:, 3].astype(int),
+        energy=energy, iterations=rows["saved_iterations"].astype(int),
+        factorisations=rows["saved_solves"].astype(int),
         notes=left_out_notes(scene, compiled.joints.dropped, bodies, T)
         + half_turn_notes(compiled.forces.laws, bodies, T),
     )  # fmt: skip
 
 
-def _contact(compiled: CompiledScene, i: int, x: np.ndarray, bodies: dict[str, BodyHistory]) -> ContactHistory:
+def _contact(compiled: CompiledScene, i: int, rows: Rows, bodies: dict[str, BodyHistory]) -> ContactHistory:
     m, contact = compiled.model, compiled.scene.contacts[i]
     a, b = contact.a.surface, contact.b.surface
-    T = len(x)
+    x = {name: array[:, i] for name, array in rows.items() if name in SavedContact.declarations}
+    T = len(x["saved_active"])
     first, second = contact.a.body, contact.b.body
     r_a = bodies[first.name].position + turned(bodies[first.name].rotation, first.center_of_mass)
-    force, about_r_a = x[:, 4:7].copy(), x[:, 7:10]
-    force_second, second_about_r_a = x[:, 10:13].copy(), x[:, 13:16]
+    force, about_r_a = x["saved_pair_wrench"][:, :3], x["saved_pair_wrench"][:, 3:]
+    force_second, second_about_r_a = x["saved_second_wrench"][:, :3], x["saved_second_wrench"][:, 3:]
     torque = about_r_a + np.cross(r_a - bodies[first.name].position, force)
     about = bodies[second.name].position if second.name in bodies else np.zeros(3)  # of the ground the world's origin
     torque_second = second_about_r_a + np.cross(r_a - about, force_second)
-    hats = x[:, 16 : 16 + m.window.hats]
-    pressure = hats[:, : m.window.columns * a.grid.rows].reshape(T, m.window.columns, a.grid.rows).copy()
-    after = 16 + m.window.hats
+    pressure = x["saved_pressure"][:, : m.window.columns * a.grid.rows].reshape(T, m.window.columns, a.grid.rows)
     load = np.zeros((T, 0, 0))  # a rigid second surface has no grid
     if b.grid is not None:
-        load = x[:, after + 1 : after + 1 + m.window.second_columns * b.grid.rows]
-        load = load.reshape(T, m.window.second_columns, b.grid.rows).copy()
+        load = x["saved_second_load"][:, : m.window.second_columns * b.grid.rows]
+        load = load.reshape(T, m.window.second_columns, b.grid.rows)
     # distance of the axes at mid-width, or the smallest gap of a pair whose gaps are taken at points
-    family = m.pairs.family.numpy()[i]
-    approach = -x[:, 3] if family == 1 else a.shape.radius + b.shape.radius - x[:, 3]
+    distance, family = x["saved_distance"], m.pairs.family.numpy()[i]
+    approach = -distance if family == 1 else a.shape.radius + b.shape.radius - distance
     return ContactHistory(
-        force=force, torque=torque, force_second=force_second, torque_second=torque_second,
-        first_column=x[:, 0].astype(int) - m.window.half, center_column=x[:, 2].copy(), pressure=pressure,
-        first_column_second=x[:, 1].astype(int) - m.window.second_half, load_second=load,
-        approach=approach, active_modes=x[:, after].astype(int),
+        force=force.copy(), torque=torque, force_second=force_second.copy(), torque_second=torque_second,
+        first_column=x["saved_center"][:, 0] - m.window.half, center_column=x["saved_column"].copy(),
+        pressure=pressure.copy(), first_column_second=x["saved_center"][:, 1] - m.window.second_half,
+        load_second=load.copy(), approach=approach, active_modes=x["saved_active"].astype(int),
     )  # fmt: skip
 
 
-def _friction(compiled: CompiledScene, i: int, rows: np.ndarray) -> FrictionHistory:
-    """Friction of pair i, from the end of the rows."""
-    m, grid = compiled.model, compiled.scene.contacts[i].a.surface.grid
-    T, width, C = len(rows), friction_width(m), m.window.hats
-    x = rows[:, rows.shape[1] - (m.pairs.count - i) * width :][:, :width]
-    cells = m.window.columns * grid.rows
+def _friction(compiled: CompiledScene, i: int, rows: Rows) -> FrictionHistory:
+    """Friction of pair i."""
+    columns, grid = compiled.model.window.columns, compiled.scene.contacts[i].a.surface.grid
+    T, cells = len(rows["saved_time"]), columns * grid.rows
 
-    def field(first: int, count: int) -> np.ndarray:
-        values = x[:, first * C : (first + count) * C].reshape(T, count, C)[:, :, :cells]
-        return values.reshape(T, count, m.window.columns, grid.rows).copy()
+    def field(name: str) -> np.ndarray:
+        values = rows[name][:, i, : 2 * cells].reshape(T, columns, grid.rows, 2)
+        return np.moveaxis(values, 3, 1).copy()
 
-    last = x[:, 5 * C :]
+    state = rows["saved_cell_state"][:, i, :cells].reshape(T, columns, grid.rows)
+    numbers = rows["saved_friction"][:, i]
     return FrictionHistory(
-        traction=field(0, 2), slip_velocity=field(2, 2), state=field(4, 1)[:, 0].astype(np.int8),
-        power=last[:, 0].copy(), creep_velocity=last[:, 1:3].copy(), rolling_velocity=last[:, 3].copy(),
-        cells_per_step=last[:, 4].copy(),
+        traction=field("saved_traction"), slip_velocity=field("saved_slip_velocity"), state=state.astype(np.int8),
+        power=numbers[:, 0].copy(), creep_velocity=numbers[:, 1:3].copy(), rolling_velocity=numbers[:, 3].copy(),
+        cells_per_step=rows["saved_advanced"][:, i].copy(),
     )  # fmt: skip

@@ -18,6 +18,8 @@ import numpy as np
 
 from warpffrf.model.forces import BodyLoad, SpringLaw
 from warpffrf.model.joints import coincident_within
+from warpffrf.model.scene import Scene
+from warpffrf.online.compile.forces import ForceTable
 from warpffrf.online.history.history import BodyHistory, ForceHistory, JointHistory, SensorHistory
 from warpffrf.online.history.interface_motion import interface_motion
 
@@ -50,20 +52,26 @@ def point_motion(port: Any, point: np.ndarray, bodies: dict[str, BodyHistory], c
 
 
 def force_histories(
-    compiled: Any, time: np.ndarray, row_data: np.ndarray, bodies: dict[str, BodyHistory]
+    scene: Scene,
+    table: ForceTable,
+    time: np.ndarray,
+    value: np.ndarray,
+    wrench: np.ndarray,
+    bodies: dict[str, BodyHistory],
 ) -> dict[str, ForceHistory]:
-    """Force and torque of every force element; `row_data` (T, rows, 7): value and wrench of each row."""
-    found = {}
+    """Force and torque of every force element, from `value` (T, rows) and `wrench` (T, rows, 6) of the rows in
+    `table`."""
+    found: dict[str, ForceHistory] = {}
     T = len(time)
-    for item in compiled.scene.forces:
-        if item.name in compiled.forces.rows:
-            rows = compiled.forces.rows[item.name]
-            wrench = row_data[:, rows, 1:].sum(axis=1)
-            law = compiled.forces.laws[item.name]
-            deformation = row_data[:, rows, 0]
+    for item in scene.forces:
+        if item.name in table.rows:
+            own = table.rows[item.name]
+            total = wrench[:, own].sum(axis=1)
+            law = table.laws[item.name]
+            deformation = value[:, own]
             if law.expand is not None:
                 deformation = deformation @ law.expand.T
-            found[item.name] = ForceHistory(wrench[:, :3], wrench[:, 3:], deformation.copy())
+            found[item.name] = ForceHistory(total[:, :3], total[:, 3:], deformation.copy())
             continue
         load = item.load()
         none = np.zeros((T, 0))
@@ -71,11 +79,11 @@ def force_histories(
             p, s = bodies[load.body.name].rotation, load.signal(time)[:, None]
             found[item.name] = ForceHistory(turned(p, s * load.force), turned(p, s * load.torque), none)
             continue
-        value = np.stack([signal(time) for signal in load.components], axis=1)
+        vector = np.stack([signal(time) for signal in load.components], axis=1)
         if load.frame == "body":
-            value = turned(bodies[load.port.body.name].rotation, value)
+            vector = turned(bodies[load.port.body.name].rotation, vector)
         zero = np.zeros((T, 3))
-        pair = (value, zero) if load.what == "force" else (zero, value)
+        pair = (vector, zero) if load.what == "force" else (zero, vector)
         found[item.name] = ForceHistory(*pair, none)
     return found
 

@@ -15,11 +15,10 @@ from warpffrf_kernels.normal import (
     contact_assembly,
     contact_compliance,
     contact_fields,
-    contact_snapshot,
+    contact_record,
     contact_solve,
     contact_wrench,
 )
-from warpffrf_kernels.step import record
 
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.phases import Participant
@@ -31,7 +30,6 @@ CONTACT = Participant(
     "contact",
     when="pair",
     begin=[blocks(impulsive_contact.begin_contact)],
-    remember=[blocks(contact_snapshot.remember_contact, "pair")],
     locate=[
         threads(line_of_centres.locate, "pair", when=LINE),
         threads(closest_point.locate_points, "pair", when=POINT),
@@ -78,11 +76,11 @@ CONTACT = Participant(
     ],
     keep=[
         blocks(impulsive_memory.keep_memory, "pair", created="created_now", created_so_far="created"),
-        blocks(contact_snapshot.restore_contact, "pair"),
     ],
-    record=[
-        threads(record.sum_second, "pair"),
+    measure=[
+        threads(contact_record.sum_second, "pair"),
         threads(at_points.sum_points_second, "pair", when=POINT),
         threads(closest_point.measure_approach, "pair", when=POINT),
     ],
+    record=[threads(contact_record.record_pairs, "pair")],
 )

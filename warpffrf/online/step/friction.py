@@ -67,7 +67,6 @@ RUB = [
 FRICTION = Participant(
     "friction",
     when="friction_pair",
-    remember=[blocks(history.remember_tractions, "pair")],
     cells=[
         threads(cells.open_cells, "pair"),
         blocks(cells.place_cells, "pair"),
@@ -104,8 +103,9 @@ FRICTION = Participant(
     answer=[blocks(stick_slip_problem.push_modes, push="cell_push", **TAU, **BASE, **J)],
     keep=[
         threads(patch_advance.follow_patch, "pair"),
-        blocks(history.keep_tractions, "pair"),
+        blocks(history.keep_slips, "pair"),
         blocks(entering_cells.keep_pressed, "pair"),
     ],
+    measure=[threads(history.add_friction_second, "pair")],
     record=[blocks(history.record_friction, "pair")],
 )

@@ -12,7 +12,7 @@ from typing import Any
 
 import warp as wp
 
-from warpffrf.online.arrays import Scratch, Sizes, State
+from warpffrf.online.arrays import Ring, Scratch, Sizes, State
 from warpffrf.online.compile.outer_pattern import OuterPattern, on_device
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.step import phases
@@ -30,6 +30,7 @@ class StepGraph:
         compiled: CompiledScene,
         sizes: Sizes,
         state: State,
+        ring: Ring,
         scratch: Scratch,
         pattern: OuterPattern | None,
         *,
@@ -40,7 +41,7 @@ class StepGraph:
         self.pattern = pattern
         if pattern is not None:
             self.pattern_struct, constants["patterns"] = on_device(pattern, self.device)
-        self.program = Program(compiled, sizes, state, scratch, constants)
+        self.program = Program(compiled, sizes, (state, ring, scratch), constants)
         load((launch.kernel.module for launch in self.program.launches()), self.device, progress=progress)
         more: Any = scratch.more
         with wp.ScopedCapture(device=self.device) as capture:
@@ -79,8 +80,8 @@ class StepGraph:
         self.program.run(phases.ITERATION)
 
     def record(self) -> None:
-        """Write the accepted state to the ring where RECORD is set."""
-        self.program.run(("record",))
+        """Write the accepted state to the ring where `record` is set."""
+        self.program.run(phases.RECORD)
 
     def open_books(self) -> None:
         """The energies of the state that was evaluated last, in every world, as the first of the ledger."""

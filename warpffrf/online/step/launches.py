@@ -18,15 +18,18 @@ from warpffrf_kernels.core.declaration import Declaration
 from warpffrf_kernels.core.scalars import BLOCK
 
 from warpffrf.online.arrays.axes import NAMES
+from warpffrf.online.arrays.ring import Ring
 from warpffrf.online.arrays.scratch import Scratch
 from warpffrf.online.arrays.state import State
 
 CONSTANTS = ("models", "patterns")  # of the scene, in structs
 
-twice = sorted(set(State.declarations) & set(Scratch.declarations))
-if twice:
-    raise TypeError(f"{', '.join(twice)}: declared in State and in Scratch; launches could not tell them apart")
-DECLARED: dict[str, Declaration] = {**State.declarations, **Scratch.declarations}
+
+class All(State, Ring, Scratch):
+    """Every array that a launch may name; raises TypeError at import where two have the same name."""
+
+
+DECLARED: dict[str, Declaration] = All.declarations
 
 
 class Launch:

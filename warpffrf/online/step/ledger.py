@@ -11,6 +11,6 @@ LEDGER = Participant(
     "ledger",
     book=[threads(ledger.balance_energy)],
     watch=[threads(energy_watch.watch_energy)],
-    record=[threads(record.record)],
+    close_row=[threads(record.close_row)],
     count=[once(commit.count_attempts)],
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from warpffrf_kernels.bodies import inertia, interfaces, motion
 from warpffrf_kernels.constraints import forces, rows
-from warpffrf_kernels.step import accuracy, commit
+from warpffrf_kernels.step import accuracy, commit, record
 
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.phases import Participant
@@ -43,5 +43,10 @@ MOTION = Participant(
         blocks(commit.keep_modes, when="mode"),
         blocks(accuracy.correct_algorithmic, when="projected_row", wanted="project", modal_change="modal_step"),
         threads(commit.keep_rest),
+    ],
+    record=[
+        threads(record.record_bodies, "body"),
+        blocks(record.record_modes, when="mode"),
+        threads(record.record_rows, "row", when="row"),
     ],
 )

@@ -25,7 +25,8 @@ ITERATION = (
     *EVALUATION, "balance", "store", "mean", "assemble", "eliminate", "respond", "condense", "press", "increase",
     "follow", "displace", "correct", "stick", "increase_again", "answer", "advance",
 )  # fmt: skip
-DECISION = ("finish", "project", "estimate", "book", "judge", "decide", "keep", "watch", "record", "count")
+RECORD = ("measure", "record", "close_row")
+DECISION = ("finish", "project", "estimate", "book", "judge", "decide", "keep", "restore", "watch", *RECORD, "count")
 REPEATED = {"increase_again": ("increase", "friction_pair")}
 """A phase that is another one, where the scene has something."""
 PHASES = tuple(dict.fromkeys(p for p in (*ATTEMPT, *ITERATION, *DECISION) if p not in REPEATED))

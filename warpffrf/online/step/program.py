@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from warpffrf.online.arrays.axes import Sizes
-from warpffrf.online.arrays.scratch import Scratch
-from warpffrf.online.arrays.state import State
+from warpffrf.online.arrays.declaration import Arrays
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.step import phases
 from warpffrf.online.step.contact import CONTACT
@@ -17,8 +16,9 @@ from warpffrf.online.step.ledger import LEDGER
 from warpffrf.online.step.motion import MOTION
 from warpffrf.online.step.outer import OUTER
 from warpffrf.online.step.shared import SHARED
+from warpffrf.online.step.snapshot import SNAPSHOT
 
-PARTICIPANTS = (MOTION, OUTER, CONTACT, SHARED, FRICTION, LAYERS, LEDGER)
+PARTICIPANTS = (MOTION, OUTER, CONTACT, SHARED, FRICTION, LAYERS, SNAPSHOT, LEDGER)
 WHOLE = (*phases.ATTEMPT, *phases.ITERATION, *phases.DECISION)
 
 
@@ -29,14 +29,10 @@ class Program:
     """
 
     def __init__(
-        self, compiled: CompiledScene, sizes: Sizes, state: State, scratch: Scratch, constants: dict[str, object]
+        self, compiled: CompiledScene, sizes: Sizes, owners: Sequence[Arrays], constants: dict[str, object]
     ) -> None:
         self.sizes, self.device = sizes, compiled.device
-        self.arrays = {
-            **{name: getattr(state, name) for name in State.declarations},
-            **{name: getattr(scratch, name) for name in Scratch.declarations},
-            **constants,
-        }
+        self.arrays = {name: getattr(owner, name) for owner in owners for name in owner.declarations} | constants
         self.parts = {phase: phases.collect(PARTICIPANTS, phase) for phase in WHOLE}
         wrong = phases.complaints([(phase, self.parts[phase]) for phase in WHOLE], sizes)
         if wrong:

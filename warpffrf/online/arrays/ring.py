@@ -1,0 +1,81 @@
+"""Rows that are saved of a run: one ring an array, written by the step and taken out by the host between chunks.
+
+Frames are those of the state: centres of mass, body axes. `warpffrf.online.history.record` makes a History of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from warpffrf_kernels.core.declaration import DeviceArray, integers, quaternions, reals, vectors
+
+from warpffrf.online.arrays.declaration import Arrays
+
+Rows = dict[str, np.ndarray]
+"""Saved rows of one world by the names of the arrays, time first."""
+
+
+class SavedBooks(Arrays, carried=True):
+    """Time, counts and the ledger."""
+
+    saved_time: DeviceArray = reals("world", "ring_row", unit="s")
+    saved_step: DeviceArray = reals("world", "ring_row", unit="s", note="size of the step that led here")
+    saved_iterations: DeviceArray = integers("world", "ring_row", note="of the steps since the last row")
+    saved_solves: DeviceArray = integers("world", "ring_row", note="of the hats in play, likewise")
+    saved_energy: DeviceArray = reals("world", "ring_row", "line", unit="J")
+
+
+class SavedMotion(Arrays, carried=True):
+    """Bodies, modes, and rows of joints, drives and springs."""
+
+    saved_r: DeviceArray = vectors("world", "ring_row", "body", unit="m")
+    saved_p: DeviceArray = quaternions("world", "ring_row", "body")
+    saved_v: DeviceArray = vectors("world", "ring_row", "body", unit="m/s")
+    saved_omega: DeviceArray = vectors("world", "ring_row", "body", unit="rad/s")
+    saved_v_rate: DeviceArray = vectors("world", "ring_row", "body", unit="m/s2")
+    saved_omega_rate: DeviceArray = vectors("world", "ring_row", "body", unit="rad/s2")
+    saved_q: DeviceArray = reals("world", "ring_row", "mode", unit="m kg^1/2")
+    saved_qd: DeviceArray = reals("world", "ring_row", "mode", unit="m kg^1/2/s")
+    saved_qd_rate: DeviceArray = reals("world", "ring_row", "mode", unit="m kg^1/2/s2")
+    saved_coordinate: DeviceArray = reals("world", "ring_row", "row", unit="m or rad")
+    saved_row_wrench: DeviceArray = reals("world", "ring_row", "row", 6, unit="N, N m", note="on the second body")
+
+
+class SavedContact(Arrays, carried=True):
+    """Pairs; wrenches are about the centre of mass of the first body."""
+
+    saved_center: DeviceArray = integers("world", "ring_row", "pair", 2, note="centre columns on A and B")
+    saved_column: DeviceArray = reals("world", "ring_row", "pair", unit="columns", note="line of centres on A")
+    saved_distance: DeviceArray = reals(
+        "world", "ring_row", "pair", unit="m", note="of the axes, or the smallest gap where gaps are taken at points"
+    )
+    saved_pair_wrench: DeviceArray = reals("world", "ring_row", "pair", 6, unit="N, N m", note="on A")
+    saved_second_wrench: DeviceArray = reals("world", "ring_row", "pair", 6, unit="N, N m", note="on B")
+    saved_pressure: DeviceArray = reals("world", "ring_row", "pair", "hat", unit="Pa")
+    saved_active: DeviceArray = integers("world", "ring_row", "pair", note="hats under pressure")
+    saved_second_load: DeviceArray = reals("world", "ring_row", "pair", "node", unit="N")
+
+
+class SavedFriction(Arrays, carried=True):
+    """Pairs with friction; of two directions both stand together, cell by cell."""
+
+    saved_traction: DeviceArray = reals("world", "ring_row", "pair", "2*friction_hat", unit="Pa")
+    saved_slip_velocity: DeviceArray = reals("world", "ring_row", "pair", "2*friction_hat", unit="m/s")
+    saved_cell_state: DeviceArray = integers("world", "ring_row", "pair", "friction_hat", note="open, stick, slip")
+    saved_friction: DeviceArray = reals("world", "ring_row", "friction_pair", 4, note="as friction_record")
+    saved_advanced: DeviceArray = reals("world", "ring_row", "friction_pair", unit="columns", note="as most_advanced")
+
+
+class Ring(SavedBooks, SavedMotion, SavedContact, SavedFriction):
+    """What is saved of the steps of every world."""
+
+    def take(self, world: int, rows: range) -> Rows:
+        """Copies of these rows, counted from the first that was ever saved."""
+        at = np.asarray(rows, dtype=int) % self.saved_time.shape[1]
+        return {name: getattr(self, name).numpy()[world, at] for name in self.declarations}
+
+
+def joined(chunks: Sequence[Rows]) -> Rows:
+    """Rows of all chunks, one at least, one behind the other."""
+    return {name: np.concatenate([chunk[name] for chunk in chunks]) for name in chunks[0]}
