@@ -99,7 +99,7 @@ class Rows:
     def __call__(self, r: np.ndarray, A: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Values (rows,), gradients (rows, 6 bodies) and wrenches (rows, 6)."""
         e = self.engine
-        x, s, m = e.work, e.state, e.compiled
+        x, s, m = e.scratch, e.state, e.compiled
         x.r1.assign(r[None])
         x.axes.assign(A[None])
         wp.launch_tiled(
@@ -158,7 +158,7 @@ def test_geometric_stiffness_agrees_with_differences(name: str) -> None:
     bushing's is of first order in its rotation, here 1e-3 rad."""
     scene, _ = spring_scene(name)
     evaluate = Rows(scene)
-    x, s, m = evaluate.engine.work, evaluate.engine.state, evaluate.engine.compiled
+    x, s, m = evaluate.engine.scratch, evaluate.engine.state, evaluate.engine.compiled
     rng = np.random.default_rng(0)
     lam = rng.normal(size=(1, m.model.rows.count))
     s.lam.assign(lam)

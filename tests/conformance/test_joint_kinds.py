@@ -103,7 +103,7 @@ def test_gradients_agree_with_finite_differences(kind: str) -> None:
 def evaluate_on_device(scene: Scene, pose: Pose) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Defects, rigid and modal gradients of all rows in a pose, and the wrenches they are made of, from the kernel."""
     engine = Engine(scene)
-    m, s, x = engine.compiled, engine.state, engine.work
+    m, s, x = engine.compiled, engine.state, engine.scratch
     q = np.concatenate([np.zeros(0), *pose.modal])
     x.r1.assign(np.array([[pose.position[i] + pose.axes[i] @ b.center_of_mass for i, b in enumerate(scene.bodies)]]))
     x.axes.assign(pose.axes[None])

@@ -20,7 +20,7 @@ ROUND_OFF = 1e-12  # relative to the largest entry: sums of some hundred terms
 def slots(engine: Engine) -> tuple[np.ndarray, int]:
     """Hats of the window that have a slot, and their number."""
     count = int(engine.word("slots")[0])
-    return engine.work.slot_mode.numpy()[0, :count, 1].copy(), count
+    return engine.scratch.slot_mode.numpy()[0, :count, 1].copy(), count
 
 
 def surfaces(engine: Engine):
@@ -30,7 +30,7 @@ def surfaces(engine: Engine):
 
 def hats_of_points(engine: Engine) -> dict[str, np.ndarray]:
     """What `weigh` sums, point by point: every Gauss point adds to four hats of A, and there to four hats of B."""
-    m, x = engine.compiled.model, engine.work
+    m, x = engine.compiled.model, engine.scratch
     a, b = surfaces(engine)
     rows, rows_b, NT, NZ = a.grid.rows, b.grid.rows, m.quadrature.theta_points, m.quadrature.z_points
     NS = (rows - 1) * NZ
@@ -71,7 +71,7 @@ def hats_of_points(engine: Engine) -> dict[str, np.ndarray]:
 
 def stencils(engine: Engine) -> np.ndarray:
     """Loads on B's hats of the second window under unit pressure hats, (columns, rows, columns of B, rows of B)."""
-    m, x = engine.compiled.model, engine.work
+    m, x = engine.compiled.model, engine.scratch
     a, b = surfaces(engine)
     rows, rows_b, SC, SR = a.grid.rows, b.grid.rows, m.window.stencil_columns, m.window.stencil_rows
     weight, at = x.stencil.numpy()[0, 0], x.stencil_at.numpy()[0, 0]
@@ -92,7 +92,7 @@ def close(found: np.ndarray, expected: np.ndarray, tolerance: float = ROUND_OFF)
 
 
 def test_sum_hat(engine: Engine) -> None:
-    m, x = engine.compiled.model, engine.work
+    m, x = engine.compiled.model, engine.scratch
     expected = hats_of_points(engine)
     rows = surfaces(engine)[0].grid.rows
     low, high = x.window.numpy()[0, 0] + m.window.half
@@ -105,7 +105,7 @@ def test_sum_hat(engine: Engine) -> None:
 
 def test_stencil_holds_a_row_that_only_inner_points_reach(engine: Engine) -> None:
     """The lowest row of B under a hat may lie under any of its points: the load of a hat is its area all the same."""
-    m, x = engine.compiled.model, engine.work
+    m, x = engine.compiled.model, engine.scratch
     a = surfaces(engine)[0]
     rows, NT = a.grid.rows, m.quadrature.theta_points
     NS = (rows - 1) * m.quadrature.z_points
@@ -138,7 +138,7 @@ def test_stencil_holds_a_row_that_only_inner_points_reach(engine: Engine) -> Non
 
 def test_couple(engine: Engine) -> None:
     """G from D of both bodies, hat by hat, and the condensed global modes."""
-    m, x = engine.compiled.model, engine.work
+    m, x = engine.compiled.model, engine.scratch
     a, b = surfaces(engine)
     mode, count = slots(engine)
     load = stencils(engine).reshape(m.window.columns * a.grid.rows, -1)[mode]
@@ -161,7 +161,7 @@ def test_couple(engine: Engine) -> None:
 def test_add_outer(engine: Engine) -> None:
     """condensed = G + L H L^T. H is not quite symmetric (gyroscopic and geometric terms), condensed is by construction;
     it only sets the rate of convergence."""
-    m, x = engine.compiled.model, engine.work
+    m, x = engine.compiled.model, engine.scratch
     _, count = slots(engine)
     N = m.outer.count
     columns = m.pairs.coupled.numpy()[0, : m.pairs.coupled_count.numpy()[0]]
@@ -179,7 +179,7 @@ def test_add_outer(engine: Engine) -> None:
 
 def test_first_rigid_columns_of_the_gradient(engine: Engine) -> None:
     """Hats that all move apart: L of a translation of A along the line of centres is minus that of B."""
-    m, x = engine.compiled.model, engine.work
+    m, x = engine.compiled.model, engine.scratch
     _, count = slots(engine)
     L = x.L.numpy()[0, :count]
     assert close(L[:, 6:9], -L[:, 0:3])

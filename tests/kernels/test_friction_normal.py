@@ -12,6 +12,7 @@ from warpffrf_kernels.core import control as k
 
 import warpffrf as wf
 from warpffrf.online import Engine, Settings
+from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 
 ROUND_OFF = 1e-9  # of the largest entry: a solve with the pressures' matrix, of condition 1e4 and more
@@ -61,7 +62,7 @@ def stopped(request: pytest.FixtureRequest, body: wf.ReducedBody) -> Engine:
     engine = Engine(request.param(body), settings=Settings())
     assert settle(engine)
     engine.initial_rates()
-    engine.start()
+    start_consistently(engine)
     engine.control(every=1)
     engine.enter(k.DYNAMIC, STEP, target=2)
     engine.replay(8)
@@ -76,7 +77,7 @@ def stopped(request: pytest.FixtureRequest, body: wf.ReducedBody) -> Engine:
 def operators(engine: Engine) -> tuple[np.ndarray, ...]:
     """G_c of the active slots and L_n of these, in the order of the last solve; L, V and K without the answer of the
     cells' lines; all over the outer columns."""
-    m, x, state = engine.compiled.model, engine.work, engine.state
+    m, x, state = engine.compiled.model, engine.scratch, engine.state
     lines, N, width = 2 * int(engine.word("cells")[0]), m.outer.count, int(m.pairs.coupled_count.numpy()[0])
     place = np.zeros((width, N))
     place[np.arange(width), m.pairs.coupled.numpy()[0, :width]] = 1.0
@@ -95,7 +96,7 @@ def operators(engine: Engine) -> tuple[np.ndarray, ...]:
 def coupling(engine: Engine) -> np.ndarray:
     """N^T (active slots, lines of the cells) without the outer coordinates: how the gaps open with each traction by the
     local modes, evaluated, and by the global ones."""
-    x, state, width = engine.work, engine.state, engine.compiled.model.pairs.most_modes
+    x, state, width = engine.scratch, engine.state, engine.compiled.model.pairs.most_modes
     n, cells = int(x.answer_state.numpy()[0, 0]), int(engine.word("cells")[0])
     order = x.order.numpy()[0, :n]
     hats = x.slot_mode.numpy()[0, order, 1]
@@ -125,13 +126,15 @@ def test_the_answer_of_the_pressures_is_condensed(stopped: Engine, request: pyte
     n, lines = len(hats), len(V)
     assert n > 3
     near, far = coupling(stopped), L_n @ V.T
-    loaded = np.repeat(stopped.work.bound.numpy()[0, 0, stopped.work.cell_slot.numpy()[0, : lines // 2, 1]] > 0.0, 2)
-    U = np.triu(stopped.work.factor.numpy()[0, :n, :n])
-    Y = stopped.work.cell_Y.numpy()[0, :n, :lines]
+    loaded = np.repeat(
+        stopped.scratch.bound.numpy()[0, 0, stopped.scratch.cell_slot.numpy()[0, : lines // 2, 1]] > 0.0, 2
+    )
+    U = np.triu(stopped.scratch.factor.numpy()[0, :n, :n])
+    Y = stopped.scratch.cell_Y.numpy()[0, :n, :lines]
     found, expected = (U.T @ Y)[:, loaded], (near + far)[:, loaded]
     assert np.abs(found - expected).max() < ROUND_OFF * np.abs(expected).max()
     assert np.abs(near[:, loaded]).max() > 1e-5 * np.abs(far).max()  # of like rollers next to nothing
-    held = stopped.work.cell_K.numpy()[0, :lines, :lines]
+    held = stopped.scratch.cell_K.numpy()[0, :lines, :lines]
     assert np.abs(held - (K - Y.T @ Y)).max() < ROUND_OFF * np.abs(K).max()
     assert np.abs(Y.T @ Y - (U.T @ Y).T @ np.linalg.solve(G_c, U.T @ Y)).max() < ROUND_OFF * np.abs(K).max()
     # an energy still; and what each iteration would leave of an error in the tractions without the answer: across the

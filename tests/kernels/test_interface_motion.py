@@ -59,7 +59,7 @@ def engine() -> Engine:
 
 def test_interfaces_move_as_their_modes_say(engine: Engine) -> None:
     """Phi q; and the mean of Phi q and slope q where loads stiffen the body."""
-    x, m = engine.work, engine.compiled
+    x, m = engine.scratch, engine.compiled
     random = np.random.default_rng(0)
     q = random.normal(size=m.model.modes.count)
     slope = random.normal(size=m.interface_modes.shape)

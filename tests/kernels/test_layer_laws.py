@@ -60,11 +60,11 @@ def device_model() -> tuple[wp.array, Any]:
     port = SimpleNamespace(surface=SimpleNamespace(grid=grid, shape=shape))
     contacts = [SimpleNamespace(name="pair", law=law, a=port, evaluation="semi") for law in LAWS]
     scene, fill = SimpleNamespace(contacts=contacts), Constants("cpu").fill
-    compiler = SimpleNamespace(scene=scene, settings=Settings(), notes=[], fill=fill)
+    collector: Any = SimpleNamespace(scene=scene, settings=Settings(), notes=[], fill=fill)
     model = Model()
-    fill_layers(compiler, model)
+    fill_layers(collector, model)
     assert model.layers.count == len(LAWS)
-    assert any("ends at" in note for note in compiler.notes)
+    assert any("ends at" in note for note in collector.notes)
     return wp.array([model], dtype=Model), model
 
 

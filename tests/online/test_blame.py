@@ -11,6 +11,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.diagnosis.failure_report import blame, row_owners
+from warpffrf.online.start.consistent import start_consistently
 from warpffrf.study.rollers import PAIR, guided_pair
 
 
@@ -51,7 +52,7 @@ def test_a_rope_pulled_beyond_reach_ends_the_run_with_its_results() -> None:
 
 def test_what_is_not_finite_is_named() -> None:
     engine = Engine(chain())
-    engine.start()
+    start_consistently(engine)
     values = engine.state.v.numpy().copy()
     values[0, 1] = np.nan
     engine.state.v.assign(values)
@@ -71,10 +72,10 @@ def test_rows_have_owners() -> None:
 def test_an_unknown_that_a_singular_system_leaves_open_is_named(unknown: int, said: str) -> None:
     """The row and column of one unknown of the outer system wiped out."""
     engine = Engine(chain())
-    engine.start()
+    start_consistently(engine)
     A = np.diag(np.arange(1.0, 22.0))[None]
     A[0, unknown, unknown] = 0.0
-    engine.work.tangent.assign(A)
+    engine.scratch.tangent.assign(A)
     assert said in blame(engine, int(k.SINGULAR))
 
 
@@ -83,13 +84,13 @@ def test_modes_with_inertia_terms_have_names_too(plain_body: ReducedBody) -> Non
     ring = scene.add_body(plain_body, name="ring", inertia="full")
     scene.add(joints.Fixed(scene.ground, ring["bore"], name="clamp"))
     engine = Engine(scene)
-    engine.start()
+    start_consistently(engine)
     m = engine.compiled.model
     assert m.dense.count > 0
     for unknown, said in ((6, "deformation of body 'ring'"), (m.outer.row_offset, "reaction of joint 'clamp'")):
         A = np.diag(np.arange(1.0, m.outer.count + 1.0))[None]
         A[0, unknown, unknown] = 0.0
-        engine.work.tangent.assign(A)
+        engine.scratch.tangent.assign(A)
         assert said in blame(engine, int(k.SINGULAR))
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from warpffrf.model import surfaces
+from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.online.compile.windows import MAX_HALF_WINDOW, Extent, facing, half_window, second_reach
 
 sys.path.insert(0, str(FilePath(__file__).parent))
@@ -77,4 +78,9 @@ def test_a_turned_grid_needs_longer_stencils() -> None:
     pitch = other.grid.pitch / SIZES["large shaft"]
     assert columns >= 2.0 * A.spacing / pitch + 1.0
     assert turned[1] >= A.reach / pitch + 1.0
-    assert second_reach(type("Rigid", (), {"grid": None})(), A, B, 0.0, 10) == (1, 1, 1)
+    flat = RigidSurface("flat", surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1)))
+    assert second_reach(flat, A, B, 0.0, 10) == (
+        1,
+        1,
+        1,
+    )

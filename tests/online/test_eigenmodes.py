@@ -19,6 +19,7 @@ from warpffrf.offline import reduce
 from warpffrf.offline.fe.assembly import assemble
 from warpffrf.offline.fe.materials import assign
 from warpffrf.online import Engine, find_equilibrium, run
+from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 from warpffrf.online.vibrations.eigenmodes import complex_modes, find_modes, null_space
 from warpffrf.online.vibrations.linearise import linearise
@@ -153,16 +154,16 @@ def test_differences_agree_with_the_tangent_of_the_step() -> None:
     scene.add(forces.SpringDamper(scene.ground.at((0, 0, 1)), a.at((0.1, 0, 0.1)), 4e3, 10.0, free_length=1.1))
     engine = Engine(scene)
     engine.initial_rates()
-    engine.start()
+    start_consistently(engine)
     linear = linearise(engine)
     acc, vel = 1e6, 1e3
     engine.control(run=1, moved=1, refresh=1, iteration=0)
     engine.clock(h=1e-20)
     engine.coefficients(acc=acc, vel=vel, beta=1.0, gamma=0.0, alpha_m=1.0, alpha_f=0.0)
     for name in ("dx", "psi"):
-        getattr(engine.work, name).zero_()
+        getattr(engine.scratch, name).zero_()
     engine.graph.iterate()
-    full = engine.work.tangent.numpy()[0]
+    full = engine.scratch.tangent.numpy()[0]
     rigid = engine.compiled.model.rows.rigid.numpy()[: engine.compiled.row_count]
     soft = 18 + np.flatnonzero(rigid == 0)
     S = full[:18, :18] - full[:18, soft] @ np.linalg.solve(full[np.ix_(soft, soft)], full[soft, :18])

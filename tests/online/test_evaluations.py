@@ -164,9 +164,9 @@ def test_the_tangent_in_the_stress_modes_is_symmetric_and_definite(pair) -> None
     engine = Engine(pressing(first, second, "hyper"))
     assert settle(engine)
     active = int(np.count_nonzero(engine.state.active.numpy()))
-    slots = int(np.count_nonzero(engine.work.slot_of.numpy()[0] >= 0))
+    slots = int(np.count_nonzero(engine.scratch.slot_of.numpy()[0] >= 0))
     assert active >= 4 and slots >= active
-    G = engine.work.G.numpy()[0][:active, :active]
+    G = engine.scratch.G.numpy()[0][:active, :active]
     G = np.tril(G) + np.tril(G, -1).T if np.allclose(np.triu(G, 1), 0.0) else G
     assert np.abs(G - G.T).max() < 1e-12 * np.abs(G).max()
     assert np.linalg.eigvalsh(G).min() > 0.0

@@ -61,7 +61,7 @@ def chain(kind: str) -> Scene:
 
 def evaluated(engine: Engine, q: np.ndarray, dx: np.ndarray, psi: np.ndarray, dq: np.ndarray) -> np.ndarray:
     """Residuals of the rigid coordinates and the modes."""
-    work = engine.work
+    work = engine.scratch
     work.dx.assign(dx[None])
     work.psi.assign(psi[None])
     work.dq.assign((dq + q)[None])
@@ -87,8 +87,8 @@ def test_the_tangent_is_that_of_the_residuals(kind: str) -> None:
     evaluated(engine, q, dx, psi, np.zeros(Q))
     engine.graph.assemble()
     size = 6 * B + Q
-    tangent = engine.work.tangent.numpy()[0][:size, :size].copy()
-    inverse = engine.work.psi_inverse.numpy()[0].copy()
+    tangent = engine.scratch.tangent.numpy()[0][:size, :size].copy()
+    inverse = engine.scratch.psi_inverse.numpy()[0].copy()
     found = np.zeros((size, size))
     for i in range(size):
         by = DIFFERENCE if i < 6 * B else DIFFERENCE / reach

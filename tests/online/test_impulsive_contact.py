@@ -138,7 +138,7 @@ def test_impacts_together_gain_a_hundredth() -> None:
 
     engine = Engine(bars(bar(2)))
     engine.enter(k.DYNAMIC, 1e-6, target=10**6)
-    state, work = engine.state, engine.work
+    state, work = engine.state, engine.scratch
     tolerance = engine.settings.energy_tolerance
 
     def accepted(gain: float) -> bool:

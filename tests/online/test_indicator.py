@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from warpffrf.model import joints, signals
 from warpffrf.model.inertia import LEVELS, TERM_NAMES, InertiaTerms, modal_forces, momentum
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.online.compile.inertia import BOUNDS, NOTICEABLE, estimate, fastest_turning, least_level
+from warpffrf.online.compile.inertia_plan import BOUNDS, NOTICEABLE, estimate, fastest_turning, least_level
 from warpffrf.online.diagnosis import indicator
 from warpffrf.online.diagnosis.indicator import FLAG, MOST_STEPS, TermSize, indicator_lines, recommended, term_sizes
 from warpffrf.online.history.history import BodyHistory
@@ -39,7 +38,7 @@ def terms_of(k: int, **entries: Any) -> InertiaTerms:
 
 
 def moving(body: ReducedBody, terms: InertiaTerms, w: Any, q: Any, qd: Any, rotation: Any = TURNED, w_rate: Any = None):
-    """A scene of one body, and a history of it with body-axes angular velocity `w` (T, 3) and modes `q`, `qd`."""
+    """A scene of one body, and its motion with body-axes angular velocity `w` (T, 3) and modes `q`, `qd`."""
     from warpffrf.model import rotation as rot
 
     scene = Scene()
@@ -56,12 +55,12 @@ def moving(body: ReducedBody, terms: InertiaTerms, w: Any, q: Any, qd: Any, rota
         angular_acceleration=rate @ A.T,
         modal_velocity=np.atleast_2d(qd),
     )
-    return scene, SimpleNamespace(time=np.arange(float(T)), bodies={"a": motion})
+    return scene, {"a": motion}
 
 
 def sizes(*args: Any, level: str = "constant", **options: Any) -> dict[str, TermSize]:
-    scene, history = moving(*args, **options)
-    return {s.term: s for s in term_sizes(scene, history, {"a": level})}
+    scene, motions = moving(*args, **options)
+    return {s.term: s for s in term_sizes(scene, motions, {"a": level})}
 
 
 def modes(body: ReducedBody, **values: float) -> np.ndarray:
@@ -215,12 +214,13 @@ def test_what_the_report_says() -> None:
 
 
 def test_bodies_without_terms_and_runs_without_steps(plain_body: ReducedBody) -> None:
-    scene, history = moving(plain_body, terms_of(1), (0.0, 0.0, 1.0), modes(plain_body), modes(plain_body))
-    assert term_sizes(scene, SimpleNamespace(time=np.zeros(0), bodies={}), {"a": "constant"}) == []
+    scene, motions = moving(plain_body, terms_of(1), (0.0, 0.0, 1.0), modes(plain_body), modes(plain_body))
+    scene_of_none, none = moving(plain_body, terms_of(1), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3)))
+    assert term_sizes(scene_of_none, none, {"a": "constant"}) == []
     bare = Scene()
     bare.add_rigid_body(1.0, (1.0, 1.0, 1.0), name="b")
     bare.add_body(replace(plain_body, inertia_terms=None), name="a", inertia="constant")
-    assert term_sizes(bare, history, {"a": "constant", "b": "constant"}) == []
+    assert term_sizes(bare, motions, {"a": "constant", "b": "constant"}) == []
 
 
 def test_a_long_run_is_looked_at_in_places(plain_body: ReducedBody, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -231,8 +231,8 @@ def test_a_long_run_is_looked_at_in_places(plain_body: ReducedBody, monkeypatch:
     T = 20 * MOST_STEPS
     q = np.zeros((T, len(plain_body.frequencies)))
     q[-1, 0] = 1.0
-    scene, history = moving(plain_body, terms_of(2, J2={(0, 0): 1.0}), np.tile((0.0, 0.0, 1.0), (T, 1)), q, q)
-    term_sizes(scene, history, {"a": "constant"})
+    scene, motions = moving(plain_body, terms_of(2, J2={(0, 0): 1.0}), np.tile((0.0, 0.0, 1.0), (T, 1)), q, q)
+    term_sizes(scene, motions, {"a": "constant"})
     assert len(looked[0]) == MOST_STEPS and looked[0][-1, 0] == 1.0
 
 
@@ -242,11 +242,11 @@ def test_a_saved_run_is_judged_alike(plain_body: ReducedBody, tmp_path: Path) ->
     scene.add_body(plain_body, name="a", inertia="constant", angular_velocity=(300.0, 900.0, 40.0))
     history = run(scene, 1e-3, step=1e-5, progress=False)
     levels = {"a": "constant"}
-    found = term_sizes(scene, history, levels)
+    found = term_sizes(scene, history.bodies, levels)
     assert set(indicator_lines(found, levels)) <= set(history.notes)
     Result(history).save(tmp_path / "run.h5")
     loaded = Result.load(tmp_path / "run.h5")
-    assert term_sizes(scene, loaded.history, levels) == found
+    assert term_sizes(scene, loaded.history.bodies, levels) == found
     assert set(indicator_lines(found, levels)) <= set(loaded.history.notes)
 
 
@@ -258,19 +258,19 @@ def test_turning_that_the_modes_do_not_hold(plain_body: ReducedBody) -> None:
     for w, share, said in ((600.0, 0.0, True), (400.0, 0.0, False), (600.0, 90.0, True), (600.0, 110.0, False)):
         q = modes(body)
         q[0] = share * w**2 * known["centrifugal_left_out"] * np.sqrt(J)
-        scene, history = moving(body, terms_of(2), (0.0, 0.0, w), q, modes(body))
-        lines = indicator.unheld_lines(scene, history)
+        scene, motions = moving(body, terms_of(2), (0.0, 0.0, w), q, modes(body))
+        lines = indicator.unheld_lines(scene, motions)
         assert len(lines) == said
         if said:
             assert (
                 "'a': turning at 600 rad/s deforms it by up to 1.4e-05" in lines[0] and "centrifugal=True" in lines[0]
             )
     known["centrifugal"] = True
-    scene, history = moving(body, terms_of(2), (0.0, 0.0, 600.0), modes(body), modes(body))
-    assert indicator.unheld_lines(scene, history)[0].endswith("reduce it with a larger inertia_modes")
+    scene, motions = moving(body, terms_of(2), (0.0, 0.0, 600.0), modes(body), modes(body))
+    assert indicator.unheld_lines(scene, motions)[0].endswith("reduce it with a larger inertia_modes")
     old = replace(plain_body, report={})  # a file of an earlier version
-    scene, history = moving(old, terms_of(2), (0.0, 0.0, 600.0), modes(body), modes(body))
-    assert indicator.unheld_lines(scene, history) == []
+    scene, motions = moving(old, terms_of(2), (0.0, 0.0, 600.0), modes(body), modes(body))
+    assert indicator.unheld_lines(scene, motions) == []
 
 
 def test_only_what_turns_counts_as_turning() -> None:

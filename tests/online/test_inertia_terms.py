@@ -69,7 +69,7 @@ class Evaluated:
         )
 
     def __call__(self, dx: np.ndarray, psi: np.ndarray, dq: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        x = self.engine.work
+        x = self.engine.scratch
         x.dx.assign(dx[None])
         x.psi.assign(psi[None])
         x.dq.assign(dq[None])
@@ -78,7 +78,7 @@ class Evaluated:
 
     def outer_matrix(self) -> np.ndarray:
         self.engine.graph.assemble()
-        return self.engine.work.tangent.numpy()[0].copy()
+        return self.engine.scratch.tangent.numpy()[0].copy()
 
 
 @pytest.mark.parametrize("level", LEVELS)
@@ -95,7 +95,7 @@ def test_kernels_agree_with_the_equations(body: ReducedBody, level: str) -> None
     at = rng.normal(size=(1, 3)) * 1e-3, rng.normal(size=(1, 3)) * 0.02, rng.normal(size=Q) * 1e-4
     base = c(*at)
     torque, modal = (found - left for found, left in zip(e(*at), base, strict=True))
-    x = e.engine.work
+    x = e.engine.scratch
     w, wdot, q, qd, qdd = (a.numpy()[0].reshape(-1) for a in (x.omega1, x.omega1_rate, x.q1, x.qd1, x.qd1_rate))
     terms = body.inertia_terms
     assert terms is not None
@@ -119,7 +119,7 @@ def differences(e: Evaluated, columns: range) -> tuple[np.ndarray, np.ndarray]:
     size = 6 + e.m.dense.count
     e(dx, psi, dq)
     matrix = e.outer_matrix()[:size, :size]
-    inverse = e.engine.work.psi_inverse.numpy()[0, 0].reshape(3, 3)
+    inverse = e.engine.scratch.psi_inverse.numpy()[0, 0].reshape(3, 3)
 
     def residual(column: int, amount: float) -> np.ndarray:
         x, p, y = dx.copy(), psi.copy(), dq.copy()

@@ -25,7 +25,7 @@ from warpffrf.model.integrators import (
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, run
-from warpffrf.online.compile.inertia import InertiaPlan
+from warpffrf.online.compile.inertia_plan import InertiaPlan
 from warpffrf.online.free_flight import check_run
 from warpffrf.online.free_flight.check_run import run_check
 from warpffrf.online.free_flight.free_bodies import Motion, free_body

@@ -16,11 +16,12 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline.contact.cubature import choose_sampling
 from warpffrf.offline.contact.training import all_points
 from warpffrf.online import Engine, Settings, run
-from warpffrf.online.arrays.layers import layer_points, slot_flexibility
+from warpffrf.online.arrays.axes import layer_points
 from warpffrf.online.compile.points import gauss_rule
 from warpffrf.online.compile.sampling_rules import chosen_rule
 from warpffrf.online.diagnosis.sampling_check import check_sampling
 from warpffrf.online.start.settle import settle
+from warpffrf.online.vibrations.linearise import slot_flexibility
 from warpffrf.study.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
 
 WANTED = 0.01
@@ -128,9 +129,9 @@ def test_the_tangent_of_few_points_is_symmetric_and_not_negative(few: ReducedBod
     assert sampling is not None
     assert layer_points(model) == (model.window.columns + 1) * sampling.count
     assert settle(engine)
-    slots = int(np.count_nonzero(engine.work.slot_of.numpy()[0] >= 0))
+    slots = int(np.count_nonzero(engine.scratch.slot_of.numpy()[0] >= 0))
     assert slots >= 4
-    E = slot_flexibility(model, engine.work, slots)
+    E = slot_flexibility(model, engine.scratch, slots)
     assert np.abs(E - E.T).max() < 1e-12 * E.max()
     values = np.linalg.eigvalsh(E)
     assert values.max() > 0.0 and values.min() > -1e-12 * values.max()

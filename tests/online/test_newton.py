@@ -22,7 +22,7 @@ QUADRATIC = 5e3
 def residuals(engine: Engine) -> np.ndarray:
     """Residuals of the last attempt, one an iteration, from the second on (the first is not balanced)."""
     count = int(engine.word("iteration")[0])
-    return engine.work.residual_history.numpy()[0, 1 : count + 1].copy()
+    return engine.scratch.residual_history.numpy()[0, 1 : count + 1].copy()
 
 
 def static(engine: Engine) -> None:

@@ -24,6 +24,7 @@ from warpffrf.offline import reduce
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.arrays.declaration import numbers_of
 from warpffrf.online.history.history import History
+from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 from warpffrf.online.vibrations.linearise import linearise
 
@@ -192,7 +193,7 @@ def test_worlds_give_the_numbers_of_one(unlike: tuple[ReducedBody, ReducedBody])
     for worlds in (1, 3):
         engine = Engine(scene, worlds=worlds)
         engine.initial_rates()
-        engine.start()
+        start_consistently(engine)
         engine.control(every=1)
         engine.enter(k.DYNAMIC, STEP, target=STEPS)
         engine.replay(4 * STEPS)

@@ -162,7 +162,7 @@ def test_fields_of_a_pose(name: str) -> None:
     case = CASES[name]
     scene, engine = evaluated(name)
     assert engine.word("failure")[0] == 0
-    m, work = engine.compiled.model, engine.work
+    m, work = engine.compiled.model, engine.scratch
     A, B = scene.bodies
     first, second = A["face"].surface, B["face"].surface
     rows_a = first.grid.rows
@@ -207,7 +207,7 @@ def test_the_nearest_place_is_found(name: str) -> None:
     engine.save_now()
     A, B = scene.bodies
     first, second = A["face"].surface, B["face"].surface
-    x, z = engine.work.nearest.numpy()[0, 0]
+    x, z = engine.scratch.nearest.numpy()[0, 0]
     g = first.grid
 
     def gap(column: float, at: float) -> float:
@@ -219,7 +219,7 @@ def test_the_nearest_place_is_found(name: str) -> None:
         span = span[(x + span >= 0.0) & (x + span <= g.columns - 1)]
     assert gap(x, z) <= min(gap(x + s, z) for s in span.tolist()) + 1e-13
     everywhere = [gap(c, at) for c in np.clip(x + span, 0, None) for at in np.linspace(g.z[0], g.z[-1], 41)]
-    smallest = engine.work.station.numpy()[0, 0, 0, 0]
+    smallest = engine.scratch.station.numpy()[0, 0, 0, 0]
     assert smallest <= min(everywhere) + 1e-11
     assert smallest == pytest.approx(min(everywhere), abs=2e-6)
     assert smallest <= -DEPTH + 1e-11
@@ -247,12 +247,12 @@ def test_a_pair_that_is_open_is_looked_for_where_it_is_nearest(name: str) -> Non
         engine.state.active.zero_()
         engine.control(mode=int(k.STATIC), run=1, moved=1, reassemble=1, refresh=1, iteration=0, failure=0)
         engine.graph.evaluate()
-        center, window = engine.work.center.numpy()[0, 0, 0], engine.work.window.numpy()[0, 0]
+        center, window = engine.scratch.center.numpy()[0, 0, 0], engine.scratch.window.numpy()[0, 0]
         theta = grid.theta_start + np.arange(grid.columns) * grid.pitch
         sections = np.linspace(grid.z[0], grid.z[-1], 17)
         points = np.array([surface_point(SHAPES[case.first], grid, t, z)[0] for t in theta for z in sections])
         gaps = SHAPES[case.second].chart(B.to_user(A.to_world(points)))[2].reshape(grid.columns, -1).min(axis=1)
-        nearest = engine.work.nearest.numpy()[0, 0, 0]
+        nearest = engine.scratch.nearest.numpy()[0, 0, 0]
         away = np.abs(nearest - np.arange(grid.columns))
         if grid.periodic:
             away = np.minimum(away % grid.columns, -away % grid.columns)
@@ -269,7 +269,7 @@ def test_no_pressure_turns_a_body_about_its_own_axle(name: str) -> None:
     case = CASES[name]
     scene, engine = evaluated(name)
     A, B = scene.bodies
-    m, work = engine.compiled.model, engine.work
+    m, work = engine.compiled.model, engine.scratch
     rows, window = A["face"].surface.grid.rows, work.window.numpy()[0, 0]
     at = slice((window[0] + m.window.half) * rows, (window[1] + m.window.half + 1) * rows)
     wrench = work.wrench.numpy()[0, 0, at] + work.more_wrench.numpy()[0, 0, at]

@@ -27,6 +27,7 @@ from warpffrf.online.arrays.constants import Constants
 from warpffrf.online.arrays.declaration import Arrays, numbers_of
 from warpffrf.online.arrays.ring import Rows
 from warpffrf.online.arrays.table import markdown, topics
+from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 from warpffrf.online.step import phases
 from warpffrf.online.step.launches import DECLARED, blocks, threads
@@ -91,7 +92,7 @@ def steps(scene: wf.Scene, step: float, poison: bool, **options: Any) -> tuple[R
     engine = Engine(scene, settings=Settings(), **options)
     assert not scene.contacts or settle(engine)
     engine.initial_rates()
-    engine.start()
+    start_consistently(engine)
     engine.control(every=1)
     engine.enter(k.DYNAMIC, step, target=STEPS)
     for _ in range(4 * STEPS):
@@ -110,7 +111,7 @@ def make_unusable(engine: Engine) -> None:
             continue
         if declaration.zero_without and name not in set_by_some:
             continue
-        array = getattr(engine.work, name)
+        array = getattr(engine.scratch, name)
         if not any(array is getattr(engine.state, other) for other in State.declarations):
             array.fill_(POISON[declaration.dtype])
 
@@ -144,6 +145,12 @@ def test_the_order_of_all_participants_is_right() -> None:
 def test_reading_what_nobody_sets_is_refused() -> None:
     found = wrong(*[p for p in PARTICIPANTS if p.name != "contact"])
     assert any(line.startswith("phase 'sum': cell_forces.add_friction reads window") for line in found), found
+
+
+def test_changing_what_nobody_has_set_is_refused() -> None:
+    """Multipliers are added to forces that the motion of bodies sets; here nothing moves."""
+    found = wrong(*[p for p in PARTICIPANTS if p.name != "motion"])
+    assert any("outer.add_multipliers changes residual, which nothing has set before" in line for line in found), found
 
 
 def test_reading_before_it_is_set_anew_is_refused() -> None:

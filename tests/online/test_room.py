@@ -14,6 +14,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, find_equilibrium, run
 from warpffrf.online.compile import pairs
+from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.vibrations.eigenmodes import find_modes
 
 sys.path.insert(0, str(FilePath(__file__).parent))
@@ -83,7 +84,7 @@ def test_a_world_that_is_not_short_keeps_what_is_recorded_of_it(little: None) ->
         r = e.state.r.numpy().copy()
         r[:, 0, 2] += np.asarray(own) + 3e-4
         e.state.r.assign(r)
-        e.start()
+        start_consistently(e)
         e.enter(k.DYNAMIC, STEP, target=0)
         e.save_now()
         assert not np.any(e.word("status"))

@@ -22,6 +22,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.compile import pairs
+from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 
 sys.path.insert(0, str(FilePath(__file__).parent))
@@ -181,7 +182,7 @@ def train(body: ReducedBody, middle_first: tuple[bool, bool], friction: tuple[fl
 def dense_forces(engine: Engine, number: int) -> tuple[np.ndarray, np.ndarray]:
     """Loads of a pair on its surface `number`: inward normal ones (nodes,) and tangential ones (2, columns, rows) [N]
     on all nodes of its grid."""
-    m, x, s = engine.compiled.model, engine.work, engine.state
+    m, x, s = engine.compiled.model, engine.scratch, engine.state
     pair, side = divmod(number, 2)
     grid = engine.scene.contacts[pair].ports[side].surface.grid
     half = m.window.second_half if side else m.window.half
@@ -215,12 +216,12 @@ def test_cells_and_gaps_move_by_the_loads_of_both_pairs(
     engine = Engine(scene)
     assert settle(engine)
     engine.initial_rates()
-    engine.start()
+    start_consistently(engine)
     engine.control(every=1)
     engine.enter(k.DYNAMIC, STEP, target=6)
     engine.replay(24)
     assert engine.word("step")[0] == 6 and not engine.word("status").any()
-    m, x = engine.compiled.model, engine.work
+    m, x = engine.compiled.model, engine.scratch
     loads = [dense_forces(engine, number) for number in range(4)]
     places = [(port.body.name, port.name) for contact in scene.contacts for port in contact.ports]
     surface: Any = rubbing_body.contact_surfaces["rim"]

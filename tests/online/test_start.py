@@ -12,8 +12,9 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, GeneralizedAlpha, run
-from warpffrf.online.compile.inertia import InertiaPlan
+from warpffrf.online.compile.inertia_plan import InertiaPlan
 from warpffrf.online.free_flight.free_bodies import free_body, initial_motion
+from warpffrf.online.start.consistent import start_consistently
 
 EXACT = 1e-11  # relative: round-off of positions of some metres, and of central differences
 GRAVITY = np.array([0.5, -0.2, -9.81])
@@ -133,7 +134,7 @@ def test_a_deformed_body_in_free_flight(plain_body: ReducedBody, level: str) -> 
         values[0] = factor * np.cos(np.arange(values.shape[1]))
         getattr(engine.state, name).assign(values)
     q, qd = (getattr(engine.state, name).numpy()[0].copy() for name in ("q", "qd"))
-    engine.start()
+    start_consistently(engine)
     equations = free_body(scene, body, InertiaPlan.of(scene).bodies[0])
     rates = equations.rates(initial_motion(body)._replace(q=q, qd=qd), 0.0)
     found = engine.state
@@ -148,7 +149,7 @@ def test_every_world_starts_alike() -> None:
     body = scene.add_rigid_body(1.0, (0.1, 0.2, 0.2), name="body", position=(1.0, 0.2, 0.3))
     scene.add(joints.Spherical(scene.ground, body.at((-1.0, -0.2, -0.3)), name="ball"))
     engine = Engine(scene, worlds=3)
-    engine.start()
+    start_consistently(engine)
     for name in ("v_rate", "v_alg", "omega_rate", "lam", "lam0", "stretch"):
         values = getattr(engine.state, name).numpy()
         assert np.array_equal(values, np.broadcast_to(values[:1], values.shape)), name

@@ -13,6 +13,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.run import MESSAGES, describe
+from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 from warpffrf.online.step.graph import StepGraph
 from warpffrf.study.rollers import PAIR, guided_pair, roller_body
@@ -25,7 +26,7 @@ def stepping_engine(scene: Scene, worlds: int, step: float = 1e-4, steps: int = 
     engine = Engine(scene, worlds=worlds)
     assert settle(engine)
     engine.initial_rates()
-    engine.start()
+    start_consistently(engine)
     engine.control(mode=int(k.DYNAMIC), step=0, sub=0, level=0, every=1, target=steps)
     engine.clock(user_step=step)
     return engine
@@ -228,7 +229,7 @@ def test_a_spring_obeys_its_law_in_every_accepted_state() -> None:
     scene.add(forces.SpringDamper(scene.ground.at((0, 0, 0)), bob.at((0, 0, 0)), stiffness, free_length=length))
     engine = Engine(scene)
     engine.initial_rates()
-    engine.start()
+    start_consistently(engine)
     engine.control(mode=int(k.DYNAMIC), step=0, sub=0, level=0, every=1)
     engine.clock(user_step=1e-2)
     for step in range(1, 40):

@@ -11,7 +11,7 @@ from warpffrf.model.inertia import LEVELS, TERM_NAMES
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, Settings, run
-from warpffrf.online.compile.inertia import InertiaPlan
+from warpffrf.online.compile.inertia_plan import InertiaPlan
 from warpffrf.online.diagnosis.indicator import FLAG, TermSize, recommended, term_sizes
 from warpffrf.study import free_flight, rotating_bar, rotating_disc, spinning_ring
 
@@ -29,7 +29,7 @@ def used(scene: Scene) -> dict[str, str]:
 
 def indicated(history: History, body: str) -> dict[str, TermSize]:
     scene: Scene = history.scene  # pyright: ignore[reportAssignmentType]
-    return {s.term: s for s in term_sizes(scene, history, used(scene)) if s.body == body}
+    return {s.term: s for s in term_sizes(scene, history.bodies, used(scene)) if s.body == body}
 
 
 @pytest.fixture(scope="module")
@@ -263,7 +263,7 @@ def test_auto_keeps_what_the_indicator_then_wants(build, speed: float, wanted: s
     assert history.status == "completed"
     levels = used(scene)
     for body in levels:
-        own = [s for s in term_sizes(scene, history, levels) if s.body == body]
+        own = [s for s in term_sizes(scene, history.bodies, levels) if s.body == body]
         if not own:
             continue
         assert all(s.kept for s in own if s.size > FLAG)

@@ -203,6 +203,13 @@ class Body(_Posed):
         """Number of global modes; 0 for a rigid body."""
         return 0 if self.reduced is None else len(self.reduced.frequencies)
 
+    @property
+    def flexible(self) -> ReducedBody:
+        """`reduced`, where the body has one; raises `InputError` for a rigid one."""
+        if self.reduced is None:
+            raise InputError(f"body {self.name!r} is rigid; add it with scene.add_body and a reduced body")
+        return self.reduced
+
     def __getitem__(self, name: str) -> Any:
         """The `Port` of an interface or the `SurfacePort` of a contact surface called `name`."""
         if self.reduced is None:

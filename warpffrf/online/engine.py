@@ -13,6 +13,7 @@ from warpffrf_kernels.core import control as k
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import GeneralizedAlpha
+from warpffrf.model.scene import Scene
 from warpffrf.online.arrays import Ring, Sizes, initial_state, sizes_of
 from warpffrf.online.arrays.ring import Rows, joined
 from warpffrf.online.arrays.scratch import scratch_for
@@ -20,7 +21,6 @@ from warpffrf.online.compile.outer_pattern import pattern_of
 from warpffrf.online.compile.scene import compile_scene
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.settings import Settings
-from warpffrf.online.start.consistent import start
 from warpffrf.online.step.graph import StepGraph
 
 ROOM_GROWTH = 2  # of the slots, each time they are too few
@@ -50,7 +50,7 @@ class Engine:
 
     def __init__(
         self,
-        scene: Any,
+        scene: Scene,
         *,
         worlds: int = 1,
         device: str = "cpu",
@@ -87,13 +87,13 @@ class Engine:
         """Scratch arrays and the graph that works on them."""
         compiled, worlds, integrator = self.compiled, self.worlds, self._integrator
         sizes = self._sizes()
-        self.work = scratch_for(compiled, sizes, self.state)
-        self.work.coefficients.assign(np.tile(integrator.coefficients, (worlds, 1)))
-        self.work.local_coefficients.assign(np.tile(compiled.local.options.coefficients, (worlds, 1)))
-        self.work.project.fill_(int(integrator.project_velocities))
-        self.work.accuracy.fill_(self._accuracy or 0.0)
+        self.scratch = scratch_for(compiled, sizes, self.state)
+        self.scratch.coefficients.assign(np.tile(integrator.coefficients, (worlds, 1)))
+        self.scratch.local_coefficients.assign(np.tile(compiled.local.options.coefficients, (worlds, 1)))
+        self.scratch.project.fill_(int(integrator.project_velocities))
+        self.scratch.accuracy.fill_(self._accuracy or 0.0)
         self.graph = StepGraph(
-            compiled, sizes, self.state, self.ring, self.work, self._pattern, progress=self._progress
+            compiled, sizes, self.state, self.ring, self.scratch, self._pattern, progress=self._progress
         )
 
     def _sizes(self) -> Sizes:
@@ -114,16 +114,16 @@ class Engine:
         if slots <= m.capacity.slots:
             return
         self.drain()
-        kept = (m.capacity.slots, m.capacity.cells), self.compiled.models, self.work, self.graph
-        before = vars(self.work)
+        kept = (m.capacity.slots, m.capacity.cells), self.compiled.models, self.scratch, self.graph
+        before = vars(self.scratch)
         try:
             self.compiled.enlarge(slots)
             self._allocate()
         except (InputError, MemoryError, RuntimeError):
-            (m.capacity.slots, m.capacity.cells), self.compiled.models, self.work, self.graph = kept
+            (m.capacity.slots, m.capacity.cells), self.compiled.models, self.scratch, self.graph = kept
             self.no_room = slots
             return
-        for name, array in vars(self.work).items():
+        for name, array in vars(self.scratch).items():
             if name in before and before[name].shape == array.shape:
                 array.assign(before[name])
 
@@ -208,11 +208,6 @@ class Engine:
         """One proximal step of size tau [s] towards the static state; rates must be zero."""
         self.enter(k.STATIC, tau)
         self.replay(1)
-
-    def start(self, step: float | None = None) -> None:
-        """Velocities, accelerations and multipliers that agree with joints and drives, for steps of `step` [s]; opens
-        the ledger (`warpffrf.online.start.consistent`). Velocities that had to change are noted in `start_notes`."""
-        self.start_notes.extend(start(self, step))
 
     def save_now(self) -> None:
         """Append the present state to the rows."""

@@ -24,9 +24,13 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
 from warpffrf.model.integrators import HHT, Coefficients
 from warpffrf.model.local_modes import DynamicModes, dynamic_modes
+from warpffrf.model.reduced_body import ContactSurface
+from warpffrf.model.rigid_surface import RigidSurface
+from warpffrf.model.scene import Scene
 
 TREATMENTS = ("quasi_static", "hht", "exponential", "auto")
 AUTO_RATIO = 5.0  # of the load frequency: above, the response without inertia is wrong by (1/5)^2 = 4 % at most
@@ -100,7 +104,7 @@ class LocalPlan:
     notes: list[str] = field(default_factory=list)
 
     @classmethod
-    def of(cls, scene: Any, options: LocalDynamics) -> LocalPlan:
+    def of(cls, scene: Scene, options: LocalDynamics) -> LocalPlan:
         """The plan of all surfaces in contact; raises `InputError` for one that was reduced without their inertia."""
         plan = cls(options)
         for contact in scene.contacts:
@@ -117,7 +121,7 @@ class LocalPlan:
             plan.notes.append("pictures and stresses show dynamic local modes as if at rest under the pressure")
         return plan
 
-    def _add(self, port: Any) -> None:
+    def _add(self, port: SurfacePort) -> None:
         own = self.modes.setdefault(port.body.index, {})
         if port.name in own:
             return
@@ -154,7 +158,7 @@ class LocalPlan:
         """Their frequencies (n,) [rad/s]."""
         return np.concatenate([np.zeros(0), *(modes.omega for modes in self.modes.get(body, {}).values())])
 
-    def surface(self, port: Any) -> Any:
+    def surface(self, port: SurfacePort) -> ContactSurface | RigidSurface:
         """The contact surface with the traces of all modes of its body, and the compliance of the rest."""
         own = self.modes.get(port.body.index, {})
         if not own:
@@ -169,7 +173,7 @@ class LocalPlan:
         )
 
 
-def refuse_other_modes(scene: Any, stages: Sequence[Any], local: Any) -> None:
+def refuse_other_modes(scene: Scene, stages: Sequence[Any], local: Any) -> None:
     """Raises `InputError` for a stage whose local treatment steps other modes than the stages before it: the state of a
     run has one coordinate for each."""
     treatments = [as_local_dynamics(stage.options.get("local", local)) for stage in stages]

@@ -13,8 +13,10 @@ from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, r
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.friction import friction_notes
 from warpffrf.model.integrators import CHECK_INTEGRATORS, GeneralizedAlpha, roots_at_infinity
+from warpffrf.model.joints import Drive
 from warpffrf.model.overlap import excessive_wedge, refuse_overlap
 from warpffrf.model.progress import Progress
+from warpffrf.model.scene import Scene
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.model.wedge import find_wedge
@@ -31,6 +33,7 @@ from warpffrf.online.history.history import History
 from warpffrf.online.history.record import history_from_rows
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
 from warpffrf.online.settings import Settings
+from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 
 log = logging.getLogger("warpffrf")
@@ -79,11 +82,11 @@ MESSAGES = {
 
 
 def run(
-    scene: Any,
+    scene: Scene,
     duration: float,
     *,
     step: float,
-    start: Any = "initial",
+    start: str | History = "initial",
     integrator: Any = None,
     local: str | LocalDynamics = "quasi_static",
     accuracy: float | None = None,
@@ -160,7 +163,7 @@ def run(
         if start == "equilibrium" and not settle(engine):
             return _finish(engine, begin, built, notes, "equilibrium: ")
         engine.initial_rates()
-        engine.start(step)
+        start_consistently(engine, step)
         notes.extend(engine.start_notes)
         if np.any(engine.word("status")):
             return _finish(engine, begin, built, notes, "start: ")
@@ -206,7 +209,7 @@ def run(
     return history
 
 
-def find_equilibrium(scene: Any, *, device: str = "cpu", settings: Settings | None = None) -> History:
+def find_equilibrium(scene: Scene, *, device: str = "cpu", settings: Settings | None = None) -> History:
     """Static state of `scene` under its loads and prescribed motions at time 0, as a History of one row."""
     refuse_singular_mass(scene)
     begin = time.perf_counter()
@@ -254,7 +257,7 @@ def _finish(
         "outer_columns": engine.compiled.model.outer.count + engine.compiled.model.modes.count,
     }
     if engine.graph.pattern is not None:
-        history.counters["dense_fallbacks"] = int(engine.work.fallback.numpy()[0, 1])
+        history.counters["dense_fallbacks"] = int(engine.scratch.fallback.numpy()[0, 1])
     if engine.word("edge")[0]:
         arcs = [c.name for c in engine.scene.contacts if not c.a.surface.grid.periodic]
         notes.append(
@@ -275,8 +278,8 @@ def _finish(
         body.name: plan.level for body, plan in zip(engine.scene.bodies, engine.compiled.inertia.bodies, strict=True)
     }
     stiffened = {body.name for body in engine.scene.bodies if body.stiffening}
-    inertia = indicator_lines(term_sizes(engine.scene, history, levels), levels, stiffened)
-    inertia += unheld_lines(engine.scene, history)
+    inertia = indicator_lines(term_sizes(engine.scene, history.bodies, levels), levels, stiffened)
+    inertia += unheld_lines(engine.scene, history.bodies)
     families = engine.compiled.model.pairs.family.numpy()
     on_axes = [c.name for c, f in zip(engine.scene.contacts, families, strict=False) if f == LINE_OF_CENTRES]
     contact = [*contact_notes(engine.scene, history, on_axes), *sampling_notes(engine.scene, history)]
@@ -303,7 +306,7 @@ def _reaction_notes(integrator: Any, engine: Engine) -> list[str]:
     ]
 
 
-def _check_velocity(drive: Any, began: float, end: float) -> None:
+def _check_velocity(drive: Drive, began: float, end: float) -> None:
     """A prescribed position whose velocity jumps between `began` and `end` [s] would need an infinite force."""
     breaks, c = drive.position().polynomial()
     powers = np.arange(1, c.shape[1])
@@ -323,7 +326,7 @@ def _check_velocity(drive: Any, began: float, end: float) -> None:
         )
 
 
-def _check_load_paths(scene: Any) -> list[str]:
+def _check_load_paths(scene: Scene) -> list[str]:
     """Refuse bodies that nothing leads to the ground from; notes on pairs that wedge deeply, or will hardly touch."""
     check = scene.check()
     if unsupported := check.unsupported:
@@ -348,6 +351,6 @@ def describe(bits: int, capacity: int) -> tuple[str, str]:
 
 def _no_load_path(engine: Engine) -> str:
     """Name the body that did not come to rest."""
-    moves = np.linalg.norm(engine.work.dx.numpy()[0], axis=-1)
+    moves = np.linalg.norm(engine.scratch.dx.numpy()[0], axis=-1)
     body = engine.scene.bodies[int(np.argmax(moves))]
     return f"body {body.name!r} does not come to rest ({moves.max():.3g} m in the last step): {NO_LOAD_PATH}"

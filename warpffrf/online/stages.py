@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
+from warpffrf.model.scene import Scene
 from warpffrf.online.checkpoint import is_dynamic
 from warpffrf.online.history.history import ENERGY_LINES, History, JointHistory
 
@@ -64,7 +65,7 @@ class Stage:
         """The options of `simulate` that this stage overrides."""
         return {key: value for key, value in self.overrides.items() if key in RUN_OPTIONS}
 
-    def scene(self, scene: Any) -> Any:
+    def scene(self, scene: Scene) -> Scene:
         """`scene` itself, or a copy with this stage's gravity and forces; bodies, joints and contacts are shared."""
         if not any(key in self.overrides for key in SCENE_VALUES):
             return scene
@@ -92,7 +93,7 @@ class Stage:
         return changed
 
 
-def check_stages(scene: Any, stages: Any) -> list[Stage]:
+def check_stages(scene: Scene, stages: Any) -> list[Stage]:
     """`stages` as a list, checked against each other and the scene; raises `InputError`."""
     if not isinstance(stages, Sequence) or not stages or not all(isinstance(stage, Stage) for stage in stages):
         raise InputError(
@@ -107,7 +108,7 @@ def check_stages(scene: Any, stages: Any) -> list[Stage]:
     return list(stages)
 
 
-def with_potential(checkpoint: Mapping[str, np.ndarray], before: Any, after: Any) -> dict[str, np.ndarray]:
+def with_potential(checkpoint: Mapping[str, np.ndarray], before: Scene, after: Scene) -> dict[str, np.ndarray]:
     """A checkpoint that goes from the loads of the scene `before` to those of `after`; the forces are the same ones in
     the same order.
 
@@ -123,7 +124,7 @@ def with_potential(checkpoint: Mapping[str, np.ndarray], before: Any, after: Any
     return {**checkpoint, "energy": energy}
 
 
-def _potential(checkpoint: Mapping[str, np.ndarray], scene: Any) -> np.ndarray:
+def _potential(checkpoint: Mapping[str, np.ndarray], scene: Scene) -> np.ndarray:
     """Potential (W,) [J] of gravity, -sum m g.r, and of springs, 1/2 e.K e + preload.e of their deformations e.
 
     The values of spring rows stand behind those of joints, in the order of the forces (`compile_forces`).

@@ -18,7 +18,7 @@ from warpffrf.model.inertia import LEVELS
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, run
-from warpffrf.online.compile.inertia import BOUNDS, InertiaPlan
+from warpffrf.online.compile.inertia_plan import BOUNDS, InertiaPlan
 from warpffrf.online.diagnosis.indicator import FLAG, MOST_STEPS, percent, recommended, term_sizes
 from warpffrf.study import rotating_bar, rotating_disc, spinning_ring
 from warpffrf.study.rollers import guided_pair, roller_body
@@ -105,7 +105,7 @@ def indicator_rows(name: str, history: History, body: str) -> list[str]:
     """One line of the table of the indicator: a run, its level, and sizes."""
     scene: Any = history.scene
     levels = {b.name: plan.level for b, plan in zip(scene.bodies, InertiaPlan.of(scene).bodies, strict=True)}
-    own = [s for s in term_sizes(scene, history, levels) if s.body == body]
+    own = [s for s in term_sizes(scene, history.bodies, levels) if s.body == body]
     asked = scene.body(body).level
     used = f"auto: {levels[body]}" if asked == "auto" else asked
     shown = [percent(s.size) for s in own]
@@ -144,7 +144,7 @@ def indicator_table(ring: ReducedBody) -> tuple[str, str]:
     scene: Any = pressed.scene
     levels = {b.name: "constant" for b in scene.bodies}
     begin = time.perf_counter()
-    term_sizes(scene, pressed, levels)
+    term_sizes(scene, pressed.bodies, levels)
     seconds = time.perf_counter() - begin
     modes = len(scene.body("lower").reduced.frequencies)
     stepping = pressed.counters["loop_seconds"]

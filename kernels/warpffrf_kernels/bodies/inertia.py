@@ -27,7 +27,7 @@ motion -q.K_k q/2 of the interface: its derivative is `slope`, the force of a ro
 import warp as wp
 
 from warpffrf_kernels.bodies.interfaces import line_of, marker_of
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import hat
@@ -101,10 +101,10 @@ def add_inertia(
     qd1_rate: wp.array2d(dtype=real),
     psi_inverse: wp.array2d(dtype=mat33),
     sums: wp.array3d(dtype=real),
-    residual: inout(wp.array2d(dtype=real)),
-    modal_residual: inout(wp.array2d(dtype=real)),
-    receptance: inout(wp.array2d(dtype=real)),
-    tangent: inout(wp.array3d(dtype=real)),
+    residual: changed(wp.array2d(dtype=real)),
+    modal_residual: changed(wp.array2d(dtype=real)),
+    receptance: changed(wp.array2d(dtype=real)),
+    tangent: changed(wp.array3d(dtype=real)),
     extra_energy: out(wp.array2d(dtype=real)),
 ):
     """Lanes over bodies: unbalanced torque and modal forces, the dense blocks of the tangent but their pair terms
@@ -190,7 +190,7 @@ def couple_modes(
     omega1_rate: wp.array2d(dtype=vec3),
     lam: wp.array2d(dtype=real),
     row_pull: wp.array3d(dtype=real),
-    tangent: inout(wp.array(dtype=real)),
+    tangent: changed(wp.array(dtype=real)),
 ):
     """Lanes over dense modes: 2 VEL w.G_ij + wdot.G_ij - w.J2_ij w in line j, column i, and the geometric stiffness of
     the forces at interfaces.

@@ -29,7 +29,7 @@ omega^2 q = f`. What a deforming body adds to these: `inertia`.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.integration import (
     EXACT,
@@ -296,7 +296,7 @@ def hold_motions(
     psi: wp.array2d(dtype=vec3),
     hold: wp.array3d(dtype=real),
     hold_count: wp.array(dtype=int),
-    residual: inout(wp.array2d(dtype=real)),
+    residual: changed(wp.array2d(dtype=real)),
 ):
     """Per world, in static steps: the force n (n.d) of each held motion n."""
     w = wp.tid()
@@ -324,7 +324,7 @@ def add_held(
     ctl: wp.array(dtype=Control),
     hold: wp.array3d(dtype=real),
     hold_count: wp.array(dtype=int),
-    tangent: inout(wp.array3d(dtype=real)),
+    tangent: changed(wp.array3d(dtype=real)),
 ):
     """Per world, lanes over rows, in static steps: n n^T of each held motion n in the outer matrix."""
     w, lane = wp.tid()

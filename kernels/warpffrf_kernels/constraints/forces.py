@@ -20,7 +20,7 @@ import warp as wp
 from warpffrf_kernels.bodies.interfaces import add_load, line_of
 from warpffrf_kernels.constraints.rows import evaluate_signal
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
@@ -182,8 +182,8 @@ def apply_loads(
     clk: wp.array(dtype=Clock),
     axes: wp.array2d(dtype=mat33),
     slope: wp.array(dtype=real),
-    residual: inout(wp.array2d(dtype=real)),
-    modal_residual: inout(wp.array(dtype=real)),
+    residual: changed(wp.array2d(dtype=real)),
+    modal_residual: changed(wp.array(dtype=real)),
     load: inout(wp.array3d(dtype=real)),
     load_on_modes: inout(wp.array(dtype=real)),
     applied_torque: out(wp.array2d(dtype=vec3)),

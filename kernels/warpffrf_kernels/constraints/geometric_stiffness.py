@@ -32,7 +32,7 @@ import warp as wp
 
 from warpffrf_kernels.bodies.interfaces import arm_on_interface, axes_on_interface, line_of
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout
+from warpffrf_kernels.core.access import changed
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import hat
@@ -211,7 +211,7 @@ def stiffen(
     motion: wp.array3d(dtype=real),
     lam: wp.array2d(dtype=real),
     row_wrench: wp.array3d(dtype=real),
-    tangent: inout(wp.array3d(dtype=real)),
+    tangent: changed(wp.array3d(dtype=real)),
 ):
     """Per world: add the geometric stiffness of all rows to the outer matrix."""
     w = wp.tid()
@@ -302,7 +302,7 @@ def stiffen_applied(
     motion: wp.array3d(dtype=real),
     applied: wp.array3d(dtype=vec3),
     applied_torque: wp.array2d(dtype=vec3),
-    tangent: inout(wp.array3d(dtype=real)),
+    tangent: changed(wp.array3d(dtype=real)),
 ):
     """Per world, in static steps: add the geometric stiffness of the point forces and torques to the outer matrix."""
     w = wp.tid()

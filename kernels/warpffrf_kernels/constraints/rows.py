@@ -39,7 +39,7 @@ from warpffrf_kernels.bodies.interfaces import (
     translation_of,
 )
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import rotation_vector, tangent_inverse
@@ -288,8 +288,8 @@ def apply_forces(
     axes: wp.array2d(dtype=mat33),
     slope: wp.array(dtype=real),
     motion: wp.array3d(dtype=real),
-    residual: inout(wp.array2d(dtype=real)),
-    modal_residual: inout(wp.array(dtype=real)),
+    residual: changed(wp.array2d(dtype=real)),
+    modal_residual: changed(wp.array(dtype=real)),
     applied: out(wp.array3d(dtype=vec3)),
     applied_at: out(wp.array3d(dtype=vec3)),
 ):

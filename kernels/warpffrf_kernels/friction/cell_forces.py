@@ -9,7 +9,7 @@ the part of e that the local modes have.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
@@ -160,9 +160,9 @@ def add_friction(
     traction: wp.array3d(dtype=real),
     slip: wp.array3d(dtype=real),
     elastic_local: wp.array3d(dtype=real),
-    pair_wrench: inout(wp.array3d(dtype=real)),
+    pair_wrench: changed(wp.array3d(dtype=real)),
     normal_wrench: out(wp.array3d(dtype=real)),
-    gap_defect: inout(wp.array2d(dtype=real)),
+    gap_defect: changed(wp.array2d(dtype=real)),
     elastic_energy: out(wp.array3d(dtype=real)),
     friction_work: inout(wp.array3d(dtype=real)),
     cell_state: out(wp.array3d(dtype=int)),

@@ -176,8 +176,8 @@ def soften_late(
     bound: wp.array3d(dtype=real),
     late: out(wp.array3d(dtype=real)),
 ):
-    """Per (world, pair), lanes over cells: the softness `late` [m/Pa] of the loaded cells, after `bound_cells` and with
-    the same pressures. last_normal: zero where the last step ended without contact: the patch advances from nowhere."""
+    """Per (world, pair), lanes over cells: the softness `late` [m/Pa] of the loaded cells. last_normal: zero where the
+    last step ended without contact: the patch advances from nowhere."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0):

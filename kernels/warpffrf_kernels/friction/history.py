@@ -9,7 +9,7 @@ in a step since the last record (`patch_advance`).
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
@@ -82,7 +82,7 @@ def add_friction_second(
     ctl: wp.array(dtype=Control),
     pair_wrench: wp.array3d(dtype=real),
     normal_wrench: wp.array3d(dtype=real),
-    second_wrench: inout(wp.array3d(dtype=real)),
+    second_wrench: changed(wp.array3d(dtype=real)),
 ):
     """Per (world, pair): tractions act on the second body along the same lines, so that their wrench there is the
     opposite."""

@@ -24,7 +24,7 @@ nobody changes sides.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, vec3
@@ -313,7 +313,7 @@ def condense_answer(
     ctl: wp.array(dtype=Control),
     Y: wp.array3d(dtype=real),
     answer_state: wp.array2d(dtype=int),
-    K: inout(wp.array3d(dtype=real)),
+    K: changed(wp.array3d(dtype=real)),
 ):
     """Per world: K - Y^T Y where Y is new."""
     w, lane = wp.tid()
@@ -416,7 +416,7 @@ def move_with_answer(
     answer_state: wp.array2d(dtype=int),
     V: wp.array(dtype=real),
     step: wp.array2d(dtype=real),
-    z: inout(wp.array(dtype=real)),
+    z: changed(wp.array(dtype=real)),
 ):
     """Per world: the outer increments with the answer of the pressures."""
     w, lane = wp.tid()

@@ -12,7 +12,7 @@ tractions and discs are times the weight of their pair here (`impulsive_contact`
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, vec3, weighted
@@ -189,7 +189,7 @@ def take_tractions(
     tau: wp.array2d(dtype=real),
     base: wp.array2d(dtype=real),
     V: wp.array(dtype=real),
-    z: inout(wp.array(dtype=real)),
+    z: changed(wp.array(dtype=real)),
     traction: out(wp.array3d(dtype=real)),
 ):
     """Per world: the tractions found, and the outer increments with them."""
@@ -221,7 +221,7 @@ def push_modes(
     J: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
     push: inout(wp.array(dtype=real)),
-    modal_step: inout(wp.array(dtype=real)),
+    modal_step: changed(wp.array(dtype=real)),
 ):
     """Per world: adds the increments of the global modes by the change of the tractions (those without inertia terms;
     the others are outer coordinates)."""

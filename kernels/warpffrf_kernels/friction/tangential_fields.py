@@ -13,7 +13,7 @@ that are no half-spaces). All operators are applied to the present loads, never 
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync
@@ -126,8 +126,8 @@ def add_push(
     ctl: wp.array(dtype=Control),
     first_push: wp.array(dtype=real),
     second_push: wp.array(dtype=real),
-    first_local: inout(wp.array(dtype=real)),
-    second_local: inout(wp.array(dtype=real)),
+    first_local: changed(wp.array(dtype=real)),
+    second_local: changed(wp.array(dtype=real)),
 ):
     """Per (world, pair): adds what `push_gaps` and `shared_surface.share_push` found to the displacements by the
     pressures."""
@@ -219,8 +219,8 @@ def displace_cells(
     share_at: wp.array4d(dtype=int),
     traction: wp.array3d(dtype=real),
     amplitude: wp.array(dtype=real),
-    first_shift: inout(wp.array(dtype=real)),
-    second_shift: inout(wp.array(dtype=real)),
+    first_shift: changed(wp.array(dtype=real)),
+    second_shift: changed(wp.array(dtype=real)),
     second_modal: inout(wp.array(dtype=real)),
     elastic_local: out(wp.array3d(dtype=real)),
     elastic: out(wp.array3d(dtype=real)),

@@ -62,7 +62,7 @@ that differ.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Coefficients, Control
 from warpffrf_kernels.core.integration import EXACT, LOCAL, OUTER, coefficients_of, rule_of
 from warpffrf_kernels.core.model import Model
@@ -280,8 +280,8 @@ def push_bodies(
     pair_force: inout(wp.array4d(dtype=real)),
     friction_force: inout(wp.array4d(dtype=real)),
     modal_load: out(wp.array3d(dtype=real)),
-    residual: inout(wp.array2d(dtype=real)),
-    modal_residual: inout(wp.array2d(dtype=real)),
+    residual: changed(wp.array2d(dtype=real)),
+    modal_residual: changed(wp.array2d(dtype=real)),
 ):
     """Per world: contact forces (world axes) and torques (body axes) of the trial state on A, then on B, normal ones
     and friction, and what of them acts in the step, off the residuals."""
@@ -395,7 +395,7 @@ def push_further(
     receptance: wp.array2d(dtype=real),
     contact_receptance: wp.array2d(dtype=real),
     push: inout(wp.array(dtype=real)),
-    modal_step: inout(wp.array(dtype=real)),
+    modal_step: changed(wp.array(dtype=real)),
 ):
     """Per world, lanes over modes: what the modal increments lack of `contact_receptance`. Modes that carry inertia
     terms have it from the outer system (their receptance is 0)."""

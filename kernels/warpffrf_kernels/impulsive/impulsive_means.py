@@ -34,7 +34,7 @@ holds for both.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.integration import OUTER
 from warpffrf_kernels.core.model import Model
@@ -147,8 +147,8 @@ def balance_means(
     theta: inout(wp.array2d(dtype=real)),
     bracket: inout(wp.array3d(dtype=real)),
     weight: out(wp.array2d(dtype=real)),
-    residual: inout(wp.array2d(dtype=real)),
-    modal_residual: inout(wp.array2d(dtype=real)),
+    residual: changed(wp.array2d(dtype=real)),
+    modal_residual: changed(wp.array2d(dtype=real)),
 ):
     """Per world whose iteration has just converged: theta of the impulsive pairs that do not give back their energy,
     and another round of the loop with them. `pair_loss`: what a damped layer takes.

@@ -4,7 +4,7 @@
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.integration import EXACT, OUTER, coefficients_of, rule_of
 from warpffrf_kernels.core.model import Model
@@ -72,12 +72,12 @@ def finish_rates(
     modal_memory: wp.array4d(dtype=real),
     friction_memory: wp.array4d(dtype=real),
     modal_friction_memory: wp.array4d(dtype=real),
-    v1: inout(wp.array2d(dtype=vec3)),
-    v1_rate: inout(wp.array2d(dtype=vec3)),
-    omega1: inout(wp.array2d(dtype=vec3)),
-    omega1_rate: inout(wp.array2d(dtype=vec3)),
-    qd1: inout(wp.array2d(dtype=real)),
-    qd1_rate: inout(wp.array2d(dtype=real)),
+    v1: changed(wp.array2d(dtype=vec3)),
+    v1_rate: changed(wp.array2d(dtype=vec3)),
+    omega1: changed(wp.array2d(dtype=vec3)),
+    omega1_rate: changed(wp.array2d(dtype=vec3)),
+    qd1: changed(wp.array2d(dtype=real)),
+    qd1_rate: changed(wp.array2d(dtype=real)),
     v_rest: out(wp.array2d(dtype=vec3)),
     omega_rest: out(wp.array2d(dtype=vec3)),
     qd_rest: out(wp.array2d(dtype=real)),

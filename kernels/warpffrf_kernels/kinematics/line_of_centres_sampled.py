@@ -16,7 +16,7 @@ turn by less than a column: SMALL keeps its remainder below round-off.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
@@ -210,11 +210,11 @@ def weigh_few(
     point_gap: wp.array3d(dtype=real),
     point_place: wp.array4d(dtype=real),
     ctl: inout(wp.array(dtype=Control)),
-    weak_gap: inout(wp.array3d(dtype=real)),
-    area: inout(wp.array3d(dtype=real)),
-    wrench: inout(wp.array4d(dtype=real)),
-    stencil: inout(wp.array4d(dtype=real)),
-    stencil_at: inout(wp.array4d(dtype=int)),
+    weak_gap: changed(wp.array3d(dtype=real)),
+    area: changed(wp.array3d(dtype=real)),
+    wrench: changed(wp.array4d(dtype=real)),
+    stencil: changed(wp.array4d(dtype=real)),
+    stencil_at: changed(wp.array4d(dtype=int)),
 ):
     """Per (world, pair of few points), lanes over hats of the window: what `line_of_centres_weights.weigh` does for
     all."""
@@ -247,7 +247,7 @@ def shift_few(
     station_wrench: wp.array4d(dtype=real),
     area: wp.array3d(dtype=real),
     weak_gap: wp.array3d(dtype=real),
-    wrench: inout(wp.array4d(dtype=real)),
+    wrench: changed(wp.array4d(dtype=real)),
     shifted_gap: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair of few points), lanes over hats: weak gaps at the present distance of the axes, and their

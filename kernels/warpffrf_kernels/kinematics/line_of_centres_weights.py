@@ -13,7 +13,7 @@ is linear in the distance d of the axes, and `shift` adds sum_k w_k psi_i (d - d
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
@@ -173,7 +173,7 @@ def shift(
     station_wrench: wp.array4d(dtype=real),
     area: wp.array3d(dtype=real),
     weak_gap: wp.array3d(dtype=real),
-    wrench: inout(wp.array4d(dtype=real)),
+    wrench: changed(wp.array4d(dtype=real)),
     shifted_gap: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over hats: the sampled weak gaps at the present distance of the axes, and their

@@ -38,7 +38,7 @@ Rates. A damped layer needs the depth of every point at the last accepted state:
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
@@ -300,7 +300,7 @@ def add_yield(
     pressure: wp.array3d(dtype=real),
     offset: wp.array3d(dtype=real),
     tangent: wp.array4d(dtype=real),
-    first_local: inout(wp.array(dtype=real)),
+    first_local: changed(wp.array(dtype=real)),
 ):
     """Per (world, pair), lanes over hats of the window: the layer's weak yield, added to what the local modes open."""
     w, pair, lane = wp.tid()
@@ -326,10 +326,10 @@ def add_flexibility(
     slot_mode: wp.array3d(dtype=int),
     tangent: wp.array4d(dtype=real),
     support: out(wp.array3d(dtype=real)),
-    condensed: inout(wp.array3d(dtype=real)),
+    condensed: changed(wp.array3d(dtype=real)),
 ):
-    """Per world, lanes over slots: E added to the entries of `condensed` that `condense_contact` has just written, and,
-    after an evaluation, S of the module docstring. A lane writes the line of its own slot only."""
+    """Per world, lanes over slots: E added to the entries of `condensed`, and, after an evaluation, S of the module
+    docstring. A lane writes the line of its own slot only, as in `condense_contact`."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0:

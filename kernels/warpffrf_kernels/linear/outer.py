@@ -22,7 +22,7 @@ import warp as wp
 
 from warpffrf_kernels.bodies.interfaces import compliance, modal_line, pulled, side_of
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
@@ -39,8 +39,8 @@ def add_multipliers(
     lam: wp.array2d(dtype=real),
     C: wp.array3d(dtype=real),
     C_modal: wp.array(dtype=real),
-    residual: inout(wp.array2d(dtype=real)),
-    modal_residual: inout(wp.array(dtype=real)),
+    residual: changed(wp.array2d(dtype=real)),
+    modal_residual: changed(wp.array(dtype=real)),
 ):
     """Lanes over rigid coordinates, then over modes: r += C^T lambda."""
     w, lane = wp.tid()

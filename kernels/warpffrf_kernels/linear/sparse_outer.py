@@ -14,7 +14,7 @@ import warp as wp
 
 from warpffrf_kernels.bodies.interfaces import pulled
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
@@ -37,8 +37,8 @@ def pull(
     lam: wp.array2d(dtype=real),
     C: wp.array3d(dtype=real),
     C_modal: wp.array(dtype=real),
-    residual: inout(wp.array2d(dtype=real)),
-    modal_residual: inout(wp.array(dtype=real)),
+    residual: changed(wp.array2d(dtype=real)),
+    modal_residual: changed(wp.array(dtype=real)),
 ):
     """Per world, lanes over bodies, then over modes: r += C^T lambda, over the rows of each body."""
     w, lane = wp.tid()

@@ -79,8 +79,8 @@ def couple(
 ): ...
 
 
-# Entries of row `slot` of G with the slots before it that belong to other pairs, and their mirror; after `couple`,
-# whose row of J sigma^-1 is still in `scratch`. Native like `couple`.
+# Entries of row `slot` of G with the slots before it that belong to other pairs, and their mirror. The row of
+# J sigma^-1 is the one that `couple` has left in `scratch`. Native like `couple`.
 @wp.func_native("""
     const int cap = model.capacity.slots, width = model.pairs.most_modes;
     const int* const slots = slot_mode.data + (size_t)w * cap * 2;

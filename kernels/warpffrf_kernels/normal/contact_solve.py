@@ -20,7 +20,7 @@ import warp as wp
 
 from warpffrf_kernels.bodies.interfaces import modal_line, side_of
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3, weighted
@@ -348,7 +348,7 @@ def accept_set(
     ctl: inout(wp.array(dtype=Control)),
     active: inout(wp.array3d(dtype=int)),
     pressure: out(wp.array3d(dtype=real)),
-    window: inout(wp.array3d(dtype=int)),
+    window: changed(wp.array3d(dtype=int)),
 ):
     """Per world: take over the corrected set, count the changes, widen a window that its patch has reached, check the
     guards.

@@ -27,7 +27,7 @@ and M dvdot + C^T dlambda = 0, so that the balance of forces stays.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
@@ -121,12 +121,12 @@ def project_velocities(
     clk: wp.array(dtype=Clock),
     change: inout(wp.array(dtype=real)),
     modal_change: out(wp.array(dtype=real)),
-    v1: inout(wp.array2d(dtype=vec3)),
-    omega1: inout(wp.array2d(dtype=vec3)),
-    qd1: inout(wp.array2d(dtype=real)),
-    v1_rate: inout(wp.array2d(dtype=vec3)),
-    omega1_rate: inout(wp.array2d(dtype=vec3)),
-    qd1_rate: inout(wp.array2d(dtype=real)),
+    v1: changed(wp.array2d(dtype=vec3)),
+    omega1: changed(wp.array2d(dtype=vec3)),
+    qd1: changed(wp.array2d(dtype=real)),
+    v1_rate: changed(wp.array2d(dtype=vec3)),
+    omega1_rate: changed(wp.array2d(dtype=vec3)),
+    qd1_rate: changed(wp.array2d(dtype=real)),
     lam: inout(wp.array2d(dtype=real)),
 ):
     """One block per world: the correction of the module, added to velocities, accelerations and multipliers at the end

@@ -11,7 +11,7 @@ pair, by the tables of `shared_surface`, and read by all hats of that pair.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout
+from warpffrf_kernels.core.access import changed, inout
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
@@ -81,9 +81,9 @@ def assemble_shared(
     stencil_at: wp.array4d(dtype=int),
     weight: wp.array2d(dtype=real),
     field: inout(wp.array(dtype=real)),
-    G: inout(wp.array3d(dtype=real)),
+    G: changed(wp.array3d(dtype=real)),
 ):
-    """Per world: adds the shared surfaces to the rows of G of the fresh slots, after `contact_assembly.assemble`."""
+    """Per world: adds the shared surfaces to the rows of G of the fresh slots."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0:

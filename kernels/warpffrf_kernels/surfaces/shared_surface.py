@@ -21,7 +21,7 @@ iteration takes it in from one pass to the next.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout
+from warpffrf_kernels.core.access import changed
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
@@ -115,11 +115,11 @@ def share_pressures(
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
     second_load: wp.array(dtype=real),
-    first_local: inout(wp.array(dtype=real)),
-    second_local: inout(wp.array(dtype=real)),
+    first_local: changed(wp.array(dtype=real)),
+    second_local: changed(wp.array(dtype=real)),
 ):
-    """Per (world, pair): adds what the pressures of other pairs on its surfaces do to the displacements by local modes;
-    after `contact_fields.local_fields`."""
+    """Per (world, pair): adds what the pressures of other pairs on its surfaces do to the displacements by local
+    modes."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or not has_neighbours(model, pair):
@@ -203,11 +203,11 @@ def share_push(
     cell_area: wp.array3d(dtype=real),
     traction: wp.array3d(dtype=real),
     second_force: wp.array3d(dtype=real),
-    first_push: inout(wp.array(dtype=real)),
-    second_push: inout(wp.array(dtype=real)),
+    first_push: changed(wp.array(dtype=real)),
+    second_push: changed(wp.array(dtype=real)),
 ):
-    """Per (world, pair): adds what the tractions of other pairs on its surfaces open its gaps by; after
-    `tangential_fields.push_gaps`, which leaves the arrays of a pair without friction alone."""
+    """Per (world, pair): adds what the tractions of other pairs on its surfaces open its gaps by, also of a pair
+    without friction of its own."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not has_neighbours(model, pair):
@@ -294,11 +294,11 @@ def share_shift(
     traction: wp.array3d(dtype=real),
     second_force: wp.array3d(dtype=real),
     of_state: int,
-    first_shift: inout(wp.array(dtype=real)),
-    second_shift: inout(wp.array(dtype=real)),
+    first_shift: changed(wp.array(dtype=real)),
+    second_shift: changed(wp.array(dtype=real)),
 ):
     """Per (world, pair): adds what the other pairs on its surfaces displace its cells by; of the state by pressures and
-    tractions, of a solve by the change of the pressures. After `tangential_fields.press_cells`."""
+    tractions, of a solve by the change of the pressures."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0) or not has_neighbours(model, pair):

@@ -9,7 +9,6 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import BLOCK
 from warpffrf_kernels.kinematics.at_points import LINE
 
-from warpffrf.online.arrays.layers import layer_points
 from warpffrf.online.compile.outer_pattern import OuterPattern
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.compile.shared import serves_several
@@ -166,3 +165,10 @@ def sizes_of(
         "few_pair": int(((families == 0) & (counts > 0)).sum()), "shared_pair": P if shared else 0,
         "shared_friction_pair": P if shared and rubbing else 0,
     }  # fmt: skip
+
+
+def layer_points(m: Model) -> int:
+    """Points of a pair's window at which the laws of layers are evaluated, the most of all pairs."""
+    if not m.layers.count:
+        return 0
+    return (m.window.columns + 1) * int(m.layers.point_count.numpy().max())

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from warpffrf.model.reduced_body import ContactSurface
 
-def modal_moments(surface: Any) -> np.ndarray:
+
+def modal_moments(surface: ContactSurface) -> np.ndarray:
     """M Phi (nodes, modes): weak normal displacement of the global modes on the hats of the grid."""
     grid = surface.grid
     phi = surface.mode_normal.reshape(grid.columns, grid.rows, -1)
     return np.einsum("kl,jlm->jkm", surface.gram_z, grid.along_theta(phi))
 
 
-def hat_gram(surface: Any) -> np.ndarray:
+def hat_gram(surface: ContactSurface) -> np.ndarray:
     """M_psi of the hats [m^2], block-circulant like D."""
     grid = surface.grid
     sectors, side = surface.lags.shape[:2]
@@ -30,7 +30,7 @@ def hat_gram(surface: Any) -> np.ndarray:
     return np.einsum("nab,kl->nakbl", theta, surface.gram_z).reshape(sectors, side, side)
 
 
-def weak_compliance(surface: Any, yielding: float = 0.0) -> np.ndarray:
+def weak_compliance(surface: ContactSurface, yielding: float = 0.0) -> np.ndarray:
     """C = M D M + M `yielding`, block-circulant like D: weak displacement of hat i under a unit pressure hat j
     [m^3/Pa], with a layer between the surfaces that yields by `yielding` [m/Pa] (`warpffrf.model.laws`).
 
@@ -43,7 +43,7 @@ def weak_compliance(surface: Any, yielding: float = 0.0) -> np.ndarray:
     return np.fft.irfft(M_hat @ D_hat @ M_hat, n=len(lags), axis=0) + yielding * M
 
 
-def response_table(surface: Any, lags: np.ndarray, reach: int) -> np.ndarray:
+def response_table(surface: ContactSurface, lags: np.ndarray, reach: int) -> np.ndarray:
     """Block-circulant `lags` as a table (column of the block, source row, target column + reach, target row).
 
     The response to a hat along the columns of a window is one contiguous run, whatever the block: kernels add such

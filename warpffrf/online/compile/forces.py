@@ -7,7 +7,6 @@ its own stiffness; a law on several is a *group* of rows that share matrices (`w
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from warpffrf_kernels.constraints.forces import MOST_COUPLED
@@ -16,6 +15,8 @@ from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import BodyLoad, PointLoad, SpringLaw
+from warpffrf.online.compile.collector import Collector
+from warpffrf.online.compile.joints import JointTable
 
 ROW_KINDS = {
     "translation": k.TRANSLATION,
@@ -42,40 +43,40 @@ class ForceTable:
     vectors: dict[int, np.ndarray] = field(default_factory=dict)  # row -> (6,) of a bushing coordinate
 
 
-def compile_forces(compiler: Any) -> ForceTable:
-    """Enter springs as rows of `compiler` and collect the loads; joints must have been compiled.
+def compile_forces(collector: Collector, joints: JointTable) -> ForceTable:
+    """Enter springs as rows of `collector` and collect the loads; joints must have been compiled.
 
     Raises `InputError` for a law without stiffness and damping.
     """
     table = ForceTable()
-    for item in compiler.scene.forces:
+    for item in collector.scene.forces:
         if hasattr(item, "law"):
             law = item.law()
             table.laws[item.name] = law
-            table.rows[item.name] = _spring(compiler, table, law)
+            table.rows[item.name] = _spring(collector, joints, table, law)
             continue
         load = item.load()
         if isinstance(load, BodyLoad):
             table.bodies.append(load)
         else:
-            compiler.interface(load.port)
+            collector.interface(load.port)
             (table.forces if load.what == "force" else table.torques).append(load)
     return table
 
 
-def _spring(compiler: Any, table: ForceTable, law: SpringLaw) -> list[int]:
+def _spring(collector: Collector, joints: JointTable, table: ForceTable, law: SpringLaw) -> list[int]:
     if law.joint is not None:
-        a, b = compiler.joint_table.markers[str(law.joint.name)]
+        a, b = joints.markers[str(law.joint.name)]
     else:
         sides = zip(law.ports, law.points or (), law.axes or (), strict=True)
-        a, b = (compiler.marker(port, point, axes) for port, point, axes in sides)
+        a, b = (collector.marker(port, point, axes) for port, point, axes in sides)
     n = len(law.coordinates)
     if n > MOST_COUPLED:
         raise InputError(f"a spring law couples {n} coordinates, at most {MOST_COUPLED} can be")
     rows = []
     for i, c in enumerate(law.coordinates):
         alone = n == 1
-        row = compiler.rows.add(
+        row = collector.rows.add(
             ROW_KINDS[c.kind], a, b, c.i, c.j, -1,
             float(law.stiffness[0, 0]) if alone else 0.0, float(law.damping[0, 0]) if alone else 0.0,
             float(law.reference[i]), float(law.preload[i]), 0,
@@ -91,37 +92,37 @@ def _spring(compiler: Any, table: ForceTable, law: SpringLaw) -> list[int]:
     return rows
 
 
-def fill_forces(compiler: Any, table: ForceTable, m: Model) -> None:
+def fill_forces(collector: Collector, table: ForceTable, m: Model) -> None:
     """Device arrays of groups and loads; the signals of loads are entered, so call it before those are laid out."""
-    rows, bodies = len(compiler.rows), compiler.scene.bodies
+    rows, bodies = len(collector.rows), collector.scene.bodies
     group = np.full(rows, -1)
     group[list(table.of_row)] = list(table.of_row.values())
     vectors = np.zeros((rows, 6))
     for row, vector in table.vectors.items():
         vectors[row] = vector
-    compiler.fill(m.rows, group=group, vector=vectors)
+    collector.fill(m.rows, group=group, vector=vectors)
     packed = {name: np.zeros((len(table.groups), MOST_COUPLED, MOST_COUPLED)) for name in ("stiffness", "damping")}
     for name, matrices in packed.items():
         for g, law in enumerate(table.groups):
             n = len(law.coordinates)
             matrices[g, :n, :n] = getattr(law, name)
-    compiler.fill(
+    collector.fill(
         m.groups, count=len(table.groups), start=table.group_start,
         size=[len(law.coordinates) for law in table.groups], sprung=[law.sprung for law in table.groups], **packed,
     )  # fmt: skip
     for topic, loads in ((m.forces, table.forces), (m.torques, table.torques)):
-        compiler.fill(
+        collector.fill(
             topic, count=len(loads), body=[x.port.body.index for x in loads],
-            interface=[compiler.interface(x.port) for x in loads], in_body=[int(x.frame == "body") for x in loads],
-            signal=[[compiler.signal(s) for s in x.components] for x in loads],
+            interface=[collector.interface(x.port) for x in loads], in_body=[int(x.frame == "body") for x in loads],
+            signal=[[collector.signal(s) for s in x.components] for x in loads],
         )  # fmt: skip
-    compiler.fill(m.forces, point=[x.port.point - x.port.body.center_of_mass for x in table.forces])
+    collector.fill(m.forces, point=[x.port.point - x.port.body.center_of_mass for x in table.forces])
     widest = max([b.mode_count for b in bodies], default=0)
     modal = np.zeros((len(table.bodies), max(widest, 1)))
     for i, load in enumerate(table.bodies):
         modal[i, : len(load.modal)] = load.modal
-    compiler.fill(
+    collector.fill(
         m.body_loads, count=len(table.bodies), body=[x.body.index for x in table.bodies],
-        signal=[compiler.signal(x.signal) for x in table.bodies], force=[x.force for x in table.bodies],
+        signal=[collector.signal(x.signal) for x in table.bodies], force=[x.force for x in table.bodies],
         torque=[x.torque - np.cross(x.body.center_of_mass, x.force) for x in table.bodies], modal=modal,
     )  # fmt: skip

@@ -9,13 +9,13 @@ of equilibrium.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 from warpffrf_kernels.core import control as k
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
 from warpffrf.model.redundancy import ConstraintRow, Redundancy, find_redundancy
+from warpffrf.online.compile.collector import Collector
 
 ROW_KINDS = {
     "translation": k.TRANSLATION,
@@ -36,17 +36,17 @@ class JointTable:
     notes: list[str] = field(default_factory=list)
 
 
-def compile_joints(compiler: Any) -> JointTable:
-    """Enter the rows of all joints and drives of `compiler.scene`, by its `rows`, `marker` and `signal`.
+def compile_joints(collector: Collector) -> JointTable:
+    """Enter the rows of all joints and drives of `collector.scene`, by its `rows`, `marker` and `signal`.
 
     Raises `InputError` where a drive prescribes what the joints already fix.
     """
-    scene, table = compiler.scene, JointTable()
+    scene, table = collector.scene, JointTable()
     found = find_redundancy(scene)
     _refuse_driven(found)
     for joint in scene.joints:
         pair = [
-            compiler.marker(port, marker.point, rot.matrix(marker.rotation))
+            collector.marker(port, marker.point, rot.matrix(marker.rotation))
             for port, marker in zip(joint.ports, joint.frames(), strict=True)
         ]
         table.markers[str(joint.name)] = (pair[0], pair[1])
@@ -57,10 +57,10 @@ def compile_joints(compiler: Any) -> JointTable:
         a, b = table.markers[str(item.joint.name)]
         signal, reference = -1, item.initial
         if item.drive is not None:
-            signal = compiler.signal(item.drive.position())
+            signal = collector.signal(item.drive.position())
             if item.drive.quantity == "position":  # counts from zero, not from the initial value
                 reference = 0.0
-        number = compiler.rows.add(
+        number = collector.rows.add(
             ROW_KINDS[item.row.kind], a, b, item.row.i, item.row.j, signal=signal, reference=reference
         )
         table.rows[str(item.joint.name)].append(number)

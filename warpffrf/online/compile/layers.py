@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.layers import layer_laws as device
 
+from warpffrf.model.laws.layer import Curve
+from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.points import PointRule
 from warpffrf.online.compile.sampling_rules import layer_rule
 
@@ -15,14 +15,13 @@ LAYER_ITERATIONS = 2  # times as many Newton iterations: pressures of asperities
 FORMS = {"power": device.POWER, "exponential": device.EXPONENTIAL, "table": device.TABLE}
 
 
-def fill_layers(compiler: Any, m: Model) -> None:
-    """Curves of the layers whose yield is no constant, and the points where they count; after the grids and quadratures
-    of the pairs."""
+def fill_layers(collector: Collector, m: Model) -> None:
+    """Curves of the layers whose yield is no constant, and the points where they count."""
     kinds, starts, counts = [], [], []
     numbers: list[list[float]] = []
     tables = [np.zeros((0, 3))]
     rules: list[tuple[PointRule, int] | None] = []
-    for contact in compiler.scene.contacts:
+    for contact in collector.scene.contacts:
         curve = contact.law.curve
         kinds.append(int(device.CONSTANT) if curve is None else int(FORMS[curve.form]))
         numbers.append([0.0] * device.NUMBERS if curve is None else curve_numbers(curve))
@@ -30,24 +29,24 @@ def fill_layers(compiler: Any, m: Model) -> None:
         starts.append(sum(map(len, tables)))
         counts.append(len(table))
         tables.append(table)
-        around, along = compiler.settings.theta_points, compiler.settings.z_points
+        around, along = collector.settings.theta_points, collector.settings.z_points
         rules.append(None if curve is None else (layer_rule(contact, around, along), contact.a.surface.grid.rows))
         end = getattr(contact.law, "end", None)
         if end is not None:
-            compiler.notes.append(
+            collector.notes.append(
                 f"contact {contact.name!r}: the pressure of its {contact.law.kind} ends at {end:.3g} m"
             )
-    compiler.fill(
+    collector.fill(
         m.layers, count=sum(kind != int(device.CONSTANT) for kind in kinds), kind=kinds, number=numbers,
         table_start=starts, table_count=counts, table=np.concatenate(tables),
     )  # fmt: skip
-    _fill_points(compiler, m, rules)
+    _fill_points(collector, m, rules)
 
 
-def _fill_points(compiler: Any, m: Model, rules: list[tuple[PointRule, int] | None]) -> None:
+def _fill_points(collector: Collector, m: Model, rules: list[tuple[PointRule, int] | None]) -> None:
     """Tables of the points of each pair's layer, given with the rows of its grid; None: a pair without such a layer."""
     starts, counts, row_starts = [], [], []
-    columns: dict[str, list[Any]] = {name: [] for name in ("x", "row", "zeta", "area", "row_at")}
+    columns: dict[str, list[np.ndarray]] = {name: [] for name in ("x", "row", "zeta", "area", "row_at")}
     for given in rules:
         starts.append(sum(map(len, columns["x"])))
         row_starts.append(sum(map(len, columns["row_at"])))
@@ -57,13 +56,13 @@ def _fill_points(compiler: Any, m: Model, rules: list[tuple[PointRule, int] | No
             row_at = np.searchsorted(rule.row, np.arange(rows))
             for name, value in zip(columns, (rule.x, rule.row, rule.zeta, rule.weight, row_at), strict=True):
                 columns[name].append(value)
-    compiler.fill(
+    collector.fill(
         m.layers, point_start=starts, point_count=counts, row_start=row_starts,
         **{name: np.concatenate([np.zeros(0), *parts]) for name, parts in columns.items()},
     )  # fmt: skip
 
 
-def curve_numbers(curve: Any) -> list[float]:
+def curve_numbers(curve: Curve) -> list[float]:
     """Columns of `layer_number` of a curve (`warpffrf.model.laws.Curve`)."""
     found = [0.0] * device.NUMBERS
     if curve.form == "power":

@@ -36,6 +36,7 @@ import warp as wp
 from warpffrf_kernels.linear.sparse_factor import Pattern
 
 from warpffrf.model.errors import InputError
+from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.settings import LARGEST_INDEX
 
 GROUND = -1
@@ -106,7 +107,7 @@ def find_pattern(body_count: int, dense: np.ndarray, rows: np.ndarray, flexible:
     return _places(nodes, near, sequence, later, body_count, np.asarray(rows).reshape(-1, 2), np.asarray(flexible))
 
 
-def pattern_of(compiled: Any) -> OuterPattern | None:
+def pattern_of(compiled: CompiledScene) -> OuterPattern | None:
     """Pattern of a compiled scene; None for one with contact, whose solve needs the whole inverse."""
     m = compiled.model
     if m.pairs.count:

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.kinematics.line_of_centres import GUARD
 
+from warpffrf.model.bodies import Body, Ground
+from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
+from warpffrf.model.reduced_body import ContactSurface
+from warpffrf.model.rigid_surface import RigidSurface
+from warpffrf.online.compile.collector import Collector, Pair
 from warpffrf.online.compile.inertia import dense_columns
 from warpffrf.online.compile.points import fill_points
 from warpffrf.online.compile.sampling_rules import on_stations, rule_of
-from warpffrf.online.compile.surfaces import NO_NODES, is_rigid
+from warpffrf.online.compile.surfaces import NO_NODES
 from warpffrf.online.compile.windows import (
     MAX_HALF_WINDOW,
     REACH_SPARE,
@@ -33,45 +36,37 @@ LEAST_SLOTS, USUAL_PATCH = 64, 4
 SKEW = 0.02  # rad between the axes: the line of centres drops terms of the order of its square, 4e-4
 
 
-def fill_pairs(compiler: Any, m: Model) -> None:
+def fill_pairs(collector: Collector, m: Model) -> None:
     """Quadrature, windows and stencils of the pairs, and the outer columns that their gaps depend on."""
-    _fill_quadrature(compiler, m)
-    contacts = compiler.scene.contacts
-    pairs = [(compiler.surfaces[2 * i], compiler.surfaces[2 * i + 1]) for i in range(m.pairs.count)]
-    turned = [between_axes(contact) for contact in contacts]
-    families = [
-        family_of(compiler, contact, a, b, angle)
-        for contact, ((_, a), (_, b)), angle in zip(contacts, pairs, turned, strict=True)
-    ]
-    halves = [
-        _half_window(compiler, contact, a, b, angle)
-        for contact, ((_, a), (_, b)), angle in zip(contacts, pairs, turned, strict=True)
-    ]
+    _fill_quadrature(collector, m)
+    pairs = collector.pairs()
+    turned = [between_axes(pair.contact) for pair in pairs]
+    families = [family_of(collector, pair, angle) for pair, angle in zip(pairs, turned, strict=True)]
+    halves = [_half_window(collector, pair, angle) for pair, angle in zip(pairs, turned, strict=True)]
     half = max(halves, default=1)
     rows = second_half = second_rows = pair_modes = slots = limit = 1
     stencil = (1, 1)
     coupled: list[list[int]] = []
-    for contact, ((body_a, a), (body_b, b)), family, angle, own in zip(
-        contacts, pairs, families, turned, halves, strict=True
-    ):
+    for pair, family, angle, own in zip(pairs, families, turned, halves, strict=True):
+        contact, body_a, a, body_b, b = pair
         rows = max(rows, a.grid.rows)
-        second_rows = max(second_rows, NO_NODES if is_rigid(b) else b.grid.rows)
+        second_rows = max(second_rows, b.grid.rows if isinstance(b, ContactSurface) else NO_NODES)
         # all pairs share the widest window, so each needs what lies opposite that
-        if family == LINE_OF_CENTRES:
-            _require_common_width(compiler, contact, a, b)
+        if family == LINE_OF_CENTRES and isinstance(b, ContactSurface):
+            _require_common_width(collector, contact, a, b)
             side, *hat = _reach_on_second(a, b, half)
         else:
             side, *hat = second_reach(b, Extent.of(a), Extent.of(b), angle, half)
         second_half = max(second_half, side)
         stencil = (max(stencil[0], hat[0]), max(stencil[1], hat[1]))
-        pair_modes = max(pair_modes, sum(compiler.mode_counts[body.index] for body in _moving(body_a, body_b)))
+        pair_modes = max(pair_modes, sum(collector.mode_counts[body.index] for body in _moving(body_a, body_b)))
         hats = (2 * min(own, MAX_HALF_WINDOW) + 1) * a.grid.rows
         most = hats if contact.capacity is None else min(contact.capacity, (2 * own + 1) * a.grid.rows)
         limit += most
         slots += most if contact.capacity is not None else min(most, max(LEAST_SLOTS, hats // USUAL_PATCH))
-        coupled.append(_coupled_columns(compiler, m, body_a, body_b))
+        coupled.append(_coupled_columns(collector, m, body_a, body_b))
     second_half = max(second_half, stencil[0])  # also the window of a rigid surface holds a stencil
-    compiler.fill(
+    collector.fill(
         m.window, half=half, columns=2 * half + 1, rows=rows, hats=(2 * half + 1) * rows,
         second_half=second_half, second_columns=2 * second_half + 1, nodes=(2 * second_half + 1) * second_rows,
         stencil_columns=stencil[0], stencil_rows=stencil[1],
@@ -88,40 +83,40 @@ def fill_pairs(compiler: Any, m: Model) -> None:
             f"scene: a hat of a contact's first grid covers {stencil[0]} x {stencil[1]} nodes of the second, at "
             f"most {k.MOST_STENCIL}: swap the two surfaces, or give the second a coarser traction_spacing"
         )
-    compiler.fill(
+    collector.fill(
         m.pairs, first=np.arange(0, 2 * m.pairs.count, 2), second=np.arange(1, 2 * m.pairs.count, 2), family=families,
         most_modes=pair_modes, coupled_capacity=most_coupled, coupled_count=[len(c) for c in coupled],
         coupled=[c + [0] * (most_coupled - len(c)) for c in coupled],
     )  # fmt: skip
     rules = [
-        rule_of(contact, family == AT_POINTS, compiler.settings.theta_points, compiler.settings.z_points)
-        for contact, family in zip(contacts, families, strict=True)
+        rule_of(pair.contact, family == AT_POINTS, collector.settings.theta_points, collector.settings.z_points)
+        for pair, family in zip(pairs, families, strict=True)
     ]
-    fill_points(compiler, m, [a for (_, a), _ in pairs], rules)
+    fill_points(collector, m, [pair.a for pair in pairs], rules)
 
 
-def family_of(compiler: Any, contact: Any, a: Any, b: Any, turned: float) -> int:
+def family_of(collector: Collector, pair: Pair, turned: float) -> int:
     """LINE_OF_CENTRES for two flexible cylinders or crowned cylinders, the material inside, with axes nearly parallel:
     fast, and exact there; AT_POINTS for all others."""
-    if compiler.settings.force_points or is_rigid(b) or turned > SKEW:
+    if collector.settings.force_points or isinstance(pair.b, RigidSurface) or turned > SKEW:
         return AT_POINTS
-    if not on_stations(contact, compiler.settings.theta_points, compiler.settings.z_points):
+    if not on_stations(pair.contact, collector.settings.theta_points, collector.settings.z_points):
         return AT_POINTS
-    for profile in (a.shape.profile(), b.shape.profile()):
+    for profile in (pair.a.shape.profile(), pair.b.shape.profile()):
         plain = not profile.planar and profile.side > 0.0 and profile.tangent == 0.0 and not len(profile.coefficients)
         if not plain or not (profile.crown == 0.0 or profile.crown > LEAST_CROWN * profile.radius):
             return AT_POINTS
     return LINE_OF_CENTRES
 
 
-def _require_common_width(compiler: Any, contact: Any, a: Any, b: Any) -> None:
+def _require_common_width(collector: Collector, contact: Contact, a: ContactSurface, b: ContactSurface) -> None:
     """Raises `InputError` where the two surfaces face each other over a width in which the first has no sampling point
     along its axis: the contact would never be felt."""
     ends = b.shape.axis_point + np.outer([b.grid.z[0], b.grid.z[-1]], b.shape.e_a)
     places = (contact.a.body.to_user(contact.b.body.to_world(ends)) - a.shape.axis_point) @ a.shape.e_a
     z = np.asarray(a.grid.z)
     low, high = max(places.min(), z[0]), min(places.max(), z[-1])
-    x, _ = np.polynomial.legendre.leggauss(compiler.settings.z_points)
+    x, _ = np.polynomial.legendre.leggauss(collector.settings.z_points)
     stations = z[:-1, None] + 0.5 * (x + 1.0) * np.diff(z)[:, None]
     if high > low and not np.any((stations >= low) & (stations <= high)):
         raise InputError(
@@ -130,44 +125,45 @@ def _require_common_width(compiler: Any, contact: Any, a: Any, b: Any) -> None:
         )
 
 
-def _fill_quadrature(compiler: Any, m: Model) -> None:
-    settings = compiler.settings
+def _fill_quadrature(collector: Collector, m: Model) -> None:
+    settings = collector.settings
     for name, count in (("theta", settings.theta_points), ("z", settings.z_points)):
         x, weight = np.polynomial.legendre.leggauss(count)
         found = {"points": count, "abscissa": 0.5 * (x + 1.0), "weight": 0.5 * weight}
-        compiler.fill(m.quadrature, **{f"{name}_{what}": value for what, value in found.items()})
+        collector.fill(m.quadrature, **{f"{name}_{what}": value for what, value in found.items()})
 
 
-def _moving(*bodies: Any) -> list[Any]:
+def _moving(*bodies: Body | Ground) -> list[Body]:
     """Those that are not the ground."""
-    return [body for body in bodies if body.index >= 0]
+    return [body for body in bodies if isinstance(body, Body)]
 
 
-def _coupled_columns(compiler: Any, m: Model, body_a: Any, body_b: Any) -> list[int]:
+def _coupled_columns(collector: Collector, m: Model, body_a: Body | Ground, body_b: Body | Ground) -> list[int]:
     """Outer columns that the gap of a pair depends on: of its bodies, their modes with inertia terms, and the rows that
     end on one of their flexible interfaces. The ground has none: those of A stand for them, with a gradient of zero."""
     moving = _moving(body_a, body_b)
     own = [body.index for body in moving]
     rigid = [6 * index + c for index in (own if len(own) == 2 else 2 * own) for c in range(6)]
-    markers = [body in own and interface >= 0 for body, interface, *_ in compiler.markers]
-    ends = zip(compiler.rows.a, compiler.rows.b, strict=True)
+    markers = [body in own and interface >= 0 for body, interface, *_ in collector.markers]
+    ends = zip(collector.rows.a, collector.rows.b, strict=True)
     touching = [m.outer.row_offset + r for r, (a, b) in enumerate(ends) if markers[a] or markers[b]]
-    return rigid + dense_columns(m, compiler, tuple(moving)) + touching
+    return rigid + dense_columns(m, collector, moving) + touching
 
 
-def _half_window(compiler: Any, contact: Any, a: Any, b: Any, turned: float) -> int:
+def _half_window(collector: Collector, pair: Pair, turned: float) -> int:
+    contact, _, a, _, b = pair
     if contact.capacity is not None:
         return max(int(np.ceil(contact.capacity / a.grid.rows / 2.0)) + int(GUARD), 2 * int(GUARD) + 1)
-    half, wanted = half_window(a, Extent.of(a), Extent.of(b), turned, compiler.settings.window_strain)
+    half, wanted = half_window(a, Extent.of(a), Extent.of(b), turned, collector.settings.window_strain)
     if half < wanted and half == MAX_HALF_WINDOW:
-        compiler.notes.append(
+        collector.notes.append(
             f"contact {contact.name!r}: window capped at {2 * MAX_HALF_WINDOW + 1} columns of {2 * wanted + 1}; "
             "a coarser contact grid (traction_spacing) would do, or give capacity="
         )
     return half
 
 
-def _reach_on_second(a: Any, b: Any, half_window: int) -> tuple[int, int, int]:
+def _reach_on_second(a: ContactSurface, b: ContactSurface, half_window: int) -> tuple[int, int, int]:
     """Columns of the second grid on each side that face the window, and columns and rows under a hat, of two bodies of
     revolution: opposite xi lies asin(R_A sin(xi)/R_B)."""
     xi = min((half_window + 1.5) * a.grid.pitch, 0.5 * np.pi)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.reduced_body import ContactSurface
+from warpffrf.online.compile.collector import Collector
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,22 +36,21 @@ class PointRule:
         return self.row * z_points + np.abs(self.zeta[:, None] - places).argmin(axis=1)
 
 
-def gauss_rule(surface: Any, theta_points: int, z_points: int) -> PointRule:
+def gauss_rule(surface: ContactSurface, theta_points: int, z_points: int) -> PointRule:
     """Gauss points in every cell of a column of the surface's grid."""
     grid, shape = surface.grid, surface.shape
     x, along = (np.polynomial.legendre.leggauss(count) for count in (theta_points, z_points))
     z = np.asarray(grid.z)
-    row, zeta, place = (
-        grown.ravel()
-        for grown in np.meshgrid(np.arange(grid.rows - 1), 0.5 * (along[0] + 1.0), 0.5 * (x[0] + 1.0), indexing="ij")
-    )
+    cells = np.arange(grid.rows - 1)
+    grown = np.meshgrid(cells, 0.5 * (along[0] + 1.0), 0.5 * (x[0] + 1.0), indexing="ij")
+    row, zeta, place = grown[0].ravel().astype(int), grown[1].ravel(), grown[2].ravel()
     weight = np.einsum("k,q,p->kqp", np.diff(z), 0.5 * along[1], 0.5 * x[1] * grid.pitch).ravel()
     at = z[row] + zeta * np.diff(z)[row]
     weight = weight * shape.measure_at(at)
     return PointRule(place, row, zeta, weight)
 
 
-def fill_points(compiler: Any, m: Model, surfaces: list[Any], rules: list[PointRule | None]) -> None:
+def fill_points(collector: Collector, m: Model, surfaces: list[ContactSurface], rules: list[PointRule | None]) -> None:
     """Tables of the points of each pair's first surface; None for a pair whose gaps are not taken at points."""
     counts, row_starts = [], []
     columns: dict[str, list[np.ndarray]] = {
@@ -76,7 +76,7 @@ def fill_points(compiler: Any, m: Model, surfaces: list[Any], rules: list[PointR
         }  # fmt: skip
         for name, value in values.items():
             columns[name].append(np.asarray(value))
-    compiler.fill(
+    collector.fill(
         m.points, most=max(counts, default=0), start=np.cumsum([0, *counts])[:-1], count=counts, row_start=row_starts,
         **{name: np.concatenate(parts) for name, parts in columns.items()},
     )  # fmt: skip

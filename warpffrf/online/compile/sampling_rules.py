@@ -7,10 +7,9 @@ cylinders is measured anyway; such a pair stays in that family of geometry and l
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from warpffrf.model.contact import Contact
 from warpffrf.model.evaluations import evaluation_of, refuse_full
 from warpffrf.model.sampling import Sampling
 from warpffrf.online.compile.points import PointRule, gauss_rule
@@ -18,12 +17,12 @@ from warpffrf.online.compile.points import PointRule, gauss_rule
 ON_STATION = 1e-9  # of the distance of two rows: round-off of the Gauss points in a file is 1e-16
 
 
-def is_hyper(contact: Any) -> bool:
+def is_hyper(contact: Contact) -> bool:
     """Whether `contact` looks at chosen points only."""
     return evaluation_of(contact) == "hyper"
 
 
-def on_stations(contact: Any, theta_points: int, z_points: int) -> bool:
+def on_stations(contact: Contact, theta_points: int, z_points: int) -> bool:
     """False where the chosen points of `contact` cannot be looked at on the line of centres, because they stand
     elsewhere, or because there is no room for them."""
     if not is_hyper(contact):
@@ -36,7 +35,7 @@ def on_stations(contact: Any, theta_points: int, z_points: int) -> bool:
     return bool(np.abs(zeta[:, None] - places).min(axis=1).max() <= ON_STATION)
 
 
-def rule_of(contact: Any, at_points: bool, theta_points: int, z_points: int) -> PointRule | None:
+def rule_of(contact: Contact, at_points: bool, theta_points: int, z_points: int) -> PointRule | None:
     """The points of `contact`; None for a pair on the line of centres that looks at all of them. Raises `InputError`
     for evaluation "full", which is not this solver's."""
     refuse_full(contact)
@@ -45,7 +44,7 @@ def rule_of(contact: Any, at_points: bool, theta_points: int, z_points: int) -> 
     return gauss_rule(contact.a.surface, theta_points, z_points) if at_points else None
 
 
-def layer_rule(contact: Any, theta_points: int, z_points: int) -> PointRule:
+def layer_rule(contact: Contact, theta_points: int, z_points: int) -> PointRule:
     """The points at which the layer of `contact` is evaluated: those at which its gaps are, in either family."""
     if is_hyper(contact):
         return chosen_rule(contact.a.surface.sampling)

@@ -6,13 +6,15 @@ need not know.
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from warpffrf_kernels.core.model import Model
 
+from warpffrf.model.bodies import Ground
+from warpffrf.model.rigid_surface import RigidSurface
+from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.compliance_tables import modal_moments, response_table, weak_compliance
-from warpffrf.online.compile.shared import surface_reaches
 
 NO_NODES = 2  # columns and rows of a rigid surface's empty grid: the fewest between which can be interpolated
 
@@ -23,39 +25,35 @@ FIELDS = (
 )  # fmt: skip
 
 
-def is_rigid(surface: Any) -> bool:
-    """True for a surface without a grid, of a rigid body or the ground."""
-    return surface.grid is None
-
-
-def fill_surfaces(compiler: Any, m: Model) -> None:
-    """Tables of the surfaces in contact, those of one that serves several pairs once; after `fill_pairs`, which knows
-    how far the compliance is asked for."""
+def fill_surfaces(collector: Collector, m: Model, reaches: Sequence[int]) -> np.ndarray:
+    """Tables of the surfaces in contact, those of one that serves several pairs once; `reaches`: how far the compliance
+    of each is asked for (`surface_reaches`). Returns where the rows of each begin in `z`."""
     lists: dict[str, list] = {name: [] for name in FIELDS}
     breaks, coefficients, z = [], [], []
     D, MDM, modes, moments = [], [], [], []
-    yieldings = [value for contact in compiler.scene.contacts for value in (contact.law.yielding, 0.0)]  # on the first
-    modal_start = np.cumsum([0, *compiler.mode_counts])
+    yieldings = [value for contact in collector.scene.contacts for value in (contact.law.yielding, 0.0)]  # on the first
+    modal_start = np.cumsum([0, *collector.mode_counts])
     known: dict[tuple, dict[str, int]] = {}  # where the tables of a surface begin, with and without a layer
-    owned = zip(compiler.surfaces, compiler.places, yieldings, surface_reaches(compiler, m), strict=True)
+    owned = zip(collector.surfaces, collector.places, yieldings, reaches, strict=True)
     for (body, surface), place, yielding, reach in owned:
         shape, profile = surface.shape, surface.shape.profile()
-        on_ground = body.index < 0
+        on_ground = isinstance(body, Ground)
         origin = np.asarray(shape.axis_point) - (0.0 if on_ground else body.center_of_mass)
-        values: dict[str, Any] = {
+        modal_count = 0 if on_ground else collector.mode_counts[body.index]
+        values: dict[str, object] = {
             "body": body.index, "origin": origin,
             "modal_start": 0 if on_ground else modal_start[body.index],
-            "modal_count": 0 if on_ground else compiler.mode_counts[body.index],
+            "modal_count": modal_count,
             "planar": int(profile.planar), "side": profile.side, "radius": profile.radius,
             "tangent": profile.tangent, "crown": profile.crown,
             "table_start": sum(map(len, breaks)), "table_count": len(profile.coefficients),
-            "rigid": int(is_rigid(surface)), "reach": reach,
+            "rigid": int(isinstance(surface, RigidSurface)), "reach": reach,
         }  # fmt: skip
         begins = {"z_start": sum(map(len, z)), "lag_start": sum(map(len, D)), "mode_start": sum(map(len, modes))}
         if len(profile.coefficients):
             breaks.append(np.asarray(profile.breaks, float))
             coefficients.append(np.concatenate([profile.coefficients, np.zeros((1, 4))]))
-        if is_rigid(surface):
+        if isinstance(surface, RigidSurface):
             values |= {
                 "frame": np.asarray(shape.frame).T, "theta": 0.0, "pitch": 1.0, "columns": NO_NODES, "periodic": 0,
                 "turn": 0, "rows": NO_NODES, "block": NO_NODES,
@@ -65,7 +63,7 @@ def fill_surfaces(compiler: Any, m: Model) -> None:
             empty = np.zeros(NO_NODES**3 * (NO_NODES + 2 * reach))
             D.append(empty)
             MDM.append(empty)
-            modes.append(np.zeros(NO_NODES**2 * values["modal_count"]))
+            modes.append(np.zeros(NO_NODES**2 * modal_count))
             moments.append(modes[-1])
         else:
             grid = surface.grid
@@ -87,9 +85,10 @@ def fill_surfaces(compiler: Any, m: Model) -> None:
         for name, value in values.items():
             lists[name].append(value)
     none = [np.zeros(0)]
-    compiler.fill(
+    collector.fill(
         m.surfaces, **lists, table_break=np.concatenate(none + breaks),
         table_coefficient=np.concatenate([np.zeros((0, 4)), *coefficients]), z=np.concatenate(none + z),
         compliance=np.concatenate(none + D), self_compliance=np.concatenate(none + MDM),
         mode_normal=np.concatenate(none + modes), mode_moment=np.concatenate(none + moments),
     )  # fmt: skip
+    return np.asarray(lists["z_start"], dtype=int)

@@ -13,10 +13,13 @@ any angle where one is a sphere, a hat is taken with its extent along the other 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from warpffrf_kernels.kinematics.line_of_centres import GUARD
+
+from warpffrf.model.contact import Contact
+from warpffrf.model.reduced_body import ContactSurface
+from warpffrf.model.rigid_surface import RigidSurface
 
 MIN_HALF_WINDOW = 6  # columns: margin and guard columns of a patch of a few columns
 MAX_HALF_WINDOW = 60  # columns: 121 in all; a patch that needs more has a contact grid finer than any use
@@ -40,7 +43,7 @@ class Extent:
     round: bool  # a sphere: it may turn as it likes
 
     @classmethod
-    def of(cls, surface: Any, axial: float = 0.0) -> Extent:
+    def of(cls, surface: ContactSurface | RigidSurface, axial: float = 0.0) -> Extent:
         """Of a surface; `axial` [m] is where the curvature is taken."""
         profile = surface.shape.profile()
         at = float(surface.shape.radius_at(axial))
@@ -55,13 +58,15 @@ class Extent:
         return cls(curvature, metric, surface.grid.pitch * at, (z[-1] - z[0]) * stretch, support * stretch, sphere)
 
 
-def between_axes(contact: Any) -> float:
+def between_axes(contact: Contact) -> float:
     """Angle [rad] in [0, pi/2] between the axes of the two surfaces at the start."""
     a, b = (port.body.to_world(port.surface.shape.e_a) - port.body.to_world(np.zeros(3)) for port in contact.ports)
     return float(np.arctan2(np.linalg.norm(np.cross(a, b)), abs(float(a @ b))))
 
 
-def half_window(surface: Any, first: Extent, second: Extent, turned: float, strain: float) -> tuple[int, int]:
+def half_window(
+    surface: ContactSurface, first: Extent, second: Extent, turned: float, strain: float
+) -> tuple[int, int]:
     """Grid columns on each side of the nearest one, and how many would be wanted, for a patch as wide as `strain` of
     the effective radius; two surfaces that hug each other want all that can face."""
     grid = surface.grid
@@ -98,7 +103,9 @@ def sine_between(first: Extent, second: Extent, turned: float) -> float:
     return 0.0 if angle <= TURNING else float(np.sin(angle))
 
 
-def second_reach(surface: Any, first: Extent, second: Extent, turned: float, half: int) -> tuple[int, int, int]:
+def second_reach(
+    surface: ContactSurface | RigidSurface, first: Extent, second: Extent, turned: float, half: int
+) -> tuple[int, int, int]:
     """Columns of B on each side that face a window of `half` columns, and columns and rows of B under a hat of A."""
     if surface.grid is None:
         return 1, 1, 1

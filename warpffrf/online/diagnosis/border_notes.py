@@ -13,11 +13,12 @@ design, and nothing is said of them.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from warpffrf.model import rotation as rot
+from warpffrf.model.contact import Contact
+from warpffrf.online.history.history import ContactHistory
 
 BORDER = 0.05  # of the largest pressure at the time: what may sit on the last row without a word
 
@@ -32,7 +33,7 @@ class End:
     pressure: np.ndarray
 
 
-def border_notes(contact: Any, found: Any, time: np.ndarray) -> list[str]:
+def border_notes(contact: Contact, found: ContactHistory, time: np.ndarray) -> list[str]:
     """A note for each surface of a pair whose outermost rows, or columns, had more than `BORDER` of the largest
     pressure of the time; `found` is its history, `time` (T,) [s] that of the saved steps."""
     peak = np.maximum(found.pressure.max(axis=(1, 2)), np.finfo(float).tiny)
@@ -54,7 +55,7 @@ def border_notes(contact: Any, found: Any, time: np.ndarray) -> list[str]:
     return notes
 
 
-def _ends(contact: Any, found: Any) -> list[End]:
+def _ends(contact: Contact, found: ContactHistory) -> list[End]:
     ends = [End(False, "row", high, found.pressure[:, :, -int(high)].max(axis=1)) for high in (False, True)]
     surface = contact.b.surface
     if surface.grid is None:  # rigid: it has no end
@@ -68,7 +69,7 @@ def _ends(contact: Any, found: Any) -> list[End]:
     return ends
 
 
-def _by_design(contact: Any, ends: list[End], along: str, peak: np.ndarray) -> np.ndarray:
+def _by_design(contact: Contact, ends: list[End], along: str, peak: np.ndarray) -> np.ndarray:
     """(T,) bool: straight profiles, or planes, that press on each other from one end of their common width to the
     other."""
     shapes = [port.surface.shape for port in contact.ports]

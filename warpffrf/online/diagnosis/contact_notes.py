@@ -12,17 +12,19 @@ too large by e^2/2. Pairs that begin skewed have their gaps taken at points; one
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Any
 
 import numpy as np
 
+from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.gap import facing_gap, smallest_gap
 from warpffrf.model.reach import out_of_reach
+from warpffrf.model.scene import Scene
 from warpffrf.model.slopes import leanings
 from warpffrf.online.compile.pairs import SKEW
 from warpffrf.online.diagnosis.border_notes import border_notes
 from warpffrf.online.diagnosis.undeformed_normal import normal_notes
+from warpffrf.online.history.history import ContactHistory, History
 from warpffrf.online.history.sensors import turned
 
 FEWEST_COLUMNS = 4  # across the largest patch: with fewer, peaks and half-widths are those of the grid
@@ -34,7 +36,7 @@ MOST_SKEW = 0.07  # rad: e^2/2 is 0.25 %; measured against gaps at points: force
 SHALLOW = 1e-6  # of the radius: overlaps that round-off of positions makes
 
 
-def contact_notes(scene: Any, history: Any, on_axes: Collection[str] = ()) -> list[str]:
+def contact_notes(scene: Scene, history: History, on_axes: Collection[str] = ()) -> list[str]:
     """Notes on the patches of all pairs of a run; `on_axes`: names of those whose gaps are taken along the line of
     centres."""
     notes, untouched = [], []
@@ -55,11 +57,11 @@ def contact_notes(scene: Any, history: Any, on_axes: Collection[str] = ()) -> li
     return notes + _untouched(scene, history, untouched)
 
 
-def _largest(found: Any) -> float:
+def _largest(found: ContactHistory) -> float:
     return float(np.linalg.norm(found.force, axis=1).max(initial=0.0))
 
 
-def _untouched(scene: Any, history: Any, contacts: list[Any]) -> list[str]:
+def _untouched(scene: Scene, history: History, contacts: list[Contact]) -> list[str]:
     """Of pairs without any load in a run: those that only touch or cannot, and overlaps that the grid does not see."""
     notes, apart = [], []
     for contact in contacts:
@@ -93,7 +95,7 @@ def _untouched(scene: Any, history: Any, contacts: list[Any]) -> list[str]:
     return notes
 
 
-def _skewed(contact: Any, found: Any, history: Any) -> list[str]:
+def _skewed(contact: Contact, found: ContactHistory, history: History) -> list[str]:
     loaded = np.any(found.pressure > 0.0, axis=(1, 2))
     angles = angle_between_axes(contact, history)[loaded]
     if angles.max() <= MOST_SKEW:
@@ -106,19 +108,19 @@ def _skewed(contact: Any, found: Any, history: Any) -> list[str]:
     ]
 
 
-def angle_between_axes(contact: Any, history: Any) -> np.ndarray:
+def angle_between_axes(contact: Contact, history: History) -> np.ndarray:
     """Angle (T,) [rad] in [0, pi/2] between the axes of the two surfaces of a pair in a run."""
     a, b = (turned(history.bodies[port.body.name].rotation, port.surface.shape.e_a) for port in (contact.a, contact.b))
     return np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.abs(np.einsum("ti,ti->t", a, b)))
 
 
-def _widest(found: Any) -> int:
+def _widest(found: ContactHistory) -> int:
     """Columns of the grid under pressure in the saved step with the largest load."""
     load = found.pressure.sum(axis=(1, 2))
     return int(np.count_nonzero(found.pressure[int(np.argmax(load))].max(axis=1) > 0.0))
 
 
-def _coarse(contact: Any, columns: int) -> list[str]:
+def _coarse(contact: Contact, columns: int) -> list[str]:
     """Sizes: docs/studies/contact_grid.md, worst positions at one to two spacings in a half-width."""
     if columns >= FEWEST_COLUMNS:
         return []
@@ -129,7 +131,7 @@ def _coarse(contact: Any, columns: int) -> list[str]:
     ]
 
 
-def _cut(contact: Any, found: Any) -> list[str]:
+def _cut(contact: Contact, found: ContactHistory) -> list[str]:
     """Pressures times the areas of their hats against the normal force: they agree on parts that face each other."""
     surface, other = contact.a.surface, contact.b.surface
     if surface.shape.side < 0.0 or other.shape.side < 0.0:
@@ -152,7 +154,7 @@ def _cut(contact: Any, found: Any) -> list[str]:
     ]
 
 
-def overlap_notes(scene: Any) -> list[str]:
+def overlap_notes(scene: Scene) -> list[str]:
     """Pairs whose surfaces lie in one another at the initial poses, so that a run from there begins with a push."""
     notes = []
     for contact in scene.contacts:

@@ -5,12 +5,11 @@ to, and the last steps are repeated with smaller ones, to tell whether these are
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from warpffrf_kernels.core import control as k
 
 from warpffrf.online.checkpoint import restore
+from warpffrf.online.engine import Engine
 
 KEPT_EVERY = 500  # steps between two states that are kept: copying one takes some milliseconds
 NOISE = 1e-11  # of force times distance: round-off of their product, a hundred thousand times
@@ -18,7 +17,7 @@ FINER = (4, 16)  # steps that are tried are shorter by
 HELPS = 0.25  # of what was made: a step with which less is made is a cure
 
 
-def round_off_energy(engine: Any) -> float:
+def round_off_energy(engine: Engine) -> float:
     """What an energy [J] is no more than round-off below, of scenes in which nothing moves."""
     state, scene = engine.state, engine.scene
     weights = [body.mass * np.linalg.norm(scene.gravity) for body in scene.bodies]
@@ -30,7 +29,7 @@ def round_off_energy(engine: Any) -> float:
 class EnergyWatch:
     """Beside a run of steps of `step` [s]: `look` after each chunk, `end` where the device has stopped for a gain."""
 
-    def __init__(self, engine: Any, step: float) -> None:
+    def __init__(self, engine: Engine, step: float) -> None:
         self.engine, self.step = engine, step
         self.last = self.kept = engine.state.to_numpy()  # the last one may be next to the end: begin at that before
 

@@ -8,10 +8,12 @@ determine is told, the singular vector of the equilibrated matrix."""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from warpffrf_kernels.core import control as k
+
+from warpffrf.online.arrays.declaration import Arrays
+from warpffrf.online.engine import Engine
 
 TOLD = 1e-8  # a share below it is converged
 MOST_LOST = 4  # names of what is not finite: it spreads through joints within an iteration
@@ -28,7 +30,7 @@ class Residual:
     text: str
 
 
-def blame(engine: Any, bits: int, world: int = 0) -> str:
+def blame(engine: Engine, bits: int, world: int = 0) -> str:
     """A clause that names the body, the joint or force, and the pair with the largest residual of `world` after the
     failure `bits`, the worst of them first; "" if none is left."""
     with np.errstate(all="ignore"):  # what diverged may overflow
@@ -45,7 +47,7 @@ def blame(engine: Any, bits: int, world: int = 0) -> str:
     return f"the largest residual: {', '.join(residual.text for residual in told)}" if told else ""
 
 
-def row_owners(engine: Any) -> list[str]:
+def row_owners(engine: Engine) -> list[str]:
     """What each row of the equations belongs to: "joint 'hinge'", "force 'spring'"."""
     compiled = engine.compiled
     owners = [""] * compiled.row_count
@@ -56,32 +58,32 @@ def row_owners(engine: Any) -> list[str]:
     return owners
 
 
-def _array(owner: Any, name: str, world: int) -> np.ndarray:
+def _array(owner: Arrays, name: str, world: int) -> np.ndarray:
     return np.asarray(getattr(owner, name).numpy()[world], dtype=np.float64)
 
 
-def largest_force(engine: Any, world: int) -> float:
+def largest_force(engine: Engine, world: int) -> float:
     """The largest of weight, inertia force, multiplier of a length, and contact force [N]."""
-    m, work, state = engine.compiled.model, engine.work, engine.state
+    m, scratch, state = engine.compiled.model, engine.scratch, engine.state
     B, R, P = m.bodies.count, m.rows.count, m.pairs.count
-    rate = np.linalg.norm(_array(work, "v1_rate", world)[:B], axis=1)
+    rate = np.linalg.norm(_array(scratch, "v1_rate", world)[:B], axis=1)
     forces = m.bodies.mass.numpy()[:B] * (np.linalg.norm(engine.scene.gravity) + rate)
     lengths = np.isin(m.rows.kind.numpy()[:R], (int(k.TRANSLATION), int(k.DISTANCE)))
     pulls = np.abs(_array(state, "lam", world)[:R][lengths])
-    contact = np.linalg.norm(_array(work, "pair_wrench", world)[:P, :3], axis=1)
+    contact = np.linalg.norm(_array(scratch, "pair_wrench", world)[:P, :3], axis=1)
     values = np.concatenate([forces, pulls, contact])
     return float(max(values[np.isfinite(values)], default=0.0)) + NO_FORCE
 
 
-def _bodies(engine: Any, world: int) -> list[Residual]:
-    m, work, found = engine.compiled.model, engine.work, []
-    residual = _array(work, "residual", world)[: 6 * m.bodies.count].reshape(-1, 6)
+def _bodies(engine: Engine, world: int) -> list[Residual]:
+    m, scratch, found = engine.compiled.model, engine.scratch, []
+    residual = _array(scratch, "residual", world)[: 6 * m.bodies.count].reshape(-1, 6)
     mass, inertia = m.bodies.mass.numpy(), m.bodies.inertia.numpy()
     scale = largest_force(engine, world)
-    modal = np.abs(_array(work, "modal_residual", world)[: m.modes.count])
-    elastic = np.abs(m.modes.stiffness.numpy()[: m.modes.count] * _array(work, "q1", world)[: m.modes.count])
+    modal = np.abs(_array(scratch, "modal_residual", world)[: m.modes.count])
+    elastic = np.abs(m.modes.stiffness.numpy()[: m.modes.count] * _array(scratch, "q1", world)[: m.modes.count])
     pairs = np.abs(_array(engine.state, "pair_modal", world)[: m.pairs.count, 1]).ravel()
-    loads = np.concatenate([elastic, np.abs(_array(work, "qd1_rate", world)[: m.modes.count]), pairs])
+    loads = np.concatenate([elastic, np.abs(_array(scratch, "qd1_rate", world)[: m.modes.count]), pairs])
     modal_scale = float(max(loads[np.isfinite(loads)], default=0.0)) + NO_FORCE
     starts = engine.compiled.modal_start
     for i, body in enumerate(engine.scene.bodies):
@@ -102,9 +104,9 @@ def _bodies(engine: Any, world: int) -> list[Residual]:
     return found
 
 
-def _rows(engine: Any, world: int) -> list[Residual]:
-    m, work, found = engine.compiled.model, engine.work, []
-    defect, softness = (_array(work, name, world)[: m.rows.count] for name in ("defect", "softness"))
+def _rows(engine: Engine, world: int) -> list[Residual]:
+    m, scratch, found = engine.compiled.model, engine.scratch, []
+    defect, softness = (_array(scratch, name, world)[: m.rows.count] for name in ("defect", "softness"))
     kinds, rigid = m.rows.kind.numpy(), m.rows.rigid.numpy()
     scale = largest_force(engine, world)
     for row, owner in enumerate(row_owners(engine)):
@@ -119,13 +121,13 @@ def _rows(engine: Any, world: int) -> list[Residual]:
     return found
 
 
-def _pairs(engine: Any, world: int) -> list[Residual]:
-    m, work, found = engine.compiled.model, engine.work, []
+def _pairs(engine: Engine, world: int) -> list[Residual]:
+    m, scratch, found = engine.compiled.model, engine.scratch, []
     if not m.pairs.count:
         return found
-    opened, area = _array(work, "opened", world), _array(work, "area", world)
+    opened, area = _array(scratch, "opened", world), _array(scratch, "area", world)
     active = _array(engine.state, "active", world) != 0
-    penetration = float(_array(work, "gap_defect", world)[1])
+    penetration = float(_array(scratch, "gap_defect", world)[1])
     for i, contact in enumerate(engine.scene.contacts):
         use = active[i] & (area[i] > 0.0)
         off = float(np.max(np.abs(opened[i][use] / area[i][use]), initial=0.0))
@@ -137,14 +139,14 @@ def _pairs(engine: Any, world: int) -> list[Residual]:
     return found
 
 
-def _at_pair(engine: Any, bits: int, world: int) -> str:
+def _at_pair(engine: Engine, bits: int, world: int) -> str:
     """The pair that failed by itself: the one whose window is at its widest, or else with the largest residual."""
     contacts = engine.scene.contacts
     if len(contacts) == 1:
         return f"at contact {contacts[0].name!r}"
     if bits & int(k.CAPACITY):
         H = engine.compiled.model.window.half
-        window = _array(engine.work, "window", world)[: len(contacts)]
+        window = _array(engine.scratch, "window", world)[: len(contacts)]
         widest = [c.name for c, (low, high) in zip(contacts, window, strict=True) if low <= -H or high >= H]
         if widest:
             return f"at contact {', '.join(repr(name) for name in widest)}"
@@ -152,12 +154,12 @@ def _at_pair(engine: Any, bits: int, world: int) -> str:
     return f"the largest residual: {worst.text}" if worst.share > 0.0 else ""
 
 
-def _undetermined(engine: Any, world: int) -> str:
+def _undetermined(engine: Engine, world: int) -> str:
     """Names what the singular system leaves open: the row or body that its singular vector is largest in."""
     m = engine.compiled.model
     if not 0 < m.outer.count <= LARGEST_SYSTEM:
         return ""
-    A = _array(engine.work, "tangent", world)[: m.outer.count, : m.outer.count]
+    A = _array(engine.scratch, "tangent", world)[: m.outer.count, : m.outer.count]
     if not np.all(np.isfinite(A)):
         return ""
     scale = 1.0 / np.sqrt(np.where(np.diag(A) > 0.0, np.diag(A), 1.0))

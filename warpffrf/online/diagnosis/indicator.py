@@ -33,12 +33,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from warpffrf.model.inertia import LEVELS, TERM_NAMES, InertiaTerms
-from warpffrf.online.compile.inertia import NOTICEABLE, least_level
+from warpffrf.model.scene import Scene
+from warpffrf.online.compile.inertia_plan import NOTICEABLE, least_level
+from warpffrf.online.history.history import BodyHistory
 
 FLAG = 0.01  # a term above 1 % of what is kept is worth its cost: forces and displacements are wanted to that
 SMALLEST = 1e-3  # %: what is smaller is no news
@@ -64,18 +65,18 @@ class TermSize:
         return max(self.on_modes, self.on_momentum)
 
 
-def term_sizes(scene: Any, history: Any, levels: Mapping[str, str]) -> list[TermSize]:
+def term_sizes(scene: Scene, bodies: Mapping[str, BodyHistory], levels: Mapping[str, str]) -> list[TermSize]:
     """Sizes of all terms on all flexible bodies of `scene` that have inertia terms; `levels` body -> level in use."""
     found = []
-    if not len(history.time):
-        return found
-    steps = np.unique(np.linspace(0, len(history.time) - 1, MOST_STEPS).astype(int))
     for body in scene.bodies:
         reduced = body.reduced
         terms = None if reduced is None else reduced.inertia_terms
         if reduced is None or terms is None or not terms.modes:
             continue
-        motion = history.bodies[body.name]
+        motion = bodies[body.name]
+        if not len(motion.rotation):
+            continue
+        steps = np.unique(np.linspace(0, len(motion.rotation) - 1, MOST_STEPS).astype(int))
         p = motion.rotation[steps]
         w = _to_body(p, motion.angular_velocity[steps])
         w_rate = _to_body(p, np.nan_to_num(motion.angular_acceleration[steps]))  # NaN: not recorded, in an old file
@@ -157,12 +158,12 @@ def indicator_lines(sizes: Sequence[TermSize], levels: Mapping[str, str], stiffe
     return lines
 
 
-def unheld_lines(scene: Any, history: Any) -> list[str]:
+def unheld_lines(scene: Scene, bodies: Mapping[str, BodyHistory]) -> list[str]:
     """What the report says of bodies whose modes do not hold what turning does to them, and the cure."""
     lines = []
     for body in scene.bodies:
         known = {} if body.reduced is None else body.reduced.report.get("inertia", {})
-        motion = history.bodies[body.name]
+        motion = bodies[body.name]
         if not known.get("centrifugal_left_out") or not len(motion.angular_velocity):
             continue
         speed = _largest(motion.angular_velocity)

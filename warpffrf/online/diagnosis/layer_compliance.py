@@ -10,12 +10,12 @@ At rest: the damping of a layer is left out. A point that is not pressed yields 
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from warpffrf.model.laws.layer import Curve
 
-def yield_of(curve: Any, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+
+def yield_of(curve: Curve, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Depth y [m] of a `warpffrf.model.laws.Curve` under pressures p [Pa], 0 taken for negative ones, and y' [m/Pa]."""
     p = np.maximum(np.asarray(pressure, dtype=np.float64), 0.0)
     if curve.form == "power":

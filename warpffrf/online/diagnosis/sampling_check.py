@@ -20,14 +20,19 @@ a damped layer the curve at rest is taken.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from warpffrf.model import rotation as rot
+from warpffrf.model.bodies import Body
+from warpffrf.model.contact import Contact
 from warpffrf.model.evaluations import evaluation_of
+from warpffrf.model.laws.layer import Curve
+from warpffrf.model.reduced_body import ContactSurface
 from warpffrf.model.sampling import gauss_points
+from warpffrf.model.scene import Scene
 from warpffrf.online.diagnosis.layer_compliance import yield_of
+from warpffrf.online.history.history import ContactHistory, History
 from warpffrf.online.settings import Settings
 
 SAMPLED = 8  # saved steps that are looked at, evenly spread: a patch changes slowly beside a step
@@ -59,7 +64,7 @@ class SamplingCheck:
         return text
 
 
-def sampling_notes(scene: Any, history: Any) -> list[str]:
+def sampling_notes(scene: Scene, history: History) -> list[str]:
     """One note for each contact of evaluation "hyper"."""
     notes = []
     for contact in scene.contacts:
@@ -72,7 +77,7 @@ def sampling_notes(scene: Any, history: Any) -> list[str]:
     return notes
 
 
-def check_sampling(contact: Any, history: Any, sampled: int = SAMPLED) -> SamplingCheck:
+def check_sampling(contact: Contact, history: History, sampled: int = SAMPLED) -> SamplingCheck:
     """Compare the sampling points of the first surface with all Gauss points on `sampled` saved steps of `history`."""
     surface, settings = contact.a.surface, Settings()
     x, row, zeta, share = gauss_points(surface.grid.rows, settings.theta_points, settings.z_points)
@@ -102,7 +107,7 @@ class _Rule:
     weight: np.ndarray
 
 
-def _compare(contact: Any, history: Any, t: int, few: _Rule, every: _Rule) -> tuple[float, float, float]:
+def _compare(contact: Contact, history: History, t: int, few: _Rule, every: _Rule) -> tuple[float, float, float]:
     """Differences of gap, force and pressure at the saved row t."""
     record, grid = history.contacts[contact.name], contact.a.surface.grid
     s = record.pressure[t]
@@ -144,7 +149,7 @@ def _compare(contact: Any, history: Any, t: int, few: _Rule, every: _Rule) -> tu
 
 
 def _weak(
-    contact: Any, history: Any, t: int, rule: _Rule, columns: np.ndarray, pressure: np.ndarray
+    contact: Contact, history: History, t: int, rule: _Rule, columns: np.ndarray, pressure: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Weak gaps (hats,) [m^3] of the columns under `pressure` (hats,) without A's displacement, stencils (hats, nodes
     of B's window) [m^2], and the depth of the patch [m]."""
@@ -180,7 +185,7 @@ def _hat_weights(rule: _Rule, columns: np.ndarray, rows: int) -> np.ndarray:
 
 
 def _weak_yield(
-    curve: Any, rule: _Rule, columns: np.ndarray, rows: int, pressure: np.ndarray
+    curve: Curve, rule: _Rule, columns: np.ndarray, rows: int, pressure: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Weak yield (hats,) [m^3] of a layer under `pressure` (hats,), and its tangent E (hats, hats) [m^3/Pa]."""
     weights = _hat_weights(rule, columns, rows)
@@ -189,7 +194,7 @@ def _weak_yield(
     return weights @ y, (weights * slope) @ psi.T
 
 
-def _pose(body: Any, history: Any, t: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _pose(body: Body, history: History, t: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Place of the user origin, axes (3, 3) and global coordinates of a body, or the ground, at the saved row t."""
     if body.index < 0:
         return np.zeros(3), np.eye(3), np.zeros(0)
@@ -197,13 +202,13 @@ def _pose(body: Any, history: Any, t: int) -> tuple[np.ndarray, np.ndarray, np.n
     return motion.position[t], rot.matrix(motion.rotation[t]), motion.modal[t]
 
 
-def _grid_angle(surface: Any) -> float:
+def _grid_angle(surface: ContactSurface) -> float:
     """Angle of the grid's e_0 in the chart of the shape."""
     shape, e_0 = surface.shape, surface.grid.e_0
     return float(np.arctan2(e_0 @ shape.e_1, e_0 @ shape.e_0))
 
 
-def _second_columns(record: Any, t: int, B: Any) -> np.ndarray:
+def _second_columns(record: ContactHistory, t: int, B: ContactSurface) -> np.ndarray:
     """Columns of B's window at the saved row t, those that exist."""
     columns = int(record.first_column_second[t]) + np.arange(record.load_second.shape[1])
     if not B.grid.periodic:
@@ -211,7 +216,7 @@ def _second_columns(record: Any, t: int, B: Any) -> np.ndarray:
     return columns[: B.grid.columns]
 
 
-def _opposite(B: Any, theta: np.ndarray, z: np.ndarray, columns: np.ndarray) -> np.ndarray:
+def _opposite(B: ContactSurface, theta: np.ndarray, z: np.ndarray, columns: np.ndarray) -> np.ndarray:
     """Values (points, nodes) of B's hats of the window's `columns` at chart places theta, z."""
     grid = B.grid
     x = ((theta - _grid_angle(B) - grid.theta_start) / grid.pitch).ravel()
@@ -233,7 +238,7 @@ def _opposite(B: Any, theta: np.ndarray, z: np.ndarray, columns: np.ndarray) -> 
     return out.reshape(len(x), -1)
 
 
-def _compliance(surface: Any, columns: np.ndarray) -> np.ndarray:
+def _compliance(surface: ContactSurface, columns: np.ndarray) -> np.ndarray:
     """D of the hats of `columns`; a full turn goes on."""
     grid = surface.grid
     turn = len(surface.lags) * grid.columns_per_sector
@@ -246,7 +251,7 @@ def _compliance(surface: Any, columns: np.ndarray) -> np.ndarray:
     return D
 
 
-def _gram(surface: Any, columns: int) -> np.ndarray:
+def _gram(surface: ContactSurface, columns: int) -> np.ndarray:
     """M of the hats of so many neighbouring columns [m^2]."""
     around = np.diag(np.full(columns, 2.0 / 3.0)) + np.diag(np.full(columns - 1, 1.0 / 6.0), 1)
     around += np.diag(np.full(columns - 1, 1.0 / 6.0), -1)

@@ -21,10 +21,10 @@ touched in points are not judged.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
+from warpffrf.model.contact import Contact
 from warpffrf.model.slopes import compliance, curvature, leaning
 
 MOST = 0.005  # of the line load: a larger error is worth a word
@@ -38,7 +38,7 @@ def line_load_error(half_width: float, radius: float, wall: float, poisson_ratio
     return half_width**2 / (radius * wall) * (0.45 + 0.5 * half_width / wall) * squeezed
 
 
-def normal_notes(contact: Any, columns: int, taken: Mapping[tuple[int, str], float]) -> list[str]:
+def normal_notes(contact: Contact, columns: int, taken: Mapping[tuple[int, str], float]) -> list[str]:
     """A note where the error is noticeable in the largest patch of `contact`, of so many columns; `taken`: the slope
     that each surface has taken into its compliance, by (index of the body, surface)."""
     first = contact.a.surface

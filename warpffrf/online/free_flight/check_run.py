@@ -9,7 +9,6 @@ or device, leaves these too, so a check can start from an equilibrium or from a 
 from __future__ import annotations
 
 import time
-from typing import Any
 
 import numpy as np
 from warpffrf_kernels.core.control import Clock
@@ -17,12 +16,13 @@ from warpffrf_kernels.core.control import Clock
 from warpffrf.model.errors import InputError, require_count
 from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
 from warpffrf.model.progress import Progress
+from warpffrf.model.scene import Scene
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.online.arrays.declaration import host_structs
 from warpffrf.online.checkpoint import is_dynamic, time_of
 from warpffrf.online.compile.forces import ForceTable
-from warpffrf.online.compile.inertia import InertiaPlan
+from warpffrf.online.compile.inertia_plan import InertiaPlan
 from warpffrf.online.free_flight import energy_momentum, runge_kutta
 from warpffrf.online.free_flight.free_bodies import FreeBody, Motion, check_free, free_body, initial_motion
 from warpffrf.online.history.history import ENERGY_LINES, History
@@ -83,14 +83,14 @@ class _Rows:
 
 
 def run_check(
-    scene: Any,
+    scene: Scene,
     duration: float,
     *,
     step: float,
     integrator: EnergyMomentum | RungeKutta4,
     save_every: int = 1,
     progress: bool = True,
-    start: Any = "initial",
+    start: str | History = "initial",
 ) -> History:
     """Simulate the free bodies of `scene` for `duration` [s] in steps of `step` [s] on the host.
 
@@ -157,7 +157,7 @@ def run_check(
     return history
 
 
-def _history(scene: Any, rows: _Rows, step: float, first: int) -> History:
+def _history(scene: Scene, rows: _Rows, step: float, first: int) -> History:
     """The saved rows as a History; `first` row without a step before it."""
     T = len(rows.times)
     times = np.array(rows.times)
@@ -193,7 +193,7 @@ def _checkpoint(states: list[Motion], energy: list[float], t: float) -> dict[str
 _FIELDS = {"r": "r", "p": "p", "v": "v", "omega": "w"}
 
 
-def _restored(scene: Any, start: History) -> tuple[list[Motion], np.ndarray]:
+def _restored(scene: Scene, start: History) -> tuple[list[Motion], np.ndarray]:
     """States of all bodies and the ledger from the checkpoint of an earlier run, of this or of the other kind."""
     checkpoint, B, Q = start.checkpoint, len(scene.bodies), sum(body.mode_count for body in scene.bodies)
     shapes = {"r": (B, 3), "p": (B, 4), "v": (B, 3), "omega": (B, 3), "q": (Q,), "qd": (Q,)}

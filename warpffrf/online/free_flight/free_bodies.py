@@ -23,13 +23,17 @@ oscillators.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from warpffrf.model import rotation as rot
+from warpffrf.model.bodies import Body
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import PointLoad
+from warpffrf.model.inertia import GeometricStiffness
+from warpffrf.model.scene import Scene
+from warpffrf.online.compile.inertia_plan import BodyInertia
 
 Array = np.ndarray
 CURE = "integrate with GeneralizedAlpha, HHT or Newmark"
@@ -163,16 +167,15 @@ class FreeBody:
         return force, torque, modal, float(power)
 
 
-def free_body(scene: Any, body: Any, plan: Any) -> FreeBody:
-    """Constants of `body` of `scene` with the inertia level of `plan` (`online.compile_inertia.BodyInertia`)."""
+def free_body(scene: Scene, body: Body, plan: BodyInertia) -> FreeBody:
+    """Constants of `body` of `scene` with the inertia level of `plan` (`online.compile.inertia.BodyInertia`)."""
     k, m = plan.count, body.mode_count
     first, second, gyroscopic = np.zeros((k, 3, 3)), np.zeros((k, k, 3, 3)), np.zeros((k, k, 3))
-    if k:
-        first, second, gyroscopic = plan.terms.kept(plan.level, stiffened=plan.stiffening)
-    stiffening = plan.terms.stiffening if k and plan.stiffening else None
-    omega = 2.0 * np.pi * body.reduced.frequencies if m else np.zeros(0)
+    if plan.terms is not None:
+        first, second, gyroscopic = plan.terms.kept(plan.level, stiffened=plan.stiffening is not None)
+    omega = 2.0 * np.pi * body.flexible.frequencies if m else np.zeros(0)
     loads = [
-        _applied_load(body, force.load(), stiffening)
+        _applied_load(body, force.load(), plan.stiffening)
         for force in scene.forces
         if len(force.ports) == 1 and force.ports[0].body is body
     ]
@@ -182,18 +185,18 @@ def free_body(scene: Any, body: Any, plan: Any) -> FreeBody:
     )  # fmt: skip
 
 
-def _applied_load(body: Any, load: PointLoad, stiffening: Any) -> AppliedLoad:
+def _applied_load(body: Body, load: PointLoad, stiffening: GeometricStiffness | None) -> AppliedLoad:
     m, port = body.mode_count, load.port
     shift = turn = np.zeros((m, 3))
     more = None
     if m and port.interface_name is not None:
-        modes = np.asarray(body.reduced.interfaces[port.interface_name].modes)
+        modes = np.asarray(body.flexible.interfaces[port.interface_name].modes)
         shift, turn = modes[:, :3], modes[:, 3:]
         more = None if stiffening is None else stiffening.interfaces[port.interface_name]
     return AppliedLoad(load, port.point - body.center_of_mass, shift, turn, more)
 
 
-def check_free(scene: Any, integrator: str, *, loads: bool) -> None:
+def check_free(scene: Scene, integrator: str, *, loads: bool) -> None:
     """Raises `InputError` naming the first thing of `scene` that is no free body under gravity; point forces and
     torques pass where `loads`."""
     if not scene.bodies:
@@ -216,7 +219,7 @@ def check_free(scene: Any, integrator: str, *, loads: bool) -> None:
             )
 
 
-def initial_motion(body: Any) -> Motion:
+def initial_motion(body: Body) -> Motion:
     """The state of a scene's body at the start."""
     A = rot.matrix(body.rotation)
     arm = A @ body.center_of_mass

@@ -7,6 +7,7 @@ Everything that can be derived from these arrays (half-width, peak pressure, fie
 from __future__ import annotations
 
 from dataclasses import InitVar, dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -136,7 +137,7 @@ class ContactHistory:
 class History:
     """A run: histories, the energy ledger, solver counts, status, and the state to continue from."""
 
-    scene: object  # the Scene that was run
+    scene: Any  # the Scene that was run, or what a file tells of it
     time: np.ndarray  # (T,) s
     step_size: np.ndarray  # (T,) s, size of the step that led here (0 in the first row)
     bodies: dict[str, BodyHistory]

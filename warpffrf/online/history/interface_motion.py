@@ -10,14 +10,13 @@ as the constraint rows see it (`warpffrf_kernels.bodies.interfaces`).
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from warpffrf.model.bodies import Port
 from warpffrf.online.history.history import BodyHistory
 
 
-def interface_motion(port: Any, body: BodyHistory) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def interface_motion(port: Port, body: BodyHistory) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Motion (T, 6) [m, rad] of the interface of `port`, its rate [1/s] and the rate of that [1/s^2], body axes."""
     reduced = port.body.reduced
     modes = reduced.interfaces[port.interface_name].modes

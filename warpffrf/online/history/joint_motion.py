@@ -9,15 +9,15 @@ turns apart.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from warpffrf.model import rotation as rot
+from warpffrf.model.bodies import Port
 from warpffrf.model.forces import SpringLaw
-from warpffrf.model.joints import Joint, Marker, Row
+from warpffrf.model.joints import Drive, Joint, Marker, Row
 from warpffrf.model.joints.rows import gradient, value
 from warpffrf.model.redundancy import ConstraintRow, scene_length
+from warpffrf.model.scene import Scene
 from warpffrf.online.history.history import BodyHistory
 from warpffrf.online.history.interface_motion import interface_motion
 
@@ -42,7 +42,7 @@ def _turns(theta: np.ndarray) -> np.ndarray:
 
 
 def marker_motion(
-    port: Any, marker: Marker, bodies: dict[str, BodyHistory], count: int
+    port: Port, marker: Marker, bodies: dict[str, BodyHistory], count: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Positions (T, 3) [m], axes (T, 3, 3) of a marker, and the angular velocity (T, 3) of its body, world axes."""
     X = np.broadcast_to(marker.point, (count, 3))
@@ -60,7 +60,7 @@ def marker_motion(
 
 
 def coordinates(
-    joint: Joint, drives: dict[str, Any], time: np.ndarray, bodies: dict[str, BodyHistory]
+    joint: Joint, drives: dict[str, Drive], time: np.ndarray, bodies: dict[str, BodyHistory]
 ) -> dict[str, np.ndarray]:
     """Coordinates (T,) [m or rad] of a joint by name; `drives`: those of this joint by coordinate."""
     (x_a, A_a, w_a), (x_b, A_b, w_b) = (
@@ -76,7 +76,7 @@ def coordinates(
     return found
 
 
-def _count_turns(angle: np.ndarray, rate: np.ndarray, time: np.ndarray, drive: Any) -> np.ndarray:
+def _count_turns(angle: np.ndarray, rate: np.ndarray, time: np.ndarray, drive: Drive | None) -> np.ndarray:
     if drive is not None:
         expected = drive.position()(time)
         return expected + np.angle(np.exp(1j * (angle - expected)))
@@ -86,7 +86,7 @@ def _count_turns(angle: np.ndarray, rate: np.ndarray, time: np.ndarray, drive: A
     return np.concatenate([angle[:1], angle[0] + np.cumsum(steps)])
 
 
-def left_out_notes(scene: Any, dropped: list[ConstraintRow], bodies: dict[str, BodyHistory], count: int) -> list[str]:
+def left_out_notes(scene: Scene, dropped: list[ConstraintRow], bodies: dict[str, BodyHistory], count: int) -> list[str]:
     """A note for every row that was left out as redundant and did not stay satisfied at the `count` saved steps."""
     notes = []
     length = scene_length(scene) if dropped else 1.0

@@ -38,8 +38,8 @@ def history_from_rows(compiled: CompiledScene, rows: Rows) -> History:
         drives = {d.coordinate: d for d in scene.drives if d.joint is joint}
         found = coordinates(joint, drives, time, bodies)
         first, second = [*found.values(), np.full(T, np.nan), np.full(T, np.nan)][:2]
-        wrench = rows["saved_row_wrench"][:, compiled.joints.rows[joint.name]].sum(axis=1)
-        joints[joint.name] = JointHistory(first, wrench[:, :3], wrench[:, 3:], second, tuple(found))
+        wrench = rows["saved_row_wrench"][:, compiled.joints.rows[str(joint.name)]].sum(axis=1)
+        joints[str(joint.name)] = JointHistory(first, wrench[:, :3], wrench[:, 3:], second, tuple(found))
     forces = force_histories(scene, compiled.forces, time, rows["saved_coordinate"], rows["saved_row_wrench"], bodies)
     contacts = {}
     for i, contact in enumerate(scene.contacts):

@@ -12,10 +12,11 @@ of the equations of motion, not differences.
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 
+from warpffrf.model.bodies import Port
 from warpffrf.model.forces import BodyLoad, SpringLaw
 from warpffrf.model.joints import coincident_within
 from warpffrf.model.scene import Scene
@@ -32,7 +33,7 @@ def turned(p: np.ndarray, x: np.ndarray) -> np.ndarray:
     return x + w * t + np.cross(v, t)
 
 
-def point_motion(port: Any, point: np.ndarray, bodies: dict[str, BodyHistory], count: int) -> tuple[np.ndarray, ...]:
+def point_motion(port: Port, point: np.ndarray, bodies: dict[str, BodyHistory], count: int) -> tuple[np.ndarray, ...]:
     """Position, velocity and acceleration (T, 3), world, of the place `point` (3,) [m, user frame] that moves with the
     port's interface, or with its body."""
     if port.body.index < 0:
@@ -89,7 +90,7 @@ def force_histories(
 
 
 def sensor_histories(
-    scene: Any,
+    scene: Scene,
     count: int,
     bodies: dict[str, BodyHistory],
     joints: dict[str, JointHistory],
@@ -105,7 +106,7 @@ def sensor_histories(
     return found
 
 
-def _motion(order: int) -> Any:
+def _motion(order: int) -> Callable[..., np.ndarray]:
     def evaluate(sensor, scene, count, bodies, joints, forces) -> np.ndarray:
         value = point_motion(sensor.port, sensor.port.point, bodies, count)[order]
         if sensor.frame == "body":
@@ -154,7 +155,7 @@ def _interface(sensor, scene, count, bodies, joints, forces) -> np.ndarray:
     return total
 
 
-def same_place(port: Any, point: Any, other: Any) -> bool:
+def same_place(port: Port, point: np.ndarray | None, other: Port) -> bool:
     """True for two ports of the same interface, or of the same point of a body without; `point` stands for that of a
     port on the bare ground."""
     if port.body is not other.body:

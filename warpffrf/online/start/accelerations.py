@@ -19,12 +19,13 @@ R until nothing changes; inertia terms of the deformed body are small against it
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from warpffrf_kernels.core import control as k
 
 from warpffrf.model.redundancy import scene_length
+from warpffrf.online.arrays.declaration import Arrays
+from warpffrf.online.engine import Engine
 
 TURN = 2e-3  # rad, or of the shortest length: see the module; truncation and round-off are then both near 1e-13
 CORRECTIONS = 12  # an inertia that deformation changes by a tenth is corrected to 1e-12
@@ -36,7 +37,7 @@ NEVER = 1e100  # s: a step so long that the increments of positions make no acce
 STENCIL = ((1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0))  # of the central difference, over 12 d
 
 
-def refine(engine: Any, given: Mapping[str, np.ndarray]) -> bool:
+def refine(engine: Engine, given: Mapping[str, np.ndarray]) -> bool:
     """Give every world of `engine`, which has just made its START step, velocities that keep the rows, and the
     accelerations and multipliers that go with them, to round-off, and open the ledger with the energies of that state.
 
@@ -56,7 +57,7 @@ def refine(engine: Any, given: Mapping[str, np.ndarray]) -> bool:
 class _World:
     """One world of an engine as arrays over its outer coordinates (6 a body), then modes."""
 
-    def __init__(self, engine: Any, w: int) -> None:
+    def __init__(self, engine: Engine, w: int) -> None:
         self.engine, self.w = engine, w
         m = engine.compiled.model
         self.bodies, self.modes, self.rows = m.bodies.count, m.modes.count, m.rows.count
@@ -79,7 +80,7 @@ class _World:
         for name, part in zip(names, (rigid[:, :3], rigid[:, 3:], values[6 * self.bodies :]), strict=True):
             self._put(self.engine.state, name, part)
 
-    def _put(self, owner: Any, name: str, part: np.ndarray) -> None:
+    def _put(self, owner: Arrays, name: str, part: np.ndarray) -> None:
         """Overwrite the leading entries of this world in a device array."""
         if part.size == 0:
             return
@@ -107,21 +108,21 @@ class _World:
         engine.state.clk.assign(reals)
         rigid = shift[: 6 * self.bodies].reshape(-1, 6)
         for name, part in (("dx", rigid[:, :3]), ("psi", rigid[:, 3:]), ("dq", shift[6 * self.bodies :])):
-            self._put(engine.work, name, part)
+            self._put(engine.scratch, name, part)
         engine.graph.stand_still()
         engine.graph.move_and_load()
 
     def _gradient(self) -> np.ndarray:
         """C (rows, coordinates) of the last evaluation."""
-        work = self.engine.work
-        C = work.C.numpy()[self.w, : self.rows, : 6 * self.bodies]
-        return np.hstack([C, work.C_modal.numpy()[self.w, : self.rows, : self.modes]])
+        scratch = self.engine.scratch
+        C = scratch.C.numpy()[self.w, : self.rows, : 6 * self.bodies]
+        return np.hstack([C, scratch.C_modal.numpy()[self.w, : self.rows, : self.modes]])
 
     def _residual(self) -> np.ndarray:
         """R (coordinates,) of the last evaluation, contact by its last forces."""
-        work, state, w = self.engine.work, self.engine.state, self.w
-        rigid = work.residual.numpy()[w, : 6 * self.bodies].astype(np.float64)
-        modal = work.modal_residual.numpy()[w, : self.modes].astype(np.float64)
+        scratch, state, w = self.engine.scratch, self.engine.state, self.w
+        rigid = scratch.residual.numpy()[w, : 6 * self.bodies].astype(np.float64)
+        modal = scratch.modal_residual.numpy()[w, : self.modes].astype(np.float64)
         m = self.engine.compiled.model
         if m.pairs.count:
             wrench, body = state.pair_force.numpy()[w, : m.pairs.count, 0], m.surfaces.body.numpy()
@@ -138,8 +139,8 @@ class _World:
 
     def _spring_forces(self) -> np.ndarray:
         """Multipliers (rows,) that the laws of springs and dampers ask for at the last evaluation; 0 of joints."""
-        work, forces = self.engine.work, self.engine.compiled.forces
-        value = work.coordinate.numpy()[self.w]
+        scratch, forces = self.engine.scratch, self.engine.compiled.forces
+        value = scratch.coordinate.numpy()[self.w]
         rate = self.engine.state.drive_rate.numpy()[self.w, 1]
         lam = np.zeros(self.rows)
         for name, rows in forces.rows.items():
@@ -225,7 +226,7 @@ class _World:
     def _pace(self, V: np.ndarray) -> float:
         """A bound [1/s] of how fast axes turn and distances change by their length."""
         rigid, m = V[: 6 * self.bodies].reshape(-1, 6), self.engine.compiled.model
-        kinds, lengths = m.rows.kind.numpy()[: self.rows], self.engine.work.coordinate.numpy()[self.w, : self.rows]
+        kinds, lengths = m.rows.kind.numpy()[: self.rows], self.engine.scratch.coordinate.numpy()[self.w, : self.rows]
         distances = np.abs(lengths[kinds == int(k.DISTANCE)])
         length = float(min(distances[distances > 0.0], default=scene_length(self.engine.scene)))
         turning = np.linalg.norm(rigid[:, 3:], axis=1).max(initial=0.0)
@@ -240,7 +241,7 @@ class _World:
             array = getattr(state, name).numpy().copy()
             array[w, 0] = array[w, 1]
             getattr(state, name).assign(array)
-        self._put(state, "stretch", self.engine.work.coordinate.numpy()[w, : self.rows])
+        self._put(state, "stretch", self.engine.scratch.coordinate.numpy()[w, : self.rows])
 
 
 class _Constrained:

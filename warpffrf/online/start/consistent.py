@@ -9,36 +9,33 @@ with the joints' equations differentiated instead, and opens the ledger with the
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from warpffrf_kernels.core import control as k
 
+from warpffrf.online.engine import Engine
 from warpffrf.online.start.accelerations import refine
 
 STEP = 1e-3  # s/m: 0.1 ms for a scene of 0.1 m, where no step is given
 VELOCITY_CHANGE = 1e-5  # of the largest velocity and 1 m/s: what is typed with six digits
 
 
-def start(engine: Any, step: float | None) -> list[str]:
+def start_consistently(engine: Engine, step: float | None = None) -> None:
     """Bring the state of `engine` to consistent velocities, accelerations and multipliers at the present positions, and
-    open the ledger, for steps of `step` [s], None where none follow; returns notes on velocities that had to change. A
-    step that fails is left in its STATUS."""
-    step = STEP * engine.compiled.model.length if step is None else step
+    open the ledger, for steps of `step` [s], None where none follow. Velocities that had to change are noted in
+    `engine.start_notes`; a step that fails is left in its status."""
+    step = STEP * float(engine.compiled.model.length) if step is None else step
     given = {name: getattr(engine.state, name).numpy().copy() for name in ("v", "omega", "qd")}
     for mode in (k.PROJECT, k.START):
         engine.enter(mode, engine.settings.start_fraction * step)
         engine.replay(1)
     if np.any(engine.word("status")):
-        return []
+        return
     refine(engine, given)
-    notes = []
     for name, unit, least in (("v", "m/s", 1.0), ("omega", "rad/s", 1.0 / engine.compiled.model.length)):
         change = np.linalg.norm(getattr(engine.state, name).numpy() - given[name], axis=-1)
         for i, body in enumerate(engine.scene.bodies):
             if change[:, i].max() > VELOCITY_CHANGE * (least + np.abs(given[name]).max()):
-                notes.append(
+                engine.start_notes.append(
                     f"body {body.name!r}: its initial velocity did not agree with joints and drives and was "
                     f"changed by {change[:, i].max():.3g} {unit}"
                 )
-    return notes

@@ -13,12 +13,13 @@ equilibrium, and is not held.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from warpffrf.model.bodies import Body
+from warpffrf.model.contact import Contact
 from warpffrf.model.gap import facing_gap
 from warpffrf.online.diagnosis.failure_report import largest_force
+from warpffrf.online.engine import Engine
 
 # of a line of length one: the modes move an axle off the axis of the rim by a hundred-thousandth of its radius
 FREE = 1e-5
@@ -36,7 +37,7 @@ STANDS = 1e-6  # of a motion's square: what of it slides when it turns about an 
 class FreeMotions:
     """Those of the worlds of an engine at the state of its last evaluation."""
 
-    def __init__(self, engine: Any) -> None:
+    def __init__(self, engine: Engine) -> None:
         self.engine = engine
         self.found: list[np.ndarray] = [np.zeros((0, 6 * len(engine.scene.bodies)))] * engine.worlds
         self._drive: tuple[int, np.ndarray, float] | None = None  # world, motion, force of a load that drives one
@@ -69,18 +70,18 @@ class FreeMotions:
         """Hold what `look` found from the next step on."""
         if not self.possible:
             return
-        work, time = self.engine.work, HOLD * self.engine.compiled.model.length
-        vectors, count = work.hold.numpy().copy(), work.hold_count.numpy().copy()
+        scratch, time = self.engine.scratch, HOLD * self.engine.compiled.model.length
+        vectors, count = scratch.hold.numpy().copy(), scratch.hold_count.numpy().copy()
         for world, motions in enumerate(self.found):
             vectors[world, : len(motions)] = motions * self._weight() / time
             count[world] = len(motions)
-        work.hold.assign(vectors)
-        work.hold_count.assign(count)
+        scratch.hold.assign(vectors)
+        scratch.hold_count.assign(count)
 
     def release(self) -> None:
         """Hold nothing any more."""
         if self.possible:
-            self.engine.work.hold_count.zero_()
+            self.engine.scratch.hold_count.zero_()
 
     def notes(self) -> list[str]:
         """What was left where it is, one line."""
@@ -117,7 +118,7 @@ class FreeMotions:
         return f": nothing presses on contact {_listed(pairs)}; {spring}, a force or gravity would"
 
     @property
-    def _contacts(self) -> list[Any]:
+    def _contacts(self) -> list[Contact]:
         return self.engine.scene.contacts
 
     @property
@@ -135,7 +136,7 @@ class FreeMotions:
         missed = self._missed(body, parts[b][:3]) if clause.startswith(SLIDE) else ""
         return f"body {body.name!r} is free to {clause}, and {amount} drive it there{missed}"
 
-    def _missed(self, body: Any, direction: np.ndarray) -> str:
+    def _missed(self, body: Body, direction: np.ndarray) -> str:
         """The pairs of a body that do not stop it along `direction`: those that it leaves, and those that it passes."""
         told = []
         for contact in self._contacts:
@@ -150,7 +151,7 @@ class FreeMotions:
         return f", {' and '.join(told)}" if told else ""
 
     def _clause(self, world: int, b: int, y: np.ndarray, weight: np.ndarray) -> str:
-        axes = np.asarray(self.engine.work.axes.numpy()[world][b])
+        axes = np.asarray(self.engine.scratch.axes.numpy()[world][b])
         slides = float(y[:3] @ y[:3]) > SLIDES
         direction = (y / weight)[:3] if slides else axes @ (y / weight)[3:]
         direction = direction / np.linalg.norm(direction)
@@ -172,19 +173,19 @@ class FreeMotions:
         engine, mass = self.engine, self._mass()
         n = len(mass)
         inertia = engine.compiled.model.bodies.inertia.numpy()[:n]
-        rate, turn = (np.asarray(a.numpy()[world][:n]) for a in (engine.work.v1_rate, engine.work.omega1_rate))
+        rate, turn = (np.asarray(a.numpy()[world][:n]) for a in (engine.scratch.v1_rate, engine.scratch.omega1_rate))
         own = np.hstack([mass[:, None] * rate, np.einsum("bij,bj->bi", inertia, turn)]).ravel()
-        count = int(engine.work.hold_count.numpy()[world])
-        held = engine.work.hold.numpy()[world, :count, : 6 * n]
-        step = np.hstack([np.asarray(a.numpy()[world][:n]) for a in (engine.work.dx, engine.work.psi)]).ravel()
+        count = int(engine.scratch.hold_count.numpy()[world])
+        held = engine.scratch.hold.numpy()[world, :count, : 6 * n]
+        step = np.hstack([np.asarray(a.numpy()[world][:n]) for a in (engine.scratch.dx, engine.scratch.psi)]).ravel()
         return own + held.T @ (held @ step)
 
 
-def free_motions(engine: Any, world: int, weight: np.ndarray) -> np.ndarray:
+def free_motions(engine: Engine, world: int, weight: np.ndarray) -> np.ndarray:
     """Orthonormal lines (n, 6 bodies) in coordinates times `weight`: displacement in world, turn in body axes."""
-    m, work = engine.compiled.model, engine.work
+    m, scratch = engine.compiled.model, engine.scratch
     size = len(weight)
-    rows = np.asarray(work.C.numpy()[world][: m.rows.count, :size])
+    rows = np.asarray(scratch.C.numpy()[world][: m.rows.count, :size])
     holds = (m.rows.rigid.numpy()[: m.rows.count] != 0) | (m.rows.stiffness.numpy()[: m.rows.count] > 0.0)
     for start, sprung in zip(m.groups.start.numpy()[: m.groups.count], m.groups.sprung.numpy(), strict=False):
         holds[start : start + sprung] = True
@@ -196,19 +197,19 @@ def free_motions(engine: Any, world: int, weight: np.ndarray) -> np.ndarray:
     return vectors[rank:]
 
 
-def _gap_gradients(engine: Any, world: int, size: int) -> np.ndarray:
+def _gap_gradients(engine: Engine, world: int, size: int) -> np.ndarray:
     """Of the hats under pressure, by the rigid coordinates (hats, size)."""
-    m, work = engine.compiled.model, engine.work
-    active = (engine.state.active.numpy()[world] != 0) & (work.area.numpy()[world] > 0.0)
-    wrench = work.wrench.numpy()[world]
+    m, scratch = engine.compiled.model, engine.scratch
+    active = (engine.state.active.numpy()[world] != 0) & (scratch.area.numpy()[world] > 0.0)
+    wrench = scratch.wrench.numpy()[world]
     families = m.pairs.family.numpy()
-    axes, r = work.axes.numpy()[world], work.r1.numpy()[world]
+    axes, r = scratch.axes.numpy()[world], scratch.r1.numpy()[world]
     lines = []
     for pair in range(m.pairs.count):
         at = active[pair, : wrench.shape[1]]
         own = wrench[pair][at]
         if families[pair] == 1:
-            own = own + work.more_wrench.numpy()[world, pair][at]
+            own = own + scratch.more_wrench.numpy()[world, pair][at]
         line = np.zeros((len(own), size))
         A, B = (int(m.surfaces.body.numpy()[s.numpy()[pair]]) for s in (m.pairs.first, m.pairs.second))
         force, moment = own[:, :3], own[:, 3:]

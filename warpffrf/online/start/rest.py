@@ -8,21 +8,20 @@ zero, some 1e-12 of the load, and never comes to rest. Its forces balance all th
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from warpffrf.online.diagnosis.failure_report import largest_force
+from warpffrf.online.engine import Engine
 
 
-def left_over(engine: Any, world: int) -> tuple[float, str]:
+def left_over(engine: Engine, world: int) -> tuple[float, str]:
     """The largest force left over by the last proximal step, as a fraction of the largest force in play, a torque over
     the radius of gyration; and a clause that says what creeps under it."""
-    m, work, bodies = engine.compiled.model, engine.work, engine.scene.bodies
+    m, scratch, bodies = engine.compiled.model, engine.scratch, engine.scene.bodies
     if not bodies:
         return 0.0, ""
     mass, inertia = m.bodies.mass.numpy()[: len(bodies)], m.bodies.inertia.numpy()[: len(bodies)]
-    rate, turn = (np.asarray(a.numpy()[world][: len(bodies)]) for a in (work.v1_rate, work.omega1_rate))
+    rate, turn = (np.asarray(a.numpy()[world][: len(bodies)]) for a in (scratch.v1_rate, scratch.omega1_rate))
     force = mass * np.linalg.norm(rate, axis=1)
     torque = np.linalg.norm(np.einsum("bij,bj->bi", inertia, turn), axis=1)
     gyration = np.sqrt(np.trace(inertia, axis1=1, axis2=2) / (3.0 * mass))
@@ -36,7 +35,7 @@ def left_over(engine: Any, world: int) -> tuple[float, str]:
     return share, creeps
 
 
-def creeping_note(engine: Any) -> str:
+def creeping_note(engine: Engine) -> str:
     """What to say of an equilibrium in which a body goes on moving, in the world that is the worst."""
     _, clause = max(left_over(engine, world) for world in range(engine.worlds))
     return f"equilibrium: {clause}; taken as at rest there, a weak spring on what is free would hold it"

@@ -11,11 +11,10 @@ them off."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from warpffrf_kernels.core import control as k
 
+from warpffrf.online.engine import Engine
 from warpffrf.online.start.free_motions import FreeMotions
 from warpffrf.online.start.rest import creeping_note, left_over
 
@@ -36,7 +35,7 @@ CREEP = 0.5  # of the movement of the step before: what tends to rest moves less
 NEARLY = 1e-3  # of the largest force left over: contact has closed, and what is free can be told
 
 
-def settle(engine: Any) -> bool:
+def settle(engine: Engine) -> bool:
     """Bring every world of `engine` to its static state at the present time; True on success.
 
     A scene in which a body creeps although its forces balance, to the tolerance of Newton's method, is at rest too.
@@ -54,10 +53,11 @@ def settle(engine: Any) -> bool:
         free.release()
 
 
-def _stepped(engine: Any, free: FreeMotions) -> bool:
+def _stepped(engine: Engine, free: FreeMotions) -> bool:
     """The steps of `settle`."""
     model = engine.compiled.model
-    least, tau, last = (time * model.length for time in (LEAST, FIRST, LAST))
+    length = float(model.length)
+    least, tau, last = (time * length for time in (LEAST, FIRST, LAST))
     too_long = np.inf
     before = moved = failed_at = np.full(engine.worlds, np.inf)
     retreats = RETREATS if model.layers.count or model.pairs.count > 1 else 0
@@ -87,7 +87,7 @@ def _stepped(engine: Any, free: FreeMotions) -> bool:
             too_long, before = np.inf, np.full(engine.worlds, np.inf)
         longer = [min(tau * growth, last) for growth in (GROWTH, CAREFUL, 1.0)]
         longer = next(t for t in longer if t < too_long)
-        settled = bool(np.all(moved <= TOLERANCE * model.length))
+        settled = bool(np.all(moved <= TOLERANCE * length))
         balanced = bool(np.all(left <= model.limits.residual_tolerance))
         creeping = balanced and bool(np.any(moved > CREEP * before))
         if longer == tau and (creeping or (settled and (balanced or tau >= last))):
@@ -98,7 +98,7 @@ def _stepped(engine: Any, free: FreeMotions) -> bool:
     return balanced and _at_rest(engine, free, creeping=True)
 
 
-def _at_rest(engine: Any, free: FreeMotions, *, creeping: bool) -> bool:
+def _at_rest(engine: Engine, free: FreeMotions, *, creeping: bool) -> bool:
     """True, with notes of what is free and what creeps."""
     engine.start_notes.extend(free.notes())
     if creeping:

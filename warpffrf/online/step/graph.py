@@ -36,7 +36,7 @@ class StepGraph:
         *,
         progress: bool = False,
     ) -> None:
-        self.compiled, self.state, self.work, self.device = compiled, state, scratch, compiled.device
+        self.compiled, self.state, self.scratch, self.device = compiled, state, scratch, compiled.device
         constants: dict[str, object] = {"models": compiled.models}
         self.pattern = pattern
         if pattern is not None:
@@ -50,7 +50,7 @@ class StepGraph:
 
     def replay(self, budget: int) -> None:
         """Attempt steps until every world has reached its target or failed, at most `budget` times."""
-        self.work.budget.fill_(budget + 1)
+        self.scratch.budget.fill_(budget + 1)
         self.program.run(("count",))
         wp.capture_launch(self.graph)
         if wp.get_device(self.device).is_cuda:
@@ -72,7 +72,7 @@ class StepGraph:
         self.program.run(phases.CONTACT)
 
     def assemble(self) -> None:
-        """The outer matrix and its right-hand side, after `evaluate`."""
+        """The outer matrix and its right-hand side, of what `evaluate` has left."""
         self.program.run(("assemble",))
 
     def iterate(self) -> None:
@@ -97,7 +97,7 @@ class StepGraph:
 
     def stand_still(self) -> None:
         """Before an evaluation that is no part of an attempt: accelerations as they are, no pair impulsive."""
-        s, x = self.state, self.work
+        s, x = self.state, self.scratch
         if self.compiled.model.pairs.count:
             for name in STARTING:
                 getattr(x, name + "0").assign(getattr(s, name))
@@ -108,7 +108,7 @@ class StepGraph:
 
     def _attempt(self) -> None:
         self.program.run(phases.ATTEMPT)
-        running: Any = self.work.running
+        running: Any = self.scratch.running
         running.fill_(1)
         wp.capture_while(running, self.iterate)
         self.program.run(phases.DECISION)

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import warp as wp
-from warpffrf_kernels.core.access import is_read, is_written
+from warpffrf_kernels.core.access import is_changed, is_read, is_written
 from warpffrf_kernels.core.declaration import Declaration
 from warpffrf_kernels.core.scalars import BLOCK
 
@@ -34,7 +34,7 @@ DECLARED: dict[str, Declaration] = All.declarations
 
 class Launch:
     """A kernel with the arrays it works on, in the places `over`, where the scene has `when`; `block`: a block of lanes
-    a place, not a thread. `read` and `written`: names of arrays."""
+    a place, not a thread. `read`, `written`, and of both those `changed`: names of arrays."""
 
     def __init__(self, kernel: Any, over: tuple[str, ...], when: str, block: bool, given: Mapping[str, str | int]):
         self.kernel, self.over, self.when, self.block = kernel, over, when, block
@@ -49,12 +49,15 @@ class Launch:
         self.bound: list[str | int] = [given.get(label, label) for label in parameters]
         self.read: set[str] = set()
         self.written: set[str] = set()
+        self.changed: set[str] = set()  # of what is read and written, that which another launch has set
         for (label, annotation), name in zip(parameters.items(), self.bound, strict=True):
             if isinstance(name, int) or name in CONSTANTS:
                 continue
             self._check(label, annotation, name)
             if is_read(annotation):
                 self.read.add(name)
+            if is_changed(annotation):
+                self.changed.add(name)
             if is_written(annotation):
                 self.written.add(name)
 

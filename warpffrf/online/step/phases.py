@@ -1,10 +1,10 @@
 """Phases of a step, the participants that put launches into them, and the check of the order.
 
 A participant names the launches that it adds to each phase; within a phase they stand in the order of the participants.
-The order is checked, not described: a scratch array that a launch reads has to be set by one before it, unless it is
-declared as `carried`, and within a phase nothing is read that is set anew after it. What this cannot see is a launch
-that adds to an array before one has set it, as kernels also read what they have just written themselves: of that
-`tests/online/test_program.py` takes care, with scratch that holds NaN between attempts.
+The order is checked, not described: a scratch array that a launch reads, or changes, has to be set by one before it,
+unless it is declared as `carried`, and within a phase nothing is read that is set anew after it. Whether
+kernels mark rightly what they read, set and change is checked against their source (`tests/kernels/test_signatures.py`)
+and with scratch that holds NaN between attempts (`tests/online/test_program.py`).
 """
 
 from __future__ import annotations
@@ -108,9 +108,11 @@ def complaints(
     for phase, here in placed:
         read_here: dict[str, str] = {}
         for launch, repeated in here:
-            for name in sorted(launch.read - launch.written - known):
+            needed = launch.changed | (launch.read - launch.written)
+            for name in sorted(needed - known):
+                does = "changes" if name in launch.changed else "reads"
                 found.append(
-                    f"phase {phase!r}: {launch.label} reads {name}, which nothing has set before; put what sets it "
+                    f"phase {phase!r}: {launch.label} {does} {name}, which nothing has set before; put what sets it "
                     "into an earlier phase, or declare it as carried"
                 )
             for name in sorted((launch.written - launch.read) & set(read_here)):

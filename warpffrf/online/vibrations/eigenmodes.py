@@ -29,11 +29,13 @@ import scipy.linalg
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_count
 from warpffrf.model.friction import friction_notes
+from warpffrf.model.scene import Scene
 from warpffrf.online.checkpoint import is_dynamic, restore
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import History
 from warpffrf.online.run import describe
 from warpffrf.online.settings import Settings
+from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 from warpffrf.online.vibrations.linearise import Linearisation, linearise
 
@@ -66,7 +68,7 @@ class SceneModes:
     how the state was found, `notes` what was left out.
     """
 
-    scene: Any
+    scene: Scene
     about: str
     time: float
     eigenvalues: Array
@@ -79,7 +81,7 @@ class SceneModes:
 
 
 def find_modes(
-    scene: Any,
+    scene: Scene,
     count: int = 20,
     *,
     about: History | str | None = None,
@@ -194,7 +196,7 @@ def _prepare(engine: Engine, about: Any, notes: list[str]) -> str:
         return "equilibrium"
     if isinstance(about, str) and about == "initial":
         engine.initial_rates()
-        engine.start()
+        start_consistently(engine)
         notes.extend(engine.start_notes)
         if np.any(engine.word("status")):
             why = describe(int(engine.word("status")[0]), int(engine.word("spare")[0]))[1]

@@ -39,9 +39,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from warpffrf_kernels.core.model import Model
 
 from warpffrf.model import rotation as rot
-from warpffrf.online.arrays.layers import slot_flexibility
+from warpffrf.online.arrays.scratch import Scratch
 from warpffrf.online.compile.inertia import mode_reach
 from warpffrf.online.engine import Engine
 
@@ -80,7 +81,7 @@ class _Probe:
     """Evaluates the kernels at positions, velocities and accelerations near a state."""
 
     def __init__(self, engine: Engine) -> None:
-        self.engine, self.state, self.work = engine, engine.state, engine.work
+        self.engine, self.state, self.scratch = engine, engine.state, engine.scratch
         self.model = engine.compiled.model
         self.bodies, self.modes, self.rows = self.model.bodies.count, self.model.modes.count, self.model.rows.count
         self.count = 6 * self.bodies + self.modes
@@ -129,7 +130,7 @@ class _Probe:
 
     def place(self, dx: Array, dv: Array, da: Array, first: bool = False) -> None:
         """Run the kernels at the state plus displacements, velocities and accelerations (n,)."""
-        s, x, base, B = self.state, self.work, self.base, self.bodies
+        s, x, base, B = self.state, self.scratch, self.base, self.bodies
         for name in PATCHED:
             getattr(s, name).assign(base[name])
         if not first:
@@ -152,8 +153,8 @@ class _Probe:
     def forces(self, dx: Array, dv: Array, da: Array) -> Array:
         """Unbalanced forces (n,) and spring laws (springs,) at fixed multipliers and pressures, one array."""
         self.place(dx, dv, da)
-        rigid = self.work.residual.numpy()[0, : 6 * self.bodies]
-        modal = self.work.modal_residual.numpy()[0, : self.modes]
+        rigid = self.scratch.residual.numpy()[0, : 6 * self.bodies]
+        modal = self.scratch.modal_residual.numpy()[0, : self.modes]
         if self.model.pairs.count:  # pressures move with the patch over the modes' shapes: held
             modal = modal + self.state.modal_load.numpy()[0, 1, : self.modes]
         return np.concatenate([rigid, modal, self.laws()])
@@ -162,7 +163,7 @@ class _Probe:
         """Spring forces by their laws (springs,): lambda + (effective stiffness) (defect)."""
         if not self.spring:
             return np.zeros(0)
-        x, m = self.work, self.model
+        x, m = self.scratch, self.model
         lam = self.base["lam"][0, : self.rows]
         defect, softness = x.defect.numpy()[0, : self.rows], x.softness.numpy()[0, : self.rows]
         group = m.rows.group.numpy()[: self.rows]
@@ -180,7 +181,7 @@ class _Probe:
         reach = [np.full(6 * self.bodies, 1.0)]
         for body in self.engine.scene.bodies:
             if body.mode_count:
-                found = mode_reach(body.reduced)
+                found = mode_reach(body.flexible)
                 reach.append(np.where(found > 0.0, found, 1.0))
         return LENGTH_STEP / np.concatenate(reach)
 
@@ -202,7 +203,7 @@ def _linearise(probe: _Probe) -> Linearisation:
     n, zero = probe.count, np.zeros(probe.count)
     probe.settle_windows()
     probe.place(zero, zero, zero, first=True)
-    x, B, Q, rows = probe.work, probe.bodies, probe.modes, probe.rows
+    x, B, Q, rows = probe.scratch, probe.bodies, probe.modes, probe.rows
     C = np.concatenate([x.C.numpy()[0, :rows, : 6 * B], x.C_modal.numpy()[0, :rows, :Q]], axis=1)
     contact, closed = _closed_contacts(probe)
 
@@ -245,7 +246,7 @@ def _resolution(probe: _Probe, C: Array) -> float:
         b.mass * float(np.linalg.norm(probe.engine.scene.gravity) + np.linalg.norm(base["v_rate"][0, b.index]))
         for b in bodies
     ]
-    contact = float(np.abs(probe.work.pair_wrench.numpy()[0, : probe.model.pairs.count]).max(initial=0.0))
+    contact = float(np.abs(probe.scratch.pair_wrench.numpy()[0, : probe.model.pairs.count]).max(initial=0.0))
     noise = ROUND_OFF * max(pulls, contact, *weights) / LENGTH_STEP  # N/m, and on arms as long as positions N m/rad
     extent = float(np.linalg.norm(base["r"][0, :B], axis=-1).max())
     lightest = min(float(np.linalg.eigvalsh(b.inertia)[0]) for b in bodies)
@@ -259,7 +260,7 @@ def _resolution(probe: _Probe, C: Array) -> float:
 
 def _closed_contacts(probe: _Probe) -> tuple[Array, int]:
     """L^T G^-1 L of the active hats (n, n), and their number; after an evaluation with rigid modes."""
-    n, m, x = probe.count, probe.model, probe.work
+    n, m, x = probe.count, probe.model, probe.scratch
     total = np.zeros((n, n))
     count = int(probe.state.ctl.numpy()["slots"][0]) if m.pairs.count else 0
     if not count:
@@ -318,3 +319,23 @@ def _is_symmetric(J: Array, w: Array) -> bool:
     across = P @ J @ P
     moment = 0.5 * np.trace(across)
     return bool(np.abs(J - moment * P - (e @ J @ e) * np.outer(e, e)).max() <= SYMMETRIC * np.abs(J).max())
+
+
+def slot_flexibility(m: Model, scratch: Scratch, count: int) -> np.ndarray:
+    """E (count, count) [m^3/Pa] of the hats in the first `count` slots of world 0, at the last linearisation."""
+    E = np.zeros((count, count))
+    kinds, first = m.layers.kind.numpy(), m.pairs.first.numpy()
+    pairs, hats = scratch.slot_mode.numpy()[0, :count].T
+    slot_of, tangent = scratch.slot_of.numpy()[0], scratch.layer_tangent.numpy()[0]
+    rows = m.surfaces.rows.numpy()[first]
+    for i, (pair, hat) in enumerate(zip(pairs, hats, strict=True)):
+        if not kinds[pair]:
+            continue
+        column, row = divmod(int(hat), int(rows[pair]))
+        for n in range(9):
+            c, r = column + n // 3 - 1, row + n % 3 - 1
+            if 0 <= c < m.window.columns and 0 <= r < rows[pair]:
+                j = slot_of[pair, c * rows[pair] + r]
+                if j >= 0:
+                    E[i, j] = tangent[pair, hat, n]
+    return E

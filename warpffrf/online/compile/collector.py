@@ -1,0 +1,105 @@
+"""What a scene brings along while it is compiled; `compile_...` and `fill_...` of this folder take and add."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from warpffrf.model.bodies import Body, Ground, Port
+from warpffrf.model.contact import Contact
+from warpffrf.model.reduced_body import ContactSurface
+from warpffrf.model.rigid_surface import RigidSurface
+from warpffrf.model.scene import Scene
+from warpffrf.model.signals import Signal
+from warpffrf.online.arrays.constants import Constants
+from warpffrf.online.compile.inertia_plan import InertiaPlan
+from warpffrf.online.local_dynamics import LocalDynamics, LocalPlan
+from warpffrf.online.settings import Settings
+
+Surface = ContactSurface | RigidSurface
+
+
+class Pair(NamedTuple):
+    """A contact pair and its surfaces as they are compiled, the first flexible."""
+
+    contact: Contact
+    body_a: Body | Ground
+    a: ContactSurface
+    body_b: Body | Ground
+    b: Surface
+
+
+@dataclass
+class Rows:
+    """Scalar rows being collected: constraints, drives, springs."""
+
+    kind: list[int] = field(default_factory=list)
+    a: list[int] = field(default_factory=list)
+    b: list[int] = field(default_factory=list)
+    i: list[int] = field(default_factory=list)
+    j: list[int] = field(default_factory=list)
+    signal: list[int] = field(default_factory=list)
+    stiffness: list[float] = field(default_factory=list)
+    damping: list[float] = field(default_factory=list)
+    reference: list[float] = field(default_factory=list)
+    preload: list[float] = field(default_factory=list)
+    rigid: list[int] = field(default_factory=list)
+
+    def add(
+        self, kind, a, b, i=0, j=0, signal=-1, stiffness=0.0, damping=0.0, reference=0.0, preload=0.0, rigid=1
+    ) -> int:
+        values = (int(kind), a, b, i, j, signal, stiffness, damping, reference, preload, rigid)
+        for name, value in zip(self.__dataclass_fields__, values, strict=True):
+            getattr(self, name).append(value)
+        return len(self.kind) - 1
+
+    def __len__(self) -> int:
+        return len(self.kind)
+
+
+class Collector:
+    """What is gathered of a scene on its way to the device: rows, markers, signals, interfaces, surfaces, notes; and
+    the plans that decide what of bodies and modes is kept. `fill` puts arrays into a topic of the model."""
+
+    def __init__(self, scene: Scene, settings: Settings, device: str, local: LocalDynamics) -> None:
+        self.scene, self.settings, self.device = scene, settings, device
+        self.constants = Constants(device)
+        self.fill = self.constants.fill
+        self.rows = Rows()
+        self.markers: list[tuple[int, int, np.ndarray, np.ndarray]] = []
+        self.signals: list[tuple[np.ndarray, np.ndarray]] = []
+        self.interfaces: dict[tuple[int, str], int] = {}
+        self.notes: list[str] = []
+        self.cell_margin = 0
+        self.surfaces: list[tuple[Body | Ground, Surface]] = []  # two for each pair
+        self.places: list[tuple[int, str]] = []  # (index of the body, name) of these: equal where pairs share one
+        self.inertia = InertiaPlan.of(scene)
+        self.local = LocalPlan.of(scene, local)
+        self.mode_counts = [b.mode_count + self.local.count(b.index) for b in scene.bodies]
+
+    def pairs(self) -> list[Pair]:
+        """All pairs, in the order of the contacts."""
+        found = []
+        for i, contact in enumerate(self.scene.contacts):
+            (body_a, a), (body_b, b) = self.surfaces[2 * i : 2 * i + 2]
+            if not isinstance(a, ContactSurface):
+                raise TypeError(f"contact {contact.name!r}: its first surface is rigid")
+            found.append(Pair(contact, body_a, a, body_b, b))
+        return found
+
+    def interface(self, port: Port) -> int:
+        if port.interface_name is None or not port.body.mode_count:
+            return -1
+        return self.interfaces.setdefault((port.body.index, str(port.interface_name)), len(self.interfaces))
+
+    def marker(self, port: Port, point: np.ndarray, axes: np.ndarray) -> int:
+        body = port.body
+        offset = body.center_of_mass if body.index >= 0 else np.zeros(3)
+        self.markers.append((body.index, self.interface(port), np.asarray(point) - offset, axes))
+        return len(self.markers) - 1
+
+    def signal(self, signal: Signal) -> int:
+        self.signals.append(signal.polynomial())
+        return len(self.signals) - 1

@@ -1,0 +1,137 @@
+r"""Inertia levels of the bodies of a scene.
+
+A level says which parts of J(q) = J0 + sum q_i J1_i + sum q_i q_j J2_ij and h = sum q_i qdot_j G_ij a body keeps:
+
+    constant      none: the deformation feels no rotation, the rotation no deformation
+    deformed      J1, J2: inertia of the deformed body, and its conjugate, the centrifugal forces on the modes
+    gyroscopic    J1, G: centrifugal load on the undeformed shape, Coriolis and Euler forces, momentum of the vibration
+    full          J1, J2, G
+
+Each is the Lagrangian of its own kinetic energy, so each conserves energy and angular momentum. `auto` takes the least
+level that keeps every term whose estimate is above its bound (BOUNDS), with omega the fastest turning that the scene
+states (initial angular velocities, velocity drives), frequencies omega_i and |J0| = tr J0/2 = int |X|^2 dm:
+
+    centrifugal   omega^2/2 root(sum_i |J1_i|^2/omega_i^4) / root(|J0|)   what the centrifugal load deforms, of the size
+    deformed      omega^2 norm(|J2_ij|/(omega_i omega_j))                 centrifugal against elastic force
+    gyroscopic    2 omega max_ij |G_ij|/max(omega_i, omega_j)             Coriolis against elastic force
+
+The last two are ratios of forces that both grow with the deformation. The first is a load; what else loads the body is
+not known before the run, so that it is judged by itself: modes have the mass norm, hence |q|/root(|J0|) is the root
+mean square of the displacement over the radius of gyration.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpffrf.model.bodies import Body
+from warpffrf.model.errors import InputError
+from warpffrf.model.inertia import LEVELS, TERM_NAMES, GeometricStiffness, InertiaTerms
+from warpffrf.model.scene import Scene
+
+AUTO = 0.01  # a neglected term estimated above 1 % is kept: what a force or displacement is usually wanted to
+NOTICEABLE = 1e-5  # a deformation of 1e-5 of the size, in steel a stress of 2 MPa: less than what tolerances leave open
+BOUNDS = {"centrifugal": NOTICEABLE, "deformed inertia": AUTO, "gyroscopic": AUTO}
+SAMPLES = 9  # points of a piece of a drive's signal where its speed is looked at: polynomials of degree 7
+
+
+@dataclass(frozen=True)
+class BodyInertia:
+    """What one body carries: the level in use, the terms (None: constant), and what of them loads stiffen (None:
+    nothing)."""
+
+    level: str
+    terms: InertiaTerms | None
+    stiffening: GeometricStiffness | None
+
+    @property
+    def count(self) -> int:
+        """Number of modes that carry inertia."""
+        return 0 if self.terms is None else len(self.terms.first)
+
+
+@dataclass(frozen=True)
+class InertiaPlan:
+    """The levels of all bodies of a scene, and what is to be said about them."""
+
+    bodies: list[BodyInertia]
+    notes: list[str]
+
+    @classmethod
+    def of(cls, scene: Scene) -> InertiaPlan:
+        """Levels as the scene asks for them; raises InputError for a body that was reduced without inertia terms."""
+        plans, notes = [], []
+        speed = fastest_turning(scene)
+        for body in scene.bodies:
+            if not body.mode_count:
+                plans.append(BodyInertia("constant", None, None))
+                continue
+            plan = _plan(body, speed, notes)
+            plans.append(plan)
+            if 0 < plan.count < body.mode_count:
+                notes.append(
+                    f"body {body.name!r}: the first {plan.count} of {body.mode_count} modes carry the inertia terms"
+                )
+        return cls(plans, notes)
+
+
+def _plan(body: Body, speed: float, notes: list[str]) -> BodyInertia:
+    terms = body.flexible.inertia_terms
+    level = body.level
+    stiffening = terms.stiffening if terms is not None and body.stiffening else None
+    if body.stiffening and stiffening is None:
+        raise InputError(
+            f"body {body.name!r}: it was reduced without geometric stiffening; use reduce(..., stiffening=True)"
+        )
+    if level == "auto":
+        if terms is None or not len(terms.first):
+            notes.append(
+                f"body {body.name!r}: reduced without inertia terms, inertia 'constant' is used; reduce it again"
+            )
+            return BodyInertia("constant", None, None)
+        found = estimate(terms, body.inertia, 2.0 * np.pi * body.flexible.frequencies, speed)
+        level = least_level([found[name] > BOUNDS[name] for name in TERM_NAMES])
+        sizes = ", ".join(f"{name} {value:.1e}" for name, value in found.items())
+        notes.append(f"body {body.name!r}: inertia 'auto' chose {level!r} (estimates at {speed:.3g} rad/s: {sizes})")
+    if level != "constant" and (terms is None or not len(terms.first)):
+        raise InputError(
+            f"body {body.name!r}: inertia {level!r} needs inertia terms, which this reduced body lacks; reduce it again"
+        )
+    if level == "constant" and not body.stiffening:
+        terms = None
+    return BodyInertia(level, terms, stiffening)
+
+
+def fastest_turning(scene: Scene) -> float:
+    """The fastest turning that a scene states [rad/s]: of initial angular velocities and of driven rotations."""
+    speeds = [float(np.linalg.norm(body.angular_velocity)) for body in scene.bodies]
+    for drive in scene.drives:
+        if not drive.coordinate.endswith("rotation"):
+            continue
+        breaks, c = drive.position().polynomial()
+        for i in range(len(c)):
+            x = np.linspace(0.0, breaks[i + 1] - breaks[i], SAMPLES)
+            slope = np.polynomial.polynomial.polyval(x, np.arange(1, c.shape[1]) * c[i, 1:])
+            speeds.append(float(np.abs(slope).max()))
+    return max(speeds, default=0.0)
+
+
+def estimate(terms: InertiaTerms, J0: np.ndarray, omega: np.ndarray, speed: float) -> dict[str, float]:
+    """Estimated size of each term at a turning of `speed` [rad/s], see the module; `omega` (m,) [rad/s]."""
+    w = omega[: len(terms.first)]
+    J1 = np.linalg.norm(terms.first, axis=(1, 2), ord=2)
+    J2 = np.linalg.norm(terms.second, axis=(2, 3), ord=2)
+    G = np.linalg.norm(terms.gyroscopic, axis=2)
+    return {
+        "centrifugal": float(0.5 * speed**2 * np.linalg.norm(J1 / w**2) / np.sqrt(0.5 * np.trace(J0))),
+        "deformed inertia": float(speed**2 * np.linalg.norm(J2 / np.outer(w, w), ord=2)),
+        "gyroscopic": float(2.0 * speed * np.max(G / np.maximum.outer(w, w))),
+    }
+
+
+def least_level(wanted: Sequence[bool]) -> str:
+    """The least level that keeps every term that is `wanted`, in the order of TERM_NAMES."""
+    return next(name for name, kept in LEVELS.items() if all(k or not w for k, w in zip(kept, wanted, strict=True)))
