@@ -63,7 +63,7 @@ def _hdf5(path: Path, page: Path | None) -> str:
     import h5py
 
     from warpffrf.model.reduced_body_file import MARK
-    from warpffrf.output.results_file import FORMAT
+    from warpffrf.output.files.results import FORMAT
 
     try:
         with h5py.File(path, "r") as file:

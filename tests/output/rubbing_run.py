@@ -17,7 +17,7 @@ from synthetic_run import DURATION, HALF_WIDTH, PEAK, PITCH, ROWS, STEPS, TURN, 
 
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.online.history.history import FrictionHistory, History
-from warpffrf.output.scene_view import PairView, SceneView
+from warpffrf.output.geometry.scene_view import PairView, SceneView
 
 MU = 0.3
 STICK = 0.6 * HALF_WIDTH  # c

@@ -12,8 +12,8 @@ from synthetic_run import STEPS, R, make_history
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.surfaces import Plane
 from warpffrf.online.history.history import BodyHistory, ContactHistory, History
-from warpffrf.output.contact_result import ContactResult
-from warpffrf.output.scene_view import BodyView, PairView, SceneView, ground_view
+from warpffrf.output.contact.result import ContactResult
+from warpffrf.output.geometry.scene_view import BodyView, PairView, SceneView, ground_view
 
 YOUNG, POISSON = 200e9, 0.3
 PLANE_STRAIN = YOUNG / (1.0 - POISSON**2)  # E* of one flexible body on a rigid one

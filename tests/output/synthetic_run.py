@@ -18,7 +18,7 @@ from warpffrf.model.reduced_body import (
 )
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.online.history.history import ENERGY_LINES, BodyHistory, ContactHistory, History, JointHistory
-from warpffrf.output.scene_view import BodyView, PairView, SceneView
+from warpffrf.output.geometry.scene_view import BodyView, PairView, SceneView
 
 R, WIDTH, BORE = 0.05, 0.02, 0.015
 COLUMNS, ROWS, WINDOW = 180, 3, 17

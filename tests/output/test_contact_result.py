@@ -7,8 +7,8 @@ import pytest
 from synthetic_run import DURATION, E_MODULUS, HALF_WIDTH, PEAK, PITCH, POISSON, R, make_history
 
 from warpffrf.model.errors import InputError
-from warpffrf.output.contact_result import hat_means, line_moments, mid_width
-from warpffrf.output.hertz_patch import HertzLine
+from warpffrf.output.contact.hertz_patch import HertzLine
+from warpffrf.output.contact.result import hat_means, line_moments, mid_width
 from warpffrf.output.result import Result
 
 FINE_QUADRATURE = 200_001

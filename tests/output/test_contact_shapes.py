@@ -8,8 +8,8 @@ from shape_runs import PLANE_STRAIN, contact_of, ellipsoid, grid_of, still
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.surfaces import Bore, Cylinder, Plane, Ring, Sphere
-from warpffrf.output.contact_result import ContactResult
-from warpffrf.output.hertz_patch import HertzLine, HertzPoint
+from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
+from warpffrf.output.contact.result import ContactResult
 
 BALL, AXIS = 0.01, (0.0, 1.0, 0.0)
 FLOOR = Plane(origin=(BALL, 0.0, 0.0), outward=(-1.0, 0.0, 0.0))

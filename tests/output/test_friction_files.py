@@ -16,10 +16,10 @@ from synthetic_run import COLUMNS, ROWS, STEPS, WINDOW, R, make_history
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.history.history import FrictionHistory
-from warpffrf.output.fields import FRICTION_DERIVED, FRICTION_FIELDS
-from warpffrf.output.grid_places import rotate
+from warpffrf.output.files.fields import FRICTION_DERIVED, FRICTION_FIELDS
+from warpffrf.output.geometry.grid_places import rotate
+from warpffrf.output.geometry.scene_view import SceneView
 from warpffrf.output.result import Result
-from warpffrf.output.scene_view import SceneView
 
 
 @pytest.fixture

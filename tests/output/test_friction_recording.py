@@ -17,13 +17,13 @@ from synthetic_run import ROWS, STEPS, WINDOW, R
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.surfaces import Groove, Plane, Sphere
-from warpffrf.output.colors import STATE_COLORS, ColorClasses, legend_picture, legend_rows
-from warpffrf.output.contact_scene import FRICTION_FIELDS, relief_name
-from warpffrf.output.contact_series import FRICTION_PLOTS as CURVES
-from warpffrf.output.figure_friction import FRICTION_PLOTS
-from warpffrf.output.recorder import record
+from warpffrf.output.plots.colors import STATE_COLORS, ColorClasses, legend_picture, legend_rows
+from warpffrf.output.plots.friction import FRICTION_PLOTS
+from warpffrf.output.recording.contact_scene import FRICTION_FIELDS, relief_name
+from warpffrf.output.recording.contact_series import FRICTION_PLOTS as CURVES
+from warpffrf.output.recording.recorder import record
+from warpffrf.output.recording.rigid_shapes import shape_mesh
 from warpffrf.output.result import Result
-from warpffrf.output.rigid_shapes import shape_mesh
 
 
 @pytest.fixture

@@ -21,9 +21,9 @@ from synthetic_run import HALF_WIDTH, PEAK, PITCH, ROWS, WIDTH, R, make_history
 from warpffrf.model.errors import InputError
 from warpffrf.model.surfaces import Bore, Cylinder
 from warpffrf.online.history.history import FrictionHistory
-from warpffrf.output.contact_result import ContactResult
-from warpffrf.output.friction_result import OPEN, SLIP
-from warpffrf.output.friction_result import STICK as STICKS
+from warpffrf.output.contact.friction import OPEN, SLIP
+from warpffrf.output.contact.friction import STICK as STICKS
+from warpffrf.output.contact.result import ContactResult
 from warpffrf.output.result import Result
 
 CELL = R * PITCH

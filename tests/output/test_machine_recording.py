@@ -10,11 +10,11 @@ import pytest
 from recordings import columns
 
 import warpffrf as wf
-from warpffrf.output.anchors import Anchor
-from warpffrf.output.glyphs import inertia_box, rigid_size
-from warpffrf.output.machine_series import machine_series, plot_kinds
-from warpffrf.output.recorder import record
-from warpffrf.output.scene_view import BodyView
+from warpffrf.output.geometry.anchors import Anchor
+from warpffrf.output.geometry.scene_view import BodyView
+from warpffrf.output.recording.glyphs import inertia_box, rigid_size
+from warpffrf.output.recording.machine_series import machine_series, plot_kinds
+from warpffrf.output.recording.recorder import record
 
 STEPS = 20
 SINGLE = 1e-6  # relative: recordings are single precision

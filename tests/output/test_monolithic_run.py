@@ -96,7 +96,7 @@ def test_it_reports_plots_saves_and_records(both: tuple[Result, Result], tmp_pat
     import matplotlib
 
     matplotlib.use("Agg")
-    from warpffrf.output.recorder import record
+    from warpffrf.output.recording.recorder import record
 
     result = both[1]
     text = result.report()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from warpffrf.model.errors import InputError
-from warpffrf.output.panels import Panel, save_panels
+from warpffrf.output.plots.panels import Panel, save_panels
 
 X = np.linspace(0.0, 1.0, 11)
 PANEL = Panel("title", "x", "y", {"a": (X, X), "b": (X, X**2)}, {"exact": (X[:1], X[:1])}, (0.0, 2.0))

@@ -7,7 +7,7 @@ import pytest
 from shape_runs import contact_of, ellipsoid, grid_of
 
 from warpffrf.model.surfaces import Bore, Cylinder, Plane, Sphere
-from warpffrf.output.patch_map import MapWindow, cell_map, hat_map, map_window, pixels
+from warpffrf.output.recording.patch_map import MapWindow, cell_map, hat_map, map_window, pixels
 
 R, AXIS = 0.03, (0.0, 1.0, 0.0)
 SPACING = 1e-4

@@ -12,10 +12,10 @@ from synthetic_run import COLUMNS, HALF_WIDTH, ROWS, R, make_history, roller
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import Recovery, ReducedBody
 from warpffrf.model.tangential import Tangential
-from warpffrf.output.grid_places import grid_theta_offset, rotate
-from warpffrf.output.patch_on_skin import cell_areas, tangential_forces
+from warpffrf.output.bodies.patch_on_skin import cell_areas, tangential_forces
+from warpffrf.output.geometry.grid_places import grid_theta_offset, rotate
+from warpffrf.output.geometry.poses import tangents
 from warpffrf.output.result import Result
-from warpffrf.output.surface_geometry import tangents
 
 SOFT = 1e-9  # m/N, of a rim node under the force of its cell
 

@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 from synthetic_run import COLUMNS, ROWS, WINDOW, R
 
 from warpffrf.model.errors import InputError
-from warpffrf.output.colors import PRESSURE_STOPS, ColorScale, legend_picture, map_axes_picture
-from warpffrf.output.frames import frame_rows, grid_triangles, patch_frame, relief, round_factor
-from warpffrf.output.patch_map import MapWindow, hat_map
+from warpffrf.output.geometry.thinning import thinned, vertex_normals
 from warpffrf.output.paths import checked_output_path, written_whole
+from warpffrf.output.plots.colors import PRESSURE_STOPS, ColorScale, legend_picture, map_axes_picture
+from warpffrf.output.recording.frames import frame_rows, grid_triangles, patch_frame, relief, round_factor
+from warpffrf.output.recording.patch_map import MapWindow, hat_map
 from warpffrf.output.result import Result
-from warpffrf.output.thinning import thinned, vertex_normals
 
 
 def test_output_path_makes_folders_and_keeps_files(tmp_path: Path) -> None:

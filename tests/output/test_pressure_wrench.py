@@ -14,8 +14,8 @@ from synthetic_run import COLUMNS, ROWS, R, make_history
 
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.surfaces import Bore, Cone, CrownedCylinder, Cylinder, Plane
-from warpffrf.output.grid_places import rotate, spread
-from warpffrf.output.pressure_wrench import pressure_wrench, traction_wrench
+from warpffrf.output.contact.pressure_wrench import pressure_wrench, traction_wrench
+from warpffrf.output.geometry.grid_places import rotate, spread
 from warpffrf.output.result import Result
 
 FINE = (

@@ -14,7 +14,7 @@ from recordings import columns
 from synthetic_run import STEPS
 
 from warpffrf.model.errors import InputError
-from warpffrf.output.recorder import record
+from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result
 
 

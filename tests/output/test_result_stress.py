@@ -22,9 +22,9 @@ from warpffrf.model.stress_field import (
     to_tensor,
     von_mises,
 )
-from warpffrf.output.grid_places import spread
+from warpffrf.output.geometry.grid_places import spread
+from warpffrf.output.geometry.scene_view import SceneView
 from warpffrf.output.result import Result
-from warpffrf.output.scene_view import SceneView
 
 POINTS = 4
 SINGLE = 1e-6  # transfers in single precision

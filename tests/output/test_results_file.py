@@ -12,9 +12,9 @@ import pytest
 from synthetic_run import make_history
 
 from warpffrf.model.errors import InputError
-from warpffrf.output.fields import BODY_FIELDS, CONTACT_FIELDS, JOINT_FIELDS
+from warpffrf.output.files.fields import BODY_FIELDS, CONTACT_FIELDS, JOINT_FIELDS
+from warpffrf.output.files.results import SCHEMA_VERSION
 from warpffrf.output.result import Result
-from warpffrf.output.results_file import SCHEMA_VERSION
 
 
 @pytest.fixture

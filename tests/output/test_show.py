@@ -11,7 +11,7 @@ from test_recorder import columns
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import DisplaySurface, ReducedBody
-from warpffrf.output.show import show_modes
+from warpffrf.output.recording.show import show_modes
 
 SIZE = 0.1  # m, largest extent of the synthetic roller
 FRAMES = 8

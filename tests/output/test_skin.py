@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from synthetic_run import COLUMNS, PITCH, ROWS, TURN, WIDTH, R
 
-from warpffrf.output.grid_places import rotate, spread
+from warpffrf.output.bodies.skin import hat_areas, hat_forces
+from warpffrf.output.geometry.grid_places import rotate, spread
 from warpffrf.output.result import Result
-from warpffrf.output.skin import hat_areas, hat_forces
 
 
 def test_constant_pressure_gives_the_area(body) -> None:

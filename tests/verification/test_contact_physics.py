@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.output.pressure_wrench import pressure_wrench
+from warpffrf.output.contact.pressure_wrench import pressure_wrench
 from warpffrf.study.convergence import rates, refine
 from warpffrf.study.hertz import hertz_phases
 from warpffrf.study.rollers import PAIR, Path, roller_body, solve_path

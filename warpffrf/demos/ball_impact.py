@@ -108,7 +108,7 @@ def checks(result: wf.Result) -> list[Check]:
 
 def panels(result: wf.Result) -> list:
     """Force, height and energies over time, pressure at the largest force."""
-    from warpffrf.output.panels import Panel
+    from warpffrf.output.plots.panels import Panel
 
     pair, t = result.contact(PAIR), result.time * 1e6
     i = int(np.argmax(pair.normal_load))

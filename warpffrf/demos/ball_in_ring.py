@@ -154,7 +154,7 @@ def checks(scene: wf.Scene, result: wf.Result) -> list[Check]:
 
 def panels(result: wf.Result) -> list:
     """Speeds, friction, and the patch at the end: pressure and slip along the groove, across the patch."""
-    from warpffrf.output.panels import Panel
+    from warpffrf.output.plots.panels import Panel
 
     pair, t = result.contact(PAIR), result.time * 1e3
     friction = pair.friction

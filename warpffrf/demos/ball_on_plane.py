@@ -116,7 +116,7 @@ def checks(result: wf.Result) -> list[Check]:
 
 def panels(result: wf.Result) -> list:
     """Pressure beside Hertz, tractions and displacement beside Mindlin, stick and slip."""
-    from warpffrf.output.panels import Panel
+    from warpffrf.output.plots.panels import Panel
 
     pair = result.contact(PAIR)
     friction, a = pair.friction, HERTZ.half_width

@@ -67,8 +67,8 @@ def finish(
     stem: folder / name of the demo. The first of `results` becomes `stem`.h5 and .rrd, the others `stem`.KEY.h5.
     Returns 0 when every run completed and every check passed, else 1.
     """
-    from warpffrf.output.panels import save_panels
-    from warpffrf.output.recorder import record
+    from warpffrf.output.plots.panels import save_panels
+    from warpffrf.output.recording.recorder import record
 
     first, *others = results
     written = [results[first].save(stem.with_suffix(".h5")).name]

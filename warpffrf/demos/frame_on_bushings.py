@@ -140,7 +140,7 @@ def momentum(scene: wf.Scene, result: wf.Result) -> tuple[np.ndarray, np.ndarray
     The frame's deformation does not move its centre of mass in its frame of reference, so the momentum is m times the
     velocity of that point.
     """
-    from warpffrf.output.skin import rotate
+    from warpffrf.output.bodies.skin import rotate
 
     body, motion, t = scene.body("frame"), result.body("frame"), result.time
     arm = np.stack([rotate(p, body.center_of_mass[None])[0] for p in motion.rotation])
@@ -209,7 +209,7 @@ def main(out: str | Path = "out/frame_on_bushings", *, quick: bool = False, prog
 
     quick: fewer cells and frames. Raises `InputError` for a folder that cannot be written.
     """
-    from warpffrf.output.panels import Panel
+    from warpffrf.output.plots.panels import Panel
 
     folder = writable_folder(out)
     cells = QUICK if quick else FULL

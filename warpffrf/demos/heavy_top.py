@@ -92,7 +92,7 @@ def main(out: str | Path = "out/heavy_top", *, quick: bool = False, progress: bo
 
     quick: longer steps. Raises `InputError` for a folder that cannot be written.
     """
-    from warpffrf.output.panels import Panel
+    from warpffrf.output.plots.panels import Panel
 
     folder = writable_folder(out)
     step = QUICK_STEP if quick else STEP

@@ -116,7 +116,7 @@ def pressure_around(result: wf.Result, i: int) -> tuple[np.ndarray, np.ndarray, 
     p, raw = pair.mean_pressure[i] @ share, pair.history.pressure[i] @ share
     pitch = pair.spacing / RADIUS
     center = (raw @ angle) / raw.sum()
-    second = raw @ ((angle - center) ** 2 + pitch**2 / 6.0) / raw.sum()  # hats, see `contact_result`
+    second = raw @ ((angle - center) ** 2 + pitch**2 / 6.0) / raw.sum()  # hats, see `output.contact.result`
     return angle, p, 2.0 * float(np.sqrt(second))
 
 
@@ -145,7 +145,7 @@ def checks(results: dict[float, wf.Result]) -> list[Check]:
 
 def panels(results: dict[float, wf.Result]) -> list:
     """Pressure at the loads beside Persson and Hertz."""
-    from warpffrf.output.panels import Panel
+    from warpffrf.output.plots.panels import Panel
 
     drawn = []
     for clearance, result in results.items():

@@ -219,7 +219,7 @@ def checks(result: wf.Result, coarse: wf.Result, size: Size) -> list[Check]:
 
 def panels(result: wf.Result) -> list:
     """Speeds and force over time, creepage against force, tractions on the second wait of the brake."""
-    from warpffrf.output.panels import Panel
+    from warpffrf.output.plots.panels import Panel
 
     pair, t, plan = result.contact(PAIR), result.time, schedule()
     friction, share = pair.friction, shares(result)

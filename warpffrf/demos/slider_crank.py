@@ -219,7 +219,7 @@ def main(out: str | Path = "out/slider_crank", *, quick: bool = False, progress:
     The rod is run with all inertia terms and geometric stiffening, and with constant inertia. quick: a coarser rod and
     one turn at speed. Raises `InputError` for a folder that cannot be written.
     """
-    from warpffrf.output.panels import Panel
+    from warpffrf.output.plots.panels import Panel
 
     folder = writable_folder(out)
     size = QUICK if quick else FULL

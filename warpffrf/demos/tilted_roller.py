@@ -130,7 +130,7 @@ def checks(result: wf.Result) -> list[Check]:
 
 def panels(result: wf.Result) -> list:
     """Where the patch is, the torque that holds the tilt, and pressure along and across the patch."""
-    from warpffrf.output.panels import Panel
+    from warpffrf.output.plots.panels import Panel
 
     pair, t = result.contact(PAIR), result.time
     tilted = int(np.flatnonzero(t <= TILTING + WAITING + 0.5 * STEP)[-1])

@@ -194,8 +194,8 @@ def main(out: str | Path = "out/two_rollers", *, quick: bool = False, progress: 
 
     quick: fewer cells along the axis and fewer frames. Raises `InputError` for a folder that cannot be written.
     """
-    from warpffrf.output.figure import write_figure
-    from warpffrf.output.recorder import record
+    from warpffrf.output.plots.figure import write_figure
+    from warpffrf.output.recording.recorder import record
     from warpffrf.study.unit_time import unit_seconds
 
     folder = writable_folder(out)

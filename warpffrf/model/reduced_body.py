@@ -204,7 +204,7 @@ class ReducedBody:
 
         The ending of `path` chooses the format (.png, .pdf, .svg). Raises `InputError` where it cannot be written.
         """
-        return _output("quality_page").write_quality_page(self, path)
+        return _output("plots.quality_page").write_quality_page(self, path)
 
     def show(
         self,
@@ -219,9 +219,9 @@ class ReducedBody:
         Modes are numbered as finite-element programs number those of a free body: 1 to 6 are the rigid motions, 7 is
         the first elastic mode. None: the elastic modes one after the other, one cycle each. `frames`: pictures a
         cycle. `scale`: largest displacement drawn, as a part of the body's largest extent. Returns what was shown, see
-        `warpffrf.output.show.ShownModes`. Raises `InputError` for a mode that the body does not have.
+        `warpffrf.output.recording.show.ShownModes`. Raises `InputError` for a mode that the body does not have.
         """
-        return _output("show").show_modes(self, mode, path=path, frames=frames, scale=scale)
+        return _output("recording.show").show_modes(self, mode, path=path, frames=frames, scale=scale)
 
 
 def _output(module: str) -> Any:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from warpffrf.output.contact_result import ContactResult, HertzLine, PatchPressure
+from warpffrf.output.contact.result import ContactResult, HertzLine, PatchPressure
 from warpffrf.output.result import Result
 
 __all__ = ["ContactResult", "HertzLine", "PatchPressure", "Result"]

@@ -12,12 +12,12 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.history.history import BodyHistory, ForceHistory, History, JointHistory, SensorHistory
-from warpffrf.output.contact_result import ContactResult
-from warpffrf.output.scene_view import SceneView, scene_view
-from warpffrf.output.skin import Skin
+from warpffrf.output.bodies.skin import Skin
+from warpffrf.output.contact.result import ContactResult
+from warpffrf.output.geometry.scene_view import SceneView, scene_view
 
 if TYPE_CHECKING:
-    from warpffrf.output.stress import StressResult
+    from warpffrf.output.bodies.stress import StressResult
 
 
 class Result:
@@ -117,7 +117,7 @@ class Result:
 
         Raises InputError for a body without stress points of that name; the message lists those there are.
         """
-        from warpffrf.output.stress import stress_result
+        from warpffrf.output.bodies.stress import stress_result
 
         return stress_result(self, body, points)
 
@@ -145,7 +145,7 @@ class Result:
     def report(self) -> str:
         """Status, counters, contact figures at the last saved step, energy balance, and everything neglected
         or capped."""
-        from warpffrf.output.report import report_text
+        from warpffrf.output.report.report import report_text
 
         return report_text(self)
 
@@ -158,28 +158,28 @@ class Result:
         returns a Figure.
 
         contact: the pair whose patch is drawn, by name; the first one (with friction, where that is drawn) if None.
-        Kinds: see `warpffrf.output.figure.PLOTS`. Raises InputError for an unknown kind or pair.
+        Kinds: see `warpffrf.output.plots.figure.PLOTS`. Raises InputError for an unknown kind or pair.
         """
-        from warpffrf.output import figure
+        from warpffrf.output.plots import figure
 
         return figure.plot(self, kind, ax, contact)
 
     def to_xarray(self) -> Any:
         """An `xarray.Dataset` with the names, units and frames of the results file; needs the optional
         package xarray."""
-        from warpffrf.output.dataset import to_xarray
+        from warpffrf.output.files.dataset import to_xarray
 
         return to_xarray(self)
 
     def to_vtu(self, path: str | os.PathLike[str], *, stride: int = 1) -> Path:
         """Write a VTK time series (a .pvd and a folder of .vtu beside it) that ParaView and pyvista open."""
-        from warpffrf.output.vtu import write_time_series
+        from warpffrf.output.files.vtu import write_time_series
 
         return write_time_series(self, path, stride=stride)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the run as one HDF5 file; `Result.load` reads it back, also to continue the run."""
-        from warpffrf.output.results_file import write_results
+        from warpffrf.output.files.results import write_results
 
         return write_results(self, path)
 
@@ -187,7 +187,7 @@ class Result:
     def load(cls, path: str | os.PathLike[str]) -> Result:
         """Read a results file. Raises InputError for a file that is missing, damaged, of another kind or of a
         newer version."""
-        from warpffrf.output.results_file import read_history
+        from warpffrf.output.files.results import read_history
 
         return cls(read_history(path))
 

@@ -19,10 +19,10 @@ from warpffrf.online.checkpoint import time_of
 from warpffrf.online.history.history import History
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics, refuse_other_modes
 from warpffrf.online.stages import Stage, check_stages, joined, with_potential
+from warpffrf.output.files.results import SUFFIXES
 from warpffrf.output.monolithic_run import refuse_other_method, run_monolithic, same_windows
 from warpffrf.output.paths import check_ending, checked_output_path
 from warpffrf.output.result import Result
-from warpffrf.output.results_file import SUFFIXES
 
 METHODS = ("separated", "monolithic")
 STARTS = ("initial", "equilibrium")
@@ -232,7 +232,7 @@ def _written(result: Result, results: Any, record_path: Any) -> Result:
     if results is not None:
         log.info("results: %s", result.save(results))
     if record_path is not None and len(result.time):
-        from warpffrf.output.recorder import record
+        from warpffrf.output.recording.recorder import record
 
         info = record(result, record_path)
         log.info("recording: %s, %d frames, stride %d", info.path, info.frames, info.stride)

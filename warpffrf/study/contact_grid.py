@@ -17,7 +17,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from warpffrf.offline.contact.grid_rule import PATCHES, QUANTITIES, RULES, contact_spacing
-from warpffrf.output.error_chart import ErrorPanel, error_charts
+from warpffrf.output.plots.error_chart import ErrorPanel, error_charts
 from warpffrf.study.grid_errors import grid_errors, put_on_grid
 from warpffrf.study.grid_on_roller import FINEST_GROWTH, layer_states, roller_half_width, roller_states
 from warpffrf.study.half_space import EllipsePatch, LinePatch

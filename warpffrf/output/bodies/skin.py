@@ -1,0 +1,144 @@
+r"""The deformed skin of a body at a saved step, and the pressure on it.
+
+    x_user = X + Phi_g(X) q + recover(f)
+
+`recover` is the local modes' response to outward hat forces `f_i = int psi_i p dA`. On a pair's first surface the
+pressure is known by its hat coefficients, pushes inwards, and `f = -M p` with the hat Gram matrix `M = M_theta (x)
+M_z` on the true surface,
+
+    M_theta = pitch/6 [1 4 1],     M_z[k, l] = int zeta_k zeta_l R(z) sqrt(1 + R'(z)^2) dz;
+
+on the second surface the run recorded hat forces, positive inwards, and `f = -load_second`.
+For colours the second surface's pressure is `load_i / int psi_i dA` (the row-summed Gram matrix: positive, and exact
+for a constant). With friction the tangential forces of `patch_on_skin` are recovered in the same way, of bodies that
+were reduced with tangential modes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import unknown_name
+from warpffrf.output.bodies.patch_on_skin import PatchOnSkin, tangential_forces
+from warpffrf.output.geometry.grid_places import SkinSurface, spread
+from warpffrf.output.geometry.grid_places import rotate as rotate  # where it used to be
+from warpffrf.output.geometry.scene_view import BodyView, PairView, SceneView
+
+CONTACT_FIELDS = ("pressure", "traction", "slip", "state", "wear")  # what a skin can show of its contacts
+
+
+def hat_forces(surface: Any, values: np.ndarray) -> np.ndarray:
+    """`M values`: hat forces (columns, rows) [N] of hat coefficients (columns, rows) [Pa] on the surface's whole
+    grid."""
+    pitch = surface.grid.pitch
+    if surface.grid.periodic:
+        around = pitch / 6.0 * (np.roll(values, 1, axis=0) + 4.0 * values + np.roll(values, -1, axis=0))
+    else:
+        padded = np.pad(values, ((1, 1), (0, 0)))
+        around = pitch / 6.0 * (padded[:-2] + 4.0 * padded[1:-1] + padded[2:])
+    return around @ surface.gram_z.T
+
+
+def hat_areas(surface: Any) -> np.ndarray:
+    """int psi_i dA of one column's hats (rows,) [m^2]; the hats of all columns inside the surface are alike."""
+    return surface.grid.pitch * surface.gram_z.sum(axis=1)
+
+
+class Skin:
+    """The skin of one flexible body over a run: displacement and pressure at saved step `i`."""
+
+    def __init__(self, history: Any, view: SceneView, body: BodyView) -> None:
+        self.history = history
+        self.body = body
+        self.points = np.asarray(body.reduced.surface.points, dtype=float)  # (n, 3) m, user frame, undeformed
+        self.triangles = np.asarray(body.reduced.surface.triangles)  # (t, 3)
+        self._modes = body.reduced.surface.modes  # (m, n, 3)
+        self._pairs = [p for p in view.pairs.values() if body.name in (p.first_body.name, p.second_body.name)]
+        self._on = {p.name: SkinSurface(self._surface(p), self.points) for p in self._pairs}
+        self._rubbing = {
+            p.name: PatchOnSkin(p, history, self._on[p.name], self.points, first=self._is_first(p))
+            for p in self._pairs
+            if getattr(history.contacts[p.name], "friction", None) is not None
+        }
+
+    def _is_first(self, pair: PairView) -> bool:
+        return pair.first_body.name == self.body.name
+
+    def _surface(self, pair: PairView) -> Any:
+        return pair.first if self._is_first(pair) else pair.second
+
+    def _loads(self, pair: Any, i: int) -> tuple[np.ndarray, np.ndarray]:
+        """Outward hat forces [N] and pressure coefficients [Pa], both (columns, rows), of one pair on this body."""
+        contact = self.history.contacts[pair.name]
+        surface = self._surface(pair)
+        if self._is_first(pair):
+            pressure = spread(surface, contact.first_column[i], contact.pressure[i])
+            return -hat_forces(surface, pressure), pressure
+        load = spread(surface, contact.first_column_second[i], contact.load_second[i])
+        return -load, load / hat_areas(surface)
+
+    def displacement(self, i: int) -> np.ndarray:
+        """Elastic displacement (n, 3) [m] in user axes at saved step `i`."""
+        q = self.history.bodies[self.body.name].modal[i]
+        u = np.einsum("m,mnd->nd", q, self._modes) if len(q) else np.zeros_like(self.points)
+        for pair in self._pairs:
+            forces, _ = self._loads(pair, i)
+            if np.any(forces):
+                u = u + self._surface(pair).recover(forces)
+            tangential = self._surface(pair).tangential
+            if pair.name in self._rubbing and tangential is not None:
+                contact, first = self.history.contacts[pair.name], self._is_first(pair)
+                u = u + tangential.recover(tangential_forces(pair, contact, self.history.bodies, i, first=first))
+        return u
+
+    def pressure(self, i: int) -> np.ndarray:
+        """Contact pressure (n,) [Pa] at the skin's nodes, zero off the contact surfaces, at saved step `i`."""
+        p = np.zeros(len(self.points))
+        for pair in self._pairs:
+            on = self._on[pair.name]
+            p[on.nodes] += on.interpolate(self._loads(pair, i)[1])
+        return p
+
+    @property
+    def contact_fields(self) -> tuple[str, ...]:
+        """Those of `CONTACT_FIELDS` that this body has: only pressure without friction, none without contact."""
+        return CONTACT_FIELDS if self._rubbing else CONTACT_FIELDS[:1] if self._pairs else ()
+
+    def traction(self, i: int) -> np.ndarray:
+        """Tangential traction (n, 3) [Pa] on this body at the skin's nodes, user axes, at saved step `i`."""
+        parts = [patch.traction(i) for patch in self._rubbing.values()]
+        return np.sum(parts, axis=0) if parts else np.zeros_like(self.points)
+
+    def slip_speed(self, i: int) -> np.ndarray:
+        """Slip speed (n,) [m/s] at the skin's nodes, zero off the patches, at saved step `i`."""
+        return self._of_patches(i, lambda p: np.linalg.norm(p.contact.friction.slip_velocity[i], axis=0))
+
+    def wear(self, i: int) -> np.ndarray:
+        """Wear index (n,) [W/m2], pressure times slip speed, at the skin's nodes at saved step `i`."""
+        return self.pressure(i).clip(min=0.0) * self.slip_speed(i)
+
+    def state(self, i: int) -> np.ndarray:
+        """State (n,) of the cell that each of the skin's nodes lies in: 0 open, 1 stick, 2 slip; at saved step `i`."""
+        found = np.zeros(len(self.points), dtype=np.int8)
+        for patch in self._rubbing.values():
+            found = np.maximum(found, patch.nearest(i, patch.contact.friction.state[i]).astype(np.int8))
+        return found
+
+    def contact_field(self, name: str, i: int) -> np.ndarray:
+        """One of `contact_fields` (n,) at saved step `i`, of the traction its magnitude; SI units. Raises `InputError`
+        for one that this body does not have."""
+        if name not in self.contact_fields:
+            raise unknown_name(f"body '{self.body.name}': contact field", name, list(self.contact_fields))
+        if name == "traction":
+            return np.linalg.norm(self.traction(i), axis=1)
+        found = {"pressure": self.pressure, "slip": self.slip_speed, "state": self.state, "wear": self.wear}[name]
+        return found(i)
+
+    def _of_patches(self, i: int, window: Callable[[PatchOnSkin], np.ndarray]) -> np.ndarray:
+        found = np.zeros(len(self.points))
+        for patch in self._rubbing.values():
+            found = np.maximum(found, patch.scalar(i, window(patch)))
+        return found

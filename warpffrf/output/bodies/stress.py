@@ -1,0 +1,122 @@
+r"""Stress of one body over a run, at points that were named when it was reduced.
+
+    sigma(t) = sum_i modes_i q_i(t) + sum_pairs [T f(t) + W s(t)]
+
+with the global coordinates `q`, and of every contact pair that the body takes part in, as first or as second body, the
+outward hat forces `f` and, with friction, the tangential forces of the cells (`StressField`). The tensor is in the axes
+of the body's user frame, which turns with the body; von Mises and principal stresses do not depend on axes.
+
+On a pair's first body the traction is the pressure that the contact found, hat by hat; on the second it is that
+pressure projected on its own hats. Both swing a little from node to node about their mean over a hat, which is what
+contact results show as pressure; a few elements below the surface nothing of that is left.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.stress_field import StressField, max_shear, principal, von_mises
+from warpffrf.online.history.history import History
+from warpffrf.output.bodies.patch_on_skin import tangential_forces
+from warpffrf.output.bodies.skin import hat_forces
+from warpffrf.output.geometry.grid_places import spread
+from warpffrf.output.geometry.scene_view import PairView, SceneView
+
+
+@dataclass(frozen=True, eq=False)
+class StressResult:
+    """Stress at `points` (p, 3) [m, user frame, undeformed] at the saved steps `time` (T,) [s]; `tensor` (T, p, 6) [Pa]
+    in the order xx, yy, zz, xy, yz, zx, axes of the body's user frame."""
+
+    time: np.ndarray
+    points: np.ndarray
+    tensor: np.ndarray
+
+    @cached_property
+    def von_mises(self) -> np.ndarray:
+        """Equivalent stress (T, p) [Pa]."""
+        return von_mises(self.tensor)
+
+    @cached_property
+    def principal(self) -> np.ndarray:
+        """Principal stresses (T, p, 3) [Pa], largest first."""
+        return principal(self.tensor)
+
+    @cached_property
+    def max_shear(self) -> np.ndarray:
+        """Largest shear stress (T, p) [Pa]."""
+        return max_shear(self.tensor)
+
+
+def outward_forces(history: History, pair: PairView, body: str, i: int) -> np.ndarray:
+    """Outward hat forces (columns, rows) [N] of one pair on its surface of `body` at saved step `i`.
+
+    Pressure pushes inwards: `f = -M p` on the first body; on the second the run recorded the loads themselves.
+    """
+    contact = history.contacts[pair.name]
+    if pair.first_body.name == body:
+        return -hat_forces(pair.first, spread(pair.first, contact.first_column[i], contact.pressure[i]))
+    return -spread(pair.second, contact.first_column_second[i], contact.load_second[i])
+
+
+def surface_forces(history: History, view: SceneView, body: str, i: int) -> dict[str, np.ndarray]:
+    """Outward hat forces [N] on each loaded contact surface of `body`, summed over its pairs, at saved step `i`."""
+    found: dict[str, np.ndarray] = {}
+    for pair in view.pairs.values():
+        if body not in (pair.first_body.name, pair.second_body.name):
+            continue
+        first = pair.first_body.name == body
+        name = pair.first_surface_name if first else pair.second_surface_name
+        forces = outward_forces(history, pair, body, i)
+        found[name] = found[name] + forces if name in found else forces
+    return found
+
+
+def tangential_surface_forces(history: History, view: SceneView, body: str, i: int) -> dict[str, np.ndarray]:
+    """Tangential forces (2, columns, rows) [N] on each contact surface of `body` that rubs, summed over its pairs, at
+    saved step `i`; see `patch_on_skin`."""
+    found: dict[str, np.ndarray] = {}
+    for pair in view.pairs.values():
+        contact = history.contacts[pair.name]
+        if body not in (pair.first_body.name, pair.second_body.name) or getattr(contact, "friction", None) is None:
+            continue
+        first = pair.first_body.name == body
+        name = pair.first_surface_name if first else pair.second_surface_name
+        forces = tangential_forces(pair, contact, history.bodies, i, first=first)
+        found[name] = found[name] + forces if name in found else forces
+    return found
+
+
+def stress_field(view: SceneView, body: str, points: str) -> StressField:
+    """The recovery called `points` of the body; raises `InputError` naming the bodies, or the names that there are."""
+    if body not in view.bodies:
+        known = ", ".join(f"'{n}'" for n in view.bodies) or "none"
+        raise InputError(f"the result has no body called '{body}'; it has: {known}")
+    reduced = view.bodies[body].reduced
+    if reduced is None:
+        raise InputError(f"body '{body}' is rigid and has no stress; add it as a flexible body, made by reduce(...)")
+    if not isinstance(points, str) or points not in reduced.stress:
+        known = ", ".join(f"'{n}'" for n in reduced.stress) or "none"
+        raise InputError(
+            f"body '{body}' has no stress points called {points!r}; it has: {known}. Name them when it is reduced: "
+            "reduce(..., stress={name: points})"
+        )
+    return reduced.stress[points]
+
+
+def stress_result(result: Any, body: str, points: str) -> StressResult:
+    """Stress of `body` at the `points` named when it was reduced, one saved step after the other."""
+    history, view = result.history, result.view
+    field = stress_field(view, body, points)
+    modal = history.bodies[body].modal
+    tensor = np.empty((len(history.time), len(field.points), 6))
+    for i in range(len(tensor)):
+        tensor[i] = field.evaluate(
+            modal[i], surface_forces(history, view, body, i), tangential_surface_forces(history, view, body, i)
+        )
+    return StressResult(history.time, field.points, tensor)

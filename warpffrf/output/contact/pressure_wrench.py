@@ -1,0 +1,99 @@
+r"""Force and torque on the first body, summed again from the recorded pressure and tractions on its true surface.
+
+An independent check of the recorded `force` and `torque`, and of the torque of frictionless contact about the axle. On
+a surface of revolution with point `c` on the axis, `x = c + z e_a + R(z) e_r(theta)` and
+`n dA = side (e_r - R' e_a) R dtheta dz`, so for a hat `psi_j(theta) zeta_k(z)` of angular spacing h, with
+`int psi_j e_r dtheta = 2 (1 - cos h)/h e_r(theta_j)` exactly,
+
+    F = -side sum_jk p_jk [ 2 (1 - cos h)/h e_r(theta_j) int zeta_k R dz  -  h e_a int zeta_k R R' dz ]
+    T_c = -side sum_jk p_jk 2 (1 - cos h)/h  (e_a x e_r(theta_j)) int zeta_k (z + R R') R dz
+
+and T_c has no component along the axis: pressure alone cannot drive a surface of revolution. On a plane with normal n
+
+    F = -n h sum_jk p_jk int zeta_k dz,      T_c = -h sum_jk p_jk (theta_j e_1 int zeta_k dz + e_a int zeta_k z dz) x n.
+
+Tractions are constant per cell of area A, and their forces act at its node:
+
+    F = sum_jk A_k (tau_1 e_theta + tau_2 t_z),      T = sum_jk x_jk x A_k (tau_1 e_theta + tau_2 t_z).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.contact_grid import GAUSS_PER_ROW
+from warpffrf.output.geometry.grid_places import grid_theta_offset, rotate
+from warpffrf.output.geometry.poses import tangents
+
+
+def axial_integrals(shape: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """int zeta_k R dz [m^2], int zeta_k R R' dz [m^2], int zeta_k (z + R R') R dz [m^3] of the axial hats, each
+    (rows,)."""
+    x, w = np.polynomial.legendre.leggauss(GAUSS_PER_ROW)
+    t = 0.5 * (x + 1.0)
+    step = np.diff(z)
+    points = z[:-1, None] + step[:, None] * t
+    weight = 0.5 * step[:, None] * w
+    R, slope = shape.radius_at(points), shape.slope_at(points)
+    sums = []
+    for integrand in (R, R * slope, (points + R * slope) * R):
+        hats = np.zeros(len(z))
+        hats[:-1] += (weight * integrand * (1.0 - t)).sum(axis=1)
+        hats[1:] += (weight * integrand * t).sum(axis=1)
+        sums.append(hats)
+    return sums[0], sums[1], sums[2]
+
+
+def pressure_wrench(result: Any, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Force (T, 3) [N] and torque (T, 3) [N m] of the pressure on the first body of contact `name`: world axes, about
+    its user origin."""
+    contact = result.contact(name)
+    surface = contact.view.first
+    shape, z, p = surface.shape, np.asarray(surface.grid.z), contact.history.pressure
+    theta = contact.theta + grid_theta_offset(surface)  # (T, columns)
+    force, torque = (_plane if shape.kind == "plane" else _revolution)(shape, z, p, theta, float(surface.grid.pitch))
+    torque = torque + np.cross(shape.axis_point, force)  # from the point on the axis to the user origin
+    return _to_world(result, contact, force, torque)
+
+
+def _revolution(shape: Any, z: np.ndarray, p: np.ndarray, theta: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
+    """Force and torque (T, 3) about the point on the axis, user axes, of hats p (T, columns, rows) at theta."""
+    radial_sum, axial_sum, moment_sum = axial_integrals(shape, z)
+    hat = 2.0 * (1.0 - np.cos(h)) / h
+    e_r = shape.radial(theta)  # (T, columns, 3)
+    force = -hat * np.einsum("tj,tjd->td", p @ radial_sum, e_r) + h * (p @ axial_sum).sum(axis=1)[:, None] * shape.e_a
+    torque = -hat * np.einsum("tj,tjd->td", p @ moment_sum, np.cross(shape.e_a, e_r))
+    return shape.side * force, shape.side * torque
+
+
+def _plane(shape: Any, z: np.ndarray, p: np.ndarray, theta: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
+    """The same of a plane, about its origin; theta (T, columns) m."""
+    length, _, first = axial_integrals(shape, z)
+    loads = h * (p @ length)
+    force = -loads.sum(axis=1)[:, None] * shape.e_0
+    lever = (loads * theta).sum(axis=1)[:, None] * shape.e_1 + h * (p @ first).sum(axis=1)[:, None] * shape.e_a
+    return force, -np.cross(lever, shape.e_0)
+
+
+def traction_wrench(result: Any, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Force (T, 3) [N] and torque (T, 3) [N m] of the tangential tractions on the first body of contact `name`: world
+    axes, about its user origin. Raises `InputError` for a pair without friction."""
+    contact = result.contact(name)
+    forces = contact.friction.traction * contact.measure.cell_area  # (T, 2, columns, rows)
+    shape = contact.view.first.shape
+    theta = contact.theta + grid_theta_offset(contact.view.first)
+    force, torque = np.zeros((len(theta), 3)), np.zeros((len(theta), 3))
+    for i, at in enumerate(theta):
+        places = [v.ravel() for v in np.meshgrid(at, contact.z, indexing="ij")]
+        e_theta, t_z = tangents(shape, *places)
+        f = forces[i, 0].reshape(-1, 1) * e_theta + forces[i, 1].reshape(-1, 1) * t_z
+        force[i], torque[i] = f.sum(axis=0), np.cross(shape.point(*places), f).sum(axis=0)
+    return _to_world(result, contact, force, torque)
+
+
+def _to_world(result: Any, contact: Any, force: np.ndarray, torque: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    rotation = result.history.bodies[contact.view.first_body.name].rotation
+    turned = [(rotate(q, f[None])[0], rotate(q, m[None])[0]) for q, f, m in zip(rotation, force, torque, strict=True)]
+    return np.array([f for f, _ in turned]).reshape(-1, 3), np.array([m for _, m in turned]).reshape(-1, 3)

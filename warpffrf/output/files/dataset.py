@@ -1,0 +1,90 @@
+"""A run as an xarray dataset: the names, units and frames of the results file."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from warpffrf.output.files.fields import (
+    BODY_FIELDS,
+    CONTACT_FIELDS,
+    DERIVED_FIELDS,
+    ENERGY_UNITS,
+    FORCE_FIELDS,
+    FRICTION_DERIVED,
+    FRICTION_FIELDS,
+    JOINT_FIELDS,
+    RUN_FIELDS,
+    SIZES,
+    Field,
+)
+
+
+def stacked(field: Field, owners: list[Any], steps: int) -> np.ndarray:
+    """The quantity of all owners as one array (time, owner, ...)."""
+    if not owners:
+        return np.zeros((steps, 0) + tuple(SIZES[d] for d in field.dims))
+    return np.stack([np.asarray(getattr(owner, field.attribute)) for owner in owners], axis=1)
+
+
+def to_xarray(result: Any) -> Any:
+    """`xarray.Dataset`; quantities whose shape differs between owners are named `contact_pressure_<pair>` and so on."""
+    try:
+        import xarray as xr
+    except ImportError as error:
+        raise ImportError("to_xarray needs xarray: pip install 'warpffrf[arrays]'") from error
+
+    history = result.history
+    steps = len(history.time)
+    data: dict[str, Any] = {}
+    coords: dict[str, Any] = {"axis": ["x", "y", "z"], "quaternion": ["x", "y", "z", "w"]}
+    coords["direction"] = ["e_theta", "t_z"]
+    for field in RUN_FIELDS:
+        entry = (("time",), getattr(history, field.attribute), _attributes(field))
+        (coords if field.name == "time" else data)[field.name] = entry
+    contacts = {name: result.contact(name) for name in history.contacts}
+    rubbing = {name: contact.friction for name, contact in contacts.items() if contact.has_friction}
+    groups: tuple[tuple[str, tuple[Field, ...], dict[str, Any]], ...] = (
+        ("body", BODY_FIELDS, history.bodies),
+        ("joint", JOINT_FIELDS, history.joints),
+        ("force", FORCE_FIELDS, history.forces),
+        ("pair", CONTACT_FIELDS, history.contacts),
+        ("pair", DERIVED_FIELDS, contacts),
+        *([("friction_pair", (*FRICTION_FIELDS, *FRICTION_DERIVED), rubbing)] if rubbing else []),
+    )
+    for dim, fields, owners in groups:
+        coords[dim] = np.array(list(owners), dtype=object if owners else str)
+        for field in fields:
+            if field.stacked:
+                data[field.name] = (
+                    ("time", dim, *field.dims),
+                    stacked(field, list(owners.values()), steps),
+                    _attributes(field),
+                )
+                continue
+            for name, owner in owners.items():
+                second = "_second" if field.name.endswith("_second") else ""
+                dims = tuple(d if d in SIZES else f"{d}{second}_{name}" for d in field.dims)
+                data[f"{field.name}_{name}"] = (("time", *dims), getattr(owner, field.attribute), _attributes(field))
+    for place, prefix in enumerate(("joint_coordinate", "joint_second_coordinate")):
+        names = [joint.names[place] if place < len(joint.names) else "" for joint in history.joints.values()]
+        coords[f"{prefix}_name"] = (("joint",), np.array(names, dtype=object if names else str))
+    for name, contact in contacts.items():
+        z = np.asarray(contact.view.first.grid.z)
+        coords[f"row_{name}"] = ((f"row_{name}",), z, {"units": "m", "frame": "along the axis of the first surface"})
+        arc = {"units": "m", "frame": "first surface, from the line of centres"}
+        coords[f"arc_{name}"] = (("time", f"column_{name}"), contact.arc, arc)
+    for name in result.sensor_names:
+        sensor = result.sensor(name)
+        coords[f"component_{name}"] = list(sensor.components)
+        about = {"units": sensor.unit, "frame": sensor.frame}
+        data[f"sensor_{name}"] = (("time", f"component_{name}"), sensor.values, about)
+    coords["energy_line"] = list(history.energy)
+    lines = np.stack(list(history.energy.values()), axis=1) if history.energy else np.zeros((steps, 0))
+    data["energy"] = (("time", "energy_line"), lines, {"units": ENERGY_UNITS, "frame": "none"})
+    return xr.Dataset(data, coords=coords, attrs={"status": result.status, "message": result.message})
+
+
+def _attributes(field: Field) -> dict[str, str]:
+    return {"units": field.units, "frame": field.frame}

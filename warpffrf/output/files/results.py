@@ -1,0 +1,289 @@
+"""A run as one HDF5 file, and back.
+
+    /time (time), /step_size, /iterations, /factorisations
+    /body_position (time, body, axis), /contact_force (time, pair, axis), ...   stacked over the owners
+    /contact_friction_power (time, friction_pair), ...   over the pairs with friction, where there are any
+    /contact_pressure/<pair> (time, column, row), /body_modal/<body>, ...       one dataset an owner
+    /sensor/<name> (time, component)
+    /energy (time, line)
+    /checkpoint/<array>      the complete state at the end, to continue from
+    /scene                   names, pairs, mass data, hash of the scene
+    /reduced/<hash>          each reduced body once, as its own file's bytes
+
+Names, energy lines, counters and notes are JSON in the file's attributes. Every dataset has the attributes `units`,
+`frame` and `dims`; `fields.py` is the table. Derived quantities (half-width, positions of the pressure) are written for
+other readers and not read back. Names of owners are percent-encoded where HDF5 needs it ("/", ".").
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote, unquote
+
+import h5py
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.surfaces import from_description
+from warpffrf.online.history.history import (
+    BodyHistory,
+    ContactHistory,
+    ForceHistory,
+    FrictionHistory,
+    History,
+    JointHistory,
+    SensorHistory,
+)
+from warpffrf.output.files.dataset import stacked
+from warpffrf.output.files.fields import (
+    BODY_FIELDS,
+    CONTACT_FIELDS,
+    DERIVED_FIELDS,
+    DERIVED_POSITIONS,
+    ENERGY_UNITS,
+    FORCE_FIELDS,
+    FRICTION_DERIVED,
+    FRICTION_FIELDS,
+    JOINT_FIELDS,
+    RUN_FIELDS,
+    Field,
+)
+from warpffrf.output.geometry.anchors import Anchor
+from warpffrf.output.geometry.scene_view import GROUND, BodyView, PairView, SceneView, ground_view
+from warpffrf.output.paths import check_ending, checked_output_path, written_whole
+
+FORMAT = "warpffrf-results"
+SCHEMA_VERSION = 1
+SUFFIXES = (".h5", ".hdf5")
+COMPRESSION = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
+_GROUPS = (
+    ("bodies", "body", BODY_FIELDS, BodyHistory),
+    ("joints", "joint", JOINT_FIELDS, JointHistory),
+    ("contacts", "pair", CONTACT_FIELDS, ContactHistory),
+    ("forces", "force", FORCE_FIELDS, ForceHistory),
+)
+
+
+def write_results(result: Any, path: str | os.PathLike[str]) -> Path:
+    """Write `result` to `path`, whole or not at all. Raises InputError for a path that cannot be written, or that does
+    not end like a results file."""
+    check_ending(path, "results", SUFFIXES)
+    target = checked_output_path(path, "results")
+    history: History = result.history
+    steps = len(history.time)
+    with written_whole(target) as partial, h5py.File(partial, "w") as file:
+        file.attrs.update({"format": FORMAT, "schema_version": SCHEMA_VERSION})
+        file.attrs.update({"status": history.status, "message": history.message})
+        file.attrs["counters"] = json.dumps({k: float(v) for k, v in history.counters.items()})
+        file.attrs["notes"] = json.dumps(list(history.notes))
+        for field in RUN_FIELDS:
+            _put(file, field, getattr(history, field.attribute), ())
+        for attribute, dim, fields, _ in _GROUPS:
+            owners: dict[str, Any] = getattr(history, attribute)
+            file.attrs[f"{dim}_names"] = json.dumps(list(owners))
+            _put_group(file, dim, fields, owners, steps)
+        file.attrs["joint_coordinates"] = json.dumps({name: j.names for name, j in history.joints.items()})
+        contacts = {name: result.contact(name) for name in history.contacts}
+        _put_group(file, "pair", (*DERIVED_FIELDS, *DERIVED_POSITIONS), contacts, steps)
+        rubbing = {name: c.friction for name, c in contacts.items() if c.has_friction}
+        file.attrs["friction_names"] = json.dumps(list(rubbing))
+        if rubbing:
+            _put_group(file, "friction_pair", (*FRICTION_FIELDS, *FRICTION_DERIVED), rubbing, steps)
+        lines = np.stack(list(history.energy.values()), axis=1) if history.energy else np.zeros((steps, 0))
+        file.attrs["energy_lines"] = json.dumps(list(history.energy))
+        _put(file, Field("energy", "energy", ENERGY_UNITS, "none", ("line",)), lines, ())
+        _put_sensors(file, result)
+        for name, array in history.checkpoint.items():
+            data = file.create_dataset(f"checkpoint/{_key(name)}", data=np.asarray(array))
+            data.attrs.update({"units": "internal", "frame": "internal", "dims": "internal"})
+        _put_scene(file, result.view)
+    return target
+
+
+def read_history(path: str | os.PathLike[str]) -> History:
+    """The `History` in a results file; its `scene` is a `SceneView`.
+
+    Raises InputError when the file is missing, is not a results file, is damaged, or was written by a newer version.
+    """
+    source = Path(path).expanduser()
+    if not source.is_file():
+        raise InputError(f"results file '{source}' does not exist")
+    try:
+        with h5py.File(source, "r") as file:
+            attributes: Any = file.attrs
+            if attributes.get("format") != FORMAT:
+                raise InputError(f"'{source}' is not a results file of warpffrf")
+            version = int(attributes["schema_version"])
+            if version > SCHEMA_VERSION:
+                raise InputError(
+                    f"results file '{source}' has schema version {version}, this program reads up to {SCHEMA_VERSION}; "
+                    "install a newer warpffrf"
+                )
+            return _read(file)
+    except InputError:
+        raise
+    except (OSError, KeyError, ValueError, TypeError) as error:
+        raise InputError(f"results file '{source}' is damaged ({error}); write it again") from error
+
+
+def _read(file: Any) -> History:
+    groups = {}
+    for attribute, dim, fields, record in _GROUPS:
+        names = json.loads(file.attrs.get(f"{dim}_names", "[]"))
+        groups[attribute] = {name: record(**_fields_of(file, fields, name, n)) for n, name in enumerate(names)}
+    for name, named in json.loads(file.attrs.get("joint_coordinates", "{}")).items():
+        groups["joints"][name].names = tuple(named)
+    for n, name in enumerate(json.loads(file.attrs.get("friction_names", "[]"))):
+        groups["contacts"][name].friction = FrictionHistory(**_fields_of(file, FRICTION_FIELDS, name, n))
+    energy = file["energy"][()]
+    run = {f.attribute: file[f.name][()] for f in RUN_FIELDS}
+    return History(
+        scene=_get_scene(file),
+        energy={line: energy[:, n] for n, line in enumerate(json.loads(file.attrs["energy_lines"]))},
+        status=str(file.attrs["status"]),
+        message=str(file.attrs["message"]),
+        counters=json.loads(file.attrs["counters"]),
+        notes=json.loads(file.attrs["notes"]),
+        sensors=_get_sensors(file),
+        checkpoint={unquote(k): d[()] for k, d in file["checkpoint"].items()} if "checkpoint" in file else {},
+        **run,
+        **groups,
+    )
+
+
+def _fields_of(file: Any, fields: tuple[Field, ...], name: str, n: int) -> dict[str, Any]:
+    """What the file holds of one owner; older files lack some quantities."""
+    return {f.attribute: _get(file, f, name, n) for f in fields if f.name in file}
+
+
+# --- datasets ---
+
+
+def _key(name: str) -> str:
+    return quote(name, safe=" _-+()").replace(".", "%2E")
+
+
+def _put(parent: Any, field: Field, values: Any, owner_dims: tuple[str, ...], key: str | None = None) -> None:
+    array = np.asarray(values)
+    data = parent.create_dataset(key or field.name, data=array, **(COMPRESSION if array.size else {}))
+    data.attrs.update({"units": field.units, "frame": field.frame})
+    data.attrs["dims"] = " ".join(("time", *owner_dims, *field.dims))
+
+
+def _put_group(file: Any, dim: str, fields: tuple[Field, ...], owners: dict[str, Any], steps: int) -> None:
+    for field in fields:
+        if field.stacked:
+            _put(file, field, stacked(field, list(owners.values()), steps), (dim,))
+            continue
+        group = file.create_group(field.name)
+        for name, owner in owners.items():
+            _put(group, field, getattr(owner, field.attribute), (), key=_key(name))
+
+
+def _get(file: Any, field: Field, name: str, n: int) -> np.ndarray:
+    return file[field.name][:, n] if field.stacked else file[field.name][_key(name)][()]
+
+
+def _put_sensors(file: Any, result: Any) -> None:
+    group = file.create_group("sensor")
+    file.attrs["sensor_names"] = json.dumps(result.sensor_names)  # HDF5 lists members by name, not in their order
+    for name in result.sensor_names:
+        sensor = result.sensor(name)
+        values = np.asarray(sensor.values)
+        data = group.create_dataset(_key(name), data=values, **(COMPRESSION if values.size else {}))
+        data.attrs.update({"units": sensor.unit, "frame": sensor.frame, "dims": "time component"})
+        data.attrs.update({"kind": sensor.kind, "components": json.dumps(list(sensor.components))})
+
+
+def _get_sensors(file: Any) -> dict[str, SensorHistory]:
+    found = {
+        unquote(key): SensorHistory(
+            str(d.attrs["kind"]), str(d.attrs["units"]), str(d.attrs["frame"]),
+            tuple(json.loads(d.attrs["components"])), d[()],
+        )
+        for key, d in file.get("sensor", {}).items()
+    }  # fmt: skip
+    order = json.loads(file.attrs.get("sensor_names", "[]"))  # older files do not say
+    return {name: found[name] for name in order or found}
+
+
+# --- the scene, as far as results need it ---
+
+
+def _put_scene(file: Any, view: SceneView) -> None:
+    group = file.create_group("scene")
+    group.attrs["content_hash"] = view.content_hash
+    group.attrs["joints"] = json.dumps(list(view.joints))
+    bodies, hashes = [], {}
+    for body in view.bodies.values():
+        digest = None
+        if body.reduced is not None:
+            digest = hashes.get(id(body.reduced)) or body.reduced.content_hash()
+            hashes[id(body.reduced)] = digest
+            if f"reduced/{digest}" not in file:
+                file.create_dataset(f"reduced/{digest}", data=_as_bytes(body.reduced))
+                file[f"reduced/{digest}"].attrs.update(
+                    {"units": "bytes", "frame": "a reduced-body file", "dims": "byte"}
+                )
+        center = [float(v) for v in body.center_of_mass]
+        inertia = None if body.inertia is None else np.asarray(body.inertia).tolist()
+        bodies.append(
+            {"name": body.name, "mass": body.mass, "center_of_mass": center, "inertia": inertia, "reduced": digest,
+             "shapes": _described(body)}
+        )  # fmt: skip
+    group.attrs["bodies"] = json.dumps(bodies)
+    pairs = [
+        [p.name, p.first_body.name, p.first_surface_name, p.second_body.name, p.second_surface_name, p.friction]
+        for p in view.pairs.values()
+    ]
+    group.attrs["pairs"] = json.dumps(pairs)
+    fixed = [b for p in view.pairs.values() for b in (p.first_body, p.second_body) if b.name not in view.bodies]
+    group.attrs["ground"] = json.dumps({name: shape for b in fixed for name, shape in _described(b).items()})
+    group.attrs["anchors"] = json.dumps([anchor.describe() for anchor in view.anchors])
+
+
+def _described(body: BodyView) -> dict[str, Any]:
+    return {name: shape.describe() for name, shape in body.shapes.items()}
+
+
+def _shapes(described: dict[str, Any]) -> dict[str, Any]:
+    return {name: from_description(data) for name, data in described.items()}
+
+
+def _get_scene(file: Any) -> SceneView:
+    group = file["scene"]
+    reduced: dict[str | None, Any] = {None: None}
+    for digest in file.get("reduced", {}):
+        reduced[digest] = _from_bytes(file[f"reduced/{digest}"][()])
+    bodies = {
+        b["name"]: BodyView(
+            b["name"], reduced[b["reduced"]], b["mass"], np.array(b["center_of_mass"]),
+            np.array(b["inertia"]) if b.get("inertia") is not None else None,  # older files do not say
+            _shapes(b.get("shapes", {})),
+        )
+        for b in json.loads(group.attrs["bodies"])
+    }  # fmt: skip
+    known = {GROUND: ground_view(_shapes(json.loads(group.attrs.get("ground", "{}")))), **bodies}
+    pairs = {
+        name: PairView(name, known[first], first_surface, known[second], second_surface, *friction)
+        for name, first, first_surface, second, second_surface, *friction in json.loads(group.attrs["pairs"])
+    }
+    anchors = tuple(Anchor.of(data) for data in json.loads(group.attrs.get("anchors", "[]")))
+    return SceneView(str(group.attrs["content_hash"]), bodies, pairs, tuple(json.loads(group.attrs["joints"])), anchors)
+
+
+def _as_bytes(reduced: Any) -> np.ndarray:
+    with tempfile.TemporaryDirectory() as folder:
+        return np.frombuffer(reduced.save(Path(folder) / "body.h5").read_bytes(), dtype=np.uint8)
+
+
+def _from_bytes(data: np.ndarray) -> ReducedBody:
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "body.h5"
+        file.write_bytes(data.tobytes())
+        return ReducedBody.load(file)

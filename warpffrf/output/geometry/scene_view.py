@@ -1,0 +1,107 @@
+"""What the output needs to know of a scene: names, reduced bodies, which surfaces touch, and a hash to tell scenes
+apart.
+
+A live run takes it from the `Scene`; a results file stores it, so that pictures and derived quantities need no scene.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.rigid_surface import RigidSurface
+from warpffrf.output.geometry.anchors import Anchor, scene_anchors
+
+GROUND = "ground"
+
+
+@dataclass(frozen=True)
+class BodyView:
+    """One body: its name, its reduced body (None when rigid), mass [kg], centre of mass [m, user frame] and inertia
+    about it [kg m2, user axes]; None in an older results file. `shapes`: what a rigid one touches with, by name."""
+
+    name: str
+    reduced: Any
+    mass: float
+    center_of_mass: np.ndarray
+    inertia: np.ndarray | None = None
+    shapes: dict[str, Any] = field(default_factory=dict)
+
+    def surface(self, name: str) -> Any:
+        """The body's contact surface called `name`: a `ContactSurface`, of a rigid body a `RigidSurface`."""
+        return RigidSurface(name, self.shapes[name]) if self.reduced is None else self.reduced.contact_surfaces[name]
+
+
+@dataclass(frozen=True)
+class PairView:
+    """One contact pair: the two bodies (or the ground), the names of the surfaces that touch, coefficient of friction
+    [-]."""
+
+    name: str
+    first_body: BodyView
+    first_surface_name: str
+    second_body: BodyView
+    second_surface_name: str
+    friction: float = 0.0
+
+    @property
+    def first(self) -> Any:
+        """ContactSurface of the first body; the pressure lives on its grid."""
+        return self.first_body.surface(self.first_surface_name)
+
+    @property
+    def second(self) -> Any:
+        """Contact surface of the second body; its `grid` is None where that is rigid."""
+        return self.second_body.surface(self.second_surface_name)
+
+
+@dataclass(frozen=True)
+class SceneView:
+    """A scene as far as results and pictures need it; `content_hash` tells whether a run can be continued."""
+
+    content_hash: str
+    bodies: dict[str, BodyView] = field(default_factory=dict)
+    pairs: dict[str, PairView] = field(default_factory=dict)
+    joints: tuple[str, ...] = ()
+    anchors: tuple[Anchor, ...] = ()
+
+
+def scene_view(scene: Any) -> SceneView:
+    """The view of a live `Scene`; a `SceneView` passes through."""
+    if isinstance(scene, SceneView):
+        return scene
+    shapes = rigid_shapes(scene.contacts)
+    bodies = {
+        body.name: BodyView(
+            body.name, body.reduced, float(body.mass), np.asarray(body.center_of_mass, dtype=float),
+            np.asarray(body.inertia, dtype=float), shapes.get(body.name, {}),
+        )
+        for body in scene.bodies
+    }  # fmt: skip
+    known = {GROUND: ground_view(shapes.get(GROUND, {})), **bodies}
+    pairs = {}
+    for contact in scene.contacts:
+        a, b = contact.a, contact.b
+        mu = getattr(contact, "friction", 0.0) or 0.0
+        friction = float(getattr(mu, "coefficient", mu))
+        names = known[a.body.name], a.name, known[b.body.name], b.name
+        pairs[contact.name] = PairView(contact.name, *names, friction)
+    joints = tuple(joint.name for joint in scene.joints)
+    return SceneView(scene.content_hash(), bodies, pairs, joints, scene_anchors(scene))
+
+
+def rigid_shapes(contacts: Any) -> dict[str, dict[str, Any]]:
+    """Shapes of the rigid surfaces in contact pairs of a live scene, {body: {surface: shape}}."""
+    found: dict[str, dict[str, Any]] = {}
+    for contact in contacts:
+        for port in (contact.a, contact.b):
+            if port.body.reduced is None:
+                found.setdefault(port.body.name, {})[port.name] = port.surface.shape
+    return found
+
+
+def ground_view(shapes: dict[str, Any]) -> BodyView:
+    """The ground with its surfaces: it has no mass of its own and does not move."""
+    return BodyView(GROUND, None, 0.0, np.zeros(3), None, shapes)

@@ -1,0 +1,143 @@
+"""Colour maps and legend pictures; ranges are fixed over a run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+LEVELS = 256
+MOST_BARS = 3  # of a legend in one column
+PRESSURE_STOPS = ("#c9ced6", "#ffe066", "#ff9f1c", "#e63946", "#6a040f")  # grey where nothing presses
+TRACTION_STOPS = ("#c9ced6", "#a8ddb5", "#43a2ca", "#0868ac", "#081d58")
+SLIP_STOPS = ("#c9ced6", "#fdd0a2", "#fd8d3c", "#d94801", "#7f2704")
+WEAR_STOPS = ("#c9ced6", "#d4b9da", "#df65b0", "#ce1256", "#67001f")
+STATE_COLORS = ("#c9ced6", "#2a7fb8", "#ff9f1c")  # open, stick, slip
+DISPLACEMENT_STOPS = ("#dfe7ee", "#74c0e3", "#2a7fb8", "#1b3a8a", "#2d0a4e")
+
+
+def largest(values: list[np.ndarray]) -> float:
+    """Largest finite value in the arrays; 0 when there is none."""
+    tops = [float(np.max(v[np.isfinite(v)], initial=0.0)) for v in values]
+    return max(tops, default=0.0)
+
+
+@dataclass(frozen=True)
+class ColorScale:
+    """A fixed range [0, top] of a quantity and its colours; `label` has the unit, `factor` converts SI to that unit."""
+
+    label: str
+    top: float
+    factor: float
+    stops: tuple[str, ...]
+
+    def table(self) -> np.ndarray:
+        """(LEVELS, 3) uint8 colours from 0 to top."""
+        stops = np.array([[int(s[i : i + 2], 16) for i in (1, 3, 5)] for s in self.stops], dtype=float)
+        t = np.linspace(0.0, len(stops) - 1.0, LEVELS)
+        return (
+            np.stack([np.interp(t, np.arange(len(stops)), stops[:, c]) for c in range(3)], axis=1)
+            .round()
+            .astype(np.uint8)
+        )
+
+    def rgb(self, values: np.ndarray) -> np.ndarray:
+        """(..., 3) uint8 colours of SI values; below 0 and above the top take the end colours."""
+        level = (
+            np.clip(np.nan_to_num(values) / self.top * (LEVELS - 1), 0, LEVELS - 1)
+            if self.top > 0
+            else np.zeros_like(values)
+        )
+        return self.table()[level.astype(int)]
+
+    def packed(self, values: np.ndarray) -> np.ndarray:
+        """(n,) uint32 0xRRGGBBAA."""
+        return _packed(self.rgb(values))
+
+
+def _packed(rgb: np.ndarray) -> np.ndarray:
+    c = rgb.astype(np.uint32)
+    return (c[:, 0] << 24) | (c[:, 1] << 16) | (c[:, 2] << 8) | np.uint32(0xFF)
+
+
+@dataclass(frozen=True)
+class ColorClasses:
+    """Colours of a quantity that is one of a few: class n is called `names[n]`."""
+
+    label: str
+    names: tuple[str, ...]
+    colors: tuple[str, ...]
+
+    def table(self) -> np.ndarray:
+        """(classes, 3) uint8."""
+        return np.array([[int(c[i : i + 2], 16) for i in (1, 3, 5)] for c in self.colors], dtype=np.uint8)
+
+    def rgb(self, values: np.ndarray) -> np.ndarray:
+        """(..., 3) uint8 colours of class numbers."""
+        return self.table()[np.clip(np.asarray(values).astype(int), 0, len(self.colors) - 1)]
+
+    def packed(self, values: np.ndarray) -> np.ndarray:
+        """(n,) uint32 0xRRGGBBAA."""
+        return _packed(self.rgb(values))
+
+
+def legend_rows(scales: Sequence[ColorScale | ColorClasses]) -> int:
+    """Bars one under the other in `legend_picture`: more than `MOST_BARS` stand in two columns."""
+    return len(scales) if len(scales) <= MOST_BARS else -(-len(scales) // 2)
+
+
+def legend_picture(scales: Sequence[ColorScale | ColorClasses]) -> np.ndarray:
+    """Horizontal colour bars with ticks and units, or names, in one or two columns: (height, width, 3) uint8."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.colorbar import ColorbarBase
+    from matplotlib.colors import BoundaryNorm, ListedColormap, Normalize
+    from matplotlib.figure import Figure
+
+    rows = legend_rows(scales)
+    columns = -(-len(scales) // rows)
+    figure = Figure(figsize=(6.0 if columns == 1 else 9.0, 0.95 * rows), dpi=110)
+    canvas = FigureCanvasAgg(figure)
+    for n, scale in enumerate(scales):
+        column, row = divmod(n, rows)
+        corner = (column + 0.05) / columns, 1.0 - (row + 0.48) / rows
+        axes = figure.add_axes((*corner, 0.9 / columns, 0.26 / rows))
+        colors = ListedColormap(scale.table() / 255.0)
+        if isinstance(scale, ColorClasses):
+            edges = np.arange(len(scale.names) + 1) - 0.5
+            bar = ColorbarBase(
+                axes, cmap=colors, norm=BoundaryNorm(edges, len(scale.names)), orientation="horizontal",
+                ticks=[float(n) for n in range(len(scale.names))],
+            )  # fmt: skip
+            bar.ax.set_xticklabels(scale.names)
+        else:
+            top = scale.top * scale.factor if scale.top > 0 else 1.0
+            ColorbarBase(axes, cmap=colors, norm=Normalize(0.0, top), orientation="horizontal")
+        axes.set_title(scale.label, fontsize=9, loc="left", pad=3)
+        axes.tick_params(labelsize=8)
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+
+def map_axes_picture(
+    reach: float, z_first: float, z_last: float, shape: tuple[int, int]
+) -> tuple[np.ndarray, tuple[int, int]]:
+    """Labelled axes around an empty frame of `shape` (height, width) pixels, and the frame's upper left corner
+    (x, y) in pixels.
+
+    The arc runs from -reach to reach [m] along e_theta to the right, the axis from z_first to z_last [m] upwards.
+    Returns (h, w, 3) uint8.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    height, width = shape
+    left, right, top, bottom, dpi = 80, 30, 14, 64, 100
+    total = (width + left + right, height + top + bottom)
+    figure = Figure(figsize=(total[0] / dpi, total[1] / dpi), dpi=dpi)
+    canvas = FigureCanvasAgg(figure)
+    axes = figure.add_axes((left / total[0], bottom / total[1], width / total[0], height / total[1]))
+    axes.set(xlim=(-reach * 1e3, reach * 1e3), ylim=(z_first * 1e3, z_last * 1e3))
+    axes.set(xlabel="along the arc from the line of centres [mm]", ylabel="along the axis [mm]")
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[..., :3].copy(), (left, top)

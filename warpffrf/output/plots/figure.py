@@ -1,0 +1,246 @@
+"""Plots of a result and the summary figure; matplotlib is imported when a plot is drawn."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
+from warpffrf.output.paths import checked_output_path
+from warpffrf.output.plots.colors import largest
+from warpffrf.output.plots.friction import FRICTION_PLOTS
+
+FINE = 400  # points of a smooth curve
+SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch plots
+HEADROOM = 1.08  # of the largest value of a plot
+SECTIONS = {"point": "Across the patch through its centre"}  # of other kinds at mid-width
+PROFILE, REFERENCE = "#1b6ca8", "#d1495b"
+
+
+class OfPair:
+    """A result as if it had one contact pair, `name`."""
+
+    def __init__(self, result: Any, name: str) -> None:
+        result.contact(name)  # refuses a name that there is not
+        self._result, self.contact_names = result, [name]
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._result, name)
+
+
+def _contact(result: Any) -> Any:
+    if not result.contact_names:
+        raise InputError("plot: the scene has no contact pair; only 'energy' can be drawn")
+    return result.contact(result.contact_names[0])
+
+
+def _last_touching(contact: Any) -> int:
+    """The last saved row in which the pair touches; the last row when it never does."""
+    touching = np.flatnonzero(contact.touching)
+    return int(touching[-1]) if len(touching) else len(contact.touching) - 1
+
+
+def hertz_of(contact: Any, i: int) -> HertzLine | HertzPoint | None:
+    """Hertz's contact in saved step `i`, None where he does not apply or nothing touches."""
+    try:
+        return contact.hertz(i)
+    except InputError:
+        return None
+
+
+def _from_zero(ax: Any, *values: Any) -> None:
+    """A scale from zero to a little above the largest of the values, so that a small change looks small."""
+    top = largest([np.asarray(v, dtype=float) for v in values])
+    ax.set_ylim(0.0, HEADROOM * top if top > 0.0 else 1.0)
+
+
+def _at(result: Any, i: int) -> str:
+    return f"t = {result.time[i] * 1e3:.4g} ms"
+
+
+def force(result: Any, ax: Any) -> None:
+    """Contact force of every pair against time."""
+    for name in result.contact_names:
+        ax.plot(result.time * 1e3, result.contact(name).force_magnitude * 1e-3, label=name)
+    ax.set(xlabel="time [ms]", ylabel="contact force [kN]")
+    ax.set_title("Contact force", fontsize=10)
+    _from_zero(ax, *(result.contact(name).force_magnitude * 1e-3 for name in result.contact_names))
+    if len(result.contact_names) > 1:
+        ax.legend(frameon=False)
+
+
+def across(result: Any, ax: Any) -> None:
+    """Pressure across the patch at mid-width, of a point contact through its centre, beside Hertz at the load found."""
+    contact = _contact(result)
+    i = _last_touching(contact)
+    x, p = contact.arc[i] * 1e3, contact.mid_pressure[i] * 1e-6
+    ax.plot(x, p, "o-", ms=3.5, lw=1.0, color=PROFILE, label="computed, at the hats")
+    title = f"{SECTIONS.get(contact.patch_kind, 'Across the patch at mid-width')}, {_at(result, i)}"
+    line = hertz_of(contact, i)
+    if line is not None:
+        fine = contact.center[i] + line.half_width * np.linspace(-1.0, 1.0, FINE)
+        label = (
+            f"Hertz at {line.load:.4g} N"
+            if isinstance(line, HertzPoint)
+            else f"Hertz at {line.line_load * 1e-3:.4g} N/mm"
+        )
+        ax.plot(fine * 1e3, contact.hertz_pressure(i, fine) * 1e-6, color=REFERENCE, label=label)
+        ax.set_xlim(*((contact.center[i] + line.half_width * SHOWN_WIDTHS * np.array([-1.0, 1.0])) * 1e3))
+        ratio = contact.half_width[i] / line.half_width - 1.0, contact.mid_peak_pressure[i] / line.peak_pressure - 1.0
+        title += f"\nagainst Hertz: half-width {ratio[0]:+.2%}, peak {ratio[1]:+.2%}"
+    ax.set(xlabel="arc from the line of centres [mm]", ylabel="pressure [MPa]")
+    ax.set_title(title, fontsize=10)
+    _from_zero(ax, p, [line.peak_pressure * 1e-6] if line else [])
+    ax.legend(frameon=False, fontsize=8, loc="upper right")
+
+
+def along(result: Any, ax: Any) -> None:
+    """Pressure along the axis, in the column with the largest pressure of `across`, beside Hertz of a point contact."""
+    contact = _contact(result)
+    i = _last_touching(contact)
+    patch = contact.pressure(i)
+    column = int(np.argmax(contact.mid_pressure[i]))
+    ax.plot(patch.z * 1e3, patch.pressure[column] * 1e-6, "o-", ms=3.5, lw=1.0, color=PROFILE, label="computed")
+    found = hertz_of(contact, i)
+    if isinstance(found, HertzPoint):
+        width, middle = found.half_width_along, contact.center_of_pressure[i, 1]
+        z = middle + found.section_along * np.linspace(-1.0, 1.0, FINE)
+        p = found.peak_pressure * np.sqrt(np.maximum(0.0, 1.0 - ((z - middle) / found.section_along) ** 2))
+        ax.plot(z * 1e3, p * 1e-6, color=REFERENCE, label="Hertz")
+        ax.set_xlim(*((middle + width * SHOWN_WIDTHS * np.array([-1.0, 1.0])) * 1e3))
+        ax.legend(frameon=False, fontsize=8, loc="upper right")
+    ax.set(xlabel="position along the axis [mm]", ylabel="pressure [MPa]")
+    ax.set_title(f"Along the axis at {patch.arc[column] * 1e3:+.3f} mm of arc", fontsize=10)
+    _from_zero(ax, patch.pressure[column] * 1e-6)
+
+
+def patch(result: Any, ax: Any) -> None:
+    """Pressure on the unwrapped patch, bilinear between the hats."""
+    contact = _contact(result)
+    i = _last_touching(contact)
+    field = contact.pressure(i)
+    image = ax.pcolormesh(
+        field.arc * 1e3, field.z * 1e3, field.pressure.T * 1e-6, shading="gouraud", cmap="magma_r", vmin=0.0
+    )
+    ax.figure.colorbar(image, ax=ax, label="pressure [MPa]")
+    reach = contact.half_width[i] * SHOWN_WIDTHS * 1e3
+    if reach > 0.0:
+        middle = contact.center[i] * 1e3
+        ax.set_xlim(max(middle - reach, field.arc[0] * 1e3), min(middle + reach, field.arc[-1] * 1e3))
+    if contact.patch_kind == "point" and reach > 0.0:
+        reach, middle = contact.half_widths[i, 1] * SHOWN_WIDTHS * 1e3, contact.center_of_pressure[i, 1] * 1e3
+        ax.set_ylim(max(middle - reach, field.z[0] * 1e3), min(middle + reach, field.z[-1] * 1e3))
+    ax.set(xlabel="arc from the line of centres [mm]", ylabel="along the axis [mm]")
+    ax.set_title(f"Patch, unwrapped, {_at(result, i)}", fontsize=10)
+
+
+def energy(result: Any, ax: Any) -> None:
+    """What closes the energy balance, and the grid defect, over the largest energy at hand."""
+    scale = result.energy_scale
+    ax.plot(result.time * 1e3, result.energy_residual, color=PROFILE, label="energy residual (numerical)")
+    defect = result.energy.get("contact_grid")
+    if defect is not None and scale > 0.0:
+        ax.plot(
+            result.time * 1e3, np.asarray(defect) / scale, color=REFERENCE, lw=1.0, label="grid defect of the contact"
+        )
+    ax.axhline(0.0, color="0.7", lw=0.6)
+    ax.set(xlabel="time [ms]", ylabel="over the energy at hand [-]")
+    ax.set_title(f"Energy residual; energy at hand {scale:.3g} J", fontsize=10)
+    ax.legend(frameon=False, fontsize=8)
+
+
+def widths(result: Any, ax: Any) -> None:
+    """Half-width and peak pressure against time, beside Hertz at the load of each row."""
+    contact = _contact(result)
+    rows = np.flatnonzero(contact.touching)
+    ax.plot(result.time[rows] * 1e3, contact.half_width[rows] * 1e3, color=PROFILE, label="half-width")
+    peak = ax.twinx()
+    peak.plot(result.time[rows] * 1e3, contact.mid_peak_pressure[rows] * 1e-6, color=REFERENCE, label="peak pressure")
+    lines = [v for v in (hertz_of(contact, int(i)) for i in rows) if v is not None]
+    lines = lines if len(lines) == len(rows) else []
+    reference = [v.half_width * 1e3 for v in lines], [v.peak_pressure * 1e-6 for v in lines]
+    if lines:
+        ax.plot(result.time[rows] * 1e3, reference[0], "--", color=PROFILE, lw=0.8)
+        peak.plot(result.time[rows] * 1e3, reference[1], "--", color=REFERENCE, lw=0.8)
+    ax.set(xlabel="time [ms]", title="Half-width across and peak pressure (dashed: Hertz)")
+    ax.set_ylabel("half-width [mm]", color=PROFILE)
+    peak.set_ylabel("peak pressure [MPa]", color=REFERENCE)
+    _from_zero(ax, contact.half_width * 1e3, reference[0])
+    _from_zero(peak, contact.mid_peak_pressure * 1e-6, reference[1])
+    ax.title.set_fontsize(10)
+
+
+PLOTS: dict[str, Callable[[Any, Any], None]] = {
+    "force": force,
+    "widths": widths,
+    "across": across,
+    "along": along,
+    "patch": patch,
+    "energy": energy,
+}
+
+
+def plot(result: Any, kind: str, ax: Any = None, contact: str | None = None) -> Any:
+    """Draw `kind` on `ax` (a new one when None) and return the axes; "summary" returns a whole Figure.
+
+    contact: name of the pair to draw, the first one if None. Raises `InputError` for an unknown kind or pair, a run
+    without rows, and plots of friction of a run without friction.
+    """
+    if contact is not None:
+        result = OfPair(result, contact)
+    known = {**PLOTS, **FRICTION_PLOTS}
+    if kind != "summary" and kind not in known:
+        raise InputError(f"plot: unknown kind '{kind}'; known: {', '.join(known)}, summary")
+    if len(result.time) == 0:
+        raise InputError("plot: the run has no saved row")
+    if kind == "summary":
+        return summary_figure(result)
+    if ax is None:
+        import matplotlib.pyplot as plt
+
+        ax = plt.subplots()[1]
+    known[kind](result, ax)
+    return ax
+
+
+def summary_figure(result: Any) -> Any:
+    """A matplotlib Figure with every plot that the run has data for."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    drawn: dict[str, Callable[[Any, Any], None]] = dict(PLOTS) if result.contact_names else {"energy": energy}
+    if any(result.contact(name).has_friction for name in result.contact_names):
+        drawn.update(FRICTION_PLOTS)
+    kinds = list(drawn)
+    columns = min(3, len(kinds))
+    rows = -(-len(kinds) // columns)
+    figure = Figure(figsize=(5.2 * columns, 4.1 * rows), layout="constrained")
+    FigureCanvasAgg(figure)
+    for n, kind in enumerate(kinds):
+        drawn[kind](result, figure.add_subplot(rows, columns, n + 1))
+    end = f"{result.time[-1] * 1e3:.4g} ms, {len(result.time)} saved rows, status: {result.status}"
+    if isinstance(result, OfPair):
+        end += f"; pair {result.contact_names[0]!r}"
+    if len(result.contact_names) > 1:
+        end += f"; patches of pair {result.contact_names[0]!r}, the first of {len(result.contact_names)}"
+        with_friction = [name for name in result.contact_names if result.contact(name).has_friction]
+        end += f", friction of {with_friction[0]!r}" if with_friction else ""
+    figure.suptitle(end, fontsize=11)
+    return figure
+
+
+def write_figure(result: Any, path: str | os.PathLike[str], *, dpi: int = 130) -> Path:
+    """Write the summary figure; the ending chooses the format (.png, .pdf, .svg). Raises InputError for a path
+    not writable."""
+    target = checked_output_path(path, "figure")
+    figure = plot(result, "summary")
+    try:
+        figure.savefig(target, dpi=dpi)
+    except ValueError as error:
+        raise InputError(f"figure: '{target.name}': {error}") from error
+    return target

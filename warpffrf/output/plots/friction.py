@@ -1,0 +1,174 @@
+"""Plots of friction: tractions along the rolling direction, stick and slip on the patch, creepage, power, wear."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.contact_grid import cell_edges
+from warpffrf.model.errors import InputError
+from warpffrf.output.contact.friction import OPEN, SLIP, STATES, STICK
+from warpffrf.output.plots.colors import STATE_COLORS, largest
+
+SHOWN_WIDTHS = 1.6  # half-widths to either side of the middle of the patch
+HEADROOM = 1.08  # of the largest value of a plot
+LEAST_SEEN = 1e-6  # of the other curves of a plot: what is smaller is round-off of a direction that nothing drives
+LEGEND_ROOM = 1.35  # of the range of tractions
+PRESSURE, BOUND, TRACTION, ACROSS, SECOND = "#8a94a3", "#d1495b", "#1b6ca8", "#2a9d6f", "#b57f00"
+
+
+def rubbing(result: Any) -> Any:
+    """The first contact pair with friction; raises `InputError` where there is none."""
+    for name in result.contact_names:
+        if result.contact(name).has_friction:
+            return result.contact(name)
+    raise InputError("plot: no contact pair of the run has friction; give Contact(..., friction=mu) and run again")
+
+
+def _last_touching(contact: Any) -> int:
+    touching = np.flatnonzero(contact.touching)
+    return int(touching[-1]) if len(touching) else len(contact.touching) - 1
+
+
+def _at(result: Any, i: int) -> str:
+    return f"t = {result.time[i] * 1e3:.4g} ms"
+
+
+def _coefficient(contact: Any) -> float | None:
+    return contact.view.friction or None
+
+
+def _seen(values: np.ndarray, *beside: np.ndarray) -> bool:
+    """True where a curve is more than round-off beside the others."""
+    most = largest([np.abs(v) for v in (values, *beside)])
+    return largest([np.abs(values)]) > LEAST_SEEN * most
+
+
+def traction(result: Any, ax: Any) -> None:
+    """Pressure, the bound mu p and the tractions along the rolling direction at mid-width, with stick and slip; of a
+    point contact through its centre."""
+    contact = rubbing(result)
+    i = _last_touching(contact)
+    profile = contact.friction.profile(i, _coefficient(contact))
+    x, half = profile["arc"] * 1e3, 0.5e3 * contact.spacing
+    tau, bound = profile["traction"] * 1e-6, profile["bound"] * 1e-6
+    for state in (STICK, SLIP):
+        cells = np.flatnonzero(profile["state"] == state)
+        for n, c in enumerate(cells):
+            ax.axvspan(
+                x[c] - half, x[c] + half, color=STATE_COLORS[state], alpha=0.18, lw=0.0,
+                label=STATES[state] if n == 0 else None,
+            )  # fmt: skip
+    sign = -1.0 if np.nansum(tau) < 0.0 else 1.0
+    mu = _coefficient(contact)
+    if mu is not None:
+        ax.plot(x, sign * bound, "--", lw=1.1, color=BOUND, label=f"{sign * mu:g} p")
+    ax.step(x, tau, where="mid", lw=1.3, color=TRACTION, label="traction along e_theta, on the first body")
+    if _seen(profile["across"], profile["traction"], profile["bound"]):
+        ax.step(x, profile["across"] * 1e-6, where="mid", lw=1.0, color=ACROSS, label="along the axis")
+    ax.axhline(0.0, color="0.7", lw=0.6)
+    speed = float(contact.friction.rolling_velocity[i])
+    if np.isfinite(speed) and speed != 0.0:
+        lead = "left" if speed > 0.0 else "right"
+        ax.annotate(
+            "material enters", (0.02 if lead == "left" else 0.98, 0.5), xycoords="axes fraction", ha=lead, fontsize=8,
+            color="0.35",
+        )  # fmt: skip
+    drawn = [v[np.isfinite(v)] for v in (sign * bound, tau, profile["across"] * 1e-6)]
+    low, high = (float(f(np.concatenate(drawn), initial=0.0)) for f in (np.min, np.max))
+    room = (LEGEND_ROOM - 1.0) * (high - low)  # for the legend, on the side of the larger tractions
+    ax.set_ylim(low - room * (sign < 0.0), (high + room * (sign > 0.0)) or 1.0)
+    _around(ax, contact, i)
+    ax.set(xlabel="arc along e_theta from the line of centres [mm]", ylabel="traction [MPa]")
+    where = "through the centre" if contact.patch_kind == "point" else "at mid-width"
+    ratio = contact.friction.traction_coefficient[i]
+    ax.set_title(f"Tractions {where}, {_at(result, i)}\ntangential over normal load {ratio:.4g}", fontsize=10)
+    ax.legend(frameon=False, fontsize=7, ncols=2, loc="upper center" if sign > 0.0 else "lower center")
+
+
+def _around(ax: Any, contact: Any, i: int) -> None:
+    """The range of x about the patch."""
+    reach = SHOWN_WIDTHS * contact.half_width[i] * 1e3
+    if reach > 0.0:
+        middle = contact.side * contact.center[i] * 1e3
+        ax.set_xlim(middle - reach, middle + reach)
+
+
+def stick_slip(result: Any, ax: Any) -> None:
+    """State of every cell on the unwrapped patch, with arrows of the tractions on the first body."""
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
+
+    contact = rubbing(result)
+    i = _last_touching(contact)
+    friction, step = contact.friction, 1 if contact.side > 0.0 else -1
+    x = contact.side * contact.arc[i][::step] * 1e3
+    half = 0.5e3 * contact.spacing
+    edges = np.concatenate([x - half, x[-1:] + half]), cell_edges(contact.z) * 1e3
+    state = np.asarray(friction.state[i])[::step]
+    ax.pcolormesh(*edges, state.T, cmap=ListedColormap(STATE_COLORS), vmin=OPEN - 0.5, vmax=SLIP + 0.5)
+    tau = friction.traction[i][:, ::step]
+    j, k = np.nonzero(np.any(tau != 0.0, axis=0))
+    if len(j):
+        ax.quiver(
+            x[j], contact.z[k] * 1e3, tau[0, j, k], tau[1, j, k], angles="uv", pivot="middle", width=0.004, color="0.1"
+        )
+    _around(ax, contact, i)
+    if contact.patch_kind == "point":
+        reach, middle = SHOWN_WIDTHS * contact.half_widths[i, 1] * 1e3, contact.center_of_pressure[i, 1] * 1e3
+        if reach > 0.0:
+            ax.set_ylim(middle - reach, middle + reach)
+    ax.set(xlabel="arc along e_theta from the line of centres [mm]", ylabel="along the axis [mm]")
+    shares = friction.stick_area[i], friction.slip_area[i]
+    share = shares[0] / sum(shares) if sum(shares) > 0.0 else np.nan
+    ax.set_title(f"Stick and slip, {_at(result, i)}, {share:.0%} of the area sticks", fontsize=10)
+    ax.legend(
+        handles=[Patch(color=c, label=n) for n, c in zip(STATES, STATE_COLORS, strict=True)], fontsize=7, ncols=3,
+        loc="upper right",
+    )  # fmt: skip
+
+
+def creepage(result: Any, ax: Any) -> None:
+    """Creepage in both directions and tangential over normal load against time."""
+    contact = rubbing(result)
+    time, friction = result.time * 1e3, contact.friction
+    ax.plot(time, friction.creepage[:, 0], color=TRACTION, label="creepage along e_theta")
+    if _seen(friction.creepage[:, 1], friction.creepage[:, 0]):
+        ax.plot(time, friction.creepage[:, 1], color=ACROSS, label="creepage along the axis")
+    ax.axhline(0.0, color="0.7", lw=0.6)
+    right = ax.twinx()
+    right.plot(time, friction.traction_coefficient, color=BOUND, label="tangential over normal load")
+    if _coefficient(contact) is not None:
+        right.axhline(_coefficient(contact), color=BOUND, lw=0.8, ls="--")
+    right.set_ylim(0.0, HEADROOM * max(float(np.nanmax(friction.traction_coefficient, initial=0.0)),
+                                       _coefficient(contact) or 0.0) or 1.0)  # fmt: skip
+    ax.set(xlabel="time [ms]")
+    ax.set_ylabel("creepage [-]", color=TRACTION)
+    right.set_ylabel("tangential over normal load [-]", color=BOUND)
+    ax.set_title("Creepage and traction coefficient (dashed: coefficient of friction)", fontsize=10)
+    ax.legend(frameon=False, fontsize=8)
+
+
+def power(result: Any, ax: Any) -> None:
+    """Friction power and the largest wear index against time."""
+    contact = rubbing(result)
+    time, friction = result.time * 1e3, contact.friction
+    ax.plot(time, friction.power, color=TRACTION)
+    right = ax.twinx()
+    right.plot(time, friction.wear_peak * 1e-6, color=SECOND)
+    ax.set(xlabel="time [ms]")
+    ax.set_ylabel("friction power [W]", color=TRACTION)
+    right.set_ylabel("largest wear index [W/mm²]", color=SECOND)
+    for axes, values in ((ax, friction.power), (right, friction.wear_peak * 1e-6)):
+        axes.set_ylim(0.0, HEADROOM * float(np.nanmax(values, initial=0.0)) or 1.0)
+    ax.set_title("Friction power, and wear index: pressure times slip speed", fontsize=10)
+
+
+FRICTION_PLOTS: dict[str, Callable[[Any, Any], None]] = {
+    "traction": traction,
+    "stick_slip": stick_slip,
+    "creepage": creepage,
+    "power": power,
+}

@@ -1,0 +1,57 @@
+"""Curves of one contact pair for a recording."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from warpffrf.output.recording.machine_series import Series
+
+CONTACT_PLOTS = {
+    "force": "Contact force [kN]",
+    "peak_pressure": "Largest pressure [MPa]",
+    "half_width": "Half-widths of the patch [µm]",
+}
+FRICTION_PLOTS = {
+    "traction_coefficient": "Tangential over normal load [-]",
+    "creepage": "Creepage, creep over rolling speed [-]",
+    "friction_power": "Friction power [W]",
+    "contact_area": "Contact, stick and slip area [mm²]",
+    "wear": "Largest wear index, pressure times slip [W/mm²]",
+    "cells_per_step": "Columns that the patch advances a step [-]",
+}
+
+
+def contact_series(contact: Any) -> list[Series]:
+    """Entities `plots/<kind>/<pair>` and `solver/active_modes/<pair>`; NaN where a quantity has no meaning."""
+    name = contact.name
+    found: list[Series] = [
+        (("plots", "force", name), f"{name} [kN]", contact.force_magnitude * 1e-3),
+        (("plots", "peak_pressure", name), f"{name} [MPa]", contact.peak_pressure * 1e-6),
+        (("plots", "half_width", name), f"{name} along the arc [µm]", contact.half_width * 1e6),
+        (("solver", "active_modes", name), f"{name} active modes", contact.active_modes),
+    ]
+    if contact.patch_kind == "point":
+        along = contact.half_widths[:, 1] * 1e6
+        found.append((("plots", "half_width", name, "axial"), f"{name} along the axis [µm]", along))
+    return found + (_friction_series(name, contact) if contact.has_friction else [])
+
+
+def _friction_series(name: str, contact: Any) -> list[Series]:
+    friction = contact.friction
+    curves = (
+        ("traction_coefficient", "", f"{name}", friction.traction_coefficient),
+        ("creepage", "around", f"{name} along e_theta", friction.creepage[:, 0]),
+        ("creepage", "axial", f"{name} along the axis", friction.creepage[:, 1]),
+        ("friction_power", "", f"{name} [W]", friction.power),
+        ("contact_area", "patch", f"{name} touches [mm²]", contact.patch_area * 1e6),
+        ("contact_area", "stick", f"{name} sticks [mm²]", friction.stick_area * 1e6),
+        ("contact_area", "slip", f"{name} slips [mm²]", friction.slip_area * 1e6),
+        ("wear", "", f"{name} [W/mm²]", friction.wear_peak * 1e-6),
+        ("cells_per_step", "", f"{name}", friction.cells_per_step),
+    )
+    return [
+        (("plots", kind, name, *([part] if part else [])), label, np.asarray(values, dtype=float))
+        for kind, part, label, values in curves
+    ]

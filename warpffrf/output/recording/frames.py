@@ -1,0 +1,129 @@
+"""What a recording shows, computed before anything is logged, so that colour ranges and magnification hold for the
+whole run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from warpffrf.output.geometry.grid_places import grid_theta_offset, rotate
+from warpffrf.output.geometry.poses import tangents
+from warpffrf.output.geometry.thinning import thinned
+
+SHOWN_DISPLACEMENT = (
+    0.015  # automatic magnification: the largest displacement is drawn at most this part of the smallest body's size
+)
+RELIEF_HEIGHT = 0.35  # height of the pressure relief over the patch, as part of the length shown along the arc
+
+
+def frame_rows(steps: int, max_frames: int) -> tuple[np.ndarray, int]:
+    """Rows to show, first and last among them, at most `max_frames`, and the stride between them."""
+    if steps == 0:
+        return np.zeros(0, dtype=int), 1
+    if steps == 1 or max_frames == 1:
+        return np.array([steps - 1]), max(steps, 1)
+    stride = -(-(steps - 1) // (max_frames - 1))
+    rows = np.arange(0, steps, stride)
+    if rows[-1] != steps - 1:
+        rows = np.append(rows, steps - 1)
+    return rows, stride
+
+
+def round_factor(factor: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten not above `factor`; at least 1."""
+    if not np.isfinite(factor) or factor <= 1.0:
+        return 1.0
+    decade = 10.0 ** np.floor(np.log10(factor))
+    return float(max(m * decade for m in (1.0, 2.0, 5.0) if m * decade <= factor * (1.0 + 1e-12)))
+
+
+@dataclass
+class BodyFrames:
+    """The thinned skin of one body over the frames."""
+
+    points: np.ndarray  # (n, 3) m, user frame
+    triangles: np.ndarray  # (t, 3)
+    displacement: np.ndarray  # (F, n, 3) m, float32, user frame
+    size: float  # m, largest extent
+    values: np.ndarray | None = None  # (F, n) float32, a contact field in SI units, where one was asked for
+
+
+def body_frames(result: Any, rows: np.ndarray, max_points: int, field: str | None = None) -> dict[str, BodyFrames]:
+    """Skins of all flexible bodies at the given rows, with a contact `field` of `Skin.contact_fields`; zero on bodies
+    that do not have it."""
+    frames = {}
+    for name, skin in result.skins().items():
+        sectors = max((s.recovery.sectors for s in skin.body.reduced.contact_surfaces.values()), default=1)
+        kept, triangles = thinned(skin.points, skin.triangles, max_points, sectors)
+        displacement = np.empty((len(rows), len(kept), 3), dtype=np.float32)
+        values = None if field is None else np.zeros((len(rows), len(kept)), dtype=np.float32)
+        for f, i in enumerate(rows):
+            displacement[f] = skin.displacement(i)[kept]
+            if values is not None and field in skin.contact_fields:
+                values[f] = skin.contact_field(field, i)[kept]
+        size = float(np.ptp(skin.points, axis=0).max())
+        frames[name] = BodyFrames(skin.points[kept], triangles, displacement, size, values)
+    return frames
+
+
+@dataclass
+class PatchFrame:
+    """Where the patch of one pair is, at mid-width under the line of centres on the first surface."""
+
+    origin: np.ndarray  # (3,) m, world
+    axes: np.ndarray  # (3, 3), columns: e_theta, t_z, outward normal; world
+
+
+def _local_frame(contact: Any, i: int) -> tuple[np.ndarray, np.ndarray, float]:
+    """Origin (3,) [m] and axes (3, 3), in rows, of the patch frame in the first body's user frame, and its theta."""
+    surface = contact.view.first
+    grid, shape = surface.grid, surface.shape
+    theta = grid.theta_start + grid_theta_offset(surface) + grid.pitch * float(contact.history.center_column[i])
+    middle = 0.5 * (float(grid.z[0]) + float(grid.z[-1]))
+    e_theta, t_z = tangents(shape, theta, middle)[:, 0]
+    return np.ravel(shape.point(theta, middle)), np.stack([e_theta, t_z, np.cross(e_theta, t_z)]), theta
+
+
+def patch_frame(result: Any, contact: Any, i: int) -> PatchFrame:
+    """The frame that the close-up looks from at saved step `i`."""
+    motion = result.history.bodies[contact.view.first_body.name]
+    point, local, _ = _local_frame(contact, i)
+    origin = np.asarray(motion.position[i]) + rotate(motion.rotation[i], point[None])[0]
+    return PatchFrame(origin, rotate(motion.rotation[i], local).T)
+
+
+def grid_triangles(columns: int, rows: int) -> np.ndarray:
+    """Triangles (2 (columns - 1)(rows - 1), 3) of a structured grid with the row index fastest, seen
+    counter-clockwise from outside."""
+    j, k = np.meshgrid(np.arange(columns - 1), np.arange(rows - 1), indexing="ij")
+    a = (j * rows + k).ravel()
+    b, c, d = a + rows, a + rows + 1, a + 1
+    return np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+
+
+def _beside(loaded: np.ndarray, count: int) -> tuple[int, int]:
+    """First and last of `count` lines that have something, and one more on either side; (0, 0) for none."""
+    return (max(int(loaded[0]) - 1, 0), min(int(loaded[-1]) + 1, count - 1)) if len(loaded) else (0, 0)
+
+
+def relief(contact: Any, i: int, top: float, height: float) -> np.ndarray:
+    """Vertices (columns * rows, 3) [m] of the pressure relief in the patch frame, p/top * height above the true
+    surface.
+
+    Columns and rows beyond the first without pressure fall together with it, so that only the patch is seen.
+    """
+    patch = contact.pressure(i)
+    shape = contact.view.first.shape
+    first, last = _beside(np.flatnonzero(np.any(patch.pressure > 0.0, axis=1)), len(patch.arc))
+    low, high = _beside(np.flatnonzero(np.any(patch.pressure > 0.0, axis=0)), len(patch.z))
+    origin, axes, center = _local_frame(contact, i)
+    theta, z = np.meshgrid(
+        center + np.clip(patch.arc, patch.arc[first], patch.arc[last]) / contact.mid_radius,
+        np.clip(patch.z, patch.z[low], patch.z[high]),
+        indexing="ij",
+    )
+    lift = np.maximum(patch.pressure, 0.0) / top * height if top > 0.0 else np.zeros_like(patch.pressure)
+    points = shape.point(theta, z) + lift[..., None] * shape.normal(theta, z)
+    return ((points - origin) @ axes.T).reshape(-1, 3)

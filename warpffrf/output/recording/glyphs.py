@@ -1,0 +1,135 @@
+r"""What a recording draws besides deforming skins: rigid bodies, and arrows of joint reactions and applied forces.
+
+A rigid body has no shape, only mass and inertia. It is drawn as the solid box with the same principal moments,
+
+    I_x = m (b^2 + c^2)/3, ...    =>    a^2 = 3 (I_y + I_z - I_x)/(2 m), ...    half lengths a, b, c,
+
+and a bar from its centre of mass to every place where a joint or a force holds it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model import rotation as rot
+from warpffrf.output.geometry.anchors import Anchor
+from warpffrf.output.geometry.grid_places import rotate
+from warpffrf.output.geometry.scene_view import BodyView
+from warpffrf.output.plots.colors import largest
+
+THINNEST = 0.03  # half length of the thinnest side drawn, of the longest: a disc is no body without thickness
+BODY_COLORS = ((150, 160, 175), (190, 160, 120), (130, 170, 150), (170, 145, 175))
+JOINT_COLOR, LOAD_COLOR = (90, 200, 120), (235, 110, 60)
+ARROW_LENGTH = 0.45  # of the scene's largest body, for the largest force of the run
+ARROW_RADIUS, BAR_RADIUS, POINT_RADIUS = 0.008, 0.01, 0.015  # of the largest body
+LEAST_SHOWN = 1e-3  # of the largest force: shorter arrows are dots
+MOST_LABELS = 8  # more names in a picture hide it
+
+
+@dataclass(frozen=True)
+class InertiaBox:
+    """The box of a rigid body: center (3,) [m, user frame], half lengths (3,) [m], axes as a quaternion (x y z w)."""
+
+    center: np.ndarray
+    half: np.ndarray
+    rotation: np.ndarray
+
+
+def inertia_box(body: BodyView) -> InertiaBox | None:
+    """The box with the body's mass and inertia; None where the inertia is not known (an older results file)."""
+    if body.inertia is None:
+        return None
+    moments, axes = np.linalg.eigh(body.inertia)
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 0] = -axes[:, 0]
+    squares = 1.5 * (moments.sum() - 2.0 * moments) / body.mass
+    half = np.sqrt(np.maximum(squares, 0.0))
+    return InertiaBox(body.center_of_mass, np.maximum(half, THINNEST * half.max()), rot.quaternion(axes))
+
+
+class Glyphs:
+    """Draws rigid bodies and arrows into a recording; `size` is the scene's largest body [m]."""
+
+    def __init__(self, recorder: Any, size: float) -> None:
+        self.recorder, self.result, self.size = recorder, recorder.result, size
+        self.loaded = [a for a in self.result.view.anchors if a.loaded and self._force(a) is not None]
+        rows = recorder.rows[recorder.good]
+        self.top_force = largest([np.linalg.norm(self._force(a)[rows], axis=1) for a in self.loaded])
+        self.labelled = len(self.loaded) <= MOST_LABELS
+        # solid boxes would hide what touches beside them
+        mode = recorder.rr.components.FillMode
+        self.fill = mode.MajorWireframe if recorder.contacts else mode.Solid
+
+    def _force(self, anchor: Anchor) -> Any:
+        """Recorded force (T, 3) [N] at the anchor, world; None for one that is not in the result."""
+        owners = self.result.history.joints if anchor.kind == "joint" else self.result.history.forces
+        return owners[anchor.name].force if anchor.name in owners else None
+
+    def static(self) -> None:
+        """Boxes and bars of the rigid bodies, which move with their frames."""
+        recorder = self.recorder
+        rr = recorder.rr
+        for n, body in enumerate(self.result.view.bodies.values()):
+            box = inertia_box(body) if body.reduced is None else None
+            if box is None:
+                continue
+            color = BODY_COLORS[n % len(BODY_COLORS)]
+            shape = rr.Boxes3D(
+                centers=[box.center], half_sizes=[box.half], quaternions=[rr.Quaternion(xyzw=box.rotation)],
+                colors=[color], fill_mode=self.fill,
+            )  # fmt: skip
+            recorder.log_static(recorder.path("world", body.name, "box"), shape)
+            held = [a.point for a in self.result.view.anchors if a.body == body.name]
+            bars = [[box.center, point] for point in held if np.linalg.norm(point - box.center) > 0.0]
+            if bars:
+                lines = rr.LineStrips3D(bars, colors=[color], radii=BAR_RADIUS * self.size)
+                recorder.log_static(recorder.path("world", body.name, "bars"), lines)
+
+    def frame(self, i: int) -> None:
+        """Arrows of saved row i: what acts on the second side of each joint and on each loaded place."""
+        rr = self.recorder.rr
+        scale = ARROW_LENGTH * self.size / self.top_force if self.top_force > 0.0 else 0.0
+        for anchor in self.loaded:
+            force, at = self._force(anchor)[i], self._place(anchor, i)
+            size = float(np.linalg.norm(force))
+            path = self.recorder.path("world", f"{anchor.kind}_arrows", anchor.name)
+            color = JOINT_COLOR if anchor.kind == "joint" else LOAD_COLOR
+            self.recorder.stream.log(f"{path}/place", rr.Points3D([at], colors=[color], radii=POINT_RADIUS * self.size))
+            if size <= LEAST_SHOWN * self.top_force:
+                self.recorder.stream.log(f"{path}/force", rr.Arrows3D(vectors=np.zeros((0, 3))))
+                continue
+            # a push ends where it acts, a reaction begins there: neither hides the place
+            vector = scale * force
+            origin = at - vector if anchor.kind == "force" else at
+            label = [f"{anchor.name} {force_text(size)}"] if self.labelled else None
+            arrow = rr.Arrows3D(
+                origins=[origin], vectors=[vector], colors=[color], radii=ARROW_RADIUS * self.size, labels=label,
+                show_labels=self.labelled,
+            )  # fmt: skip
+            self.recorder.stream.log(f"{path}/force", arrow)
+
+    def _place(self, anchor: Anchor, i: int) -> np.ndarray:
+        if anchor.body is None:
+            return anchor.point
+        motion = self.result.history.bodies[anchor.body]
+        reduced = self.result.view.bodies[anchor.body].reduced
+        local = anchor.local(reduced, motion.modal[i], self.recorder.factor)
+        return motion.position[i] + rotate(motion.rotation[i], local[None])[0]
+
+
+def force_text(value: float) -> str:
+    """A force [N] in words, N or kN."""
+    return f"{value * 1e-3:.3g} kN" if value >= 1e3 else f"{value:.3g} N"
+
+
+def rigid_size(body: BodyView, anchors: tuple[Anchor, ...]) -> float:
+    """Largest extent [m] of a rigid body as drawn; 0 where nothing is known of it."""
+    box = inertia_box(body)
+    points = [a.point for a in anchors if a.body == body.name]
+    if box is not None:
+        corners = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1).T * box.half
+        points += list(box.center + rotate(box.rotation, corners))
+    return float(np.ptp(np.array(points), axis=0).max()) if points else 0.0

@@ -1,0 +1,89 @@
+"""The unwrapped patch as a picture: e_theta of the first surface to the right, its axis upwards, one window for a run.
+
+Pressure is bilinear between the hats, fields of friction are constant on cells, as they were computed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.contact_grid import cell_edges
+from warpffrf.output.plots.colors import largest
+
+PATCH_VIEW = 3.0  # this many half-widths (largest of the run) are shown to either side
+
+
+@dataclass(frozen=True)
+class MapWindow:
+    """What a patch map shows: x from -reach to reach [m] along e_theta from the line of centres, z from low to high
+    [m]."""
+
+    reach: float
+    low: float
+    high: float
+
+    def x(self, width: int) -> np.ndarray:
+        """(width,) m, middles of the pixels, left to right."""
+        return self.reach * (2.0 * (np.arange(width) + 0.5) / width - 1.0)
+
+    def z(self, height: int) -> np.ndarray:
+        """(height,) m, middles of the pixels, from the top down."""
+        return self.high - (self.high - self.low) * (np.arange(height) + 0.5) / height
+
+
+def map_window(contact: Any, rows: np.ndarray) -> MapWindow:
+    """The window that holds the patch in all saved `rows`: the whole width of a line, of a point contact as many
+    half-widths along the axis as across."""
+    z = contact.z
+    low, high = float(z[0]), float(z[-1])
+    rows = np.asarray(rows)[contact.touching[rows]]
+    width = contact.half_widths[rows]
+    width = width[np.all(np.isfinite(width), axis=1)]
+    if not len(width):
+        return MapWindow(0.5 * contact.spacing * contact.history.pressure.shape[1], low, high)
+    reach = PATCH_VIEW * largest([contact.half_width[rows] if contact.patch_kind == "line" else width[:, 0]])
+    if contact.patch_kind == "point":
+        middle = contact.center_of_pressure[rows][:, 1]
+        low = max(low, float(np.nanmin(middle - PATCH_VIEW * width[:, 1])))
+        high = min(high, float(np.nanmax(middle + PATCH_VIEW * width[:, 1])))
+    return MapWindow(reach, low, high)
+
+
+def hat_map(contact: Any, i: int, values: np.ndarray, window: MapWindow, shape: tuple[int, int]) -> np.ndarray:
+    """(height, width) of hat coefficients `values` (columns, rows) at saved step `i`, zero off the grid's window."""
+    arc, values = _rightwards(contact, i, values)
+    z = contact.z
+    y = window.z(shape[0])
+    across = np.stack([np.interp(window.x(shape[1]), arc, p, left=0.0, right=0.0) for p in values.T])
+    k = np.clip(np.searchsorted(z, y, side="right") - 1, 0, max(len(z) - 2, 0))
+    k1 = np.minimum(k + 1, len(z) - 1)
+    t = np.where(k1 > k, (y - z[k]) / np.where(k1 > k, z[k1] - z[k], 1.0), 0.0)[:, None]
+    return (1.0 - t) * across[k] + t * across[k1]
+
+
+def cell_map(contact: Any, i: int, values: np.ndarray, window: MapWindow, shape: tuple[int, int]) -> np.ndarray:
+    """(height, width) of `values` (columns, rows) that are constant on the cells at saved step `i`, zero off them."""
+    arc, values = _rightwards(contact, i, values)
+    column = np.rint((window.x(shape[1]) - arc[0]) / contact.spacing).astype(int)
+    edges = cell_edges(contact.z)
+    row = np.clip(np.searchsorted(edges, window.z(shape[0]), side="right") - 1, 0, len(contact.z) - 1)
+    inside = (column >= 0) & (column < len(arc))
+    picture = values[np.clip(column, 0, len(arc) - 1)[None, :], row[:, None]]
+    return np.where(inside[None, :], picture, np.zeros((), values.dtype))
+
+
+def pixels(contact: Any, i: int, window: MapWindow, shape: tuple[int, int]) -> np.ndarray:
+    """(columns, rows, 2) x, y [pixels from the upper left corner] of the grid's nodes on a map of `shape` at saved step
+    `i`."""
+    x = (contact.side * contact.arc[i] / window.reach + 1.0) * 0.5 * shape[1]
+    y = (window.high - contact.z) / max(window.high - window.low, 1e-300) * shape[0]
+    return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+
+
+def _rightwards(contact: Any, i: int, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (columns,) [m] along e_theta, growing, and the values in that order."""
+    step = 1 if contact.side > 0.0 else -1
+    return contact.side * contact.arc[i][::step], np.asarray(values)[::step]

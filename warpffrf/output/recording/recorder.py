@@ -1,0 +1,290 @@
+"""A rerun recording of a run: one of the two modules that import rerun (`show` is the other).
+
+Entities: `/world/<body>` carries the rigid motion as a transform, its child `surface` the deforming skin in the user
+frame with the displacement times the deformation factor, coloured by displacement, or its children `box` and `bars`
+where it is rigid; `/world/joint_arrows`, `/world/force_arrows` what joints and forces do, see `glyphs`;
+`/world/contacts/<pair>` is a frame that stays with the patch (x along the arc, y along the axis, z outwards) and
+carries the pressure relief, `/patch_map/<pair>` the unwrapped patch, see `contact_scene`; `/world/forces/<pair>` the
+contact's arrows; `/plots`, `/solver` scalars over all saved rows.
+
+Every array is handed over as a fresh copy: rerun sends later than it is called, and a buffer changed in between is
+sent changed.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.output.geometry.thinning import vertex_normals
+from warpffrf.output.paths import checked_output_path, written_whole
+from warpffrf.output.plots.colors import DISPLACEMENT_STOPS, ColorClasses, ColorScale, largest, legend_picture
+from warpffrf.output.recording import frames as fr
+from warpffrf.output.recording.contact_scene import ContactColors, ContactScene
+from warpffrf.output.recording.contact_series import contact_series
+from warpffrf.output.recording.glyphs import Glyphs, force_text, rigid_size
+from warpffrf.output.recording.machine_series import machine_series
+from warpffrf.output.recording.rigid_shapes import RigidShapes
+
+MAX_POINTS = 8000  # a body: 16 bytes a point and frame, so 300 frames of two bodies stay under 80 MB
+MAX_SERIES = 4000  # points of a scalar plot: more than a screen has pixels
+PLAYBACK_SECONDS = 12.0  # how long the viewer takes to play a run, however short the run
+AXES_LENGTH = 0.58  # of the largest body: out of a roller's rim
+RIGID_AXES_LENGTH = 0.2  # where nothing hides them
+AXES_COLORS = [(230, 80, 80), (90, 200, 90), (90, 130, 255)]  # x, y, z
+DISPLACEMENT = "displacement"
+CONTACT_TEXT = (
+    "The close-up travels with the patch on the first body: the height of the relief is the pressure. The patch map is "
+    "the same patch unwrapped, the arc to the right along e_theta and the axis of the first body upwards."
+)
+FRICTION_TEXT = (
+    "With friction every cell of the contact grid is open, sticks or slips. Arrows in the map of the traction are the "
+    "traction on the first body. The wear index is pressure times slip speed. Material runs through the patch along "
+    "e_theta where the rolling velocity is positive, and enters it on the left."
+)
+
+
+@dataclass(frozen=True)
+class RecordingInfo:
+    """What was written: path, frames shown, stride in saved rows, deformation factor, rows left out because they
+    are not finite."""
+
+    path: Path
+    frames: int
+    stride: int
+    deformation_factor: float
+    skipped_rows: list[int] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+
+def record(
+    result: Any,
+    path: str | os.PathLike[str],
+    *,
+    deformation_factor: float | None = None,
+    max_frames: int = 300,
+    max_points: int = MAX_POINTS,
+    color: str = DISPLACEMENT,
+) -> RecordingInfo:
+    """Write a .rrd of a Result (or History) that `rerun FILE` opens.
+
+    color: what the bodies' surfaces are coloured by: "displacement", or of their contacts "pressure", and with friction
+    "traction", "slip", "state" or "wear".
+
+    deformation_factor: magnification of the elastic displacement, chosen from 1, 2, 5, 10, ... when None; rigid
+    motion is never magnified. At most `max_frames` saved rows are drawn, at most `max_points` points of each body's
+    surface. Rows with a value that is not finite are left out and listed in the answer and in the recording. Raises
+    InputError for a path that cannot be written, a factor or count that is not positive, a colour that the run does not
+    have, and a run without saved rows.
+    """
+    from warpffrf.output.result import Result
+
+    result = result if isinstance(result, Result) else Result(result)
+    if deformation_factor is not None and not deformation_factor > 0.0:
+        raise InputError(f"record: deformation_factor is {deformation_factor}; it must be positive")
+    if max_frames < 1 or max_points < 4:
+        raise InputError(
+            f"record: max_frames is {max_frames} and max_points {max_points}; they must be at least 1 and 4"
+        )
+    if len(result.time) == 0:
+        raise InputError("record: the run has no saved row to draw")
+    target = checked_output_path(path, "record")
+    known = [DISPLACEMENT, *{f: None for skin in result.skins().values() for f in skin.contact_fields}]
+    if color not in known:
+        raise unknown_name("record: color", color, known)
+    rows, stride = fr.frame_rows(len(result.time), max_frames)
+    with np.errstate(invalid="ignore"):
+        bodies = fr.body_frames(result, rows, max_points, None if color == DISPLACEMENT else color)
+    good = np.array([_row_is_finite(result, bodies, f, int(i)) for f, i in enumerate(rows)])
+    skipped = [int(i) for i in rows[~good]]
+    with written_whole(target) as partial:
+        recorder = _Recorder(result, bodies, rows, good, stride, deformation_factor, color)
+        recorder.write(partial, skipped)
+    return RecordingInfo(target, int(good.sum()), stride, recorder.factor, skipped, recorder.notes)
+
+
+def _row_is_finite(result: Any, bodies: dict[str, fr.BodyFrames], f: int, i: int) -> bool:
+    history = result.history
+    arrays = [b.displacement[f] for b in bodies.values()]
+    arrays += [a[i] for m in history.bodies.values() for a in (m.position, m.rotation)]
+    arrays += [a.force[i] for a in (*history.joints.values(), *history.forces.values())]
+    arrays += [a[i] for c in history.contacts.values() for a in (c.force, c.pressure, c.center_column)]
+    rubbing = [c.friction for c in history.contacts.values() if getattr(c, "friction", None) is not None]
+    arrays += [a[i] for f in rubbing for a in (f.traction, f.slip_velocity)]
+    return all(bool(np.all(np.isfinite(a))) for a in arrays)
+
+
+class _Recorder:
+    """Writes one recording; the colour ranges and the factor are fixed in the constructor."""
+
+    def __init__(
+        self,
+        result: Any,
+        bodies: dict[str, fr.BodyFrames],
+        rows: np.ndarray,
+        good: np.ndarray,
+        stride: int,
+        factor: float | None,
+        color: str,
+    ) -> None:
+        import rerun as rr
+
+        self.rr = rr
+        self.stream = rr.RecordingStream("warpffrf")
+        self.result, self.bodies, self.rows, self.good, self.stride = result, bodies, rows, good, stride
+        self.contacts = [result.contact(name) for name in result.contact_names]
+        shown = [np.linalg.norm(b.displacement[good], axis=-1) for b in bodies.values()]
+        top = largest(shown)
+        view = result.view
+        # where bodies touch the view is that of the flexible ones: invented inertias of carriages would rule it
+        seen = [b for b in view.bodies.values() if b.reduced is None and not (self.contacts and bodies)]
+        rigid = [rigid_size(b, view.anchors) for b in seen]
+        self.size = max([b.size for b in bodies.values()] + rigid, default=0.0) or 0.1
+        smallest = min((b.size for b in bodies.values()), default=0.1)
+        automatic = fr.round_factor(fr.SHOWN_DISPLACEMENT * smallest / top) if top > 0.0 else 1.0
+        self.factor = float(factor) if factor is not None else automatic
+        unit, per_metre = ("mm", 1e3) if top > 1e-3 else ("µm", 1e6)
+        self.moved = ColorScale(f"elastic displacement of the bodies [{unit}]", top, per_metre, DISPLACEMENT_STOPS)
+        self.top_force = largest([c.force_magnitude[rows[good]] for c in self.contacts])
+        self.color, self.contact_colors = color, ContactColors(self.contacts, rows[good])
+        self.skin_scale = self.moved if color == DISPLACEMENT else self.contact_colors.scale(color)
+        self.scenes = [ContactScene(self, contact) for contact in self.contacts]
+        self.glyphs, self.shapes = Glyphs(self, self.size), RigidShapes(self)
+        shown = [self.contact_colors.scale(name) for name in self.contact_colors.fields]
+        self.scales: list[ColorScale | ColorClasses] = [self.moved] * bool(bodies and color == DISPLACEMENT) + shown
+        self.notes = self._notes()
+
+    def path(self, *parts: str) -> str:
+        """Entity path with every part escaped."""
+        return self.rr.new_entity_path(list(parts))
+
+    def write(self, file: Path, skipped: list[int]) -> None:
+        """Log everything to `file`."""
+        from warpffrf.output.recording.layout import blueprint
+
+        self.stream.save(str(file), default_blueprint=blueprint(self))
+        if skipped:
+            self.notes.append(f"left out because a value is not finite: saved rows {', '.join(map(str, skipped))}")
+        self._static()
+        self._series()
+        for f, i in enumerate(self.rows):
+            if self.good[f]:
+                self.stream.set_time("time", duration=float(self.result.time[i]))
+                self._bodies(f, int(i))
+                self.glyphs.frame(int(i))
+                for scene in self.scenes:
+                    scene.frame(int(i))
+        self.stream.flush()
+        self.stream.disconnect()
+
+    # --- once ---
+
+    def _notes(self) -> list[str]:
+        notes = [
+            f"{int(self.good.sum())} of {len(self.result.time)} saved rows are drawn, stride {self.stride}; "
+            f"plots use up to {MAX_SERIES}"
+        ]
+        if self.bodies:
+            notes.insert(
+                0,
+                f"elastic displacement is magnified {self.factor:g} times, rigid motion is not, so touching surfaces "
+                "are drawn apart",
+            )
+        shown = {name: (len(b.points), b) for name, b in self.bodies.items()}
+        for name, (count, _) in shown.items():
+            full = len(self.result.view.bodies[name].reduced.surface.points)
+            if count < full:
+                notes.append(f"surface of '{name}' drawn with {count} of {full} points")
+        return [*notes, *self.result.history.notes]
+
+    def _static(self) -> None:
+        rr, log = self.rr, self.log_static
+        log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
+        for name in self.result.history.bodies:  # the user frame shows how a round body turns
+            length = (AXES_LENGTH if self.contacts else RIGID_AXES_LENGTH) * self.size
+            lines = [[[0.0, 0.0, 0.0], axis] for axis in (length * np.eye(3)).tolist()]
+            strips = rr.LineStrips3D(lines, colors=AXES_COLORS, radii=0.004 * self.size)
+            log(self.path("world", name, "frame"), strips)
+        for name, body in self.bodies.items():
+            normals = vertex_normals(body.points, body.triangles).astype(np.float32)
+            triangles = np.array(body.triangles, dtype=np.uint32)
+            log(
+                self.path("world", name, "surface"),
+                rr.Mesh3D.from_fields(triangle_indices=triangles, vertex_normals=normals),
+            )
+        for scene in self.scenes:
+            scene.static()
+        self.shapes.static()
+        self.glyphs.static()
+        if self.scales:
+            log("legend", rr.Image(legend_picture(self.scales)))
+        log("about", rr.TextDocument(self._about(), media_type=rr.MediaType.MARKDOWN))
+
+    def log_static(self, path: str, *archetypes: Any) -> None:
+        """Log something that holds for the whole recording."""
+        self.stream.log(path, *archetypes, static=True)
+
+    def _about(self) -> str:
+        contacts = [
+            f"- **{c.name}**: force on '{c.view.first_body.name}' (blue) and on '{c.view.second_body.name}' (orange)"
+            for c in self.contacts
+        ]
+        parts = (
+            "# What this shows",
+            f"Flexible bodies are coloured by {self.color}, contact patches by pressure; the ranges hold for "
+            "the whole run. The red, green and blue lines are x, y, z of each body's user frame and turn with it. "
+            "A rigid body is the box with its mass and moments of inertia, with bars to the places that hold it.",
+            "Green arrows are reactions of joints on their second body, orange ones forces on the body that they load; "
+            f"one length for all, the largest is {force_text(self.glyphs.top_force)}.",
+            *([CONTACT_TEXT] if self.contacts else []),
+            *([FRICTION_TEXT] if any(c.has_friction for c in self.contacts) else []),
+            "\n".join(contacts),
+            "## Notes",
+            "\n".join(f"- {note}" for note in self.notes),
+            "## Report",
+            f"```\n{self.result.report()}\n```",
+        )  # fmt: skip
+        return "\n\n".join(parts) + "\n"
+
+    def _series(self) -> None:
+        rr, result, history = self.rr, self.result, self.result.history
+        step = -(-len(result.time) // MAX_SERIES)
+        rows = np.unique(np.append(np.arange(0, len(result.time), step), len(result.time) - 1))
+        series = machine_series(result)
+        for c in self.contacts:
+            series += contact_series(c)
+        series.append((("solver", "iterations"), "Newton iterations a step", history.iterations))
+        series.append((("solver", "factorisations"), "factorisations a step", history.factorisations))
+        series.append(
+            (("solver", "energy_residual"), "energy residual over the largest energy at hand", result.energy_residual)
+        )
+        series.append((("solver", "step_size"), "step size [s]", history.step_size))
+        for parts, label, values in series:
+            path = self.path(*parts)
+            self.log_static(path, rr.SeriesLines(names=[label]))
+            use = rows[np.isfinite(np.asarray(values, dtype=float)[rows])]
+            times = rr.TimeColumn("time", duration=np.asarray(result.time)[use].copy())
+            self.stream.send_columns(path, [times], rr.Scalars.columns(scalars=np.array(values, dtype=float)[use]))
+
+    # --- every frame ---
+
+    def _bodies(self, f: int, i: int) -> None:
+        rr = self.rr
+        for name, motion in self.result.history.bodies.items():
+            pose = rr.Transform3D(
+                translation=motion.position[i].copy(), quaternion=rr.Quaternion(xyzw=motion.rotation[i].copy())
+            )
+            self.stream.log(self.path("world", name), pose)
+            if name not in self.bodies:
+                continue
+            body = self.bodies[name]
+            positions = (body.points + self.factor * body.displacement[f]).astype(np.float32)
+            values = np.linalg.norm(body.displacement[f], axis=-1) if body.values is None else body.values[f]
+            colors = self.skin_scale.packed(values)
+            mesh = rr.Mesh3D.from_fields(vertex_positions=positions, vertex_colors=colors)
+            self.stream.log(self.path("world", name, "surface"), mesh)

@@ -1,0 +1,91 @@
+"""True shapes of rigid contact surfaces in a recording: they have no mesh, and are drawn as far as a patch comes.
+
+A plane reaches `AROUND` of the largest body beyond the patches of the run, a surface of revolution as far along its
+axis, all the way around; a sphere is drawn whole.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from warpffrf.output.geometry.poses import Pose
+from warpffrf.output.geometry.scene_view import PairView
+from warpffrf.output.recording import frames as fr
+
+AROUND = 0.6  # of the largest body
+POINTS = (97, 25)  # around and along
+POLE = 1.0 - 1e-6  # of the radius of an arc: the last ring before its end
+COLOR = (168, 176, 186, 255)
+
+
+class RigidShapes:
+    """Draws the rigid surfaces of the recording's pairs, children of their bodies, so that they move with them."""
+
+    def __init__(self, recorder: Any) -> None:
+        self.recorder = recorder
+        rigid = {self._path(c.view): c for c in recorder.contacts if c.view.second.grid is None}
+        self._contacts = rigid  # one pair a surface: it shows where the patches are
+
+    def _path(self, view: PairView) -> str:
+        return self.recorder.path("world", view.second_body.name, view.second_surface_name)
+
+    def paths(self) -> list[str]:
+        """Entities of the surfaces."""
+        return list(self._contacts)
+
+    def static(self) -> None:
+        """Log every surface once."""
+        rr = self.recorder.rr
+        for path, contact in self._contacts.items():
+            points, normals, triangles = shape_mesh(contact.view.second.shape, *self._reach(contact))
+            mesh = rr.Mesh3D(
+                vertex_positions=points.astype(np.float32), vertex_normals=normals.astype(np.float32),
+                triangle_indices=triangles.astype(np.uint32), albedo_factor=COLOR,
+            )  # fmt: skip
+            self.recorder.log_static(path, mesh)
+
+    def _reach(self, contact: Any) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Ranges of theta [rad, m on a plane] and z [m] on the rigid surface that the patches of the run lie in, and
+        more."""
+        recorder, shape = self.recorder, contact.view.second.shape
+        places = []
+        for i in recorder.rows[recorder.good]:
+            own = Pose.of(contact.bodies, contact.view.second_body.name, int(i))
+            origin = fr.patch_frame(recorder.result, contact, int(i)).origin
+            theta, z, _ = shape.chart(own.to_user(origin[None]))
+            places.append((float(theta[0]), float(z[0])))
+        low, high = (np.min(places, axis=0), np.max(places, axis=0)) if places else (np.zeros(2), np.zeros(2))
+        more = AROUND * recorder.size
+        return (low[0] - more, high[0] + more), (low[1] - more, high[1] + more)
+
+
+def shape_mesh(
+    shape: Any, theta: tuple[float, float], z: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points (n, 3) [m], outward normals (n, 3) and triangles (t, 3) of a shape over ranges of theta and z; a surface
+    of revolution all around, and no farther along than its arc reaches, of a sphere all of it."""
+    profile = shape.profile()
+    around, along = theta, z
+    if not profile.planar:
+        around = (0.0, 2.0 * np.pi)
+        if profile.crown:
+            end = POLE * abs(profile.crown)
+            whole = profile.crown == profile.radius
+            along = (-end, end) if whole else (max(z[0], -end), min(z[1], end))
+    t, s = np.meshgrid(np.linspace(*around, POINTS[0]), _spread(along, profile, POINTS[1]), indexing="ij")
+    t, s = t.ravel(), s.ravel()
+    triangles = fr.grid_triangles(*POINTS)
+    points, normals = shape.point(t, s), shape.normal(t, s)
+    corners = points[triangles[len(triangles) // 4]]
+    outwards = np.cross(corners[1] - corners[0], corners[2] - corners[0]) @ normals[triangles[len(triangles) // 4, 0]]
+    return points, normals, triangles if outwards > 0.0 else triangles[:, ::-1]
+
+
+def _spread(along: tuple[float, float], profile: Any, count: int) -> np.ndarray:
+    """Places along the axis: equal steps, of an arc equal steps of its angle."""
+    if not profile.crown:
+        return np.linspace(*along, count)
+    radius = abs(profile.crown)
+    return radius * np.sin(np.linspace(np.arcsin(along[0] / radius), np.arcsin(along[1] / radius), count))

@@ -1,0 +1,132 @@
+"""The readable report of a run."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.output.contact.hertz import flexible_sides
+from warpffrf.output.contact.hertz_patch import HertzPoint
+from warpffrf.output.report.items import item_lines
+
+KINDS = {
+    "line": "a line across the width",
+    "line_around": "a line along the arc",
+    "point": "a point contact",
+    "flat": "flat faces",
+}
+
+
+def report_text(result: Any) -> str:
+    """Status, counters, contacts at the last saved step beside Hertz, joints, forces, sensors, energy balance, notes:
+    plain text, one fact a line."""
+    history = result.history
+    lines = [f"status            {result.status}" + (f": {result.message}" if result.message else "")]
+    if len(result.time) == 0:
+        return "\n".join([*lines, "no step was saved", *_notes(history)])
+    lines.append(f"time              {result.time[0]:.6g} to {result.time[-1]:.6g} s, {len(result.time)} rows saved")
+    if len(history.iterations) > 1:
+        every_step = history.counters.get("steps", 0) <= len(history.iterations) - 1  # else rows sum over steps
+        lines.append(
+            f"newton            mean {history.iterations[1:].mean():.2f}, "
+            f"largest {int(history.iterations[1:].max())} iterations a {'step' if every_step else 'saved row'}"
+        )
+    lines += [f"{name.replace('_', ' '):<17} {value:.6g}" for name, value in history.counters.items()]
+    for name in result.contact_names:
+        lines += _contact_lines(result.contact(name))
+    lines += item_lines(result)
+    lines.append(f"energy scale      {result.energy_scale:.6g} J, the largest energy at hand")
+    residual = result.energy_residual
+    if np.all(np.isnan(residual)):
+        lines.append("energy residual   not booked by this method")
+    else:
+        lines.append(
+            f"energy residual   {residual[-1]:+.3e} at the end, {np.ptp(residual):.3e} peak to peak, over the energy "
+            "scale"
+        )
+    defect = history.energy.get("contact_grid")
+    friction = history.energy.get("friction")
+    if friction is not None and np.any(np.nan_to_num(friction) != 0.0):
+        lines.append(f"friction          {friction[-1]:+.6g} J, work of friction since the start")
+    if result.contact_names and defect is not None and result.energy_scale > 0.0 and np.isfinite(defect[-1]):
+        lines.append(
+            f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale moved by the grid defect"
+        )
+    return "\n".join([*lines, *_notes(history)])
+
+
+def _contact_lines(contact: Any) -> list[str]:
+    head = f"contact '{contact.name}'"
+    friction = _friction_lines(contact) if contact.has_friction else []
+    if not contact.touching[-1]:
+        return [f"{head}: open in the last row", *friction]
+    width, middle = contact.half_widths[-1] * 1e6, contact.center_of_pressure[-1] * 1e6
+    lines = [
+        f"{head}: last row, {KINDS[contact.patch_kind]}",
+        f"  force           {contact.force_magnitude[-1]:.6g} N",
+        f"  half-width      {contact.half_width[-1] * 1e6:.5g} um",
+        f"  patch           {width[0]:.5g} um along the arc, {width[1]:.5g} um along the axis, area "
+        f"{contact.patch_area[-1] * 1e6:.5g} mm2, centre at {middle[0]:.4g} and {middle[1]:.4g} um",
+        f"  peak pressure   {contact.mid_peak_pressure[-1] / 1e6:.5g} MPa {_section(contact)}, "
+        f"{contact.peak_pressure[-1] / 1e6:.5g} MPa anywhere",
+        f"  approach        {contact.approach[-1] * 1e6:.5g} um",
+        f"  active modes    {int(contact.active_modes[-1])}",
+    ]
+    try:
+        found = contact.hertz(-1)
+    except InputError as error:
+        return [*lines, f"  Hertz           not computed: {error}", *_stress_lines(contact), *friction]
+    if isinstance(found, HertzPoint):
+        a, b = found.semi_axes
+        hertz = f"semi-axes {a * 1e6:.5g} and {b * 1e6:.5g} um, peak {found.peak_pressure / 1e6:.5g} MPa, approach "
+        hertz += f"{found.approach * 1e6:.5g} um at the load {found.load:.5g} N found"
+    else:
+        hertz = f"half-width {found.half_width * 1e6:.5g} um, peak {found.peak_pressure / 1e6:.5g} MPa "
+        hertz += f"at the line load {found.line_load / 1e3:.5g} N/mm found at mid-width"
+    return [*lines, f"  Hertz           {hertz}", *_stress_lines(contact), *friction]
+
+
+def _stress_lines(contact: Any) -> list[str]:
+    """How right stresses below a line contact are, of bodies that have them."""
+    with_stress = {body.name for body, _ in flexible_sides(contact.view) if body.reduced.stress}
+    if contact.patch_kind != "line" or not with_stress:
+        return []
+    try:
+        found = contact.stress_errors(-1)
+    except InputError as error:
+        return [f"  stress below    {error}"]
+    return [
+        f"  stress below    of '{name}' von Mises to {e.von_mises:.1%}, its depth to {e.depth:.0%} "
+        f"({e.spacings:.2g} spacings of nodes in the half-width)"
+        for name, e in found.items()
+        if name in with_stress
+    ]
+
+
+def _section(contact: Any) -> str:
+    return "through the centre" if contact.patch_kind == "point" else "at mid-width"
+
+
+def _friction_lines(contact: Any) -> list[str]:
+    friction = contact.friction
+    shares = friction.stick_area[-1], friction.slip_area[-1]
+    creepage, warning = friction.creepage[-1], friction.warning()
+    rolls = "not rolling" if np.any(np.isnan(creepage)) else f"{creepage[0]:+.4e} around, {creepage[1]:+.4e} along"
+    lines = [
+        f"  traction        {np.linalg.norm(friction.tangential_force[-1]):.6g} N tangential, "
+        f"{friction.traction_coefficient[-1]:.5g} of the load",
+        f"  creepage        {rolls}",
+        f"  stick, slip     {shares[0] * 1e6:.5g} and {shares[1] * 1e6:.5g} mm2",
+        f"  friction power  {friction.power[-1]:.5g} W, largest of the run {np.nanmax(friction.power):.5g} W",
+        f"  wear index      {friction.wear_peak[-1] / 1e6:.5g} W/mm2 at most, {friction.wear_rate[-1]:.5g} W in all "
+        "(pressure times slip speed)",
+        f"  cells a step    {friction.cells_per_step[-1]:.3g}, largest of the run "
+        f"{np.nanmax(friction.cells_per_step):.3g}",
+    ]
+    return lines if warning is None else [*lines, f"  warning         {warning}"]
+
+
+def _notes(history: Any) -> list[str]:
+    return ["notes"] + [f"  - {note}" for note in history.notes] if history.notes else []
