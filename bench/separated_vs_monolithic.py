@@ -25,9 +25,9 @@ from scipy.linalg import blas, lapack
 
 from warpffrf import monolithic
 from warpffrf.demos import two_rollers
-from warpffrf.monolithic import linear
-from warpffrf.monolithic.contact import LAWS, STIFFER, default_layer
-from warpffrf.monolithic.linear import VARIANTS
+from warpffrf.monolithic.core import linear
+from warpffrf.monolithic.core.linear import VARIANTS
+from warpffrf.monolithic.line_of_centres.pair import LAWS, STIFFER, default_layer
 from warpffrf.online import GeneralizedAlpha, run
 from warpffrf.study.rollers import PAIR
 from warpffrf.study.step_time import machine, swinging_pair, tread_body

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.monolithic.equations import Increment
-from warpffrf.monolithic.integrator import Formula
-from warpffrf.monolithic.linear import dense_jacobian
+from warpffrf.monolithic.core.equations import Increment
+from warpffrf.monolithic.core.integrator import Formula
+from warpffrf.monolithic.core.linear import dense_jacobian
+from warpffrf.monolithic.core.state import State
 from warpffrf.monolithic.newton import Evaluation, System, evaluate
-from warpffrf.monolithic.state import State
 
 ROUND_OFF = 1e-15  # of the largest residual: sums of some hundred terms
 

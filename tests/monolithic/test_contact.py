@@ -12,8 +12,8 @@ from warpffrf.model import signals
 from warpffrf.model.contact import Contact
 from warpffrf.model.local_modes import dynamic_modes
 from warpffrf.model.scene import Scene
-from warpffrf.monolithic.contact import default_layer
-from warpffrf.monolithic.linear import VARIANTS
+from warpffrf.monolithic.core.linear import VARIANTS
+from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import GeneralizedAlpha, Settings, run
 from warpffrf.study.rollers import PAIR, Path, guided_pair, prescribed_pair, roller_body
 

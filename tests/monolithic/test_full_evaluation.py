@@ -12,7 +12,7 @@ from warpffrf.model import laws
 from warpffrf.model.errors import InputError
 from warpffrf.model.friction import Coulomb
 from warpffrf.model.scene import Scene
-from warpffrf.monolithic.contact import default_layer
+from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import run
 from warpffrf.study.rollers import PAIR, Path, guided_pair, prescribed_pair, roller_body
 

@@ -13,7 +13,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.monolithic import Monolithic
-from warpffrf.monolithic.contact import default_layer
+from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.output.simulate import simulate
 from warpffrf.study.full_friction import PAIR, rolled, shifted

@@ -13,7 +13,7 @@ from warpffrf import monolithic
 from warpffrf.model import forces, joints, laws, signals
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
-from warpffrf.monolithic import local_coordinates
+from warpffrf.monolithic.core import local_coordinates
 from warpffrf.study.rollers import PAIR, guided_pair
 
 

@@ -12,7 +12,7 @@ from warpffrf.model import forces, joints
 from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import HHT, GeneralizedAlpha, Newmark, RungeKutta4
 from warpffrf.model.scene import Scene
-from warpffrf.monolithic.integrator import coefficients_of
+from warpffrf.monolithic.core.integrator import coefficients_of
 
 
 def oscillator(step: float, duration: float, integrator: Any) -> float:

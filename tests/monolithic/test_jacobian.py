@@ -13,9 +13,9 @@ from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.integrators import HHT
 from warpffrf.model.scene import Scene
-from warpffrf.monolithic.contact import LAWS
-from warpffrf.monolithic.equations import predicted
-from warpffrf.monolithic.integrator import Formula
+from warpffrf.monolithic.core.equations import predicted
+from warpffrf.monolithic.core.integrator import Formula
+from warpffrf.monolithic.line_of_centres.pair import LAWS
 from warpffrf.monolithic.newton import evaluate
 from warpffrf.monolithic.run import build
 from warpffrf.study.rollers import guided_pair

@@ -18,8 +18,8 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.rotation import matrix
 from warpffrf.model.scene import Scene
 from warpffrf.monolithic import Monolithic
-from warpffrf.monolithic.contact import default_layer
-from warpffrf.monolithic.linear import VARIANTS
+from warpffrf.monolithic.core.linear import VARIANTS
+from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import GeneralizedAlpha, Newmark
 from warpffrf.online.stages import Stage
 from warpffrf.output.simulate import simulate

@@ -17,19 +17,19 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import sleeve
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.monolithic.equations import predicted
-from warpffrf.monolithic.integrator import Formula
-from warpffrf.monolithic.linear import dense_jacobian
+from warpffrf.monolithic.core.equations import predicted
+from warpffrf.monolithic.core.integrator import Formula
+from warpffrf.monolithic.core.linear import dense_jacobian
 from warpffrf.monolithic.newton import Evaluation, System, evaluate
-from warpffrf.monolithic.node_friction import SLIP, STICK
-from warpffrf.monolithic.node_newton import stiffness_of
-from warpffrf.monolithic.node_pair import FORCE, TRACTION, NodePairState
+from warpffrf.monolithic.nodal.friction import SLIP, STICK
+from warpffrf.monolithic.nodal.newton import stiffness_of
+from warpffrf.monolithic.nodal.pair import FORCE, TRACTION, NodePairState
 from warpffrf.monolithic.run import build
 from warpffrf.monolithic.start import standing
 from warpffrf.offline import reduce
 from warpffrf.study.rollers import roller_body
 
-AGREE = 1e-5  # of the largest entry of a row: how the lean turns with the place is left out (`node_gap`)
+AGREE = 1e-5  # of the largest entry of a row: how the lean turns with the place is left out (`nodal.gap`)
 LAYER = laws.LinearLayer(1e13)
 DEEP, SHALLOW = 1.5e-3, 3e-5  # m, so that some nodes of these coarse meshes carry: counterformal, conformal
 STEP = 1e-4  # s

@@ -10,8 +10,8 @@ from scipy.optimize import minimize
 
 from warpffrf.model import laws
 from warpffrf.model.friction import Coulomb, RegularisedCoulomb
-from warpffrf.monolithic.layer_slopes import elastic_slope, layer_pressure, reach
-from warpffrf.monolithic.node_friction import SLIP, STICK, closest_point, node_traction
+from warpffrf.monolithic.nodal.friction import SLIP, STICK, closest_point, node_traction
+from warpffrf.monolithic.nodal.layer_slopes import elastic_slope, layer_pressure, reach
 
 LAYERS = {
     "linear_layer": laws.LinearLayer(1e13),

@@ -2,19 +2,20 @@
 
 The yardstick that the separated solver is measured by, written in NumPy and SciPy from the model alone.
 
-    description     scene -> bodies, markers, rows, springs, loads
-    integrator      the formulas of a step
-    equations       residual and exact Jacobian of everything but contact (rows, inertia_forces)
-    contact         gaps and forces of a pair on the line of centres (contact_frame, sampling, local_coordinates)
-    node_pair       the same for the law at nodes of any shape, with friction (node_gap, node_tangent, node_surface,
-                    layer_slopes, node_friction; node_build, node_newton, node_record)
-    linear          K of the variants: dense LU, kept LU, diagonal plus low rank
-    newton, run     a step; the time loop
-    settings        what `simulate(method=Monolithic(...))` chooses; contact_record, checkpoint: what is saved
+    core             the system without contact: scene -> bodies, rows, springs, loads (description); residual and exact
+                     Jacobian (equations, rows, inertia_forces); formulas of a step (integrator); local coordinates;
+                     K of the variants: dense LU, kept LU, diagonal plus low rank (linear)
+    line_of_centres  gaps and forces of a pair on the line of centres, its window and what is saved of it
+    nodal            the same for the law at nodes of any shape, with friction
+    newton           a step, contact included
+    run, start       the time loop and what it begins with; history, checkpoint: what is saved
+    settings         what `simulate(method=Monolithic(...))` chooses; refusals: what the reference does not have
+
+A room imports those above it, and none of them the files behind: these bring the rooms together.
 """
 
+from warpffrf.monolithic.core.integrator import DEFAULT_INTEGRATOR, coefficients_of
 from warpffrf.monolithic.history import MonolithicHistory
-from warpffrf.monolithic.integrator import DEFAULT_INTEGRATOR, coefficients_of
 from warpffrf.monolithic.run import run
 from warpffrf.monolithic.settings import Monolithic
 

@@ -8,7 +8,7 @@ from dataclasses import fields
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.monolithic.state import State
+from warpffrf.monolithic.core.state import State
 
 MARK = "monolithic_"  # in front of every name: a checkpoint of the separated solver is none of these
 YOUNGER = ("nodes", "lost")  # fields that files of before the law at nodes of true shapes lack

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from warpffrf.monolithic.state import State
+from warpffrf.monolithic.core.state import State
 
 
 @dataclass
@@ -34,7 +34,7 @@ class ContactForces:
     torque_second: np.ndarray  # (T, 3) N m
     first_column: np.ndarray  # (T,) int
     center_column: np.ndarray  # (T,)
-    pressure: np.ndarray  # (T, columns, rows) Pa; of law "nodes" see `contact_record`
+    pressure: np.ndarray  # (T, columns, rows) Pa; of law "nodes" see `line_of_centres.record`
     first_column_second: np.ndarray  # (T,) int
     load_second: np.ndarray  # (T, columns, rows) N
     approach: np.ndarray  # (T,) m

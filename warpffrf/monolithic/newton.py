@@ -20,13 +20,14 @@ from typing import Any
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, lu_factor, lu_solve
 
-from warpffrf.monolithic.contact_window import windowed
-from warpffrf.monolithic.description import SceneData
-from warpffrf.monolithic.equations import Balance, Increment, LocalData, Trial, advance, balance, predicted
-from warpffrf.monolithic.integrator import Formula
-from warpffrf.monolithic.linear import Dense, LowRank, SingularError, Solver, dense_jacobian
-from warpffrf.monolithic.node_newton import MAX_ITERATIONS as LONGEST
-from warpffrf.monolithic.node_newton import (
+from warpffrf.monolithic.core.description import SceneData
+from warpffrf.monolithic.core.equations import Balance, Increment, LocalData, Trial, advance, balance, predicted
+from warpffrf.monolithic.core.integrator import Formula
+from warpffrf.monolithic.core.linear import Dense, LowRank, SingularError, Solver, dense_jacobian
+from warpffrf.monolithic.core.state import Layout, State
+from warpffrf.monolithic.line_of_centres.window import windowed
+from warpffrf.monolithic.nodal.newton import MAX_ITERATIONS as LONGEST
+from warpffrf.monolithic.nodal.newton import (
     Halving,
     add_stiffness,
     cut_short,
@@ -35,8 +36,7 @@ from warpffrf.monolithic.node_newton import (
     stiffness_of,
     with_constants,
 )
-from warpffrf.monolithic.node_pair import ITERATE
-from warpffrf.monolithic.state import Layout, State
+from warpffrf.monolithic.nodal.pair import ITERATE
 
 MAX_ITERATIONS = 25  # Newton is quadratic; semismooth and modified iterations take some more
 MAX_CORRECTIONS = 40  # of the active set for one linearisation: more means that it cycles
@@ -71,7 +71,7 @@ class System:
     data: SceneData
     layout: Layout
     local: LocalData
-    pairs: list[Any]  # `contact.PairData`, or of the law at nodes of any surface all `node_pair.NodePairData`
+    pairs: list[Any]  # `line_of_centres.pair.PairData`, or all `nodal.pair.NodePairData`, at nodes of any surface
     surfaces: list[tuple[int, int | None]]
     variant: str
     assembled: bool  # contact stiffness goes into K

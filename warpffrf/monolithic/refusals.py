@@ -1,9 +1,9 @@
 """Which contacts of the monolithic reference go which way, and what it does not have.
 
 Evaluation "full" has the law at the FE nodes of the first surface: for pairs of outside cylinders and crowned cylinders
-of flexible bodies with a linear layer along the line of centres (`contact`), as the separated solver takes their gaps,
-for all others by the true shapes (`node_pair`). Without it, hats or nodes of a unilateral pair are on the line of
-centres only.
+of flexible bodies with a linear layer along the line of centres (`line_of_centres`), as the separated solver takes
+their gaps, for all others by the true shapes (`nodal`). Without it, hats or nodes of a unilateral pair are on the line
+of centres only.
 """
 
 from __future__ import annotations

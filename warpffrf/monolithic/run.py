@@ -15,20 +15,20 @@ from warpffrf.model.friction import friction_notes
 from warpffrf.model.progress import Progress
 from warpffrf.model.slopes import leanings, leant
 from warpffrf.model.step_count import step_count
-from warpffrf.monolithic.contact import pair_data
-from warpffrf.monolithic.contact_record import ContactRow, contact_arrays, contact_row, joined
-from warpffrf.monolithic.description import describe_scene
-from warpffrf.monolithic.equations import LocalData
+from warpffrf.monolithic.core.description import describe_scene
+from warpffrf.monolithic.core.equations import LocalData
+from warpffrf.monolithic.core.integrator import REST, Formula, coefficients_of
+from warpffrf.monolithic.core.local_coordinates import TREATMENTS, local_coordinates
+from warpffrf.monolithic.core.state import State, initial_state, layout_of
 from warpffrf.monolithic.history import BodyMotion, ContactForces, MonolithicHistory
-from warpffrf.monolithic.integrator import REST, Formula, coefficients_of
-from warpffrf.monolithic.local_coordinates import TREATMENTS, local_coordinates
+from warpffrf.monolithic.line_of_centres.pair import pair_data
+from warpffrf.monolithic.line_of_centres.record import ContactRow, contact_arrays, contact_row, joined
 from warpffrf.monolithic.newton import Evaluation, Solution, System, solve_step
-from warpffrf.monolithic.node_build import memory, node_pairs
-from warpffrf.monolithic.node_record import FrictionRow, friction_arrays, node_row
+from warpffrf.monolithic.nodal.build import memory, node_pairs
+from warpffrf.monolithic.nodal.record import FrictionRow, friction_arrays, node_row
 from warpffrf.monolithic.refusals import needs_nodes, refuse_contacts
 from warpffrf.monolithic.settings import TOLERANCE, Monolithic, contact_layers
 from warpffrf.monolithic.start import begin, standing
-from warpffrf.monolithic.state import State, initial_state, layout_of
 
 log = logging.getLogger("warpffrf")
 
@@ -123,9 +123,9 @@ def run(
 
     start: "initial", "equilibrium", or the history of an earlier run. integrator: see `coefficients_of`; None is HHT
     with alpha = -0.3. variant: "full", "modified" or "low_rank" (`linear`). law: "hats", the weak unilateral law of the
-    separated solver, or "nodes", a layer of `layer_stiffness` [Pa/m] at every node of the first surface (`contact`);
-    contacts of evaluation "full" are nodes with the layer of their own law and with friction, for which
-    `stick_stiffness` [Pa/m] is that of nodes that stick (`node_friction`).
+    separated solver, or "nodes", a layer of `layer_stiffness` [Pa/m] at every node of the first surface
+    (`line_of_centres`); contacts of evaluation "full" are nodes with the layer of their own law and with friction, for
+    which `stick_stiffness` [Pa/m] is that of nodes that stick (`nodal.friction`).
     local: "quasi_static" or "hht", with the modes `local_modes` by (body, surface) and their damping ratio
     `local_damping`. tolerance: of the residuals, as fractions. Inertia "auto" of a body means all terms it has.
 

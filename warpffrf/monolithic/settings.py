@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.monolithic.contact import LAWS
-from warpffrf.monolithic.linear import VARIANTS
+from warpffrf.monolithic.core.linear import VARIANTS
+from warpffrf.monolithic.line_of_centres.pair import LAWS
 
 TOLERANCE = 1e-9  # of the residuals, as fractions
 
@@ -17,11 +17,11 @@ class Monolithic:
     """The method "monolithic" of `simulate` with other choices than its own, which are the conventional ones.
 
     variant: how the linear systems are solved, "full" (dense LU in each iteration), "modified" (kept LU) or "low_rank"
-    (local coordinates condensed), see `warpffrf.monolithic.linear`. law: "nodes", a stiff layer at every FE node of the
-    first surface, or "hats", the weak unilateral law of the separated solver. layer_stiffness [Pa/m] of law "nodes";
-    None: 300 times that of the surface under it. stick_stiffness [Pa/m]: of nodes that stick, where contacts of
-    evaluation "full" have Coulomb friction; None: of the layer (`warpffrf.monolithic.node_friction`). tolerance: of the
-    residuals, as fractions. Raises `InputError`.
+    (local coordinates condensed), see `warpffrf.monolithic.core.linear`. law: "nodes", a stiff layer at every FE node
+    of the first surface, or "hats", the weak unilateral law of the separated solver. layer_stiffness [Pa/m] of law
+    "nodes"; None: 300 times that of the surface under it. stick_stiffness [Pa/m]: of nodes that stick, where contacts
+    of evaluation "full" have Coulomb friction; None: of the layer (`warpffrf.monolithic.nodal.friction`). tolerance: of
+    the residuals, as fractions. Raises `InputError`.
     """
 
     variant: str = "full"

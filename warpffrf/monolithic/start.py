@@ -18,12 +18,12 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.rotation import matrix
-from warpffrf.monolithic.equations import Balance, Increment, Trial, balance, row_curvature
-from warpffrf.monolithic.integrator import BEGIN, PROJECT, Formula
+from warpffrf.monolithic.core.equations import Balance, Increment, Trial, balance, row_curvature
+from warpffrf.monolithic.core.integrator import BEGIN, PROJECT, Formula
+from warpffrf.monolithic.core.rotation import tangent_inverse
+from warpffrf.monolithic.core.state import State
 from warpffrf.monolithic.newton import Evaluation, Solution, System, solve_step
-from warpffrf.monolithic.node_newton import node_pair_state
-from warpffrf.monolithic.rotation import tangent_inverse
-from warpffrf.monolithic.state import State
+from warpffrf.monolithic.nodal.newton import node_pair_state
 
 START_STEP = 1e-7  # s, of the tiny steps: they only have to find what touches
 SINGULAR = 1e-11  # least pivot over the largest of the scaled equations: rows that depend on each other

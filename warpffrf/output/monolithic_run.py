@@ -2,7 +2,7 @@
 
 A result of it reads, plots, saves and records like any other. It lacks, and its notes say so, the works of the energy
 ledger (NaN: energies at hand are there), and error control of the step. Pressures of law "nodes" are node forces
-spread over hats (`warpffrf.monolithic.contact_record`).
+spread over hats (`warpffrf.monolithic.line_of_centres.record`).
 
 Assumption A1, local modes without inertia, is measured by `local="hht"`: local modes with their own mass. Their
 coupling with the inertia of the moving frame (`J1`, `J2`, `G` of local modes) is in neither treatment: a reduced body

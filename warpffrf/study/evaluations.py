@@ -29,8 +29,8 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.stress_field import von_mises
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.monolithic import Monolithic
-from warpffrf.monolithic.contact import STIFFER as HARDEST
-from warpffrf.monolithic.contact import default_layer
+from warpffrf.monolithic.line_of_centres.pair import STIFFER as HARDEST
+from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.offline import reduce
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.output.result import Result

@@ -20,7 +20,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.reduced_body import DisplaySurface, ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.monolithic import Monolithic
-from warpffrf.monolithic.contact import default_layer
+from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate

@@ -2,7 +2,7 @@
 
 The law gives forces, no multipliers, so that contact stiffness goes into the Jacobian (semismooth Newton). What an
 iteration hands to the next is, per node, where its law was linearised (`layer_slopes`) and its traction
-(`node_friction`). Steps that would carry one body through another are cut short; where an iteration has not come to an
+(`friction`). Steps that would carry one body through another are cut short; where an iteration has not come to an
 end soon, a step that leaves more imbalance than it found is halved.
 """
 
@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.monolithic.equations import Balance, Increment, Trial
-from warpffrf.monolithic.integrator import BEGIN, PROJECT, REST, Formula
-from warpffrf.monolithic.linear import Solver, Woodbury
-from warpffrf.monolithic.node_pair import NodePairData, NodePairState, Sight
-from warpffrf.monolithic.state import Layout, State
+from warpffrf.monolithic.core.equations import Balance, Increment, Trial
+from warpffrf.monolithic.core.integrator import BEGIN, PROJECT, REST, Formula
+from warpffrf.monolithic.core.linear import Solver, Woodbury
+from warpffrf.monolithic.core.state import Layout, State
+from warpffrf.monolithic.nodal.pair import NodePairData, NodePairState, Sight
 
 PATIENCE = 8  # iterations with whole steps, as a change of the active set may raise the imbalance
 MOST_HALVINGS = 4  # then on from a sixteenth: the imbalance has a kink there
@@ -30,7 +30,7 @@ def node_pair_state(
     iterate: np.ndarray | None = None,
 ) -> NodePairState:  # fmt: skip
     """The pair at `trial`; `local`: slices in `q` of both sides' local coordinates, None of a rigid one; iterate (n,
-    3): see `node_pair.Sight`."""
+    3): see `pair.Sight`."""
     (r_a, A_a), (r_b, A_b) = (
         (np.zeros(3), np.eye(3)) if body < 0 else (trial.r[body], trial.A[body]) for body in (data.a.body, data.b.body)
     )

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.monolithic.contact import STIFFER, default_layer
-from warpffrf.monolithic.local_coordinates import LocalCoordinates
-from warpffrf.monolithic.node_friction import MINDLIN
-from warpffrf.monolithic.node_pair import REMEMBERED, NodePairData
-from warpffrf.monolithic.node_surface import node_side, partner_side
-from warpffrf.monolithic.state import Layout
+from warpffrf.monolithic.core.local_coordinates import LocalCoordinates
+from warpffrf.monolithic.core.state import Layout
+from warpffrf.monolithic.line_of_centres.pair import STIFFER, default_layer
+from warpffrf.monolithic.nodal.friction import MINDLIN
+from warpffrf.monolithic.nodal.pair import REMEMBERED, NodePairData
+from warpffrf.monolithic.nodal.surface import node_side, partner_side
 
 
 def node_pairs(
@@ -19,7 +19,7 @@ def node_pairs(
     stick: float | None,
 ) -> list[NodePairData]:  # fmt: skip
     """All contacts of `scene`; `surfaces`: numbers of both sides in `local` and in the layout, None of a rigid one;
-    stick [Pa/m]: stick stiffness of friction, None for the default of `node_friction`."""
+    stick [Pa/m]: stick stiffness of friction, None for the default of `friction`."""
     found, first = [], 0
     for contact, (i, j) in zip(scene.contacts, surfaces, strict=True):
         rough = contact.friction.coefficient > 0.0
@@ -41,7 +41,7 @@ def node_pairs(
 
 
 def stick_stiffness(contact: Any) -> float:
-    """k_t [Pa/m] of `contact` by default, see `node_friction`."""
+    """k_t [Pa/m] of `contact` by default, see `friction`."""
     law = contact.law
     return MINDLIN * (1.0 / law.yielding if law.yielding else default_layer(contact.a.surface))
 

@@ -24,8 +24,8 @@ import numpy as np
 from scipy.linalg import blas as _blas
 from scipy.linalg import lapack as _lapack
 
-from warpffrf.monolithic.equations import Balance
-from warpffrf.monolithic.state import Layout
+from warpffrf.monolithic.core.equations import Balance
+from warpffrf.monolithic.core.state import Layout
 
 blas: Any = _blas  # routines made at import, unknown to type checkers
 lapack: Any = _lapack

@@ -29,7 +29,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.model.inertia import InertiaTerms
-from warpffrf.monolithic.rotation import hat
+from warpffrf.monolithic.core.rotation import hat
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,8 +14,8 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import BodyLoad, PointLoad
 from warpffrf.model.redundancy import ConstraintRow, find_redundancy
-from warpffrf.monolithic.inertia_forces import DeformationTerms, deformation_terms
-from warpffrf.monolithic.rows import MarkerPlace
+from warpffrf.monolithic.core.inertia_forces import DeformationTerms, deformation_terms
+from warpffrf.monolithic.core.rows import MarkerPlace
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.monolithic.contact import MARGIN, PairData, PairState, pair_state
-from warpffrf.monolithic.equations import Trial
-from warpffrf.monolithic.state import Layout
+from warpffrf.monolithic.core.equations import Trial
+from warpffrf.monolithic.core.state import Layout
+from warpffrf.monolithic.line_of_centres.pair import MARGIN, PairData, PairState, pair_state
 
 
 def windowed(

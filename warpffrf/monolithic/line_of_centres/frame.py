@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.monolithic.rotation import hat
+from warpffrf.monolithic.core.rotation import hat
 
 RIGID = 12
 SLACK = 1e-9  # of the width: nodes at the very ends of equal surfaces face each other whatever round-off says

@@ -32,7 +32,8 @@ the stretch, of first order in the step, and so belongs to the integration. The 
 Default stick stiffness. Two half-spaces of one material yield tangentially by (2 - nu)/(2 (1 - nu)) of what they yield
 normally (Mindlin 1949; K. L. Johnson, Contact Mechanics, 1985, eq. 7.44): k_t = k 2(1 - nu)/(2 - nu), 0.82 k at nu =
 0.3, k the stiffness of a linear layer. Other layers have no one stiffness; there k is that of the surface itself times
-`STIFFER` of `contact`, stiff beside what the body yields. The separated solver has no such stretch: its cells stick.
+`STIFFER` of `line_of_centres.pair`, stiff beside what the body yields. The separated solver has no such stretch: its
+cells stick.
 """
 
 from __future__ import annotations

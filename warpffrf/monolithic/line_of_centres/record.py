@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.monolithic.contact import PairState
-from warpffrf.monolithic.sampling import NodeTests
+from warpffrf.monolithic.line_of_centres.pair import PairState
+from warpffrf.monolithic.line_of_centres.sampling import NodeTests
 
 BESIDE = 2  # empty columns at both ends of a window
 

@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.rotation import rotation_vector_matrix
-from warpffrf.monolithic.rotation import (
+from warpffrf.monolithic.core.rotation import (
     cross,
     hat,
     left_tangent,

@@ -5,7 +5,7 @@ With q the coordinates (global and local) of each body, Phi the traces on hats a
     g_i = sum_p T_pi (g_p(x) - N_p(x).Phi_B q_B) - W_i.Phi_A q_A,      N_p: B's hats at the point opposite p,
 
 and multipliers s >= 0 act with the pressure `P_p = sum_i T_pi s_i` at the points: on the twelve rigid coordinates
-`sum_p P_p Q_s(p)` (Q of the station, `contact_frame`), on B's coordinates `-Phi_B^T N^T P`, on A's `-(W Phi_A)^T s`.
+`sum_p P_p Q_s(p)` (Q of the station, `frame`), on B's coordinates `-Phi_B^T N^T P`, on A's `-(W Phi_A)^T s`.
 Law: 0 <= s, g + E s >= 0, s (g + E s) = 0; E = 0 for hats, E = 1/(k a_i) for nodes of share a_i under a surface layer
 of stiffness k [Pa/m].
 
@@ -25,10 +25,10 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.monolithic.contact_frame import RIGID, Side, Stations, side_of, stations
-from warpffrf.monolithic.local_coordinates import LocalCoordinates
-from warpffrf.monolithic.sampling import HatTests, NodeTests, Points, cells_of
-from warpffrf.monolithic.state import Layout
+from warpffrf.monolithic.core.local_coordinates import LocalCoordinates
+from warpffrf.monolithic.core.state import Layout
+from warpffrf.monolithic.line_of_centres.frame import RIGID, Side, Stations, side_of, stations
+from warpffrf.monolithic.line_of_centres.sampling import HatTests, NodeTests, Points, cells_of
 
 LAWS = ("hats", "nodes")
 STIFFER = 300.0  # layer over the own stiffness of a node: what many nodes share yields more, so the force errs by less

@@ -1,7 +1,7 @@
 r"""A contact pair with the law at the FE nodes of its first surface: forces on both bodies and their derivatives.
 
 Node k with the share a of the area presses with a p and pulls with a tau_i, i = 1, 2 its tangents t_i, p and tau of the
-laws (`layer_slopes`, `node_friction`) at the gap and the slip of `node_gap`. Virtual work makes them forces:
+laws (`layer_slopes`, `friction`) at the gap and the slip of `gap`. Virtual work makes them forces:
 
     F    = a p f + sum_i a tau_i t_i                       on A at the node's place X,  -F on B at the same place y
     A    -a p u_A-row + sum_i a tau_i (u_A,i-row)          on the coordinates of A (modes and local coordinates)
@@ -9,10 +9,10 @@ laws (`layer_slopes`, `node_friction`) at the gap and the slip of `node_gap`. Vi
 
 with f = n the normal of B at the foot, in A's axes. Force and opposite force act along one line through one point:
 action equals reaction exactly. What a normal force would turn a body of revolution by about its own axle is taken back,
-with opposite wrenches on both (`node_frame`).
+with opposite wrenches on both (`frame`).
 
 phi = a (p, tau_1, tau_2) depends on the node's gap and slips alone, M = dphi/d(g, s) (3, 3) with dtau/dp dp/dg in its
-first column: not symmetric. How gaps, slips and forces follow the unknowns is in `node_tangent`.
+first column: not symmetric. How gaps, slips and forces follow the unknowns is in `tangent`.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.friction import Coulomb
-from warpffrf.monolithic.layer_slopes import followed, layer_pressure
-from warpffrf.monolithic.node_frame import Extra, Poses
-from warpffrf.monolithic.node_friction import NodeTraction, node_traction
-from warpffrf.monolithic.node_gap import RIGID, Opposite, hats_at, leaning, opposite, tangents_at
-from warpffrf.monolithic.node_surface import NodeSide, PartnerSide
-from warpffrf.monolithic.node_tangent import NodeTangent
+from warpffrf.monolithic.nodal.frame import Extra, Poses
+from warpffrf.monolithic.nodal.friction import NodeTraction, node_traction
+from warpffrf.monolithic.nodal.gap import RIGID, Opposite, hats_at, leaning, opposite, tangents_at
+from warpffrf.monolithic.nodal.layer_slopes import followed, layer_pressure
+from warpffrf.monolithic.nodal.surface import NodeSide, PartnerSide
+from warpffrf.monolithic.nodal.tangent import NodeTangent
 
 # columns of what is remembered of a node: gap, force of the layer, foot with its lean (3), u_A along t_i (2), U_B (3),
 # traction (2)
@@ -49,7 +49,7 @@ class NodePairData:
     law: Any
     friction: Any
     stick: float  # Pa/m
-    search: float  # Pa/m, c of `node_friction`
+    search: float  # Pa/m, c of `friction`
     columns: np.ndarray
     rigid: int
     first: int

@@ -1,9 +1,9 @@
 r"""What is saved of a pair with the law at nodes, on the hats of the first grid, as the separated solver saves it.
 
-Of a node's force f the hats get `sum_n psi_j(x_n) f_n / int psi_j dA` (`contact_record`): pressures, and in the same
-way both tractions, keep their resultants. Slip velocities are means over the area of the nodes that carry; a hat slips
-where more than half of that area does. The centre of the patch is the mean column of the forces, where nothing carries
-the column of the node with the smallest gap between the rigid shapes.
+Of a node's force f the hats get `sum_n psi_j(x_n) f_n / int psi_j dA` (`line_of_centres.record`): pressures, and in
+the same way both tractions, keep their resultants. Slip velocities are means over the area of the nodes that carry; a
+hat slips where more than half of that area does. The centre of the patch is the mean column of the forces, where
+nothing carries the column of the node with the smallest gap between the rigid shapes.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.monolithic.contact_record import ContactRow, Window
-from warpffrf.monolithic.node_friction import SLIP
-from warpffrf.monolithic.node_gap import leaning
-from warpffrf.monolithic.node_pair import FOOT, FORCE, GAP, NodePairState
-from warpffrf.monolithic.node_surface import NodeSide
+from warpffrf.monolithic.line_of_centres.record import ContactRow, Window
+from warpffrf.monolithic.nodal.friction import SLIP
+from warpffrf.monolithic.nodal.gap import leaning
+from warpffrf.monolithic.nodal.pair import FOOT, FORCE, GAP, NodePairState
+from warpffrf.monolithic.nodal.surface import NodeSide
 
 FRICTION_FIELDS = ("traction_1", "traction_2", "slip_1", "slip_2", "state")
 HALF = 0.5  # of the area under a hat: it is said to slip above

@@ -14,8 +14,8 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.gap import theta_offset
-from warpffrf.monolithic.local_coordinates import LocalCoordinates
-from warpffrf.monolithic.sampling import ON_SURFACE, _hat_values, _shares
+from warpffrf.monolithic.core.local_coordinates import LocalCoordinates
+from warpffrf.monolithic.line_of_centres.sampling import ON_SURFACE, _hat_values, _shares
 
 AT_END = 1e-6  # of a grid spacing: nodes on the outermost lines of a grid lie on it whatever round-off says
 

@@ -1,12 +1,12 @@
 r"""How gaps, slips and forces of a pair with the law at nodes change with its unknowns.
 
 With L (m k, columns) what unit forces of the k active nodes load (one block of k along the normal and, with friction,
-one along each tangent), R (m k, columns) the gradients of gap and slips, and phi, M of `node_pair`,
+one along each tangent), R (m k, columns) the gradients of gap and slips, and phi, M of `pair`,
 
     d(force) = L^T M R dz + (dL)^T phi,
 
 the second part, by rigid coordinates, is `turning`. On the coordinates of both bodies L and R are the same but for
-the lean of slips; on the rigid ones they are not: the force has what `node_frame` adds, and leaves out how the place on
+the lean of slips; on the rigid ones they are not: the force has what `frame` adds, and leaves out how the place on
 B's hats moves. With C = A_B^T A_A, tangents t of A and what a force F in A's axes is on both bodies,
 
     d(C t) = C (dtheta_A x t) - dtheta_B x C t,      d(C^T n) = C^T (dn + dtheta_B x n) - dtheta_A x C^T n,
@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from warpffrf.monolithic.node_gap import RIGID, hats_at, motion
-from warpffrf.monolithic.rotation import hat
+from warpffrf.monolithic.core.rotation import hat
+from warpffrf.monolithic.nodal.gap import RIGID, hats_at, motion
 
 if TYPE_CHECKING:
-    from warpffrf.monolithic.node_pair import NodePairState
+    from warpffrf.monolithic.nodal.pair import NodePairState
 
 
 class NodeTangent:

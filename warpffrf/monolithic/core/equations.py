@@ -21,12 +21,12 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.monolithic.description import SceneData, SpringData
-from warpffrf.monolithic.inertia_forces import inertia_forces
-from warpffrf.monolithic.integrator import Formula
-from warpffrf.monolithic.rotation import cross, exponential, hat, multiply, tangent_inverse
-from warpffrf.monolithic.rows import Function, MarkerState, RowStates, marker_state, row_states
-from warpffrf.monolithic.state import Layout, State
+from warpffrf.monolithic.core.description import SceneData, SpringData
+from warpffrf.monolithic.core.inertia_forces import inertia_forces
+from warpffrf.monolithic.core.integrator import Formula
+from warpffrf.monolithic.core.rotation import cross, exponential, hat, multiply, tangent_inverse
+from warpffrf.monolithic.core.rows import Function, MarkerState, RowStates, marker_state, row_states
+from warpffrf.monolithic.core.state import Layout, State
 
 TURN = 2.0 * np.pi
 

@@ -24,9 +24,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.model.rotation import matrix
-from warpffrf.monolithic.node_gap import RIGID
-from warpffrf.monolithic.node_surface import NodeSide, PartnerSide
-from warpffrf.monolithic.rotation import exponential
+from warpffrf.monolithic.core.rotation import exponential
+from warpffrf.monolithic.nodal.gap import RIGID
+from warpffrf.monolithic.nodal.surface import NodeSide, PartnerSide
 
 STEPS = 12  # of Newton's method for theta*: it is quadratic, from a node that is nearest
 FOLLOWED = 1e-13  # rad

@@ -31,10 +31,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from warpffrf.monolithic.contact_frame import SLACK
-from warpffrf.monolithic.node_surface import NodeSide, PartnerSide
-from warpffrf.monolithic.rotation import hat
-from warpffrf.monolithic.sampling import cells_of
+from warpffrf.monolithic.core.rotation import hat
+from warpffrf.monolithic.line_of_centres.frame import SLACK
+from warpffrf.monolithic.line_of_centres.sampling import cells_of
+from warpffrf.monolithic.nodal.surface import NodeSide, PartnerSide
 
 RIGID = 12
 NEAREST_CENTRE = 0.1  # of 1 + kappa d, least that a place far behind a concave surface is scaled by; none is in contact

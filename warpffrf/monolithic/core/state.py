@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.monolithic.description import SceneData
+from warpffrf.monolithic.core.description import SceneData
 
 
 @dataclass
@@ -19,7 +19,7 @@ class State:
     w_alg (B, 3) body axes; q, qd, qdd, q_alg (n,): global modes of all bodies, then all local coordinates; lam (rows,):
     multipliers of the rigid rows; stretch: last values of all spring coordinates, which count turns; active (per pair):
     contact pressures by number of hat or node; nodes (all nodes of pairs of evaluation "full", k): what the law at
-    nodes remembers (`node_pair`); lost (2,) [J]: by friction and by layers, so far.
+    nodes remembers (`nodal.pair`); lost (2,) [J]: by friction and by layers, so far.
     """
 
     time: float
