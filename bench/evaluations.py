@@ -34,8 +34,8 @@ from warpffrf.study.evaluations import (
     surface_norm,
     tread,
 )
-from warpffrf.study.rollers import PAIR
 from warpffrf.study.step_time import RADIUS, machine
+from warpffrf.verification.scenes.rollers import PAIR
 
 SAMPLING_ERROR = 0.01
 HARD = 300.0  # a layer that is hardly there; `STIFFER` is one as penalties are chosen

@@ -29,8 +29,8 @@ from warpffrf.monolithic.core import linear
 from warpffrf.monolithic.core.linear import VARIANTS
 from warpffrf.monolithic.line_of_centres.pair import LAWS, STIFFER, default_layer
 from warpffrf.online import GeneralizedAlpha, run
-from warpffrf.study.rollers import PAIR
 from warpffrf.study.step_time import machine, swinging_pair, tread_body
+from warpffrf.verification.scenes.rollers import PAIR
 
 SECTORS, LAYERS, AXIAL = 1920, 18, 4  # near-square cells, about five elements a half-width, as in the demo
 COLUMNS = 100  # with 5 hats each: 495 local modes a roller

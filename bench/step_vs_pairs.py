@@ -15,9 +15,9 @@ from warpffrf.model import mesh
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.online import run
-from warpffrf.study.planets import planets
-from warpffrf.study.rollers import STEEL
 from warpffrf.study.step_time import machine
+from warpffrf.verification.scenes.planets import planets
+from warpffrf.verification.scenes.rollers import STEEL
 
 PAIRS = (1, 2, 4, 8)
 LOAD, FRICTION, CREEPAGE = 100e3, 0.3, 2e-3  # N on a width of 10 mm, -, -

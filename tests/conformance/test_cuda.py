@@ -53,7 +53,7 @@ import warp as wp
 
 wp.config.enable_cpu_blocks = sys.argv[1] == "blocks"
 from warpffrf.online import run
-from warpffrf.study.rollers import PAIR, guided_pair, roller_body
+from warpffrf.verification.scenes.rollers import PAIR, guided_pair, roller_body
 
 @wp.kernel
 def count_lanes(lanes: wp.array(dtype=int)):

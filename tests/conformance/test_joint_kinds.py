@@ -225,7 +225,7 @@ def test_flexible_interfaces(kind: str, flexible_body) -> None:
 @pytest.fixture(scope="module")
 def flexible_body():
     """A small roller with a rigid bore and a few modes."""
-    from warpffrf.study.rollers import roller_body
+    from warpffrf.verification.scenes.rollers import roller_body
 
     return roller_body(24, layers=2, axial=2, grading=1.0, order=1, max_frequency=30e3, cache=False)
 

@@ -7,7 +7,7 @@ import pytest
 from warpffrf_kernels.core import control as k
 
 from warpffrf.online import Engine, Settings
-from warpffrf.study.rollers import Path, prescribed_pair, roller_body
+from warpffrf.verification.scenes.rollers import Path, prescribed_pair, roller_body
 
 
 @pytest.fixture(scope="session")

@@ -15,7 +15,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.monolithic.core.linear import VARIANTS
 from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import GeneralizedAlpha, Settings, run
-from warpffrf.study.rollers import PAIR, Path, guided_pair, prescribed_pair, roller_body
+from warpffrf.verification.scenes.rollers import PAIR, Path, guided_pair, prescribed_pair, roller_body
 
 INTEGRATOR = GeneralizedAlpha(0.8)
 # the separated solver leaves the grids where they are while an iteration turns them by less than 2e-7 columns, and a

@@ -14,7 +14,7 @@ from warpffrf.model.friction import Coulomb
 from warpffrf.model.scene import Scene
 from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import run
-from warpffrf.study.rollers import PAIR, Path, guided_pair, prescribed_pair, roller_body
+from warpffrf.verification.scenes.rollers import PAIR, Path, guided_pair, prescribed_pair, roller_body
 
 STIFF = 0.3  # of the default layer of nodes, which is 300 times the surface under it
 

@@ -16,9 +16,9 @@ from warpffrf.monolithic import Monolithic
 from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.output.simulate import simulate
-from warpffrf.study.full_friction import PAIR, rolled, shifted
-from warpffrf.study.rollers import PAIR as ROLLERS
-from warpffrf.study.rollers import Path, prescribed_pair, roller_body
+from warpffrf.verification.full_friction import PAIR, rolled, shifted
+from warpffrf.verification.scenes.rollers import PAIR as ROLLERS
+from warpffrf.verification.scenes.rollers import Path, prescribed_pair, roller_body
 
 ACROSS = (0.0, 1.0, 0.0)
 RADIUS = 0.05  # m, of the rollers

@@ -14,7 +14,7 @@ from warpffrf.model import forces, joints, laws, signals
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 from warpffrf.monolithic.core import local_coordinates
-from warpffrf.study.rollers import PAIR, guided_pair
+from warpffrf.verification.scenes.rollers import PAIR, guided_pair
 
 
 def falling() -> Scene:

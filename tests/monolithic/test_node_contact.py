@@ -23,9 +23,9 @@ from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import GeneralizedAlpha, Newmark
 from warpffrf.online.stages import Stage
 from warpffrf.output.simulate import simulate
-from warpffrf.study.full_friction import with_nodes
-from warpffrf.study.half_space_bodies import half_space
-from warpffrf.study.rollers import roller_body
+from warpffrf.verification.full_friction import with_nodes
+from warpffrf.verification.half_space.bodies import half_space
+from warpffrf.verification.scenes.rollers import roller_body
 
 RIGID = Material(2.1e20, 0.3, 7850.0)  # yields a billionth of what steel does: only the layer is left
 STEEL = Material(210e9, 0.3, 7850.0)

@@ -27,7 +27,7 @@ from warpffrf.monolithic.nodal.pair import FORCE, TRACTION, NodePairState
 from warpffrf.monolithic.run import build
 from warpffrf.monolithic.start import standing
 from warpffrf.offline import reduce
-from warpffrf.study.rollers import roller_body
+from warpffrf.verification.scenes.rollers import roller_body
 
 AGREE = 1e-5  # of the largest entry of a row: how the lean turns with the place is left out (`nodal.gap`)
 LAYER = laws.LinearLayer(1e13)

@@ -27,8 +27,8 @@ from warpffrf.offline.fe.materials import assign
 from warpffrf.offline.inertia.centrifugal import BEYOND, TurningResponse, covering_turning, left_out
 from warpffrf.offline.inertia.stiffening import centrifugal_acceleration
 from warpffrf.offline.products import Limits
-from warpffrf.study.rotating_disc import INNER, OUTER, THICKNESS, closed_form
-from warpffrf.study.rotating_disc import STEEL as DISC_STEEL
+from warpffrf.verification.scenes.rotating_disc import INNER, OUTER, THICKNESS, closed_form
+from warpffrf.verification.scenes.rotating_disc import STEEL as DISC_STEEL
 
 EXACT = 1e-8  # what the product promises
 SINGLE = 2e-7  # the display modes are stored in single precision

@@ -24,7 +24,14 @@ from warpffrf.offline.contact.grid_rule import (
 from warpffrf.study.contact_grid import DEPTH
 from warpffrf.study.grid_errors import contact_pressures, grid_errors
 from warpffrf.study.grid_on_roller import approach_for, press, pressed_roller
-from warpffrf.study.half_space import EllipsePatch, LinePatch, facing, plane_table, space_table, toeplitz
+from warpffrf.verification.half_space.compliances import (
+    EllipsePatch,
+    LinePatch,
+    facing,
+    plane_table,
+    space_table,
+    toeplitz,
+)
 
 CASES = [(t, p) for t in TRACTIONS for p in PATCHES]
 

@@ -11,7 +11,7 @@ from warpffrf.model.contact import Contact, smallest_gap
 from warpffrf.model.scene import Scene
 from warpffrf.online import Settings
 from warpffrf.output.result import Result
-from warpffrf.study.rollers import CARRIAGE_INERTIA, CARRIAGE_MASS, StaticPath
+from warpffrf.verification.scenes.rollers import CARRIAGE_INERTIA, CARRIAGE_MASS, StaticPath
 
 PAIR = "pair"
 TOUCHES = 60  # moves until a body touches; each leaves the error of the direction

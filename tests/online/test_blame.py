@@ -12,7 +12,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.diagnosis.failure_report import blame, row_owners
 from warpffrf.online.start.consistent import start_consistently
-from warpffrf.study.rollers import PAIR, guided_pair
+from warpffrf.verification.scenes.rollers import PAIR, guided_pair
 
 
 def chain() -> Scene:

@@ -26,7 +26,7 @@ from warpffrf.online.vibrations.linearise import linearise
 from warpffrf.output.modes_result import eigenmodes
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
-from warpffrf.study.rollers import STEEL, guided_pair
+from warpffrf.verification.scenes.rollers import STEEL, guided_pair
 
 GRAVITY = 9.81
 CLOSED = 1e-9  # of a frequency: differences of forces, 1e-11 of them, and the static state, 1e-12 m

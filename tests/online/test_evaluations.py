@@ -22,7 +22,7 @@ from warpffrf.online import Engine, Settings, run
 from warpffrf.online.compile.sampling_rules import on_stations
 from warpffrf.online.diagnosis.sampling_check import check_sampling
 from warpffrf.online.start.settle import settle
-from warpffrf.study.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
+from warpffrf.verification.scenes.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
 
 WANTED = 0.01
 STEP = 2.5e-5  # s: contact that bounces at some 2 kHz is resolved

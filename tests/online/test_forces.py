@@ -16,7 +16,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import GeneralizedAlpha, find_equilibrium, run
-from warpffrf.study.rollers import STEEL
+from warpffrf.verification.scenes.rollers import STEEL
 
 MASS, INERTIA = 2.0, (0.1, 0.2, 0.25)
 STIFFNESS = np.array([800.0, 1000.0, 1200.0, 30.0, 50.0, 70.0])

@@ -9,7 +9,7 @@ import warpffrf as wf
 from warpffrf.model import surfaces
 from warpffrf.model.mesh import box
 from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.study.rollers import CARRIAGE_INERTIA, CARRIAGE_MASS, STEEL, roller_body
+from warpffrf.verification.scenes.rollers import CARRIAGE_INERTIA, CARRIAGE_MASS, STEEL, roller_body
 
 STEP = 2e-4  # s
 SPEED = 30.0  # rad/s

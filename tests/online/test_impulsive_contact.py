@@ -24,8 +24,8 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.run import run
 from warpffrf.online.settings import Settings
-from warpffrf.study.closed_forms import BarImpact
-from warpffrf.study.colliding_bars import LENGTH, SPEED, bar
+from warpffrf.verification.closed_forms import BarImpact
+from warpffrf.verification.colliding_bars import LENGTH, SPEED, bar
 
 MODES, GAP = 6, 1e-7
 UNGATED = Settings(energy_tolerance=1e9)

@@ -30,8 +30,8 @@ from warpffrf.online.free_flight import check_run
 from warpffrf.online.free_flight.check_run import run_check
 from warpffrf.online.free_flight.free_bodies import Motion, free_body
 from warpffrf.scene_file.forms import snake_case
-from warpffrf.study.free_flight import deviations
-from warpffrf.study.oscillator import errors, roots
+from warpffrf.verification.free_flight import deviations
+from warpffrf.verification.oscillator import errors, roots
 
 STEPPERS = [
     GeneralizedAlpha(0.0), GeneralizedAlpha(0.5), GeneralizedAlpha(0.8), GeneralizedAlpha(1.0),

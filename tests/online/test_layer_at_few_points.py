@@ -22,7 +22,7 @@ from warpffrf.online.compile.sampling_rules import chosen_rule
 from warpffrf.online.diagnosis.sampling_check import check_sampling
 from warpffrf.online.start.settle import settle
 from warpffrf.online.vibrations.linearise import slot_flexibility
-from warpffrf.study.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
+from warpffrf.verification.scenes.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
 
 WANTED = 0.01
 STEP = 1e-4

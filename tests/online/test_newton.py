@@ -9,7 +9,7 @@ from warpffrf_kernels.core import control as k
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.online import Engine, Settings, run
 from warpffrf.online.start.settle import settle
-from warpffrf.study.rollers import PAIR, Path, guided_pair, prescribed_pair
+from warpffrf.verification.scenes.rollers import PAIR, Path, guided_pair, prescribed_pair
 
 ROUND_OFF = 1e-10  # residuals below this are round-off of the joint equations
 # the tangent leaves out how the grids' phases follow a tilt: then the tail is linear, with this factor at most

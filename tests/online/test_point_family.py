@@ -18,7 +18,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import Settings
 from warpffrf.output.result import Result
-from warpffrf.study.rollers import STEEL, Path, StaticPath, prescribed_pair, roller_body
+from warpffrf.verification.scenes.rollers import STEEL, Path, StaticPath, prescribed_pair, roller_body
 
 sys.path.insert(0, str(FilePath(__file__).parent))
 from made_bodies import made_body

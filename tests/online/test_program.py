@@ -33,7 +33,7 @@ from warpffrf.online.step import phases
 from warpffrf.online.step.launches import DECLARED, blocks, threads
 from warpffrf.online.step.phases import Participant
 from warpffrf.online.step.program import PARTICIPANTS, WHOLE
-from warpffrf.study.rollers import guided_pair, roller_body
+from warpffrf.verification.scenes.rollers import guided_pair, roller_body
 
 STEP, STEPS = 2e-5, 8
 SUDDEN = 1e-4  # s: a step that is taken again, with impulsive pairs

@@ -18,7 +18,7 @@ from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
-from warpffrf.study.rollers import STEEL
+from warpffrf.verification.scenes.rollers import STEEL
 
 MASS, INERTIA = 2.0, (0.1, 0.2, 0.25)
 SPEED, ARM = 12.0, np.array([0.3, 0.1, 0.0])

@@ -10,7 +10,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
-from warpffrf.study.rollers import PAIR, Path, StaticPath, prescribed_pair, roller_body
+from warpffrf.verification.scenes.rollers import PAIR, Path, StaticPath, prescribed_pair, roller_body
 
 GRAVITY = 9.81
 

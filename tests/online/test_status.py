@@ -16,7 +16,7 @@ from warpffrf.online.run import MESSAGES, describe
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 from warpffrf.online.step.graph import StepGraph
-from warpffrf.study.rollers import PAIR, guided_pair, roller_body
+from warpffrf.verification.scenes.rollers import PAIR, guided_pair, roller_body
 
 LOAD = 200e3  # N: some columns of hats
 

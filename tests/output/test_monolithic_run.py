@@ -16,7 +16,7 @@ from warpffrf.online import GeneralizedAlpha, LocalDynamics, RungeKutta4
 from warpffrf.online.stages import Stage
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
-from warpffrf.study.rollers import PAIR, guided_pair, roller_body
+from warpffrf.verification.scenes.rollers import PAIR, guided_pair, roller_body
 
 SAME = {"integrator": GeneralizedAlpha(0.8), "progress": False}
 HATS = Monolithic(law="hats", variant="low_rank")

@@ -12,7 +12,7 @@ import warpffrf as wf
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.online.stages import Stage
 from warpffrf.output.simulate import StagedResult, simulate
-from warpffrf.study.rollers import guided_pair, roller_body
+from warpffrf.verification.scenes.rollers import guided_pair, roller_body
 
 STEP = 1e-4
 GRAVITY = (0.0, 0.0, -9.81)

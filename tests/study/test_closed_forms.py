@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
-from warpffrf.study.closed_forms import (
+from warpffrf.verification.closed_forms import (
     BarImpact,
     CarterRolling,
     HertzImpact,
@@ -23,7 +23,7 @@ from warpffrf.study.closed_forms import (
     persson,
     tangential_compliance,
 )
-from warpffrf.study.influence import strip_displacement
+from warpffrf.verification.half_space.influence import strip_displacement
 
 STEEL = Material(210e9, 0.3, 7800.0, name="steel")
 SOFT = Material(70e9, 0.2, 2700.0, name="soft")

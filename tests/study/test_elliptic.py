@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from warpffrf.study.closed_forms import PointContact
-from warpffrf.study.closed_forms.elliptic import EllipticContact
+from warpffrf.verification.closed_forms import PointContact
+from warpffrf.verification.closed_forms.elliptic import EllipticContact
 
 LOAD, MODULUS = 300.0, 1.1e11
 

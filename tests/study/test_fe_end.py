@@ -6,8 +6,14 @@ import numpy as np
 import pytest
 
 from warpffrf.model.errors import InputError
-from warpffrf.study.closed_forms import LineContact, contact_modulus
-from warpffrf.study.fe_end import LINE_LOAD, STEEL_ROLLER, EndPressure, press_pair, press_roller
+from warpffrf.verification.closed_forms import LineContact, contact_modulus
+from warpffrf.verification.finite_elements.free_end import (
+    LINE_LOAD,
+    STEEL_ROLLER,
+    EndPressure,
+    press_pair,
+    press_roller,
+)
 
 LINE = LineContact(LINE_LOAD, STEEL_ROLLER.outer_radius, contact_modulus(STEEL_ROLLER.material))
 END_CHANGE = 0.02  # between the levels

@@ -7,9 +7,9 @@ import pytest
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
-from warpffrf.study.closed_forms import conformal_by_half_angle
-from warpffrf.study.fe_contact import HalfRing, pressure_rows, quadratic_rows
-from warpffrf.study.pin_in_bore import STEEL, Pin, errors, graded, solve_pin
+from warpffrf.verification.closed_forms import conformal_by_half_angle
+from warpffrf.verification.finite_elements.contact import HalfRing, pressure_rows, quadratic_rows
+from warpffrf.verification.finite_elements.pin_in_bore import STEEL, Pin, errors, graded, solve_pin
 
 PEAK, ARC = 0.02, 0.03  # promised against Persson
 

@@ -10,8 +10,8 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.online import run
-from warpffrf.study.planets import planets
-from warpffrf.study.rollers import STEEL
+from warpffrf.verification.scenes.planets import planets
+from warpffrf.verification.scenes.rollers import STEEL
 
 LOAD = 100e3  # N
 STEP = 1e-4  # s

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.study.rollers import roller_body
+from warpffrf.verification.scenes.rollers import roller_body
 
 
 @pytest.fixture(scope="session")

@@ -16,7 +16,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Plane
 from warpffrf.offline import reduce
 from warpffrf.output.simulate import simulate
-from warpffrf.study.closed_forms import BarImpact
+from warpffrf.verification.closed_forms import BarImpact
 
 STEEL = Material(210e9, 0.0, 7800.0)  # without lateral contraction: a rod
 LENGTH, SIDE, SPEED = 1.0, 0.02, 0.1  # m, m, m/s

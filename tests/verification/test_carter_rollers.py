@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.study.carter import SHARES
-from warpffrf.study.carter_rollers import roll, rolling_body
-from warpffrf.study.rollers import PAIR
+from warpffrf.verification.carter import SHARES
+from warpffrf.verification.carter_rollers import roll, rolling_body
+from warpffrf.verification.scenes.rollers import PAIR
 
 FORCE = 0.02  # 3 % is promised; docs/studies/carter_rollers.md has 1.5 % at most
 STEADY = 0.01  # of the creepage, between the last two crossings

@@ -19,7 +19,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.surfaces import Plane
 from warpffrf.offline import reduce
 from warpffrf.output.result import Result
-from warpffrf.study.closed_forms import (
+from warpffrf.verification.closed_forms import (
     LineContact,
     MindlinLine,
     MindlinPoint,
@@ -27,7 +27,7 @@ from warpffrf.study.closed_forms import (
     contact_modulus,
     tangential_compliance,
 )
-from warpffrf.study.half_space_bodies import half_plane, half_space
+from warpffrf.verification.half_space.bodies import half_plane, half_space
 
 sys.path.insert(0, str(Path(__file__).parent))
 from half_space_scenes import PAIR, STEEL, ball, cylinder, pushed, simulated

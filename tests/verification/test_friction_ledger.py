@@ -15,7 +15,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online.history.history import History
 from warpffrf.online.run import run
-from warpffrf.study.rollers import STEEL
+from warpffrf.verification.scenes.rollers import STEEL
 
 RADIUS, FRICTION = 0.05, 0.3
 GAINED = 0.01  # of the energy that arrives, in one impact

@@ -22,8 +22,8 @@ from warpffrf.offline import reduce
 from warpffrf.offline.fe.assembly import assemble
 from warpffrf.offline.fe.materials import assign
 from warpffrf.offline.stress.plan import StressPlan
-from warpffrf.study.rollers import PAIR, STEEL, Path, solve_path
-from warpffrf.study.rolling import approach_for, window_for
+from warpffrf.verification.ripple import approach_for, window_for
+from warpffrf.verification.scenes.rollers import PAIR, STEEL, Path, solve_path
 
 SHEAR, DEPTH = 0.3003, 0.786
 ELEMENTS = 8  # in a half-width

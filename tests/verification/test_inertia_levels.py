@@ -13,7 +13,8 @@ from warpffrf.model.scene import Scene
 from warpffrf.online import History, Settings, run
 from warpffrf.online.compile.inertia_plan import InertiaPlan
 from warpffrf.online.diagnosis.indicator import FLAG, TermSize, recommended, term_sizes
-from warpffrf.study import free_flight, rotating_bar, rotating_disc, spinning_ring
+from warpffrf.verification import free_flight
+from warpffrf.verification.scenes import rotating_bar, rotating_disc, spinning_ring
 
 MESH_ORDER = 2.0  # of the linear cells of the bar
 EXTRAPOLATED = 1e-9  # relative: two meshes or steps extrapolated, what is left is of the next order

@@ -15,7 +15,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online.history.history import History
 from warpffrf.online.run import find_equilibrium, run
-from warpffrf.study.rollers import roller_body
+from warpffrf.verification.scenes.rollers import roller_body
 
 WIDTH, RADIUS = 0.02, 0.05
 BED = 0.01  # of load and half-width: 8 hats a half-width; the rollers themselves yield by 0.1 % of the approach

@@ -14,7 +14,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online.history.history import History
 from warpffrf.online.run import run
-from warpffrf.study.rollers import roller_body
+from warpffrf.verification.scenes.rollers import roller_body
 
 RADIUS = 0.05
 GAINED = 0.01  # of the energy, in one fall

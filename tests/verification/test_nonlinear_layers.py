@@ -20,7 +20,7 @@ from warpffrf.model.surfaces import Plane
 from warpffrf.offline import reduce
 from warpffrf.online.history.history import History
 from warpffrf.online.run import find_equilibrium, run
-from warpffrf.study.rollers import STEEL, roller_body
+from warpffrf.verification.scenes.rollers import STEEL, roller_body
 
 WIDTH, RADIUS = 0.02, 0.05
 R = 0.5 * RADIUS  # relative radius

@@ -13,7 +13,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
-from warpffrf.study.rollers import CARRIAGE_INERTIA, CARRIAGE_MASS, STEEL
+from warpffrf.verification.scenes.rollers import CARRIAGE_INERTIA, CARRIAGE_MASS, STEEL
 
 FRICTION, TILT = 0.2, 5e-4  # rad
 ACROSS = (0.0, 1.0, 0.0)

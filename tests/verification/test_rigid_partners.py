@@ -15,7 +15,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online import Settings
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
-from warpffrf.study.rollers import CARRIAGE_INERTIA, CARRIAGE_MASS, STEEL, StaticPath, roller_body
+from warpffrf.verification.scenes.rollers import CARRIAGE_INERTIA, CARRIAGE_MASS, STEEL, StaticPath, roller_body
 
 RADIUS = 0.05
 ACROSS = (0.0, 1.0, 0.0)

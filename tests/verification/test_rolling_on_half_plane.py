@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from warpffrf.study.closed_forms import CarterRolling, LineContact, contact_modulus
-from warpffrf.study.half_space_bodies import half_plane
+from warpffrf.verification.closed_forms import CarterRolling, LineContact, contact_modulus
+from warpffrf.verification.half_space.bodies import half_plane
 
 sys.path.insert(0, str(Path(__file__).parent))
 from half_space_scenes import PAIR, STEEL, rolling, simulated

@@ -13,7 +13,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.output.simulate import simulate
-from warpffrf.study.closed_forms import HertzImpact, contact_modulus
+from warpffrf.verification.closed_forms import HertzImpact, contact_modulus
 
 RADIUS, SPEED = 0.01, 0.1  # m, m/s
 # half the modulus on a rigid plane is E* of two steels

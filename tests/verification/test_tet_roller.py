@@ -15,7 +15,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import find_equilibrium, run
-from warpffrf.study.rollers import PAIR, STEEL, roller_body
+from warpffrf.verification.scenes.rollers import PAIR, STEEL, roller_body
 
 FILE = Path(__file__).parents[1] / "data" / "tet_roller.msh"
 LOAD = 400e3  # N: a half-width of some millimetres, as the 7 mm elements need

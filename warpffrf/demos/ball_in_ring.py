@@ -30,8 +30,8 @@ import numpy as np
 
 import warpffrf as wf
 from warpffrf.demos.checks import Check, finish, writable_folder
-from warpffrf.study.closed_forms import contact_modulus
-from warpffrf.study.closed_forms.elliptic import EllipticContact
+from warpffrf.verification.closed_forms import contact_modulus
+from warpffrf.verification.closed_forms.elliptic import EllipticContact
 
 log = logging.getLogger("warpffrf")
 

@@ -24,7 +24,7 @@ import numpy as np
 
 import warpffrf as wf
 from warpffrf.demos.checks import Check, finish, writable_folder
-from warpffrf.study.closed_forms import MindlinPoint, PointContact, contact_modulus, tangential_compliance
+from warpffrf.verification.closed_forms import MindlinPoint, PointContact, contact_modulus, tangential_compliance
 
 log = logging.getLogger("warpffrf")
 

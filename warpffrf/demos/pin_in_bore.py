@@ -6,9 +6,10 @@ both sides. Two runs, with dR/R = 1e-3 and 1e-2.
 
 What to expect: Hertz's line contact holds for small patches only; at 60 degrees his half-width is half as large again.
 Persson's solution (A. Persson, Dissertation, Chalmers, 1964; M. Ciavarella and P. Decuzzi, Int. J. Solids Structures
-38, 2001, 4507) holds for all, in an infinite plate. Its derivation is in `warpffrf/study/closed_forms/conformal.py`. It
-does not depend on Poisson's ratio, which is zero here: then nothing moves along the axis, plane stress and plane strain
-are one, pressures are the same over the whole width, and the slice may be as thick as its stability asks for.
+38, 2001, 4507) holds for all, in an infinite plate. Its derivation is in
+`warpffrf/verification/closed_forms/conformal.py`. It does not depend on Poisson's ratio, which is zero here: then
+nothing moves along the axis, plane stress and plane strain are one, pressures are the same over the whole width, and
+the slice may be as thick as its stability asks for.
 
 Which it does ask for: the pin stands on its rim and is held at its hub. Tilted by psi, its load P acts R psi beside the
 hub and tilts it on. What holds it is the bending stiffness of the slice. It grows with the cube of the width, P
@@ -29,7 +30,7 @@ import numpy as np
 
 import warpffrf as wf
 from warpffrf.demos.checks import Check, finish, writable_folder
-from warpffrf.study.closed_forms import ConformalPin, LineContact, conformal_by_half_angle, contact_modulus
+from warpffrf.verification.closed_forms import ConformalPin, LineContact, conformal_by_half_angle, contact_modulus
 
 log = logging.getLogger("warpffrf")
 

@@ -30,7 +30,7 @@ import numpy as np
 
 import warpffrf as wf
 from warpffrf.demos.checks import Check, finish, writable_folder
-from warpffrf.study.closed_forms import CarterRolling, LineContact, contact_modulus
+from warpffrf.verification.closed_forms import CarterRolling, LineContact, contact_modulus
 
 log = logging.getLogger("warpffrf")
 

@@ -1,1 +1,1 @@
-"""Measurements on scenes: static sweeps, Hertz, convergence, rolling ripple, impact, step times."""
+"""Speed against error: refinement, contact grids, bases, inertia levels, evaluations, step times, another program."""

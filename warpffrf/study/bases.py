@@ -30,7 +30,7 @@ from warpffrf.offline.interfaces.kinds import body_interfaces
 from warpffrf.offline.interfaces.system import InterfaceSystem
 from warpffrf.offline.products import Limits
 from warpffrf.offline.reduction import one_thread
-from warpffrf.study.tables import table
+from warpffrf.verification.markdown import table
 
 STEEL = Material(210e9, 0.3, 7850.0, name="steel")
 BAND = 10e3  # Hz

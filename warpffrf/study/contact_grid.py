@@ -20,8 +20,9 @@ from warpffrf.offline.contact.grid_rule import PATCHES, QUANTITIES, RULES, conta
 from warpffrf.output.plots.error_chart import ErrorPanel, error_charts
 from warpffrf.study.grid_errors import grid_errors, put_on_grid
 from warpffrf.study.grid_on_roller import FINEST_GROWTH, layer_states, roller_half_width, roller_states
-from warpffrf.study.half_space import EllipsePatch, LinePatch
-from warpffrf.study.tables import NAMES, table
+from warpffrf.study.tables import NAMES
+from warpffrf.verification.half_space.compliances import EllipsePatch, LinePatch
+from warpffrf.verification.markdown import table
 
 DEPTH = 10.0  # half-widths: depth of the half-plane, see `grid_rule`
 DEEP = 100.0  # of a large roller

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.online import Settings
-from warpffrf.study.rollers import PAIR, Path, roller_body, solve_path
-from warpffrf.study.rolling import element_size
+from warpffrf.verification.ripple import element_size
+from warpffrf.verification.scenes.rollers import PAIR, Path, roller_body, solve_path
 
 WIDE = Settings(window_strain=0.3)  # the coarse levels are pressed far beyond a Hertz pressure of 0.035 E*
 COARSEST = {1: (90, 4, 2, 2.0), 2: (45, 2, 1, 4.0)}  # sectors, layers, axial, grading by order: equal node spacing

@@ -35,8 +35,8 @@ from warpffrf.offline import reduce
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
-from warpffrf.study.rollers import PAIR, STEEL
 from warpffrf.study.step_time import BORE, RADIUS, WIDTH, swinging_pair
+from warpffrf.verification.scenes.rollers import PAIR, STEEL
 
 GRADING = 1.3
 POINTS = "under"  # name of the stress points

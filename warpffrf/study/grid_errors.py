@@ -1,8 +1,8 @@
 r"""Errors of a Hertz contact on a contact grid, for any position of the patch over the grid.
 
-The body is an exact half-plane or half-space (`half_space`), so that the grid is all that is wrong. Functions psi_i of
-the grid, coefficients f of a pressure, `G_ij = a(psi_i, psi_j)`, Hertz's pressure p with displacement u inside the
-patch and `a(p, p)` known in closed form:
+The body is an exact half-plane or half-space (`half_space.compliances`), so that the grid is all that is wrong.
+Functions psi_i of the grid, coefficients f of a pressure, `G_ij = a(psi_i, psi_j)`, Hertz's pressure p with
+displacement u inside the patch and `a(p, p)` known in closed form:
 
 * **compliance**: the best the functions can do in energy, `1 - c^T G^-1 c / a(p, p)` with `c_i = int psi_i u`, over
   all functions that reach the patch, whatever their sign. Also the error of the mean approach under p.
@@ -11,7 +11,7 @@ patch and `a(p, p)` known in closed form:
   (of a hat: weighed with the hat), and the half-width from the second moment of the pressure beside Hertz's.
 
 Two bodies: the one that carries the pressures takes them as they are, the other as the L2 projection on its own grid,
-whose position is free (`half_space.facing`). Two equal bodies have the mean of both compliances.
+whose position is free (`compliances.facing`). Two equal bodies have the mean of both compliances.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ import numpy as np
 import scipy.linalg as la
 from scipy.ndimage import convolve1d
 
-from warpffrf.study.half_space import Array, EllipsePatch, LinePatch, facing, toeplitz
+from warpffrf.verification.half_space.compliances import Array, EllipsePatch, LinePatch, facing, toeplitz
 
 Patch = LinePatch | EllipsePatch
 MARGIN = 2  # functions beyond the patch on each side: the contact on a coarse grid is up to one and a half wider

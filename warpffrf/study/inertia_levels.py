@@ -20,9 +20,9 @@ from warpffrf.model.scene import Scene
 from warpffrf.online import History, run
 from warpffrf.online.compile.inertia_plan import BOUNDS, InertiaPlan
 from warpffrf.online.diagnosis.indicator import FLAG, MOST_STEPS, percent, recommended, term_sizes
-from warpffrf.study import rotating_bar, rotating_disc, spinning_ring
-from warpffrf.study.rollers import guided_pair, roller_body
-from warpffrf.study.tables import table
+from warpffrf.verification.markdown import table
+from warpffrf.verification.scenes import rotating_bar, rotating_disc, spinning_ring
+from warpffrf.verification.scenes.rollers import guided_pair, roller_body
 
 MADE = "Made by `python -m warpffrf.study.inertia_levels`; do not edit.\n"
 BAR_CELLS = (15, 30, 60)
@@ -186,7 +186,7 @@ def _page() -> str:
 
 Levels: "constant" (turning and deforming leave each other alone), "gyroscopic" (centrifugal load J1 and Coriolis, Euler
 forces G), "deformed" (J1, and J2: what the deformed shape adds), "full". The derivations are in
-`warpffrf/study/rotating_bar.py`, `rotating_disc.py`, `spinning_ring.py`.
+`warpffrf/verification/scenes/rotating_bar.py`, `rotating_disc.py`, `spinning_ring.py`.
 
 ## D1, a bar that turns about its end
 

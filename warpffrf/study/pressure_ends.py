@@ -33,7 +33,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.stress_field import von_mises
 from warpffrf.study.evaluations import POINTS, STIFFER, layer_of, tread
 from warpffrf.study.step_time import RADIUS
-from warpffrf.study.tables import table
+from warpffrf.verification.markdown import table
 
 MADE = "Made by `python -m warpffrf.study.pressure_ends`; do not edit.\n"
 REFINED = 4  # times as many sectors of the reference: with errors of the order 3/2 it errs by an eighth

@@ -26,8 +26,8 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.online import History, LocalDynamics, Settings, run
-from warpffrf.study.rollers import PAIR, STEEL
 from warpffrf.study.unit_time import unit_seconds
+from warpffrf.verification.scenes.rollers import PAIR, STEEL
 
 RADIUS, BORE, WIDTH = 0.05, 0.015, 0.02  # m
 SAMPLES_PER_SWING = 12  # of the sine table: its spline is right to 1e-3, and a short table costs the step nothing

@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.study.convergence import rates, refine
-from warpffrf.study.hertz import hertz_phases
-from warpffrf.study.impact import Drop, drop
-from warpffrf.study.rollers import roller_body
-from warpffrf.study.rolling import SENSES, ripples, worst
+from warpffrf.verification.hertz import hertz_phases
+from warpffrf.verification.impact import Drop, drop
+from warpffrf.verification.markdown import table
+from warpffrf.verification.ripple import SENSES, ripples, worst
+from warpffrf.verification.scenes.rollers import roller_body
 
 MADE = "Made by `python -m warpffrf.study.tables`; do not edit.\n"
 MESHES = {  # equal layers and rows of hats; linear cells need twice as many for the same spacing of hats
@@ -22,12 +23,6 @@ MESHES = {  # equal layers and rows of hats; linear cells need twice as many for
     2: {"sectors": 720, "layers": 9, "axial": 2, "grading": 1.4},
 }
 NAMES = {1: "linear", 2: "quadratic"}
-
-
-def table(head: list[str], rows: list[list[str]]) -> str:
-    """A Markdown table."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
 
 
 def convergence_page() -> str:

@@ -1,10 +1,11 @@
-r"""The pressure at the ends of a roller: reduced bodies and the step's contact beside the finite elements of `fe_end`.
+r"""The pressure at the ends of a roller: reduced bodies and the step's contact beside finite elements (`free_end`).
 
-The rollers are those of `fe_end`, but whole: hex27 cells around, cells along the axis that grow from both ends inwards,
-a hat at every node of the rim, no modes but those of the hub. The hub is guided down and carries the load; the state is
-the static one. On a rigid plane gaps are taken at points. A longer partner is a reduced roller below, whose cells have
-lines where the short one ends; the pair is one on the line of centres. Of `fe_end` nothing is used but sizes and the
-measures of `EndPressure`; mesh, elimination of modes, weak gaps, compliance and active set are the package's.
+The rollers are those of `free_end`, but whole: hex27 cells around, cells along the axis that grow from both ends
+inwards, a hat at every node of the rim, no modes but those of the hub. The hub is guided down and carries the load; the
+state is the static one. On a rigid plane gaps are taken at points. A longer partner is a reduced roller below, whose
+cells have lines where the short one ends; the pair is one on the line of centres. Of `free_end` nothing is used but
+sizes and the measures of `EndPressure`; mesh, elimination of modes, weak gaps, compliance and active set are the
+package's.
 
 **A longer partner.** At the end of the short roller a corner of angle pi/2 presses into a surface that goes on. With
 tractions p r^(lambda - 1) on one face and none on the other, the slope of a wedge of angle phi under its face is
@@ -34,8 +35,8 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.output.simulate import equilibrium
-from warpffrf.study.closed_forms import LineContact, contact_modulus
-from warpffrf.study.fe_end import (
+from warpffrf.verification.closed_forms import LineContact, contact_modulus
+from warpffrf.verification.finite_elements.free_end import (
     GROWTH_FROM_PATCH,
     LINE_LOAD,
     MARGIN,
@@ -45,10 +46,10 @@ from warpffrf.study.fe_end import (
     press_pair,
     solve_levels,
 )
-from warpffrf.study.fe_end import LEVELS as FINITE_ELEMENTS
-from warpffrf.study.fe_end import page as finite_elements
-from warpffrf.study.pin_in_bore import graded
-from warpffrf.study.tables import table
+from warpffrf.verification.finite_elements.free_end import LEVELS as FINITE_ELEMENTS
+from warpffrf.verification.finite_elements.free_end import page as finite_elements
+from warpffrf.verification.finite_elements.pin_in_bore import graded
+from warpffrf.verification.markdown import table
 
 Array = np.ndarray
 PAIR, GUIDE = "pair", "guide"
@@ -169,7 +170,7 @@ def page() -> str:
     head = ["", "in a", "end cell"]
     head += ["end" if not place else f"{place:g} a" for place in PLACES]
     head += [f"mean over {length:g} a" for length in LENGTHS] + ["approach [µm]"]
-    return f"""{finite_elements("warpffrf.study.roller_end", solved)}
+    return f"""{finite_elements("warpffrf.verification.roller_end", solved)}
 ## Reduced bodies in the step
 
 The whole roller of quadratic cells, reduced, under the same load at rest. *In a*: hats (of finite elements cells) in

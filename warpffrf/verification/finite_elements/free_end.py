@@ -3,7 +3,7 @@ r"""A roller of finite width on a rigid plane, its free end included: full finit
 Quadratic (27-node) curved cells of scikit-fem, fine towards the line of contact and towards the end; no modes. The hub
 is a rigid circle that comes nearer to the plane by delta. Half of the width (z = 0 the mid-plane, z = w/2 the end) and
 half of the ring (y >= 0, contact along +x), on their planes of symmetry held normally. The contact is that of
-`fe_contact`: pressure in hats on the corner nodes of the rim, tensor products of those of angle and width, weak gap
+`contact`: pressure in hats on the corner nodes of the rim, tensor products of those of angle and width, weak gap
 R (1 - cos t) - delta + u_x, active set. Two equal rollers that face each other see the same: the plane between them is
 one of symmetry.
 
@@ -23,10 +23,10 @@ from skfem.models.elasticity import linear_elasticity
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.material import Material
 from warpffrf.offline.solvers import factorise
-from warpffrf.study.closed_forms import LineContact, contact_modulus
-from warpffrf.study.fe_contact import SAME_PLACE, active_set, pressure_rows
-from warpffrf.study.pin_in_bore import graded
-from warpffrf.study.tables import table
+from warpffrf.verification.closed_forms import LineContact, contact_modulus
+from warpffrf.verification.finite_elements.contact import SAME_PLACE, active_set, pressure_rows
+from warpffrf.verification.finite_elements.pin_in_bore import graded
+from warpffrf.verification.markdown import table
 
 Array = np.ndarray
 GROWTH_FROM_PATCH = 1.7  # of cells away from the patch and from the end

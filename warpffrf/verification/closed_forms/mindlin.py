@@ -32,7 +32,7 @@ from scipy.special import xlog1py, xlogy
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
-from warpffrf.study.closed_forms.hertz import LineContact, PointContact
+from warpffrf.verification.closed_forms.hertz import LineContact, PointContact
 
 Array = np.ndarray
 

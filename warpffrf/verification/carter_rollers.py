@@ -1,4 +1,4 @@
-r"""Writes docs/studies/carter_rollers.md: `python -m warpffrf.study.carter_rollers [FOLDER]`. Some minutes.
+r"""Writes docs/studies/carter_rollers.md: `python -m warpffrf.verification.carter_rollers [FOLDER]`. Some minutes.
 
 Two equal rollers under a load, the lower one driven, the upper one braked by a torque: Carter's rolling contact with
 friction, by the engine, beside his closed form (`closed_forms.CarterRolling`).
@@ -34,11 +34,11 @@ from warpffrf.offline import reduce
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
-from warpffrf.study.carter import SHARES
-from warpffrf.study.closed_forms import CarterRolling, LineContact, contact_modulus
-from warpffrf.study.half_plane_rolling import Rolling, settle
-from warpffrf.study.rollers import CARRIAGE_INERTIA, PAIR, STEEL
-from warpffrf.study.tables import table
+from warpffrf.verification.carter import SHARES
+from warpffrf.verification.closed_forms import CarterRolling, LineContact, contact_modulus
+from warpffrf.verification.half_space.rolling import Rolling, settle
+from warpffrf.verification.markdown import table
+from warpffrf.verification.scenes.rollers import CARRIAGE_INERTIA, PAIR, STEEL
 
 RADIUS, BORE, WIDTH = 0.05, 0.015, 0.005  # m
 HALF_WIDTH = 1.5e-3  # m, a/R' = 0.06: Hertz and Carter are right to (a/R)^2 = 1e-3
@@ -49,7 +49,7 @@ AXIS = (0.0, 1.0, 0.0)
 RAMP = 2.0  # crossings in which the torque rises
 CROSSINGS = 10
 CELLS, PER_CELL = (8, 16), (0.5, 1.0, 2.0)  # cells in a half-width; cells advanced per step
-MADE = "Made by `python -m warpffrf.study.carter_rollers`; do not edit.\n"
+MADE = "Made by `python -m warpffrf.verification.carter_rollers`; do not edit.\n"
 
 
 def rolling_body(cells: int, *, order: int = 2, cache: bool = True) -> ReducedBody:

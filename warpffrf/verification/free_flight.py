@@ -10,7 +10,7 @@ once, so that all modes ring. Momenta are those of the ring's own inertia (`warp
 
     linear m v, of the centre of mass,      angular r x m v + A (J(q) w + h(q, qdot)) about the world's origin,
 
-evaluated from the history alone. `python -m warpffrf.study.free_flight [FOLDER]` writes the page; two minutes.
+evaluated from the history alone. `python -m warpffrf.verification.free_flight [FOLDER]` writes the page; two minutes.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import History, run
 from warpffrf.online.free_flight.check_run import run_check
-from warpffrf.study.oscillator import errors
+from warpffrf.verification.oscillator import errors
 
 Array = np.ndarray
-MADE = "Made by `python -m warpffrf.study.free_flight`; do not edit.\n"
+MADE = "Made by `python -m warpffrf.verification.free_flight`; do not edit.\n"
 RUBBER = Material(8e6, 0.45, 1100.0, name="rubber")
 MOMENTS = np.array([1.0, 2.0, 3.0])  # kg m2
 SPIN = np.array([1e-3, 5.0, 1e-3])  # rad/s

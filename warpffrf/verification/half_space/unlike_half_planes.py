@@ -20,10 +20,10 @@ import numpy as np
 
 from warpffrf.model.errors import require_number
 from warpffrf.model.material import Material
-from warpffrf.study.closed_forms import contact_modulus
-from warpffrf.study.fe_contact import active_set
-from warpffrf.study.friction_program import solve
-from warpffrf.study.influence import coupling_2d, influence_2d
+from warpffrf.verification.closed_forms import contact_modulus
+from warpffrf.verification.finite_elements.contact import active_set
+from warpffrf.verification.half_space.friction_program import solve
+from warpffrf.verification.half_space.influence import coupling_2d, influence_2d
 
 Array = np.ndarray
 TURNS = 200  # of the two halves at most

@@ -1,7 +1,7 @@
-"""Writes docs/studies/carter.md: `python -m warpffrf.study.carter [FOLDER]`. About two minutes.
+"""Writes docs/studies/carter.md: `python -m warpffrf.verification.carter [FOLDER]`. About two minutes.
 
-Every figure is computed here by the reference of the friction law (`half_plane_rolling`, `tangential_loading`), which
-shares nothing with the engine.
+Every figure is computed here by the reference of the friction law (`rolling` and `tangential_loading` in `half_space`),
+which shares nothing with the engine.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.model.material import Material
-from warpffrf.study.closed_forms import (
+from warpffrf.verification.closed_forms import (
     CarterRolling,
     LineContact,
     MindlinLine,
@@ -22,9 +22,9 @@ from warpffrf.study.closed_forms import (
     contact_modulus,
     tangential_compliance,
 )
-from warpffrf.study.half_plane_rolling import Rolling, settle
-from warpffrf.study.tables import table
-from warpffrf.study.tangential_loading import Patch, cycle_loss, line_patch, point_patch
+from warpffrf.verification.half_space.rolling import Rolling, settle
+from warpffrf.verification.half_space.tangential_loading import Patch, cycle_loss, line_patch, point_patch
+from warpffrf.verification.markdown import table
 
 STEEL = Material(210e9, 0.3, 7800.0, name="steel")
 FRICTION = 0.3
@@ -34,7 +34,7 @@ SHARES = (0.25, 0.5, 0.75, 0.99)  # Q/(mu P) of case C6
 CELLS = STEPS = (8, 16, 32)
 PHASES = (0.0, 0.25, 0.5, 0.75, 0.9)
 CROSSINGS = 10.0
-MADE = "Made by `python -m warpffrf.study.carter`; do not edit.\n"
+MADE = "Made by `python -m warpffrf.verification.carter`; do not edit.\n"
 
 
 @dataclass(frozen=True)
@@ -172,7 +172,7 @@ After {CROSSINGS:g} crossings of the patch, mean over the last; a point at the d
 material. Cells per half-width, steps per crossing, cells advanced per step.
 
 {table(["cells", "steps", "cells/step", *shares], law_rows())}
-A cell that the patch reaches during a step resists by what is left of the step then (`half_plane_rolling.py`): what is
+A cell that the patch reaches during a step resists by what is left of the step then (`half_space/rolling.py`): what is
 left of the error hardly depends on the step up to two cells, nor on where the cells lie against the patch. Here they
 stand with it, at a phase in cells (at 0 a centre is in the middle).
 

@@ -4,7 +4,7 @@ The pressure is p = sum s_j psi_j with hats psi on a uniform grid, s >= 0, and e
 
     G s + M_0 (x^2/(2 R) - delta) >= 0,    s >= 0,    s_i gap_i = 0,    A sum s = load,
 
-G the compliance between hats (`half_space`), M_0 the load of a hat, A its area, x^2 its mean over the hat (the node's
+G the compliance between hats (`compliances`), M_0 the load of a hat, A its area, x^2 its mean over the hat (the node's
 own plus h^2/6 in each direction). The active set is found by trial.
 
 Where the patch ends is not a node. As the edge moves from one node to the next, the coefficient of the last hat grows
@@ -19,8 +19,8 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.study.closed_forms import LineContact, PointContact
-from warpffrf.study.half_space import plane_table, space_table, toeplitz
+from warpffrf.verification.closed_forms import LineContact, PointContact
+from warpffrf.verification.half_space.compliances import plane_table, space_table, toeplitz
 
 Array = np.ndarray
 SPREAD = 1.0 / 16.0  # of the difference to each neighbour

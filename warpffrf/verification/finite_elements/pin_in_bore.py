@@ -1,7 +1,7 @@
 r"""A pin pressed into a bore of nearly its own radius: full finite elements beside Persson's solution.
 
 The pin (radius R, about (dR, 0), where it touches) and the sleeve (bore R + dR about the origin) are both modelled in
-plane strain by `fe_contact`, with the bore as it is: a pin node at R (cos t, sin t) + (dR, 0) has the gap
+plane strain by `contact`, with the bore as it is: a pin node at R (cos t, sin t) + (dR, 0) has the gap
 R + dR - |x| under the normal x/|x|. The sleeve is held at its outer radius. The pin either floats on a uniform body
 force (`held=False`, with a hole so small that it does not count) or its inner circle moves as a rigid one (True, a
 roller on its shaft). Either body may be rigid (material None).
@@ -20,16 +20,16 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.material import Material
-from warpffrf.study.closed_forms import LineContact, conformal_by_half_angle, contact_modulus
-from warpffrf.study.fe_contact import HalfRing, Solved, active_set, pressure_rows, quadratic_rows
-from warpffrf.study.tables import table
+from warpffrf.verification.closed_forms import LineContact, conformal_by_half_angle, contact_modulus
+from warpffrf.verification.finite_elements.contact import HalfRing, Solved, active_set, pressure_rows, quadratic_rows
+from warpffrf.verification.markdown import table
 
 Array = np.ndarray
 STEEL = Material(210e9, 0.3, 7800.0, name="steel")
 GROWTH = 1.25  # of cells away from the patch
 MARGIN = 1.35  # half-angles in which hats can carry pressure and cells are fine
 LARGEST = np.deg2rad(8.0)  # of a cell far from the patch
-MADE = "Made by `python -m warpffrf.study.pin_in_bore`; do not edit.\n"
+MADE = "Made by `python -m warpffrf.verification.finite_elements.pin_in_bore`; do not edit.\n"
 
 
 def graded(first: float, length: float, largest: float = np.inf, growth: float = GROWTH) -> Array:
@@ -142,8 +142,8 @@ def page() -> str:
 
 {MADE}
 Persson's conformal solution, from its integral equation (`closed_forms/conformal.py`), and a full finite element
-solution of both bodies in plane strain with quadratic cells, no modes (`fe_contact.py`): steel, R = 10 mm, no
-friction. Loads are those that give the half-angle by Persson. *Moment angle*: twice the root of the second moment of
+solution of both bodies in plane strain with quadratic cells, no modes (`finite_elements/contact.py`): steel, R = 10 mm,
+no friction. Loads are those that give the half-angle by Persson. *Moment angle*: twice the root of the second moment of
 the pressure over the angle, the same measure of both; *end of the patch*: the two hats between which it ends, over the
 half-angle.
 

@@ -32,10 +32,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from warpffrf.model.errors import require_number
-from warpffrf.study.closed_forms import LineContact
-from warpffrf.study.friction_program import solve
-from warpffrf.study.hat_pressures import bounding, edge_beyond, line_pressures
-from warpffrf.study.influence import mean_2d, strip_mean
+from warpffrf.verification.closed_forms import LineContact
+from warpffrf.verification.half_space.friction_program import solve
+from warpffrf.verification.half_space.hat_pressures import bounding, edge_beyond, line_pressures
+from warpffrf.verification.half_space.influence import mean_2d, strip_mean
 
 Array = np.ndarray
 STICK = 1e-9  # of the bound: what a sticking traction is below it at least; the program is solved to 1e-13

@@ -4,7 +4,7 @@ A `ReducedBody` with a plane contact surface, no global modes, and a compliance 
 of it differs from Hertz, Cattaneo, Mindlin and Carter by its contact alone. It is held at its interface "hold"; mass
 and inertia mean nothing.
 
-Normal: `C_ij = int psi_i K psi_j`, exact for hats (`half_space`); the body keeps D = M^-1 C M^-1, of which M D M is
+Normal: `C_ij = int psi_i K psi_j`, exact for hats (`compliances`); the body keeps D = M^-1 C M^-1, of which M D M is
 used. Tangential: mean displacement of a cell by uniform tractions on cells (`influence`), per force, as of every body.
 
 *Half-plane*: two rows of nodes at the ends of the width, each a half-plane of its own under half of the load: with an
@@ -21,9 +21,9 @@ from warpffrf.model.material import Material
 from warpffrf.model.reduced_body import ContactSurface, DisplaySurface, Interface, Recovery, ReducedBody
 from warpffrf.model.surfaces import Plane
 from warpffrf.model.tangential import Tangential
-from warpffrf.study.closed_forms import contact_modulus
-from warpffrf.study.half_space import plane_table, space_table, toeplitz
-from warpffrf.study.influence import mean_2d, mean_3d
+from warpffrf.verification.closed_forms import contact_modulus
+from warpffrf.verification.half_space.compliances import plane_table, space_table, toeplitz
+from warpffrf.verification.half_space.influence import mean_2d, mean_3d
 
 Array = np.ndarray
 FACE, HOLD = "face", "hold"  # names of surface and interface

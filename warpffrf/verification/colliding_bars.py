@@ -1,4 +1,4 @@
-r"""Writes docs/studies/colliding_bars.md: `python -m warpffrf.study.colliding_bars [FOLDER]`. Half a minute.
+r"""Writes docs/studies/colliding_bars.md: `python -m warpffrf.verification.colliding_bars [FOLDER]`. Half a minute.
 
 Two equal free bars meet end to end, flat face on flat face: St Venant's impact (`closed_forms.BarImpact`, case C8).
 With quasi-static local modes the contact boundary carries no mass, and the highest retained modes ring against its
@@ -37,8 +37,8 @@ from warpffrf.model.surfaces import Plane
 from warpffrf.online.local_dynamics import EXACT_DAMPING, LocalDynamics
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
-from warpffrf.study.closed_forms import BarImpact
-from warpffrf.study.tables import table
+from warpffrf.verification.closed_forms import BarImpact
+from warpffrf.verification.markdown import table
 
 STEEL = Material(210e9, 0.3, 7800.0, name="steel")
 LENGTH, SIDE, SPEED = 1.0, 0.02, 0.1  # m, m, m/s
@@ -50,7 +50,7 @@ STEPS = 25.0  # in a period of the highest mode
 AFTER = 1.15  # contact times that are run
 MODES = (20, 50)
 KEYS = ("duration", "impulse", "mean", "rms", "gained")
-MADE = "Made by `python -m warpffrf.study.colliding_bars`; do not edit.\n"
+MADE = "Made by `python -m warpffrf.verification.colliding_bars`; do not edit.\n"
 ALONG = np.array([0.0, 1.0, 0.0])
 
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.online import GeneralizedAlpha, History, run
-from warpffrf.study.rollers import CARRIAGE_MASS, PAIR, guided_pair
+from warpffrf.verification.scenes.rollers import CARRIAGE_MASS, PAIR, guided_pair
 
 GRAVITY = 9.81  # m/s2
 AFTER = 1.0e-3  # s looked at after the first touch: contact of two steel rollers of some kg lasts a third of it

@@ -8,8 +8,8 @@ import numpy as np
 
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.output.result import Result
-from warpffrf.study.rollers import PAIR, Path, solve_path
-from warpffrf.study.rolling import SENSES, approach_for, element_size, window_for
+from warpffrf.verification.ripple import SENSES, approach_for, element_size, window_for
+from warpffrf.verification.scenes.rollers import PAIR, Path, solve_path
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ import numpy as np
 
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.online import Settings
-from warpffrf.study.rollers import PAIR, Path, solve_path
+from warpffrf.verification.scenes.rollers import PAIR, Path, solve_path
 
 SENSES = {"rolling": -1.0, "sliding": 1.0}  # turn of the second roller over that of the first
 

@@ -17,11 +17,11 @@ import numpy as np
 from scipy.optimize import brentq
 
 from warpffrf.model.material import Material
-from warpffrf.study.closed_forms import LineContact, PointContact
-from warpffrf.study.friction_program import solve
-from warpffrf.study.half_plane_rolling import STICK
-from warpffrf.study.hat_pressures import bounding, line_pressures, point_pressures
-from warpffrf.study.influence import mean_2d, mean_3d
+from warpffrf.verification.closed_forms import LineContact, PointContact
+from warpffrf.verification.half_space.friction_program import solve
+from warpffrf.verification.half_space.hat_pressures import bounding, line_pressures, point_pressures
+from warpffrf.verification.half_space.influence import mean_2d, mean_3d
+from warpffrf.verification.half_space.rolling import STICK
 
 Array = np.ndarray
 BEYOND = 3  # columns outside Hertz's patch, so that the outermost carry nothing

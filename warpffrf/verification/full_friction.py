@@ -1,8 +1,9 @@
-"""Friction with the law at nodes beside cells and closed forms: `python -m warpffrf.study.full_friction [FOLDER]`.
+"""Friction with the law at nodes beside cells and closed forms.
 
-Writes docs/studies/full_friction.md, in some minutes. A rigid cylinder on an exact elastic half-plane with a stiff
-layer between them, evaluation "full" (nodes, `warpffrf.monolithic`) and "semi" (hats and cells, the separated solver)
-with the same bodies, layer and steps: shifted to and fro (Cattaneo and Mindlin), and rolled along (Carter).
+`python -m warpffrf.verification.full_friction [FOLDER]` writes docs/studies/full_friction.md, in some minutes. A rigid
+cylinder on an exact elastic half-plane with a stiff layer between them, evaluation "full" (nodes,
+`warpffrf.monolithic`) and "semi" (hats and cells, the separated solver) with the same bodies, layer and steps: shifted
+to and fro (Cattaneo and Mindlin), and rolled along (Carter).
 """
 
 from __future__ import annotations
@@ -24,9 +25,9 @@ from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
-from warpffrf.study.closed_forms import CarterRolling, LineContact, MindlinLine, contact_modulus
-from warpffrf.study.half_space_bodies import FACE, HOLD, half_plane
-from warpffrf.study.tables import table
+from warpffrf.verification.closed_forms import CarterRolling, LineContact, MindlinLine, contact_modulus
+from warpffrf.verification.half_space.bodies import FACE, HOLD, half_plane
+from warpffrf.verification.markdown import table
 
 STEEL = Material(210e9, 0.3, 7850.0, name="steel")
 PAIR = "pair"
@@ -37,7 +38,7 @@ STEP, QUARTER = 1e-3, 4  # s, and steps to the peak of the shift
 SHARE = 0.5  # of mu P that the shift, or the creepage, asks for
 SPEED = 1.0  # m/s
 ACROSS = (0.0, 1.0, 0.0)
-MADE = "Made by `python -m warpffrf.study.full_friction`; do not edit.\n"
+MADE = "Made by `python -m warpffrf.verification.full_friction`; do not edit.\n"
 
 
 def with_nodes(body: ReducedBody) -> ReducedBody:

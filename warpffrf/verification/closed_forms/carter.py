@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.study.closed_forms.hertz import LineContact
+from warpffrf.verification.closed_forms.hertz import LineContact
 
 Array = np.ndarray
 

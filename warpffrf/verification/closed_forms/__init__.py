@@ -1,0 +1,37 @@
+"""Closed forms of contact that simulations are held against: Hertz, Cattaneo-Mindlin, Carter, impact, conformal pin.
+
+None of these files imports the engine, the kernels or the reduction.
+"""
+
+from __future__ import annotations
+
+from warpffrf.verification.closed_forms.carter import CarterRolling
+from warpffrf.verification.closed_forms.conformal import (
+    ConformalPin,
+    conformal_by_half_angle,
+    conformal_by_load,
+    persson,
+)
+from warpffrf.verification.closed_forms.hertz import LineContact, PointContact, contact_modulus, cylinder_approach
+from warpffrf.verification.closed_forms.impact import BarImpact, HertzImpact
+from warpffrf.verification.closed_forms.mindlin import MindlinLine, MindlinPoint, tangential_compliance
+from warpffrf.verification.closed_forms.sliding import SlidingLine, coupling_ratio
+
+__all__ = [
+    "BarImpact",
+    "CarterRolling",
+    "ConformalPin",
+    "HertzImpact",
+    "LineContact",
+    "MindlinLine",
+    "MindlinPoint",
+    "PointContact",
+    "SlidingLine",
+    "conformal_by_half_angle",
+    "conformal_by_load",
+    "contact_modulus",
+    "coupling_ratio",
+    "cylinder_approach",
+    "persson",
+    "tangential_compliance",
+]

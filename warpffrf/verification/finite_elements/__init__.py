@@ -1,0 +1,1 @@
+"""Full finite element solutions of contacts, without modes."""

@@ -1,0 +1,1 @@
+"""Bodies and scenes that comparisons, studies, tests and benches share."""
