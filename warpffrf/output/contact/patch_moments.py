@@ -58,11 +58,6 @@ class PatchMeasure:
         return found
 
     @cached_property
-    def node_area(self) -> np.ndarray:
-        """(rows,) m2, int psi_j zeta_k dA: the load of a hat is its coefficient times this."""
-        return self.pitch * self.axial[0]
-
-    @cached_property
     def cell_area(self) -> np.ndarray:
         """(rows,) m2, area of the cell around each node of a column."""
         return self.pitch * meridian_gram("cells", self.shape, self.z).diagonal()
