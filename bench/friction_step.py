@@ -68,7 +68,7 @@ def measure(roller: wf.ReducedBody, friction: float, saturation: float, steps: i
         if seconds < best["seconds_per_step"]:
             rubbing = contact.friction
             best = {
-                "seconds_per_step": seconds, "status": result.status, "active": int(contact.active_modes[-1]),
+                "seconds_per_step": seconds, "status": result.status, "active": int(contact.active_hats[-1]),
                 "iterations": float(result.history.iterations[steps // 2 :].mean()),
                 "stick": 0 if rubbing is None else int((rubbing.state[-1] == 1).sum()),
                 "slip": 0 if rubbing is None else int((rubbing.state[-1] == 2).sum()),

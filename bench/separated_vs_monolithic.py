@@ -34,7 +34,7 @@ from warpffrf.verification.scenes.rollers import PAIR
 
 SECTORS, LAYERS, AXIAL = 1920, 18, 4  # near-square cells, about five elements a half-width, as in the demo
 COLUMNS = 100  # with 5 hats each: 495 local modes a roller
-APPROACH = 60e-6  # m: about 45 active modes
+APPROACH = 60e-6  # m: about 45 active hats
 RATE = 20.0  # rad/s
 SWING = 0.08  # rad: the patch stays on the tread
 STEP = 1e-4  # s
@@ -108,7 +108,7 @@ def compare(name: str, scene: Any, steps: int, unit: float) -> dict[str, Any]:
     print(f"{name}: {scene.bodies[0].reduced.local_modes} local modes a roller, {separated.status}, force {size:.0f} N")
     print(f"separated        {base * 1e6:10.1f} us/step {base / unit:8.2f} U   "
           f"{separated.iterations[1:].mean():.2f} iterations, "
-          f"{separated.contacts[PAIR].active_modes.mean():.1f} active")  # fmt: skip
+          f"{separated.contacts[PAIR].active_hats.mean():.1f} active")  # fmt: skip
     print("variant    law     unknowns   us/step    times  iterations  factors    BLAS  equations  contact  force off")
     rows = list(best.values())
     for row in rows:

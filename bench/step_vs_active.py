@@ -1,4 +1,4 @@
-"""Step time against active stress modes and outer columns: `python bench/step_vs_active.py [--json FILE] [--steps N]`.
+"""Step time against active hats and outer columns: `python bench/step_vs_active.py [--json FILE] [--steps N]`.
 
 The same rolling pair is pressed deeper from row to row, with few global modes and with many. A second table refines
 the mesh under one patch: when is the contact grid finer than it need be?
@@ -53,7 +53,7 @@ def main() -> None:
     print("table    sectors  active  gap columns  iterations  factorisations  us/step   U/step  status")
     for r in rows:
         r["unit_seconds"] = unit
-        place = f"{r['table']:8s} {r.get('sectors', 960):7d} {r['active_modes']:7.1f} {r['gap_columns']:12d}"
+        place = f"{r['table']:8s} {r.get('sectors', 960):7d} {r['active_hats']:7.1f} {r['gap_columns']:12d}"
         counts = f"{r['iterations']:11.2f} {r['factorisations']:15.2f}"
         print(f"{place} {counts} {r['seconds_per_step'] * 1e6:8.1f} {r['seconds_per_step'] / unit:8.2f}  {r['status']}")
     if given.json:

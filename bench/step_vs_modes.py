@@ -13,7 +13,7 @@ from pathlib import Path
 from warpffrf.study.step_time import StepTime, machine, time_swing, tread_body
 
 COLUMNS = (56, 222, 889)  # of 960, with 9 hats each: 504, 1,998 and 8,001 local modes
-APPROACH = 60e-6  # m: about 45 active modes
+APPROACH = 60e-6  # m: about 45 active hats
 ROUNDS = 3  # the fastest counts: other work on the machine only slows down
 
 
@@ -36,7 +36,7 @@ def main() -> None:
     print("local modes  active  outer columns  iterations  us/step   U/step  outside graph  status")
     for r in rows:
         steps = f"{r['seconds_per_step'] * 1e6:8.1f} {r['seconds_per_step'] / unit:8.2f}"
-        counts = f"{r['local_modes']:11d} {r['active_modes']:7.1f} {r['outer_columns']:14d} {r['iterations']:11.2f}"
+        counts = f"{r['local_modes']:11d} {r['active_hats']:7.1f} {r['outer_columns']:14d} {r['iterations']:11.2f}"
         print(f"{counts} {steps} {r['outside_graph']:13.1%}  {r['status']}")
     print(f"last over first: {rows[-1]['seconds_per_step'] / rows[0]['seconds_per_step']:.3f}")
     if given.json:

@@ -33,7 +33,7 @@ def timed(body: Any, pairs: int, friction: float, steps: int) -> dict[str, Any]:
     c = best.counters
     return {
         "pairs": pairs, "friction": friction, "status": best.status,
-        "active": sum(float(contact.active_modes.mean()) for contact in best.contacts.values()),
+        "active": sum(float(contact.active_hats.mean()) for contact in best.contacts.values()),
         "iterations": c["mean_iterations"], "seconds_per_step": c["seconds_in_graph"] / max(c["steps"], 1),
     }  # fmt: skip
 

@@ -20,7 +20,7 @@ ROUND_OFF = 1e-12  # relative to the largest entry: sums of some hundred terms
 def slots(engine: Engine) -> tuple[np.ndarray, int]:
     """Hats of the window that have a slot, and their number."""
     count = int(engine.word("slots")[0])
-    return engine.scratch.slot_mode.numpy()[0, :count, 1].copy(), count
+    return engine.scratch.slot_hat.numpy()[0, :count, 1].copy(), count
 
 
 def surfaces(engine: Engine):

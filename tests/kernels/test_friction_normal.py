@@ -83,7 +83,7 @@ def operators(engine: Engine) -> tuple[np.ndarray, ...]:
     place[np.arange(width), m.pairs.coupled.numpy()[0, :width]] = 1.0
     n = int(x.answer_state.numpy()[0, 0])
     order = x.order.numpy()[0, :n]
-    hats = x.slot_mode.numpy()[0, order, 1]
+    hats = x.slot_hat.numpy()[0, order, 1]
     np.testing.assert_array_equal(np.sort(hats), np.flatnonzero(state.active.numpy()[0, 0]))
     np.testing.assert_array_equal(hats, x.answer_hat.numpy()[0, :n])
     V = x.cell_V.numpy().reshape(-1, N)[:lines]
@@ -99,7 +99,7 @@ def coupling(engine: Engine) -> np.ndarray:
     x, state, width = engine.scratch, engine.state, engine.compiled.model.pairs.most_modes
     n, cells = int(x.answer_state.numpy()[0, 0]), int(engine.word("cells")[0])
     order = x.order.numpy()[0, :n]
-    hats = x.slot_mode.numpy()[0, order, 1]
+    hats = x.slot_hat.numpy()[0, order, 1]
     rows = len(engine.scene.contacts[0].a.surface.grid.z)
     kept, bound, number = state.traction.numpy().copy(), x.bound.numpy()[0, 0].copy(), x.cell_slot.numpy()[0, :cells, 1]
     found = []

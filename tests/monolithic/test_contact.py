@@ -55,7 +55,7 @@ def test_hats_agree_with_the_separated_solver(pair: str, roller, other_roller) -
     assert size > 1e3
     assert np.abs(a.contacts[PAIR].force - b.contacts[PAIR].force).max() < AGREE * size
     assert np.abs(a.contacts[PAIR].torque - b.contacts[PAIR].torque).max() < AGREE * size * 0.05
-    assert np.array_equal(a.contacts[PAIR].active_modes, b.contacts[PAIR].active)
+    assert np.array_equal(a.contacts[PAIR].active_hats, b.contacts[PAIR].active)
     pressure = a.contacts[PAIR].pressure[-1].ravel()
     carried = np.array(list(b.contacts[PAIR].pressures[-1].values()))
     assert np.abs(np.sort(pressure[pressure > 0.0]) - np.sort(carried)).max() < 10.0 * AGREE * carried.max()

@@ -1,4 +1,4 @@
-"""Evaluation "full": the law of the contact at every node, beside the same layer in stress modes."""
+"""Evaluation "full": the law of the contact at every node, beside the same layer in hats."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_it_is_the_layer_of_the_contact_at_the_nodes(roller) -> None:
 
 
 def test_semi_comes_to_it_as_the_grid_becomes_finer() -> None:
-    """The same approach on finer and finer rims: the nodes and the stress modes differ by what both discretise."""
+    """The same approach on finer and finer rims: the nodes and the hats differ by what both discretise."""
     errors, elements = [], []
     for sectors in (100, 200):
         body = roller_body(sectors, layers=5, axial=2, grading=1.5, order=1, max_frequency=10e3, cache=False)

@@ -90,7 +90,7 @@ def test_gross_sliding_transmits_the_coefficient_times_the_load(body) -> None:
     assert across == pytest.approx(-MU * normal, rel=SECOND_ORDER)  # the faster lower surface is held back
     assert abs(along) < 1e-3 * MU * normal  # Poisson's sliding along the axis is antisymmetric
     touching = friction.state[-1] > 0
-    assert touching.sum() >= contact.active_modes[-1] and np.all(friction.state[-1][touching] == 2)
+    assert touching.sum() >= contact.active_hats[-1] and np.all(friction.state[-1][touching] == 2)
     # the bores are driven, the bodies behind them swing a little
     assert friction.creep_velocity[-1, 0] == pytest.approx(0.2 * OMEGA * 0.05, rel=0.02)
     assert friction.rolling_velocity[-1] == pytest.approx(0.9 * OMEGA * 0.05, rel=0.02)

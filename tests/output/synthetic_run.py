@@ -143,7 +143,7 @@ def make_history(body: ReducedBody, *, name: str = "lower-upper") -> History:
         first_column_second=second_column % COLUMNS,
         load_second=load,
         approach=np.full(STEPS, 1e-5),
-        active_modes=np.count_nonzero(pressure[:, :, 0], axis=1) * ROWS,
+        active_hats=np.count_nonzero(pressure[:, :, 0], axis=1) * ROWS,
     )
     view_bodies = {n: BodyView(n, body, body.mass, body.center_of_mass) for n in bodies}
     pair = PairView(name, view_bodies["lower"], "rim", view_bodies["upper"], "rim")

@@ -131,3 +131,11 @@ def test_unknown_names_list_the_known(result: Result) -> None:
     for ask, kind in ((result.body, "body"), (result.joint, "joint"), (result.contact, "contact")):
         with pytest.raises(InputError, match=f"no {kind} called 'nobody'; it has: '"):
             ask("nobody")
+
+
+def test_a_quantity_that_had_another_name_is_read(result: Result, saved: Path) -> None:
+    with h5py.File(saved, "a") as file:
+        file.move("contact_active_hats", "contact_active_modes")
+    loaded = Result.load(saved)
+    for pair, contact in result.history.contacts.items():
+        np.testing.assert_array_equal(loaded.history.contacts[pair].active_hats, contact.active_hats)

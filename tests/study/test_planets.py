@@ -40,7 +40,7 @@ def test_all_pairs_carry_the_same(body, friction: float) -> None:
     assert np.abs(size / LOAD - 1.0).max() < 0.05  # they are pressed; a slide has inertia
     assert np.abs(size - size[0]).max() < SYMMETRY * LOAD
     assert np.abs(force.sum(axis=0)).max() < SYMMETRY * LOAD
-    assert np.all(np.array([c.active_modes[-1] for c in history.contacts.values()]) >= 3)
+    assert np.all(np.array([c.active_hats[-1] for c in history.contacts.values()]) >= 3)
 
 
 def test_wrong_numbers(body) -> None:

@@ -40,7 +40,7 @@ CLOSE, WIDE = 1e-3, 1e-2  # clearances, of the radius
 ANGLES = {CLOSE: (10.0, 30.0, 60.0), WIDE: (10.0, 30.0, 60.0)}  # degrees, half of the patch
 RISE, WAIT, STEP = 0.02, 0.01, 1e-3  # s: slow beside the pin on its contact, tens of kHz
 RHO_INF = 0.0  # no ringing is wanted
-MARGIN = 1.3  # room for stress modes, over those in the largest patch
+MARGIN = 1.3  # room for hats, over those in the largest patch
 PAIR, GUIDE = "pin-bore", "guide"
 PEAK, ARC = 0.02, 0.03  # of the peak pressure and of the half-angle
 

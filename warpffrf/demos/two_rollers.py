@@ -146,7 +146,7 @@ def summary(scene: wf.Scene, result: wf.Result, seconds: dict[str, float], unit:
         "local_modes_per_body": roller.local_modes,
         "global_modes_per_body": len(roller.frequencies),
         "fe_dofs_per_body": int(roller.report["dofs"]),
-        "active_modes": _mean(result, contact.active_modes),
+        "active_hats": _mean(result, contact.active_hats),
         "outer_columns": int(counters["outer_columns"]),
         "steps": steps,
         "rejected_steps": int(counters["rejected_steps"]),
@@ -179,7 +179,7 @@ def table(s: dict[str, Any]) -> str:
         f"{s['global_modes_per_body']} global modes",
         f"wall time per step      {s['step_seconds'] * 1e6:.4g} us = {s['step_units']:.3g} U "
         f"(U = {s['unit_seconds'] * 1e6:.4g} us: Cholesky factor-and-solve of size 128)",
-        f"a step                  {s['active_modes']:.3g} active local modes, {s['outer_columns']} outer columns, "
+        f"a step                  {s['active_hats']:.3g} active hats, {s['outer_columns']} outer columns, "
         f"{s['newton_iterations_mean']:.2f} Newton iterations (largest {s['newton_iterations_max']}), "
         f"{s['rejected_steps']} of {s['steps']} steps halved",
         f"energy residual         {s['energy_residual']:.2e} of the energy at hand",

@@ -28,7 +28,7 @@ class Contact:
     default. friction: the coefficient, or a friction law (`warpffrf.model.friction`); above 0 it needs flexible bodies
     that were reduced with tangential=True. evaluation: where the law is looked at, "semi" at all points of the contact
     grid, "hyper" at the few points chosen when the first body was reduced, "full" at every surface node, the slow
-    reference. capacity: largest number of active stress modes, None to have it chosen. overlap [m]: how deep the
+    reference. capacity: largest number of active hats, None to have it chosen. overlap [m]: how deep the
     surfaces may lie in one another at the start of a run, None for a small part of their radius. name: default
     "<first body>-<second body>".
     """
@@ -112,7 +112,7 @@ class Contact:
 
     @property
     def capacity(self) -> int | None:
-        """Largest number of active stress modes; None to have it chosen."""
+        """Largest number of active hats; None to have it chosen."""
         return self._capacity
 
     @capacity.setter

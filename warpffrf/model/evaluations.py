@@ -1,6 +1,6 @@
 """The three ways to evaluate a contact pair, `Contact(evaluation=)`: one law, three sets of places where it holds.
 
-    "semi"    pressure in stress modes, the gap over all Gauss points of the contact grid; the default
+    "semi"    pressure in hats, the gap over all Gauss points of the contact grid; the default
     "hyper"   the same with few points of positive weight, chosen by `reduce(..., sampling_error=)`
     "full"    the law at every FE node of the first surface, nodal forces on all modes, solved with all coordinates at
               once: `simulate(method="monolithic")`, the conventional way and the reference for the other two

@@ -57,7 +57,7 @@ MESSAGES = {
     k.CAPACITY: ("capacity", "window overflow, raise capacity of the contact to >= {capacity}"),
     k.ROOM: (
         "memory",
-        "there is no memory for {capacity} active stress modes at once; coarsen the contact grids (traction_spacing), "
+        "there is no memory for {capacity} active hats at once; coarsen the contact grids (traction_spacing), "
         "give the contacts a capacity, or run fewer worlds",
     ),
     k.NOT_FINITE: ("not_finite", "a NaN or infinite number arose; look for extreme loads, masses or stiffnesses"),

@@ -153,7 +153,7 @@ def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History
     contacts = {
         name: ContactHistory(
             **{field: getattr(c, field) for field in CONTACT_FIELDS},
-            active_modes=c.active,
+            active_hats=c.active,
             friction=None if c.friction is None else FrictionHistory(**c.friction),
         )
         for name, c in found.contacts.items()

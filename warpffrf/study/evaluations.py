@@ -1,7 +1,7 @@
 r"""The three evaluations of one contact side by side: "semi" and "hyper" against "full", and what a step of each costs.
 
 Two rollers with the mesh of the two-roller demo and hats on a part of their rims (a *tread*) roll on each other at a
-constant approach, with a stiff layer between them: the same in all three, in the stress modes of "semi" and "hyper" and
+constant approach, with a stiff layer between them: the same in all three, in the hats of "semi" and "hyper" and
 at every FE node of "full", where all local modes are coordinates of one Newton system. Compared over the saved steps
 are
 

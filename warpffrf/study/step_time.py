@@ -7,7 +7,7 @@ rollers swing to and fro so far that the patch runs over the whole tread: what i
 cost
 followed the number of local modes, the last row would be many times the first.
 
-*Against the active modes*: the same pair, whole rim, pressed deeper and deeper.
+*Against the active hats*: the same pair, whole rim, pressed deeper and deeper.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class StepTime:
     """One measured run."""
 
     local_modes: int  # of one roller
-    active_modes: float  # mean over the run
+    active_hats: float  # mean over the run
     outer_columns: int
     iterations: float  # Newton iterations a step, mean
     factorisations: float  # of the active block a step, mean
@@ -124,7 +124,7 @@ def measured(history: History, local_modes: int) -> StepTime:
     steps = max(int(c["steps"]), 1)
     return StepTime(
         local_modes=local_modes,
-        active_modes=float(contact.active_modes.mean()),
+        active_hats=float(contact.active_hats.mean()),
         outer_columns=int(c["outer_columns"]),
         iterations=float(c["mean_iterations"]),
         factorisations=float(history.factorisations[1:].sum() / steps),

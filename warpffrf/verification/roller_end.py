@@ -124,7 +124,7 @@ def pressed(
     p = 0.5 * (p + p[:, ::-1])[:, grid.rows // 2 :]
     return EndPressure(
         roller.outer_radius, grid.pitch * np.arange(reach + 1), np.asarray(c.z)[grid.rows // 2 :], p,
-        -float(result.joint(GUIDE).named("translation")[-1]), int(c.active_modes[-1]),
+        -float(result.joint(GUIDE).named("translation")[-1]), int(c.active_hats[-1]),
     )  # fmt: skip
 
 

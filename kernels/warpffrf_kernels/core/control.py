@@ -14,21 +14,21 @@ class Control:
     reassemble: int  # 1 when the grids moved against each other, so that every row of G is new
     iteration: int  # Newton iterations of this attempt
     inner: int  # active-set solves of this attempt
-    changes: int  # modes that changed sides in the last solve
+    changes: int  # hats that changed sides in the last solve
     failure: int  # failure bits of this attempt
     slots: int  # rows of G in use
     fresh: int  # first row of G not yet assembled
-    active: int  # active modes
+    active: int  # active hats
     mode: int  # DYNAMIC, STATIC, PROJECT or START
     status: int  # failure bits that stopped this world for good
-    level: int  # the step in use is the user's step / 2**LEVEL
+    level: int  # the step in use is the user's step / 2**level
     sub: int  # how many such steps of the current user step are done
     step: int  # user steps done
     target: int  # user steps to do in this chunk
     saved: int  # rows written to the ring
     rejected: int  # rejected attempts so far
     worst: int  # largest number of iterations of an accepted step
-    touched: int  # active modes before the attempt, restored when it is rejected
+    touched: int  # active hats before the attempt, restored when it is rejected
     iterations: int  # Newton iterations, all accepted steps
     steps: int  # accepted steps
     reason: int  # failure bits of all rejected attempts

@@ -44,9 +44,9 @@ ROUNDS = wp.constant(20)  # of an iteration: a half of the change left by each, 
 
 
 @wp.func
-def hat_of(model: Model, w: int, slot: int, slot_mode: wp.array3d(dtype=int)) -> int:
+def hat_of(model: Model, w: int, slot: int, slot_hat: wp.array3d(dtype=int)) -> int:
     """The hat of a slot, numbered over all pairs."""
-    return slot_mode[w, slot, 0] * model.window.hats + slot_mode[w, slot, 1]
+    return slot_hat[w, slot, 0] * model.window.hats + slot_hat[w, slot, 1]
 
 
 @wp.func
@@ -56,7 +56,7 @@ def is_new(
     n: int,
     ctl: wp.array(dtype=Control),
     order: wp.array2d(dtype=int),
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     answer_hat: wp.array2d(dtype=int),
     answer_state: wp.array2d(dtype=int),
 ) -> int:
@@ -65,7 +65,7 @@ def is_new(
         return 1
     a = int(0)
     while a < n:
-        if hat_of(model, w, order[w, a], slot_mode) != answer_hat[w, a]:
+        if hat_of(model, w, order[w, a], slot_hat) != answer_hat[w, a]:
             return 1
         a += 1
     return 0
@@ -76,7 +76,7 @@ def is_new(
 @wp.func_native("""
     const int cells = model.capacity.cells, width = model.pairs.most_modes;
     const int cap = model.capacity.slots, N = model.outer.count;
-    const int pair = slot_mode.data[((size_t)w * cap + slot) * 2];
+    const int pair = slot_hat.data[((size_t)w * cap + slot) * 2];
     const double* Ji = J.data + ((size_t)w * cap + slot) * width;
     const double* s = receptance.data + (size_t)w * model.modes.count;
     const int coupled = model.pairs.coupled_count.data[pair];
@@ -118,7 +118,7 @@ def couple_far(
     a: int,
     slot: int,
     count: int,
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     cell_slot: wp.array3d(dtype=int),
     J: wp.array(dtype=real),
     cell_J: wp.array(dtype=real),
@@ -137,7 +137,7 @@ def couple_near(
     a: int,
     slot: int,
     lane: int,
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     cell_slot: wp.array3d(dtype=int),
     cells: int,
     center: wp.array3d(dtype=int),
@@ -152,8 +152,8 @@ def couple_near(
 ):
     """Adds to line `a` of Y the part of the local modes: slips of the cells under a unit pressure on active slot
     `slot`, as `tangential_fields.press_cells` has them."""
-    pair = slot_mode[w, slot, 0]
-    m = slot_mode[w, slot, 1]
+    pair = slot_hat[w, slot, 0]
+    m = slot_hat[w, slot, 1]
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
     rows = model.surfaces.rows[A]
@@ -252,7 +252,7 @@ def answer_tractions(
     center: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     order: wp.array2d(dtype=int),
     factor: wp.array3d(dtype=real),
     J: wp.array(dtype=real),
@@ -279,10 +279,10 @@ def answer_tractions(
     n = int(0)  # the first slots of `order` are the active ones
     slot = int(0)
     while slot < ctl[w].slots:
-        if active[w, slot_mode[w, slot, 0], slot_mode[w, slot, 1]] != 0:
+        if active[w, slot_hat[w, slot, 0], slot_hat[w, slot, 1]] != 0:
             n += 1
         slot += 1
-    renewed = is_new(model, w, n, ctl, order, slot_mode, answer_hat, answer_state)
+    renewed = is_new(model, w, n, ctl, order, slot_hat, answer_hat, answer_state)
     sync()
     if lane == 0:
         answer_state[w, COUNT] = n
@@ -296,11 +296,11 @@ def answer_tractions(
     while a < n:
         slot = order[w, a]
         if lane == 0:
-            answer_hat[w, a] = hat_of(model, w, slot, slot_mode)
-        couple_far(model, w, a, slot, cells, slot_mode, cell_slot, J, cell_J, receptance, L, cell_V, scratch, Y)
-        if model.pairs.friction[slot_mode[w, slot, 0]] > real(0.0):
+            answer_hat[w, a] = hat_of(model, w, slot, slot_hat)
+        couple_far(model, w, a, slot, cells, slot_hat, cell_slot, J, cell_J, receptance, L, cell_V, scratch, Y)
+        if model.pairs.friction[slot_hat[w, slot, 0]] > real(0.0):
             couple_near(
-                model, w, a, slot, lane, slot_mode, cell_slot, cells, center, stencil, stencil_at, cell_area,
+                model, w, a, slot, lane, slot_hat, cell_slot, cells, center, stencil, stencil_at, cell_area,
                 cell_turn, share, share_at, shift, Y,
             )  # fmt: skip
         a += 1
@@ -363,7 +363,7 @@ def answer_to(
 def press_with_tractions(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     order: wp.array2d(dtype=int),
     factor: wp.array3d(dtype=real),
     solution: wp.array2d(dtype=real),
@@ -392,8 +392,8 @@ def press_with_tractions(
     a = int(0)
     while a < n:
         slot = order[w, a]
-        pair = slot_mode[w, slot, 0]
-        m = slot_mode[w, slot, 1]
+        pair = slot_hat[w, slot, 0]
+        m = slot_hat[w, slot, 1]
         value = wp.max(base[w, pair, m] + (solution[w, a] + step[w, a]) / weight[w, pair], real(0.0))
         most = wp.max(most, wp.abs(value - pressure[w, pair, m]))
         largest = wp.max(largest, value)

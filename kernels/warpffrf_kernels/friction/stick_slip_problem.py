@@ -31,7 +31,7 @@ def drive_modes(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
     active: wp.array3d(dtype=int),
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     weight: wp.array2d(dtype=real),
     J: wp.array(dtype=real),
     pressure: wp.array3d(dtype=real),
@@ -50,7 +50,7 @@ def drive_modes(
         modal_drive[first + n] = -modal_residual[w, n]
         n += wp.block_dim()
     sync()
-    push_by_slots(model, ctl, w, slot_mode, active, pressure, base, weight, J, modal_drive)
+    push_by_slots(model, ctl, w, slot_hat, active, pressure, base, weight, J, modal_drive)
 
 
 # Line `row` of L times the entries of z in its columns.

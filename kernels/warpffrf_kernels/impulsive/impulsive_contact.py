@@ -387,7 +387,7 @@ def push_further(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
     active: wp.array3d(dtype=int),
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     J: wp.array(dtype=real),
     pressure: wp.array3d(dtype=real),
     base: wp.array3d(dtype=real),
@@ -409,7 +409,7 @@ def push_further(
         push[first + n] = real(0.0)
         n += wp.block_dim()
     sync()
-    push_by_slots(model, ctl, w, slot_mode, active, pressure, base, weight, J, push)
+    push_by_slots(model, ctl, w, slot_hat, active, pressure, base, weight, J, push)
     sync()
     n = lane
     while n < model.modes.count:

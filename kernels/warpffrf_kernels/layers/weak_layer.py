@@ -323,7 +323,7 @@ def add_flexibility(
     active: wp.array3d(dtype=int),
     area: wp.array3d(dtype=real),
     slot_of: wp.array3d(dtype=int),
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     tangent: wp.array4d(dtype=real),
     support: out(wp.array3d(dtype=real)),
     condensed: changed(wp.array3d(dtype=real)),
@@ -340,15 +340,15 @@ def add_flexibility(
         fresh = int(0)
     i = lane
     while i < slots:
-        pair = slot_mode[w, i, 0]
-        m = slot_mode[w, i, 1]
+        pair = slot_hat[w, i, 0]
+        m = slot_hat[w, i, 1]
         if model.layers.kind[pair] != CONSTANT:
             if ctl[w].moved != 0:
                 total = real(0.0)
                 j = int(0)
                 while j < slots:
-                    if slot_mode[w, j, 0] == pair:
-                        if active[w, pair, slot_mode[w, j, 1]] != 0:
+                    if slot_hat[w, j, 0] == pair:
+                        if active[w, pair, slot_hat[w, j, 1]] != 0:
                             total += condensed[w, i, j]
                     j += 1
                 support[w, pair, m] = real(0.0)

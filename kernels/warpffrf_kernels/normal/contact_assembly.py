@@ -18,17 +18,17 @@ wp.set_module_options(MODULE_OPTIONS)
 # Row `slot` of G against the slots of the same pair up to itself (0 for those of others), and its mirror. Native for
 # contiguous inner loops like `axpy`; not measured separately.
 @wp.func_native("""
-    const int pair = slot_mode.data[((size_t)w * model.capacity.slots + slot) * 2];
-    const int m = slot_mode.data[((size_t)w * model.capacity.slots + slot) * 2 + 1];
+    const int pair = slot_hat.data[((size_t)w * model.capacity.slots + slot) * 2];
+    const int m = slot_hat.data[((size_t)w * model.capacity.slots + slot) * 2 + 1];
     const int A = model.pairs.first.data[pair], B = model.pairs.second.data[pair];
     const int rows = model.surfaces.rows.data[A], block = model.surfaces.block.data[A];
     const int reach = model.surfaces.reach.data[A], width_a = block + 2 * reach;
     const int SC = model.window.stencil_columns, SR = model.window.stencil_rows;
     const int rows_b = model.surfaces.rows.data[B], width = model.pairs.most_modes, cap = model.capacity.slots;
     const double* DA = model.surfaces.self_compliance.data + model.surfaces.lag_start.data[A];
-    const size_t mode = (size_t)(w * model.pairs.count + pair) * model.window.hats + m;
-    const double* l = stencil.data + mode * SC * SR;
-    const int* at = stencil_at.data + mode * 2;
+    const size_t hat = (size_t)(w * model.pairs.count + pair) * model.window.hats + m;
+    const double* l = stencil.data + hat * SC * SR;
+    const int* at = stencil_at.data + hat * 2;
     const double* Ji = J.data + ((size_t)w * cap + slot) * width;
     const int first_a = model.surfaces.modal_start.data[A], count_a = model.surfaces.modal_count.data[A];
     const int first_b = model.surfaces.modal_start.data[B], count_b = model.surfaces.modal_count.data[B];
@@ -44,8 +44,8 @@ wp.set_module_options(MODULE_OPTIONS)
         if (l[c * SR + r] != 0.0) { weight[count] = l[c * SR + r]; node[count++] = (at[0] + c) * rows_b + at[1] + r; }
     for (int j = WP_TILE_THREAD_IDX; j <= slot; j += WP_TILE_BLOCK_DIM) {
         double g = 0.0, f = 0.0;
-        if (slot_mode.data[((size_t)w * cap + j) * 2] == pair) {
-            const int mj = slot_mode.data[((size_t)w * cap + j) * 2 + 1];
+        if (slot_hat.data[((size_t)w * cap + j) * 2] == pair) {
+            const int mj = slot_hat.data[((size_t)w * cap + j) * 2 + 1];
             const int other = origin + mj / rows, part = ((other % block) + block) % block;
             const int target = own - (other - part) + reach;
             g = DA[((size_t)(part * rows + mj % rows) * width_a + target) * rows + m % rows];
@@ -68,7 +68,7 @@ def couple(
     w: int,
     slot: int,
     origin: int,
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
     T: wp.array(dtype=real),
@@ -83,7 +83,7 @@ def couple(
 # J sigma^-1 is the one that `couple` has left in `scratch`. Native like `couple`.
 @wp.func_native("""
     const int cap = model.capacity.slots, width = model.pairs.most_modes;
-    const int* const slots = slot_mode.data + (size_t)w * cap * 2;
+    const int* const slots = slot_hat.data + (size_t)w * cap * 2;
     const double* scaled = scratch.data + (size_t)w * width;
     for (int j = WP_TILE_THREAD_IDX; j < slot; j += WP_TILE_BLOCK_DIM) {
         if (slots[2 * j] == slots[2 * slot]) continue;
@@ -107,7 +107,7 @@ def couple_others(
     model: Model,
     w: int,
     slot: int,
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     J: wp.array(dtype=real),
     scratch: wp.array(dtype=real),
     G: wp.array3d(dtype=real),
@@ -119,7 +119,7 @@ def assemble(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
     T: wp.array(dtype=real),
@@ -135,11 +135,11 @@ def assemble(
         return
     slot = ctl[w].fresh
     while slot < ctl[w].slots:
-        pair = slot_mode[w, slot, 0]
+        pair = slot_hat[w, slot, 0]
         couple(
-            model, w, slot, center[w, pair, 0] - model.window.half, slot_mode, stencil, stencil_at,
+            model, w, slot, center[w, pair, 0] - model.window.half, slot_hat, stencil, stencil_at,
             T, J, receptance, scratch, G,
         )  # fmt: skip
         if model.pairs.count > 1:
-            couple_others(model, w, slot, slot_mode, J, scratch, G)
+            couple_others(model, w, slot, slot_hat, J, scratch, G)
         slot += 1

@@ -1,4 +1,4 @@
-"""Rows of the local compliance G = Psi^T (C_A + C_B) Psi on the modes in play ("slots"), assembled once each.
+"""Rows of the local compliance G = Psi^T (C_A + C_B) Psi on the hats in play, each in a slot, assembled once each.
 
 With the hat compliance D of each surface (`u = D f`, both in hats) and the stencil l_j, the load of the second surface
 under a unit pressure hat j of the first:
@@ -38,9 +38,9 @@ def take_slots(
     ctl: inout(wp.array(dtype=Control)),
     phase: inout(wp.array3d(dtype=real)),
     slot_of: inout(wp.array3d(dtype=int)),
-    slot_mode: out(wp.array3d(dtype=int)),
+    slot_hat: out(wp.array3d(dtype=int)),
 ):
-    """Per world: a slot for each active mode that has none; all slots are given back first when the grids have
+    """Per world: a slot for each active hat that has none; all slots are given back first when the grids have
     moved.
     """
     w = wp.tid()
@@ -78,8 +78,8 @@ def take_slots(
                 if slot_of[w, pair, m] < 0:
                     if count < model.capacity.slots:
                         slot_of[w, pair, m] = count
-                        slot_mode[w, count, 0] = pair
-                        slot_mode[w, count, 1] = m
+                        slot_hat[w, count, 0] = pair
+                        slot_hat[w, count, 1] = m
                     count += 1
             m += 1
         pair += 1
@@ -121,7 +121,7 @@ def respond(
     ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
     T: inout(wp.array(dtype=real)),
@@ -133,8 +133,8 @@ def respond(
         return
     slot = ctl[w].fresh
     while slot < ctl[w].slots:
-        pair = slot_mode[w, slot, 0]
-        m = slot_mode[w, slot, 1]
+        pair = slot_hat[w, slot, 0]
+        m = slot_hat[w, slot, 1]
         B = model.pairs.second[pair]
         rows = model.surfaces.rows[B]
         first = second_window[w, pair, 0]
@@ -179,7 +179,7 @@ def modal_rows(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
     weight: wp.array2d(dtype=real),
@@ -193,8 +193,8 @@ def modal_rows(
         return
     slot = ctl[w].fresh
     while slot < ctl[w].slots:
-        pair = slot_mode[w, slot, 0]
-        m = slot_mode[w, slot, 1]
+        pair = slot_hat[w, slot, 0]
+        m = slot_hat[w, slot, 1]
         A = model.pairs.first[pair]
         B = model.pairs.second[pair]
         modes_a = model.surfaces.modal_count[A]
@@ -305,7 +305,7 @@ def outer_rows(
     r1: wp.array2d(dtype=vec3),
     wrench: wp.array4d(dtype=real),
     weight: wp.array2d(dtype=real),
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     J: wp.array(dtype=real),
     C_receptance: wp.array(dtype=real),
     inverse_transposed: wp.array(dtype=real),
@@ -322,8 +322,8 @@ def outer_rows(
     if ctl[w].refresh != 0 and ctl[w].moved != 0:
         slot = int(0)
     while slot < ctl[w].slots:
-        pair = slot_mode[w, slot, 0]
-        m = slot_mode[w, slot, 1]
+        pair = slot_hat[w, slot, 0]
+        m = slot_hat[w, slot, 1]
         f = vec3(wrench[w, pair, m, 0], wrench[w, pair, m, 1], wrench[w, pair, m, 2])
         t = vec3(wrench[w, pair, m, 3], wrench[w, pair, m, 4], wrench[w, pair, m, 5])
         line = w * model.capacity.slots + slot
@@ -338,13 +338,13 @@ def outer_rows(
 # A slot of pressures has one line of these arrays, one of friction two: the lines of G over the slots of the table.
 # Native for contiguous inner loops like `axpy`; not measured separately.
 @wp.func_native("""
-    const int cap = G.shape[1], slots = slot_mode.shape[1], lines = cap / slots;
+    const int cap = G.shape[1], slots = slot_hat.shape[1], lines = cap / slots;
     const int N = model.outer.count, width = model.pairs.coupled_capacity;
     const double* v = V.data + ((size_t)w * cap + i) * N;
     double picked[512];
     int known = -1, count = 0;
     for (int j = first + WP_TILE_THREAD_IDX; j < last; j += WP_TILE_BLOCK_DIM) {
-        const int pair = slot_mode.data[((size_t)w * slots + j / lines) * 2];
+        const int pair = slot_hat.data[((size_t)w * slots + j / lines) * 2];
         if (pair != known) {
             const int* c = model.pairs.coupled.data + (size_t)pair * width;
             known = pair; count = model.pairs.coupled_count.data[pair];
@@ -367,7 +367,7 @@ def add_outer(
     i: int,
     first: int,
     last: int,
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     G: wp.array3d(dtype=real),
     L: wp.array3d(dtype=real),
     V: wp.array(dtype=real),
@@ -379,7 +379,7 @@ def add_outer(
 def condense_contact(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     G: wp.array3d(dtype=real),
     L: wp.array3d(dtype=real),
     V: wp.array(dtype=real),
@@ -397,5 +397,5 @@ def condense_contact(
         fresh = int(0)
     i = int(0)
     while i < count:
-        add_outer(model, w, i, wp.max(i, fresh), count, slot_mode, G, L, V, condensed)
+        add_outer(model, w, i, wp.max(i, fresh), count, slot_hat, G, L, V, condensed)
         i += 1

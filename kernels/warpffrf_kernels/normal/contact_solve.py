@@ -37,14 +37,14 @@ GAP_TOLERANCE = wp.constant(wp.float64(1.0e-14))  # of the scene's length: a mea
 def change_of(
     w: int,
     slot: int,
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
     base: wp.array3d(dtype=real),
 ) -> real:
     """Pressure of a slot less that of the state the step starts from."""
-    pair = slot_mode[w, slot, 0]
-    m = slot_mode[w, slot, 1]
+    pair = slot_hat[w, slot, 0]
+    m = slot_hat[w, slot, 1]
     change = -base[w, pair, m]
     if active[w, pair, m] != 0:
         change += pressure[w, pair, m]
@@ -112,7 +112,7 @@ def solve_pressures(
     active: wp.array3d(dtype=int),
     opened: wp.array3d(dtype=real),
     base: wp.array3d(dtype=real),
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     condensed: wp.array3d(dtype=real),
     weight: wp.array2d(dtype=real),
     J: wp.array(dtype=real),
@@ -140,8 +140,8 @@ def solve_pressures(
     left = int(0)
     slot = int(0)
     while slot < slots:  # every lane counts for itself, in the same order
-        pair = slot_mode[w, slot, 0]
-        m = slot_mode[w, slot, 1]
+        pair = slot_hat[w, slot, 0]
+        m = slot_hat[w, slot, 1]
         if active[w, pair, m] != 0:
             if lane == 0:
                 order[w, count] = slot
@@ -155,13 +155,13 @@ def solve_pressures(
     i = lane
     while i < count:
         a = order[w, i]
-        pair = slot_mode[w, a, 0]
-        total = -weight[w, pair] * opened[w, pair, slot_mode[w, a, 1]]
+        pair = slot_hat[w, a, 0]
+        total = -weight[w, pair] * opened[w, pair, slot_hat[w, a, 1]]
         e = int(1)
         while e <= left:
             slot = order[w, model.capacity.slots - e]
-            other = slot_mode[w, slot, 0]
-            total += condensed[w, a, slot] * weight[w, other] * base[w, other, slot_mode[w, slot, 1]]
+            other = slot_hat[w, slot, 0]
+            total += condensed[w, a, slot] * weight[w, other] * base[w, other, slot_hat[w, slot, 1]]
             e += 1
         c = int(0)
         while c < model.pairs.coupled_count[pair]:
@@ -182,8 +182,8 @@ def solve_pressures(
         ctl[w].failure = ctl[w].failure | k.INDEFINITE
     i = lane
     while i < count:
-        pair = slot_mode[w, order[w, i], 0]
-        m = slot_mode[w, order[w, i], 1]
+        pair = slot_hat[w, order[w, i], 0]
+        m = slot_hat[w, order[w, i], 1]
         pressure[w, pair, m] = base[w, pair, m] + solution[w, i] / weight[w, pair]
         i += wp.block_dim()
     N = model.outer.count
@@ -200,8 +200,8 @@ def solve_pressures(
         i += 1
     slot = int(0)
     while slot < slots:
-        pair = slot_mode[w, slot, 0]
-        m = slot_mode[w, slot, 1]
+        pair = slot_hat[w, slot, 0]
+        m = slot_hat[w, slot, 1]
         if active[w, pair, m] == 0 and base[w, pair, m] != real(0.0):
             axpy(N, -weight[w, pair] * base[w, pair, m], V, (w * model.capacity.slots + slot) * N, z, w * N)
         slot += 1
@@ -212,7 +212,7 @@ def push_by_slots(
     model: Model,
     ctl: wp.array(dtype=Control),
     w: int,
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
     base: wp.array3d(dtype=real),
@@ -223,8 +223,8 @@ def push_by_slots(
     """Adds J^T ds, the weighted changes of all slots on the global modes, to `push` (W times modes)."""
     slot = int(0)
     while slot < ctl[w].slots:
-        pair = slot_mode[w, slot, 0]
-        change = weight[w, pair] * change_of(w, slot, slot_mode, active, pressure, base)
+        pair = slot_hat[w, slot, 0]
+        change = weight[w, pair] * change_of(w, slot, slot_hat, active, pressure, base)
         if change != real(0.0):
             start = (w * model.capacity.slots + slot) * model.pairs.most_modes
             for side in range(2):
@@ -240,7 +240,7 @@ def modal_increments(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
     active: wp.array3d(dtype=int),
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     weight: wp.array2d(dtype=real),
     J: wp.array(dtype=real),
     pressure: wp.array3d(dtype=real),
@@ -262,7 +262,7 @@ def modal_increments(
         modal_step[first + n] = -modal_residual[w, n]
         n += wp.block_dim()
     sync()
-    push_by_slots(model, ctl, w, slot_mode, active, pressure, base, weight, J, modal_step)
+    push_by_slots(model, ctl, w, slot_hat, active, pressure, base, weight, J, modal_step)
     row = int(0)
     while row < model.rows.count:
         for side in range(2):
@@ -353,7 +353,7 @@ def accept_set(
     """Per world: take over the corrected set, count the changes, widen a window that its patch has reached, check the
     guards.
 
-    The pressures of modes that leave are zeroed. After `max_inner` solves of one linearisation only the first mode that
+    The pressures of hats that leave are zeroed. After `max_inner` solves of one linearisation only the first hat that
     is on the wrong side changes it (Murty's least index, which cannot cycle where G is positive definite).
     """
     w = wp.tid()

@@ -76,7 +76,7 @@ def assemble_shared(
     ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
-    slot_mode: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
     weight: wp.array2d(dtype=real),
@@ -91,8 +91,8 @@ def assemble_shared(
     start = w * wp.max(model.window.hats, model.window.nodes)
     slot = ctl[w].fresh
     while slot < ctl[w].slots:
-        pair = slot_mode[w, slot, 0]
-        m = slot_mode[w, slot, 1]
+        pair = slot_hat[w, slot, 0]
+        m = slot_hat[w, slot, 1]
         for side in range(2):
             surface = 2 * pair + side
             n = model.shared.start[surface]
@@ -117,8 +117,8 @@ def assemble_shared(
                 sync()
                 j = lane
                 while j < slot:
-                    if slot_mode[w, j, 0] == other:
-                        hat = slot_mode[w, j, 1]
+                    if slot_hat[w, j, 0] == other:
+                        hat = slot_hat[w, j, 1]
                         g = real(0.0)
                         if reads % 2 == 0:
                             g = field[start + hat]

@@ -1,6 +1,6 @@
 r"""How coarse may a contact be for a wanted error: the spacing of its grid, and its sampling points.
 
-A contact force is wrong by what the grid of stress modes misses and by what few points miss of all of them. The wanted
+A contact force is wrong by what the grid of hats misses and by what few points miss of all of them. The wanted
 error is shared, half to each. The spacing follows from the rule of `grid_rule`, error <= c (s/b)^p. Of the points, an
 error e of the integrals over training patches moves the gap of a patch by at most e of its depth; force over approach
 is a power of at most 3/2 (an ellipse; 1 of a line), so that e = share/(3/2) keeps it. That is safe: on rollers the

@@ -26,7 +26,7 @@ approach are blind (0.05 % at 4.5 columns a half-width) but the pressure is not:
 of all points. On equal grids that roll on each other there is no such difference (1e-5). The online check reports
 it.
 
-**Energy.** Weights are positive and the same on both sides of a product, so that the tangent in the stress modes stays
+**Energy.** Weights are positive and the same on both sides of a product, so that the tangent in the hats stays
 symmetric, and the area of a hat is exact, so that a force and its reaction stay the same number. What is inexact is
 which gap belongs to a hat; that enters the *grid defect* of the energy ledger, as the Gauss rule's own error does.
 """

@@ -8,7 +8,7 @@ a sum over one list of points (x, z) of the strip, each used in the two strips t
 the integrand of the bracket, at the points, is a *snapshot*; no simulation is needed to have it. Families of snapshots:
 
     areas      f = 1, which must be exact: a constant pressure has its resultant, and the weights add up to the area
-    stress     f = psi_jl, the hats themselves: products of two stress modes, the overlap of the grid with itself
+    stress     f = psi_jl, the hats themselves: products of two hats, the overlap of the grid with itself
     gaps       f = u^2/a^2 + v^2/b^2 - 1 inside the ellipse f < 0: the undeformed gap of a patch
     response   f = u_n, the displacement of the body's local modes under the pressure sqrt(1 - u^2/a^2 - v^2/b^2) of
                that patch, interpolated on a grid that is displaced by a part of a column and of a row, the one opposite

@@ -179,7 +179,7 @@ class ContactSolve(Arrays):
     """The system of the hats in play."""
 
     slot_of: DeviceArray = integers("world", "pair", "hat")
-    slot_mode: DeviceArray = integers("world", "slot", 2, note="pair and hat", zero_without=True)
+    slot_hat: DeviceArray = integers("world", "slot", 2, note="pair and hat", zero_without=True)
     T: DeviceArray = reals("world", "slot", "node", note="response of the second surface", run=True)
     J: DeviceArray = reals("world", "slot", "pair_mode", note="d(gap)/d(modes)", run=True, zero_without=True)
     G: DeviceArray = reals("world", "slot", "slot", unit="m/Pa", note="gaps by pressures")

@@ -129,7 +129,7 @@ class ContactHistory:
     load_second: np.ndarray  # (T, columns2, rows2) N, hat forces on the second surface, positive inwards
     approach: np.ndarray  # (T,) m, rigid approach at mid-width: sum of radii minus the distance of the axes
     # ... or minus the smallest undeformed gap of a pair whose gaps are taken at points
-    active_modes: np.ndarray  # (T,) int
+    active_hats: np.ndarray  # (T,) int
     friction: FrictionHistory | None = None  # None of a frictionless pair
 
 

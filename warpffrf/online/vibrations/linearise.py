@@ -265,7 +265,7 @@ def _closed_contacts(probe: _Probe) -> tuple[Array, int]:
     count = int(probe.state.ctl.numpy()["slots"][0]) if m.pairs.count else 0
     if not count:
         return total, 0
-    slot_pair = x.slot_mode.numpy()[0, :count, 0]
+    slot_pair = x.slot_hat.numpy()[0, :count, 0]
     L = np.zeros((count, n))
     local = x.L.numpy()[0, :count, :12]
     J = x.J.numpy()[: m.capacity.slots * m.pairs.most_modes].reshape(m.capacity.slots, m.pairs.most_modes)[:count]
@@ -325,7 +325,7 @@ def slot_flexibility(m: Model, scratch: Scratch, count: int) -> np.ndarray:
     """E (count, count) [m^3/Pa] of the hats in the first `count` slots of world 0, at the last linearisation."""
     E = np.zeros((count, count))
     kinds, first = m.layers.kind.numpy(), m.pairs.first.numpy()
-    pairs, hats = scratch.slot_mode.numpy()[0, :count].T
+    pairs, hats = scratch.slot_hat.numpy()[0, :count].T
     slot_of, tangent = scratch.slot_of.numpy()[0], scratch.layer_tangent.numpy()[0]
     rows = m.surfaces.rows.numpy()[first]
     for i, (pair, hat) in enumerate(zip(pairs, hats, strict=True)):

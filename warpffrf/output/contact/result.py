@@ -94,7 +94,7 @@ class ContactResult:
         self.force_second = history.force_second  # (T, 3) N, on the second body, integrated on its own surface
         self.torque_second = history.torque_second  # (T, 3) N m
         self.approach = history.approach  # (T,) m
-        self.active_modes = history.active_modes  # (T,)
+        self.active_hats = history.active_hats  # (T,)
 
     @property
     def force_magnitude(self) -> np.ndarray:

@@ -20,6 +20,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote, unquote
@@ -157,8 +158,13 @@ def _read(file: Any) -> History:
 
 
 def _fields_of(file: Any, fields: tuple[Field, ...], name: str, n: int) -> dict[str, Any]:
-    """What the file holds of one owner; older files lack some quantities."""
-    return {f.attribute: _get(file, f, name, n) for f in fields if f.name in file}
+    """What the file holds of one owner; older files lack some quantities, and call others by another name."""
+    found = {}
+    for field in fields:
+        stored = field if field.name in file else replace(field, name=field.before)
+        if stored.name in file:
+            found[field.attribute] = _get(file, stored, name, n)
+    return found
 
 
 # --- datasets ---

@@ -55,7 +55,7 @@ def blueprint(recorder: Any) -> Any:
         rrb.TimeSeriesView(
             origin="/solver/iterations", contents=["/solver/iterations", "/solver/factorisations"], name="Newton"
         ),
-        rrb.TimeSeriesView(origin="/solver/active_modes", name="Active stress modes"),
+        rrb.TimeSeriesView(origin="/solver/active_hats", name="Active hats"),
         rrb.TimeSeriesView(origin="/solver/energy_residual", name="Energy residual [-]"),
         rrb.TimeSeriesView(origin="/solver/step_size", name="Step size [s]"),
         name="Solver",

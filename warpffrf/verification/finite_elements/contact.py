@@ -1,6 +1,6 @@
 r"""A full finite element solution of plane frictionless contact against which reduced models are held.
 
-Plane strain, curved quadratic (9-node) cells of scikit-fem, no modes, no stress modes of the engine: each body is
+Plane strain, curved quadratic (9-node) cells of scikit-fem, no modes, no hats of the engine: each body is
 condensed exactly to the normal displacements of its contact nodes by one factorisation.
 
 **Contact.** Pressure s_j in hats on the corner nodes of the first surface, f = B s on its nodes, B_ij = int N_i psi_j
