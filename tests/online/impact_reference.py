@@ -57,26 +57,26 @@ def collide(half: Half, speed: float, gap: float, h: float, steps: int) -> tuple
     q, v, a, rate = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
     v[0] = speed
     memory = np.zeros(n)  # what a has of the force
-    s, sudden, repeated = 0.0, False, 0
+    s, impulsive, repeated = 0.0, False, 0
     forces, energies = [0.0], [half.m @ v**2]
     for _ in range(steps):
         f = -half.J * s
         free = (q, v, a - memory / half.m, rate - f / half.m)
-        s1, new = _step(half, free if sudden else (q, v, a, rate), gap, h, s, sudden)
-        if not sudden and _restless(s, s1):
-            sudden, repeated = True, repeated + 1
-            s1, new = _step(half, free, gap, h, s, sudden)
+        s1, new = _step(half, free if impulsive else (q, v, a, rate), gap, h, s, impulsive)
+        if not impulsive and _restless(s, s1):
+            impulsive, repeated = True, repeated + 1
+            s1, new = _step(half, free, gap, h, s, impulsive)
         q, v, a, rate = new
         f1 = -half.J * s1
-        if sudden:
+        if impulsive:
             memory = f1
             a, rate = a + f1 / half.m, rate + f1 / half.m
         else:
             memory = ((1.0 - alpha_f) * f1 + alpha_f * f - alpha_m * memory) / (1.0 - alpha_m)
         memory = np.where(half.exact, f1, memory)
         a = np.where(half.exact, rate, a)
-        if sudden and s1 + s > 0.0 and not _restless(s, s1):
-            sudden = False
+        if impulsive and s1 + s > 0.0 and not _restless(s, s1):
+            impulsive = False
         s = s1
         forces.append(s)
         energies.append(half.m @ v**2 + half.k @ q**2)  # of two
@@ -87,21 +87,22 @@ def _restless(before: float, after: float) -> bool:
     return abs(after - before) > CALM * max(before, after)
 
 
-def _step(half: Half, state: Any, gap: float, h: float, before: float, sudden: bool) -> tuple[float, Any]:
+def _step(half: Half, state: Any, gap: float, h: float, before: float, impulsive: bool) -> tuple[float, Any]:
     """Force and state at the end: what the motion is at the force 0 and 1, and the force that closes the gap."""
-    ends = [_moved(half, state, h, before, s, sudden) for s in (0.0, 1.0)]
+    ends = [_moved(half, state, h, before, s, impulsive) for s in (0.0, 1.0)]
     closing = [gap - 2.0 * half.J @ end[0] for end in ends]
     s = max(0.0, -closing[0] / (closing[1] - closing[0]))
-    return s, _moved(half, state, h, before, s, sudden)
+    return s, _moved(half, state, h, before, s, impulsive)
 
 
-def _moved(half: Half, state: Any, h: float, before: float, s: float, sudden: bool) -> Any:
-    """q, v, a and vdot at the end of a step with the force s at its end, the last two without it where it is sudden."""
+def _moved(half: Half, state: Any, h: float, before: float, s: float, impulsive: bool) -> Any:
+    """q, v, a and vdot at the end of a step with the force s at its end, the last two without it where it is
+    impulsive."""
     q0, v0, a0, rate0 = state
     alpha_m, alpha_f, beta, gamma = half.coefficients
     f = -half.J * s
-    w = f / half.m if sudden else np.zeros_like(f)
-    held = np.zeros_like(f) if sudden else f
+    w = f / half.m if impulsive else np.zeros_like(f)
+    held = np.zeros_like(f) if impulsive else f
     b = 0.5 + (beta / gamma - 0.5) / (1.0 + half.weigh * h**2)
     # q_1 = q + h^2 beta a_1, v_1 = v + h gamma a_1, vdot_1 = r + p a_1
     q = q0 + h * v0 + h**2 * ((0.5 - beta) * a0 + b * w)
@@ -112,7 +113,7 @@ def _moved(half: Half, state: Any, h: float, before: float, s: float, sudden: bo
     q, v, rate = q + h**2 * beta * a1, v + h * gamma * a1, r + p * a1
     for i in np.flatnonzero(half.exact):
         A = np.array([[0.0, 1.0, 0.0, 0.0], [-half.k[i], -half.c[i], 1.0, 0.0], [0, 0, 0, 1.0], [0, 0, 0, 0]])
-        first = f[i] if sudden else -half.J[i] * before
+        first = f[i] if impulsive else -half.J[i] * before
         q[i], v[i], _, _ = expm(A * h) @ [q0[i], v0[i], first, (f[i] - first) / h]
         rate[i] = held[i] - half.c[i] * v[i] - half.k[i] * q[i]
     return q, v, a1, rate

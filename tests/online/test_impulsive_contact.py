@@ -116,14 +116,14 @@ def test_a_run_goes_on_from_the_middle_of_an_impact(block: ReducedBody) -> None:
     h = 1e-6
     scene = blocks(block, 0.0)
     whole = run(scene, 20 * h, step=h, local="hht", progress=False)
-    sudden = 0
+    impulsive = 0
     for steps in (2, 5, 9):
         part = run(scene, steps * h, step=h, local="hht", progress=False)
-        sudden += int(part.checkpoint["ctl"]["impulsive"][0] == int(k.IMPULSIVE))
+        impulsive += int(part.checkpoint["ctl"]["impulsive"][0] == int(k.IMPULSIVE))
         rest = run(scene, (20 - steps) * h, step=h, start=part, local="hht", progress=False)
         for name in ("r", "v", "q", "qd", "qd_alg", "pressure"):
             assert np.array_equal(rest.checkpoint[name], whole.checkpoint[name]), name
-    assert sudden > 0
+    assert impulsive > 0
 
 
 def test_quasi_static_modes_know_nothing_of_it(block: ReducedBody) -> None:

@@ -36,7 +36,7 @@ from warpffrf.online.step.program import PARTICIPANTS, WHOLE
 from warpffrf.verification.scenes.rollers import guided_pair, roller_body
 
 STEP, STEPS = 2e-5, 8
-SUDDEN = 1e-4  # s: a step that is taken again, with impulsive pairs
+IMPACT_STEP = 1e-4  # s: a step that is taken again, with impulsive pairs
 POISON = {wp.float64: np.nan, wp.vec3d: np.nan, wp.mat33d: np.nan, wp.quatd: np.nan, wp.int32: 3}
 
 Bodies = dict[str, ReducedBody]
@@ -78,7 +78,7 @@ def few_points(bodies: Bodies) -> wf.Scene:
 
 SCENES: dict[str, Callable[[Bodies], wf.Scene]] = {
     "line": lambda b: guided_pair(b["plain"], b["other"], speed=60.0, ramp=0.02),
-    "sudden": lambda b: guided_pair(b["plain"], b["other"], speed=60.0, ramp=5e-4),
+    "impulsive": lambda b: guided_pair(b["plain"], b["other"], speed=60.0, ramp=5e-4),
     "points": lambda b: guided_pair(b["crowned"], b["plain"], speed=60.0, ramp=0.02),
     "few points": few_points,
     "layer": layered,
@@ -119,10 +119,10 @@ def make_unusable(engine: Engine) -> None:
 @pytest.mark.parametrize("name", SCENES)
 def test_scratch_carries_nothing_from_step_to_step(name: str, bodies: Bodies) -> None:
     options = {"integrator": GeneralizedAlpha(project_velocities=True)} if name == "points" else {}
-    step = SUDDEN if name == "sudden" else STEP
+    step = IMPACT_STEP if name == "impulsive" else STEP
     clean, rows = steps(SCENES[name](bodies), step, False, **options)
     other, other_rows = steps(SCENES[name](bodies), step, True, **options)
-    assert (clean["ctl"]["repeated"][0] > 0) == (name == "sudden")
+    assert (clean["ctl"]["repeated"][0] > 0) == (name == "impulsive")
     for key, values in clean.items():
         assert np.array_equal(numbers_of(values), numbers_of(other[key]), equal_nan=True), key
     for row, array in rows.items():

@@ -24,7 +24,7 @@ from warpffrf.online.checkpoint import is_dynamic, restore, time_of
 from warpffrf.online.compile.pairs import LINE_OF_CENTRES
 from warpffrf.online.diagnosis.contact_notes import contact_notes, energy_notes, overlap_notes
 from warpffrf.online.diagnosis.energy_watch import EnergyWatch, round_off_energy
-from warpffrf.online.diagnosis.failure_report import blame
+from warpffrf.online.diagnosis.failure_report import failure_owner
 from warpffrf.online.diagnosis.indicator import indicator_lines, term_sizes, unheld_lines
 from warpffrf.online.diagnosis.sampling_check import sampling_notes
 from warpffrf.online.engine import Engine
@@ -232,7 +232,7 @@ def _finish(
     at_rest = prefix.startswith("equilibrium")
     if at_rest and bits:
         message = UPHILL if bits & int(k.ENERGY) else message.replace("; reduce step", STATIC_CURE)
-    owner = blame(engine, bits) if bits else ""
+    owner = failure_owner(engine, bits) if bits else ""
     message += f" ({owner})" if owner else ""
     if (at_rest or bits & UNSOLVED) and bits and (wedge := find_wedge(engine.scene)) is not None:
         said = message.split("; ")[0] if prefix else message

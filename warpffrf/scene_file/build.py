@@ -13,7 +13,6 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from warpffrf.model.errors import InputError
-from warpffrf.scene_file.blame import Blamed, blamed_place
 from warpffrf.scene_file.document import suggestion
 from warpffrf.scene_file.forms import (
     Form,
@@ -28,6 +27,7 @@ from warpffrf.scene_file.forms import (
     value_kinds,
 )
 from warpffrf.scene_file.numbers import read_numbers
+from warpffrf.scene_file.refused_line import Refused, refused_place
 from warpffrf.scene_file.source import Path, Source
 
 TITLE = "title"
@@ -355,7 +355,7 @@ class Builder:
                 return body[part]
             return body if point is None else body.at(point)
         except InputError as error:
-            raise Blamed(f"{self.source.place(path)}: {shown(path[:-1])}: {error}") from error
+            raise Refused(f"{self.source.place(path)}: {shown(path[:-1])}: {error}") from error
 
     @contextmanager
     def running(self, section: str) -> Iterator[None]:
@@ -364,8 +364,8 @@ class Builder:
             yield
         except InputError as error:
             table = self.source.values[section]
-            raise Blamed(
-                f"{blamed_place(self.source, (section,), table, str(error))}: {shown((section,))}: {error}"
+            raise Refused(
+                f"{refused_place(self.source, (section,), table, str(error))}: {shown((section,))}: {error}"
             ) from error
 
     @contextmanager
@@ -373,9 +373,9 @@ class Builder:
         """Put the line in front of what a call refuses."""
         try:
             yield
-        except Blamed:
+        except Refused:
             raise
         except InputError as error:
-            raise Blamed(f"{blamed_place(self.source, path, table, str(error))}: {shown(path)}: {error}") from error
+            raise Refused(f"{refused_place(self.source, path, table, str(error))}: {shown(path)}: {error}") from error
         except (TypeError, ValueError, OverflowError) as error:
-            raise Blamed(f"{self.source.place(path)}: {shown(path)} cannot be used: {error}") from error
+            raise Refused(f"{self.source.place(path)}: {shown(path)} cannot be used: {error}") from error

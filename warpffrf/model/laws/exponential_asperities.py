@@ -56,7 +56,7 @@ class ExponentialAsperities:
         return float(-np.log(NEGLIGIBLE) * self.decay_length) if self.cut is None else self.cut
 
     @property
-    def yielding(self) -> float:
+    def compliance(self) -> float:
         """0: the yield is no constant, see `curve`."""
         return 0.0
 

@@ -76,7 +76,7 @@ class HuntCrossley:
         return chi_times_speed(e) / speed
 
     @property
-    def yielding(self) -> float:
+    def compliance(self) -> float:
         """0: the yield is no constant, see `curve`."""
         return 0.0
 

@@ -38,7 +38,7 @@ class Law(Protocol):
     kind: ClassVar[str]
 
     @property
-    def yielding(self) -> float:
+    def compliance(self) -> float:
         """Constant yield [m/Pa] of what lies between; 0 where there is none, or it is no constant."""
         ...
 

@@ -32,7 +32,7 @@ class LinearLayer:
         object.__setattr__(self, "stiffness", stiffness)
 
     @property
-    def yielding(self) -> float:
+    def compliance(self) -> float:
         """Yield [m/Pa] of the layer, 1/stiffness."""
         return 1.0 / self.stiffness
 

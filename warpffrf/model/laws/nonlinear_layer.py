@@ -43,7 +43,7 @@ class NonlinearLayer:
         object.__setattr__(self, "exponent", require_exponent(self.exponent, "NonlinearLayer: exponent"))
 
     @property
-    def yielding(self) -> float:
+    def compliance(self) -> float:
         """0: the yield is no constant, see `curve`."""
         return 0.0
 

@@ -55,7 +55,7 @@ class TableLayer:
         object.__setattr__(self, "pressures", tuple(float(p) for p in pressures))
 
     @property
-    def yielding(self) -> float:
+    def compliance(self) -> float:
         """0: the yield is no constant, see `curve`."""
         return 0.0
 

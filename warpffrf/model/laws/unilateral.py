@@ -13,7 +13,7 @@ class Unilateral:
     kind: ClassVar[str] = "unilateral"
 
     @property
-    def yielding(self) -> float:
+    def compliance(self) -> float:
         """Yield [m/Pa] of what lies between: none."""
         return 0.0
 

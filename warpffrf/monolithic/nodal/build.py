@@ -43,7 +43,7 @@ def node_pairs(
 def stick_stiffness(contact: Any) -> float:
     """k_t [Pa/m] of `contact` by default, see `friction`."""
     law = contact.law
-    return MINDLIN * (1.0 / law.yielding if law.yielding else default_layer(contact.a.surface))
+    return MINDLIN * (1.0 / law.compliance if law.compliance else default_layer(contact.a.surface))
 
 
 def memory(pairs: list[NodePairData]) -> np.ndarray:

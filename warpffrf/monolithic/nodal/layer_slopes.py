@@ -43,7 +43,7 @@ class LayerPressure:
 def elastic_slope(law: Any, gap: np.ndarray) -> np.ndarray:
     """P'(d) [Pa/m] at the gaps (k,) [m], not negative; 0 where the surfaces are apart."""
     if law.curve is None:
-        return np.where(gap < 0.0, 1.0 / law.yielding, 0.0)
+        return np.where(gap < 0.0, 1.0 / law.compliance, 0.0)
     return _SLOPES[law.curve.form](law.curve, np.asarray(gap, float))
 
 

@@ -30,17 +30,17 @@ def hat_gram(surface: ContactSurface) -> np.ndarray:
     return np.einsum("nab,kl->nakbl", theta, surface.gram_z).reshape(sectors, side, side)
 
 
-def weak_compliance(surface: ContactSurface, yielding: float = 0.0) -> np.ndarray:
-    """C = M D M + M `yielding`, block-circulant like D: weak displacement of hat i under a unit pressure hat j
-    [m^3/Pa], with a layer between the surfaces that yields by `yielding` [m/Pa] (`warpffrf.model.laws`).
+def weak_compliance(surface: ContactSurface, compliance: float = 0.0) -> np.ndarray:
+    """C = M D M + M `compliance`, block-circulant like D: weak displacement of hat i under a unit pressure hat j
+    [m^3/Pa], with a layer between the surfaces that yields by `compliance` [m/Pa] (`warpffrf.model.laws`).
 
     On a turn the two products are taken harmonic by harmonic; a dense operator is multiplied out.
     """
     M, lags = hat_gram(surface), surface.lags
     if len(lags) == 1:
-        return M @ lags @ M + yielding * M
+        return M @ lags @ M + compliance * M
     M_hat, D_hat = np.fft.rfft(M, axis=0), np.fft.rfft(lags, axis=0)
-    return np.fft.irfft(M_hat @ D_hat @ M_hat, n=len(lags), axis=0) + yielding * M
+    return np.fft.irfft(M_hat @ D_hat @ M_hat, n=len(lags), axis=0) + compliance * M
 
 
 def response_table(surface: ContactSurface, lags: np.ndarray, reach: int) -> np.ndarray:

@@ -31,11 +31,11 @@ def fill_surfaces(collector: Collector, m: Model, reaches: Sequence[int]) -> np.
     lists: dict[str, list] = {name: [] for name in FIELDS}
     breaks, coefficients, z = [], [], []
     D, MDM, modes, moments = [], [], [], []
-    yieldings = [value for contact in collector.scene.contacts for value in (contact.law.yielding, 0.0)]  # on the first
+    layers = [value for contact in collector.scene.contacts for value in (contact.law.compliance, 0.0)]  # on the first
     modal_start = np.cumsum([0, *collector.mode_counts])
     known: dict[tuple, dict[str, int]] = {}  # where the tables of a surface begin, with and without a layer
-    owned = zip(collector.surfaces, collector.places, yieldings, reaches, strict=True)
-    for (body, surface), place, yielding, reach in owned:
+    owned = zip(collector.surfaces, collector.places, layers, reaches, strict=True)
+    for (body, surface), place, compliance, reach in owned:
         shape, profile = surface.shape, surface.shape.profile()
         on_ground = isinstance(body, Ground)
         origin = np.asarray(shape.axis_point) - (0.0 if on_ground else body.center_of_mass)
@@ -75,11 +75,11 @@ def fill_surfaces(collector: Collector, m: Model, reaches: Sequence[int]) -> np.
                 "periodic": int(grid.periodic), "turn": sectors * block if sectors > 1 or grid.periodic else 0,
                 "rows": grid.rows, "block": block,
             }  # fmt: skip
-            values |= known.setdefault((place, yielding), begins)
-            if known[place, yielding] is begins:
+            values |= known.setdefault((place, compliance), begins)
+            if known[place, compliance] is begins:
                 z.append(np.asarray(grid.z))
                 D.append(response_table(surface, surface.lags, reach).ravel())
-                MDM.append(response_table(surface, weak_compliance(surface, yielding), reach).ravel())
+                MDM.append(response_table(surface, weak_compliance(surface, compliance), reach).ravel())
                 modes.append(np.ascontiguousarray(surface.mode_normal).ravel())
                 moments.append(modal_moments(surface).ravel())
         for name, value in values.items():

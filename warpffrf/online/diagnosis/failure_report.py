@@ -30,7 +30,7 @@ class Residual:
     text: str
 
 
-def blame(engine: Engine, bits: int, world: int = 0) -> str:
+def failure_owner(engine: Engine, bits: int, world: int = 0) -> str:
     """A clause that names the body, the joint or force, and the pair with the largest residual of `world` after the
     failure `bits`, the worst of them first; "" if none is left."""
     with np.errstate(all="ignore"):  # what diverged may overflow

@@ -131,7 +131,7 @@ def _compare(contact: Contact, history: History, t: int, few: _Rule, every: _Rul
     area = np.tile(grid.pitch * np.asarray(contact.a.surface.gram_z).sum(axis=1), len(columns))[active]
     dg = gaps[0] - gaps[1]
     M = _gram(contact.a.surface, len(columns))
-    G = M @ _compliance(contact.a.surface, columns) @ M + contact.law.yielding * M + E
+    G = M @ _compliance(contact.a.surface, columns) @ M + contact.law.compliance * M + E
     G = G[np.ix_(active, active)]
     B = contact.b.surface
     if B.grid is not None:

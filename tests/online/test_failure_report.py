@@ -10,7 +10,7 @@ from warpffrf.model import forces, joints, signals
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
-from warpffrf.online.diagnosis.failure_report import blame, row_owners
+from warpffrf.online.diagnosis.failure_report import failure_owner, row_owners
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.verification.scenes.rollers import PAIR, guided_pair
 
@@ -60,7 +60,7 @@ def test_what_is_not_finite_is_named() -> None:
     engine.replay(40)
     bits = int(engine.word("status")[0])
     assert bits & int(k.NOT_FINITE)
-    said = blame(engine, bits)
+    said = failure_owner(engine, bits)
     assert "the motion of body 'second' is not finite" in said and "'spring'" not in said
 
 
@@ -76,7 +76,7 @@ def test_an_unknown_that_a_singular_system_leaves_open_is_named(unknown: int, sa
     A = np.diag(np.arange(1.0, 22.0))[None]
     A[0, unknown, unknown] = 0.0
     engine.scratch.tangent.assign(A)
-    assert said in blame(engine, int(k.SINGULAR))
+    assert said in failure_owner(engine, int(k.SINGULAR))
 
 
 def test_modes_with_inertia_terms_have_names_too(plain_body: ReducedBody) -> None:
@@ -91,7 +91,7 @@ def test_modes_with_inertia_terms_have_names_too(plain_body: ReducedBody) -> Non
         A = np.diag(np.arange(1.0, m.outer.count + 1.0))[None]
         A[0, unknown, unknown] = 0.0
         engine.scratch.tangent.assign(A)
-        assert said in blame(engine, int(k.SINGULAR))
+        assert said in failure_owner(engine, int(k.SINGULAR))
 
 
 def test_a_window_too_small_names_its_pair(plain_body: ReducedBody) -> None:

@@ -13,11 +13,11 @@ from warpffrf.model.errors import InputError
 from warpffrf.scene_file.source import Path, Place, Source
 
 
-class Blamed(InputError):
+class Refused(InputError):
     """An error whose message begins with its place already."""
 
 
-def blamed_place(source: Source, path: Path, table: Any, message: str) -> Place:
+def refused_place(source: Source, path: Path, table: Any, message: str) -> Place:
     """The place of what the message speaks of in the table at `path`: the first name in quotes that is a key or a
     text there, or else the longest key that is a word of it, or else the table."""
     quoted, named = len(message), ""
