@@ -154,7 +154,8 @@ def sample_few(
         if (q[0] < lowest_c) lowest_c = q[0];
         if (q[1] < lowest_r) lowest_r = q[1];
     }
-    const int oc = (int)::floor(lowest_c), orow = (int)::floor(lowest_r), last = rows_b - 2;
+    const int oc = (int)::floor(lowest_c), last = rows_b - 2;
+    const int orow = lowest_r < last ? (int)::floor(lowest_r) : last;  // beyond B's end: its last cell
     int beyond = 0;
     for (int p = from; p < to; ++p) {
         const int at = start + p, s = model.points.station.data[at];

@@ -46,7 +46,8 @@ wp.set_module_options(MODULE_OPTIONS)
         if (q[0] < lowest_c) lowest_c = q[0];
         if (q[1] < lowest_r) lowest_r = q[1];
     }
-    const int oc = (int)::floor(lowest_c), orow = (int)::floor(lowest_r);
+    const int oc = (int)::floor(lowest_c);
+    const int orow = lowest_r < rows_b - 2 ? (int)::floor(lowest_r) : rows_b - 2;  // beyond B's end: its last cell
     int beyond = 0;
     for (int s = s0; s < s1; ++s) {
         const int zc = s / model.quadrature.z_points;
