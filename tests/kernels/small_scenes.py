@@ -1,0 +1,314 @@
+"""Small scenes that between them launch every kernel, and how each is run; bodies have a few dozen cells around."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from warpffrf_kernels.core import control as k
+
+from warpffrf.model import forces, joints, laws, mesh, signals, surfaces
+from warpffrf.model.contact import Contact
+from warpffrf.model.friction import RegularisedCoulomb
+from warpffrf.model.integrators import GeneralizedAlpha
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.scene import Scene
+from warpffrf.offline import reduce
+from warpffrf.offline.contact.cubature import choose_sampling
+from warpffrf.online import Engine, Settings, run
+from warpffrf.online.start.settle import settle
+from warpffrf.online.vibrations.eigenmodes import find_modes
+from warpffrf.study.rollers import STEEL, Path, guided_pair, roller_body, solve_path
+
+STEP, STEPS = 2e-5, 5
+RADIUS, BALL = 0.05, 0.02  # m
+WIDE = Settings(window_strain=0.3)  # patches of many hats on coarse grids
+
+
+# --- bodies
+
+
+@functools.cache
+def roller(**options: Any) -> ReducedBody:
+    made: dict[str, Any] = {"layers": 2, "axial": 2, "grading": 1.6, "order": 1, "max_frequency": 12e3} | options
+    return roller_body(made.pop("sectors", 60), cache=False, **made)
+
+
+@functools.cache
+def rubbing() -> ReducedBody:
+    return roller(tangential=True)
+
+
+@functools.cache
+def dynamic_roller() -> ReducedBody:
+    made = mesh.roller(RADIUS, 0.015, 0.02, sectors=48, layers=2, axial=2, grading=1.6, order=1)
+    return reduce(
+        made, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=4, local_dynamics=True,
+        cache=False, progress=False,
+    )  # fmt: skip
+
+
+@functools.cache
+def few_points(sectors: int) -> ReducedBody:
+    """A roller whose gaps are taken at chosen points: of 90 sectors they stand on stations of the line of centres, of
+    60 elsewhere."""
+    body = roller(sectors=sectors)
+    rim = body.contact_surfaces["rim"]
+    return replace(body, contact_surfaces={"rim": replace(rim, sampling=choose_sampling(rim, 0.01))})
+
+
+@functools.cache
+def beam() -> ReducedBody:
+    """A bar whose loads stiffen it, with interfaces of every kind."""
+    made = mesh.box((0.02, 0.3, 0.01), (1, 8, 1), order=2)
+    made = made.select("middle", "z_max", lambda centers: np.abs(centers[:, 1]) < 0.1)
+    return reduce(
+        made, STEEL, interfaces={"y_min": "rigid", "y_max": "average", "middle": "free"},
+        contact={"x_max": surfaces.Plane()}, modes=6, stiffening=True, cache=False, progress=False,
+    )  # fmt: skip
+
+
+@functools.cache
+def ring() -> ReducedBody:
+    """Contact on the inside; its grid matches no roller's."""
+    made = mesh.roller(0.075, 0.055, 0.024, sectors=42, layers=2, axial=3, grading=1.0)
+    return reduce(
+        made, STEEL, interfaces={"rim": "rigid"}, contact={"bore": surfaces.Bore()}, modes=4, tangential=True,
+        cache=False, progress=False,
+    )  # fmt: skip
+
+
+@functools.cache
+def block() -> ReducedBody:
+    """Its contact grid ends on all four sides."""
+    made = mesh.box((0.02, 0.02, 0.01), (4, 4, 2))
+    return reduce(
+        made, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": surfaces.Plane()}, modes=2, tangential=True,
+        cache=False, progress=False,
+    )  # fmt: skip
+
+
+# --- scenes
+
+
+def chain() -> Scene:
+    """Links in joints of all kinds, springs of all kinds between them, and loads."""
+    scene = Scene(gravity=(0.3, -0.5, -9.81))
+    links = [
+        scene.add_rigid_body(0.5, (1e-3, 2e-3, 2e-3), name=f"link {i}", position=(0.2 * i + 0.1, 0.0, 0.0))
+        for i in range(len(joints.JOINT_KINDS))
+    ]
+    turned = [scene.ground, *(link.at((0.1, 0.0, 0.0)) for link in links)]
+    for i, kind in enumerate(joints.JOINT_KINDS):
+        given: dict[str, Any] = {"axis": (0.0, 1.0, 0.0)} if kind not in ("spherical", "distance") else {}
+        given |= {"second_axis": (0.0, 0.0, 1.0)} if kind == "universal" else {}
+        near = -0.1 if kind != "distance" else -0.05
+        joint = scene.add(joints.JOINT_KINDS[kind](turned[i], links[i].at((near, 0.0, 0.0)), **given, name=kind))
+        if kind == "revolute":
+            scene.add(forces.TorsionalSpringDamper(joint, 2.0, 0.01))
+        elif kind == "cylindrical":
+            scene.add(forces.JointSpringDamper(joint, 200.0, 1.0, coordinate="translation"))
+        elif kind == "prismatic":
+            scene.add(joints.Drive(joint, signals.SmoothStep(0.0, 0.1, duration=0.01), quantity="velocity"))
+    scene.add(forces.SpringDamper(links[0].at((0.0, 0.1, 0.0)), links[4].at((0.0, 0.1, 0.0)), 100.0, 1.0))
+    stiffness = np.diag([1e3, 2e3, 3e3, 10.0, 20.0, 30.0]) + 1.0
+    scene.add(forces.Bushing(links[4].at((0.1, 0.0, 0.0)), links[5].at((-0.1, 0.0, 0.0)), stiffness, 1e-2 * stiffness))
+    scene.add(
+        forces.Bearing(scene.ground, links[-1].at((0.1, 0.0, 0.0)), axis=(1, 0, 0), radial=1e3, axial=2e3, tilt=10.0)
+    )
+    load = signals.Table([0.0, 1.0, 10.0], [0.0, 2.0, 1.0])
+    scene.add(forces.PointForce(links[2].at((0.0, 0.0, 0.05)), (load, (0.0, 1.0, 0.0)), frame="body"))
+    scene.add(forces.PointTorque(links[6].at((0.0, 0.0, 0.0)), (0.01, 0.0, 0.02)))
+    return scene
+
+
+def beams() -> Scene:
+    """Flexible bars that turn and are loaded at places and over surfaces, at the fullest level of inertia."""
+    scene = Scene(gravity=(0.0, 0.0, -9.81))
+    spin = np.array([0.0, 0.0, 20.0])
+    bars = []
+    for i in range(2):
+        at = np.array([0.0, 0.15 + 0.3 * i, 0.0])
+        bars.append(
+            scene.add_body(
+                beam(), name=f"bar {i}", position=at, velocity=np.cross(spin, at), angular_velocity=spin,
+                inertia="full", stiffening=True,
+            )
+        )  # fmt: skip
+    scene.add(joints.Revolute(scene.ground, bars[0]["y_min"], axis=(0, 0, 1)))
+    scene.add(joints.Revolute(bars[0]["y_max"], bars[1]["y_min"], axis=(1, 0, 0)))
+    scene.add(forces.Bushing(bars[0]["y_max"], bars[1]["y_min"], np.diag([0.0, 0.0, 0.0, 5.0, 5.0, 5.0])))
+    scene.add(forces.PointForce(bars[1]["y_max"], (0.0, 0.0, -50.0)))
+    scene.add(forces.PointTorque(bars[1]["y_max"], (1.0, 0.0, 0.0), frame="body"))
+    scene.add(forces.SurfaceLoad(bars[0]["x_max"], 1e3))
+    scene.add(forces.NodalLoad(bars[1]["middle"], (0.0, 0.0, 0.1)))
+    return scene
+
+
+def rollers(
+    first: ReducedBody, second: ReducedBody, *, evaluation: str = "semi", law: Any = None, **more: Any
+) -> Scene:
+    scene = guided_pair(first, second, **{"load": 60e3, "speed": 60.0, "ramp": 0.02} | more)
+    scene.contacts[0].evaluation = evaluation
+    scene.contacts[0].law = law or scene.contacts[0].law
+    return scene
+
+
+def three_rollers(body: ReducedBody, **contact: Any) -> Scene:
+    """The middle one serves two pairs."""
+    scene = Scene(gravity=(0.0, 0.0, -9.81))
+    placed = [
+        scene.add_body(body, name=f"roller {i}", position=(0.0, 0.0, i * (2.0 * RADIUS - 4e-5))) for i in range(3)
+    ]
+    for i, roller in enumerate(placed):
+        axle = scene.add(joints.Revolute(scene.ground, roller["bore"], axis=(0, 1, 0)))
+        turn = signals.SmoothStep(0.0, 30.0 * (-1.0) ** i * (1.0 + 0.02 * i), duration=1e-3)
+        scene.add(joints.Drive(axle, turn, quantity="velocity"))
+    scene.add(Contact(placed[1]["rim"], placed[0]["rim"], **contact))
+    scene.add(Contact(placed[1]["rim"], placed[2]["rim"], **contact))
+    return scene
+
+
+def ball_on(
+    body: ReducedBody,
+    interface: str = "bore",
+    face: str = "rim",
+    *,
+    at: tuple[float, float, float] = (0.0, 0.001, RADIUS),
+    speed: float = 0.5,
+    **contact: Any,
+) -> Scene:
+    """A rigid ball that falls on the place `at` of a body while it slides and spins: gaps at points."""
+    scene = Scene(gravity=(0.0, 0.0, -9.81))
+    held = scene.add_body(body, name="held")
+    scene.add(joints.Fixed(scene.ground, held[interface]))
+    ball = scene.add_rigid_body(
+        0.3, (5e-5,) * 3, name="ball", position=np.array(at) + (0.0, 0.0, BALL + 2e-6), velocity=(0.1, 0.05, -speed),
+        angular_velocity=(1.0, 2.0, 3.0),
+    )  # fmt: skip
+    shape = surfaces.Sphere(radius=BALL, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
+    scene.add(Contact(held[face], ball.surface(shape, name="face"), **contact))
+    return scene
+
+
+def roller_in_ring(**contact: Any) -> Scene:
+    """A roller that rolls on the inside of a ring, both flexible: gaps at points."""
+    scene = Scene(gravity=(0.0, 0.0, -9.81))
+    outer = scene.add_body(ring(), name="ring")
+    scene.add(joints.Fixed(scene.ground, outer["rim"]))
+    inner = scene.add_body(
+        rubbing(), name="roller", position=(0.0, 0.003, -0.005 - 1e-5), angular_velocity=(0.0, 10.0, 0.0)
+    )
+    scene.add(Contact(inner["rim"], outer["bore"], **contact))
+    return scene
+
+
+# --- how they are run
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene, how many steps of which size [s] it takes, and how that ends."""
+
+    build: Callable[[], Scene]
+    step: float = STEP
+    options: dict[str, Any] = field(default_factory=dict)
+    how: Callable[[Case], str] = lambda case: case.go()
+    ends: str = "completed"
+
+    def go(self) -> str:
+        """The status of a run."""
+        return run(self.build(), STEPS * self.step, step=self.step, progress=False, **self.options).status
+
+
+def two_worlds(case: Case) -> str:
+    """The same in two copies."""
+    engine = Engine(case.build(), worlds=2, settings=WIDE)
+    assert settle(engine)
+    engine.initial_rates()
+    engine.start()
+    engine.control(every=1)
+    engine.enter(k.DYNAMIC, case.step, target=STEPS)
+    engine.replay(4 * STEPS)
+    return "completed" if np.all(engine.word("step") == STEPS) else "not_converged"
+
+
+def modes(case: Case) -> str:
+    """Vibrations about the equilibrium."""
+    find_modes(case.build(), 4)
+    return "completed"
+
+
+def all_round(case: Case) -> str:
+    """Static states of two tilted rollers that are turned until every column has met others, on both grids."""
+    turned = np.linspace(0.0, 2.0 * np.pi, 13)
+    path = Path.of(np.full(13, 4e-4), turned, -1.7 * turned)
+    return solve_path(roller(), roller(sectors=42, outer_radius=0.035), path, tilt=2e-3, settings=WIDE).status
+
+
+def suddenly(load: float) -> signals.Table:
+    """A load that is far too large from the first step on."""
+    return signals.Table((0.0, 1e-5, 1.0), (60e3, load, load))
+
+
+REST: dict[str, Any] = {"start": "equilibrium", "settings": WIDE}
+HOPELESS: dict[str, Any] = {"start": "equilibrium", "settings": replace(WIDE, max_level=2)}
+DAMPED = laws.HuntCrossley(1e15, 1.5, damping=50.0)
+ASPERITIES = laws.ExponentialAsperities(2e8, 5e-6)
+PROJECTED = GeneralizedAlpha(project_velocities=True)
+CASES: dict[str, Case] = {
+    "chain": Case(chain, 1e-3),
+    "chain, projected": Case(chain, 1e-3, {"integrator": PROJECTED, "accuracy": 1e-6}),
+    "beams": Case(beams, 1e-4),
+    "rollers": Case(lambda: rollers(roller(), roller(sectors=42, outer_radius=0.035)), options=REST),
+    "rollers, sudden": Case(lambda: rollers(roller(), roller(), ramp=5e-4), 1e-4, REST),
+    "rollers, wide": Case(lambda: rollers(roller(), roller(), load=600e3), options=REST | {"accuracy": 1e-9}),
+    "rollers, asperities": Case(lambda: rollers(roller(), roller(), law=ASPERITIES), options=REST),
+    "rollers, damped layer": Case(lambda: rollers(roller(), roller(), law=DAMPED), options=REST),
+    "rollers, projected": Case(lambda: rollers(roller(), roller()), options=REST | {"integrator": PROJECTED}),
+    "rollers, vibrations": Case(lambda: rollers(roller(), roller()), how=modes),
+    "rollers, all round": Case(Scene, how=all_round),
+    "rollers, two worlds": Case(lambda: rollers(rubbing(), rubbing(), friction=0.3), how=two_worlds),
+    "crowned rollers": Case(lambda: rollers(roller(crown_radius=0.6, axial=5), roller()), options=REST),
+    "few points": Case(lambda: rollers(few_points(90), roller(), evaluation="hyper"), options=REST),
+    "few points elsewhere": Case(lambda: rollers(few_points(60), roller(), evaluation="hyper"), options=REST),
+    "few points, asperities": Case(
+        lambda: rollers(few_points(90), roller(), evaluation="hyper", law=ASPERITIES), options=REST
+    ),
+    "friction": Case(lambda: rollers(rubbing(), rubbing(), friction=0.3, load=300e3), options=REST),
+    "friction, regularised": Case(
+        lambda: rollers(rubbing(), rubbing(), friction=RegularisedCoulomb(0.3, 1e-2)), options=REST
+    ),
+    "friction, damped layer": Case(lambda: rollers(rubbing(), rubbing(), friction=0.3, law=DAMPED), options=REST),
+    "three rollers": Case(lambda: three_rollers(roller()), options=REST),
+    "three rollers, friction": Case(lambda: three_rollers(rubbing(), friction=0.2), options=REST),
+    "ball": Case(lambda: ball_on(roller()), 2e-6),
+    "ball, damped": Case(lambda: ball_on(roller(), law=DAMPED), 2e-6),
+    "ball, friction": Case(lambda: ball_on(rubbing(), friction=0.2), 2e-6),
+    "ball, impulsive": Case(lambda: ball_on(dynamic_roller()), 2e-6, {"local": "hht"}),
+    "ball, impulsive and exact": Case(lambda: ball_on(dynamic_roller()), 2e-6, {"local": "exponential"}),
+    "ball at the edge of a roller": Case(lambda: ball_on(rubbing(), at=(0.0, 0.0101, RADIUS), friction=0.2), 2e-6),
+    "ball at the corner of a block": Case(
+        lambda: ball_on(block(), "z_min", "z_max", at=(0.0098, 0.0098, 0.005), friction=0.2), 2e-6
+    ),
+    "roller in a ring": Case(roller_in_ring),
+    "roller in a ring, friction": Case(lambda: roller_in_ring(friction=0.2, law=DAMPED), 5e-6),
+    # runs that fail, each in another way
+    "too deep": Case(
+        lambda: rollers(rubbing(), rubbing(), friction=0.3, load=suddenly(1e12)), options=HOPELESS, ends="capacity"
+    ),
+    "too deep elsewhere": Case(
+        lambda: rollers(few_points(60), roller(), evaluation="hyper", load=suddenly(1e12)), options=HOPELESS,
+        ends="capacity",
+    ),
+    "not finite": Case(
+        lambda: rollers(rubbing(), rubbing(), friction=0.3, law=DAMPED, load=suddenly(1e200)), options=HOPELESS,
+        ends="capacity",
+    ),
+    "too fast": Case(
+        lambda: rollers(roller(), roller(), speed=1e8, ramp=1e-4), options=HOPELESS, ends="not_converged"
+    ),
+}  # fmt: skip
