@@ -16,7 +16,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.study.rollers import roller_body
+from warpffrf.verification.scenes.rollers import roller_body
 
 GROUND = -1
 NUMBERS = st.integers(0, 2**20)  # seeds of what is drawn evenly

@@ -86,8 +86,8 @@ def watch_launches(folder: Path) -> set[str]:
         """The step of a graph without recording one."""
 
         def replay(self, budget: int) -> None:
-            more: Any = self.work.more
-            self.work.budget.fill_(budget + 1)
+            more: Any = self.scratch.more
+            self.scratch.budget.fill_(budget + 1)
             self.program.run(("count",))
             wp.capture_while(more, self._attempt)
 

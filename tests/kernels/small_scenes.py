@@ -19,9 +19,10 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.offline.contact.cubature import choose_sampling
 from warpffrf.online import Engine, Settings, run
+from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 from warpffrf.online.vibrations.eigenmodes import find_modes
-from warpffrf.study.rollers import STEEL, Path, guided_pair, roller_body, solve_path
+from warpffrf.verification.scenes.rollers import STEEL, Path, guided_pair, roller_body, solve_path
 
 STEP, STEPS = 2e-5, 5
 RADIUS, BALL = 0.05, 0.02  # m
@@ -229,7 +230,7 @@ def two_worlds(case: Case) -> str:
     engine = Engine(case.build(), worlds=2, settings=WIDE)
     assert settle(engine)
     engine.initial_rates()
-    engine.start()
+    start_consistently(engine)
     engine.control(every=1)
     engine.enter(k.DYNAMIC, case.step, target=STEPS)
     engine.replay(4 * STEPS)

@@ -14,7 +14,7 @@ from warpffrf.model.sampling import Sampling
 from warpffrf.model.scene import Scene
 from warpffrf.offline.contact.training import all_points
 from warpffrf.online import History, run
-from warpffrf.study.rollers import roller_body
+from warpffrf.verification.scenes.rollers import roller_body
 
 RADIUS, WIDTH, ROWS = 0.05, 0.02, 4  # m
 SKEW = 1e-3  # rad: places opposite stand 50 um further out than the stations on the line of centres
