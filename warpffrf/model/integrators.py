@@ -140,6 +140,8 @@ class EnergyMomentum:
     (`warpffrf.online.free_flight.energy_momentum`)."""
 
 
+Integrator = GeneralizedAlpha | HHT | Newmark
+
 INTEGRATORS = {
     "generalized_alpha": GeneralizedAlpha,
     "hht": HHT,

@@ -9,7 +9,6 @@ step and the same options gives the same numbers, bit for bit, as one that was n
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from warpffrf_kernels.core import control as k
@@ -21,19 +20,19 @@ from warpffrf.online.engine import Engine
 SAME_STEP = 1e-9  # relative: steps that differ by less were meant to be the same
 
 
-def is_dynamic(checkpoint: Mapping[str, Any]) -> bool:
+def is_dynamic(checkpoint: Mapping[str, np.ndarray]) -> bool:
     """Whether the checkpoint is of a run in time; False: of a static state, where velocities are still to be set."""
     words = checkpoint.get("ctl")
     return words is None or bool(np.all(np.asarray(words)["mode"] == int(k.DYNAMIC)))
 
 
-def time_of(checkpoint: Mapping[str, Any]) -> float:
+def time_of(checkpoint: Mapping[str, np.ndarray]) -> float:
     """The time [s] at which a checkpoint was taken; 0 of one that does not say (it is refused elsewhere)."""
     clock = np.asarray(checkpoint.get("clk", np.zeros(0)))
     return float(clock["time"][0]) if "time" in (clock.dtype.names or ()) else 0.0
 
 
-def check_checkpoint(present: Mapping[str, np.ndarray], checkpoint: Mapping[str, Any], label: str) -> None:
+def check_checkpoint(present: Mapping[str, np.ndarray], checkpoint: Mapping[str, np.ndarray], label: str) -> None:
     """Raises `InputError`, which begins with `label`, unless `checkpoint` holds the arrays of `present`, names, shapes
     and types, finite numbers in the clock, the poses and the modes."""
     if not checkpoint:
@@ -65,7 +64,7 @@ def check_checkpoint(present: Mapping[str, np.ndarray], checkpoint: Mapping[str,
             raise InputError(f"{label}: {name} of the checkpoint holds NaN or infinite numbers: it is damaged; {cure}")
 
 
-def restore(engine: Engine, checkpoint: Mapping[str, Any], step: float, label: str = "simulate: start") -> int:
+def restore(engine: Engine, checkpoint: Mapping[str, np.ndarray], step: float, label: str = "simulate: start") -> int:
     """Bring `engine` to the state of `checkpoint`, ready for steps of `step` [s]; returns the user steps done so far.
 
     Another step than the checkpoint's begins a new count of steps at the checkpoint's time. Raises `InputError` for a

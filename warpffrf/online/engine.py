@@ -5,14 +5,13 @@ from __future__ import annotations
 import os
 import sys
 import time
-from typing import Any
 
 import numpy as np
 import warp as wp
 from warpffrf_kernels.core import control as k
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.integrators import GeneralizedAlpha
+from warpffrf.model.integrators import GeneralizedAlpha, Integrator
 from warpffrf.model.scene import Scene
 from warpffrf.online.arrays import Ring, Sizes, initial_state, sizes_of
 from warpffrf.online.arrays.ring import Rows, joined
@@ -55,7 +54,7 @@ class Engine:
         worlds: int = 1,
         device: str = "cpu",
         settings: Settings | None = None,
-        integrator: Any = None,
+        integrator: Integrator | None = None,
         accuracy: float | None = None,
         local: LocalDynamics | None = None,
         progress: bool = False,

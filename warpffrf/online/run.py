@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import time
-from typing import Any
 
 import numpy as np
 from warpffrf_kernels.core import control as k
@@ -12,7 +11,14 @@ from warpffrf_kernels.core import control as k
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.friction import friction_notes
-from warpffrf.model.integrators import CHECK_INTEGRATORS, GeneralizedAlpha, roots_at_infinity
+from warpffrf.model.integrators import (
+    CHECK_INTEGRATORS,
+    EnergyMomentum,
+    GeneralizedAlpha,
+    Integrator,
+    RungeKutta4,
+    roots_at_infinity,
+)
 from warpffrf.model.joints import Drive
 from warpffrf.model.overlap import excessive_wedge, refuse_overlap
 from warpffrf.model.progress import Progress
@@ -87,7 +93,7 @@ def run(
     *,
     step: float,
     start: str | History = "initial",
-    integrator: Any = None,
+    integrator: Integrator | RungeKutta4 | EnergyMomentum | None = None,
     local: str | LocalDynamics = "quasi_static",
     accuracy: float | None = None,
     save_every: int = 1,
@@ -290,7 +296,7 @@ def _finish(
     return history
 
 
-def _reaction_notes(integrator: Any, engine: Engine) -> list[str]:
+def _reaction_notes(integrator: Integrator, engine: Engine) -> list[str]:
     """A note where the integrator hardly damps the alternation of joint reactions from step to step.
 
     In the equations with positions as constraints (index 3) the multipliers obey a recursion with the double root
