@@ -7,13 +7,15 @@ import warp as wp
 
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, quat, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
 
 @wp.kernel
-def record_bodies(
+def record_motion(
+    models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
     r: wp.array2d(dtype=vec3),
     p: wp.array2d(dtype=quat),
@@ -21,66 +23,51 @@ def record_bodies(
     omega: wp.array2d(dtype=vec3),
     v_rate: wp.array2d(dtype=vec3),
     omega_rate: wp.array2d(dtype=vec3),
+    q: wp.array2d(dtype=real),
+    qd: wp.array2d(dtype=real),
+    qd_rate: wp.array2d(dtype=real),
+    lam: wp.array2d(dtype=real),
+    coordinate: wp.array2d(dtype=real),
+    row_wrench: wp.array3d(dtype=real),
     saved_r: out(wp.array3d(dtype=vec3)),
     saved_p: out(wp.array3d(dtype=quat)),
     saved_v: out(wp.array3d(dtype=vec3)),
     saved_omega: out(wp.array3d(dtype=vec3)),
     saved_v_rate: out(wp.array3d(dtype=vec3)),
     saved_omega_rate: out(wp.array3d(dtype=vec3)),
-):
-    """Per (world, body)."""
-    w, b = wp.tid()
-    if ctl[w].record == 0:
-        return
-    at = ctl[w].saved % saved_r.shape[1]
-    saved_r[w, at, b] = r[w, b]
-    saved_p[w, at, b] = p[w, b]
-    saved_v[w, at, b] = v[w, b]
-    saved_omega[w, at, b] = omega[w, b]
-    saved_v_rate[w, at, b] = v_rate[w, b]
-    saved_omega_rate[w, at, b] = omega_rate[w, b]
-
-
-@wp.kernel
-def record_modes(
-    ctl: wp.array(dtype=Control),
-    q: wp.array2d(dtype=real),
-    qd: wp.array2d(dtype=real),
-    qd_rate: wp.array2d(dtype=real),
     saved_q: out(wp.array3d(dtype=real)),
     saved_qd: out(wp.array3d(dtype=real)),
     saved_qd_rate: out(wp.array3d(dtype=real)),
+    saved_coordinate: out(wp.array3d(dtype=real)),
+    saved_row_wrench: out(wp.array4d(dtype=real)),
 ):
-    """Per world, lanes over modes."""
+    """Per world, lanes over bodies, modes and rows. A row exerts on its second body -lambda times its direction."""
     w, lane = wp.tid()
+    model = models[0]
     if ctl[w].record == 0:
         return
-    at = ctl[w].saved % saved_q.shape[1]
+    at = ctl[w].saved % saved_r.shape[1]
+    b = lane
+    while b < model.bodies.count:
+        saved_r[w, at, b] = r[w, b]
+        saved_p[w, at, b] = p[w, b]
+        saved_v[w, at, b] = v[w, b]
+        saved_omega[w, at, b] = omega[w, b]
+        saved_v_rate[w, at, b] = v_rate[w, b]
+        saved_omega_rate[w, at, b] = omega_rate[w, b]
+        b += wp.block_dim()
     n = lane
-    while n < saved_q.shape[2]:
+    while n < model.modes.count:
         saved_q[w, at, n] = q[w, n]
         saved_qd[w, at, n] = qd[w, n]
         saved_qd_rate[w, at, n] = qd_rate[w, n]
         n += wp.block_dim()
-
-
-@wp.kernel
-def record_rows(
-    ctl: wp.array(dtype=Control),
-    lam: wp.array2d(dtype=real),
-    coordinate: wp.array2d(dtype=real),
-    row_wrench: wp.array3d(dtype=real),
-    saved_coordinate: out(wp.array3d(dtype=real)),
-    saved_row_wrench: out(wp.array4d(dtype=real)),
-):
-    """Per (world, row): what it exerts on its second body, -lambda times its direction."""
-    w, row = wp.tid()
-    if ctl[w].record == 0:
-        return
-    at = ctl[w].saved % saved_coordinate.shape[1]
-    saved_coordinate[w, at, row] = coordinate[w, row]
-    for i in range(6):
-        saved_row_wrench[w, at, row, i] = -lam[w, row] * row_wrench[w, row, i]
+    row = lane
+    while row < model.rows.count:
+        saved_coordinate[w, at, row] = coordinate[w, row]
+        for i in range(6):
+            saved_row_wrench[w, at, row, i] = -lam[w, row] * row_wrench[w, row, i]
+        row += wp.block_dim()
 
 
 @wp.kernel

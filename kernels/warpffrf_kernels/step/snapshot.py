@@ -13,53 +13,33 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 wp.set_module_options(MODULE_OPTIONS)
 
 
+@wp.func
+def is_meant(ctl: wp.array(dtype=Control), w: int, rejected: int) -> bool:
+    """Whether world w takes part in the attempt, and, where `rejected` is 1, has it rejected."""
+    return ctl[w].attempt != 0 and (rejected == 0 or ctl[w].accept == 0)
+
+
 @wp.kernel
-def remember_reals(ctl: wp.array(dtype=Control), now: wp.array(dtype=real), before: out(wp.array(dtype=real))):
-    """Per world, lanes over entries: the array before an attempt."""
+def copy_reals(
+    ctl: wp.array(dtype=Control), rejected: int, source: wp.array(dtype=real), target: out(wp.array(dtype=real))
+):
+    """Per world, lanes over entries: before an attempt, or where it is `rejected`."""
     w, lane = wp.tid()
-    if ctl[w].attempt == 0:
-        return
-    count = now.shape[0] / ctl.shape[0]
+    count = source.shape[0] / ctl.shape[0]
     i = lane
-    while i < count:
-        before[w * count + i] = now[w * count + i]
+    while is_meant(ctl, w, rejected) and i < count:
+        target[w * count + i] = source[w * count + i]
         i += wp.block_dim()
 
 
 @wp.kernel
-def remember_integers(ctl: wp.array(dtype=Control), now: wp.array(dtype=int), before: out(wp.array(dtype=int))):
+def copy_integers(
+    ctl: wp.array(dtype=Control), rejected: int, source: wp.array(dtype=int), target: out(wp.array(dtype=int))
+):
     """The same of integers."""
     w, lane = wp.tid()
-    if ctl[w].attempt == 0:
-        return
-    count = now.shape[0] / ctl.shape[0]
+    count = source.shape[0] / ctl.shape[0]
     i = lane
-    while i < count:
-        before[w * count + i] = now[w * count + i]
-        i += wp.block_dim()
-
-
-@wp.kernel
-def restore_reals(ctl: wp.array(dtype=Control), before: wp.array(dtype=real), now: out(wp.array(dtype=real))):
-    """Per world, lanes over entries: the array as a rejected attempt found it."""
-    w, lane = wp.tid()
-    if ctl[w].attempt == 0 or ctl[w].accept != 0:
-        return
-    count = now.shape[0] / ctl.shape[0]
-    i = lane
-    while i < count:
-        now[w * count + i] = before[w * count + i]
-        i += wp.block_dim()
-
-
-@wp.kernel
-def restore_integers(ctl: wp.array(dtype=Control), before: wp.array(dtype=int), now: out(wp.array(dtype=int))):
-    """The same of integers."""
-    w, lane = wp.tid()
-    if ctl[w].attempt == 0 or ctl[w].accept != 0:
-        return
-    count = now.shape[0] / ctl.shape[0]
-    i = lane
-    while i < count:
-        now[w * count + i] = before[w * count + i]
+    while is_meant(ctl, w, rejected) and i < count:
+        target[w * count + i] = source[w * count + i]
         i += wp.block_dim()

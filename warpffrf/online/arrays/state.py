@@ -77,7 +77,7 @@ class FrictionState(Arrays, carried=True):
 
     traction: DeviceArray = reals("world", "pair", "2*friction_hat", unit="Pa", restored=True)
     friction_offset: DeviceArray = reals(
-        "world", "pair", unit="columns", note="as patch_offset, where the tractions were found", restored=True
+        "world", "friction_pair", unit="columns", note="as patch_offset, where the tractions were found", restored=True
     )
     elastic_before: DeviceArray = reals(
         "world", "pair", "2*friction_hat", unit="m", note="elastic slip at the end of the last step"

@@ -44,9 +44,5 @@ MOTION = Participant(
         blocks(accuracy.correct_algorithmic, when="projected_row", wanted="project", modal_change="modal_step"),
         threads(commit.keep_rest),
     ],
-    record=[
-        threads(record.record_bodies, "body"),
-        blocks(record.record_modes, when="mode"),
-        threads(record.record_rows, "row", when="row"),
-    ],
+    record=[blocks(record.record_motion)],
 )

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import warp as wp
 from warpffrf_kernels.core.declaration import parts
 from warpffrf_kernels.step import snapshot
@@ -13,16 +10,23 @@ from warpffrf.online.arrays.scratch import RESTORED
 from warpffrf.online.step.launches import Launch, blocks
 from warpffrf.online.step.phases import Participant
 
-REMEMBER = {wp.float64: snapshot.remember_reals, wp.int32: snapshot.remember_integers}
-RESTORE = {wp.float64: snapshot.restore_reals, wp.int32: snapshot.restore_integers}
+COPY = {wp.float64: snapshot.copy_reals, wp.int32: snapshot.copy_integers}
 
 
-def _launches(kernels: Mapping[type, Any]) -> list[Launch]:
-    """One an array, where the scene has its last axis."""
+def _copy(source: str, target: str, *, rejected: int) -> list[Launch]:
+    """One launch for each array that is restored, `{}` its name, where the scene has its last axis."""
     return [
-        blocks(kernels[d.dtype], when=parts(str(d.axes[-1]))[1], now=name, before=f"{name}_before")
+        blocks(
+            COPY[d.dtype], when=parts(str(d.axes[-1]))[1], rejected=rejected, source=source.format(name),
+            target=target.format(name),
+        )
         for name, d in RESTORED.items()
-    ]
+    ]  # fmt: skip
 
 
-SNAPSHOT = Participant("snapshot", when="pair", remember=_launches(REMEMBER), restore=_launches(RESTORE))
+SNAPSHOT = Participant(
+    "snapshot",
+    when="pair",
+    remember=_copy("{}", "{}_before", rejected=0),
+    restore=_copy("{}_before", "{}", rejected=1),
+)
