@@ -25,7 +25,7 @@ from warpffrf.online.arrays import Scratch, State
 from warpffrf.online.arrays.axes import NAMES
 from warpffrf.online.arrays.constants import Constants
 from warpffrf.online.arrays.declaration import Arrays, numbers_of
-from warpffrf.online.arrays.ring import Rows
+from warpffrf.online.arrays.ring import SavedRows
 from warpffrf.online.arrays.table import markdown, topics
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
@@ -87,7 +87,7 @@ SCENES: dict[str, Callable[[Bodies], wf.Scene]] = {
 }
 
 
-def steps(scene: wf.Scene, step: float, poison: bool, **options: Any) -> tuple[Rows, Rows]:
+def steps(scene: wf.Scene, step: float, poison: bool, **options: Any) -> tuple[SavedRows, SavedRows]:
     """State and saved rows after some steps, each attempt replayed by itself, with scratch made unusable between."""
     engine = Engine(scene, settings=Settings(), **options)
     assert not scene.contacts or settle(engine)

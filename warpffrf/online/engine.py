@@ -14,7 +14,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import GeneralizedAlpha, Integrator
 from warpffrf.model.scene import Scene
 from warpffrf.online.arrays import Ring, Sizes, initial_state, sizes_of
-from warpffrf.online.arrays.ring import Rows, joined
+from warpffrf.online.arrays.ring import SavedRows, joined
 from warpffrf.online.arrays.scratch import scratch_for
 from warpffrf.online.compile.outer_pattern import pattern_of
 from warpffrf.online.compile.scene import compile_scene
@@ -76,7 +76,7 @@ class Engine:
         self.ring = Ring(self._sizes(), device)
         self._allocate()
         self.no_room = 0  # hats in play that there was no memory for
-        self.chunks: list[list[Rows]] = [[] for _ in range(worlds)]  # taken out of the ring, in chunks
+        self.chunks: list[list[SavedRows]] = [[] for _ in range(worlds)]  # taken out of the ring, in chunks
         self.drained = np.zeros(worlds, dtype=int)
         self.seconds_in_graph = 0.0
         self.start_notes: list[str] = []
@@ -192,7 +192,7 @@ class Engine:
                 self.chunks[w].append(self.ring.take(w, range(self.drained[w], saved[w])))
         self.drained = saved
 
-    def saved(self, world: int = 0) -> Rows:
+    def saved(self, world: int = 0) -> SavedRows:
         """All rows saved of a world so far."""
         return joined(self.chunks[world] or [self.ring.take(world, range(0))])
 

@@ -12,7 +12,7 @@ from warpffrf_kernels.core.declaration import DeviceArray, integers, quaternions
 
 from warpffrf.online.arrays.declaration import Arrays
 
-Rows = dict[str, np.ndarray]
+SavedRows = dict[str, np.ndarray]
 """Saved rows of one world by the names of the arrays, time first."""
 
 
@@ -70,12 +70,12 @@ class SavedFriction(Arrays, carried=True):
 class Ring(SavedBooks, SavedMotion, SavedContact, SavedFriction):
     """What is saved of the steps of every world."""
 
-    def take(self, world: int, rows: range) -> Rows:
+    def take(self, world: int, rows: range) -> SavedRows:
         """Copies of these rows, counted from the first that was ever saved."""
         at = np.asarray(rows, dtype=int) % self.saved_time.shape[1]
         return {name: getattr(self, name).numpy()[world, at] for name in self.declarations}
 
 
-def joined(chunks: Sequence[Rows]) -> Rows:
+def joined(chunks: Sequence[SavedRows]) -> SavedRows:
     """Rows of all chunks, one at least, one behind the other."""
     return {name: np.concatenate([chunk[name] for chunk in chunks]) for name in chunks[0]}

@@ -48,8 +48,10 @@ class Rows:
     rigid: list[int] = field(default_factory=list)
 
     def add(
-        self, kind, a, b, i=0, j=0, signal=-1, stiffness=0.0, damping=0.0, reference=0.0, preload=0.0, rigid=1
-    ) -> int:
+        self, kind: int, a: int, b: int, i: int = 0, j: int = 0, signal: int = -1, stiffness: float = 0.0,
+        damping: float = 0.0, reference: float = 0.0, preload: float = 0.0, rigid: int = 1,
+    ) -> int:  # fmt: skip
+        """Enter a row between markers a and b; returns its number."""
         values = (int(kind), a, b, i, j, signal, stiffness, damping, reference, preload, rigid)
         for name, value in zip(self.__dataclass_fields__, values, strict=True):
             getattr(self, name).append(value)
@@ -90,16 +92,19 @@ class Collector:
         return found
 
     def interface(self, port: Port) -> int:
+        """Number of the flexible interface of a port, -1 for a place that no mode moves."""
         if port.interface_name is None or not port.body.mode_count:
             return -1
         return self.interfaces.setdefault((port.body.index, str(port.interface_name)), len(self.interfaces))
 
     def marker(self, port: Port, point: np.ndarray, axes: np.ndarray) -> int:
+        """Enter a joint frame, `point` (3,) [m] and `axes` (3, 3) in the user frame; returns its number."""
         body = port.body
         offset = body.center_of_mass if body.index >= 0 else np.zeros(3)
         self.markers.append((body.index, self.interface(port), np.asarray(point) - offset, axes))
         return len(self.markers) - 1
 
     def signal(self, signal: Signal) -> int:
+        """Enter a signal; returns its number."""
         self.signals.append(signal.polynomial())
         return len(self.signals) - 1

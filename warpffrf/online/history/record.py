@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from warpffrf.online.arrays.ring import Rows, SavedContact
+from warpffrf.online.arrays.ring import SavedContact, SavedRows
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.history.history import (
     ENERGY_LINES,
@@ -19,7 +19,7 @@ from warpffrf.online.history.sensors import force_histories, sensor_histories, t
 from warpffrf.online.history.user_frame import user_frame
 
 
-def history_from_rows(compiled: CompiledScene, rows: Rows) -> History:
+def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
     """The saved rows of one world as a History."""
     scene, time = compiled.scene, rows["saved_time"]
     T = len(time)
@@ -57,7 +57,7 @@ def history_from_rows(compiled: CompiledScene, rows: Rows) -> History:
     )  # fmt: skip
 
 
-def _contact(compiled: CompiledScene, i: int, rows: Rows, bodies: dict[str, BodyHistory]) -> ContactHistory:
+def _contact(compiled: CompiledScene, i: int, rows: SavedRows, bodies: dict[str, BodyHistory]) -> ContactHistory:
     m, contact = compiled.model, compiled.scene.contacts[i]
     a, b = contact.a.surface, contact.b.surface
     x = {name: array[:, i] for name, array in rows.items() if name in SavedContact.declarations}
@@ -85,7 +85,7 @@ def _contact(compiled: CompiledScene, i: int, rows: Rows, bodies: dict[str, Body
     )  # fmt: skip
 
 
-def _friction(compiled: CompiledScene, i: int, rows: Rows) -> FrictionHistory:
+def _friction(compiled: CompiledScene, i: int, rows: SavedRows) -> FrictionHistory:
     """Friction of pair i."""
     columns, grid = compiled.model.window.columns, compiled.scene.contacts[i].a.surface.grid
     T, cells = len(rows["saved_time"]), columns * grid.rows
