@@ -16,7 +16,7 @@ of second order in it. A body that does not deform at all while a term would def
 deformation is left out.
 
 The centrifugal load does not depend on the deformation, so that beside none at all any load is large: where it would
-deform the body by less than NOTICEABLE of its size (|f_i/omega_i^2| over root(tr J0/2), as in `compile_inertia`) it
+deform the body by less than NOTICEABLE of its size (|f_i/omega_i^2| over root(tr J0/2), as in `inertia_plan`) it
 counts as none. The other two are proportional to the deformation, and their sizes do not depend on it.
 
 These are estimates of first order: what a neglected term would have done is judged on a motion without it, and only in

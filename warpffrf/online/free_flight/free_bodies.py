@@ -168,7 +168,7 @@ class FreeBody:
 
 
 def free_body(scene: Scene, body: Body, plan: BodyInertia) -> FreeBody:
-    """Constants of `body` of `scene` with the inertia level of `plan` (`online.compile.inertia.BodyInertia`)."""
+    """Constants of `body` of `scene` with the inertia level of `plan` (`online.compile.inertia_plan.BodyInertia`)."""
     k, m = plan.count, body.mode_count
     first, second, gyroscopic = np.zeros((k, 3, 3)), np.zeros((k, k, 3, 3)), np.zeros((k, k, 3))
     if plan.terms is not None:
