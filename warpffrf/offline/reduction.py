@@ -214,7 +214,7 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
             shape,
             s.grid,
             s.lags,
-            s.mode_normal,
+            np.ascontiguousarray(s.mode_normal),
             s.recovery,
             s.tangential,
             s.local_mass,
@@ -245,7 +245,7 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
         frequencies=product.omega / (2.0 * np.pi),
         interfaces=product.interfaces,
         contact_surfaces=surfaces,
-        surface=DisplaySurface(product.skin_points, product.skin_triangles, product.skin_modes),
+        surface=DisplaySurface(product.skin_points, product.skin_triangles, np.ascontiguousarray(product.skin_modes)),
         stress=recovery.fields(product, surfaces),
         report=report,
         provenance={

@@ -284,7 +284,7 @@ class _SurfaceResults:
                 s.tangential.grid(),
                 self._lags(1, 1),
                 self._lags(0, 1),
-                sampled[1].reshape(2, len(sampled[1]) // 2, -1),
+                np.ascontiguousarray(sampled[1].reshape(2, len(sampled[1]) // 2, -1)),
                 recoveries[0][1],
             )
         whole, residual = (_window(np.fft.irfft(c, n=N, axis=0)[:: s.stride], s) for c in (self.whole, self.C[0, 0]))

@@ -119,7 +119,7 @@ class GeneralSurface:
                 self._grid(self.fields[1]),
                 _symmetric(D(1, 1))[None],
                 np.ascontiguousarray(D(0, 1))[None],
-                modes[1].reshape(2, len(modes[1]) // 2, -1),
+                np.ascontiguousarray(modes[1].reshape(2, len(modes[1]) // 2, -1)),
                 seen[1].pop(SKIN),
             )
         grid = self._grid(self.fields[0])
