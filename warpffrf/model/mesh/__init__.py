@@ -3,7 +3,8 @@
 from warpffrf.model.mesh.ball import ball
 from warpffrf.model.mesh.block import block
 from warpffrf.model.mesh.box import box, grid
-from warpffrf.model.mesh.data import Cyclic, Matrices, Mesh, MeshReport
+from warpffrf.model.mesh.cyclic import Cyclic
+from warpffrf.model.mesh.data import Matrices, Mesh, MeshReport
 from warpffrf.model.mesh.facets import FacetSet
 from warpffrf.model.mesh.matrices import from_matrices, read_matrix
 from warpffrf.model.mesh.reader import read

@@ -12,36 +12,18 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError, require_array, require_count, require_direction, unknown_name
+from warpffrf.model.errors import InputError, require_array, unknown_name
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import periodicity, pyvista_export
 from warpffrf.model.mesh import select as selection
 from warpffrf.model.mesh.checks import check_connected, check_distinct, check_orientation, check_used
+from warpffrf.model.mesh.cyclic import Cyclic
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.facets import FacetSet, node_numbers, outer_faces
 from warpffrf.model.mesh.report import MeshReport
 from warpffrf.model.mesh.report import report as make_report
 
 _CHUNK = 20_000  # cells looked at together: bounds the memory to some tens of MB
-
-
-@dataclass(frozen=True, eq=False)
-class Cyclic:
-    """Rotational periodicity: `sectors` equal sectors about the line `axis_point` + t `axis_direction` (user frame, m).
-
-    Numbering is sector-major: with `nn` nodes a sector, node `s*nn + i` is node `i` turned by `2 pi s / sectors`,
-    right-handed about `axis_direction`; cells and full facet sets likewise.
-    """
-
-    sectors: int
-    axis_point: np.ndarray
-    axis_direction: np.ndarray
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "sectors", require_count(self.sectors, "cyclic: sectors", 3))
-        object.__setattr__(self, "axis_point", require_array(self.axis_point, "cyclic: axis_point", (3,)))
-        direction = require_direction(self.axis_direction, "cyclic: axis_direction")
-        object.__setattr__(self, "axis_direction", direction)
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,11 +29,12 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_count, require_direction
 from warpffrf.model.mesh import sector_numbering
+from warpffrf.model.mesh.cyclic import Cyclic
 from warpffrf.model.mesh.sector_numbering import NotPeriodic, Orbits
 from warpffrf.model.surface_fit import reference_direction, signed_axis
 
 if TYPE_CHECKING:
-    from warpffrf.model.mesh.data import Cyclic, Mesh
+    from warpffrf.model.mesh.data import Mesh
 
 # Of the radius: how far a node may move onto its place. Files with 6 digits stay below it, and a contact surface is
 # accepted as round to the same fraction (surfaces.DEFAULT_FIT_FRACTION).

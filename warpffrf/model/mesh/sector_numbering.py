@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from warpffrf.model.mesh.cyclic import Cyclic
 from warpffrf.model.mesh.facets import FacetSet
 
 if TYPE_CHECKING:
@@ -96,8 +97,6 @@ def numbered(mesh: Mesh, orbits: Orbits, origin: Array, frame: Array) -> tuple[M
     Cells, and facet sets that turn into themselves, follow; other facet sets keep their order. Raises `NotPeriodic`
     where a cell needs more than two sectors.
     """
-    from warpffrf.model.mesh.data import Cyclic
-
     N, nn = orbits.nodes.shape
     angle = np.arctan2(orbits.base[:, 1], orbits.base[:, 0]) * N / (2.0 * np.pi)
     gap = _widest_gap(angle % 1.0)

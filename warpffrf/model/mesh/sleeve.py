@@ -17,7 +17,8 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count, require_number
-from warpffrf.model.mesh.data import Cyclic, Mesh
+from warpffrf.model.mesh.cyclic import Cyclic
+from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.facets import FacetSet
 from warpffrf.model.mesh.lattice import KINDS, refined
 from warpffrf.model.mesh.revolved import axial_lines, layer_depths, revolved_cells, revolved_points, tread_facets

@@ -28,7 +28,8 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count, require_number
-from warpffrf.model.mesh.data import Cyclic, Mesh
+from warpffrf.model.mesh.cyclic import Cyclic
+from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.lattice import refined
 from warpffrf.model.mesh.revolved import (
     axial_lines,
