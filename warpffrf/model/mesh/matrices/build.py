@@ -33,7 +33,8 @@ from warpffrf.model.mesh.matrices.checks import (
     require_symmetric,
 )
 from warpffrf.model.mesh.matrices.dofs import mapped_dofs, numbered_dofs, ordered, usual_dofs
-from warpffrf.model.mesh.matrices.files import FileMatrix, read_matrix
+from warpffrf.model.mesh.matrices.file_matrix import FileMatrix
+from warpffrf.model.mesh.matrices.files import read_matrix
 from warpffrf.model.mesh.matrices.motion import RIGID_NOTE, plausibility, require_free, require_mass, require_one_body
 from warpffrf.model.mesh.matrices.surfaces import facet_sets
 

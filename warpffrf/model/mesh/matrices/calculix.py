@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.matrices.files import FileMatrix, from_triplets
+from warpffrf.model.mesh.matrices.file_matrix import FileMatrix, from_triplets
 from warpffrf.model.mesh.matrices.text_table import SHOWN, read_table, whole_numbers
 
 

@@ -11,28 +11,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.mesh.matrices import abaqus, calculix, matrix_market, nastran
+from warpffrf.model.mesh.matrices.file_matrix import FileMatrix
 
 ROLES = ("stiffness", "mass")
-
-
-@dataclass(frozen=True, eq=False)
-class FileMatrix:
-    """A matrix of a file in the file's own units and order.
-
-    `matrix`: scipy.sparse csr (d, d). `dofs` (d, 2) int64: of each row the node's number *in the FE program* and the
-    component (0 to 2 displacements, 3 to 5 rotations); None where the file does not say. `source`: for messages.
-    """
-
-    matrix: Any
-    dofs: np.ndarray | None
-    source: str
 
 
 def read_matrix(path: str | Path, name: str | None = None, *, role: str = "stiffness") -> FileMatrix:
@@ -63,8 +52,6 @@ def read_matrix(path: str | Path, name: str | None = None, *, role: str = "stiff
 
 
 def _readers() -> dict[str, Callable[[Path, str | None, str], FileMatrix]]:
-    from warpffrf.model.mesh.matrices import calculix, nastran
-
     return {
         ".mtx": _mtx,
         ".mm": _mtx,
@@ -77,8 +64,6 @@ def _readers() -> dict[str, Callable[[Path, str | None, str], FileMatrix]]:
 
 def _mtx(file: Path, name: str | None, role: str) -> FileMatrix:
     """Matrix Market and Abaqus share a suffix: the banner decides."""
-    from warpffrf.model.mesh.matrices import abaqus, matrix_market
-
     with file.open("rb") as stream:
         banner = stream.read(len(matrix_market.BANNER))
     reader = matrix_market if banner.lower() == matrix_market.BANNER else abaqus
@@ -104,10 +89,3 @@ def completed(matrix: Any) -> Any:
     if pattern.multiply(pattern.T).nnz:
         return A
     return sp.csr_matrix(beside + beside.T + diagonal)
-
-
-def from_triplets(rows: np.ndarray, columns: np.ndarray, values: np.ndarray, size: int) -> Any:
-    """csr (size, size) of entries at 0-based `rows` and `columns`."""
-    import scipy.sparse as sp
-
-    return sp.coo_matrix((values, (rows, columns)), shape=(size, size)).tocsr()

@@ -12,7 +12,7 @@ import re
 from pathlib import Path
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.matrices.files import FileMatrix
+from warpffrf.model.mesh.matrices.file_matrix import FileMatrix
 
 BANNER = b"%%matrixmarket"  # in small letters, as it is compared
 _FORTRAN = re.compile(rb"(?<=[0-9.])[dD](?=[+-]?[0-9])")
