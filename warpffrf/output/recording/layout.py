@@ -14,6 +14,7 @@ from warpffrf.output.recording.machine_series import plot_kinds
 
 HEADROOM = 1.1  # of the largest value of a plot
 CLOSE_UP_DISTANCE = 0.9  # eye to patch, in widths of the body
+PLAYBACK_SECONDS = 12.0  # how long the viewer takes to play a run, however short the run
 MOST_PLOTS = 4  # beside the machine; all are in a tab of their own
 
 
@@ -115,8 +116,6 @@ def _tabs(views: list[Any]) -> list[Any]:
 
 
 def _speed(duration: float) -> float:
-    from warpffrf.output.recording.recorder import PLAYBACK_SECONDS
-
     return duration / PLAYBACK_SECONDS if duration > 0.0 else 1.0
 
 

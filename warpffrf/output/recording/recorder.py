@@ -28,12 +28,12 @@ from warpffrf.output.recording import frames as fr
 from warpffrf.output.recording.contact_scene import ContactColors, ContactScene
 from warpffrf.output.recording.contact_series import contact_series
 from warpffrf.output.recording.glyphs import Glyphs, force_text, rigid_size
+from warpffrf.output.recording.layout import blueprint
 from warpffrf.output.recording.machine_series import machine_series
 from warpffrf.output.recording.rigid_shapes import RigidShapes
 
 MAX_POINTS = 8000  # a body: 16 bytes a point and frame, so 300 frames of two bodies stay under 80 MB
 MAX_SERIES = 4000  # points of a scalar plot: more than a screen has pixels
-PLAYBACK_SECONDS = 12.0  # how long the viewer takes to play a run, however short the run
 AXES_LENGTH = 0.58  # of the largest body: out of a roller's rim
 RIGID_AXES_LENGTH = 0.2  # where nothing hides them
 AXES_COLORS = [(230, 80, 80), (90, 200, 90), (90, 130, 255)]  # x, y, z
@@ -165,8 +165,6 @@ class _Recorder:
 
     def write(self, file: Path, skipped: list[int]) -> None:
         """Log everything to `file`."""
-        from warpffrf.output.recording.layout import blueprint
-
         self.stream.save(str(file), default_blueprint=blueprint(self))
         if skipped:
             self.notes.append(f"left out because a value is not finite: saved rows {', '.join(map(str, skipped))}")
