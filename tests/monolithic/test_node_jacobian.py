@@ -10,8 +10,9 @@ from jacobian import differences, worst_entry
 from node_bodies import PAIR, on_ground
 
 from warpffrf.model import laws, surfaces
-from warpffrf.model.contact import Contact, smallest_gap
+from warpffrf.model.contact import Contact
 from warpffrf.model.friction import RegularisedCoulomb
+from warpffrf.model.gap import smallest_gap
 from warpffrf.model.integrators import HHT
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import sleeve
@@ -24,6 +25,7 @@ from warpffrf.monolithic.newton import Evaluation, System, evaluate
 from warpffrf.monolithic.nodal.friction import SLIP, STICK
 from warpffrf.monolithic.nodal.newton import stiffness_of
 from warpffrf.monolithic.nodal.pair import FORCE, TRACTION, NodePairState
+from warpffrf.monolithic.nodal.tangent import LinearisedPair
 from warpffrf.monolithic.run import build
 from warpffrf.monolithic.start import standing
 from warpffrf.offline import reduce
@@ -151,7 +153,7 @@ def test_jacobian(name: str, scenes: dict[str, Scene]) -> None:
     scene = scenes[name]
     assert set(NAMES) == set(scenes)
     system, state, formula, x, e = stirred(scene)
-    pair: NodePairState = e.pairs[0]
+    pair: LinearisedPair = e.pairs[0]
     assert len(pair.active) >= 3
     if pair.traction is not None:
         print(f"{name}: {np.sum(pair.traction.state == STICK)} stick, {np.sum(pair.traction.state == SLIP)} slip")
@@ -160,7 +162,7 @@ def test_jacobian(name: str, scenes: dict[str, Scene]) -> None:
     reference, _ = differences(system, state, formula, x, STEP, [None], sizes, few)
     found = stiffness_of(pair)
     assert found is not None
-    K = dense_jacobian(system.layout, e.balance, [(pair, pair.tangent.turning())], [found])[:, :few]
+    K = dense_jacobian(system.layout, e.balance, [(pair, pair.turning())], [found])[:, :few]
     error = worst_entry(K, reference, sizes[:few], e.residual, AGREE)
     print(f"{name}: {error:.1e}, {len(pair.active)} nodes")
     assert error < AGREE

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import joints, signals
-from warpffrf.model.contact import Contact, smallest_gap
+from warpffrf.model.contact import Contact
+from warpffrf.model.gap import smallest_gap
 from warpffrf.model.scene import Scene
 from warpffrf.online import Settings
 from warpffrf.output.result import Result

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.contact import undeformed_gap
+from warpffrf.model.gap import undeformed_gap
 from warpffrf.online import Settings
 from warpffrf.output.result import Result
 from warpffrf.verification.scenes.rollers import PAIR, Path, StaticPath, prescribed_pair

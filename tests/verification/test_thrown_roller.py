@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 from warpffrf.model import joints, surfaces
-from warpffrf.model.contact import Contact, smallest_gap
+from warpffrf.model.contact import Contact
+from warpffrf.model.gap import smallest_gap
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, block, roller, sleeve
 from warpffrf.model.reduced_body import ReducedBody

@@ -12,10 +12,7 @@ from typing import Any
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
 from warpffrf.model.friction import Coulomb, RegularisedCoulomb, as_friction
-from warpffrf.model.gap import closing_distance, smallest_gap, undeformed_gap
 from warpffrf.model.laws import Law, Unilateral, as_law
-
-__all__ = ["EVALUATIONS", "Contact", "closing_distance", "smallest_gap", "undeformed_gap"]
 
 UNILATERAL = Unilateral()
 EVALUATIONS = ("full", "semi", "hyper")

@@ -22,15 +22,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from warpffrf.model.bodies import Body, Ground, SurfacePort
+from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_direction, require_number
-
-if TYPE_CHECKING:
-    from warpffrf.model.bodies import Body, Ground, SurfacePort
-    from warpffrf.model.contact import Contact
 
 ZOOM_POINTS = (73, 33)  # grid around and along: 5 degrees first, enough to bracket the one minimum of convex surfaces
 ZOOM_FACTOR = 8.0  # each refinement shrinks the looked-at rectangle by this

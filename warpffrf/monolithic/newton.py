@@ -295,7 +295,7 @@ def _renewed(system: System, e: Evaluation, *, settle: bool) -> tuple[np.ndarray
 def _factor(system: System, e: Evaluation, sets: list[np.ndarray]) -> Solver:
     turnings, stiffness = [], []
     if system.nodal:
-        turnings = [(pair, pair.tangent.turning()) for pair in e.pairs if len(pair.active)]
+        turnings = [(pair, pair.turning()) for pair in e.pairs if len(pair.active)]
         if system.variant == "low_rank":
             return add_stiffness(LowRank(system.layout, e.balance, turnings), system.layout.size, e.pairs)
         stiffness = [found for pair in e.pairs if (found := stiffness_of(pair)) is not None]

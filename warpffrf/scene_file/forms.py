@@ -235,29 +235,32 @@ def pair_kinds() -> dict[str, dict[str, Form]]:
 @cache
 def fixed_forms() -> dict[str, dict[str, Form]]:
     """Section -> kind -> form of the tables that are not items: kind "" where there is only one."""
-    import warpffrf as wf
+    from warpffrf.model import mesh
+    from warpffrf.model.material import Material
+    from warpffrf.model.reduced_body import ReducedBody
     from warpffrf.model.scene import Scene
+    from warpffrf.offline import reduce
     from warpffrf.online.stages import Stage
     from warpffrf.output.simulate import equilibrium, simulate
 
     paths: dict[str, str] = dict.fromkeys(PATHS, "path")
     found = {
-        "materials": {"": form_of("material", wf.Material, {}, ("name",))},
+        "materials": {"": form_of("material", Material, {}, ("name",))},
         "meshes": {
-            "roller": form_of("roller", wf.mesh.roller, {}),
-            "box": form_of("box", wf.mesh.box, {}),
-            "grid": form_of("grid", wf.mesh.grid, {}),
-            "read": form_of("mesh file", wf.mesh.read, paths),
-            "from_matrices": form_of("matrices", wf.mesh.from_matrices, paths, ("name",)),
+            "roller": form_of("roller", mesh.roller, {}),
+            "box": form_of("box", mesh.box, {}),
+            "grid": form_of("grid", mesh.grid, {}),
+            "read": form_of("mesh file", mesh.read, paths),
+            "from_matrices": form_of("matrices", mesh.from_matrices, paths, ("name",)),
         },
         "reduced_bodies": {
             "reduce": form_of(
                 "reduction",
-                wf.reduce,
+                reduce,
                 {"mesh": "meshes", "material": "materials", "contact": "shapes", "stress": "value of reduce"},
                 ("progress",),
             ),
-            "load": form_of("reduced body file", wf.ReducedBody.load, paths),
+            "load": form_of("reduced body file", ReducedBody.load, paths),
         },
         "scene": {"": form_of("scene", Scene, {})},
         "bodies": {

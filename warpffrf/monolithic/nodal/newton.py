@@ -17,7 +17,8 @@ from warpffrf.monolithic.core.equations import Balance, Increment, Trial
 from warpffrf.monolithic.core.integrator import BEGIN, PROJECT, REST, Formula
 from warpffrf.monolithic.core.linear import Solver, Woodbury
 from warpffrf.monolithic.core.state import Layout, State
-from warpffrf.monolithic.nodal.pair import NodePairData, NodePairState, Sight
+from warpffrf.monolithic.nodal.pair import NodePairData, Sight
+from warpffrf.monolithic.nodal.tangent import LinearisedPair
 
 PATIENCE = 8  # iterations with whole steps, as a change of the active set may raise the imbalance
 MOST_HALVINGS = 4  # then on from a sixteenth: the imbalance has a kink there
@@ -28,7 +29,7 @@ MAX_ITERATIONS = 80  # of Newton, halvings apart
 def node_pair_state(
     data: NodePairData, layout: Layout, trial: Trial, state: State, formula: Formula, local: tuple[Any, Any],
     iterate: np.ndarray | None = None,
-) -> NodePairState:  # fmt: skip
+) -> LinearisedPair:  # fmt: skip
     """The pair at `trial`; `local`: slices in `q` of both sides' local coordinates, None of a rigid one; iterate (n,
     3): see `pair.Sight`."""
     (r_a, A_a), (r_b, A_b) = (
@@ -39,7 +40,8 @@ def node_pair_state(
         for body, own in zip((data.a.body, data.b.body), local, strict=True)
     )
     moving = formula.coefficients not in (REST, PROJECT, BEGIN)
-    return NodePairState(data, Sight(r_a, A_a, r_b, A_b, q_a, q_b, state.nodes[data.rows], formula.h, moving, iterate))
+    sight = Sight(r_a, A_a, r_b, A_b, q_a, q_b, state.nodes[data.rows], formula.h, moving, iterate)
+    return LinearisedPair(data, sight)
 
 
 def add_stiffness(solver: Solver, size: int, pairs: list[Any]) -> Solver:
@@ -48,11 +50,11 @@ def add_stiffness(solver: Solver, size: int, pairs: list[Any]) -> Solver:
     return Woodbury(solver, size, [(at, L, W) for at, L, W, _ in found]) if found else solver
 
 
-def stiffness_of(pair: NodePairState) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None:
+def stiffness_of(pair: LinearisedPair) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None:
     """(columns, L, -M R, 1) as `linear.dense_jacobian` adds them; None where no node carries."""
     if not len(pair.active):
         return None
-    L, R = pair.tangent.rows()
+    L, R = pair.rows
     return pair.data.columns, L, pair.weighted(R), np.ones(len(L))
 
 

@@ -29,7 +29,6 @@ from warpffrf.monolithic.nodal.friction import NodeTraction, node_traction
 from warpffrf.monolithic.nodal.gap import RIGID, Opposite, hats_at, leaning, opposite, tangents_at
 from warpffrf.monolithic.nodal.layer_slopes import followed, layer_pressure
 from warpffrf.monolithic.nodal.surface import NodeSide, PartnerSide
-from warpffrf.monolithic.nodal.tangent import NodeTangent
 
 # columns of what is remembered of a node: gap, force of the layer, foot with its lean (3), u_A along t_i (2), U_B (3),
 # traction (2)
@@ -119,7 +118,6 @@ class NodePairState:
         self.slip = np.zeros((len(at), 2))
         self.traction: NodeTraction | None = None
         self.moved = self.lean = np.zeros((0, 3))
-        self._tangent: NodeTangent | None = None
         if data.rough and sight.moving:
             self._rub()
 
@@ -261,43 +259,6 @@ class NodePairState:
         if self.traction is not None:
             by_b = by_b + on_b[1] @ b.field[1] + on_b[2] @ b.field[2]
         return np.concatenate([self.wrench()[: self.data.rigid], on_a, by_b])
-
-    # --- the linearised laws
-
-    @property
-    def tangent(self) -> NodeTangent:
-        """How gaps, slips and forces change with the unknowns."""
-        if self._tangent is None:
-            self._tangent = NodeTangent(self)
-        return self._tangent
-
-    def weighted(self, R: np.ndarray) -> np.ndarray:
-        """-M R: rows of `rows` times the stiffness that goes into the Jacobian."""
-        k, M = len(self.active), self.stiffness
-        parts = len(R) // k if k else 0
-        by_node = R.reshape(parts, k, -1)
-        return -np.einsum("kij,jkc->ikc", M[:, :parts, :parts], by_node).reshape(R.shape)
-
-    def constant(self) -> np.ndarray:
-        """Generalised force (columns,) of the part of the change of tau that does not depend on the unknowns."""
-        if self.traction is None or not len(self.active):
-            return np.zeros(len(self.data.columns))
-        L, _ = self.tangent.rows()
-        a = self.data.a.share[self.active]
-        return (a[:, None] * self.traction.constant).T.ravel() @ L[len(self.active) :]
-
-    def updated(self, dz: np.ndarray) -> np.ndarray:
-        """What the next iteration has to know (n, 3): g^, and tractions after the linearised change for the unknowns'
-        changes dz (columns,)."""
-        out = np.zeros((self.data.count, 3))
-        out[:, 0] = self.law_gap
-        if self.traction is not None and len(self.active):
-            _, R = self.tangent.rows()
-            change = (R @ dz).reshape(3, -1)
-            t = self.traction
-            out[self.active, 1:] = t.traction + t.constant + t.by_pressure * (self.slope * change[0])[:, None]
-            out[self.active, 1:] += np.einsum("kij,jk->ki", t.by_slip, change[1:])
-        return out
 
     @property
     def off(self) -> float:

@@ -15,84 +15,75 @@ B's hats moves. With C = A_B^T A_A, tangents t of A and what a force F in A's ax
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import cached_property
 
 import numpy as np
 
 from warpffrf.monolithic.core.rotation import hat
-from warpffrf.monolithic.nodal.gap import RIGID, hats_at, motion
-
-if TYPE_CHECKING:
-    from warpffrf.monolithic.nodal.pair import NodePairState
+from warpffrf.monolithic.nodal.gap import RIGID, Motion, hats_at, motion
+from warpffrf.monolithic.nodal.pair import NodePairState
 
 
-class NodeTangent:
-    """Derivatives at the active nodes of `pair`."""
+class LinearisedPair(NodePairState):
+    """A pair at a trial state with the derivatives at its active nodes."""
 
-    def __init__(self, pair: NodePairState) -> None:
-        self.pair = pair
-        self.motion = motion(pair.data.a, pair.data.b, pair.over, pair.active, pair.sight.A_b)
-        self._known: tuple[np.ndarray, np.ndarray] | None = None
+    @cached_property
+    def moves(self) -> Motion:
+        """How feet, normals and tangents move with the rigid coordinates."""
+        return motion(self.data.a, self.data.b, self.over, self.active, self.sight.A_b)
 
+    @cached_property
     def rows(self) -> tuple[np.ndarray, np.ndarray]:
-        """`_rows`, found once."""
-        if self._known is None:
-            self._known = self._rows()
-        return self._known
-
-    def _rows(self) -> tuple[np.ndarray, np.ndarray]:
         """L and R (m k, columns) of the active nodes, one block of k for the gap and, with friction, one a tangent."""
-        pair = self.pair
-        a, b, at, C, A_a = pair.data.a, pair.data.b, pair.active, pair.over.C, pair.sight.A_a
-        moves, lines, k = self.motion, pair.lines, len(at)
-        parts = 1 if pair.traction is None else 3
-        rigid = pair.data.rigid
+        a, b, at, C, A_a = self.data.a, self.data.b, self.active, self.over.C, self.sight.A_a
+        moves, lines, k = self.moves, self.lines, len(at)
+        parts = 1 if self.traction is None else 3
+        rigid = self.data.rigid
         load, gradient = np.zeros((parts, k, RIGID)), np.zeros((parts, k, RIGID))
         for c in range(parts):
             load[c, :, :3] = lines[c] @ A_a.T
             load[c, :, 3:6] = np.cross(a.place[at], lines[c])
             load[c, :, 6:9] = -load[c, :, :3]
-            load[c, :, 9:] = -np.cross(pair.over.y[at], lines[c] @ C.T)
-        load[0] += pair.extra_rows
-        gradient[0] = np.einsum("ki,kic->kc", pair.over.normal[at], moves.y)
+            load[c, :, 9:] = -np.cross(self.over.y[at], lines[c] @ C.T)
+        load[0] += self.extra_rows
+        gradient[0] = np.einsum("ki,kic->kc", self.over.normal[at], moves.y)
         own = [-a.field[0][at]] + [a.field[i][at] for i in range(1, parts)]
         by_a = np.concatenate(own)
         by_b = np.zeros((parts * k, b.field.shape[2]))
         stretch = np.zeros((3, k, RIGID))  # of u_B along normal and tangents with the foot
-        if pair.over.cells is not None:
-            cells = tuple(x[at] for x in pair.over.cells)
-            values = (b.field @ pair.sight.q_b).T
+        if self.over.cells is not None:
+            cells = tuple(x[at] for x in self.over.cells)
+            values = (b.field @ self.sight.q_b).T
             by_x, by_z = (np.asarray(hats_at(b, cells, by) @ values) for by in ("x", "z"))
             stretch = by_x.T[:, :, None] * moves.column + by_z.T[:, :, None] * moves.axial
             N = hats_at(b, cells)
             traces = [np.asarray(N @ b.field[c]) for c in range(parts)]
             by_b[:k] = -traces[0]
-            turn = pair.turn()
+            turn = self.turn()
             for i in range(1, parts):
                 by_b[i * k : (i + 1) * k] = -np.einsum("jk,jkc->kc", turn[i - 1], np.stack(traces[1:]))
         gradient[0] -= stretch[0]
         leant = by_a.copy()
         for i in range(1, parts):
             t, dt = lines[i] @ C.T, _turned(lines[i], C)
-            gradient[i] = np.einsum("ki,kic->kc", t, moves.foot) + np.einsum("ki,kic->kc", pair.moved, dt)
-            leant[i * k : (i + 1) * k] += np.einsum("ki,ki->k", t, pair.lean)[:, None] * a.field[0][at]
+            gradient[i] = np.einsum("ki,kic->kc", t, moves.foot) + np.einsum("ki,kic->kc", self.moved, dt)
+            leant[i * k : (i + 1) * k] += np.einsum("ki,ki->k", t, self.lean)[:, None] * a.field[0][at]
             for j in range(2):
                 gradient[i] -= np.einsum("ki,ki->k", t, moves.tangents[j])[:, None] * stretch[1 + j]
-                gradient[i] -= np.einsum("ki,kic->kc", t, moves.turned[j]) * pair.other[1 + j, at, None]
+                gradient[i] -= np.einsum("ki,kic->kc", t, moves.turned[j]) * self.other[1 + j, at, None]
         L = np.hstack([load.reshape(parts * k, RIGID)[:, :rigid], by_a, by_b])
         R = np.hstack([gradient.reshape(parts * k, RIGID)[:, :rigid], leant, by_b])
         return L, R
 
     def turning(self) -> np.ndarray:
         """Derivative (columns, rigid) of the forces by the rigid coordinates at fixed phi."""
-        pair = self.pair
-        a, b, at, C, A_a = pair.data.a, pair.data.b, pair.active, pair.over.C, pair.sight.A_a
-        moves, lines, phi, k = self.motion, pair.lines, pair.loads, len(pair.active)
+        a, b, at, C, A_a = self.data.a, self.data.b, self.active, self.over.C, self.sight.A_a
+        moves, lines, phi, k = self.moves, self.lines, self.loads, len(self.active)
         F = np.einsum("kc,ckx->kx", phi, lines)
-        m = pair.over.normal[at] @ C
+        m = self.over.normal[at] @ C
         dm = np.einsum("xi,kic->kxc", C.T, moves.normal)
         dm[:, :, 3:6] += hat(m)
-        dm[:, :, 9:] += -C.T @ hat(pair.over.normal[at])
+        dm[:, :, 9:] += -C.T @ hat(self.over.normal[at])
         dF = phi[:, 0, None, None] * dm
         world = np.einsum("xi,kic->kxc", A_a, dF)
         world[:, :, 3:6] += -A_a @ hat(F)
@@ -104,30 +95,30 @@ class NodeTangent:
         out[:3] = world.sum(axis=0)
         out[3:6] = np.einsum("kxi,kic->xc", hat(a.place[at]), dF)
         out[6:9] = -out[:3]
-        out[9:] = np.einsum("kxi,kic->xc", hat(on_b), moves.y) - np.einsum("kxi,kic->xc", hat(pair.over.y[at]), d_on_b)
-        rigid = pair.data.rigid
-        if pair.extra is not None:
-            out[:, :rigid] += pair.extra.slope(pair.poses, phi[:, 0], rigid)
+        out[9:] = np.einsum("kxi,kic->xc", hat(on_b), moves.y) - np.einsum("kxi,kic->xc", hat(self.over.y[at]), d_on_b)
+        rigid = self.data.rigid
+        if self.extra is not None:
+            out[:, :rigid] += self.extra.slope(self.poses, phi[:, 0], rigid)
         by_b = np.zeros((b.field.shape[2], RIGID))
-        if pair.over.cells is not None and k:
+        if self.over.cells is not None and k:
             by_b = self._second_turning(phi, lines)
         by_a = np.zeros((a.field.shape[2], RIGID))
         return np.vstack([out[:rigid], by_a, by_b])[:, :rigid]
 
     def _second_turning(self, phi: np.ndarray, lines: np.ndarray) -> np.ndarray:
         """Derivative (columns of B, 12) of the loads on B's coordinates: hats at the feet, and A's tangents in B's."""
-        pair, moves = self.pair, self.motion
-        b, at, C = pair.data.b, pair.active, pair.over.C
-        cells = tuple(x[at] for x in (pair.over.cells or ()))
+        moves = self.moves
+        b, at, C = self.data.b, self.active, self.over.C
+        cells = tuple(x[at] for x in (self.over.cells or ()))
         N, by_x, by_z = (hats_at(b, cells, by) for by in ("", "x", "z"))
 
         def spread(forces: np.ndarray) -> np.ndarray:
             return by_x.T @ (forces[:, None] * moves.column) + by_z.T @ (forces[:, None] * moves.axial)
 
         out = -(b.field[0].T @ spread(phi[:, 0]))
-        if pair.traction is None:
+        if self.traction is None:
             return out
-        turn = pair.turn()
+        turn = self.turn()
         for j in range(2):
             force = np.einsum("ki,ik->k", phi[:, 1:], turn[:, j])
             change = np.zeros((len(at), RIGID))
@@ -137,6 +128,36 @@ class NodeTangent:
                 by_j += np.einsum("ki,kic->kc", lines[1 + i] @ C.T, moves.turned[j])
                 change += phi[:, 1 + i, None] * by_j
             out -= b.field[1 + j].T @ (spread(force) + N.T @ change)
+        return out
+
+    # --- what a Newton iteration takes
+
+    def weighted(self, R: np.ndarray) -> np.ndarray:
+        """-M R: the rows R times the stiffness that goes into the Jacobian."""
+        k, M = len(self.active), self.stiffness
+        parts = len(R) // k if k else 0
+        by_node = R.reshape(parts, k, -1)
+        return -np.einsum("kij,jkc->ikc", M[:, :parts, :parts], by_node).reshape(R.shape)
+
+    def constant(self) -> np.ndarray:
+        """Generalised force (columns,) of the part of the change of tau that does not depend on the unknowns."""
+        if self.traction is None or not len(self.active):
+            return np.zeros(len(self.data.columns))
+        L, _ = self.rows
+        a = self.data.a.share[self.active]
+        return (a[:, None] * self.traction.constant).T.ravel() @ L[len(self.active) :]
+
+    def updated(self, dz: np.ndarray) -> np.ndarray:
+        """What the next iteration has to know (n, 3): g^, and tractions after the linearised change for the unknowns'
+        changes dz (columns,)."""
+        out = np.zeros((self.data.count, 3))
+        out[:, 0] = self.law_gap
+        if self.traction is not None and len(self.active):
+            _, R = self.rows
+            change = (R @ dz).reshape(3, -1)
+            t = self.traction
+            out[self.active, 1:] = t.traction + t.constant + t.by_pressure * (self.slope * change[0])[:, None]
+            out[self.active, 1:] += np.einsum("kij,jk->ki", t.by_slip, change[1:])
         return out
 
 
