@@ -9,7 +9,10 @@ import pytest
 
 from warpffrf.model import surfaces
 from warpffrf.model.contact_grid import ContactGrid
-from warpffrf.model.reduced_body import ContactSurface, DisplaySurface, Interface, Recovery, ReducedBody
+from warpffrf.model.contact_surface import ContactSurface
+from warpffrf.model.recovery import Recovery
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced_body_data import DisplaySurface, Interface
 
 
 def make_body(

@@ -12,9 +12,11 @@ import pytest
 import scipy.linalg as sla
 
 from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
-from warpffrf.model.local_modes import LocalMass, dynamic_modes
-from warpffrf.model.reduced_body import ContactSurface, Recovery
+from warpffrf.model.local_mass import LocalMass
+from warpffrf.model.local_modes import dynamic_modes
+from warpffrf.model.recovery import Recovery
 
 ROUND_OFF = 1e-10  # of modal mass, and of the largest entry: products of a few hundred terms, condition 1e4
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.inertia import GeometricStiffness, InertiaTerms
-from warpffrf.model.reduced_body import DisplaySurface, Interface, ReducedBody
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced_body_data import DisplaySurface, Interface
 
 
 def mass_point_body(

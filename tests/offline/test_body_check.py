@@ -12,7 +12,7 @@ import pytest
 
 from warpffrf.model import surfaces
 from warpffrf.model.errors import InputError
-from warpffrf.model.local_modes import LocalMass
+from warpffrf.model.local_mass import LocalMass
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced_body import ReducedBody

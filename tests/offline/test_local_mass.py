@@ -16,7 +16,8 @@ from reference_fe import matrices
 
 import warpffrf.offline.general.unit_loads as unit_loads
 from warpffrf.model.errors import InputError
-from warpffrf.model.local_modes import LocalMass, dynamic_modes
+from warpffrf.model.local_mass import LocalMass
+from warpffrf.model.local_modes import dynamic_modes
 from warpffrf.model.mesh import roller
 from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.model.reduced_body import ReducedBody

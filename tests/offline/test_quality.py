@@ -17,7 +17,8 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import FacetSet
 from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.model.reduced_body import DisplaySurface, Interface, ReducedBody
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced_body_data import DisplaySurface, Interface
 from warpffrf.model.reduced_body_file import _flatten
 from warpffrf.offline import reduce
 from warpffrf.offline.elastic import ElasticModel, orthonormal_rigid

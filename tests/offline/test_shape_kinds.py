@@ -15,10 +15,11 @@ import pytest
 from offline_bodies import STEEL
 from reference_fe import free_response, matrices
 
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh, ball, block, box, ring, roller, sleeve
 from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.model.reduced_body import ContactSurface, ReducedBody
+from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.surfaces import (
     Bore,
     Cone,

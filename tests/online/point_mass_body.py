@@ -8,7 +8,8 @@ import numpy as np
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.inertia import InertiaTerms
-from warpffrf.model.reduced_body import DisplaySurface, Interface, ReducedBody
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced_body_data import DisplaySurface, Interface
 from warpffrf.online.history.history import BodyHistory
 
 

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from synthetic_run import COLUMNS, MODES, ROWS, make_history, roller
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body import Recovery
+from warpffrf.model.recovery import Recovery
 from warpffrf.model.stress_field import (
     GridSpan,
     LoadStress,

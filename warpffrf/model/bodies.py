@@ -16,7 +16,8 @@ from warpffrf.model.errors import InputError, require_array, unknown_name
 from warpffrf.model.rigid_surface import RigidSurface
 
 if TYPE_CHECKING:
-    from warpffrf.model.reduced_body import ContactSurface, ReducedBody
+    from warpffrf.model.contact_surface import ContactSurface
+    from warpffrf.model.reduced_body import ReducedBody
 
 GROUND_INDEX = -1
 INERTIA_LEVELS = ("constant", "deformed", "gyroscopic", "full", "auto")

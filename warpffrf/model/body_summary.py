@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from warpffrf.model.inertia import InertiaTerms
-    from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.inertia import InertiaTerms
+from warpffrf.model.reduced_body_data import ReducedBodyData
 
 LARGEST_SHOWN = 3  # arrays named in the line about memory
 SLOWEST_SHOWN = 4  # stages named in the line about time
@@ -16,7 +15,7 @@ LISTED_STAGE = 0.05  # of the total time; shorter stages are not named
 ROUND_OFF = 1e-12  # of the size: coordinates below it are rounding and shown as zero
 
 
-def summary(body: ReducedBody) -> str:
+def summary(body: ReducedBodyData) -> str:
     """Lines about mass, modes, interfaces, contact surfaces, materials, the path taken, and quality."""
     f = body.frequencies
     near = ROUND_OFF * float(np.ptp(body.surface.points, axis=0).max()) if len(body.surface.points) else 0.0
@@ -129,7 +128,7 @@ def _materials(contact: dict[str, Any]) -> list[str]:
     return [f"  material        at {', '.join(names)}: {text}" for text, names in surfaces.items()]
 
 
-def _inertia_terms(body: ReducedBody, terms: InertiaTerms, modes: int) -> str:
+def _inertia_terms(body: ReducedBodyData, terms: InertiaTerms, modes: int) -> str:
     """Which modes have them, whether these hold the response to turning, and what stiffens them."""
     text = f"of {'all' if terms.modes == modes else f'the first {terms.modes} of {modes}'} global modes"
     if body.report.get("inertia", {}).get("centrifugal"):
@@ -139,7 +138,7 @@ def _inertia_terms(body: ReducedBody, terms: InertiaTerms, modes: int) -> str:
     return f"{text}, stiffened by {', '.join(['turning', *(f'loads on {n}' for n in terms.stiffening.interfaces)])}"
 
 
-def _tangential(body: ReducedBody) -> str:
+def _tangential(body: ReducedBodyData) -> str:
     """How many tangential local modes there are, where any are."""
     count = 0
     for s in body.contact_surfaces.values():

@@ -52,14 +52,11 @@ displacement, or the local modes' part of a stress, is recovered.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError, require_count, require_number
-
-if TYPE_CHECKING:
-    from warpffrf.model.reduced_body import ContactSurface
 
 Array = np.ndarray
 # Eigenvalue of D over its largest below which a direction is too stiff to be told from round-off of D (1e-16 of the
@@ -72,19 +69,6 @@ TOO_STIFF = 1e-7
 # count as coupled. Vibration modes overlap by round-off, 1e-13; attachment modes by 1e-3 and more.
 COUPLED = 1e-8
 SAME_FREQUENCY = 1e-6  # relative distance of frequencies that are one multiple frequency, never cut apart
-
-
-@dataclass(frozen=True, eq=False)
-class LocalMass:
-    """Inertia of the local modes of a contact surface: N and W of the module docstring.
-
-    `lags_mass` (L, c rows, c rows) [m^2 kg/N^2]: N in the layout of `ContactSurface.lags`. `overlap` (L c rows, m)
-    [m kg/N]: W^T, rows numbered by column and row; on an arc of a periodic body those of the full turn from the arc's
-    column 0 on.
-    """
-
-    lags_mass: Array
-    overlap: Array
 
 
 @dataclass(frozen=True, eq=False)

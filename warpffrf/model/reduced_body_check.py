@@ -10,8 +10,9 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body import ContactSurface, ReducedBody
+from warpffrf.model.reduced_body_data import ReducedBodyData
 
 UNIT = 1e-9  # of axes: what a file keeps of a unit vector
 SYMMETRIC = 1e-9  # of the inertia
@@ -19,7 +20,7 @@ SYMMETRIC = 1e-9  # of the inertia
 Wanted = tuple[int | None, ...]  # a shape; None: any number
 
 
-def check_body(body: ReducedBody, arrays: Mapping[str, np.ndarray]) -> None:
+def check_body(body: ReducedBodyData, arrays: Mapping[str, np.ndarray]) -> None:
     """Raise `InputError` that names the first of the stored `arrays`, by path, that cannot be the body's, and why."""
     for name, array in arrays.items():
         if not np.all(np.isfinite(array)):
@@ -45,7 +46,7 @@ def check_body(body: ReducedBody, arrays: Mapping[str, np.ndarray]) -> None:
         _check_axes(f"contact_surfaces/{name}/recovery/axes", s.recovery.axes)
 
 
-def _shapes(body: ReducedBody) -> Iterator[tuple[str, Wanted]]:
+def _shapes(body: ReducedBodyData) -> Iterator[tuple[str, Wanted]]:
     """Path and shape of the arrays whose shape follows from the number of modes and the grids."""
     m = len(body.frequencies)
     yield from (("center_of_mass", (3,)), ("inertia", (3, 3)), ("frequencies", (m,)))

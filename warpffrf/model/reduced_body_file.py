@@ -11,26 +11,24 @@ import hashlib
 import json
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from warpffrf.model import surfaces
 from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
 from warpffrf.model.inertia import GeometricStiffness, InertiaTerms
-from warpffrf.model.local_modes import LocalMass
-from warpffrf.model.reduced_body import (
-    ContactSurface,
-    DisplaySurface,
-    Interface,
-    Recovery,
-    ReducedBody,
-)
+from warpffrf.model.local_mass import LocalMass
+from warpffrf.model.recovery import Recovery
 from warpffrf.model.reduced_body_check import check_body
+from warpffrf.model.reduced_body_data import DisplaySurface, Interface, ReducedBodyData
 from warpffrf.model.sampling import Sampling
 from warpffrf.model.stress_field import StressField
 from warpffrf.model.tangential import Tangential
+
+Body = TypeVar("Body", bound=ReducedBodyData)
 
 SCHEMA = 4  # 4: sampling points; all older ones are read
 MARK = "warpffrf reduced body"
@@ -56,7 +54,7 @@ _UNITS = {
 }
 
 
-def _flatten(body: ReducedBody) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+def _flatten(body: ReducedBodyData) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     arrays: dict[str, np.ndarray] = {
         "center_of_mass": body.center_of_mass,
         "inertia": body.inertia,
@@ -179,7 +177,9 @@ def _sampling(arrays: dict[str, np.ndarray], root: str, facts: dict[str, Any] | 
     return Sampling.restore(own, facts)
 
 
-def _restore(arrays: dict[str, np.ndarray], facts: dict[str, Any], report: dict, provenance: dict) -> ReducedBody:
+def _restore(
+    kind: type[Body], arrays: dict[str, np.ndarray], facts: dict[str, Any], report: dict, provenance: dict
+) -> Body:
     contact = {}
     for name, f in facts["contact_surfaces"].items():
         root = f"contact_surfaces/{name}"
@@ -211,7 +211,7 @@ def _restore(arrays: dict[str, np.ndarray], facts: dict[str, Any], report: dict,
         root = f"stress/{name}/"
         own = {key.removeprefix(root): array for key, array in arrays.items() if key.startswith(root)}
         stress[name] = StressField.restore(name, own, f, contact)
-    return ReducedBody(
+    return kind(
         mass=facts["mass"],
         center_of_mass=arrays["center_of_mass"],
         inertia=arrays["inertia"],
@@ -244,17 +244,17 @@ def _digest(arrays: dict[str, np.ndarray], facts: dict[str, Any]) -> str:
     return digest.hexdigest()
 
 
-def stored_arrays(body: ReducedBody) -> dict[str, np.ndarray]:
+def stored_arrays(body: ReducedBodyData) -> dict[str, np.ndarray]:
     """Every array that a file of the body holds, by its path there."""
     return _flatten(body)[0]
 
 
-def content_hash(body: ReducedBody) -> str:
+def content_hash(body: ReducedBodyData) -> str:
     """sha256 over all arrays and facts of the body, without report and provenance."""
     return _digest(*_flatten(body))
 
 
-def write_reduced_body(body: ReducedBody, path: Path) -> Path:
+def write_reduced_body(body: ReducedBodyData, path: Path) -> Path:
     """Write `body` to the HDF5 file `path`; raises `InputError` where it cannot be written."""
     import h5py
 
@@ -286,8 +286,9 @@ def _document(file: Any, name: str) -> dict[str, Any]:
     return json.loads(file[name][()])
 
 
-def read_reduced_body(path: Path) -> ReducedBody:
-    """Read `path`; raises `InputError` when it is missing, damaged, of another kind, or of a newer schema."""
+def read_reduced_body(kind: type[Body], path: Path) -> Body:
+    """The body of class `kind` in the file `path`; raises `InputError` when the file is missing, damaged, no body's, or
+    of a newer schema."""
     import h5py
 
     if not path.is_file():
@@ -316,7 +317,7 @@ def read_reduced_body(path: Path) -> ReducedBody:
             expected = file.attrs["content_hash"]
         if _digest(arrays, facts) != expected:
             raise InputError(f"reduced body: {path} is damaged (content hash differs); {cure}")
-        body = _restore(arrays, facts, report, provenance)
+        body = _restore(kind, arrays, facts, report, provenance)
         try:
             check_body(body, arrays)
         except InputError as error:

@@ -26,7 +26,7 @@ import numpy as np
 
 from warpffrf.model.contact_grid import meridian_gram
 from warpffrf.model.errors import InputError, unknown_name
-from warpffrf.model.reduced_body import Recovery
+from warpffrf.model.recovery import Recovery
 
 _PLACE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 _FIRST, _SECOND = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])

@@ -13,11 +13,11 @@ cell the coefficient is the mean displacement and the force the traction times t
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.recovery import Recovery
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class Tangential:
     lags_tt: np.ndarray
     lags_nt: np.ndarray
     mode_tangent: np.ndarray  # (2, columns rows, m) m per unit modal coordinate
-    recovery: Any  # `Recovery` whose transfer has 2 c r columns a sector
+    recovery: Recovery  # its transfer has 2 c r columns a sector
 
     def compliance(self, columns: np.ndarray) -> np.ndarray:
         """D_tt (2 w r, 2 w r) [m/N] of the given grid `columns` (w,), ordered by direction, column, row."""

@@ -9,8 +9,9 @@ import numpy as np
 
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.inertia import InertiaTerms
-from warpffrf.model.local_modes import LocalMass
-from warpffrf.model.reduced_body import Interface, Recovery
+from warpffrf.model.local_mass import LocalMass
+from warpffrf.model.recovery import Recovery
+from warpffrf.model.reduced_body_data import Interface
 from warpffrf.model.tangential import Tangential
 
 

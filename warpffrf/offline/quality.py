@@ -47,7 +47,8 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.reduced_body import ContactSurface, ReducedBody
+from warpffrf.model.contact_surface import ContactSurface
+from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.reduced_body_file import stored_arrays
 from warpffrf.offline.bases.modes import SAME_FREQUENCY, whole_multiples
 from warpffrf.offline.elastic import Array, ElasticModel

@@ -13,11 +13,13 @@ import numpy as np
 
 import warpffrf.offline.cache as body_cache
 from warpffrf.model.bases import Basis
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.periodicity import detect
-from warpffrf.model.reduced_body import ContactSurface, DisplaySurface, ReducedBody, library_versions
+from warpffrf.model.reduced_body import ReducedBody, library_versions
+from warpffrf.model.reduced_body_data import DisplaySurface
 from warpffrf.offline.contact.cell_depth import depth_ratio, depth_warning, layer_depth, node_spacing
 from warpffrf.offline.contact.contact_grid import largest_radius
 from warpffrf.offline.contact.cubature import choose_sampling

@@ -25,10 +25,10 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.bodies import SurfacePort
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
 from warpffrf.model.integrators import HHT, Coefficients
 from warpffrf.model.local_modes import DynamicModes, dynamic_modes
-from warpffrf.model.reduced_body import ContactSurface
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.model.scene import Scene
 

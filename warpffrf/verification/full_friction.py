@@ -18,7 +18,8 @@ import numpy as np
 from warpffrf.model import forces, joints, laws, signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
-from warpffrf.model.reduced_body import DisplaySurface, ReducedBody
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced_body_data import DisplaySurface
 from warpffrf.model.scene import Scene
 from warpffrf.monolithic import Monolithic
 from warpffrf.monolithic.line_of_centres.pair import default_layer

@@ -21,9 +21,9 @@ import scipy.sparse as sp
 
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
-from warpffrf.model.local_modes import LocalMass
+from warpffrf.model.local_mass import LocalMass
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.reduced_body import Recovery
+from warpffrf.model.recovery import Recovery
 from warpffrf.model.tangential import Tangential
 from warpffrf.offline.contact.independence import check_traces, window_columns
 from warpffrf.offline.contact.local_mass import dense_mass

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.reduced_body import ContactSurface
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.stress_field import GridSpan, StressField
 from warpffrf.offline.cyclic.observers import CyclicObserver, ObservedModes
 from warpffrf.offline.general.observers import Observer

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from warpffrf.model.reduced_body import ContactSurface
+from warpffrf.model.contact_surface import ContactSurface
 
 
 def modal_moments(surface: ContactSurface) -> np.ndarray:

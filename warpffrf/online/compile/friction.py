@@ -12,8 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 from warpffrf_kernels.core.model import Model
 
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body import ContactSurface
 from warpffrf.model.scene import Scene
 from warpffrf.model.tangential import Tangential
 from warpffrf.online.compile.collector import Collector

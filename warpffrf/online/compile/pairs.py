@@ -9,8 +9,8 @@ from warpffrf_kernels.kinematics.line_of_centres import GUARD
 
 from warpffrf.model.bodies import Body, Ground
 from warpffrf.model.contact import Contact
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body import ContactSurface
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.online.compile.collector import Collector, Pair
 from warpffrf.online.compile.inertia import dense_columns

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from warpffrf_kernels.core.model import Model
 
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body import ContactSurface
 from warpffrf.online.compile.collector import Collector
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from warpffrf_kernels.core.model import Model, Window
 
-from warpffrf.model.reduced_body import ContactSurface
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.compliance_tables import hat_gram, response_table
 

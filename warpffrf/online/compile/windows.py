@@ -18,7 +18,7 @@ import numpy as np
 from warpffrf_kernels.kinematics.line_of_centres import GUARD
 
 from warpffrf.model.contact import Contact
-from warpffrf.model.reduced_body import ContactSurface
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.rigid_surface import RigidSurface
 
 MIN_HALF_WINDOW = 6  # columns: margin and guard columns of a patch of a few columns

@@ -26,9 +26,9 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Body
 from warpffrf.model.contact import Contact
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.evaluations import evaluation_of
 from warpffrf.model.laws.layer import Curve
-from warpffrf.model.reduced_body import ContactSurface
 from warpffrf.model.sampling import gauss_points
 from warpffrf.model.scene import Scene
 from warpffrf.online.diagnosis.layer_compliance import yield_of

@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body import ContactSurface, ReducedBody
+from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.output.paths import checked_output_path
 from warpffrf.output.plots.colors import ColorScale
 from warpffrf.output.plots.figure import PROFILE, REFERENCE

@@ -17,8 +17,11 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.material import Material
-from warpffrf.model.reduced_body import ContactSurface, DisplaySurface, Interface, Recovery, ReducedBody
+from warpffrf.model.recovery import Recovery
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced_body_data import DisplaySurface, Interface
 from warpffrf.model.surfaces import Plane
 from warpffrf.model.tangential import Tangential
 from warpffrf.verification.closed_forms import contact_modulus

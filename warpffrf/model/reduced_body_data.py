@@ -1,0 +1,62 @@
+"""What a reduced body holds, without what can be done with it: `ReducedBody` stands on top of this and of its file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.contact_surface import ContactSurface
+from warpffrf.model.inertia import InertiaTerms
+from warpffrf.model.stress_field import StressField
+
+
+@dataclass(frozen=True, eq=False)
+class Interface:
+    """An interface of kind "rigid", "average" or "free": `modes` (m, 6) is its translation [m] and rotation [rad] at
+    `point` (3,) [m] per unit modal coordinate, user axes; of the last two kinds the mean motion of its nodes.
+
+    Local modes do not move it. A free one keeps its `nodes` (k, 3) [m], places in the user frame, and their
+    displacement `node_modes` (m, k, 3) [m]; local modes move none of them either.
+    """
+
+    kind: str
+    point: np.ndarray
+    modes: np.ndarray
+    nodes: np.ndarray | None = None
+    node_modes: np.ndarray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class DisplaySurface:
+    """Outer skin for pictures: points (n, 3) [m, user frame], triangles (t, 3), modes (m, n, 3)."""
+
+    points: np.ndarray
+    triangles: np.ndarray
+    modes: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedBodyData:
+    """Mass properties, global modes, interfaces, contact surfaces, skin, and how they were made.
+
+    Modes are M-orthonormal (modal mass 1 kg), K-orthogonal and M-orthogonal to rigid motion (Tisserand frame).
+    """
+
+    mass: float  # kg
+    center_of_mass: np.ndarray  # (3,) m, user frame
+    inertia: np.ndarray  # (3, 3) kg m2, about the centre of mass, user axes
+    frequencies: np.ndarray  # (m,) Hz, ascending
+    interfaces: dict[str, Interface]
+    contact_surfaces: dict[str, ContactSurface]
+    surface: DisplaySurface
+    stress: dict[str, StressField] = field(default_factory=dict)  # where stresses can be asked for, by name
+    report: dict[str, Any] = field(default_factory=dict)
+    provenance: dict[str, Any] = field(default_factory=dict)
+    inertia_terms: InertiaTerms | None = None  # of the first modes; None: of a body reduced before they existed
+
+    @property
+    def local_modes(self) -> int:
+        """Normal local modes of all contact surfaces."""
+        return sum(s.local_modes for s in self.contact_surfaces.values())
