@@ -16,7 +16,7 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.layers import layer_laws
 
 from warpffrf.model import laws
-from warpffrf.online.arrays.constants import Constants
+from warpffrf.online.compile.constants import Constants
 from warpffrf.online.compile.layers import fill_layers
 from warpffrf.online.diagnosis.layer_compliance import yield_of
 from warpffrf.online.settings import Settings

@@ -23,10 +23,10 @@ from warpffrf.offline.contact.cubature import choose_sampling
 from warpffrf.online import Engine, Settings
 from warpffrf.online.arrays import Scratch, State
 from warpffrf.online.arrays.axes import NAMES
-from warpffrf.online.arrays.constants import Constants
 from warpffrf.online.arrays.declaration import Arrays, numbers_of
 from warpffrf.online.arrays.ring import SavedRows
 from warpffrf.online.arrays.table import markdown, topics
+from warpffrf.online.compile.constants import Constants
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 from warpffrf.online.step import phases

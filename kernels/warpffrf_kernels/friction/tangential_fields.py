@@ -19,7 +19,7 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync
 from warpffrf_kernels.friction.cell_shares import line_of, on_shares, response_at
 from warpffrf_kernels.friction.cells import cell_at
-from warpffrf_kernels.surfaces.shared_surface import has_neighbours
+from warpffrf_kernels.surfaces.neighbours import has_neighbours
 
 wp.set_module_options(MODULE_OPTIONS)
 

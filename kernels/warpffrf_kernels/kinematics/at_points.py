@@ -27,8 +27,8 @@ from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.kinematics.closest_point import TWO_PI, view_of
+from warpffrf_kernels.kinematics.contact_wrench import Held, point_wrench
 from warpffrf_kernels.kinematics.line_of_centres import row_below, wrap
-from warpffrf_kernels.normal.contact_wrench import Held, point_wrench
 from warpffrf_kernels.surfaces.surface import CENTRE, axes_of, meridian_of
 
 wp.set_module_options(MODULE_OPTIONS)

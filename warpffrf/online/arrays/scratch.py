@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, quaternions, reals, structs, vectors
-from warpffrf_kernels.normal.contact_wrench import Held
+from warpffrf_kernels.kinematics.contact_wrench import Held
 
 from warpffrf.online.arrays.axes import Sizes
 from warpffrf.online.arrays.declaration import Arrays

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from warpffrf.online.arrays.constants import Constants
 
 from warpffrf.model.bodies import Body, Ground, Port
 from warpffrf.model.contact import Contact
@@ -14,6 +13,7 @@ from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Signal
+from warpffrf.online.compile.constants import Constants
 from warpffrf.online.compile.inertia_plan import InertiaPlan
 from warpffrf.online.local_dynamics import LocalDynamics, LocalPlan
 from warpffrf.online.settings import Settings

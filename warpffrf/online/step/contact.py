@@ -6,6 +6,7 @@ from warpffrf_kernels.impulsive import impulsive_contact, impulsive_means, impul
 from warpffrf_kernels.kinematics import (
     at_points,
     closest_point,
+    contact_wrench,
     line_of_centres,
     line_of_centres_sampled,
     line_of_centres_weights,
@@ -17,7 +18,6 @@ from warpffrf_kernels.normal import (
     contact_fields,
     contact_record,
     contact_solve,
-    contact_wrench,
 )
 
 from warpffrf.online.step.launches import blocks, threads

@@ -21,7 +21,7 @@ from warpffrf_kernels.friction import (
     tangential_fields,
     traction_bounds,
 )
-from warpffrf_kernels.surfaces import shared_surface
+from warpffrf_kernels.shared import shared_surface
 
 from warpffrf.online.step.launches import Launch, blocks, once, threads
 from warpffrf.online.step.phases import Loop, Participant

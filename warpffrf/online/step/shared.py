@@ -1,9 +1,9 @@
 """Surfaces that serve several pairs: what the loads of one do to the others
-(`warpffrf_kernels.surfaces.shared_surface`)."""
+(`warpffrf_kernels.shared.shared_surface`)."""
 
 from __future__ import annotations
 
-from warpffrf_kernels.surfaces import shared_assembly, shared_surface
+from warpffrf_kernels.shared import shared_assembly, shared_surface
 
 from warpffrf.online.step.launches import blocks
 from warpffrf.online.step.phases import Participant

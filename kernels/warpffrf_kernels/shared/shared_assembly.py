@@ -16,7 +16,7 @@ from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
 from warpffrf_kernels.normal.contact_compliance import place_in_table
-from warpffrf_kernels.surfaces.shared_surface import first_column, nearest_turn
+from warpffrf_kernels.surfaces.neighbours import first_column, nearest_turn
 
 wp.set_module_options(MODULE_OPTIONS)
 

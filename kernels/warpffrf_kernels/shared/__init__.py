@@ -1,0 +1,1 @@
+"""What pairs that load one surface do to each other there, through its local modes."""
