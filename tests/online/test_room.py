@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path as FilePath
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from warpffrf.model import forces, joints, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, find_equilibrium, run
+from warpffrf.online.arrays.scratch import Scratch, scratch_for
 from warpffrf.online.compile import pairs
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.vibrations.eigenmodes import find_modes
@@ -96,14 +98,15 @@ def test_a_world_that_is_not_short_keeps_what_is_recorded_of_it(little: None) ->
 
 def test_a_run_without_memory_for_more_keeps_what_it_has(little: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """The plate falls on the balls; there is no memory for more hats than one of each pair."""
-    plain = Engine._allocate
+    asked = []
 
-    def refused(self: Engine) -> None:
-        if hasattr(self, "no_room"):  # not the first time
+    def refused(*arguments: Any) -> Scratch:
+        asked.append(1)
+        if len(asked) > 1:
             raise MemoryError
-        plain(self)
+        return scratch_for(*arguments)
 
-    monkeypatch.setattr(Engine, "_allocate", refused)
+    monkeypatch.setattr("warpffrf.online.engine.scratch_for", refused)
     history = run(
         plate_on_balls((-7e-3, 6e-3), height=1e-4, speed=1.0, load=LOAD), 20 * STEP, step=STEP, progress=False
     )
