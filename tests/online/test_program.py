@@ -12,7 +12,7 @@ import pytest
 import warp as wp
 from warpffrf_kernels.bodies import motion
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.declaration import Declaration, integers, parts, reals
+from warpffrf_kernels.core.declaration import Declaration, integers, parts, reals, vectors
 from warpffrf_kernels.core.model import Model
 
 import warpffrf as wf
@@ -24,12 +24,12 @@ from warpffrf.online import Engine, Settings
 from warpffrf.online.arrays import Scratch, State
 from warpffrf.online.arrays.axes import NAMES
 from warpffrf.online.arrays.declaration import Arrays, numbers_of
-from warpffrf.online.arrays.ring import SavedRows
+from warpffrf.online.arrays.ring import Ring, SavedRows
 from warpffrf.online.arrays.table import markdown, topics
 from warpffrf.online.compile.constants import Constants
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
-from warpffrf.online.step import phases
+from warpffrf.online.step import phases, snapshot
 from warpffrf.online.step.launches import DECLARED, blocks, threads
 from warpffrf.online.step.phases import Participant
 from warpffrf.online.step.program import PARTICIPANTS, WHOLE
@@ -220,3 +220,18 @@ def test_the_table_of_arrays_is_that_of_the_declarations() -> None:
     """Made anew by `python -m warpffrf.online.arrays.table > docs/arrays.md`."""
     docs = Path(__file__).resolve().parents[2] / "docs" / "arrays.md"
     assert docs.read_text() == markdown()
+
+
+def test_only_numbers_of_pairs_can_be_restored(monkeypatch: pytest.MonkeyPatch) -> None:
+    for wrong_one in (vectors("world", "pair"), reals("world", "body"), reals("world", 3)):
+        monkeypatch.setattr(snapshot, "RESTORED", {"x": wrong_one})
+        with pytest.raises(TypeError, match="x: only reals and integers with the axes 'world' and 'pair'"):
+            snapshot.copies("{}", "{}_before", rejected=0)
+
+
+def test_the_ring_is_taken_to_the_host_once_for_all_worlds(bodies: Bodies, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked, plain = [], Ring.on_host
+    monkeypatch.setattr(Ring, "on_host", lambda self: (asked.append(1), plain(self))[1])
+    engine = Engine(SCENES["line"](bodies), worlds=3)
+    engine.save_now()
+    assert len(asked) == 1 and [len(chunks) for chunks in engine.chunks] == [1, 1, 1]

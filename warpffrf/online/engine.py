@@ -14,7 +14,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import GeneralizedAlpha, Integrator
 from warpffrf.model.scene import Scene
 from warpffrf.online.arrays import Ring, Sizes, initial_state, sizes_of
-from warpffrf.online.arrays.ring import SavedRows, joined
+from warpffrf.online.arrays.ring import SavedRows, joined, taken
 from warpffrf.online.arrays.scratch import scratch_for
 from warpffrf.online.compile.outer_pattern import pattern_of
 from warpffrf.online.compile.scene import compile_scene
@@ -112,7 +112,6 @@ class Engine:
         slots = min(slots, m.capacity.slot_limit)
         if slots <= m.capacity.slots:
             return
-        self.drain()
         kept = (m.capacity.slots, m.capacity.cells), self.compiled.models, self.scratch, self.graph
         before = vars(self.scratch)
         try:
@@ -187,14 +186,16 @@ class Engine:
     def drain(self) -> None:
         """Take the rows that the graph has saved since the last time out of the ring."""
         saved = self.word("saved")
-        for w in range(self.worlds):
-            if saved[w] > self.drained[w]:
-                self.chunks[w].append(self.ring.take(w, range(self.drained[w], saved[w])))
-        self.drained = saved
+        if np.any(saved > self.drained):
+            ring = self.ring.on_host()
+            for w, chunks in enumerate(self.chunks):
+                if saved[w] > self.drained[w]:
+                    chunks.append(taken(ring, w, range(self.drained[w], saved[w])))
+            self.drained = saved
 
     def saved(self, world: int = 0) -> SavedRows:
         """All rows saved of a world so far."""
-        return joined(self.chunks[world] or [self.ring.take(world, range(0))])
+        return joined(self.chunks[world] or [taken(self.ring.on_host(), world, range(0))])
 
     # --- phases
 

@@ -88,31 +88,36 @@ def record_pairs(
     saved_active: out(wp.array3d(dtype=int)),
     saved_second_load: out(wp.array4d(dtype=real)),
 ):
-    """Per (world, pair): column and distance are means over both ends of the line of centres."""
-    w, pair = wp.tid()
+    """Per (world, pair), lanes over places: column and distance are means over both ends of the line of centres."""
+    w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].record == 0:
         return
     at = ctl[w].saved % saved_active.shape[1]
-    last = (model.surfaces.rows[model.pairs.first[pair]] - 1) * model.quadrature.z_points - 1
-    saved_center[w, at, pair, 0] = center[w, pair, 0]
-    saved_center[w, at, pair, 1] = center[w, pair, 1]
-    saved_column[w, at, pair] = real(0.5) * (station[w, pair, 0, 1] + station[w, pair, last, 1])
-    saved_distance[w, at, pair] = real(0.5) * (station[w, pair, 0, 0] + station[w, pair, last, 0])
-    for i in range(6):
-        saved_pair_wrench[w, at, pair, i] = pair_wrench[w, pair, i]
-        saved_second_wrench[w, at, pair, i] = second_wrench[w, pair, i]
-    number = int(0)
-    m = int(0)
+    m = lane
     while m < model.window.hats:
         value = real(0.0)
         if active[w, pair, m] != 0:
             value = pressure[w, pair, m]
-            number += 1
         saved_pressure[w, at, pair, m] = value
-        m += 1
-    saved_active[w, at, pair] = number
-    m = int(0)
+        m += wp.block_dim()
+    m = lane
     while m < model.window.nodes:
         saved_second_load[w, at, pair, m] = second_load[w, pair, m]
-        m += 1
+        m += wp.block_dim()
+    if lane == 0:
+        last = (model.surfaces.rows[model.pairs.first[pair]] - 1) * model.quadrature.z_points - 1
+        saved_center[w, at, pair, 0] = center[w, pair, 0]
+        saved_center[w, at, pair, 1] = center[w, pair, 1]
+        saved_column[w, at, pair] = real(0.5) * (station[w, pair, 0, 1] + station[w, pair, last, 1])
+        saved_distance[w, at, pair] = real(0.5) * (station[w, pair, 0, 0] + station[w, pair, last, 0])
+        for i in range(6):
+            saved_pair_wrench[w, at, pair, i] = pair_wrench[w, pair, i]
+            saved_second_wrench[w, at, pair, i] = second_wrench[w, pair, i]
+        number = int(0)
+        m = int(0)
+        while m < model.window.hats:
+            if active[w, pair, m] != 0:
+                number += 1
+            m += 1
+        saved_active[w, at, pair] = number

@@ -1,6 +1,7 @@
 """What is saved of an accepted step: a row of each array of the ring (`warpffrf.online.arrays.ring`).
 
-Rows are written where the decision has set `record`, each room its own; `close_row` counts them.
+Rows are written where the decision has set `record`. Bodies, modes and rows of joints are here, pairs in
+`normal.contact_record` and `friction.history`; `close_row` counts the rows.
 """
 
 import warp as wp

@@ -1,13 +1,15 @@
 """State that an attempt changes while it looks for its end, kept and put back where the attempt is rejected.
 
 Active sets, pressures, tractions and where the patch was: a halved or repeated attempt begins best from what was right.
-Which arrays these are is declared (`restored` in `core.declaration`); they are flat here, worlds one behind the other.
+Which arrays these are is declared (`restored` in `core.declaration`); they are flat here, each
+pair's part behind that of the pair before, world by world.
 """
 
 import warp as wp
 
 from warpffrf_kernels.core.access import out
 from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -21,25 +23,37 @@ def is_meant(ctl: wp.array(dtype=Control), w: int, rejected: int) -> bool:
 
 @wp.kernel
 def copy_reals(
-    ctl: wp.array(dtype=Control), rejected: int, source: wp.array(dtype=real), target: out(wp.array(dtype=real))
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    rejected: int,
+    source: wp.array(dtype=real),
+    target: out(wp.array(dtype=real)),
 ):
-    """Per world, lanes over entries: before an attempt, or where it is `rejected`."""
-    w, lane = wp.tid()
-    count = source.shape[0] / ctl.shape[0]
+    """Per (world, pair), lanes over entries: before an attempt, or where it is `rejected`."""
+    w, pair, lane = wp.tid()
+    pairs = models[0].pairs.count
+    count = source.shape[0] / (ctl.shape[0] * pairs)
+    first = (w * pairs + pair) * count
     i = lane
     while is_meant(ctl, w, rejected) and i < count:
-        target[w * count + i] = source[w * count + i]
+        target[first + i] = source[first + i]
         i += wp.block_dim()
 
 
 @wp.kernel
 def copy_integers(
-    ctl: wp.array(dtype=Control), rejected: int, source: wp.array(dtype=int), target: out(wp.array(dtype=int))
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    rejected: int,
+    source: wp.array(dtype=int),
+    target: out(wp.array(dtype=int)),
 ):
     """The same of integers."""
-    w, lane = wp.tid()
-    count = source.shape[0] / ctl.shape[0]
+    w, pair, lane = wp.tid()
+    pairs = models[0].pairs.count
+    count = source.shape[0] / (ctl.shape[0] * pairs)
+    first = (w * pairs + pair) * count
     i = lane
     while is_meant(ctl, w, rejected) and i < count:
-        target[w * count + i] = source[w * count + i]
+        target[first + i] = source[first + i]
         i += wp.block_dim()

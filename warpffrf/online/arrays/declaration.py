@@ -27,8 +27,9 @@ def allocate(declaration: Declaration, sizes: Mapping[str, int], device: str) ->
     shape = tuple(max(n, 1) for n in declaration.shape(sizes))
     size = int(np.prod(shape, dtype=np.int64))
     if size > LARGEST_INDEX:
+        saved = "save fewer rows at a time (ring_rows of the settings), " if "ring_row" in declaration.axes else ""
         raise InputError(
-            f"scene: an array of {size} numbers is needed, at most {LARGEST_INDEX} can be indexed; run fewer "
+            f"scene: an array of {size} numbers is needed, at most {LARGEST_INDEX} can be indexed; {saved}run fewer "
             "worlds at a time, or lower the capacity of the contacts"
         )
     return wp.zeros((size,) if declaration.run else shape, dtype=declaration.dtype, device=device)

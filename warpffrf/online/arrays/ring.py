@@ -70,10 +70,15 @@ class SavedFriction(Arrays, carried=True):
 class Ring(SavedBooks, SavedMotion, SavedContact, SavedFriction):
     """What is saved of the steps of every world."""
 
-    def take(self, world: int, rows: range) -> SavedRows:
-        """Copies of these rows, counted from the first that was ever saved."""
-        at = np.asarray(rows, dtype=int) % self.saved_time.shape[1]
-        return {name: getattr(self, name).numpy()[world, at] for name in self.declarations}
+    def on_host(self) -> SavedRows:
+        """All arrays, worlds first: views on the CPU, one copy each from another device."""
+        return {name: getattr(self, name).numpy() for name in self.declarations}
+
+
+def taken(ring: SavedRows, world: int, rows: range) -> SavedRows:
+    """Copies of these rows of a world, counted from the first that was ever saved; `ring`: of `Ring.on_host`."""
+    at = np.asarray(rows, dtype=int) % ring["saved_time"].shape[1]
+    return {name: array[world, at] for name, array in ring.items()}
 
 
 def joined(chunks: Sequence[SavedRows]) -> SavedRows:

@@ -82,5 +82,5 @@ CONTACT = Participant(
         threads(at_points.sum_points_second, "pair", when=POINT),
         threads(closest_point.measure_approach, "pair", when=POINT),
     ],
-    record=[threads(contact_record.record_pairs, "pair")],
+    record=[blocks(contact_record.record_pairs, "pair")],
 )

@@ -1,9 +1,9 @@
 """The step as a graph: recorded once, replayed until a chunk of steps is done.
 
 One attempt of a step is: begin, predict, the Newton loop (evaluate, is it balanced? condense, contact, advance),
-velocities projected and the local error estimated where asked for, ledger, decision, copy, record. What a scene does
-not have (contact, modes, inertia terms, rows, loads) records no kernel. Nothing here runs on the host while a graph
-replays.
+velocities projected and the local error estimated where asked for, ledger, decision, what is kept or restored, record.
+What a scene does not have (contact, modes, inertia terms, rows, loads) records no kernel. Nothing here runs on the host
+while a graph replays.
 """
 
 from __future__ import annotations

@@ -34,7 +34,8 @@ DECLARED: dict[str, Declaration] = All.declarations
 
 class Launch:
     """A kernel with the arrays it works on, in the places `over`, where the scene has `when`; `block`: a block of lanes
-    a place, not a thread. `read`, `written`, and of both those `changed`: names of arrays."""
+    a place, not a thread. `read` and `written`: names of arrays, `changed`: those of
+    both that another launch has to have set."""
 
     def __init__(self, kernel: Any, over: tuple[str, ...], when: str, block: bool, given: Mapping[str, str | int]):
         self.kernel, self.over, self.when, self.block = kernel, over, when, block

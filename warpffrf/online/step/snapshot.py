@@ -13,20 +13,24 @@ from warpffrf.online.step.phases import Participant
 COPY = {wp.float64: snapshot.copy_reals, wp.int32: snapshot.copy_integers}
 
 
-def _copy(source: str, target: str, *, rejected: int) -> list[Launch]:
-    """One launch for each array that is restored, `{}` its name, where the scene has its last axis."""
-    return [
-        blocks(
-            COPY[d.dtype], when=parts(str(d.axes[-1]))[1], rejected=rejected, source=source.format(name),
-            target=target.format(name),
-        )
-        for name, d in RESTORED.items()
-    ]  # fmt: skip
+def copies(source: str, target: str, *, rejected: int) -> list[Launch]:
+    """One launch for each array that is restored, `{}` its name, where the scene has its last axis.
+
+    Raises TypeError at import for an array that is none of pairs, or not of numbers.
+    """
+    found = []
+    for name, d in RESTORED.items():
+        axes = [parts(axis)[1] for axis in d.axes if isinstance(axis, str)]
+        if d.dtype not in COPY or axes[:1] != ["world"] or axes[1:2] not in (["pair"], ["friction_pair"]):
+            raise TypeError(f"{name}: only reals and integers with the axes 'world' and 'pair' can be restored")
+        given = {"source": source.format(name), "target": target.format(name)}
+        found.append(blocks(COPY[d.dtype], "pair", when=axes[-1], rejected=rejected, **given))
+    return found
 
 
 SNAPSHOT = Participant(
     "snapshot",
     when="pair",
-    remember=_copy("{}", "{}_before", rejected=0),
-    restore=_copy("{}_before", "{}", rejected=1),
+    remember=copies("{}", "{}_before", rejected=0),
+    restore=copies("{}_before", "{}", rejected=1),
 )

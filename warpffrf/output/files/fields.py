@@ -12,7 +12,7 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class Field:
     """One stored quantity: public name, attribute of the history record, unit, frame, dimensions after `time`, owner,
-    and the name in files of before."""
+    and the name in older files."""
 
     name: str
     attribute: str
