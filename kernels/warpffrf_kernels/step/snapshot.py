@@ -1,8 +1,8 @@
 """State that an attempt changes while it looks for its end, kept and put back where the attempt is rejected.
 
 Active sets, pressures, tractions and where the patch was: a halved or repeated attempt begins best from what was right.
-Which arrays these are is declared (`restored` in `core.declaration`); they are flat here, each
-pair's part behind that of the pair before, world by world.
+Which arrays these are is declared (`restored` in `core.declaration`); they are flat here, each pair's part behind that
+of the pair before, world by world. There is a kernel a type, as arrays of kernels have one.
 """
 
 import warp as wp
@@ -31,11 +31,13 @@ def copy_reals(
 ):
     """Per (world, pair), lanes over entries: before an attempt, or where it is `rejected`."""
     w, pair, lane = wp.tid()
+    if not is_meant(ctl, w, rejected):
+        return
     pairs = models[0].pairs.count
     count = source.shape[0] / (ctl.shape[0] * pairs)
     first = (w * pairs + pair) * count
     i = lane
-    while is_meant(ctl, w, rejected) and i < count:
+    while i < count:
         target[first + i] = source[first + i]
         i += wp.block_dim()
 
@@ -50,10 +52,12 @@ def copy_integers(
 ):
     """The same of integers."""
     w, pair, lane = wp.tid()
+    if not is_meant(ctl, w, rejected):
+        return
     pairs = models[0].pairs.count
     count = source.shape[0] / (ctl.shape[0] * pairs)
     first = (w * pairs + pair) * count
     i = lane
-    while is_meant(ctl, w, rejected) and i < count:
+    while i < count:
         target[first + i] = source[first + i]
         i += wp.block_dim()
