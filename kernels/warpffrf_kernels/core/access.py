@@ -1,9 +1,8 @@
 """What a kernel does to the arrays that it is given, said in its signature.
 
 An array without a mark is read. `out` is set anew, whatever stood there; `inout` is read and written; `changed` is
-read and written too, and needs what another kernel has set, as a sum does. The order of
-launches is checked from this (`warpffrf.online.step.phases`), and this against the kernels' source
-(`tests/kernels/test_signatures.py`).
+read and written too, and needs what another kernel has set, as a sum does. The order of launches is checked from this
+(`warpffrf.online.step.phases`), and this against the kernels' source (`tests/kernels/test_signatures.py`).
 """
 
 from typing import Any
