@@ -100,6 +100,11 @@ def quality_lines(report: dict[str, Any]) -> list[str]:
         ]
         if ratios:
             say("conditioning", f"{name}: eigenvalue ratios of a window: {', '.join(ratios)}")
+    names = list(report.get("contact", {}))
+    for i, name in enumerate(names):
+        coupled = report["contact"][name].get("coupling", {})
+        if found := [f"{other} {coupled[other]:.2g}" for other in names[i + 1 :] if other in coupled]:
+            say("coupling", f"local modes of {name} with those of {', '.join(found)} (1: as with their own)")
     dropped = report.get("dependent_directions_dropped", 0)
     say("conditioning", f"{dropped or 'no'} dependent direction{'s' * (dropped > 1)} among the global modes dropped")
     say("memory", _memory(q["memory"]))

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from warpffrf.model.contact_surface import ContactSurface
+from warpffrf.model.cross_compliance import FUNCTIONS, CrossCompliance
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body_data import ReducedBodyData
 
@@ -60,6 +61,8 @@ def _shapes(body: ReducedBodyData) -> Iterator[tuple[str, Wanted]]:
             yield from ((f"{root}/nodes", (k, 3)), (f"{root}/node_modes", (m, k, 3)))
     for name, surface in body.contact_surfaces.items():
         yield from _contact_shapes(f"contact_surfaces/{name}", surface, m)
+    for cross in body.cross:
+        yield from _cross_shapes(f"cross/{cross.target}/{cross.source}", body, cross)
 
 
 def _contact_shapes(root: str, s: ContactSurface, m: int) -> Iterator[tuple[str, Wanted]]:
@@ -80,6 +83,17 @@ def _contact_shapes(root: str, s: ContactSurface, m: int) -> Iterator[tuple[str,
         yield f"{root}/tangential/lags_tt", (len(t.lags_tt), 2 * block, 2 * block)
         yield f"{root}/tangential/lags_nt", (len(t.lags_tt), block, 2 * block)
         yield f"{root}/tangential/mode_tangent", (2, t.grid.columns * t.grid.rows, m)
+
+
+def _cross_shapes(root: str, body: ReducedBodyData, cross: CrossCompliance) -> Iterator[tuple[str, Wanted]]:
+    surfaces = [body.contact_surfaces.get(name) for name in (cross.target, cross.source)]
+    sectors = len(cross.lags)
+    if any(s is None or not sectors or s.grid.columns % sectors for s in surfaces):
+        raise InputError(f"{root} is not between two contact surfaces, or their columns do not make {sectors} sectors")
+    target, source = (s.local_modes // sectors for s in surfaces if s is not None)
+    for key in cross.arrays():
+        a, b = FUNCTIONS[key]
+        yield f"{root}/{key}", (sectors, a * target, b * source)
 
 
 def _check_axes(name: str, columns: np.ndarray) -> None:

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.contact_surface import ContactSurface
+from warpffrf.model.cross_compliance import CrossCompliance
+from warpffrf.model.errors import InputError
 from warpffrf.model.inertia import InertiaTerms
 from warpffrf.model.stress_field import StressField
 
@@ -55,8 +57,24 @@ class ReducedBodyData:
     report: dict[str, Any] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
     inertia_terms: InertiaTerms | None = None  # of the first modes; None: of a body reduced before they existed
+    cross: tuple[CrossCompliance, ...] = ()  # one for each pair of contact surfaces; of files before schema 5 none
 
     @property
     def local_modes(self) -> int:
         """Normal local modes of all contact surfaces."""
         return sum(s.local_modes for s in self.contact_surfaces.values())
+
+    def cross_compliance(self, target: str, source: str) -> CrossCompliance | None:
+        """What loads on contact surface `source` do to contact surface `target`; None of a body whose file was written
+        before there was such a compliance. Raises `InputError` for names that are not two contact surfaces."""
+        if target == source or not {target, source} <= set(self.contact_surfaces):
+            raise InputError(
+                f"cross_compliance: {target!r} and {source!r} are not two contact surfaces of this body; it has "
+                f"{', '.join(map(repr, self.contact_surfaces)) or 'none'}"
+            )
+        for one in self.cross:
+            if (one.target, one.source) == (target, source):
+                return one
+            if (one.source, one.target) == (target, source):
+                return one.transposed()
+        return None

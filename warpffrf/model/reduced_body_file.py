@@ -18,6 +18,7 @@ import numpy as np
 from warpffrf.model import surfaces
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.contact_surface import ContactSurface
+from warpffrf.model.cross_compliance import CrossCompliance
 from warpffrf.model.errors import InputError
 from warpffrf.model.inertia import GeometricStiffness, InertiaTerms
 from warpffrf.model.local_mass import LocalMass
@@ -30,7 +31,7 @@ from warpffrf.model.tangential import Tangential
 
 Body = TypeVar("Body", bound=ReducedBodyData)
 
-SCHEMA = 4  # 4: sampling points; all older ones are read
+SCHEMA = 5  # 5: compliance between contact surfaces; all older ones are read
 MARK = "warpffrf reduced body"
 _COMPRESSED_FROM = 1 << 16  # bytes; below it a compressed chunk costs more than it saves
 _INERTIA = ("first", "second", "gyroscopic")
@@ -45,6 +46,9 @@ _UNITS = {
     "gyroscopic": "kg",
     "point": "m",
     "lags": "m/N",
+    "lags_tt": "m/N",
+    "lags_nt": "m/N",
+    "lags_tn": "m/N",
     "lags_mass": "m2 kg/N2",
     "overlap": "m kg/N",
     "weight": "m2",
@@ -97,6 +101,11 @@ def _flatten(body: ReducedBodyData) -> tuple[dict[str, np.ndarray], dict[str, An
             arrays[f"{root}/tangential/mode_tangent"] = t.mode_tangent
             recovery = _flatten_recovery(arrays, f"{root}/tangential/recovery", t.recovery)
             facts["contact_surfaces"][name]["tangential"] = {**_grid_facts(t.grid), "recovery": recovery}
+    if body.cross:
+        facts["cross"] = [[cross.target, cross.source] for cross in body.cross]
+    for cross in body.cross:
+        root = f"cross/{cross.target}/{cross.source}"
+        arrays.update({f"{root}/{key}": array for key, array in cross.arrays().items()})
     if body.inertia_terms is not None:
         arrays.update(_inertia_arrays(body.inertia_terms))
     if body.stress:
@@ -120,8 +129,7 @@ def _inertia_terms(arrays: dict[str, np.ndarray]) -> InertiaTerms | None:
         return None
     stiffening = None
     if _CENTRIFUGAL in arrays:
-        named = {key.removeprefix(_PRESTRESSED): K for key, K in arrays.items() if key.startswith(_PRESTRESSED)}
-        stiffening = GeometricStiffness(arrays[_CENTRIFUGAL], named)
+        stiffening = GeometricStiffness(arrays[_CENTRIFUGAL], _under(arrays, _PRESTRESSED))
     first, second, gyroscopic = (arrays[f"inertia_terms/{key}"] for key in _INERTIA)
     return InertiaTerms(first, second, gyroscopic, stiffening)
 
@@ -173,8 +181,12 @@ def _sampling(arrays: dict[str, np.ndarray], root: str, facts: dict[str, Any] | 
     """The sampling points, None where the file has none, as those of the schemas 1 to 3."""
     if facts is None:
         return None
-    own = {key.removeprefix(root): array for key, array in arrays.items() if key.startswith(root)}
-    return Sampling.restore(own, facts)
+    return Sampling.restore(_under(arrays, root), facts)
+
+
+def _under(arrays: dict[str, np.ndarray], root: str) -> dict[str, np.ndarray]:
+    """The arrays whose path begins with `root`, by the rest of it."""
+    return {key.removeprefix(root): array for key, array in arrays.items() if key.startswith(root)}
 
 
 def _restore(
@@ -208,9 +220,7 @@ def _restore(
         )
     stress = {}
     for name, f in facts.get("stress", {}).items():
-        root = f"stress/{name}/"
-        own = {key.removeprefix(root): array for key, array in arrays.items() if key.startswith(root)}
-        stress[name] = StressField.restore(name, own, f, contact)
+        stress[name] = StressField.restore(name, _under(arrays, f"stress/{name}/"), f, contact)
     return kind(
         mass=facts["mass"],
         center_of_mass=arrays["center_of_mass"],
@@ -232,6 +242,10 @@ def _restore(
         report=report,
         provenance=provenance,
         inertia_terms=_inertia_terms(arrays),
+        cross=tuple(
+            CrossCompliance(target, source, **_under(arrays, f"cross/{target}/{source}/"))
+            for target, source in facts.get("cross", [])
+        ),
     )
 
 

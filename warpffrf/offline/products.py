@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.cross_compliance import CrossCompliance
 from warpffrf.model.inertia import InertiaTerms
 from warpffrf.model.local_mass import LocalMass
 from warpffrf.model.recovery import Recovery
@@ -73,6 +74,7 @@ class PathProduct:
     facts: dict = field(default_factory=dict)
     observed_modes: dict[str, Any] = field(default_factory=dict)
     inertia_terms: InertiaTerms | None = None
+    cross: list[CrossCompliance] = field(default_factory=list)  # of each surface under loads on each later one
 
 
 def mass_properties(J: np.ndarray, origin: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:

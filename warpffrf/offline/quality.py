@@ -27,6 +27,10 @@ solver and the inertia relief leave of that. A path measures it on a sample of l
 the worst as the fact `worst_load_residual`. What would be lost without local modes is the
 share of a hat's own compliance, `C_res,ii / C_ii`, that global modes do not have.
 
+**Coupling of contact surfaces.** Own and foreign residual compliances are one Gram matrix, so that an entry between
+hats i and j of two surfaces is at most the mean (geometric) of their own: the largest ratio, 0 to 1, says how much the
+surfaces feel of each other beyond the global modes.
+
 **Error of the contact grid.** Hertz's pressure `p = sqrt(1 - (x/a)^2)` across the columns, the same in all rows, given
 by hats of the present spacing (cells: their means), is replaced by the combination of hats (cells) of twice the spacing
 that is nearest in energy; these are combinations of the fine ones, the columns of `P`. The energy lost,
@@ -48,6 +52,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.contact_surface import ContactSurface
+from warpffrf.model.cross_compliance import CrossCompliance
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.reduced_body_file import stored_arrays
 from warpffrf.offline.bases.modes import SAME_FREQUENCY, whole_multiples
@@ -59,6 +64,7 @@ HOLDS_VIBRATIONS = ("free_free", "craig_chang")
 HALF_WIDTH = 4  # spacings to the half-width of the pressure that the grid is judged with: a usual, well resolved patch
 LEAST_COLUMNS = 7  # of a window: three coarse hats and their feet; a grid with fewer is not judged
 SAMPLED = 16  # unit loads of a surface whose residual is measured: they cost one block of solves
+HELD = 1e-12  # of the largest compliance of a pair of hats: below it is round-off of hats that a rigid interface holds
 HALVING = 4.0  # energy lost by doubling the spacing over the error at the present one (module docstring)
 
 
@@ -165,6 +171,19 @@ def local_share(window: Array, residual_window: Array) -> float:
     """Largest share (0 to 1) of a hat's own compliance that the local modes carry: `window` (h, h) with and
     `residual_window` (h, h) without the global modes' part."""
     return float(np.max(np.diag(residual_window) / np.diag(window)))
+
+
+def coupling(cross: CrossCompliance, target: ContactSurface, source: ContactSurface) -> float:
+    """Largest |D_ts,ij| / sqrt(D_tt,ii D_ss,jj) of hats on two contact surfaces: from 0, where their local modes know
+    nothing of each other, to 1, of hats on the same facets. Hats that hardly move, on a rigid interface, do not count.
+    """
+    own = []
+    for side, s in ((1, target), (2, source)):
+        of_sector = np.sqrt(np.maximum(np.diag(s.lags[0]), 0.0))
+        own.append(np.resize(of_sector, cross.lags.shape[side]))
+    scale = np.multiply.outer(*own)
+    moved = scale > HELD * scale.max()
+    return float(np.max(np.abs(cross.lags[:, moved]) / scale[moved]))
 
 
 def grid_error(

@@ -40,7 +40,7 @@ from warpffrf.offline.interfaces.kinds import body_interfaces
 from warpffrf.offline.paths import PathChoice, choose_path, resolve_shapes
 from warpffrf.offline.products import PathProduct, SurfaceProduct
 from warpffrf.offline.progress import Progress
-from warpffrf.offline.quality import quality
+from warpffrf.offline.quality import coupling, quality
 from warpffrf.offline.settings import Settings
 from warpffrf.offline.stress.fields import StressRecovery
 from warpffrf.offline.stress.plan import stress_plans
@@ -228,11 +228,11 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
             surfaces[name] = replace(surfaces[name], sampling=points)
             report["contact"][name]["sampling"] = {"points": points.count, **points.facts()}
             report["stage_seconds"] = dict(stages.seconds)
-    if len(surfaces) > 1:
-        report["notes"].append(
-            "a load on one contact surface moves another through the global modes only: the local modes of different "
-            "surfaces are not coupled"
-        )
+    report["notes"] += _between_surfaces(product, settings)
+    for cross in product.cross:
+        share = coupling(cross, surfaces[cross.target], surfaces[cross.source])
+        report["contact"][cross.target]["coupling"][cross.source] = share
+        report["contact"][cross.source]["coupling"][cross.target] = share
     materials = {name: facet_material(mesh, mesh.facets(name), assignment) for name in settings.contact}
     report["notes"] += [
         f"contact {name!r}: {100.0 * share:.3g} % of the facets are of another material than the one that stands for "
@@ -259,6 +259,7 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
             "contact_node_spacings": {name: node_spacing(mesh, name, s.shape, s.grid) for name, s in surfaces.items()},
         },
         inertia_terms=product.inertia_terms,
+        cross=tuple(product.cross),
     )
     report["quality"] = quality(body, product.surfaces, settings.limits)
     return body
@@ -363,8 +364,25 @@ def _judged(
         "layer_depth_in_spacings": in_spacings,
         "deviation": shape.deviation,
         "line_mesh_error": line_mesh_error(mesh, shape, s.grid),
+        "coupling": {},
     }
     return figures, warnings
+
+
+def _between_surfaces(product: PathProduct, settings: Settings) -> list[str]:
+    """Notes on what the compliance between contact surfaces leaves out."""
+    notes = []
+    if product.cross and settings.local_dynamics:
+        notes.append(
+            "local_dynamics=True: the mass of local modes is that of each contact surface alone; loads on one surface "
+            "move the others through the local modes statically"
+        )
+    if product.cross and any(s.slope_lags is not None for s in product.surfaces):
+        notes.append(
+            "normals that lean under load change the compliance of each contact surface alone, not that of one surface "
+            "under loads on another"
+        )
+    return notes
 
 
 def _not_used(settings: Settings, cyclic: bool) -> list[str]:

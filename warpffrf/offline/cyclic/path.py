@@ -32,12 +32,13 @@ from warpffrf.offline.contact.independence import window_columns
 from warpffrf.offline.contact.local_mass import HarmonicMass
 from warpffrf.offline.contact.slopes import slope_lags
 from warpffrf.offline.cyclic.centrifugal import TurningWaves, left_out_products, turning_waves
+from warpffrf.offline.cyclic.cross import CyclicCross
 from warpffrf.offline.cyclic.harmonics import AxialInterface, Harmonics
 from warpffrf.offline.cyclic.inertia import cyclic_inertia_terms
 from warpffrf.offline.cyclic.observers import CyclicObserver, ObservedModes, selected_dofs
 from warpffrf.offline.cyclic.real_modes import HarmonicModes, RealModes
 from warpffrf.offline.cyclic.sector import Sector, assemble_sector, sector_axes
-from warpffrf.offline.cyclic.surface import CyclicField, CyclicSurface, FacetPattern
+from warpffrf.offline.cyclic.surface import CyclicField, CyclicSurface, FacetPattern, by_distance
 from warpffrf.offline.cyclic.vibrations import vibrations
 from warpffrf.offline.elastic import Array, ElasticModel
 from warpffrf.offline.fe.assembly import Sparse
@@ -108,7 +109,9 @@ def reduce_cyclic(
     mass, center, inertia = mass_properties(_rigid_mass(sector), sector.origin)
     height = float((center - sector.origin) @ sector.axes[:, 2])
     found, facts = vibrations(harmonics, limits, progress)
-    results = [_SurfaceResults(s, [o.rows for o in looking], local_dynamics) for s in contacts]
+    results = [
+        _SurfaceResults(s, [o.rows for o in looking], local_dynamics, contacts[:i]) for i, s in enumerate(contacts)
+    ]
     modes_of: list[HarmonicModes] = []
     turned: dict[int, tuple[TurningWaves, TurningResponse]] = {}
     dropped = 0
@@ -146,10 +149,10 @@ def reduce_cyclic(
             observed = [view @ Phi for view in views]
             modes_of.append(HarmonicModes(k, omega, shape, harmonics.interface_motion(k, Phi), coefficients, observed))
         M = harmonics.mass(k) if local_dynamics and results else None
-        for result, loads in zip(results, F, strict=True):
+        for i, (result, loads) in enumerate(zip(results, F, strict=True)):
             around = result.surface.around
             along = None if around is None else sp.csr_matrix(T.conj().T @ around.load(k))
-            result.add(k, loads, views, flexibility, omega, Phi, M, along)
+            result.add(k, loads, views, flexibility, omega, Phi, M, along, F[:i])
 
     modes = RealModes(N, modes_of)
     facts.update(
@@ -192,13 +195,16 @@ def reduce_cyclic(
             for i, o in enumerate(looking[1:], start=1)
         },
         inertia_terms=terms,
+        cross=[cross.product() for result in results for cross in result.cross],
     )
 
 
 class _SurfaceResults:
     """Operators of one contact surface as they come, harmonic by harmonic."""
 
-    def __init__(self, surface: CyclicSurface, rows: list[int], local_dynamics: bool) -> None:
+    def __init__(
+        self, surface: CyclicSurface, rows: list[int], local_dynamics: bool, earlier: list[CyclicSurface]
+    ) -> None:
         self.surface = surface
         harmonics = surface.N // 2 + 1
         counts = [field.count for field in surface.fields]
@@ -212,6 +218,7 @@ class _SurfaceResults:
         self.transfer = [[np.zeros((harmonics, r, n), dtype=np.complex64) for n in counts] for r in rows]
         self.mass = HarmonicMass(surface.normal) if local_dynamics else None
         self.along = None if surface.around is None else np.zeros_like(self.whole)  # around under normal loads
+        self.cross = [CyclicCross(target, surface) for target in earlier]
 
     def add(
         self,
@@ -223,9 +230,11 @@ class _SurfaceResults:
         Phi: Array,
         M: Sparse | None = None,
         along: Sparse | None = None,
+        earlier: Sequence[list[Sparse]] = (),
     ) -> None:
         """Harmonic k: sparse `loads` (n, count) of each field, operators `views` (rows, n) of the observers, the mass
-        matrix M where the mass of local modes is wanted, loads `along` (n, count) where slopes are."""
+        matrix M where the mass of local modes is wanted, loads `along` (n, count) where slopes are, loads of each field
+        of the `earlier` surfaces."""
         touched = np.flatnonzero(sum(np.diff(load.indptr) for load in loads))
         phases = [field.phases(k) for field in self.surface.fields]
         units = np.concatenate([(f @ sp.diags(p)).toarray() for f, p in zip(loads, phases, strict=True)], axis=1)
@@ -260,6 +269,8 @@ class _SurfaceResults:
             self.along[k] = (along.conj().T @ response) @ parts[0]
             if len(omega):
                 self.along[k] -= ((along.conj().T @ Phi) / omega) @ on_modes[0].conj().T
+        for cross, targets in zip(self.cross, earlier, strict=True):
+            cross.add(k, targets, response, parts, Phi / omega if len(omega) else None, on_modes)
         for number, y in enumerate(seen):
             for a, field in enumerate(self.surface.fields):
                 values = y @ parts[a]
@@ -318,12 +329,7 @@ class _SurfaceResults:
 
     def _blocks(self, of_harmonics: Array, first: CyclicField, second: CyclicField) -> Array:
         """M_first^-1 C M_second^-1 by distance in sectors."""
-        s = self.surface
-        D = np.empty_like(of_harmonics)
-        for k, C in enumerate(of_harmonics):
-            half = first.without_gram(k, C)
-            D[k] = second.without_gram(k, half.conj().T).conj().T
-        return np.ascontiguousarray(np.fft.irfft(D, n=s.N, axis=0)[:: s.stride])
+        return np.ascontiguousarray(by_distance(of_harmonics, first, second)[:: self.surface.stride])
 
 
 def _columns(loads: list[Sparse]) -> list[slice]:

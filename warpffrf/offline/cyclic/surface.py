@@ -173,6 +173,16 @@ class CyclicSurface:
         return first, columns, False
 
 
+def by_distance(of_harmonics: Array, first: CyclicField, second: CyclicField) -> Array:
+    """Blocks (N, count of `first`, count of `second`) of `M_first^-1 C M_second^-1` by distance in sectors, of C in the
+    harmonics 0 to N//2."""
+    D = np.empty_like(of_harmonics)
+    for k, C in enumerate(of_harmonics):
+        half = first.without_gram(k, C)
+        D[k] = second.without_gram(k, half.conj().T).conj().T
+    return np.fft.irfft(D, n=first.N, axis=0)
+
+
 class CyclicField:
     """Functions of one kind in one or two directions: loads and Gram matrix of every harmonic.
 

@@ -27,7 +27,7 @@ from warpffrf.offline.fe.assembly import fe_matrices
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.general.observers import SKIN, Observer, node_observer, require_observers
-from warpffrf.offline.general.surface import GeneralSurface
+from warpffrf.offline.general.surface import GeneralSurface, cross_compliance
 from warpffrf.offline.general.unit_loads import ResponseSolver, UnitLoads, results_bytes
 from warpffrf.offline.inertia.centrifugal import covering_turning, left_out, turning_response
 from warpffrf.offline.inertia.invariants import covered_modes, inertia_terms
@@ -139,6 +139,7 @@ def reduce_general(
         facts["worst_load_residual"] = max((sampled_residual(model, F) for F in tested), default=0.0)
     responses = ResponseSolver(model, omega, Phi, T, loads, seen, limit) if loads else None
     products = []
+    cross = []
     shape = T @ Phi
     for i, s in enumerate(contacts):
         if responses is not None:
@@ -148,6 +149,7 @@ def reduce_general(
                 product = s.product(found.compliance, transfers, B[i].T @ shape, omega)
                 product.local_mass = s.local_mass(found.mass, found.overlap) if local_dynamics else None
                 products.append(product)
+                cross += [cross_compliance(t, s, C) for t, C in zip(contacts[:i], found.cross, strict=True)]
 
     if responses is not None:
         facts |= {"block": responses.width, "threads": responses.workers}
@@ -165,6 +167,7 @@ def reduce_general(
         facts={**basis.facts, **facts},
         observed_modes=modes,
         inertia_terms=terms,
+        cross=cross,
     )
 
 

@@ -1,8 +1,8 @@
 r"""A contact surface of the general path: its grid, its traction fields, and its operators from the responses to them.
 
 The loads of a surface are those of its fields, each a set of tractions with a Gram matrix `M`: the normal one first,
-then the tangential one where it is wanted. With the compliance `C_ab = B_a^T G B_b` between fields a and b,
-displacement coefficients of a per unit force of b are
+then the tangential one where it is wanted. With the compliance `C_ab = B_a^T G B_b` between fields a and b, of one
+surface or of two, displacement coefficients of a per unit force of b are
 
     D_ab = M_a^-1 C_ab M_b^-1.
 
@@ -20,6 +20,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.cross_compliance import CrossCompliance
 from warpffrf.model.errors import InputError
 from warpffrf.model.local_mass import LocalMass
 from warpffrf.model.mesh import Mesh
@@ -66,6 +67,12 @@ class GeneralSurface:
         """Number of loads of all fields."""
         return sum(f.count for f in self.fields)
 
+    @property
+    def parts(self) -> list[slice]:
+        """Where the loads of each field stand among all."""
+        stops = np.cumsum([f.count for f in self.fields])
+        return [slice(int(stop) - f.count, int(stop)) for f, stop in zip(self.fields, stops, strict=True)]
+
     def loads(self) -> Any:
         """B (3 n, count) of all fields, one field after the other, csc."""
         return sp.csc_matrix(sp.hstack([f.loads(self.nodes) for f in self.fields]))
@@ -100,8 +107,7 @@ class GeneralSurface:
 
     def product(self, C: Array, transfers: dict[str, Array], loads_on_modes: Array, omega: Array) -> SurfaceProduct:
         """Operators from C (count, count), what the observers saw {name: (rows, count)}, and B^T Phi (count, m)."""
-        stops = np.cumsum([f.count for f in self.fields])
-        parts = [slice(int(stop) - f.count, int(stop)) for f, stop in zip(self.fields, stops, strict=True)]
+        parts = self.parts
         along = None if (own := self.observer()) is None else transfers[own.name][:, parts[0]]
         transfers = {name: t for name, t in transfers.items() if not name.startswith("along/")}
         modes = [k.without_gram(loads_on_modes[p]) for k, p in zip(self.kept, parts, strict=True)]
@@ -110,15 +116,12 @@ class GeneralSurface:
             for k, p in zip(self.kept, parts, strict=True)
         ]
 
-        def D(a: int, b: int) -> Array:
-            return self.kept[b].without_gram(self.kept[a].without_gram(C[parts[a], parts[b]]).T).T
-
         tangential = None
         if len(self.fields) > 1:
             tangential = Tangential(
                 self._grid(self.fields[1]),
-                _symmetric(D(1, 1))[None],
-                np.ascontiguousarray(D(0, 1))[None],
+                _symmetric(_between(self, 1, self, 1, C))[None],
+                np.ascontiguousarray(_between(self, 0, self, 1, C))[None],
                 np.ascontiguousarray(modes[1].reshape(2, len(modes[1]) // 2, -1)),
                 seen[1].pop(SKIN),
             )
@@ -132,7 +135,7 @@ class GeneralSurface:
         return SurfaceProduct(
             grid=grid,
             slope_lags=sloped,
-            lags=_symmetric(D(0, 0))[None],
+            lags=_symmetric(_between(self, 0, self, 0, C))[None],
             mode_normal=modes[0],
             recovery=seen[0].pop(SKIN),
             window=window + on_modes @ on_modes.T,
@@ -148,6 +151,23 @@ class GeneralSurface:
     def local_mass(self, N: Array, W: Array) -> LocalMass:
         """The inertia that the reduced body keeps, of N (normal functions) and W^T (normal functions, m)."""
         return dense_mass(self.kept[0], N, W)
+
+
+def cross_compliance(target: GeneralSurface, source: GeneralSurface, C: Array) -> CrossCompliance:
+    """Operators from C (count of `target`, count of `source`) between the loads of two surfaces of a body."""
+
+    def lags(a: int, b: int) -> Array:
+        return np.ascontiguousarray(_between(target, a, source, b, C))[None]
+
+    if len(source.fields) == 1:
+        return CrossCompliance(target.name, source.name, lags(0, 0))
+    return CrossCompliance(target.name, source.name, lags(0, 0), lags(1, 1), lags(0, 1), lags(1, 0))
+
+
+def _between(target: GeneralSurface, a: int, source: GeneralSurface, b: int, C: Array) -> Array:
+    """D_ab of field `a` of `target` and field `b` of `source`, of C between all their loads."""
+    half = target.kept[a].without_gram(C[target.parts[a], source.parts[b]])
+    return source.kept[b].without_gram(half.T).T
 
 
 def _symmetric(D: Array) -> Array:

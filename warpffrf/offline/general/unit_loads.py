@@ -1,8 +1,9 @@
 r"""Static responses to unit loads, in blocks: what observers see of them and the compliance among them.
 
 Of the response `u_i` to load i, freed from rigid motion and from the global modes (`elastic.StaticResponse`), two
-things are kept: `C_ji = b_j^T u_i` among all loads of one surface, and `O u_i` for every observer O. Only the rows that
-loads or observers touch are ever computed. Where the inertia of the responses is wanted, all rows of u are made, and
+things are kept: `C_ji = b_j^T u_i` among all loads of one surface and of those before it, and `O u_i` for every
+observer O; C between two surfaces is the transpose of that the other way round. Only the rows that loads or observers
+touch are ever computed. Where the inertia of the responses is wanted, all rows of u are made, and
 
     N_ji = u_j^T M u_i = b_j^T v_i,      v_i = G_res M u_i,      W_ji = phi_j^T M u_i
 
@@ -17,6 +18,7 @@ from collections.abc import Generator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -49,10 +51,12 @@ class UnitLoads:
 
 @dataclass(frozen=True, eq=False)
 class UnitResponses:
-    """Compliance C (count, count), symmetric, and of each observer its transfer (rows, count); `mass` (massed, massed),
-    symmetric, and `overlap` (massed, m) of the first ones with the global modes, see `contact.local_mass`."""
+    """Compliance C (count, count), symmetric, that of each earlier surface under these loads, `cross` (its count,
+    count), and of each observer its transfer (rows, count); `mass` (massed, massed), symmetric, and `overlap`
+    (massed, m) of the first ones with the global modes, see `contact.local_mass`."""
 
     compliance: Array
+    cross: list[Array]
     transfers: list[Array]
     mass: Array
     overlap: Array
@@ -122,6 +126,7 @@ class ResponseSolver:
         """All responses to the loads of one surface."""
         name, count = self.surfaces[surface].name, self.loads[surface].shape[1]
         C = np.zeros((count, count))
+        cross = [np.zeros((earlier.shape[1], count)) for earlier in self.loads[:surface]]
         massed = self.surfaces[surface].massed
         N, W = np.zeros((massed, massed)), np.zeros((massed, self.Phi.shape[1]))
         transfers = [np.zeros((o.rows, count), dtype=o.dtype) for o in self.observers]
@@ -130,13 +135,15 @@ class ResponseSolver:
             for start in progress.track(starts, f"static responses of {name}"):
                 part, block = slice(start, start + self.width), next(blocks)
                 C[:, part] = block["compliance"]
+                for i, other in enumerate(cross):
+                    other[:, part] = block[f"cross{i}"]
                 for i, transfer in enumerate(transfers):
                     transfer[:, part] = block[f"observer{i}"]
                 if start < massed:
                     N[:, part], W[part] = block["mass"], block["overlap"]
         C += C.T
         C *= 0.5
-        return UnitResponses(C, transfers, 0.5 * (N + N.T), W)
+        return UnitResponses(C, cross, transfers, 0.5 * (N + N.T), W)
 
     def _blocks(
         self, surface: int, starts: list[int], checkpoint: Checkpoint
@@ -170,6 +177,8 @@ class ResponseSolver:
         else:
             u = self.response(loads)
         block["compliance"] = self.on_rows[surface] @ u
+        for i, on_rows in enumerate(self.on_rows[:surface]):
+            block[f"cross{i}"] = on_rows @ u
         for i, (operator, observer) in enumerate(zip(self.operators, self.observers, strict=True)):
             block[f"observer{i}"] = np.asarray(operator @ u, dtype=observer.dtype)
         return block
@@ -184,9 +193,10 @@ class ResponseSolver:
 
 
 def results_bytes(counts: Sequence[int], observers: Sequence[Observer], massed: Sequence[int] = ()) -> int:
-    """Memory of the dense results of surfaces with `counts` loads: compliances with two working copies, transfers; of
-    the `massed` ones their mass Gram matrices likewise."""
+    """Memory of the dense results of surfaces with `counts` loads: compliances, also between them, with two working
+    copies, transfers; of the `massed` ones their mass Gram matrices likewise."""
     dense = sum(8 * 3 * n * n for n in (*counts, *massed))
+    dense += sum(8 * 3 * m * n for m, n in combinations(counts, 2))
     return dense + sum(o.rows * n * o.dtype.itemsize for n in counts for o in observers)
 
 
