@@ -164,7 +164,7 @@ class BodyLoads:
 
 @topic
 class Surfaces:
-    """Contact surfaces, two a pair, body frame; see `surface`. Fields that end in `_start` say where tables begin."""
+    """Contact surfaces, body frame; see `surface`. Fields that end in `_start` say where tables begin."""
 
     body: DeviceArray = integers("surface", note="-1 for the ground, whose frame is the world")
     modal_start: DeviceArray = integers("surface", note="first mode of its body, 0 where it has none")
@@ -192,19 +192,9 @@ class Surfaces:
     turn: DeviceArray = integers(
         "surface", note="columns of the full turn that the compliance counts, 0 when it covers an arc"
     )
-    reach: DeviceArray = integers(
-        "surface", note="grid columns on each side of a block that its compliance tables hold"
-    )
     rows: DeviceArray = integers("surface")
-    block: DeviceArray = integers("surface", note="columns of a block of the compliance")
     z_start: DeviceArray = integers("surface", note="into z and cell_area")
     z: DeviceArray = reals("z_entry", unit="m", note="of the rows")
-    lag_start: DeviceArray = integers("surface", note="into compliance and self_compliance")
-    compliance: DeviceArray = reals(
-        "compliance_entry", unit="m/N",
-        note="D as a table (column of the block, source row, target column + reach, target row)",
-    )  # fmt: skip
-    self_compliance: DeviceArray = reals("compliance_entry", unit="m5/N", note="M D M, same layout")
     mode_start: DeviceArray = integers("surface", note="into mode_normal and mode_moment")
     mode_normal: DeviceArray = reals("trace_entry", unit="kg^-1/2", note="(nodes, modes of the body) a surface")
     mode_moment: DeviceArray = reals("trace_entry", unit="m2 kg^-1/2", note="M Phi, same layout")
@@ -213,26 +203,35 @@ class Surfaces:
     mode_tangent: DeviceArray = reals(
         "shear_entry", unit="kg^-1/2", note="(columns, 2 rows, modes of the body) a surface"
     )
-    tt_start: DeviceArray = integers("surface", note="tangential displacement by tangential forces, D_tt")
-    nt_start: DeviceArray = integers(
-        "surface", note="normal one by tangential forces: M D_nt of a first, D_nt of a second surface"
-    )
-    tn_start: DeviceArray = integers("surface", note="its transpose")
-    tangential: DeviceArray = reals(
-        "tangential_entry",
-        note="these three as tables (column of the block, source line, target column + reach, target line), "
-        "2 rows lines a tangential column",
-    )
 
 
 @topic
-class Shared:
-    """Surfaces that serve several pairs, see `shared_surface`."""
+class Responses:
+    """What loads on the contact surfaces of a body displace on them by its local modes, see `responses`: the loads on
+    each side (2 pair + side) of a pair, its own first, and tables (column of the block, source line, target column +
+    reach, target line), 2 rows lines a tangential column."""
 
-    start: DeviceArray = integers("surface+1", note="into neighbour and table")
-    neighbour: DeviceArray = integers("neighbour_entry", note="the same surface as another pair has it")
-    table: DeviceArray = integers("neighbour_entry", note="into compliance: what a load there does here")
-    compliance: DeviceArray = reals("shared_entry", note="M D M, M D, D M and D in the layout of `Surfaces.compliance`")
+    load_start: DeviceArray = integers("side+1", note="into the loads on a side; a rigid surface has none")
+    load_side: DeviceArray = integers("load_entry", note="whose load it is")
+    normal: DeviceArray = integers("load_entry", note="table: normal displacement by normal loads, D")
+    rubbed: DeviceArray = integers(
+        "load_entry", note="table: normal displacement by tangential loads, D_nt; -1 without"
+    )
+    pressed: DeviceArray = integers(
+        "load_entry", note="table: tangential displacement by normal loads, D_tn; -1 without"
+    )
+    tangential: DeviceArray = integers(
+        "load_entry", note="table: tangential displacement by tangential loads; -1 without"
+    )
+    start: DeviceArray = integers("response", note="into number")
+    source_block: DeviceArray = integers("response", note="columns of the source that turn with a block")
+    target_block: DeviceArray = integers("response", note="columns of the target that do; 0 where it is an arc")
+    source_turn: DeviceArray = integers("response", note="columns of the source's full turn, 0 of an arc")
+    source_lines: DeviceArray = integers("response", note="lines of a column")
+    target_lines: DeviceArray = integers("response", note="lines of a column")
+    reach: DeviceArray = integers("response", note="columns of the target on each side of a block in the table")
+    width: DeviceArray = integers("response", note="columns of the target in the table")
+    number: DeviceArray = reals("response_entry", note="per load: weak displacement m3, displacement m; per Pa or N")
 
 
 @topic
@@ -367,7 +366,7 @@ class Model:
     torques: Torques
     body_loads: BodyLoads
     surfaces: Surfaces
-    shared: Shared
+    responses: Responses
     quadrature: Quadrature
     pairs: Pairs
     points: Points

@@ -9,7 +9,7 @@ as `contact_compliance` does for the pressures: symmetric, and positive definite
 mesh. The first three terms stay assembled until the grids move against each other; the last, less what the pressures
 answer (`pressure_answer`), is made where cells or the active set of the pressures are new, after that set has settled:
 H changes by next to nothing within a step. Cells of different pairs feel each other through the last two terms, the
-modes of a body that both pairs load, and not through the local modes of a surface that serves both.
+modes of a body that both pairs load, and not through its local modes, which the Newton iteration takes in.
 """
 
 import warp as wp
@@ -18,10 +18,11 @@ from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
-from warpffrf_kernels.friction.cell_shares import line_of, response_at
+from warpffrf_kernels.friction.cell_shares import line_of
 from warpffrf_kernels.friction.cells import cell_at
 from warpffrf_kernels.friction.pressure_answer import RENEWED
 from warpffrf_kernels.normal.contact_compliance import add_outer, outer_row, short_of
+from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -150,10 +151,11 @@ def cell_modes(
     const int* own = cell_slot.data + ((size_t)w * model.capacity.cells + slot) * 2;
     const int pair = own[0], m = own[1];
     const int A = model.pairs.first.data[pair], B = model.pairs.second.data[pair];
-    const int rows = model.surfaces.rows.data[A], block = model.surfaces.block.data[A];
-    const int reach = model.surfaces.reach.data[A], wide = block + 2 * reach;
+    const int table = model.responses.tangential.data[model.responses.load_start.data[2 * pair]];
+    const int rows = model.surfaces.rows.data[A], block = model.responses.source_block.data[table];
+    const int reach = model.responses.reach.data[table], wide = model.responses.width.data[table];
     const int rows_b = model.surfaces.rows.data[B], flexible = model.surfaces.shear_start.data[B] >= 0;
-    const double* DA = model.surfaces.tangential.data + model.surfaces.tt_start.data[A];
+    const double* DA = model.responses.number.data + model.responses.start.data[table];
     const double* T = shift.data + (size_t)w * 4 * model.window.nodes;
     const size_t cells = (size_t)(w * model.pairs.count + pair) * model.window.hats;
     const int first_a = model.surfaces.modal_start.data[A], count_a = model.surfaces.modal_count.data[A];
@@ -206,9 +208,10 @@ def cell_modes(
                 g[d][e] += f;
             }
         } else for (int a = 0, at_a = 0; a < 2; ++a) {
-            const int sa = 2 * pair + a, count = model.surfaces.modal_count.data[sa];
+            const int sa = a ? B : A, count = model.surfaces.modal_count.data[sa];
             for (int b = 0, at_b = 0; b < 2; ++b) {
-                const int sb = 2 * other[0] + b, body = model.surfaces.body.data[sa];
+                const int sb = (b ? model.pairs.second : model.pairs.first).data[other[0]];
+                const int body = model.surfaces.body.data[sa];
                 const double* q = cell_J.data + ((size_t)w * model.capacity.cells + j) * 2 * width + at_b;
                 if (body >= 0 && body == model.surfaces.body.data[sb])
                     for (int d = 0; d < 2; ++d) for (int e = 0; e < 2; ++e) for (int n = 0; n < count; ++n)
@@ -261,8 +264,8 @@ def shift_second(
 ):
     """Displacement of the second surface's cells, columns `low` to `high` of its window, under unit tractions on cell m
     in its two directions, (2, 2 node_capacity) flat: area D_tt^B (Q o)^T."""
-    B = model.pairs.second[pair]
-    rows_b = model.surfaces.rows[B]
+    rows_b = model.surfaces.rows[model.pairs.second[pair]]
+    table = model.responses.tangential[own_load(model, 2 * pair + 1)]
     base = w * 4 * model.window.nodes
     count = (high - low + 1) * 2 * rows_b
     i = lane
@@ -278,16 +281,13 @@ def shift_second(
             if part != real(0.0):
                 for e in range(2):
                     line = e * rows_b + share_at[w, pair, m, 1] + q
-                    at = response_at(
-                        model, B, model.surfaces.tt_start[B], origin_b + share_at[w, pair, m, 0] + c, line, 2 * rows_b,
-                        origin_b + low, 2 * rows_b,
-                    )  # fmt: skip
+                    at = place_in_table(model, table, origin_b + share_at[w, pair, m, 0] + c, line, origin_b + low)
                     if at >= 0:
                         for d in range(2):
                             turned = cell_turn[w, pair, m, 2 * d + e]
                             if wp.abs(turned) > ROUND_OFF:
                                 start = base + d * 2 * model.window.nodes + low * 2 * rows_b
-                                axpy(count, part * turned, model.surfaces.tangential, at, shift, start)
+                                axpy(count, part * turned, model.responses.number, at, shift, start)
             q += 1
         c += 1
     sync()

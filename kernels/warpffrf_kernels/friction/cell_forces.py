@@ -13,9 +13,10 @@ from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
-from warpffrf_kernels.friction.cell_shares import line_of, response_at
+from warpffrf_kernels.friction.cell_shares import line_of
 from warpffrf_kernels.friction.cells import cell_at
 from warpffrf_kernels.normal.pair_forces import modal_line
+from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -134,11 +135,10 @@ def load_tractions(
 
 
 @wp.func
-def cell_softness(model: Model, A: int, row: int, area: real) -> real:
+def cell_softness(model: Model, pair: int, row: int, area: real) -> real:
     """Tangential displacement of a cell of the first surface under a unit traction on itself [m/Pa]."""
-    rows = model.surfaces.rows[A]
-    at = response_at(model, A, model.surfaces.tt_start[A], 0, row, 2 * rows, 0, 2 * rows)
-    return area * model.surfaces.tangential[at + row]
+    table = model.responses.tangential[own_load(model, 2 * pair)]
+    return area * model.responses.number[place_in_table(model, table, 0, row, 0) + row]
 
 
 @wp.func
@@ -212,7 +212,7 @@ def add_friction(
                         t_1 * s_1 + t_2 * s_2, real(0.0)
                     )
                     soft = creep_softness(model, clk, w, pair, b) + late[w, pair, m]
-                    c = cell_softness(model, A, m % rows, area) + late[w, pair, m]
+                    c = cell_softness(model, pair, m % rows, area) + late[w, pair, m]
                     y_1 = t_1 - (s_1 + soft * t_1) / c
                     y_2 = t_2 - (s_2 + soft * t_2) / c
                     size = wp.sqrt(y_1 * y_1 + y_2 * y_2)

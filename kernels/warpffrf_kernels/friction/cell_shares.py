@@ -1,4 +1,4 @@
-"""Where the cells of the first surface lie on those of the second, and the tables of tangential responses.
+"""Where the cells of the first surface lie on those of the second.
 
 The mean of a displacement over a cell of the first grid is the difference of its integral between the cell's two ends,
 which is known at the edges of the second grid's cells: interpolated linearly between them the parts would be those of
@@ -162,20 +162,6 @@ def on_shares(
     u_1 = cell_turn[w, pair, m, 0] * v_1 + cell_turn[w, pair, m, 1] * v_2
     u_2 = cell_turn[w, pair, m, 2] * v_1 + cell_turn[w, pair, m, 3] * v_2
     return vec3(u_1, u_2, real(0.0))
-
-
-@wp.func
-def response_at(model: Model, s: int, table: int, source: int, line: int, lines: int, target: int, wide: int) -> int:
-    """Index, in `tangential`, of the response at grid column `target` of surface s to a unit force on line `line` of
-    `lines` of grid column `source`; `wide` lines a target column follow contiguously. -1 when the source does not
-    exist. As `contact_compliance.table_row`."""
-    block = model.surfaces.block[s]
-    if model.surfaces.turn[s] == 0 and (source < 0 or source >= block):
-        return -1
-    part = ((source % block) + block) % block
-    reach = model.surfaces.reach[s]
-    at = (part * lines + line) * (block + 2 * reach) + target - (source - part) + reach
-    return table + at * wide
 
 
 @wp.func

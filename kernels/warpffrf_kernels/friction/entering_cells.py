@@ -30,9 +30,9 @@ from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.friction.cell_forces import before_at
-from warpffrf_kernels.friction.cell_shares import response_at
 from warpffrf_kernels.friction.traction_bounds import pressed
 from warpffrf_kernels.kinematics.line_of_centres import wrap
+from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -77,19 +77,16 @@ def response_between(
 ) -> real:
     """Displacement around of both surfaces' local modes, mean over cell n, under a unit force around on cell m of the
     same row [m/N]."""
-    A = model.pairs.first[pair]
-    B = model.pairs.second[pair]
-    rows = model.surfaces.rows[A]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
     origin = center[w, pair, 0] - model.window.half
     total = real(0.0)
-    at = response_at(
-        model, A, model.surfaces.tt_start[A], origin + m / rows, m % rows, 2 * rows, origin + n / rows, 2 * rows
-    )
+    table = model.responses.tangential[own_load(model, 2 * pair)]
+    at = place_in_table(model, table, origin + m / rows, m % rows, origin + n / rows)
     if at >= 0:
-        total = model.surfaces.tangential[at + n % rows]
-    if model.surfaces.shear_start[B] < 0:
+        total = model.responses.number[at + n % rows]
+    if model.surfaces.shear_start[model.pairs.second[pair]] < 0:
         return total
-    rows_b = model.surfaces.rows[B]
+    table_b = model.responses.tangential[own_load(model, 2 * pair + 1)]
     origin_b = center[w, pair, 1] - model.window.second_half
     shares = model.window.share_columns * model.window.share_rows
     i = int(0)
@@ -100,12 +97,10 @@ def response_between(
                 source = origin_b + share_at[w, pair, m, 0] + i / model.window.share_rows
                 target = origin_b + share_at[w, pair, n, 0] + j / model.window.share_rows
                 line = share_at[w, pair, m, 1] + i % model.window.share_rows
-                at = response_at(model, B, model.surfaces.tt_start[B], source, line, 2 * rows_b, target, 2 * rows_b)
+                at = place_in_table(model, table_b, source, line, target)
                 if at >= 0:
-                    part = share[w, pair, m, i] * share[w, pair, n, j]
-                    total += (
-                        part * model.surfaces.tangential[at + share_at[w, pair, n, 1] + j % model.window.share_rows]
-                    )
+                    at += share_at[w, pair, n, 1] + j % model.window.share_rows
+                    total += share[w, pair, m, i] * share[w, pair, n, j] * model.responses.number[at]
             j += 1
         i += 1
     return total

@@ -28,8 +28,9 @@ from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, vec3
-from warpffrf_kernels.friction.cell_shares import on_shares, response_at
+from warpffrf_kernels.friction.cell_shares import on_shares
 from warpffrf_kernels.friction.cells import cell_at
+from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -85,7 +86,8 @@ def is_new(
     double* scaled = scratch.data + (size_t)w * 2 * width;
     WP_TILE_SYNC();
     for (int side = 0, at = 0; side < 2; ++side) {
-        const int surface = 2 * pair + side, first = model.surfaces.modal_start.data[surface];
+        const int surface = (side ? model.pairs.second : model.pairs.first).data[pair];
+        const int first = model.surfaces.modal_start.data[surface];
         const int count = model.surfaces.modal_count.data[surface];
         for (int n = WP_TILE_THREAD_IDX; n < count; n += WP_TILE_BLOCK_DIM) scaled[at + n] = Ji[at + n] * s[first + n];
         at += count;
@@ -99,9 +101,11 @@ def is_new(
         const int other = cell_slot.data[((size_t)w * cells + j / 2) * 2];
         const double* Jj = cell_J.data + ((size_t)w * 2 * cells + j) * width;
         for (int p = 0, at_p = 0; p < 2; ++p) {
-            const int sp = 2 * pair + p, modes = model.surfaces.modal_count.data[sp];
+            const int sp = (p ? model.pairs.second : model.pairs.first).data[pair];
+            const int modes = model.surfaces.modal_count.data[sp];
             for (int q = 0, at_q = 0; q < 2; ++q) {
-                const int sq = 2 * other + q, body = model.surfaces.body.data[sp];
+                const int sq = (q ? model.pairs.second : model.pairs.first).data[other];
+                const int body = model.surfaces.body.data[sp];
                 const int same = pair == other ? p == q : body >= 0 && body == model.surfaces.body.data[sq];
                 for (int n = 0; same && n < modes; ++n) sum += scaled[at_p + n] * Jj[at_q + n];
                 at_q += model.surfaces.modal_count.data[sq];
@@ -154,13 +158,13 @@ def couple_near(
     `slot`, as `tangential_fields.press_cells` has them."""
     pair = slot_hat[w, slot, 0]
     m = slot_hat[w, slot, 1]
-    A = model.pairs.first[pair]
     B = model.pairs.second[pair]
-    rows = model.surfaces.rows[A]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
     flexible = model.surfaces.shear_start[B] >= 0
     start = (w * model.pairs.count + pair) * 2 * model.window.nodes
     if flexible:
         rows_b = model.surfaces.rows[B]
+        table_b = model.responses.pressed[own_load(model, 2 * pair + 1)]
         origin_b = center[w, pair, 1] - model.window.second_half
         wide = 2 * model.window.second_columns * rows_b
         i = lane
@@ -174,13 +178,14 @@ def couple_near(
             if part != real(0.0):
                 column = origin_b + stencil_at[w, pair, m, 0] + e / model.window.stencil_rows
                 row = stencil_at[w, pair, m, 1] + e % model.window.stencil_rows
-                at = response_at(model, B, model.surfaces.tn_start[B], column, row, rows_b, origin_b, 2 * rows_b)
+                at = place_in_table(model, table_b, column, row, origin_b)
                 if at >= 0:
-                    axpy(wide, -part, model.surfaces.tangential, at, shift, start)
+                    axpy(wide, -part, model.responses.number, at, shift, start)
             e += 1
         sync()
     origin = center[w, pair, 0] - model.window.half
-    at = response_at(model, A, model.surfaces.tn_start[A], origin + m / rows, m % rows, rows, origin, 2 * rows)
+    table = model.responses.pressed[own_load(model, 2 * pair)]
+    at = place_in_table(model, table, origin + m / rows, m % rows, origin)
     j = lane
     while j < cells:
         if cell_slot[w, j, 0] == pair:
@@ -191,7 +196,7 @@ def couple_near(
             for d in range(2):
                 value = -second[d]
                 if at >= 0:
-                    value -= model.surfaces.tangential[at + cell_at(rows, n, d)]
+                    value -= model.responses.number[at + cell_at(rows, n, d)]
                 Y[w, a, 2 * j + d] = Y[w, a, 2 * j + d] + cell_area[w, pair, n] * value
         j += wp.block_dim()
     sync()

@@ -17,11 +17,108 @@ from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync
-from warpffrf_kernels.friction.cell_shares import line_of, on_shares, response_at
+from warpffrf_kernels.friction.cell_shares import line_of, on_shares
 from warpffrf_kernels.friction.cells import cell_at
-from warpffrf_kernels.surfaces.neighbours import has_neighbours
+from warpffrf_kernels.surfaces.responses import first_column, loaded_by_others, place_of_load
 
 wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.kernel
+def force_second(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    window: wp.array3d(dtype=int),
+    cell_area: wp.array3d(dtype=real),
+    cell_turn: wp.array4d(dtype=real),
+    share: wp.array4d(dtype=real),
+    share_at: wp.array4d(dtype=int),
+    traction: wp.array3d(dtype=real),
+    second_force: inout(wp.array3d(dtype=real)),
+):
+    """Per (world, pair): shares of the tractions on the second surface's cells [N]."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
+        return
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    rows_b = model.surfaces.rows[model.pairs.second[pair]]
+    i = lane
+    while i < 2 * model.window.nodes:
+        second_force[w, pair, i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    if lane != 0 or model.surfaces.shear_start[model.pairs.second[pair]] < 0:
+        return
+    m = (window[w, pair, 0] + model.window.half) * rows
+    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
+        f_1 = cell_area[w, pair, m] * traction[w, pair, cell_at(rows, m, 0)]
+        f_2 = cell_area[w, pair, m] * traction[w, pair, cell_at(rows, m, 1)]
+        if f_1 != real(0.0) or f_2 != real(0.0):
+            g_1 = -(cell_turn[w, pair, m, 0] * f_1 + cell_turn[w, pair, m, 2] * f_2)
+            g_2 = -(cell_turn[w, pair, m, 1] * f_1 + cell_turn[w, pair, m, 3] * f_2)
+            c = int(0)
+            while c < model.window.share_columns:
+                q = int(0)
+                while q < model.window.share_rows:
+                    part = share[w, pair, m, c * model.window.share_rows + q]
+                    if part != real(0.0):
+                        e = (share_at[w, pair, m, 0] + c) * 2 * rows_b + share_at[w, pair, m, 1] + q
+                        second_force[w, pair, e] = second_force[w, pair, e] + part * g_1
+                        second_force[w, pair, e + rows_b] = second_force[w, pair, e + rows_b] + part * g_2
+                    q += 1
+                c += 1
+        m += 1
+
+
+@wp.func
+def rub(
+    model: Model,
+    w: int,
+    side: int,
+    low: int,
+    columns: int,
+    tables: wp.array(dtype=int),
+    sign: real,
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    cell_area: wp.array3d(dtype=real),
+    traction: wp.array3d(dtype=real),
+    second_force: wp.array3d(dtype=real),
+    start: int,
+    field: wp.array(dtype=real),
+):
+    """Adds to `field` (from `start`, the columns `low` and following of the side's window) the displacement by all
+    tangential loads on the side, times `sign`; `tables` of the loads say in which directions."""
+    target = first_column(model, w, side, center) + low
+    middle = target + columns / 2
+    n = model.responses.load_start[side]
+    while n < model.responses.load_start[side + 1]:
+        other = model.responses.load_side[n]
+        pair = other / 2
+        table = tables[n]
+        if table >= 0 and model.pairs.friction[pair] > real(0.0):
+            count = columns * model.responses.target_lines[table]
+            lines = model.responses.source_lines[table]
+            rows = lines / 2
+            origin = first_column(model, w, other, center)
+            i = int(0)
+            end = model.window.second_columns * lines
+            if other % 2 == 0:
+                i = (window[w, pair, 0] + model.window.half) * lines
+                end = (window[w, pair, 1] + model.window.half + 1) * lines
+            while i < end:
+                force = real(0.0)
+                if other % 2 == 0:
+                    force = cell_area[w, pair, (i / lines) * rows + i % rows] * traction[w, pair, i]
+                else:
+                    force = second_force[w, pair, i]
+                if force != real(0.0):
+                    at = place_of_load(model, table, origin + i / lines, i % lines, target, middle)
+                    if at >= 0:
+                        axpy(count, sign * force, model.responses.number, at, field, start)
+                i += 1
+        n += 1
 
 
 @wp.kernel
@@ -32,37 +129,19 @@ def push_gaps(
     window: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
     cell_area: wp.array3d(dtype=real),
-    cell_turn: wp.array4d(dtype=real),
-    share: wp.array4d(dtype=real),
-    share_at: wp.array4d(dtype=int),
     traction: wp.array3d(dtype=real),
-    second_force: inout(wp.array3d(dtype=real)),
+    second_force: wp.array3d(dtype=real),
     first_push: inout(wp.array(dtype=real)),
     second_push: inout(wp.array(dtype=real)),
 ):
-    """Per (world, pair): shares of the tractions on the second surface's cells [N], and the displacements by the local
-    modes with which the tractions open the gaps, as those of `contact_fields.local_fields`."""
+    """Per (world, pair), with and without friction of its own: the displacements by the local modes with which the
+    tractions of all pairs on its bodies open its gaps, as those of `contact_fields.local_fields`."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
+    if ctl[w].run == 0 or ctl[w].moved == 0:
         return
-    A = model.pairs.first[pair]
-    B = model.pairs.second[pair]
-    rows = model.surfaces.rows[A]
-    rows_b = model.surfaces.rows[B]
-    H = model.window.half
-    first = window[w, pair, 0] + H
-    count = (window[w, pair, 1] + H - first + 1) * rows
     base = (w * model.pairs.count + pair) * model.window.hats
-    low = second_window[w, pair, 0]
-    count_b = (second_window[w, pair, 1] - low + 1) * rows_b
     base_b = (w * model.pairs.count + pair) * model.window.nodes
-    origin = center[w, pair, 0] - H
-    origin_b = center[w, pair, 1] - model.window.second_half
-    i = lane
-    while i < 2 * model.window.nodes:
-        second_force[w, pair, i] = real(0.0)
-        i += wp.block_dim()
     i = lane
     while i < model.window.hats:
         first_push[base + i] = real(0.0)
@@ -72,52 +151,20 @@ def push_gaps(
         second_push[base_b + i] = real(0.0)
         i += wp.block_dim()
     sync()
-    m = first * rows
-    while m < first * rows + count:
-        f_1 = cell_area[w, pair, m] * traction[w, pair, cell_at(rows, m, 0)]
-        f_2 = cell_area[w, pair, m] * traction[w, pair, cell_at(rows, m, 1)]
-        if f_1 != real(0.0) or f_2 != real(0.0):
-            column = m / rows
-            row = m % rows
-            at = response_at(model, A, model.surfaces.nt_start[A], origin + column, row, 2 * rows, origin + first, rows)
-            if at >= 0:
-                axpy(count, -f_1, model.surfaces.tangential, at, first_push, base + first * rows)
-            at = response_at(
-                model, A, model.surfaces.nt_start[A], origin + column, rows + row, 2 * rows, origin + first, rows
-            )
-            if at >= 0:
-                axpy(count, -f_2, model.surfaces.tangential, at, first_push, base + first * rows)
-            if lane == 0 and model.surfaces.shear_start[B] >= 0:
-                g_1 = -(cell_turn[w, pair, m, 0] * f_1 + cell_turn[w, pair, m, 2] * f_2)
-                g_2 = -(cell_turn[w, pair, m, 1] * f_1 + cell_turn[w, pair, m, 3] * f_2)
-                c = int(0)
-                while c < model.window.share_columns:
-                    at_c = share_at[w, pair, m, 0] + c
-                    q = int(0)
-                    while q < model.window.share_rows:
-                        part = share[w, pair, m, c * model.window.share_rows + q]
-                        at_r = share_at[w, pair, m, 1] + q
-                        if part != real(0.0):
-                            e = at_c * 2 * rows_b + at_r
-                            second_force[w, pair, e] = second_force[w, pair, e] + part * g_1
-                            second_force[w, pair, e + rows_b] = second_force[w, pair, e + rows_b] + part * g_2
-                        q += 1
-                    c += 1
-        m += 1
-    sync()
-    if model.surfaces.shear_start[B] < 0:
-        return
-    i = int(0)
-    while i < 2 * model.window.second_columns * rows_b:
-        f = second_force[w, pair, i]
-        if f != real(0.0):
-            at = response_at(
-                model, B, model.surfaces.nt_start[B], origin_b + i / (2 * rows_b), i % (2 * rows_b), 2 * rows_b,
-                origin_b + low, rows_b,
-            )  # fmt: skip
-            if at >= 0:
-                axpy(count_b, -f, model.surfaces.tangential, at, second_push, base_b + low * rows_b)
-        i += 1
+    low = window[w, pair, 0] + model.window.half
+    columns = window[w, pair, 1] - window[w, pair, 0] + 1
+    start = base + low * model.surfaces.rows[model.pairs.first[pair]]
+    rub(
+        model, w, 2 * pair, low, columns, model.responses.rubbed, real(-1.0), center, window, cell_area, traction,
+        second_force, start, first_push,
+    )  # fmt: skip
+    low = second_window[w, pair, 0]
+    columns = second_window[w, pair, 1] - low + 1
+    start = base_b + low * model.surfaces.rows[model.pairs.second[pair]]
+    rub(
+        model, w, 2 * pair + 1, low, columns, model.responses.rubbed, real(-1.0), center, window, cell_area, traction,
+        second_force, start, second_push,
+    )  # fmt: skip
 
 
 @wp.kernel
@@ -129,16 +176,60 @@ def add_push(
     first_local: changed(wp.array(dtype=real)),
     second_local: changed(wp.array(dtype=real)),
 ):
-    """Per (world, pair): adds what `push_gaps` and `shared_surface.share_push` found to the displacements by the
-    pressures."""
+    """Per (world, pair): adds what `push_gaps` found to the displacements by the pressures."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or (model.pairs.friction[pair] == real(0.0) and not has_neighbours(model, pair)):
+    if ctl[w].run == 0 or (model.pairs.friction[pair] == real(0.0) and not loaded_by_others(model, pair)):
         return
     at = w * model.pairs.count + pair
     axpy(model.window.hats, real(1.0), first_push, at * model.window.hats, first_local, at * model.window.hats)
     axpy(model.window.nodes, real(1.0), second_push, at * model.window.nodes, second_local, at * model.window.nodes)
     sync()
+
+
+@wp.func
+def press(
+    model: Model,
+    w: int,
+    side: int,
+    low: int,
+    columns: int,
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    second_load: wp.array3d(dtype=real),
+    start: int,
+    field: wp.array(dtype=real),
+):
+    """Adds to `field` the displacement along the surface by all normal loads on the side, as `rub`."""
+    target = first_column(model, w, side, center) + low
+    middle = target + columns / 2
+    n = model.responses.load_start[side]
+    while n < model.responses.load_start[side + 1]:
+        other = model.responses.load_side[n]
+        pair = other / 2
+        table = model.responses.pressed[n]
+        if table >= 0:
+            count = columns * model.responses.target_lines[table]
+            rows = model.responses.source_lines[table]
+            origin = first_column(model, w, other, center)
+            m = int(0)
+            end = model.window.second_columns * rows
+            if other % 2 == 0:
+                m = (window[w, pair, 0] + model.window.half) * rows
+                end = (window[w, pair, 1] + model.window.half + 1) * rows
+            while m < end:
+                load = real(0.0)
+                if other % 2 == 0:
+                    load = pressure[w, pair, m]
+                else:
+                    load = second_load[w, pair, m]
+                if load != real(0.0):
+                    at = place_of_load(model, table, origin + m / rows, m % rows, target, middle)
+                    if at >= 0:
+                        axpy(count, -load, model.responses.number, at, field, start)
+                m += 1
+        n += 1
 
 
 @wp.kernel
@@ -153,23 +244,14 @@ def press_cells(
     first_shift: inout(wp.array(dtype=real)),
     second_shift: inout(wp.array(dtype=real)),
 ):
-    """Per (world, pair): tangential displacements of both surfaces' cells by the pressures (0 where inactive) and the
-    loads that they are on the second surface."""
+    """Per (world, pair): tangential displacements of both surfaces' cells by the pressures (0 where inactive) of all
+    pairs on the two bodies and the loads that they are on second surfaces."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0):
         return
     if (of_state != 0 and ctl[w].moved == 0) or (of_state == 0 and ctl[w].changes != 0):
         return
-    A = model.pairs.first[pair]
-    B = model.pairs.second[pair]
-    rows = model.surfaces.rows[A]
-    rows_b = model.surfaces.rows[B]
-    H = model.window.half
-    first = window[w, pair, 0] + H
-    cells = (window[w, pair, 1] + H - first + 1) * rows
-    origin = center[w, pair, 0] - H
-    origin_b = center[w, pair, 1] - model.window.second_half
     base = (w * model.pairs.count + pair) * 2 * model.window.hats
     base_b = (w * model.pairs.count + pair) * 2 * model.window.nodes
     i = lane
@@ -181,28 +263,47 @@ def press_cells(
         second_shift[base_b + i] = real(0.0)
         i += wp.block_dim()
     sync()
-    m = first * rows
-    while m < first * rows + cells:
-        p = pressure[w, pair, m]
-        if p != real(0.0):
-            at = response_at(
-                model, A, model.surfaces.tn_start[A], origin + m / rows, m % rows, rows, origin + first, 2 * rows
-            )
-            if at >= 0:
-                axpy(2 * cells, -p, model.surfaces.tangential, at, first_shift, base + 2 * first * rows)
-        m += 1
-    if model.surfaces.shear_start[B] < 0:
+    low = window[w, pair, 0] + model.window.half
+    columns = window[w, pair, 1] - window[w, pair, 0] + 1
+    start = base + 2 * low * model.surfaces.rows[model.pairs.first[pair]]
+    press(model, w, 2 * pair, low, columns, center, window, pressure, second_load, start, first_shift)
+    if model.surfaces.shear_start[model.pairs.second[pair]] >= 0:
+        columns = model.window.second_columns
+        press(model, w, 2 * pair + 1, 0, columns, center, window, pressure, second_load, base_b, second_shift)
+
+
+@wp.kernel
+def rub_cells(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    cell_area: wp.array3d(dtype=real),
+    traction: wp.array3d(dtype=real),
+    second_force: wp.array3d(dtype=real),
+    first_shift: changed(wp.array(dtype=real)),
+    second_shift: changed(wp.array(dtype=real)),
+):
+    """Per (world, pair): adds what the tractions of all pairs on the two bodies displace along both surfaces."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0) or ctl[w].moved == 0:
         return
-    i = int(0)
-    while i < model.window.second_columns * rows_b:
-        f = second_load[w, pair, i]
-        if f != real(0.0):
-            at = response_at(
-                model, B, model.surfaces.tn_start[B], origin_b + i / rows_b, i % rows_b, rows_b, origin_b, 2 * rows_b
-            )
-            if at >= 0:
-                axpy(2 * model.window.second_columns * rows_b, -f, model.surfaces.tangential, at, second_shift, base_b)
-        i += 1
+    low = window[w, pair, 0] + model.window.half
+    columns = window[w, pair, 1] - window[w, pair, 0] + 1
+    at = (w * model.pairs.count + pair) * 2
+    start = at * model.window.hats + 2 * low * model.surfaces.rows[model.pairs.first[pair]]
+    rub(
+        model, w, 2 * pair, low, columns, model.responses.tangential, real(1.0), center, window, cell_area, traction,
+        second_force, start, first_shift,
+    )  # fmt: skip
+    if model.surfaces.shear_start[model.pairs.second[pair]] >= 0:
+        start = at * model.window.nodes
+        columns = model.window.second_columns
+        rub(
+            model, w, 2 * pair + 1, 0, columns, model.responses.tangential, real(1.0), center, window, cell_area,
+            traction, second_force, start, second_shift,
+        )  # fmt: skip
 
 
 @wp.kernel
@@ -212,21 +313,19 @@ def displace_cells(
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
-    second_force: wp.array3d(dtype=real),
     cell_area: wp.array3d(dtype=real),
     cell_turn: wp.array4d(dtype=real),
     share: wp.array4d(dtype=real),
     share_at: wp.array4d(dtype=int),
-    traction: wp.array3d(dtype=real),
     amplitude: wp.array(dtype=real),
-    first_shift: changed(wp.array(dtype=real)),
-    second_shift: changed(wp.array(dtype=real)),
+    first_shift: wp.array(dtype=real),
+    second_shift: wp.array(dtype=real),
     second_modal: inout(wp.array(dtype=real)),
     elastic_local: out(wp.array3d(dtype=real)),
     elastic: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over the cells: difference e of the tangential displacements of both bodies [m], by the
-    local modes alone and in all; `press_cells` has begun the shifts with the part of the pressures."""
+    local modes alone and in all; the shifts are those of `press_cells` and `rub_cells`."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0) or ctl[w].moved == 0:
@@ -242,31 +341,8 @@ def displace_cells(
     origin_b = center[w, pair, 1] - model.window.second_half
     base = (w * model.pairs.count + pair) * 2 * model.window.hats
     base_b = (w * model.pairs.count + pair) * 2 * model.window.nodes
-    i = 2 * first * rows
-    while i < 2 * (first * rows + cells):
-        f = cell_area[w, pair, (i / (2 * rows)) * rows + i % rows] * traction[w, pair, i]
-        if f != real(0.0):
-            at = response_at(
-                model, A, model.surfaces.tt_start[A], origin + i / (2 * rows), i % (2 * rows), 2 * rows, origin + first,
-                2 * rows,
-            )  # fmt: skip
-            if at >= 0:
-                axpy(2 * cells, f, model.surfaces.tangential, at, first_shift, base + 2 * first * rows)
-        i += 1
     flexible = model.surfaces.shear_start[B] >= 0
     if flexible:
-        wide = 2 * model.window.second_columns * rows_b
-        i = int(0)
-        while i < wide:
-            f = second_force[w, pair, i]
-            if f != real(0.0):
-                at = response_at(
-                    model, B, model.surfaces.tt_start[B], origin_b + i / (2 * rows_b), i % (2 * rows_b), 2 * rows_b,
-                    origin_b, 2 * rows_b,
-                )  # fmt: skip
-                if at >= 0:
-                    axpy(wide, f, model.surfaces.tangential, at, second_shift, base_b)
-            i += 1
         # the cubic of the shares reaches beyond the columns that the hats of the window do
         low = wp.max(second_window[w, pair, 0] - model.window.share_columns, 0)
         high = wp.min(second_window[w, pair, 1] + model.window.share_columns, model.window.second_columns - 1)
@@ -337,7 +413,7 @@ def change_pressures(
     model = models[0]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
-    if model.pairs.friction[pair] == real(0.0) and not has_neighbours(model, pair):
+    if model.pairs.friction[pair] == real(0.0) and not loaded_by_others(model, pair):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     rows_b = model.surfaces.rows[model.pairs.second[pair]]

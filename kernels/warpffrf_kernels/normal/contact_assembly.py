@@ -1,16 +1,24 @@
 """Rows of the local compliance G assembled: within a pair, and between pairs that load the same body.
 
 Within a pair G_ij is as in `contact_compliance`. Two hats i and j of different pairs feel each other through the global
-modes of a body that both pairs load, J_i sigma^-1 J_j^T over the modes of that body, and, where a surface serves both
-pairs, through its local modes, which `shared_assembly` adds.
+modes of a body that both pairs load, J_i sigma^-1 J_j^T over the modes of that body, and through its local modes: with
+psi_i^s the load of a hat on surface s,
+
+    G_ij += sum over s, t of psi_j^t . (D_ts psi_i^s),
+
+exactly, with all nodes of both stencils: a load counted at the middle of its hat makes G indefinite where the patches
+of two pairs lie within some columns of each other. D_ts psi_i^s is laid out once a hat over the window of the other
+pair and read by all hats of that pair.
 """
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
+from warpffrf_kernels.normal.pair_forces import surface_of
+from warpffrf_kernels.surfaces.responses import first_column, load_of, place_of_load
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -21,11 +29,12 @@ wp.set_module_options(MODULE_OPTIONS)
     const int pair = slot_hat.data[((size_t)w * model.capacity.slots + slot) * 2];
     const int m = slot_hat.data[((size_t)w * model.capacity.slots + slot) * 2 + 1];
     const int A = model.pairs.first.data[pair], B = model.pairs.second.data[pair];
-    const int rows = model.surfaces.rows.data[A], block = model.surfaces.block.data[A];
-    const int reach = model.surfaces.reach.data[A], width_a = block + 2 * reach;
+    const int own_table = model.responses.normal.data[model.responses.load_start.data[2 * pair]];
+    const int rows = model.surfaces.rows.data[A], block = model.responses.source_block.data[own_table];
+    const int reach = model.responses.reach.data[own_table], width_a = model.responses.width.data[own_table];
     const int SC = model.window.stencil_columns, SR = model.window.stencil_rows;
     const int rows_b = model.surfaces.rows.data[B], width = model.pairs.most_modes, cap = model.capacity.slots;
-    const double* DA = model.surfaces.self_compliance.data + model.surfaces.lag_start.data[A];
+    const double* DA = model.responses.number.data + model.responses.start.data[own_table];
     const size_t hat = (size_t)(w * model.pairs.count + pair) * model.window.hats + m;
     const double* l = stencil.data + hat * SC * SR;
     const int* at = stencil_at.data + hat * 2;
@@ -85,13 +94,14 @@ def couple(
     const int cap = model.capacity.slots, width = model.pairs.most_modes;
     const int* const slots = slot_hat.data + (size_t)w * cap * 2;
     const double* scaled = scratch.data + (size_t)w * width;
+    const int *first = model.pairs.first.data, *second = model.pairs.second.data;
     for (int j = WP_TILE_THREAD_IDX; j < slot; j += WP_TILE_BLOCK_DIM) {
         if (slots[2 * j] == slots[2 * slot]) continue;
         double g = 0.0;
         for (int a = 0, at_a = 0; a < 2; ++a) {
-            const int sa = 2 * slots[2 * slot] + a, count = model.surfaces.modal_count.data[sa];
+            const int sa = (a ? second : first)[slots[2 * slot]], count = model.surfaces.modal_count.data[sa];
             for (int b = 0, at_b = 0; b < 2; ++b) {
-                const int sb = 2 * slots[2 * j] + b;
+                const int sb = (b ? second : first)[slots[2 * j]];
                 if (model.surfaces.body.data[sa] >= 0 && model.surfaces.body.data[sa] == model.surfaces.body.data[sb]) {
                     const double *p = scaled + at_a, *q = J.data + ((size_t)w * cap + j) * width + at_b;
                     for (int n = 0; n < count; ++n) g += p[n] * q[n];
@@ -142,4 +152,117 @@ def assemble(
         )  # fmt: skip
         if model.pairs.count > 1:
             couple_others(model, w, slot, slot_hat, J, scratch, G)
+        slot += 1
+
+
+@wp.func
+def lay_out(
+    model: Model,
+    w: int,
+    m: int,
+    loads: int,
+    reads: int,
+    low: int,
+    columns: int,
+    center: wp.array3d(dtype=int),
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+    start: int,
+    field: wp.array(dtype=real),
+):
+    """Adds to `field`, `columns` of the window of side `reads` from `low` on, what hat m displaces there by its load on
+    side `loads`."""
+    pair = loads / 2
+    table = model.responses.normal[load_of(model, reads, loads)]
+    count = columns * model.responses.target_lines[table]
+    target = first_column(model, w, reads, center) + low
+    middle = target + columns / 2
+    origin = first_column(model, w, loads, center)
+    if loads % 2 == 0:
+        rows = model.responses.source_lines[table]
+        at = place_of_load(model, table, origin + m / rows, m % rows, target, middle)
+        if at >= 0:
+            axpy(count, real(1.0), model.responses.number, at, field, start)
+    else:
+        e = int(0)
+        while e < model.window.stencil_columns * model.window.stencil_rows:
+            weight = stencil[w, pair, m, e]
+            if weight != real(0.0):
+                column = origin + stencil_at[w, pair, m, 0] + e / model.window.stencil_rows
+                row = stencil_at[w, pair, m, 1] + e % model.window.stencil_rows
+                at = place_of_load(model, table, column, row, target, middle)
+                if at >= 0:
+                    axpy(count, weight, model.responses.number, at, field, start)
+            e += 1
+
+
+@wp.kernel
+def assemble_between(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    center: wp.array3d(dtype=int),
+    second_window: wp.array3d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+    weight: wp.array2d(dtype=real),
+    field: inout(wp.array(dtype=real)),
+    G: changed(wp.array3d(dtype=real)),
+):
+    """Per world: adds to the rows of G of the fresh slots what they displace on other pairs by the local modes."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0:
+        return
+    start = w * wp.max(model.window.hats, model.window.nodes)
+    slot = ctl[w].fresh
+    while slot < ctl[w].slots:
+        pair = slot_hat[w, slot, 0]
+        m = slot_hat[w, slot, 1]
+        for side in range(2):
+            loads = 2 * pair + side
+            n = model.responses.load_start[loads]  # sides on one body load each other
+            while n < model.responses.load_start[loads + 1]:
+                reads = model.responses.load_side[n]
+                other = reads / 2
+                if other == pair:
+                    n += 1
+                    continue
+                ratio = wp.min(weight[w, pair], weight[w, other]) / wp.max(weight[w, pair], weight[w, other])
+                rows = model.surfaces.rows[surface_of(model, other, reads % 2)]
+                low = int(0)
+                columns = model.window.columns
+                if reads % 2 != 0:
+                    low = second_window[w, other, 0]
+                    columns = second_window[w, other, 1] - low + 1
+                i = lane
+                while i < columns * rows:
+                    field[start + i] = real(0.0)
+                    i += wp.block_dim()
+                sync()
+                lay_out(model, w, m, loads, reads, low, columns, center, stencil, stencil_at, start, field)
+                sync()
+                j = lane
+                while j < slot:
+                    if slot_hat[w, j, 0] == other:
+                        hat = slot_hat[w, j, 1]
+                        g = real(0.0)
+                        if reads % 2 == 0:
+                            g = field[start + hat]
+                        else:
+                            e = int(0)
+                            while e < model.window.stencil_columns * model.window.stencil_rows:
+                                part = stencil[w, other, hat, e]
+                                if part != real(0.0):
+                                    column = stencil_at[w, other, hat, 0] + e / model.window.stencil_rows - low
+                                    row = stencil_at[w, other, hat, 1] + e % model.window.stencil_rows
+                                    if column >= 0 and column < columns:
+                                        g += part * field[start + column * rows + row]
+                                e += 1
+                        g = g * ratio
+                        G[w, slot, j] = G[w, slot, j] + g
+                        G[w, j, slot] = G[w, j, slot] + g
+                    j += wp.block_dim()
+                sync()
+                n += 1
         slot += 1

@@ -18,6 +18,7 @@ from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, sync, vec3
+from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -93,26 +94,37 @@ def take_slots(
 
 
 @wp.func
-def place_in_table(model: Model, surface: int, source: int, row: int, target: int) -> int:
-    """Place, in a compliance table of the surface, of the response at grid column `target` (row 0) to hat (source,
-    row); columns counted over full turns. -1 when the hat does not exist. Targets of following columns and rows follow
-    contiguously."""
-    block = model.surfaces.block[surface]
-    rows = model.surfaces.rows[surface]
-    if model.surfaces.turn[surface] == 0 and (source < 0 or source >= block):
-        return -1
-    part = ((source % block) + block) % block
-    reach = model.surfaces.reach[surface]
-    return ((part * rows + row) * (block + 2 * reach) + target - (source - part) + reach) * rows
-
-
-@wp.func
-def table_row(model: Model, surface: int, source: int, row: int, target: int) -> int:
-    """`place_in_table` in the tables `compliance` and `self_compliance`."""
-    at = place_in_table(model, surface, source, row, target)
-    if at >= 0:
-        at += model.surfaces.lag_start[surface]
-    return at
+def respond_to(
+    model: Model,
+    w: int,
+    pair: int,
+    m: int,
+    first: int,
+    count: int,
+    center: wp.array3d(dtype=int),
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+    T: wp.array(dtype=real),
+    start: int,
+):
+    """Adds D_B l of hat m to `count` numbers of T from `start` on, column `first` of the second window."""
+    if model.surfaces.rigid[model.pairs.second[pair]] != 0:
+        return
+    table = model.responses.normal[own_load(model, 2 * pair + 1)]
+    origin = center[w, pair, 1] - model.window.second_half
+    c = int(0)
+    while c < model.window.stencil_columns:
+        r = int(0)
+        while r < model.window.stencil_rows:
+            weight = stencil[w, pair, m, c * model.window.stencil_rows + r]
+            if weight != real(0.0):
+                at = place_in_table(
+                    model, table, origin + stencil_at[w, pair, m, 0] + c, stencil_at[w, pair, m, 1] + r, origin + first
+                )
+                if at >= 0:
+                    axpy(count, weight, model.responses.number, at, T, start)
+            r += 1
+        c += 1
 
 
 @wp.kernel
@@ -145,20 +157,7 @@ def respond(
             T[start + i] = real(0.0)
             i += wp.block_dim()
         sync()
-        origin = center[w, pair, 1] - model.window.second_half
-        c = int(0)
-        while c < model.window.stencil_columns:
-            r = int(0)
-            while r < model.window.stencil_rows:
-                weight = stencil[w, pair, m, c * model.window.stencil_rows + r]
-                if weight != real(0.0):
-                    at = table_row(
-                        model, B, origin + stencil_at[w, pair, m, 0] + c, stencil_at[w, pair, m, 1] + r, origin + first
-                    )
-                    if at >= 0:
-                        axpy(count, weight, model.surfaces.compliance, at, T, start)
-                r += 1
-            c += 1
+        respond_to(model, w, pair, m, first, count, center, stencil, stencil_at, T, start)
         slot += 1
 
 

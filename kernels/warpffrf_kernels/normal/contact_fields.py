@@ -11,8 +11,9 @@ from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync
-from warpffrf_kernels.normal.contact_compliance import node_of, table_row
+from warpffrf_kernels.normal.contact_compliance import node_of
 from warpffrf_kernels.normal.pair_forces import modal_line
+from warpffrf_kernels.surfaces.responses import first_column, place_of_load
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -199,6 +200,96 @@ def close_gaps(
 
 
 @wp.kernel
+def load_second(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    window: wp.array3d(dtype=int),
+    active: wp.array3d(dtype=int),
+    stencil: wp.array4d(dtype=real),
+    stencil_at: wp.array4d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    second_load: inout(wp.array(dtype=real)),
+):
+    """Per (world, pair): loads of B's hats under the present pressures [N]."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0:
+        return
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    rows_b = model.surfaces.rows[model.pairs.second[pair]]
+    base_b = (w * model.pairs.count + pair) * model.window.nodes
+    i = lane
+    while i < model.window.nodes:
+        second_load[base_b + i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    if lane != 0:
+        return
+    m = (window[w, pair, 0] + model.window.half) * rows
+    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
+        if active[w, pair, m] != 0:
+            c = int(0)
+            while c < model.window.stencil_columns:
+                r = int(0)
+                while r < model.window.stencil_rows:
+                    weight = stencil[w, pair, m, c * model.window.stencil_rows + r]
+                    if weight != real(0.0):
+                        e = base_b + (stencil_at[w, pair, m, 0] + c) * rows_b + stencil_at[w, pair, m, 1] + r
+                        second_load[e] = second_load[e] + weight * pressure[w, pair, m]
+                    r += 1
+                c += 1
+        m += 1
+
+
+@wp.func
+def displace(
+    model: Model,
+    w: int,
+    side: int,
+    low: int,
+    columns: int,
+    center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
+    second_window: wp.array3d(dtype=int),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    second_load: wp.array(dtype=real),
+    start: int,
+    field: wp.array(dtype=real),
+):
+    """Adds to `field` (from `start`, the columns `low` and following of the side's window) the normal displacement by
+    all normal loads on the side."""
+    target = first_column(model, w, side, center) + low
+    middle = target + columns / 2
+    n = model.responses.load_start[side]
+    while n < model.responses.load_start[side + 1]:
+        other = model.responses.load_side[n]
+        table = model.responses.normal[n]
+        count = columns * model.responses.target_lines[table]
+        rows = model.responses.source_lines[table]
+        pair = other / 2
+        origin = first_column(model, w, other, center)
+        m = second_window[w, pair, 0] * rows
+        end = (second_window[w, pair, 1] + 1) * rows
+        if other % 2 == 0:
+            m = (window[w, pair, 0] + model.window.half) * rows
+            end = (window[w, pair, 1] + model.window.half + 1) * rows
+        while m < end:
+            load = real(0.0)
+            if other % 2 == 0:
+                if active[w, pair, m] != 0:
+                    load = pressure[w, pair, m]
+            else:
+                load = second_load[(w * model.pairs.count + pair) * model.window.nodes + m]
+            if load != real(0.0):
+                at = place_of_load(model, table, origin + m / rows, m % rows, target, middle)
+                if at >= 0:
+                    axpy(count, load, model.responses.number, at, field, start)
+            m += 1
+        n += 1
+
+
+@wp.kernel
 def local_fields(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
@@ -206,72 +297,42 @@ def local_fields(
     window: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
     active: wp.array3d(dtype=int),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
     pressure: wp.array3d(dtype=real),
-    second_load: inout(wp.array(dtype=real)),
+    second_load: wp.array(dtype=real),
     first_local: inout(wp.array(dtype=real)),
     second_local: inout(wp.array(dtype=real)),
 ):
-    """Per (world, pair): loads of B's hats under the present pressures, and the displacements they and the pressures
-    cause by the local modes: weak ones on A's hats (M D_A M s), nodal ones on B (D_B f), both opening the gap."""
+    """Per (world, pair): displacements by the local modes under the loads of all pairs on the two bodies: weak ones on
+    A's hats, nodal ones on B, both opening the gap."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
         return
-    A = model.pairs.first[pair]
-    B = model.pairs.second[pair]
-    rows = model.surfaces.rows[A]
-    rows_b = model.surfaces.rows[B]
-    H = model.window.half
-    first = window[w, pair, 0] + H
-    count = (window[w, pair, 1] + H - first + 1) * rows
     base = (w * model.pairs.count + pair) * model.window.hats
-    low = second_window[w, pair, 0]
-    count_b = (second_window[w, pair, 1] - low + 1) * rows_b
     base_b = (w * model.pairs.count + pair) * model.window.nodes
-    origin = center[w, pair, 0] - H
-    origin_b = center[w, pair, 1] - model.window.second_half
     i = lane
     while i < model.window.hats:
         first_local[base + i] = real(0.0)
         i += wp.block_dim()
     i = lane
     while i < model.window.nodes:
-        second_load[base_b + i] = real(0.0)
         second_local[base_b + i] = real(0.0)
         i += wp.block_dim()
     sync()
-    m = first * rows
-    while m < first * rows + count:
-        if active[w, pair, m] != 0:
-            s = pressure[w, pair, m]
-            column = m / rows
-            at = table_row(model, A, origin + column, m - column * rows, origin + first)
-            if at >= 0:
-                axpy(count, s, model.surfaces.self_compliance, at, first_local, base + first * rows)
-            if lane == 0:
-                c = int(0)
-                while c < model.window.stencil_columns:
-                    r = int(0)
-                    while r < model.window.stencil_rows:
-                        weight = stencil[w, pair, m, c * model.window.stencil_rows + r]
-                        if weight != real(0.0):
-                            e = base_b + (stencil_at[w, pair, m, 0] + c) * rows_b + stencil_at[w, pair, m, 1] + r
-                            second_load[e] = second_load[e] + weight * s
-                        r += 1
-                    c += 1
-        m += 1
-    sync()
-    i = low * rows_b
-    while i < low * rows_b + count_b:
-        f = second_load[base_b + i]
-        if f != real(0.0):
-            column = i / rows_b
-            at = table_row(model, B, origin_b + column, i - column * rows_b, origin_b + low)
-            if at >= 0:
-                axpy(count_b, f, model.surfaces.compliance, at, second_local, base_b + low * rows_b)
-        i += 1
+    low = window[w, pair, 0] + model.window.half
+    columns = window[w, pair, 1] - window[w, pair, 0] + 1
+    start = base + low * model.surfaces.rows[model.pairs.first[pair]]
+    displace(
+        model, w, 2 * pair, low, columns, center, window, second_window, active, pressure, second_load, start,
+        first_local,
+    )  # fmt: skip
+    low = second_window[w, pair, 0]
+    columns = second_window[w, pair, 1] - low + 1
+    start = base_b + low * model.surfaces.rows[model.pairs.second[pair]]
+    displace(
+        model, w, 2 * pair + 1, low, columns, center, window, second_window, active, pressure, second_load, start,
+        second_local,
+    )  # fmt: skip
 
 
 @wp.kernel

@@ -10,8 +10,8 @@ from warpffrf_kernels.core.scalars import BLOCK
 from warpffrf_kernels.kinematics.at_points import LINE
 
 from warpffrf.online.compile.outer_pattern import OuterPattern
+from warpffrf.online.compile.responses import load_others
 from warpffrf.online.compile.scene import CompiledScene
-from warpffrf.online.compile.shared import serves_several
 
 Sizes = Mapping[str, int]
 RESIDUALS_KEPT = 32
@@ -62,7 +62,9 @@ NAMES = {
     "factor_line": "numbers of a line of it, of all lanes",
     "one": "always 1",
     # of the model only
-    "surface": "contact surfaces, two a pair",
+    "surface": "contact surfaces",
+    "side": "surfaces as pairs load them, two a pair",
+    "response": "tables of what loads displace",
     "marker": "joint frames",
     "signal": "signals",
     "body_load": "loads that are constant in body axes",
@@ -79,12 +81,10 @@ NAMES = {
             "signal_entry",
             "profile_entry",
             "z_entry",
-            "compliance_entry",
+            "response_entry",
             "trace_entry",
             "shear_entry",
-            "tangential_entry",
-            "neighbour_entry",
-            "shared_entry",
+            "load_entry",
             "point_entry",
             "row_of_points_entry",
             "layer_entry",
@@ -106,8 +106,7 @@ NAMES = {
     "line_pair": "pairs whose gaps are taken along the line of centres",
     "point_pair": "pairs whose gaps are taken at points",
     "few_pair": "pairs of the line of centres with a list of points",
-    "shared_pair": "pairs, where surfaces serve several",
-    "shared_friction_pair": "the same, in scenes with friction",
+    "pair_beside": "pairs, where bodies are loaded by several",
 }
 
 
@@ -134,7 +133,6 @@ def sizes_of(
     families, counts = m.pairs.family.numpy()[:P], m.points.count.numpy()[:P]
     stations = (m.window.rows - 1) * m.quadrature.z_points
     rubbing = bool(m.capacity.cells)
-    shared = serves_several(m)
     layer_point = layer_points(m)
     dense = pattern is None
     return {
@@ -162,8 +160,7 @@ def sizes_of(
         "sparse_outer": 0 if dense else outer, "sparse_row": 0 if dense else rows,
         "projected_row": rows if projected else 0, "adaptive_world": worlds if adaptive else 0,
         "line_pair": int((families == 0).sum()), "point_pair": int((families == 1).sum()),
-        "few_pair": int(((families == 0) & (counts > 0)).sum()), "shared_pair": P if shared else 0,
-        "shared_friction_pair": P if shared and rubbing else 0,
+        "few_pair": int(((families == 0) & (counts > 0)).sum()), "pair_beside": P if load_others(m) else 0,
     }  # fmt: skip
 
 

@@ -187,7 +187,7 @@ class ContactSolve(Arrays):
     V: DeviceArray = reals("world", "slot", "outer", note="outer increments by pressures", run=True)
     condensed: DeviceArray = reals("world", "slot", "slot", note="G with the outer unknowns condensed")
     scaled_modes: DeviceArray = reals("world", "pair_mode", run=True)
-    shared_field: DeviceArray = reals("world", "surface_place", run=True)
+    field_beside: DeviceArray = reals("world", "surface_place", run=True)
     right: DeviceArray = reals("world", "slot", unit="m")
     order: DeviceArray = integers("world", "slot", note="slots under pressure")
     factor: DeviceArray = reals("world", "slot", "slot+1")

@@ -21,6 +21,14 @@ from warpffrf.online.settings import Settings
 Surface = ContactSurface | RigidSurface
 
 
+class OnBody(NamedTuple):
+    """A surface of a body that pairs load, as it is compiled."""
+
+    body: Body | Ground
+    name: str
+    surface: Surface
+
+
 class Pair(NamedTuple):
     """A contact pair and its surfaces as they are compiled, the first flexible."""
 
@@ -75,8 +83,8 @@ class Collector:
         self.interfaces: dict[tuple[int, str], int] = {}
         self.notes: list[str] = []
         self.cell_margin = 0
-        self.surfaces: list[tuple[Body | Ground, Surface]] = []  # two for each pair
-        self.places: list[tuple[int, str]] = []  # (index of the body, name) of these: equal where pairs share one
+        self.surfaces: list[OnBody] = []
+        self.sides: list[int] = []  # which of them each side of each pair is on
         self.inertia = InertiaPlan.of(scene)
         self.local = LocalPlan.of(scene, local)
         self.mode_counts = [b.mode_count + self.local.count(b.index) for b in scene.bodies]
@@ -85,7 +93,7 @@ class Collector:
         """All pairs, in the order of the contacts."""
         found = []
         for i, contact in enumerate(self.scene.contacts):
-            (body_a, a), (body_b, b) = self.surfaces[2 * i : 2 * i + 2]
+            (body_a, _, a), (body_b, _, b) = (self.surfaces[s] for s in self.sides[2 * i : 2 * i + 2])
             if not isinstance(a, ContactSurface):
                 raise TypeError(f"contact {contact.name!r}: its first surface is rigid")
             found.append(Pair(contact, body_a, a, body_b, b))

@@ -1,4 +1,8 @@
-"""Operators of contact surfaces in the layouts that the kernels read."""
+"""Operators of contact surfaces in the layouts that the kernels read.
+
+An operator between two surfaces is block-circulant like D of `ContactSurface`: (sectors, lines of a block of the
+target, lines of a block of the source), or dense, which is the case of one sector.
+"""
 
 from __future__ import annotations
 
@@ -6,21 +10,31 @@ import numpy as np
 
 from warpffrf.model.contact_surface import ContactSurface
 
+Array = np.ndarray
 
-def modal_moments(surface: ContactSurface) -> np.ndarray:
+
+def modal_moments(surface: ContactSurface) -> Array:
     """M Phi (nodes, modes): weak normal displacement of the global modes on the hats of the grid."""
     grid = surface.grid
     phi = surface.mode_normal.reshape(grid.columns, grid.rows, -1)
     return np.einsum("kl,jlm->jkm", surface.gram_z, grid.along_theta(phi))
 
 
-def hat_gram(surface: ContactSurface) -> np.ndarray:
-    """M_psi of the hats [m^2], block-circulant like D."""
+def columns_of_turn(surface: ContactSurface) -> int:
+    """Columns of the full turn that the compliance of a surface counts, 0 where it covers an arc."""
+    sectors = len(surface.lags)
+    whole = sectors > 1 or surface.grid.periodic
+    return sectors * surface.lags.shape[1] // surface.grid.rows if whole else 0
+
+
+def hat_gram(surface: ContactSurface, sectors: int | None = None) -> Array:
+    """M_psi of the hats [m^2], block-circulant like D, or in so many `sectors`, 1: dense."""
     grid = surface.grid
-    sectors, side = surface.lags.shape[:2]
-    c = side // grid.rows
+    sectors = len(surface.lags) if sectors is None else sectors
     if sectors == 1:
         return np.kron(grid.gram_theta(), surface.gram_z)[None]
+    side = surface.lags.shape[1]
+    c = side // grid.rows
     theta = np.zeros((sectors, c, c))
     j = np.arange(c)
     theta[0, j, j] = 2.0 / 3.0 * grid.pitch
@@ -30,32 +44,49 @@ def hat_gram(surface: ContactSurface) -> np.ndarray:
     return np.einsum("nab,kl->nakbl", theta, surface.gram_z).reshape(sectors, side, side)
 
 
-def weak_compliance(surface: ContactSurface, compliance: float = 0.0) -> np.ndarray:
+def product(*operators: Array) -> Array:
+    """Of block-circulant operators, on a turn harmonic by harmonic; dense ones are multiplied out."""
+    sectors = len(operators[0])
+    turned = [np.fft.rfft(A, axis=0) for A in operators] if sectors > 1 else operators
+    total = turned[0]
+    for A in turned[1:]:
+        total = total @ A
+    return np.fft.irfft(total, n=sectors, axis=0) if sectors > 1 else total
+
+
+def weak_compliance(surface: ContactSurface, compliance: float = 0.0) -> Array:
     """C = M D M + M `compliance`, block-circulant like D: weak displacement of hat i under a unit pressure hat j
-    [m^3/Pa], with a layer between the surfaces that yields by `compliance` [m/Pa] (`warpffrf.model.laws`).
+    [m^3/Pa], with a layer between the surfaces that yields by `compliance` [m/Pa] (`warpffrf.model.laws`)."""
+    M = hat_gram(surface)
+    return product(M, surface.lags, M) + compliance * M
 
-    On a turn the two products are taken harmonic by harmonic; a dense operator is multiplied out.
+
+def transposed(operator: Array) -> Array:
+    """The transpose, (-k) mod sectors at lag k."""
+    return np.roll(operator[::-1], 1, axis=0).transpose(0, 2, 1)
+
+
+def by_column(operator: Array, target: tuple[int, int], source: tuple[int, int]) -> Array:
+    """`operator` (sectors, target lines, source lines) as (sectors, column, line, column, line): `target` and `source`
+    are directions (1 of normal, 2 of tangential lines, which stand before the columns) and rows."""
+    shape = []
+    for (directions, rows), lines in zip((target, source), operator.shape[1:], strict=True):
+        shape += [directions, lines // (directions * rows), rows]
+    parted = operator.reshape(-1, *shape).transpose(0, 2, 1, 3, 5, 4, 6)
+    (dt, rt), (ds, rs) = target, source
+    return parted.reshape(len(operator), shape[1], dt * rt, shape[4], ds * rs)
+
+
+def response_table(blocks: Array, reach: int, turns: bool) -> Array:
+    """Table (column of the block, source line, target column + reach, target line) of `by_column`.
+
+    The response to a line along the columns of a window is one contiguous run, whatever the block: kernels add such
+    runs. Columns are counted from the source's block; with `turns` they go on beyond a dense block, else they are zero,
+    where the grid has no nodes.
     """
-    M, lags = hat_gram(surface), surface.lags
-    if len(lags) == 1:
-        return M @ lags @ M + compliance * M
-    M_hat, D_hat = np.fft.rfft(M, axis=0), np.fft.rfft(lags, axis=0)
-    return np.fft.irfft(M_hat @ D_hat @ M_hat, n=len(lags), axis=0) + compliance * M
-
-
-def response_table(surface: ContactSurface, lags: np.ndarray, reach: int) -> np.ndarray:
-    """Block-circulant `lags` as a table (column of the block, source row, target column + reach, target row).
-
-    The response to a hat along the columns of a window is one contiguous run, whatever the block: kernels add such
-    runs. Columns are counted from the source's block; a dense operator on an arc is padded with zeros, where the grid
-    has no nodes.
-    """
-    grid = surface.grid
-    sectors, side = lags.shape[:2]
-    c = side // grid.rows
+    sectors, c = blocks.shape[:2]
     column = np.arange(-reach, c + reach)
-    blocks = lags.reshape(sectors, c, grid.rows, c, grid.rows)
     table = blocks[(column // c) % sectors, column % c].transpose(2, 3, 0, 1).copy()
-    if sectors == 1 and not grid.periodic:
+    if sectors == 1 and not turns:
         table[:, :, (column < 0) | (column >= c)] = 0.0
     return table

@@ -84,7 +84,7 @@ def fill_pairs(collector: Collector, m: Model) -> None:
             f"most {k.MOST_STENCIL}: swap the two surfaces, or give the second a coarser traction_spacing"
         )
     collector.fill(
-        m.pairs, first=np.arange(0, 2 * m.pairs.count, 2), second=np.arange(1, 2 * m.pairs.count, 2), family=families,
+        m.pairs, first=collector.sides[::2], second=collector.sides[1::2], family=families,
         most_modes=pair_modes, coupled_capacity=most_coupled, coupled_count=[len(c) for c in coupled],
         coupled=[c + [0] * (most_coupled - len(c)) for c in coupled],
     )  # fmt: skip

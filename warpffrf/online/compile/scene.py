@@ -15,7 +15,7 @@ from warpffrf_kernels.core.model import Model
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 from warpffrf.model.slopes import leanings, leant
-from warpffrf.online.compile.collector import Collector
+from warpffrf.online.compile.collector import Collector, OnBody
 from warpffrf.online.compile.forces import ForceTable, compile_forces, fill_forces
 from warpffrf.online.compile.friction import fill_friction
 from warpffrf.online.compile.inertia import fill_inertia, fill_stiffening, mode_reach
@@ -23,7 +23,7 @@ from warpffrf.online.compile.inertia_plan import InertiaPlan
 from warpffrf.online.compile.joints import JointTable, compile_joints
 from warpffrf.online.compile.layers import LAYER_ITERATIONS, fill_layers
 from warpffrf.online.compile.pairs import fill_pairs
-from warpffrf.online.compile.shared import fill_shared, surface_reaches
+from warpffrf.online.compile.responses import fill_responses
 from warpffrf.online.compile.surfaces import fill_surfaces
 from warpffrf.online.local_dynamics import FOLLOWS, LocalDynamics, LocalPlan
 from warpffrf.online.settings import Settings
@@ -63,15 +63,7 @@ def _compiled(collector: Collector) -> CompiledScene:
     collector.notes.extend(joints.notes)
     springs = compile_forces(collector, joints)
     bodies = scene.bodies
-    lean = leanings(scene.contacts)
-    for contact in scene.contacts:
-        for port in contact.ports:
-            place = (port.body.index, port.name)
-            surface = collector.local.surface(port)
-            if surface is port.surface:  # dynamic modes keep the compliance that they were made of
-                surface = leant(surface, lean.get(place, 0.0))
-            collector.surfaces.append((port.body, surface))
-            collector.places.append(place)
+    _gather_surfaces(collector)
     modal_start = np.cumsum([0, *collector.mode_counts])
     collector.fill(
         m.bodies, count=len(bodies), mass=[b.mass for b in bodies], inertia=[b.inertia for b in bodies],
@@ -89,10 +81,9 @@ def _compiled(collector: Collector) -> CompiledScene:
     fill_forces(collector, springs, m)
     _markers_rows_signals(collector, m)
     fill_pairs(collector, m)
-    reaches = surface_reaches(collector, m.window)
-    z_start = fill_surfaces(collector, m, reaches)
-    fill_shared(collector, m, reaches)
-    fill_friction(collector, m, reaches, z_start)
+    z_start = fill_surfaces(collector, m)
+    fill_friction(collector, m, z_start)
+    fill_responses(collector, m)
     fill_layers(collector, m)
     collector.fill(
         m.limits, residual_tolerance=settings.residual_tolerance, energy_tolerance=settings.energy_tolerance,
@@ -105,6 +96,22 @@ def _compiled(collector: Collector) -> CompiledScene:
         len(collector.rows), modal_start, modes, stiffened, collector.local, collector.inertia, collector.cell_margin,
         collector.notes,
     )  # fmt: skip
+
+
+def _gather_surfaces(collector: Collector) -> None:
+    """The surfaces that pairs load, each once, and which of them their sides are on."""
+    lean = leanings(collector.scene.contacts)
+    known: dict[tuple[int, str], int] = {}
+    for contact in collector.scene.contacts:
+        for port in contact.ports:
+            place = (port.body.index, port.name)
+            if place not in known:
+                known[place] = len(collector.surfaces)
+                surface = collector.local.surface(port)
+                if surface is port.surface:  # dynamic modes keep the compliance that they were made of
+                    surface = leant(surface, lean.get(place, 0.0))
+                collector.surfaces.append(OnBody(port.body, port.name, surface))
+            collector.sides.append(known[place])
 
 
 def _length(collector: Collector) -> float:

@@ -23,6 +23,7 @@ from warpffrf_kernels.normal import (
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.phases import Participant
 
+BESIDE = "pair_beside"  # bodies that several pairs load
 LINE, POINT, FEW = "line_pair", "point_pair", "few_pair"  # families of geometry
 STEP = {"amplitude": "modal_step", "of_state": 0, "first_field": "first_step", "second_field": "second_step"}
 
@@ -50,7 +51,7 @@ CONTACT = Participant(
         threads(contact_fields.set_second_window, "pair"),
         blocks(contact_fields.modal_fields, "pair", amplitude="q1", of_state=1),
     ],
-    displace=[blocks(contact_fields.local_fields, "pair")],
+    displace=[blocks(contact_fields.load_second, "pair"), blocks(contact_fields.local_fields, "pair")],
     close=[
         blocks(contact_fields.close_gaps, "pair", weak_gap="shifted_gap"),
         blocks(contact_fields.load_modes, "pair"),
@@ -64,6 +65,7 @@ CONTACT = Participant(
         blocks(contact_compliance.respond),
         blocks(contact_compliance.modal_rows),
         blocks(contact_assembly.assemble, scratch="scaled_modes", receptance="contact_receptance"),
+        blocks(contact_assembly.assemble_between, when=BESIDE, field="field_beside"),
     ],
     condense=[blocks(contact_compliance.outer_rows), blocks(contact_compliance.condense_contact)],
     press=[blocks(contact_solve.solve_pressures, work="factor")],

@@ -21,12 +21,10 @@ from warpffrf_kernels.friction import (
     tangential_fields,
     traction_bounds,
 )
-from warpffrf_kernels.shared import shared_surface
 
 from warpffrf.online.step.launches import Launch, blocks, once, threads
 from warpffrf.online.step.phases import Loop, Participant
 
-SHARED = "shared_friction_pair"
 G, K, L, J, V, Y = ({letter: f"cell_{letter}"} for letter in "GKLJVY")
 TAU, BASE, RIGHT = {"tau": "cell_tau"}, {"base": "cell_base"}, {"right": "cell_right"}
 LIMITS = {"radius": "cell_radius", "softness": "cell_softness"}
@@ -42,13 +40,9 @@ def bounds(of_state: int) -> list[Launch]:
     ]
 
 
-def press(pressure: str, load: str, of_state: int) -> list[Launch]:
+def press(pressure: str, load: str, of_state: int) -> Launch:
     """What pressures, or changes of them, move along the surfaces."""
-    given = {"pressure": pressure, "of_state": of_state}
-    return [
-        blocks(tangential_fields.press_cells, "pair", second_load=load, **given),
-        blocks(shared_surface.share_shift, "pair", when=SHARED, load=load, **given),
-    ]
+    return blocks(tangential_fields.press_cells, "pair", pressure=pressure, second_load=load, of_state=of_state)
 
 
 RUB = [
@@ -72,12 +66,13 @@ FRICTION = Participant(
         blocks(cells.place_cells, "pair"),
         blocks(cell_shares.spread_cells, "pair"),
         *bounds(1),
+        blocks(tangential_fields.force_second, "pair"),
         blocks(tangential_fields.push_gaps, "pair"),
-        blocks(shared_surface.share_push, "pair", when=SHARED),
     ],
     displace=[blocks(tangential_fields.add_push, "pair")],
     slide=[
-        *press("base", "second_load", of_state=1),
+        press("base", "second_load", of_state=1),
+        blocks(tangential_fields.rub_cells, "pair"),
         blocks(tangential_fields.displace_cells, "pair", amplitude="q1"),
         blocks(cell_forces.slide_cells, "pair"),
         blocks(cell_forces.load_tractions, "pair"),
@@ -93,7 +88,7 @@ FRICTION = Participant(
         blocks(pressure_answer.answer_tractions, shift="second_shift", **SCALED, **Y),
         blocks(cell_compliance.condense_cells, **G, **L, **V, **K),
         blocks(pressure_answer.condense_answer, **Y, **K),
-        *press("pressure_change", "load_change", of_state=0),
+        press("pressure_change", "load_change", of_state=0),
         blocks(stick_slip_problem.drive_modes),
         blocks(stick_slip_problem.pose_tractions, **K, **L, **J, **BASE, **RIGHT, **TAU),
         Loop("rubbing", RUB),

@@ -15,10 +15,9 @@ from warpffrf.online.step.layers import LAYERS
 from warpffrf.online.step.ledger import LEDGER
 from warpffrf.online.step.motion import MOTION
 from warpffrf.online.step.outer import OUTER
-from warpffrf.online.step.shared import SHARED
 from warpffrf.online.step.snapshot import SNAPSHOT
 
-PARTICIPANTS = (MOTION, OUTER, CONTACT, SHARED, FRICTION, LAYERS, SNAPSHOT, LEDGER)
+PARTICIPANTS = (MOTION, OUTER, CONTACT, FRICTION, LAYERS, SNAPSHOT, LEDGER)
 WHOLE = (*phases.ATTEMPT, *phases.ITERATION, *phases.DECISION)
 
 

@@ -271,10 +271,11 @@ def _closed_contacts(probe: _Probe) -> tuple[Array, int]:
     J = x.J.numpy()[: m.capacity.slots * m.pairs.most_modes].reshape(m.capacity.slots, m.pairs.most_modes)[:count]
     start, sizes = m.surfaces.modal_start.numpy(), m.surfaces.modal_count.numpy()
     surface_body = m.surfaces.body.numpy()
+    sides = m.pairs.first.numpy(), m.pairs.second.numpy()
     for slot in range(count):
         at = 0
         for side in (0, 1):
-            surface = 2 * slot_pair[slot] + side
+            surface = sides[side][slot_pair[slot]]
             body, first, size = int(surface_body[surface]), int(start[surface]), int(sizes[surface])
             if body >= 0:  # not the ground
                 L[slot, 6 * body : 6 * body + 6] += local[slot, 6 * side : 6 * side + 6]

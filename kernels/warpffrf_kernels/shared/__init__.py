@@ -1,1 +1,0 @@
-"""What pairs that load one surface do to each other there, through its local modes."""
