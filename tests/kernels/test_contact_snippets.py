@@ -1,8 +1,8 @@
 """The contact snippets against NumPy, written from the equations, on the arrays of an engine inside a step.
 
 sum_hat: the sums over Gauss points of the module docstring of `line_of_centres_weights`; couple: G of
-`contact_compliance` from the dense compliance of both surfaces, without the tables; add_outer: G + L H L^T with H
-inverted here."""
+`contact_compliance` from the dense compliance of both surfaces, without the tables; the elimination of the active hats
+put back into the whole system."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def stencils(engine: Engine) -> np.ndarray:
     return load[: m.window.columns * rows, :, :rows_b].reshape(m.window.columns, rows, m.window.second_columns, rows_b)
 
 
-ASYMMETRY = 1e-3  # of L H L^T: gyroscopic and geometric terms of the outer tangent
+SOLVED = 1e-9  # of the largest term: solves with G, of condition 1e4 and more
 
 
 def close(found: np.ndarray, expected: np.ndarray, tolerance: float = ROUND_OFF) -> bool:
@@ -158,23 +158,28 @@ def test_couple(engine: Engine) -> None:
     assert np.linalg.eigvalsh(G).min() > 0.0
 
 
-def test_add_outer(engine: Engine) -> None:
-    """condensed = G + L H L^T. H is not quite symmetric (gyroscopic and geometric terms), condensed is by construction;
-    it only sets the rate of convergence."""
+def test_the_outer_matrix_with_the_pressures(engine: Engine) -> None:
+    """A + L^T G^-1 L over the active hats; and z, ds of the eliminated system solve the whole one."""
     m, x = engine.compiled.model, engine.scratch
-    _, count = slots(engine)
     N = m.outer.count
+    start, count = x.block.numpy()[0, 0, :2]
+    order = x.order.numpy()[0, start : start + count]
     columns = m.pairs.coupled.numpy()[0, : m.pairs.coupled_count.numpy()[0]]
     L = np.zeros((count, N))
-    L[:, columns] = x.L.numpy()[0, :count, : len(columns)]
-    H = x.inverse_transposed.numpy().reshape(N, N).T
-    V = x.V.numpy().reshape(-1, N)[:count]
-    assert close(V, L @ H.T)
-    upper = np.triu(x.G.numpy()[0, :count, :count] + V @ L.T)
-    found = x.condensed.numpy()[0, :count, :count]
-    assert close(np.triu(found), upper)
-    assert np.array_equal(found, found.T)
-    assert close(upper - np.triu(x.G.numpy()[0, :count, :count]), np.triu(L @ H @ L.T), ASYMMETRY)
+    L[:, columns] = x.L.numpy()[0, order, : len(columns)]
+    G = x.G.numpy()[0][np.ix_(order, order)]
+    p = engine.graph.pattern
+    there = np.zeros((N, N), bool)
+    there[np.repeat(np.arange(N), np.diff(p.entry_start)), p.entry_column] = True
+    A, bordered = (np.where(there, a.numpy()[0], 0.0) for a in (x.tangent, x.bordered))
+    added = L.T @ np.linalg.solve(G, L)
+    assert count > 3 and not np.any(added[~there])
+    assert np.abs(bordered - A - added).max() < SOLVED * np.abs(added).max()
+    z, ds = x.z.numpy(), x.solution.numpy()[0, start : start + count]
+    right = x.right.numpy()[0, start : start + count]
+    assert np.abs(L @ z + G @ ds - right).max() < SOLVED * max(np.abs(right).max(), np.abs(G @ ds).max())
+    rest = A @ z - L.T @ ds - x.rhs.numpy()[0]
+    assert np.abs(rest).max() < SOLVED * (np.abs(A) @ np.abs(z) + np.abs(L.T) @ np.abs(ds)).max()
 
 
 def test_first_rigid_columns_of_the_gradient(engine: Engine) -> None:

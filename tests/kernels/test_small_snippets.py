@@ -1,21 +1,19 @@
-"""axpy, dot, the Cholesky solve and the inverse of the native snippets against NumPy, on arrays of their own."""
+"""axpy, dot, the elimination of a pair and the inverse of the native snippets against NumPy, on arrays of their own."""
 
 # Warp kernels confuse it
 # pyright: reportInvalidTypeForm=false, reportAssignmentType=false, reportGeneralTypeIssues=false
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 import warp as wp
-from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real
-from warpffrf_kernels.linear import outer
-from warpffrf_kernels.normal.contact_solve import factor_and_solve
+from warpffrf_kernels.linear.outer_solve import PIVOT_TOLERANCE, invert
+from warpffrf_kernels.linear.sparse_factor import Pattern
+from warpffrf_kernels.normal.contact_solve import border_block, factor_block, go_back, go_forward
 
-from warpffrf.online.arrays.declaration import host_structs
+from warpffrf.online.compile.outer_pattern import find_pattern, on_device
 
 wp.set_module_options(MODULE_OPTIONS)
 DEVICE = "cpu"
@@ -33,18 +31,47 @@ def multiply(n: int, x: wp.array(dtype=real), at_x: int, y: wp.array(dtype=real)
 
 
 @wp.kernel
-def solve(
+def eliminate(
     models: wp.array(dtype=Model),
+    start: int,
     count: int,
     G: wp.array3d(dtype=real),
-    right: wp.array2d(dtype=real),
+    L: wp.array3d(dtype=real),
     order: wp.array2d(dtype=int),
-    work: wp.array3d(dtype=real),
-    solution: wp.array2d(dtype=real),
+    z: wp.array(dtype=real),
+    factor: wp.array3d(dtype=real),
+    W: wp.array3d(dtype=real),
+    square: wp.array4d(dtype=real),
+    solution: wp.array(dtype=real),
+    right: wp.array(dtype=real),
     bad: wp.array(dtype=int),
 ):
     w, _lane = wp.tid()
-    bad[w] = factor_and_solve(models[0], w, count, G, right, order, work, solution)
+    model = models[0]
+    bad[w] = factor_block(model, w, start, count, G, order, factor)
+    border_block(model, w, 0, start, count, order, factor, L, W, square)
+    at = w * model.capacity.slots
+    go_forward(model, w, 0, start, count, factor, W, solution, at, right)
+    go_back(model, w, 0, start, count, factor, W, z, solution, at)
+
+
+@wp.kernel
+def inverse(
+    models: wp.array(dtype=Model),
+    patterns: wp.array(dtype=Pattern),
+    matrix: wp.array3d(dtype=real),
+    hold: wp.array3d(dtype=real),
+    held: int,
+    scaling: wp.array2d(dtype=real),
+    pivots: wp.array2d(dtype=int),
+    work: wp.array3d(dtype=real),
+    transposed: wp.array(dtype=real),
+    bad: wp.array(dtype=int),
+):
+    w, _lane = wp.tid()
+    bad[w] = invert(
+        models[0], patterns[0], w, PIVOT_TOLERANCE, matrix, hold, held, scaling, pivots, work, transposed
+    )  # fmt: skip
 
 
 def device(values: np.ndarray, dtype: type = wp.float64) -> wp.array:
@@ -78,25 +105,51 @@ def test_axpy_and_dot(n: int) -> None:
     assert out.numpy()[0] == pytest.approx(x[3 : 3 + n] @ y[5 : 5 + n], rel=ROUND_OFF, abs=ROUND_OFF)
 
 
-@pytest.mark.parametrize("n", [0, 1, 2, 3, 4, 5, 8, 11, 17])
-def test_cholesky_solve(n: int) -> None:
+def pair(capacity: int, coupled: int) -> tuple[Model, wp.array]:
+    """A model with one pair and the outer columns 1, 3, 5, ... behind its gaps, which has to be kept, and an array of
+    it."""
+    model = Model()
+    model.capacity.slots, model.outer.count = capacity, 2 * coupled
+    model.pairs.count, model.pairs.coupled_capacity = 1, coupled
+    model.pairs.coupled_count = device(np.array([coupled]), int)
+    model.pairs.coupled = device(np.arange(1, 2 * coupled, 2)[None], int)
+    return model, wp.array([model], dtype=Model, device=DEVICE)
+
+
+@pytest.mark.parametrize("start, n", [(0, 0), (0, 1), (3, 2), (0, 3), (2, 4), (1, 5), (0, 8), (4, 11), (3, 17)])
+def test_a_pair_is_eliminated(start: int, n: int) -> None:
     """Any remainder of the rank-4 updates, on a permuted selection of rows, in the second of two worlds."""
-    capacity = 20
+    capacity, coupled = 20, 6
     A = pseudo_random(capacity, capacity)
     G = A @ A.T + capacity * np.eye(capacity)
-    right = pseudo_random(2, capacity)
+    L, z, b = pseudo_random(capacity, coupled), pseudo_random(2 * coupled), pseudo_random(capacity)
     order = np.random.default_rng(n).permutation(capacity)
-    solution, bad = device(np.zeros((2, capacity))), device(np.zeros(2, int), int)
+    square, right = device(np.zeros((2, 1, coupled, coupled))), device(np.zeros(4 * coupled))
+    solution, bad = device(np.tile(b, 2)), device(np.zeros(2, int), int)
+    kept, given = pair(capacity, coupled)
     wp.launch_tiled(
-        solve, dim=(2,),
-        inputs=[models(capacity__slots=capacity), n, device(np.stack([np.eye(capacity), G])), device(right),
-                device(np.stack([order, order]), int)],
-        outputs=[device(np.zeros((2, capacity, capacity + 1))), solution, bad], block_dim=64, device=DEVICE,
+        eliminate, dim=(2,),
+        inputs=[given, start, n, device(np.stack([np.eye(capacity), G])), device(np.stack([L, L])),
+                device(np.stack([order, order]), int), device(np.tile(z, 2))],
+        outputs=[device(np.zeros((2, capacity, capacity))), device(np.zeros((2, capacity, coupled))), square, solution,
+                 right, bad],
+        block_dim=64, device=DEVICE,
     )  # fmt: skip
-    chosen = order[:n]
-    expected = np.linalg.solve(G[np.ix_(chosen, chosen)], right[1, chosen])
-    assert np.allclose(solution.numpy()[1, :n], expected, rtol=1e-11, atol=ROUND_OFF)
-    assert np.allclose(solution.numpy()[0, :n], right[0, chosen])  # the identity in the first world
+    del kept
+    chosen, mine = order[start : start + n], slice(start, start + n)
+    block, gradient = G[np.ix_(chosen, chosen)], L[chosen]
+    assert np.allclose(square.numpy()[1, 0], gradient.T @ np.linalg.solve(block, gradient), atol=ROUND_OFF)
+    assert np.allclose(
+        right.numpy()[2 * coupled + 1 :: 2], gradient.T @ np.linalg.solve(block, b[mine]), atol=ROUND_OFF
+    )
+    assert not right.numpy()[2 * coupled :: 2].any()
+    expected = np.linalg.solve(block, b[mine] - gradient @ z[1::2])
+    assert np.allclose(solution.numpy()[capacity:][mine], expected, rtol=1e-11, atol=ROUND_OFF)
+    assert np.allclose(
+        solution.numpy()[:capacity][mine], b[mine] - gradient @ z[1::2]
+    )  # the identity in the first world
+    rest = np.setdiff1d(np.arange(capacity), np.arange(start, start + n))
+    assert np.array_equal(solution.numpy()[capacity:][rest], b[rest])
     assert not bad.numpy().any()
 
 
@@ -105,53 +158,58 @@ def test_cholesky_names_what_is_not_definite(broken: float) -> None:
     G = np.eye(6)
     G[4, 4] = broken
     bad = device(np.zeros(1, int), int)
+    kept, given = pair(6, 2)
     wp.launch_tiled(
-        solve, dim=(1,),
-        inputs=[models(capacity__slots=6), 6, device(G[None]), device(np.ones((1, 6))),
-                device(np.arange(6)[None], int)],
-        outputs=[device(np.zeros((1, 6, 7))), device(np.zeros((1, 6))), bad], block_dim=64, device=DEVICE,
+        eliminate, dim=(1,),
+        inputs=[given, 0, 6, device(G[None]), device(np.ones((1, 6, 2))), device(np.arange(6)[None], int),
+                device(np.zeros(4))],
+        outputs=[device(np.zeros((1, 6, 6))), device(np.zeros((1, 6, 2))), device(np.zeros((1, 1, 2, 2))),
+                 device(np.ones(6)), device(np.zeros(4)), bad],
+        block_dim=64, device=DEVICE,
     )  # fmt: skip
+    del kept
     assert bad.numpy()[0] == 1
 
 
-def inverted(matrix: np.ndarray, bodies: int, rhs: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-    """H, H rhs and the failure bits of `factor_outer`."""
-    n = len(matrix)
-    words = host_structs(k.Control, 1)
-    words["run"] = words["moved"] = words["refresh"] = 1
-    ctl: Any = wp.array(words, dtype=k.Control, device=DEVICE)
-    transposed, z = device(np.zeros(n * n)), device(np.zeros(n))
+def inverted(matrix: np.ndarray, bodies: int, hold: np.ndarray) -> tuple[np.ndarray, int]:
+    """H of `matrix` with the motions `hold` (count, 6 bodies) held, and whether it is singular."""
+    n, rows = len(matrix), len(matrix) - 6 * bodies
+    ends = np.array([[r % bodies, (r + 1) % bodies] for r in range(rows)]).reshape(-1, 2)
+    kept, patterns = on_device(find_pattern(bodies, np.zeros(bodies, int), ends, np.ones_like(ends, bool)), DEVICE)
+    motions = np.zeros((1, 6 * bodies, 6 * bodies))
+    motions[0, : len(hold)] = hold
+    transposed, bad = device(np.zeros(n * n)), device(np.zeros(1, int), int)
     wp.launch_tiled(
-        outer.factor_outer, dim=(1,),
-        inputs=[models(outer__count=n, bodies__count=bodies, outer__row_offset=6 * bodies), device(matrix[None]),
-                device(rhs)],
-        outputs=[ctl, device(np.zeros((1, n))), device(np.zeros((1, n)), int), device(np.zeros((1, n, n))), transposed,
-                 z],
+        inverse, dim=(1,),
+        inputs=[models(outer__count=n, bodies__count=bodies, outer__row_offset=6 * bodies), patterns,
+                device(matrix[None]), device(motions), len(hold)],
+        outputs=[device(np.zeros((1, n))), device(np.zeros((1, n)), int), device(np.zeros((1, n, n))), transposed, bad],
         block_dim=64, device=DEVICE,
     )  # fmt: skip
-    return transposed.numpy().reshape(n, n).T, z.numpy(), int(ctl.numpy()["failure"][0])
+    del kept
+    return transposed.numpy().reshape(n, n).T, int(bad.numpy()[0])
 
 
 @pytest.mark.parametrize("rows", [0, 1, 5])
-def test_inverse_of_a_saddle_point_matrix(rows: int) -> None:
+@pytest.mark.parametrize("held", [0, 2])
+def test_inverse_of_a_saddle_point_matrix(rows: int, held: int) -> None:
     """Masses and inertias far apart, constraints with zeros on the diagonal: rows must be swapped and scaled."""
     rigid = 12
     S = np.diag(np.concatenate([np.full(3, 5e8), np.full(3, 2e4), np.full(3, 3e2), np.full(3, 1e-1)]))
     S[3:6, 3:6] += 50.0 * pseudo_random(3, 3)  # gyroscopic: not symmetric
-    C = pseudo_random(rows, rigid)
+    C, hold = pseudo_random(rows, rigid), pseudo_random(held, rigid)
     K = np.block([[S, C.T], [C, -1e-9 * np.eye(rows) * np.arange(rows)]])
-    rhs = pseudo_random(rigid + rows)
-    H, z, failure = inverted(K, 2, rhs)
-    assert failure == 0
+    H, bad = inverted(K, 2, hold)
+    K[:rigid, :rigid] += hold.T @ hold
+    assert bad == 0
     d = np.sqrt(np.abs(np.diag(H)))
     size = np.where(d > 0.0, d, 1.0)
     exact = np.linalg.inv(K * size[:, None] * size[None, :]) * size[:, None] * size[None, :]
     assert np.allclose(H / size[:, None] / size[None, :], exact / size[:, None] / size[None, :], atol=1e-10)
-    assert np.allclose(z / size, H @ rhs / size, rtol=1e-10, atol=ROUND_OFF * np.abs(H @ rhs / size).max())
 
 
 def test_dependent_constraints_are_singular() -> None:
     C = pseudo_random(2, 6)
     C[1] = 2.0 * C[0]
     K = np.block([[np.eye(6), C.T], [C, np.zeros((2, 2))]])
-    assert inverted(K, 1, np.ones(8))[2] == int(k.SINGULAR)
+    assert inverted(K, 1, np.zeros((0, 6)))[1] == 1

@@ -10,7 +10,7 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import BLOCK
-from warpffrf_kernels.linear import sparse_outer
+from warpffrf_kernels.linear import outer_solve
 
 from warpffrf.online.arrays.declaration import host_structs
 from warpffrf.online.compile.outer_pattern import GROUND, OuterPattern, find_pattern, on_device
@@ -84,9 +84,9 @@ def solve(pattern: OuterPattern, A: np.ndarray, b: np.ndarray, refresh: int = 1)
     scratch = [wp.zeros(max(n, 1), dtype=wp.float64) for n in sizes]
     fallback, z = wp.zeros((1, 2), dtype=int), wp.zeros(size, dtype=wp.float64)
     wp.launch_tiled(
-        sparse_outer.solve_outer, dim=(1,), block_dim=BLOCK, device="cpu",
+        outer_solve.solve_outer, dim=(1,), block_dim=BLOCK, device="cpu",
         inputs=[wp.array([m], dtype=Model), patterns, wp.array(A[None], dtype=wp.float64),
-                wp.array(b, dtype=wp.float64)],
+                wp.array(b, dtype=wp.float64), wp.zeros((1, 1, 1), dtype=wp.float64)],
         outputs=[ctl_w, wp.zeros((1, size), dtype=wp.float64), wp.zeros((1, size), dtype=int), *scratch, fallback,
                  wp.zeros((1, size, size), dtype=wp.float64), wp.zeros(size * size, dtype=wp.float64), z],
     )  # fmt: skip

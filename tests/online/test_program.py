@@ -150,7 +150,7 @@ def test_reading_what_nobody_sets_is_refused() -> None:
 def test_changing_what_nobody_has_set_is_refused() -> None:
     """Multipliers are added to forces that the motion of bodies sets; here nothing moves."""
     found = wrong(*[p for p in PARTICIPANTS if p.name != "motion"])
-    assert any("outer.add_multipliers changes residual, which nothing has set before" in line for line in found), found
+    assert any("outer.pull changes residual, which nothing has set before" in line for line in found), found
 
 
 def test_reading_before_it_is_set_anew_is_refused() -> None:

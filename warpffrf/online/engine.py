@@ -70,8 +70,7 @@ class Engine:
         self.compiled = compile_scene(scene, self.settings, device, local)
         self._integrator, self._accuracy, self._progress = integrator or GeneralizedAlpha(), accuracy, progress
         self._projected = self._integrator.project_velocities and self.compiled.model.rows.count > 0
-        # contact and the projection of velocities need the inverse of the outer matrix
-        self._pattern = None if self._projected else pattern_of(self.compiled)
+        self._pattern = pattern_of(self.compiled)
         self.state = initial_state(self.compiled, self._sizes())
         self.ring = Ring(self._sizes(), device)
         self._allocate()

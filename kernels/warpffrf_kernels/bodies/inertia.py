@@ -17,7 +17,7 @@ the angular momentum is L = J w + h, h = sum_j g_j qdot_j, and (Lagrange) these 
 
 Their change with dw = VEL dpsi, dwdot = ACC dpsi, dqdot = VEL dq, dqddot = ACC dq gives the blocks of the tangent;
 modes that carry inertia are therefore unknowns of the outer system beside the rigid ones, "dense", with zero
-receptance; the others stay diagonal and are condensed.
+receptance. So are the global modes of a body that several pairs load; the others stay diagonal and are condensed.
 
 Which of J1, J2, G a body has is its inertia level: the tables of the others are zero. Geometric stiffening by rotation
 enters as J2 - K_c (the shortening of a bent body moves its mass), that by loads at an interface as the second-order
@@ -57,6 +57,36 @@ def triple(a: wp.array3d(dtype=real), w: int, d: int, at: int) -> vec3:
 
 
 @wp.kernel
+def uncondense(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    receptance: changed(wp.array2d(dtype=real)),
+    tangent: out(wp.array3d(dtype=real)),
+):
+    """Lanes over dense modes: their lines and columns of their body's block of the tangent, a diagonal as yet; nothing
+    of them is condensed."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    d = lane
+    while d < model.dense.count:
+        b = model.dense.body[d]
+        at = 6 * model.bodies.count + d
+        for i in range(6):
+            tangent[w, 6 * b + i, at] = real(0.0)
+            tangent[w, at, 6 * b + i] = real(0.0)
+        i = int(0)
+        while i < model.bodies.dense_count[b]:
+            tangent[w, at, 6 * model.bodies.count + model.bodies.dense_start[b] + i] = real(0.0)
+            i += 1
+        m = model.dense.mode[d]
+        tangent[w, at, at] = real(1.0) / receptance[w, m]
+        receptance[w, m] = real(0.0)
+        d += wp.block_dim()
+
+
+@wp.kernel
 def sum_modes(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
@@ -73,8 +103,11 @@ def sum_modes(
     d = lane
     while d < model.dense.count:
         b = model.dense.body[d]
-        count = model.bodies.dense_count[b]
+        count = model.bodies.inertia_count[b]
         start = w * model.modes.count + model.bodies.modal_start[b]
+        if d - model.bodies.dense_start[b] >= count:
+            d += wp.block_dim()
+            continue
         at = model.bodies.inertia_start[b] + (d - model.bodies.dense_start[b]) * count
         stride = count * count
         for c in range(6):
@@ -103,7 +136,6 @@ def add_inertia(
     sums: wp.array3d(dtype=real),
     residual: changed(wp.array2d(dtype=real)),
     modal_residual: changed(wp.array2d(dtype=real)),
-    receptance: changed(wp.array2d(dtype=real)),
     tangent: changed(wp.array3d(dtype=real)),
     extra_energy: out(wp.array2d(dtype=real)),
 ):
@@ -120,7 +152,7 @@ def add_inertia(
     b = lane
     while b < model.bodies.count:
         extra_energy[w, b] = real(0.0)
-        count = model.bodies.dense_count[b]
+        count = model.bodies.inertia_count[b]
         if count > 0:
             spin = omega1[w, b]
             turn = omega1_rate[w, b]
@@ -166,17 +198,9 @@ def add_inertia(
                 line = vel * (real(2.0) * g1 - P_spin) + acc * g
                 line = wp.transpose(Ti) * line
                 at = 6 * model.bodies.count + d
-                c = int(0)
-                while c < model.outer.row_offset:
-                    tangent[w, at, c] = real(0.0)
-                    if c < 6 * model.bodies.count:
-                        tangent[w, c, at] = real(0.0)
-                    c += 1
                 for r in range(3):
                     tangent[w, o + r, at] = column[r]
                     tangent[w, at, o + r] = line[r]
-                tangent[w, at, at] = real(1.0) / receptance[w, m]
-                receptance[w, m] = real(0.0)
                 i += 1
         b += wp.block_dim()
 
@@ -203,7 +227,10 @@ def couple_modes(
     N = model.outer.count
     while d < model.dense.count:
         b = model.dense.body[d]
-        count = model.bodies.dense_count[b]
+        count = model.bodies.inertia_count[b]
+        if d - model.bodies.dense_start[b] >= count:
+            d += wp.block_dim()
+            continue
         s = omega1[w, b]
         line = (w * N + 6 * model.bodies.count + d) * N + 6 * model.bodies.count + model.bodies.dense_start[b]
         at = model.bodies.inertia_start[b] + (d - model.bodies.dense_start[b]) * count
@@ -247,7 +274,7 @@ def shorten_interfaces(
         start = model.interfaces.stiffening_start[f]
         if start >= 0:
             b = model.interfaces.body[f]
-            count = model.bodies.dense_count[b]
+            count = model.bodies.inertia_count[b]
             modes = w * model.modes.count + model.bodies.modal_start[b]
             i = int(0)
             while i < count:

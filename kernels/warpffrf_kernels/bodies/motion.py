@@ -319,32 +319,6 @@ def hold_motions(
 
 
 @wp.kernel
-def add_held(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    hold: wp.array3d(dtype=real),
-    hold_count: wp.array(dtype=int),
-    tangent: changed(wp.array3d(dtype=real)),
-):
-    """Per world, lanes over rows, in static steps: n n^T of each held motion n in the outer matrix."""
-    w, lane = wp.tid()
-    model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0 or ctl[w].mode != k.STATIC:
-        return
-    i = lane
-    while i < 6 * model.bodies.count:
-        h = int(0)
-        while h < hold_count[w]:
-            if hold[w, h, i] != real(0.0):
-                j = int(0)
-                while j < 6 * model.bodies.count:
-                    tangent[w, i, j] = tangent[w, i, j] + hold[w, h, i] * hold[w, h, j]
-                    j += 1
-            h += 1
-        i += wp.block_dim()
-
-
-@wp.kernel
 def move_modes(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),

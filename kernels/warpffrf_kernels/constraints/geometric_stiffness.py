@@ -65,10 +65,10 @@ class Pull:
 
 @wp.func
 def modes_here(model: Model, ctl: wp.array(dtype=Control), w: int, body: int, interface: int) -> int:
-    """Modes of a body that are unknowns of the outer system and move an interface, in static steps."""
+    """Modes of a body that carry inertia and move an interface, in static steps."""
     if ctl[w].mode != k.STATIC or body < 0 or interface < 0:
         return 0
-    return model.bodies.dense_count[body]
+    return model.bodies.inertia_count[body]
 
 
 @wp.func
@@ -364,7 +364,7 @@ def bend_modes(
     model: Model, w: int, body: int, interface: int, f: vec3, lever: vec3, torque: vec3, tangent: wp.array3d(dtype=real)
 ):
     """What B of an interface changes by with the modes, times a force at `lever` and a torque there (body axes)."""
-    count = model.bodies.dense_count[body]
+    count = model.bodies.inertia_count[body]
     t = wp.cross(lever, f) + torque
     first = model.interfaces.stiffening_start[interface]
     i = int(0)

@@ -17,8 +17,9 @@ class Bodies:
     inertia: DeviceArray = matrices("body", unit="kg m2", note="about the centre of mass, body axes")
     modal_start: DeviceArray = integers("body+1", note="first mode")
     global_count: DeviceArray = integers("body", note="modes that move interfaces, the first ones of the body")
-    dense_start: DeviceArray = integers("body", note="first mode that carries inertia")
-    dense_count: DeviceArray = integers("body", note="modes that carry inertia")
+    dense_start: DeviceArray = integers("body", note="first mode that is an outer unknown")
+    dense_count: DeviceArray = integers("body", note="modes that are outer unknowns, the first ones")
+    inertia_count: DeviceArray = integers("body", note="modes that carry inertia, the first of these")
     inertia_start: DeviceArray = integers("body", note="into the table of `Dense`")
 
 
@@ -34,12 +35,13 @@ class Modes:
     damping: DeviceArray = reals("mode", unit="rad/s", note="2 zeta omega")
     kind: DeviceArray = integers("mode", note="0 the outer integrator's, 1 HHT, 2 exact for a linear load")
     reach: DeviceArray = reals("mode", unit="kg^-1/2", note="largest displacement per unit coordinate")
-    dense_of: DeviceArray = integers("mode", note="number among those that carry inertia, -1 for a diagonal one")
+    dense_of: DeviceArray = integers("mode", note="number among the outer unknowns, -1 for one that is condensed")
 
 
 @topic
 class Dense:
-    """Modes that carry inertia, the first ones of a body: see `inertia`."""
+    """Modes that are outer unknowns, the first ones of a body: those that carry inertia, see `inertia`, and all global
+    modes of a body that several pairs load, by which these feel each other."""
 
     count: int
     body: DeviceArray = integers("dense")
@@ -52,9 +54,9 @@ class Dense:
 
 @topic
 class Outer:
-    """The outer unknowns: motions of bodies, modes that carry inertia, multipliers."""
+    """The outer unknowns: motions of bodies, modes that are not condensed, multipliers."""
 
-    row_offset: int  # 6 * bodies + modes that carry inertia
+    row_offset: int  # 6 * bodies + these modes
     count: int  # row_offset + rows
 
 
@@ -253,6 +255,7 @@ class Pairs:
     count: int
     most_modes: int  # of a pair's two bodies
     coupled_capacity: int  # largest of coupled_count
+    beside: int  # 1: some answer to each other by local modes, so that G has blocks between pairs
     first: DeviceArray = integers("pair", note="surface")
     second: DeviceArray = integers("pair", note="surface")
     family: DeviceArray = integers("pair", note="0: gap along the line of centres, 1: at points, see `at_points`")

@@ -2,14 +2,14 @@ r"""Compliance of the cells that may carry friction ("cell slots"), with everyth
 
 In the weak slip S_k = area_k s_k and the tractions tau_l, two directions each, rows 2 i + d of slot i:
 
-    K = area_k [D_tt^A]_kl area_l + (area Q o) D_tt^B (area Q o)^T + J sigma^-1 J^T + L H L^T,
+    G = area_k [D_tt^A]_kl area_l + (area Q o) D_tt^B (area Q o)^T + J sigma^-1 J^T,
     J_k = area_k [Phi_tA, -Q o Phi_tB]_k,      L = [dS/d(rigid), -J sigma^-1 C^T],
 
 as `contact_compliance` does for the pressures: symmetric, and positive definite where the cells are no finer than the
-mesh. The first three terms stay assembled until the grids move against each other; the last, less what the pressures
-answer (`pressure_answer`), is made where cells or the active set of the pressures are new, after that set has settled:
-H changes by next to nothing within a step. Cells of different pairs feel each other through the last two terms, the
-modes of a body that both pairs load, and not through its local modes, which the Newton iteration takes in.
+mesh. G stays assembled until the grids move against each other; what the outer coordinates and the pressures answer
+(`pressure_answer`) is put to it where cells or the active set of the pressures are new, after that set has settled: the
+outer matrix changes by next to nothing within a step. Cells of different pairs feel each other through the outer
+coordinates, and not through local modes, which the Newton iteration takes in.
 """
 
 import warp as wp
@@ -21,7 +21,7 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, mat33, real, syn
 from warpffrf_kernels.friction.cell_shares import line_of
 from warpffrf_kernels.friction.cells import cell_at
 from warpffrf_kernels.friction.pressure_answer import RENEWED
-from warpffrf_kernels.normal.contact_compliance import add_outer, outer_row, short_of
+from warpffrf_kernels.normal.contact_compliance import outer_row, short_of
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -207,18 +207,6 @@ def cell_modes(
                 for (int c = 0; c < 8; ++c) f += sum[c];
                 g[d][e] += f;
             }
-        } else for (int a = 0, at_a = 0; a < 2; ++a) {
-            const int sa = a ? B : A, count = model.surfaces.modal_count.data[sa];
-            for (int b = 0, at_b = 0; b < 2; ++b) {
-                const int sb = (b ? model.pairs.second : model.pairs.first).data[other[0]];
-                const int body = model.surfaces.body.data[sa];
-                const double* q = cell_J.data + ((size_t)w * model.capacity.cells + j) * 2 * width + at_b;
-                if (body >= 0 && body == model.surfaces.body.data[sb])
-                    for (int d = 0; d < 2; ++d) for (int e = 0; e < 2; ++e) for (int n = 0; n < count; ++n)
-                        g[d][e] += scaled[d * width + at_a + n] * q[e * width + n];
-                at_b += model.surfaces.modal_count.data[sb];
-            }
-            at_a += count;
         }
         double* base = G.data + (size_t)w * cap * cap;
         for (int d = 0; d < 2; ++d) for (int e = 0; e < 2; ++e) {
@@ -345,12 +333,10 @@ def outer_cells(
     cell_slot: wp.array3d(dtype=int),
     cell_J: wp.array(dtype=real),
     C_receptance: wp.array(dtype=real),
-    inverse_transposed: wp.array(dtype=real),
-    cell_L: inout(wp.array3d(dtype=real)),
-    cell_V: inout(wp.array(dtype=real)),
+    cell_L: out(wp.array3d(dtype=real)),
 ):
-    """Per world: gradient L of the weak slip by the coupled outer columns times the weight of the pair, and V = H L,
-    where there are fresh slots."""
+    """Per world: gradient L of the weak slip by the coupled outer columns times the weight of the pair, where there are
+    fresh slots."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].changes != 0 or ctl[w].fresh_cells == ctl[w].cells:
@@ -367,9 +353,49 @@ def outer_cells(
             line = w * 2 * model.capacity.cells + row
             outer_row(
                 model, w, pair, row, lane, f, t, axes, r1, weight, cell_J, line * model.pairs.most_modes, C_receptance,
-                inverse_transposed, line * model.outer.count, cell_L, cell_V,
+                cell_L,
             )  # fmt: skip
         slot += 1
+
+
+# K[i, first:last] = G[i, first:last] + V_i . L^T and the mirror, lanes over the columns; V_i is gathered once.
+# Native for contiguous inner loops like `axpy`; not measured separately.
+@wp.func_native("""
+    const int cap = G.shape[1], slots = cell_slot.shape[1];
+    const int N = model.outer.count, width = model.pairs.coupled_capacity;
+    const double* v = V.data + ((size_t)w * cap + i) * N;
+    double picked[512];
+    int known = -1, count = 0;
+    for (int j = first + WP_TILE_THREAD_IDX; j < last; j += WP_TILE_BLOCK_DIM) {
+        const int pair = cell_slot.data[((size_t)w * slots + j / 2) * 2];
+        if (pair != known) {
+            const int* c = model.pairs.coupled.data + (size_t)pair * width;
+            known = pair; count = model.pairs.coupled_count.data[pair];
+            for (int q = 0; q < count; ++q) picked[q] = v[c[q]];
+        }
+        const double* l = L.data + ((size_t)w * cap + j) * width;
+        double x0 = 0.0, x1 = 0.0, x2 = 0.0, x3 = 0.0; int q = 0;
+        for (; q + 3 < count; q += 4) {
+            x0 += picked[q] * l[q]; x1 += picked[q + 1] * l[q + 1];
+            x2 += picked[q + 2] * l[q + 2]; x3 += picked[q + 3] * l[q + 3];
+        }
+        for (; q < count; ++q) x0 += picked[q] * l[q];
+        const double g = G.data[((size_t)w * cap + i) * cap + j] + (x0 + x1) + (x2 + x3);
+        K.data[((size_t)w * cap + i) * cap + j] = g; K.data[((size_t)w * cap + j) * cap + i] = g;
+    }
+""")
+def add_outer(
+    model: Model,
+    w: int,
+    i: int,
+    first: int,
+    last: int,
+    cell_slot: wp.array3d(dtype=int),
+    G: wp.array3d(dtype=real),
+    L: wp.array3d(dtype=real),
+    V: wp.array(dtype=real),
+    K: wp.array3d(dtype=real),
+): ...
 
 
 @wp.kernel
@@ -383,7 +409,7 @@ def condense_cells(
     answer_state: wp.array2d(dtype=int),
     K: out(wp.array3d(dtype=real)),
 ):
-    """Per world: G + L V over all slots, where the pressures' answer is to be taken off it anew (`pressure_answer`)."""
+    """Per world: G + L V over all slots, L and V with the pressures' answer, where that is new (`pressure_answer`)."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0:

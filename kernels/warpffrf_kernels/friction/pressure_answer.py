@@ -1,24 +1,27 @@
-r"""How the pressures answer to a change of the tractions.
+r"""How the pressures and the outer coordinates answer to a change of the tractions.
 
-With ds the change of the pressures of the active set, dtau that of the tractions, G_c the compliance of the gaps and K
-that of the weak slips, the outer coordinates condensed into both (`contact_compliance`, `cell_compliance`), a
-linearised step is
+With ds the change of the pressures of the active set, dtau that of the tractions and dz that of the outer coordinates,
+G, L, A of the gaps (`contact_solve`), K, L_t of the weak slips (`cell_compliance`), a linearised step is
 
-    opened + G_c ds + N^T dtau = 0,        r + N ds + K dtau in the law of friction,
+    opened + G ds + N^T dtau + L dz = 0,     r + N ds + K dtau + L_t dz in the law of friction,
+    A dz = L^T ds + L_t^T dtau,
 
-    N^T = -M D_nt^A area - l D_nt^B (area Q o)^T + J_n sigma^-1 J^T + L_n H L^T.
+    N^T = -M D_nt^A area - l D_nt^B (area Q o)^T + J_n sigma^-1 J^T.
 
 Pressures are solved for first, tractions with these. Were the pressures held, each iteration would take back what the
-tractions of the last one did to the gaps, and leave N^T K^-1 N G_c^-1 of an error, however short the step: where all
+tractions of the last one did to the gaps, and leave N^T K^-1 N G^-1 of an error, however short the step: where all
 cells stick beta^2 on half-spaces with Dundurs' constant beta, 0.24 to 0.33 on rollers on a rigid plane, the more the
 finer they are along the axis, and nearly all where little but the contact holds a body. So this answer is condensed,
+pair by pair, with the active set as it is: with U^T U = G, W = U^-T L and U^T Y = N^T,
 
-    ds = -G_c^-1 N^T dtau,        K' = K - N G_c^-1 N^T = K - Y^T Y,        U^T Y = N^T,  G_c = U^T U,
+    ds = -U^-1 (Y dtau + W dz),      L' = L_t - Y^T W,      (A + W^T W) dz = L'^T dtau,
 
-with the active set as it is: the Schur complement of a positive semidefinite matrix, which is one.
+    r + K' dtau,      K' = K - Y^T Y + L' V',      V' = (A + W^T W)^-1 L'^T,
+
+a Schur complement of a positive semidefinite matrix, which is one.
 
 The bounds follow that answer too: tractions and bounds are solved for in turn, in rounds, with the same matrices. Each
-leaves some mu N^T G_c^-1 of an error, which converges where friction has one solution, and costs next to nothing where
+leaves some mu N^T G^-1 of an error, which converges where friction has one solution, and costs next to nothing where
 nobody changes sides.
 """
 
@@ -30,6 +33,10 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, vec3
 from warpffrf_kernels.friction.cell_shares import on_shares
 from warpffrf_kernels.friction.cells import cell_at
+from warpffrf_kernels.linear.outer_solve import solve
+from warpffrf_kernels.linear.sparse_factor import Pattern
+from warpffrf_kernels.normal.contact_solve import COUNT as SLOTS
+from warpffrf_kernels.normal.contact_solve import LEFT_START, START
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -72,51 +79,37 @@ def is_new(
     return 0
 
 
-# Line `a` of Y, from N^T: of active slot `slot` against the two lines of each cell, the part of the modes and of the
-# outer coordinates. Lanes over the cells.
+# Line `a` of Y, from N^T: of active slot `slot` against the two lines of each cell, the part of the modes that are
+# condensed; 0 for cells of other pairs. Lanes over the cells.
 @wp.func_native("""
     const int cells = model.capacity.cells, width = model.pairs.most_modes;
-    const int cap = model.capacity.slots, N = model.outer.count;
+    const int cap = model.capacity.slots;
     const int pair = slot_hat.data[((size_t)w * cap + slot) * 2];
     const double* Ji = J.data + ((size_t)w * cap + slot) * width;
     const double* s = receptance.data + (size_t)w * model.modes.count;
-    const int coupled = model.pairs.coupled_count.data[pair];
-    const int* c = model.pairs.coupled.data + (size_t)pair * model.pairs.coupled_capacity;
-    const double* l = L.data + ((size_t)w * cap + slot) * model.pairs.coupled_capacity;
     double* scaled = scratch.data + (size_t)w * 2 * width;
+    int all = 0;
     WP_TILE_SYNC();
-    for (int side = 0, at = 0; side < 2; ++side) {
+    for (int side = 0; side < 2; ++side) {
         const int surface = (side ? model.pairs.second : model.pairs.first).data[pair];
         const int first = model.surfaces.modal_start.data[surface];
         const int count = model.surfaces.modal_count.data[surface];
-        for (int n = WP_TILE_THREAD_IDX; n < count; n += WP_TILE_BLOCK_DIM) scaled[at + n] = Ji[at + n] * s[first + n];
-        at += count;
+        for (int n = WP_TILE_THREAD_IDX; n < count; n += WP_TILE_BLOCK_DIM)
+            scaled[all + n] = Ji[all + n] * s[first + n];
+        all += count;
     }
     WP_TILE_SYNC();
     double* y = Y.data + ((size_t)w * cap + a) * 2 * cells;
     for (int j = WP_TILE_THREAD_IDX; j < 2 * count; j += WP_TILE_BLOCK_DIM) {
-        const double* v = V.data + ((size_t)w * 2 * cells + j) * N;
-        double sum = 0.0;
-        for (int q = 0; q < coupled; ++q) sum += l[q] * v[c[q]];
-        const int other = cell_slot.data[((size_t)w * cells + j / 2) * 2];
+        const int same = cell_slot.data[((size_t)w * cells + j / 2) * 2] == pair;
         const double* Jj = cell_J.data + ((size_t)w * 2 * cells + j) * width;
-        for (int p = 0, at_p = 0; p < 2; ++p) {
-            const int sp = (p ? model.pairs.second : model.pairs.first).data[pair];
-            const int modes = model.surfaces.modal_count.data[sp];
-            for (int q = 0, at_q = 0; q < 2; ++q) {
-                const int sq = (q ? model.pairs.second : model.pairs.first).data[other];
-                const int body = model.surfaces.body.data[sp];
-                const int same = pair == other ? p == q : body >= 0 && body == model.surfaces.body.data[sq];
-                for (int n = 0; same && n < modes; ++n) sum += scaled[at_p + n] * Jj[at_q + n];
-                at_q += model.surfaces.modal_count.data[sq];
-            }
-            at_p += modes;
-        }
+        double sum = 0.0;
+        for (int n = 0; same && n < all; ++n) sum += scaled[n] * Jj[n];
         y[j] = sum;
     }
     WP_TILE_SYNC();
 """)
-def couple_far(
+def couple_modes(
     model: Model,
     w: int,
     a: int,
@@ -127,8 +120,6 @@ def couple_far(
     J: wp.array(dtype=real),
     cell_J: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
-    L: wp.array3d(dtype=real),
-    V: wp.array(dtype=real),
     scratch: wp.array(dtype=real),
     Y: wp.array3d(dtype=real),
 ): ...
@@ -202,28 +193,31 @@ def couple_near(
     sync()
 
 
-# Y = U^-T N^T in place of N^T, lanes over the columns; U as `contact_solve.factor_and_solve` left it.
+# Y = U^-T N^T in place of N^T, of the n lines of a pair from `start` on, lanes over the columns; U as
+# `contact_solve.factor_block` left it.
 @wp.func_native("""
-    const int cap = model.capacity.slots, ld = cap + 1, width = 2 * model.capacity.cells;
+    const int cap = model.capacity.slots, width = 2 * model.capacity.cells;
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
-    const double* U = factor.data + (size_t)w * cap * ld;
-    double* y0 = Y.data + (size_t)w * cap * width;
+    const double* U = factor.data + ((size_t)w * cap + start) * cap + start;
+    double* y0 = Y.data + ((size_t)w * cap + start) * width;
     for (int i = 0; i < n; ++i) {
         double* __restrict x = y0 + (size_t)i * width; int j = 0;
         for (; j + 3 < i; j += 4) {
-            const double m0 = U[(size_t)j * ld + i], m1 = U[(size_t)(j + 1) * ld + i];
-            const double m2 = U[(size_t)(j + 2) * ld + i], m3 = U[(size_t)(j + 3) * ld + i];
+            const double m0 = U[(size_t)j * cap + i], m1 = U[(size_t)(j + 1) * cap + i];
+            const double m2 = U[(size_t)(j + 2) * cap + i], m3 = U[(size_t)(j + 3) * cap + i];
             const double *a = y0 + (size_t)j * width, *b = a + width, *c = b + width, *d = c + width;
             for (int q = lane; q < lines; q += lanes) x[q] -= m0 * a[q] + m1 * b[q] + m2 * c[q] + m3 * d[q];
         }
-        for (; j < i; ++j) { const double m = U[(size_t)j * ld + i]; const double* a = y0 + (size_t)j * width;
+        for (; j < i; ++j) { const double m = U[(size_t)j * cap + i]; const double* a = y0 + (size_t)j * width;
             for (int q = lane; q < lines; q += lanes) x[q] -= m * a[q]; }
-        const double scale = 1.0 / U[(size_t)i * ld + i];
+        const double scale = 1.0 / U[(size_t)i * cap + i];
         for (int q = lane; q < lines; q += lanes) x[q] *= scale;
     }
     WP_TILE_SYNC();
 """)
-def eliminate(model: Model, w: int, n: int, lines: int, factor: wp.array3d(dtype=real), Y: wp.array3d(dtype=real)): ...
+def eliminate(
+    model: Model, w: int, start: int, n: int, lines: int, factor: wp.array3d(dtype=real), Y: wp.array3d(dtype=real)
+): ...
 
 
 # K - Y^T Y over the first lines, the upper triangle and its mirror, lanes over the columns.
@@ -253,22 +247,20 @@ def subtract_answer(model: Model, w: int, n: int, lines: int, Y: wp.array3d(dtyp
 def answer_tractions(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
-    active: wp.array3d(dtype=int),
     center: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
     slot_hat: wp.array3d(dtype=int),
     order: wp.array2d(dtype=int),
+    block: wp.array3d(dtype=int),
     factor: wp.array3d(dtype=real),
     J: wp.array(dtype=real),
-    L: wp.array3d(dtype=real),
     cell_slot: wp.array3d(dtype=int),
     cell_area: wp.array3d(dtype=real),
     cell_turn: wp.array4d(dtype=real),
     share: wp.array4d(dtype=real),
     share_at: wp.array4d(dtype=int),
     cell_J: wp.array(dtype=real),
-    cell_V: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
     shift: inout(wp.array(dtype=real)),
     scratch: inout(wp.array(dtype=real)),
@@ -281,12 +273,7 @@ def answer_tractions(
     model = models[0]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
-    n = int(0)  # the first slots of `order` are the active ones
-    slot = int(0)
-    while slot < ctl[w].slots:
-        if active[w, slot_hat[w, slot, 0], slot_hat[w, slot, 1]] != 0:
-            n += 1
-        slot += 1
+    n = block[w, 0, LEFT_START]  # the places before are those of active slots
     renewed = is_new(model, w, n, ctl, order, slot_hat, answer_hat, answer_state)
     sync()
     if lane == 0:
@@ -302,14 +289,118 @@ def answer_tractions(
         slot = order[w, a]
         if lane == 0:
             answer_hat[w, a] = hat_of(model, w, slot, slot_hat)
-        couple_far(model, w, a, slot, cells, slot_hat, cell_slot, J, cell_J, receptance, L, cell_V, scratch, Y)
+        couple_modes(model, w, a, slot, cells, slot_hat, cell_slot, J, cell_J, receptance, scratch, Y)
         if model.pairs.friction[slot_hat[w, slot, 0]] > real(0.0):
             couple_near(
                 model, w, a, slot, lane, slot_hat, cell_slot, cells, center, stencil, stencil_at, cell_area,
                 cell_turn, share, share_at, shift, Y,
             )  # fmt: skip
         a += 1
-    eliminate(model, w, n, 2 * cells, factor, Y)
+    pair = int(0)
+    while pair < model.pairs.count:
+        eliminate(model, w, block[w, pair, START], block[w, pair, SLOTS], 2 * cells, factor, Y)
+        pair += 1
+
+
+# L' = L - Y^T W of line `line` of a cell, over the coupled columns of its pair. Lanes over the columns.
+@wp.func_native("""
+    const int cap = model.capacity.slots, width = model.pairs.coupled_capacity, lines = 2 * model.capacity.cells;
+    const int count = model.pairs.coupled_count.data[pair];
+    double* __restrict x = bordered.data + ((size_t)w * lines + line) * width;
+    const double* l = L.data + ((size_t)w * lines + line) * width;
+    for (int c = WP_TILE_THREAD_IDX; c < count; c += WP_TILE_BLOCK_DIM) x[c] = l[c];
+    for (int i = start; i < start + n; ++i) {
+        const double y = Y.data[((size_t)w * cap + i) * lines + line];
+        const double* b = W.data + ((size_t)w * cap + i) * width;
+        for (int c = WP_TILE_THREAD_IDX; c < count; c += WP_TILE_BLOCK_DIM) x[c] -= y * b[c];
+    }
+    WP_TILE_SYNC();
+""")
+def border_line(
+    model: Model,
+    w: int,
+    pair: int,
+    line: int,
+    start: int,
+    n: int,
+    L: wp.array3d(dtype=real),
+    Y: wp.array3d(dtype=real),
+    W: wp.array3d(dtype=real),
+    bordered: wp.array3d(dtype=real),
+): ...
+
+
+@wp.kernel
+def border_cells(
+    models: wp.array(dtype=Model),
+    patterns: wp.array(dtype=Pattern),
+    ctl: wp.array(dtype=Control),
+    cell_slot: wp.array3d(dtype=int),
+    block: wp.array3d(dtype=int),
+    answer_state: wp.array2d(dtype=int),
+    L: wp.array3d(dtype=real),
+    Y: wp.array3d(dtype=real),
+    W: wp.array3d(dtype=real),
+    matrix: wp.array3d(dtype=real),
+    hold: wp.array3d(dtype=real),
+    scaling: inout(wp.array2d(dtype=real)),
+    pivots: inout(wp.array2d(dtype=int)),
+    factor: inout(wp.array(dtype=real)),
+    vector: inout(wp.array(dtype=real)),
+    lines: inout(wp.array(dtype=real)),
+    fallback: inout(wp.array2d(dtype=int)),
+    work: inout(wp.array3d(dtype=real)),
+    inverse_transposed: inout(wp.array(dtype=real)),
+    right: inout(wp.array(dtype=real)),
+    column: inout(wp.array(dtype=real)),
+    mobility: inout(wp.array(dtype=real)),
+    bordered: inout(wp.array3d(dtype=real)),
+    V: inout(wp.array(dtype=real)),
+):
+    """Per world: L' and V' of all lines of cells, where Y is new. mobility: columns of (A + W^T W)^-1."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0:
+        return
+    N = model.outer.count
+    i = lane
+    while i < N:
+        right[w * N + i] = real(0.0)
+        i += wp.block_dim()
+    c = int(0)
+    while c < N:
+        sync()
+        if lane == 0:
+            right[w * N + c] = real(1.0)
+        sync()
+        solve(
+            model, patterns[0], w, lane, 0, matrix, right, hold, 0, scaling, pivots, factor, vector, lines, fallback,
+            work, inverse_transposed, column,
+        )  # fmt: skip
+        sync()
+        i = lane
+        while i < N:
+            mobility[(w * N + c) * N + i] = column[w * N + i]
+            i += wp.block_dim()
+        if lane == 0:
+            right[w * N + c] = real(0.0)
+        c += 1
+    sync()
+    line = int(0)
+    while line < 2 * ctl[w].cells:
+        pair = cell_slot[w, line / 2, 0]
+        border_line(model, w, pair, line, block[w, pair, START], block[w, pair, SLOTS], L, Y, W, bordered)
+        begin = (w * 2 * model.capacity.cells + line) * N
+        i = lane
+        while i < N:
+            V[begin + i] = real(0.0)
+            i += wp.block_dim()
+        sync()
+        c = int(0)
+        while c < model.pairs.coupled_count[pair]:
+            axpy(N, bordered[w, line, c], mobility, (w * N + model.pairs.coupled[pair, c]) * N, V, begin)
+            c += 1
+        line += 1
 
 
 @wp.kernel
@@ -328,24 +419,28 @@ def condense_answer(
     subtract_answer(model, w, answer_state[w, COUNT], 2 * ctl[w].cells, Y, K)
 
 
-# step = -U^-1 (Y dtau). Lanes over the lines, then of one lane.
+# step = -U^-1 (Y dtau + W dz) of the n lines of a pair from `start` on, dz = V dtau. Lanes over the lines, then of one.
 @wp.func_native("""
-    const int cap = model.capacity.slots, ld = cap + 1, width = 2 * model.capacity.cells;
-    const double* U = factor.data + (size_t)w * cap * ld;
-    const double *t = tau.data + (size_t)w * width, *t0 = base.data + (size_t)w * width;
-    double* x = step.data + (size_t)w * cap;
+    const int cap = model.capacity.slots, lines = 2 * model.capacity.cells, wide = model.pairs.coupled_capacity;
+    const double* U = factor.data + ((size_t)w * cap + start) * cap + start;
+    const double *t = tau.data + (size_t)w * lines, *t0 = base.data + (size_t)w * lines;
+    const double* dz = z_change.data + (size_t)w * model.outer.count;
+    const int *column = model.pairs.coupled.data + (size_t)pair * wide, count = model.pairs.coupled_count.data[pair];
+    double* x = step.data + (size_t)w * cap + start;
     WP_TILE_SYNC();
     for (int i = WP_TILE_THREAD_IDX; i < n; i += WP_TILE_BLOCK_DIM) {
-        const double* y = Y.data + ((size_t)w * cap + i) * width;
+        const double* y = Y.data + ((size_t)w * cap + start + i) * lines;
+        const double* b = W.data + ((size_t)w * cap + start + i) * wide;
         double s[8] = {0.0}, sum = 0.0; int j = 0;
-        for (; j + 7 < lines; j += 8) for (int c = 0; c < 8; ++c) s[c] += y[j + c] * (t[j + c] - t0[j + c]);
-        for (; j < lines; ++j) sum += y[j] * (t[j] - t0[j]);
+        for (; j + 7 < used; j += 8) for (int c = 0; c < 8; ++c) s[c] += y[j + c] * (t[j + c] - t0[j + c]);
+        for (; j < used; ++j) sum += y[j] * (t[j] - t0[j]);
         for (int c = 0; c < 8; ++c) sum += s[c];
+        for (int c = 0; c < count; ++c) sum += b[c] * dz[column[c]];
         x[i] = -sum;
     }
     WP_TILE_SYNC();
     if (WP_TILE_THREAD_IDX == 0) for (int i = n - 1; i >= 0; --i) {
-        const double* u = U + (size_t)i * ld; double sum = x[i];
+        const double* u = U + (size_t)i * cap; double sum = x[i];
         for (int j = i + 1; j < n; ++j) sum -= u[j] * x[j];
         x[i] = sum / u[i];
     }
@@ -354,10 +449,14 @@ def condense_answer(
 def answer_to(
     model: Model,
     w: int,
+    pair: int,
+    start: int,
     n: int,
-    lines: int,
+    used: int,
     factor: wp.array3d(dtype=real),
     Y: wp.array3d(dtype=real),
+    W: wp.array3d(dtype=real),
+    z_change: wp.array(dtype=real),
     tau: wp.array2d(dtype=real),
     base: wp.array2d(dtype=real),
     step: wp.array2d(dtype=real),
@@ -370,13 +469,17 @@ def press_with_tractions(
     ctl: wp.array(dtype=Control),
     slot_hat: wp.array3d(dtype=int),
     order: wp.array2d(dtype=int),
+    block: wp.array3d(dtype=int),
     factor: wp.array3d(dtype=real),
     solution: wp.array2d(dtype=real),
     Y: wp.array3d(dtype=real),
+    W: wp.array3d(dtype=real),
+    V: wp.array(dtype=real),
     weight: wp.array2d(dtype=real),
     tau: wp.array2d(dtype=real),
     tau_base: wp.array2d(dtype=real),
     base: wp.array3d(dtype=real),
+    z_change: inout(wp.array(dtype=real)),
     step: inout(wp.array2d(dtype=real)),
     pressure: inout(wp.array3d(dtype=real)),
     change: inout(wp.array2d(dtype=real)),
@@ -389,7 +492,26 @@ def press_with_tractions(
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0:
         return
     n = answer_state[w, COUNT]
-    answer_to(model, w, n, 2 * ctl[w].cells, factor, Y, tau, tau_base, step)
+    N = model.outer.count
+    i = lane
+    while i < N:
+        z_change[w * N + i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    i = int(0)
+    while i < 2 * ctl[w].cells:
+        moved = tau[w, i] - tau_base[w, i]
+        if moved != real(0.0):
+            axpy(N, moved, V, (w * 2 * model.capacity.cells + i) * N, z_change, w * N)
+        i += 1
+    sync()
+    pair = int(0)
+    while pair < model.pairs.count:
+        answer_to(
+            model, w, pair, block[w, pair, START], block[w, pair, SLOTS], 2 * ctl[w].cells, factor, Y, W, z_change,
+            tau, tau_base, step,
+        )  # fmt: skip
+        pair += 1
     if lane != 0:
         return
     most = real(0.0)
@@ -411,28 +533,6 @@ def press_with_tractions(
     settled = most <= wp.max(SAME * change[w, 0], ROUND_OFF * largest) and rounds > 1
     if settled or most == real(0.0) or rounds == ROUNDS or ctl[w].failure != 0:
         answer_state[w, OPEN] = 0
-
-
-@wp.kernel
-def move_with_answer(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    order: wp.array2d(dtype=int),
-    answer_state: wp.array2d(dtype=int),
-    V: wp.array(dtype=real),
-    step: wp.array2d(dtype=real),
-    z: changed(wp.array(dtype=real)),
-):
-    """Per world: the outer increments with the answer of the pressures."""
-    w, lane = wp.tid()
-    model = models[0]
-    if ctl[w].run == 0 or ctl[w].changes != 0:
-        return
-    N = model.outer.count
-    a = int(0)
-    while a < answer_state[w, COUNT]:
-        axpy(N, step[w, a], V, (w * model.capacity.slots + order[w, a]) * N, z, w * N)
-        a += 1
 
 
 @wp.kernel

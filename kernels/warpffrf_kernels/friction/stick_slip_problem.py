@@ -192,7 +192,7 @@ def take_tractions(
     z: changed(wp.array(dtype=real)),
     traction: out(wp.array3d(dtype=real)),
 ):
-    """Per world: the tractions found, and the outer increments with them."""
+    """Per world: the tractions found, and the outer increments with them and with the pressures' answer."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].changes != 0:

@@ -43,6 +43,8 @@ from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.layers.layer_laws import CHI, CONSTANT, layer_depth, layer_pressure, least_depth
+from warpffrf_kernels.linear.outer_solve import held_motions, solve
+from warpffrf_kernels.linear.sparse_factor import Pattern
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -317,43 +319,112 @@ def add_yield(
 
 
 @wp.kernel
-def add_flexibility(
+def find_support(
     models: wp.array(dtype=Model),
+    patterns: wp.array(dtype=Pattern),
     ctl: wp.array(dtype=Control),
     active: wp.array3d(dtype=int),
     area: wp.array3d(dtype=real),
+    slot_hat: wp.array3d(dtype=int),
+    G: wp.array3d(dtype=real),
+    L: wp.array3d(dtype=real),
+    tangent: wp.array3d(dtype=real),
+    hold: wp.array3d(dtype=real),
+    hold_count: wp.array(dtype=int),
+    scaling: inout(wp.array2d(dtype=real)),
+    pivots: inout(wp.array2d(dtype=int)),
+    factor: inout(wp.array(dtype=real)),
+    vector: inout(wp.array(dtype=real)),
+    lines: inout(wp.array(dtype=real)),
+    fallback: inout(wp.array2d(dtype=int)),
+    work: inout(wp.array3d(dtype=real)),
+    inverse_transposed: inout(wp.array(dtype=real)),
+    right: inout(wp.array(dtype=real)),
+    moved: inout(wp.array(dtype=real)),
+    support: out(wp.array3d(dtype=real)),
+):
+    """Per world, after an evaluation: S of the module docstring, what a pressure on all active hats of a pair opens
+    each by, (G + L A^-1 L^T) 1 over its area."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    slots = ctl[w].slots
+    held = held_motions(ctl, w, hold_count)
+    renew = int(1)
+    pair = int(0)
+    while pair < model.pairs.count:
+        if model.layers.kind[pair] != CONSTANT:
+            count = model.pairs.coupled_count[pair]
+            i = lane
+            while i < model.outer.count:
+                right[w * model.outer.count + i] = real(0.0)
+                i += wp.block_dim()
+            sync()
+            i = int(0)
+            while lane == 0 and i < slots:
+                if slot_hat[w, i, 0] == pair and active[w, pair, slot_hat[w, i, 1]] != 0:
+                    c = int(0)
+                    while c < count:
+                        column = w * model.outer.count + model.pairs.coupled[pair, c]
+                        right[column] = right[column] + L[w, i, c]
+                        c += 1
+                i += 1
+            sync()
+            solve(
+                model, patterns[0], w, lane, renew, tangent, right, hold, held, scaling, pivots, factor, vector, lines,
+                fallback, work, inverse_transposed, moved,
+            )  # fmt: skip
+            renew = int(0)
+            sync()
+            i = lane
+            while i < slots:
+                if slot_hat[w, i, 0] == pair:
+                    m = slot_hat[w, i, 1]
+                    total = real(0.0)
+                    j = int(0)
+                    while j < slots:
+                        if slot_hat[w, j, 0] == pair and active[w, pair, slot_hat[w, j, 1]] != 0:
+                            total += G[w, i, j]
+                        j += 1
+                    c = int(0)
+                    while c < count:
+                        total += L[w, i, c] * moved[w * model.outer.count + model.pairs.coupled[pair, c]]
+                        c += 1
+                    support[w, pair, m] = real(0.0)
+                    if area[w, pair, m] > real(0.0):
+                        support[w, pair, m] = wp.max(total / area[w, pair, m], real(0.0))
+                i += wp.block_dim()
+            sync()
+        pair += 1
+
+
+@wp.kernel
+def add_flexibility(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
     slot_of: wp.array3d(dtype=int),
     slot_hat: wp.array3d(dtype=int),
     tangent: wp.array4d(dtype=real),
-    support: out(wp.array3d(dtype=real)),
-    condensed: changed(wp.array3d(dtype=real)),
+    G: wp.array3d(dtype=real),
+    soft: out(wp.array3d(dtype=real)),
 ):
-    """Per world, lanes over slots: E added to the entries of `condensed`, and, after an evaluation, S of the module
-    docstring. A lane writes the line of its own slot only, as in `condense_contact`."""
+    """Per world, lanes over slots: G + E."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
         return
     slots = ctl[w].slots
-    fresh = ctl[w].fresh
-    if ctl[w].moved != 0:
-        fresh = int(0)
     i = lane
     while i < slots:
         pair = slot_hat[w, i, 0]
         m = slot_hat[w, i, 1]
+        j = int(0)
+        while j < slots:
+            if slot_hat[w, j, 0] == pair or model.pairs.beside != 0:
+                soft[w, i, j] = G[w, i, j]
+            j += 1
         if model.layers.kind[pair] != CONSTANT:
-            if ctl[w].moved != 0:
-                total = real(0.0)
-                j = int(0)
-                while j < slots:
-                    if slot_hat[w, j, 0] == pair:
-                        if active[w, pair, slot_hat[w, j, 1]] != 0:
-                            total += condensed[w, i, j]
-                    j += 1
-                support[w, pair, m] = real(0.0)
-                if area[w, pair, m] > real(0.0):
-                    support[w, pair, m] = wp.max(total / area[w, pair, m], real(0.0))
             rows = model.surfaces.rows[model.pairs.first[pair]]
             column = m / rows
             row = m - column * rows
@@ -362,6 +433,6 @@ def add_flexibility(
                     inside = column + c >= 1 and column + c <= model.window.columns and row + r >= 1
                     if inside and row + r <= rows:
                         j = slot_of[w, pair, (column + c - 1) * rows + row + r - 1]
-                        if j >= 0 and wp.max(i, j) >= fresh:
-                            condensed[w, i, j] = condensed[w, i, j] + tangent[w, pair, m, 3 * c + r]
+                        if j >= 0:
+                            soft[w, i, j] = soft[w, i, j] + tangent[w, pair, m, 3 * c + r]
         i += wp.block_dim()

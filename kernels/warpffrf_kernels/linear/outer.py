@@ -3,7 +3,7 @@
 With `sigma` the diagonal tangent of the modes, J their gradient of the weak gaps, C and C_m the gradients of the rows
 by rigid and modal coordinates, r, r_m the residuals and `opened` the weak gaps of the present state, all with the
 contact forces of its pressures, the linearised step for the changes dx, dq, dlam, ds reads (x: rigid coordinates and
-the modes that carry inertia, q: the others)
+the modes that are not condensed, see `inertia`, q: the others)
 
     S dx + C^T dlam - L_r^T ds = -r,            sigma dq + C_m^T dlam - J^T ds = -r_m,
     C dx + C_m dq - E dlam = -c,                opened + L_r dx + J dq + G_local ds = 0 on the active set.
@@ -11,11 +11,12 @@ the modes that carry inertia, q: the others)
 Eliminating dq leaves, for z = (dx, dlam),
 
     [ S   C^T                       ]         [ -r                      ]
-    [ C   -C_m sigma^-1 C_m^T - E   ] z  =    [ -c + C_m sigma^-1 r_m   ]  + L^T ds,      L = [L_r, -J sigma^-1 C_m^T].
+    [ C   -C_m sigma^-1 C_m^T - E   ] z  =    [ -c + C_m sigma^-1 r_m   ]  + L^T ds,      L = [L_r, -J sigma^-1 C_m^T],
 
-Its inverse H is formed in the first Newton iteration, and again while the residual is above `balance.REFRESH_ABOVE`
-(tens of unknowns; without contact `sparse_outer` solves instead). Contact then sees the compliance `G + L H L^T`, in
-which whatever can move is condensed (Josephy-Newton): the first iteration already knows what will touch.
+    opened - J sigma^-1 r_m + L z + G ds = 0,        G = G_local + J sigma^-1 J^T.
+
+Only the entries that can differ from zero are assembled (`outer_pattern`), in their places of a dense matrix, where
+`geometric_stiffness` and `inertia` add theirs. What contact adds is in `contact_solve`, the solution in `outer_solve`.
 """
 
 import warp as wp
@@ -25,16 +26,16 @@ from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, mat33, real, vec3
+from warpffrf_kernels.linear.sparse_factor import Pattern
 
 wp.set_module_options(MODULE_OPTIONS)
 
-PIVOT_TOLERANCE = wp.constant(wp.float64(1.0e-13))  # of the equilibrated matrix: below, a row depends on the others
-
 
 @wp.kernel
-def add_multipliers(
+def pull(
     models: wp.array(dtype=Model),
+    patterns: wp.array(dtype=Pattern),
     ctl: wp.array(dtype=Control),
     lam: wp.array2d(dtype=real),
     C: wp.array3d(dtype=real),
@@ -42,30 +43,33 @@ def add_multipliers(
     residual: changed(wp.array2d(dtype=real)),
     modal_residual: changed(wp.array(dtype=real)),
 ):
-    """Lanes over rigid coordinates, then over modes: r += C^T lambda."""
+    """Per world, lanes over bodies, then over modes: r += C^T lambda, over the rows of each body."""
     w, lane = wp.tid()
     model = models[0]
+    p = patterns[0]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
-    i = lane
-    while i < 6 * model.bodies.count:
-        total = real(0.0)
-        row = int(0)
-        while row < model.rows.count:
-            total += C[w, row, i] * lam[w, row]
-            row += 1
-        residual[w, i] = residual[w, i] + total
-        i += wp.block_dim()
-    row = int(0)
-    while row < model.rows.count:
-        for side in range(2):
-            b = side_of(model, row, side)
-            if b >= 0:
-                at = w * model.modes.count + model.bodies.modal_start[b]
-                axpy(
-                    model.bodies.global_count[b], lam[w, row], C_modal, modal_line(model, w, row, b), modal_residual, at
-                )
-        row += 1
+    b = lane
+    while b < model.bodies.count:
+        at = p.row_start[b]
+        while at < p.row_start[b + 1]:
+            row = p.row[at]
+            for i in range(6):
+                residual[w, 6 * b + i] = residual[w, 6 * b + i] + C[w, row, 6 * b + i] * lam[w, row]
+            at += 1
+        b += wp.block_dim()
+    b = int(0)
+    while b < model.bodies.count:  # lanes over the modes of each body, which are contiguous
+        at = p.row_start[b]
+        first = model.bodies.modal_start[b]
+        count = model.bodies.global_count[b]
+        while at < p.row_start[b + 1]:
+            if p.row_flexible[at] != 0:
+                row = p.row[at]
+                line = (w * model.rows.count + row) * model.modes.count + first
+                axpy(count, lam[w, row], C_modal, line, modal_residual, w * model.modes.count + first)
+            at += 1
+        b += 1
 
 
 @wp.func
@@ -91,9 +95,18 @@ def entry_of_rows(
     return total
 
 
+@wp.func
+def body_of(model: Model, column: int) -> int:
+    """The body that an outer unknown is of, a motion or a mode."""
+    if column < 6 * model.bodies.count:
+        return column / 6
+    return model.dense.body[column - 6 * model.bodies.count]
+
+
 @wp.kernel
 def condense(
     models: wp.array(dtype=Model),
+    patterns: wp.array(dtype=Pattern),
     ctl: wp.array(dtype=Control),
     C: wp.array3d(dtype=real),
     C_modal: wp.array(dtype=real),
@@ -107,178 +120,54 @@ def condense(
     rhs: out(wp.array2d(dtype=real)),
     C_receptance: out(wp.array(dtype=real)),
 ):
-    """Lanes over outer unknowns: rows of the condensed matrix (rigid blocks are there already) and its right-hand
-    side.
-    """
+    """Lanes over outer unknowns: rows of the condensed matrix (blocks of bodies are there already), entries of the
+    pattern only, and its right-hand side."""
     w, lane = wp.tid()
     model = models[0]
+    p = patterns[0]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
+    rigid = 6 * model.bodies.count
     i = lane
     while i < model.outer.count:
-        rigid = model.outer.row_offset
-        if i < 6 * model.bodies.count:
+        row = i - model.outer.row_offset
+        if i < rigid:
             rhs[w, i] = -residual[w, i]
-        elif i < rigid:
-            rhs[w, i] = -modal_residual[w * model.modes.count + model.dense.mode[i - 6 * model.bodies.count]]
+        elif row < 0:
+            rhs[w, i] = -modal_residual[w * model.modes.count + model.dense.mode[i - rigid]]
         else:
-            rhs[w, i] = -defect[w, i - rigid] + pulled(model, w, i - rigid, C_modal, receptance, modal_residual)
+            rhs[w, i] = -defect[w, row] + pulled(model, w, row, C_modal, receptance, modal_residual)
         if ctl[w].refresh != 0:
-            if i >= rigid:
+            if row >= 0:
                 for side in range(2):
-                    b = side_of(model, i - rigid, side)
+                    b = side_of(model, row, side)
                     if b >= 0:
-                        line = modal_line(model, w, i - rigid, b)
+                        line = modal_line(model, w, row, b)
                         first = w * model.modes.count + model.bodies.modal_start[b]
                         n = int(0)
                         while n < model.bodies.global_count[b]:
                             C_receptance[line + n] = C_modal[line + n] * receptance[first + n]
                             n += 1
-            j = int(0)
-            while j < rigid:
-                if i >= rigid:
-                    if j < 6 * model.bodies.count:
-                        tangent[w, i, j] = C[w, i - rigid, j]
+            at = p.entry_start[i]
+            while at < p.entry_start[i + 1]:
+                j = p.entry_column[at]
+                other = j - model.outer.row_offset
+                if row < 0 and other < 0:
+                    if body_of(model, i) != body_of(model, j):  # geometric stiffness comes later
+                        tangent[w, i, j] = real(0.0)
+                elif row < 0 or other < 0:
+                    line = wp.max(row, other)
+                    column = wp.min(i, j)
+                    if column < rigid:
+                        tangent[w, i, j] = C[w, line, column]
                     else:
-                        line = (w * model.rows.count + i - rigid) * model.modes.count
-                        tangent[w, i, j] = C_modal[line + model.dense.mode[j - 6 * model.bodies.count]]
-                elif j < 6 * model.bodies.count and i < 6 * model.bodies.count and j / 6 != i / 6:
-                    tangent[w, i, j] = real(0.0)
-                j += 1
-            other = int(0)
-            while other < model.rows.count:
-                total = real(0.0)
-                if i < 6 * model.bodies.count:
-                    total = C[w, other, i]
-                elif i < rigid:
-                    line = (w * model.rows.count + other) * model.modes.count
-                    total = C_modal[line + model.dense.mode[i - 6 * model.bodies.count]]
+                        mode = model.dense.mode[column - rigid]
+                        tangent[w, i, j] = C_modal[(w * model.rows.count + line) * model.modes.count + mode]
                 else:
-                    total = entry_of_rows(model, w, i - rigid, other, C_modal, receptance, softness, flexibility)
-                tangent[w, i, rigid + other] = total
-                other += 1
+                    entry = entry_of_rows(model, w, row, other, C_modal, receptance, softness, flexibility)
+                    tangent[w, i, j] = entry
+                at += 1
         i += wp.block_dim()
-
-
-# Inverse of the equilibrated matrix by Gauss-Jordan elimination in place, with row pivoting; rows stay contiguous.
-# Native for contiguous inner loops like `axpy`; not measured separately. Returns 1 if a pivot is below `tolerance`.
-@wp.func_native("""
-    const int n = model.outer.count, rigid = model.outer.row_offset, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
-    double* a = work.data + (size_t)w * n * n;
-    double* scale = scaling.data + (size_t)w * n;
-    int* swapped = pivots.data + (size_t)w * n;
-    const double* A = tangent.data + (size_t)w * n * n;
-    for (int i = L; i < n; i += NL) {
-        const double d = ::fabs(A[(size_t)i * n + i]);
-        scale[i] = i < rigid && d > 0.0 ? 1.0 / ::sqrt(d) : 1.0;
-    }
-    WP_TILE_SYNC();
-    for (int i = rigid + L; i < n; i += NL) {
-        double big = 0.0;
-        for (int j = 0; j < rigid; ++j) {
-            const double entry = ::fabs(A[(size_t)i * n + j]) * scale[j];
-            if (entry > big) big = entry;
-        }
-        if (big == 0.0) big = ::sqrt(::fabs(A[(size_t)i * n + i]));
-        scale[i] = big > 0.0 ? 1.0 / big : 1.0;
-    }
-    WP_TILE_SYNC();
-    for (int e = L; e < n * n; e += NL) a[e] = A[e] * scale[e / n] * scale[e % n];
-    WP_TILE_SYNC();
-    int bad = 0;
-    for (int p = 0; p < n; ++p) {
-        int best = p;
-        for (int i = p + 1; i < n; ++i) if (::fabs(a[(size_t)i * n + p]) > ::fabs(a[(size_t)best * n + p])) best = i;
-        WP_TILE_SYNC();
-        double* u = a + (size_t)p * n;
-        if (L == 0) swapped[p] = best;
-        double* x = a + (size_t)best * n;
-        if (best != p) for (int j = L; j < n; j += NL) { const double t = u[j]; u[j] = x[j]; x[j] = t; }
-        WP_TILE_SYNC();
-        double pivot = u[p];
-        if (!(::fabs(pivot) > tolerance)) { bad = 1; pivot = 1.0; }
-        WP_TILE_SYNC();
-        const double r = 1.0 / pivot;
-        for (int j = L; j < n; j += NL) u[j] = j == p ? r : u[j] * r;
-        WP_TILE_SYNC();
-        for (int i = 0; i < n; ++i) {
-            double* __restrict x = a + (size_t)i * n; const double m = x[p];
-            WP_TILE_SYNC();
-            if (i == p || m == 0.0) continue;
-            if (L == 0) x[p] = 0.0;
-            WP_TILE_SYNC();
-            for (int j = L; j < n; j += NL) x[j] -= m * u[j];
-        }
-        WP_TILE_SYNC();
-    }
-    for (int p = n - 1; p >= 0; --p) { const int q = swapped[p]; if (q == p) continue;
-        for (int i = L; i < n; i += NL) { double* x = a + (size_t)i * n; const double t = x[p]; x[p] = x[q]; x[q] = t; }
-        WP_TILE_SYNC(); }
-    for (int e = L; e < n * n; e += NL) {
-        const int i = e / n, j = e % n;
-        inverse_transposed.data[(size_t)w * n * n + (size_t)j * n + i] = a[e] * scale[i] * scale[j];
-    }
-    WP_TILE_SYNC();
-    return bad;
-""")
-def invert(
-    model: Model,
-    w: int,
-    tolerance: real,
-    tangent: wp.array3d(dtype=real),
-    scaling: wp.array2d(dtype=real),
-    pivots: wp.array2d(dtype=int),
-    work: wp.array3d(dtype=real),
-    inverse_transposed: wp.array(dtype=real),
-) -> int: ...
-
-
-@wp.func
-def apply_inverse(
-    model: Model,
-    w: int,
-    lane: int,
-    first: int,
-    rhs: wp.array(dtype=real),
-    at: int,
-    inverse_transposed: wp.array(dtype=real),
-    z: wp.array(dtype=real),
-):
-    """z[w] = H (0, rhs[at:]), `first` zeros in front; one block per world."""
-    N = model.outer.count
-    i = lane
-    while i < N:
-        z[w * N + i] = real(0.0)
-        i += wp.block_dim()
-    sync()
-    j = first
-    while j < N:
-        axpy(N, rhs[at + j - first], inverse_transposed, (w * N + j) * N, z, w * N)
-        j += 1
-
-
-@wp.kernel
-def factor_outer(
-    models: wp.array(dtype=Model),
-    tangent: wp.array3d(dtype=real),
-    rhs: wp.array(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    scaling: inout(wp.array2d(dtype=real)),
-    pivots: inout(wp.array2d(dtype=int)),
-    work: inout(wp.array3d(dtype=real)),
-    inverse_transposed: inout(wp.array(dtype=real)),
-    z_free: inout(wp.array(dtype=real)),
-):
-    """Per world: H^T (where it is to be renewed), and z without contact, H rhs."""
-    w, lane = wp.tid()
-    model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
-        return
-    if ctl[w].refresh != 0:
-        bad = invert(model, w, PIVOT_TOLERANCE, tangent, scaling, pivots, work, inverse_transposed)
-        if bad != 0 and lane == 0:
-            ctl[w].failure = ctl[w].failure | k.SINGULAR
-    apply_inverse(model, w, lane, 0, rhs, w * model.outer.count, inverse_transposed, z_free)
 
 
 @wp.kernel

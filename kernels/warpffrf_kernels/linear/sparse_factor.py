@@ -1,12 +1,12 @@
-"""Block LU factorisation on a pattern that is known beforehand, and solves with it; see `sparse_outer` for the use.
+"""Block LU factorisation on a pattern that is known beforehand, and solves with it; see `outer_solve` for the use.
 
 For node e of `Pattern`, with the diagonal block D, the lines U to its right and X below,
 
     P D = L R,      U <- L^-1 P U,      X <- X R^-1,      A_fg <- A_fg - X_f U_g   for all later nodes f, g it touches,
 
-with row pivoting inside the node only. The matrix is equilibrated first, as in `outer.invert`: bodies by the roots of
-their diagonal, rows by their largest entry. Solve: y <- L^-1 P y, y_f <- y_f - X_f y, then z = R^-1 (y - U z_f)
-backwards. Native for contiguous inner loops like `scalars.axpy`.
+with row pivoting inside the node only. The matrix is equilibrated first, as in `outer_solve.invert`: bodies by the
+roots of their diagonal, rows by their largest entry. Solve: y <- L^-1 P y, y_f <- y_f - X_f y, then
+z = R^-1 (y - U z_f) backwards. Native for contiguous inner loops like `scalars.axpy`.
 """
 
 import warp as wp

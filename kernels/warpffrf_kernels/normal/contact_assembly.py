@@ -1,8 +1,8 @@
 """Rows of the local compliance G assembled: within a pair, and between pairs that load the same body.
 
-Within a pair G_ij is as in `contact_compliance`. Two hats i and j of different pairs feel each other through the global
-modes of a body that both pairs load, J_i sigma^-1 J_j^T over the modes of that body, and through its local modes: with
-psi_i^s the load of a hat on surface s,
+Within a pair G_ij is as in `contact_compliance`. Two hats i and j of different pairs feel each other through the modes
+of a body that both pairs load, by the outer unknowns those of them that are not condensed, and J_i sigma^-1 J_j^T over
+the others, and through its local modes: with psi_i^s the load of a hat on surface s,
 
     G_ij += sum over s, t of psi_j^t . (D_ts psi_i^s),
 
@@ -23,7 +23,7 @@ from warpffrf_kernels.surfaces.responses import first_column, load_of, place_of_
 wp.set_module_options(MODULE_OPTIONS)
 
 
-# Row `slot` of G against the slots of the same pair up to itself (0 for those of others), and its mirror. Native for
+# Row `slot` of G against the slots of the same pair up to itself, and its mirror. Native for
 # contiguous inner loops like `axpy`; not measured separately.
 @wp.func_native("""
     const int pair = slot_hat.data[((size_t)w * model.capacity.slots + slot) * 2];
@@ -52,8 +52,9 @@ wp.set_module_options(MODULE_OPTIONS)
     for (int c = 0; c < SC; ++c) for (int r = 0; r < SR; ++r)
         if (l[c * SR + r] != 0.0) { weight[count] = l[c * SR + r]; node[count++] = (at[0] + c) * rows_b + at[1] + r; }
     for (int j = WP_TILE_THREAD_IDX; j <= slot; j += WP_TILE_BLOCK_DIM) {
+        if (slot_hat.data[((size_t)w * cap + j) * 2] != pair) continue;
         double g = 0.0, f = 0.0;
-        if (slot_hat.data[((size_t)w * cap + j) * 2] == pair) {
+        {
             const int mj = slot_hat.data[((size_t)w * cap + j) * 2 + 1];
             const int other = origin + mj / rows, part = ((other % block) + block) % block;
             const int target = own - (other - part) + reach;
@@ -88,12 +89,13 @@ def couple(
 ): ...
 
 
-# Entries of row `slot` of G with the slots before it that belong to other pairs, and their mirror. The row of
-# J sigma^-1 is the one that `couple` has left in `scratch`. Native like `couple`.
+# Entries of row `slot` of G with the slots before it that belong to other pairs, and their mirror, by the modes that
+# are condensed. Native like `couple`.
 @wp.func_native("""
     const int cap = model.capacity.slots, width = model.pairs.most_modes;
     const int* const slots = slot_hat.data + (size_t)w * cap * 2;
-    const double* scaled = scratch.data + (size_t)w * width;
+    const double* own = J.data + ((size_t)w * cap + slot) * width;
+    const double* s = receptance.data + (size_t)w * model.modes.count;
     const int *first = model.pairs.first.data, *second = model.pairs.second.data;
     for (int j = WP_TILE_THREAD_IDX; j < slot; j += WP_TILE_BLOCK_DIM) {
         if (slots[2 * j] == slots[2 * slot]) continue;
@@ -103,8 +105,9 @@ def couple(
             for (int b = 0, at_b = 0; b < 2; ++b) {
                 const int sb = (b ? second : first)[slots[2 * j]];
                 if (model.surfaces.body.data[sa] >= 0 && model.surfaces.body.data[sa] == model.surfaces.body.data[sb]) {
-                    const double *p = scaled + at_a, *q = J.data + ((size_t)w * cap + j) * width + at_b;
-                    for (int n = 0; n < count; ++n) g += p[n] * q[n];
+                    const double *p = own + at_a, *q = J.data + ((size_t)w * cap + j) * width + at_b;
+                    const double* r = s + model.surfaces.modal_start.data[sa];
+                    for (int n = 0; n < count; ++n) g += p[n] * r[n] * q[n];
                 }
                 at_b += model.surfaces.modal_count.data[sb];
             }
@@ -119,7 +122,7 @@ def couple_others(
     slot: int,
     slot_hat: wp.array3d(dtype=int),
     J: wp.array(dtype=real),
-    scratch: wp.array(dtype=real),
+    receptance: wp.array2d(dtype=real),
     G: wp.array3d(dtype=real),
 ): ...
 
@@ -138,7 +141,7 @@ def assemble(
     scratch: inout(wp.array(dtype=real)),
     G: out(wp.array3d(dtype=real)),
 ):
-    """Per world: rows of G of the fresh slots."""
+    """Per world: rows of G of the fresh slots, within their pairs."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
@@ -150,8 +153,6 @@ def assemble(
             model, w, slot, center[w, pair, 0] - model.window.half, slot_hat, stencil, stencil_at,
             T, J, receptance, scratch, G,
         )  # fmt: skip
-        if model.pairs.count > 1:
-            couple_others(model, w, slot, slot_hat, J, scratch, G)
         slot += 1
 
 
@@ -206,10 +207,12 @@ def assemble_between(
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
     weight: wp.array2d(dtype=real),
+    J: wp.array(dtype=real),
+    receptance: wp.array2d(dtype=real),
     field: inout(wp.array(dtype=real)),
     G: changed(wp.array3d(dtype=real)),
 ):
-    """Per world: adds to the rows of G of the fresh slots what they displace on other pairs by the local modes."""
+    """Per world: rows of G of the fresh slots, between pairs, by condensed modes and by local modes."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
@@ -219,6 +222,8 @@ def assemble_between(
     while slot < ctl[w].slots:
         pair = slot_hat[w, slot, 0]
         m = slot_hat[w, slot, 1]
+        couple_others(model, w, slot, slot_hat, J, receptance, G)
+        sync()
         for side in range(2):
             loads = 2 * pair + side
             n = model.responses.load_start[loads]  # sides on one body load each other

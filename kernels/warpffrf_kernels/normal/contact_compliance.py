@@ -240,14 +240,11 @@ def outer_row(
     J: wp.array(dtype=real),
     start: int,
     C_receptance: wp.array(dtype=real),
-    inverse_transposed: wp.array(dtype=real),
-    begin: int,
     L: wp.array3d(dtype=real),
-    V: wp.array(dtype=real),
 ):
-    """Line `row` of L, [d/d(rigid), -J sigma^-1 C_modal^T] over the columns in `coupled` of the pair, and V = H L from
-    `begin` on: of a quantity with the gradient (f, t) by the motion of A relative to B, and J (from `start`) by the
-    modes, times the weight of the pair, which J has already."""
+    """Line `row` of L, [d/d(rigid), -J sigma^-1 C_modal^T] over the columns in `coupled` of the pair: of a quantity
+    with the gradient (f, t) by the motion of A relative to B, and J (from `start`) by the modes, times the weight of
+    the pair, which J has already."""
     A = model.surfaces.body[model.pairs.first[pair]]
     B = model.surfaces.body[model.pairs.second[pair]]
     if lane == 0:
@@ -267,12 +264,11 @@ def outer_row(
     first_a = model.surfaces.modal_start[model.pairs.first[pair]]
     count_a = model.surfaces.modal_count[model.pairs.first[pair]]
     first_b = model.surfaces.modal_start[model.pairs.second[pair]]
-    N = model.outer.count
     count = model.pairs.coupled_count[pair]
     c = 12 + lane
     while c < count:
         column = model.pairs.coupled[pair, c]
-        if column < model.outer.row_offset:  # a mode that carries inertia
+        if column < model.outer.row_offset:  # a mode that is not condensed
             mode = model.dense.mode[column - 6 * model.bodies.count]
             at = mode - first_a
             if at < 0 or at >= count_a:
@@ -285,15 +281,6 @@ def outer_row(
                 value -= dot(model.bodies.global_count[B], J, start + count_a, C_receptance, at + first_b)
             L[w, row, c] = value
         c += wp.block_dim()
-    c = lane
-    while c < N:
-        V[begin + c] = real(0.0)
-        c += wp.block_dim()
-    sync()
-    c = int(0)
-    while c < count:
-        axpy(N, L[w, row, c], inverse_transposed, (w * N + model.pairs.coupled[pair, c]) * N, V, begin)
-        c += 1
 
 
 @wp.kernel
@@ -307,12 +294,10 @@ def outer_rows(
     slot_hat: wp.array3d(dtype=int),
     J: wp.array(dtype=real),
     C_receptance: wp.array(dtype=real),
-    inverse_transposed: wp.array(dtype=real),
-    L: inout(wp.array3d(dtype=real)),
-    V: inout(wp.array(dtype=real)),
+    L: out(wp.array3d(dtype=real)),
 ):
-    """Per world: gradient L of the gap by the outer coordinates times the weight of the pair, and V = H L
-    (`outer_row`); for all slots when H is new, else for the fresh ones."""
+    """Per world: gradient L of the gap by the outer coordinates times the weight of the pair (`outer_row`); for all
+    slots when the outer matrix is new, else for the fresh ones."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
@@ -325,76 +310,6 @@ def outer_rows(
         m = slot_hat[w, slot, 1]
         f = vec3(wrench[w, pair, m, 0], wrench[w, pair, m, 1], wrench[w, pair, m, 2])
         t = vec3(wrench[w, pair, m, 3], wrench[w, pair, m, 4], wrench[w, pair, m, 5])
-        line = w * model.capacity.slots + slot
-        outer_row(
-            model, w, pair, slot, lane, f, t, axes, r1, weight, J, line * model.pairs.most_modes, C_receptance,
-            inverse_transposed, line * model.outer.count, L, V,
-        )  # fmt: skip
+        start = (w * model.capacity.slots + slot) * model.pairs.most_modes
+        outer_row(model, w, pair, slot, lane, f, t, axes, r1, weight, J, start, C_receptance, L)
         slot += 1
-
-
-# condensed[i, first:last] = G[i, first:last] + V_i . L^T and the mirror, lanes over the columns; V_i is gathered once.
-# A slot of pressures has one line of these arrays, one of friction two: the lines of G over the slots of the table.
-# Native for contiguous inner loops like `axpy`; not measured separately.
-@wp.func_native("""
-    const int cap = G.shape[1], slots = slot_hat.shape[1], lines = cap / slots;
-    const int N = model.outer.count, width = model.pairs.coupled_capacity;
-    const double* v = V.data + ((size_t)w * cap + i) * N;
-    double picked[512];
-    int known = -1, count = 0;
-    for (int j = first + WP_TILE_THREAD_IDX; j < last; j += WP_TILE_BLOCK_DIM) {
-        const int pair = slot_hat.data[((size_t)w * slots + j / lines) * 2];
-        if (pair != known) {
-            const int* c = model.pairs.coupled.data + (size_t)pair * width;
-            known = pair; count = model.pairs.coupled_count.data[pair];
-            for (int q = 0; q < count; ++q) picked[q] = v[c[q]];
-        }
-        const double* l = L.data + ((size_t)w * cap + j) * width;
-        double x0 = 0.0, x1 = 0.0, x2 = 0.0, x3 = 0.0; int q = 0;
-        for (; q + 3 < count; q += 4) {
-            x0 += picked[q] * l[q]; x1 += picked[q + 1] * l[q + 1];
-            x2 += picked[q + 2] * l[q + 2]; x3 += picked[q + 3] * l[q + 3];
-        }
-        for (; q < count; ++q) x0 += picked[q] * l[q];
-        const double g = G.data[((size_t)w * cap + i) * cap + j] + (x0 + x1) + (x2 + x3);
-        condensed.data[((size_t)w * cap + i) * cap + j] = g; condensed.data[((size_t)w * cap + j) * cap + i] = g;
-    }
-""")
-def add_outer(
-    model: Model,
-    w: int,
-    i: int,
-    first: int,
-    last: int,
-    slot_hat: wp.array3d(dtype=int),
-    G: wp.array3d(dtype=real),
-    L: wp.array3d(dtype=real),
-    V: wp.array(dtype=real),
-    condensed: wp.array3d(dtype=real),
-): ...
-
-
-@wp.kernel
-def condense_contact(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    slot_hat: wp.array3d(dtype=int),
-    G: wp.array3d(dtype=real),
-    L: wp.array3d(dtype=real),
-    V: wp.array(dtype=real),
-    condensed: out(wp.array3d(dtype=real)),
-):
-    """Per world: G + L H L^T over all slots when H is new or a layer's flexibility is (`weak_layer`), else for the
-    fresh ones."""
-    w, lane = wp.tid()
-    model = models[0]
-    if ctl[w].run == 0:
-        return
-    count = ctl[w].slots
-    fresh = ctl[w].fresh
-    if ctl[w].moved != 0 and (ctl[w].refresh != 0 or model.layers.count > 0):  # a layer's flexibility is added
-        fresh = int(0)
-    i = int(0)
-    while i < count:
-        add_outer(model, w, i, wp.max(i, fresh), count, slot_hat, G, L, V, condensed)
-        i += 1

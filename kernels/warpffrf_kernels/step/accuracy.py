@@ -31,7 +31,8 @@ from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
-from warpffrf_kernels.linear.outer import apply_inverse
+from warpffrf_kernels.linear.outer_solve import solve
+from warpffrf_kernels.linear.sparse_factor import Pattern
 from warpffrf_kernels.step.balance import gyration_of
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -112,13 +113,24 @@ def missed_rates(
 @wp.kernel
 def project_velocities(
     models: wp.array(dtype=Model),
+    patterns: wp.array(dtype=Pattern),
     ctl: wp.array(dtype=Control),
     wanted: wp.array(dtype=int),
     missed: wp.array(dtype=real),
-    inverse_transposed: wp.array(dtype=real),
+    tangent: wp.array3d(dtype=real),
+    hold: wp.array3d(dtype=real),
     C_modal: wp.array3d(dtype=real),
     receptance: wp.array2d(dtype=real),
     clk: wp.array(dtype=Clock),
+    scaling: inout(wp.array2d(dtype=real)),
+    pivots: inout(wp.array2d(dtype=int)),
+    factor: inout(wp.array(dtype=real)),
+    vector: inout(wp.array(dtype=real)),
+    lines: inout(wp.array(dtype=real)),
+    fallback: inout(wp.array2d(dtype=int)),
+    work: inout(wp.array3d(dtype=real)),
+    inverse_transposed: inout(wp.array(dtype=real)),
+    right: inout(wp.array(dtype=real)),
     change: inout(wp.array(dtype=real)),
     modal_change: out(wp.array(dtype=real)),
     v1: changed(wp.array2d(dtype=vec3)),
@@ -136,7 +148,17 @@ def project_velocities(
     if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC or wanted[w] == 0:
         return
     N = model.outer.count
-    apply_inverse(model, w, lane, model.outer.row_offset, missed, w * model.rows.count, inverse_transposed, change)
+    i = lane
+    while i < N:
+        right[w * N + i] = real(0.0)
+        if i >= model.outer.row_offset:
+            right[w * N + i] = missed[w * model.rows.count + i - model.outer.row_offset]
+        i += wp.block_dim()
+    sync()
+    solve(
+        model, patterns[0], w, lane, 1, tangent, right, hold, 0, scaling, pivots, factor, vector, lines, fallback, work,
+        inverse_transposed, change,
+    )  # fmt: skip
     sync()
     rise = clk[w].outer.acc / clk[w].outer.vel
     row = lane

@@ -10,7 +10,6 @@ from warpffrf_kernels.core.scalars import BLOCK
 from warpffrf_kernels.kinematics.at_points import LINE
 
 from warpffrf.online.compile.outer_pattern import OuterPattern
-from warpffrf.online.compile.responses import load_others
 from warpffrf.online.compile.scene import CompiledScene
 
 Sizes = Mapping[str, int]
@@ -27,7 +26,7 @@ NAMES = {
     "interface": "flexible interfaces",
     "interface_shape": "modes of interfaces, one number each",
     "group": "groups of spring rows",
-    "dense": "modes that carry inertia",
+    "dense": "modes that are outer unknowns",
     "exact_mode": "modes, where some take the exact step",
     "dynamic_mode": "modes, where local ones are dynamic",
     "outer": "outer unknowns",
@@ -97,11 +96,15 @@ NAMES = {
     "applied": "forces and torques",
     "row_or_mode": "rows and modes",
     "stiffened_interface": "interfaces of bodies that their loads stiffen",
-    "dense_outer": "outer unknowns, where their matrix is inverted",
-    "dense_row": "rows of that",
-    "sparse_outer": "outer unknowns, where their matrix is factored sparsely",
-    "sparse_row": "rows of that",
+    "inertia_mode": "modes that carry inertia",
+    "free_outer": "outer unknowns, in scenes without contact",
     "projected_row": "rows, where velocities are projected onto them",
+    "projected_outer": "outer unknowns, where velocities are projected",
+    "layer_slot": "hats in play, in scenes with layers whose yield is no constant",
+    "layer_outer": "outer unknowns there",
+    "slot_beside": "hats in play, where pairs answer to each other by local modes",
+    "outer_beside": "outer unknowns there",
+    "friction_outer": "outer unknowns, in scenes with friction",
     "adaptive_world": "worlds, where steps follow the wanted accuracy",
     "line_pair": "pairs whose gaps are taken along the line of centres",
     "point_pair": "pairs whose gaps are taken at points",
@@ -114,12 +117,12 @@ def sizes_of(
     compiled: CompiledScene,
     worlds: int,
     ring_rows: int,
-    pattern: OuterPattern | None,
+    pattern: OuterPattern,
     *,
     projected: bool,
     adaptive: bool,
 ) -> dict[str, int]:
-    """Length of each axis of `NAMES`; `pattern`: of the sparse outer matrix, None where it is inverted."""
+    """Length of each axis of `NAMES`; `pattern`: of the outer matrix."""
     m: Model = compiled.model
     P, B, Q, S, rows, outer = (
         m.pairs.count,
@@ -134,7 +137,7 @@ def sizes_of(
     stations = (m.window.rows - 1) * m.quadrature.z_points
     rubbing = bool(m.capacity.cells)
     layer_point = layer_points(m)
-    dense = pattern is None
+    beside, layered = bool(m.pairs.beside), bool(m.layers.count)
     return {
         "world": worlds, "body": B, "mode": Q, "row": rows, "force": m.forces.count, "torque": m.torques.count,
         "load": m.torques.count + m.body_loads.count, "interface": m.interfaces.count,
@@ -152,15 +155,17 @@ def sizes_of(
         "friction_hat": hat if rubbing else 0, "friction_node": node if rubbing else 0,
         "friction_slot": S if rubbing else 0, "cell": m.capacity.cells,
         "share": m.window.share_columns * m.window.share_rows,
-        "surface_place": max(hat, node), "factor_number": 0 if dense else pattern.factor_size,
-        "factor_line": 0 if dense else BLOCK * pattern.widest, "one": 1,
+        "surface_place": max(hat, node), "factor_number": pattern.factor_size,
+        "factor_line": BLOCK * pattern.widest, "one": 1,
         "applied": m.forces.count + m.torques.count, "row_or_mode": rows + Q,
         "stiffened_interface": m.interfaces.count if compiled.stiffened else 0,
-        "dense_outer": outer if dense else 0, "dense_row": rows if dense else 0,
-        "sparse_outer": 0 if dense else outer, "sparse_row": 0 if dense else rows,
-        "projected_row": rows if projected else 0, "adaptive_world": worlds if adaptive else 0,
+        "inertia_mode": int(m.bodies.inertia_count.numpy().sum()), "free_outer": 0 if P else outer,
+        "projected_row": rows if projected else 0, "projected_outer": outer if projected else 0,
+        "layer_slot": S if layered else 0, "layer_outer": outer if layered else 0,
+        "slot_beside": S if beside else 0, "outer_beside": outer if beside else 0,
+        "friction_outer": outer if rubbing else 0, "adaptive_world": worlds if adaptive else 0,
         "line_pair": int((families == 0).sum()), "point_pair": int((families == 1).sum()),
-        "few_pair": int(((families == 0) & (counts > 0)).sum()), "pair_beside": P if load_others(m) else 0,
+        "few_pair": int(((families == 0) & (counts > 0)).sum()), "pair_beside": P if beside else 0,
     }  # fmt: skip
 
 

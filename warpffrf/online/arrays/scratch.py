@@ -84,7 +84,7 @@ class Residuals(Arrays):
 
 
 class Outer(Arrays):
-    """The outer linear system: bodies, modes with inertia, rows."""
+    """The outer linear system: bodies, modes that are not condensed, rows."""
 
     tangent: DeviceArray = reals("world", "outer", "outer")
     rhs: DeviceArray = reals("world", "outer")
@@ -97,8 +97,8 @@ class Outer(Arrays):
     sparse_vector: DeviceArray = reals("world", 2, "outer", run=True)
     sparse_lines: DeviceArray = reals("world", "factor_line", run=True)
     fallback: DeviceArray = integers("world", 2, note="solves by the dense elimination", carried=True)
-    z_free: DeviceArray = reals("world", "outer", note="increments without changes of pressure", run=True)
-    z: DeviceArray = reals("world", "contact_outer", note="outer increments", run=True, instead="z_free")
+    z: DeviceArray = reals("world", "outer", note="outer increments", run=True)
+    projection_rhs: DeviceArray = reals("world", "projected_outer", run=True)
     change: DeviceArray = reals("world", "outer", note="of velocities by their projection", run=True)
     modal_step: DeviceArray = reals("world", "mode", unit="m kg^1/2", run=True)
     hold: DeviceArray = reals(
@@ -184,14 +184,22 @@ class ContactSolve(Arrays):
     J: DeviceArray = reals("world", "slot", "pair_mode", note="d(gap)/d(modes)", run=True, zero_without=True)
     G: DeviceArray = reals("world", "slot", "slot", unit="m/Pa", note="gaps by pressures")
     L: DeviceArray = reals("world", "slot", "coupled", note="d(gap)/d(outer)")
-    V: DeviceArray = reals("world", "slot", "outer", note="outer increments by pressures", run=True)
-    condensed: DeviceArray = reals("world", "slot", "slot", note="G with the outer unknowns condensed")
+    soft: DeviceArray = reals("world", "layer_slot", "layer_slot", note="G with the yield of layers", instead="G")
     scaled_modes: DeviceArray = reals("world", "pair_mode", run=True)
     field_beside: DeviceArray = reals("world", "surface_place", run=True)
     right: DeviceArray = reals("world", "slot", unit="m")
-    order: DeviceArray = integers("world", "slot", note="slots under pressure")
-    factor: DeviceArray = reals("world", "slot", "slot+1")
+    order: DeviceArray = integers("world", "slot", note="slots under pressure, pair by pair, then those that left")
+    block: DeviceArray = integers("world", "pair", 4, note="where a pair's begin and how many; of those that left")
+    factor: DeviceArray = reals("world", "slot", "slot", note="U of each pair's block of G")
+    W: DeviceArray = reals("world", "slot", "coupled", note="U^-T L")
+    square: DeviceArray = reals("world", "pair", "coupled", "coupled", note="W^T W")
+    bordered: DeviceArray = reals("world", "contact_outer", "contact_outer", note="outer matrix with the pressures")
+    bordered_rhs: DeviceArray = reals("world", "contact_outer")
     solution: DeviceArray = reals("world", "slot", unit="Pa")
+    krylov: DeviceArray = reals("world", 4, "slot_beside", note="of the gradients: see `solve_between`", run=True)
+    krylov_rhs: DeviceArray = reals("world", "outer_beside", run=True)
+    krylov_z: DeviceArray = reals("world", "outer_beside", run=True)
+    krylov_path: DeviceArray = reals("world", "outer_beside", run=True)
 
 
 class Layers(Arrays):
@@ -207,6 +215,8 @@ class Layers(Arrays):
     layer_support: DeviceArray = reals("world", "pair", "layer_hat")
     layer_offset: DeviceArray = reals("world", "pair", "layer_hat", unit="m")
     layer_tangent: DeviceArray = reals("world", "pair", "layer_hat", 9, unit="m/Pa")
+    layer_rhs: DeviceArray = reals("world", "layer_outer", run=True)
+    layer_moved: DeviceArray = reals("world", "layer_outer", note="outer increments by pressures", run=True)
 
 
 class FrictionCells(Arrays):
@@ -250,7 +260,11 @@ class FrictionSolve(Arrays):
     cell_K: DeviceArray = reals("world", "2*cell", "2*cell", unit="m/Pa", note="G, the rest condensed")
     cell_L: DeviceArray = reals("world", "2*cell", "coupled")
     cell_J: DeviceArray = reals("world", "2*cell", "pair_mode", run=True)
-    cell_V: DeviceArray = reals("world", "2*cell", "outer", run=True)
+    cell_bordered: DeviceArray = reals("world", "2*cell", "coupled", note="L with the pressures' answer")
+    cell_V: DeviceArray = reals("world", "2*cell", "outer", note="outer increments by tractions", run=True)
+    mobility: DeviceArray = reals("world", "friction_outer", "friction_outer", run=True)
+    mobility_rhs: DeviceArray = reals("world", "friction_outer", run=True)
+    mobility_column: DeviceArray = reals("world", "friction_outer", run=True)
     cell_Y: DeviceArray = reals("world", "friction_slot", "2*cell", note="pressures by tractions")
     cell_base: DeviceArray = reals("world", "2*cell", unit="Pa")
     cell_right: DeviceArray = reals("world", "2*cell", unit="m")
@@ -272,6 +286,7 @@ class FrictionSolve(Arrays):
     cell_push: DeviceArray = reals("world", "mode", unit=MODAL, run=True)
     modal_drive: DeviceArray = reals("world", "mode", unit=MODAL, run=True)
     answer_hat: DeviceArray = integers("world", "friction_slot")
+    answer_z: DeviceArray = reals("world", "friction_outer", run=True)
     answer_step: DeviceArray = reals("world", "friction_slot", unit="Pa")
     answer_state: DeviceArray = integers("world", 4)
     answer_change: DeviceArray = reals("world", 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,34 +15,46 @@ from warpffrf.online.compile.collector import Collector
 
 
 def fill_inertia(collector: Collector, m: Model) -> None:
-    """Tables of the modes that carry inertia."""
+    """Modes that are outer unknowns, and the inertia tables of those that carry it."""
     plans = collector.inertia.bodies
-    counts = [plan.count for plan in plans]
+    carrying = [plan.count for plan in plans]
+    counts = outer_modes(collector)
     starts = np.cumsum([0, *counts])
     modal = np.cumsum([0, *collector.mode_counts])
     dense_of = np.full(modal[-1], -1)
-    dense_body, dense_mode, first, tables = [], [], [], []
-    for b, plan in enumerate(plans):
-        n = plan.count
+    dense_body, dense_mode, first, tables = [], [], [np.zeros((0, 6))], [np.zeros(0)]
+    for b, (plan, n) in enumerate(zip(plans, counts, strict=True)):
         dense_body += [b] * n
         dense_mode += list(range(modal[b], modal[b] + n))
         dense_of[modal[b] : modal[b] + n] = np.arange(starts[b], starts[b] + n)
-        if plan.terms is not None and n:
+        slopes = np.zeros((n, 6))
+        if plan.terms is not None and plan.count:
             J1, J2, G = plan.terms.kept(plan.level, stiffened=plan.stiffening is not None)
-            first.append(np.stack([J1[:, i, j] for i, j in PRODUCTS], axis=1))
+            slopes[: plan.count] = np.stack([J1[:, i, j] for i, j in PRODUCTS], axis=1)
             channels = [J2[:, :, i, j] for i, j in PRODUCTS]
             channels += [G[:, :, c].T for c in range(3)]  # line j, column i
             tables.append(np.stack(channels).ravel())
+        first.append(slopes)
     collector.fill(
-        m.dense, count=int(starts[-1]), body=dense_body, mode=dense_mode,
-        first=np.concatenate([np.zeros((0, 6)), *first]), table=np.concatenate([np.zeros(0), *tables]),
+        m.dense, count=int(starts[-1]), body=dense_body, mode=dense_mode, first=np.concatenate(first),
+        table=np.concatenate(tables),
     )  # fmt: skip
     collector.fill(m.modes, dense_of=dense_of)
     collector.fill(
-        m.bodies, dense_start=starts[:-1], dense_count=counts,
-        inertia_start=np.cumsum([0] + [9 * n * n for n in counts])[:-1],
+        m.bodies, dense_start=starts[:-1], dense_count=counts, inertia_count=carrying,
+        inertia_start=np.cumsum([0] + [9 * n * n for n in carrying])[:-1],
     )  # fmt: skip
     collector.notes.extend(collector.inertia.notes)
+
+
+def outer_modes(collector: Collector) -> list[int]:
+    """How many modes of each body are outer unknowns: those that carry inertia, and all global ones of a body that
+    several pairs load, so that each pair's hats can be eliminated on their own."""
+    loads = Counter(collector.surfaces[s].body.index for s in collector.sides)
+    return [
+        body.mode_count if loads[body.index] > 1 else plan.count
+        for body, plan in zip(collector.scene.bodies, collector.inertia.bodies, strict=True)
+    ]
 
 
 def mode_reach(reduced: ReducedBody) -> np.ndarray:
@@ -72,8 +85,7 @@ def fill_stiffening(collector: Collector, m: Model) -> bool:
 
 
 def dense_columns(m: Model, collector: Collector, bodies: Sequence[Body]) -> list[int]:
-    """Outer columns of the modes of `bodies` that carry inertia."""
-    counts = [plan.count for plan in collector.inertia.bodies]
-    starts = np.cumsum([0, *counts])
+    """Outer columns of the modes of `bodies` that are outer unknowns."""
+    starts = np.cumsum([0, *outer_modes(collector)])
     indices = dict.fromkeys(body.index for body in bodies)
     return [6 * m.bodies.count + int(d) for i in indices for d in range(starts[i], starts[i + 1])]

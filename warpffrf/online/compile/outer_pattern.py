@@ -1,9 +1,10 @@
 r"""Where the outer matrix of a scene is not zero, and the order of its elimination
-(`warpffrf_kernels.linear.sparse_outer`).
+(`warpffrf_kernels.linear.outer_solve`).
 
 The outer matrix [[S, C^T], [C, -E]] (`warpffrf_kernels.linear.outer`) couples few of its unknowns: S has a block for
 each body (six rigid coordinates and the modes that carry inertia) and one for each two bodies that share a row; C has
-in a row the blocks of its two bodies; E couples rows that end on one flexible body. With a good order its factors are
+in a row the blocks of its two bodies; E couples rows that end on one flexible body; the hats of a contact pair, which
+are eliminated first, couple its two bodies and the rows on their interfaces. With a good order the factors are
 hardly larger: a chain or a tree of n bodies costs O(n).
 
 Unknowns are gathered in *nodes*, one for each body and one for all rows between the same two bodies. The order is found
@@ -19,8 +20,9 @@ has independent lines: the tree rows of a body hold it to the one above, so they
 those below have entries of their own; and the other rows depend on no joint that is not on their paths, so they are
 independent of each other and of the tree's as they are in the whole (redundant rows were removed,
 `warpffrf.model.redundancy`). So [[S, C^T], [C, -E]] on B and R is regular at every stage, which is what a block
-factorisation without pivoting needs. Springs make E positive and can only help. Geometric stiffness can spoil S; then
-the factorisation or its residual fails, and the dense inverse is taken for that step and counted.
+factorisation without pivoting needs. Springs make E positive and pressures add to S, both can only help. Geometric
+stiffness can spoil S; then the factorisation or its residual fails, and the dense inverse is taken for that step and
+counted.
 
 Among what may come next, the node with the fewest neighbours (minimum degree) comes first.
 """
@@ -40,6 +42,7 @@ from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.settings import LARGEST_INDEX
 
 GROUND = -1
+NO_PAIRS = np.zeros((0, 2), dtype=int)
 
 
 @dataclass(frozen=True)
@@ -94,28 +97,32 @@ class OuterPattern:
         return int((s**3 // 3 + s**2 * w + s * w**2).sum())
 
 
-def find_pattern(body_count: int, dense: np.ndarray, rows: np.ndarray, flexible: np.ndarray) -> OuterPattern:
+def find_pattern(
+    body_count: int, dense: np.ndarray, rows: np.ndarray, flexible: np.ndarray, pairs: np.ndarray = NO_PAIRS
+) -> OuterPattern:
     """Pattern of a scene.
 
     dense (bodies,): modes of each body among the outer unknowns. rows (rows, 2): bodies of each row, -1 for the ground.
-    flexible (rows, 2): true where the row ends on an interface of a flexible body.
+    flexible (rows, 2): true where the row ends on an interface of a flexible body. pairs (pairs, 2): bodies in contact.
     """
     nodes = _nodes(body_count, np.asarray(dense), np.asarray(rows).reshape(-1, 2))
-    near = _neighbours(nodes, body_count, np.asarray(rows).reshape(-1, 2), np.asarray(flexible).reshape(-1, 2))
+    ends = np.asarray(rows).reshape(-1, 2), np.asarray(flexible).reshape(-1, 2)
+    near = _neighbours(nodes, body_count, *ends, np.asarray(pairs).reshape(-1, 2))
     waits = _waits(nodes, body_count)
     sequence, later = _eliminate(nodes, near, waits)
     return _places(nodes, near, sequence, later, body_count, np.asarray(rows).reshape(-1, 2), np.asarray(flexible))
 
 
-def pattern_of(compiled: CompiledScene) -> OuterPattern | None:
-    """Pattern of a compiled scene; None for one with contact, whose solve needs the whole inverse."""
+def pattern_of(compiled: CompiledScene) -> OuterPattern:
+    """Pattern of a compiled scene."""
     m = compiled.model
-    if m.pairs.count:
-        return None
     dense = m.bodies.dense_count.numpy()[: m.bodies.count] if m.dense.count else np.zeros(m.bodies.count, int)
     ends = np.stack([m.rows.a.numpy(), m.rows.b.numpy()], axis=1)[: m.rows.count]
     bodies, interfaces = m.markers.body.numpy(), m.markers.interface.numpy()
-    return find_pattern(m.bodies.count, dense, bodies[ends], interfaces[ends] >= 0)
+    sides = np.stack([m.pairs.first.numpy(), m.pairs.second.numpy()], axis=1)[: m.pairs.count]
+    return find_pattern(
+        m.bodies.count, dense, bodies[ends], interfaces[ends] >= 0, m.surfaces.body.numpy()[sides.astype(int)]
+    )
 
 
 def on_device(pattern: OuterPattern, device: str) -> tuple[Any, wp.array]:
@@ -149,7 +156,9 @@ def _nodes(body_count: int, dense: np.ndarray, rows: np.ndarray) -> list[Node]:
     return nodes
 
 
-def _neighbours(nodes: list[Node], body_count: int, rows: np.ndarray, flexible: np.ndarray) -> list[set[int]]:
+def _neighbours(
+    nodes: list[Node], body_count: int, rows: np.ndarray, flexible: np.ndarray, pairs: np.ndarray
+) -> list[set[int]]:
     """Nodes with a block in common with each node."""
     near: list[set[int]] = [set() for _ in nodes]
     ends_on: dict[int, set[int]] = {}  # flexible body -> row nodes on its interfaces
@@ -162,7 +171,9 @@ def _neighbours(nodes: list[Node], body_count: int, rows: np.ndarray, flexible: 
             for side in range(2):
                 if flexible[r, side] and rows[r, side] != GROUND:
                     ends_on.setdefault(int(rows[r, side]), set()).add(e)
-    for group in ends_on.values():
+    touching = [{int(b) for b in pair if b != GROUND} for pair in pairs]
+    touching = [group.union(*(ends_on.get(b, set()) for b in group)) for group in touching]
+    for group in [*ends_on.values(), *touching]:
         for x in group:
             near[x] |= group - {x}
     return near

@@ -6,6 +6,7 @@ second): the tables contain the Gram matrices that this takes. Each is made once
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import NamedTuple
 
 import numpy as np
@@ -99,12 +100,14 @@ def fill_responses(collector: Collector, m: Model) -> None:
         m.responses, load_start=np.cumsum([0, *map(len, loads)]), load_side=[n for side in loads for n in side],
         **numbers, **fields, number=np.concatenate(parts),
     )  # fmt: skip
+    m.pairs.beside = int(any(len(sources) > 1 for sources in loads) or _condensed_between(collector))
     collector.notes.extend(_apart(collector))
 
 
-def load_others(m: Model) -> bool:
-    """Whether a side of any pair is loaded by another pair too."""
-    return bool(np.any(np.diff(m.responses.load_start.numpy()) > 1))
+def _condensed_between(collector: Collector) -> bool:
+    """Whether several pairs load a body of which modes are condensed: its dynamic local ones."""
+    loads = Counter(collector.surfaces[s].body.index for s in collector.sides)
+    return any(loads[body.index] > 1 and collector.local.count(body.index) for body in collector.scene.bodies)
 
 
 def _cross(collector: Collector, target: int, source: int) -> CrossCompliance | None:

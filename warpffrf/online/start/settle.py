@@ -31,6 +31,7 @@ RETREATS, RETREAT = 2, 1000.0
 # joints
 LAST = 10.0
 TOLERANCE = 1e-11  # of the scene's length, movement of the last proximal step: round-off of positions times 1e5
+ROUND_OFF = 1e-16  # of it: less is no movement in a step that is not short
 CREEP = 0.5  # of the movement of the step before: what tends to rest moves less from one long step to the next
 NEARLY = 1e-3  # of the largest force left over: contact has closed, and what is free can be told
 
@@ -61,12 +62,15 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
     too_long = np.inf
     before = moved = failed_at = np.full(engine.worlds, np.inf)
     retreats = RETREATS if model.layers.count or model.pairs.count > 1 else 0
-    settled = balanced = False
+    settled = balanced = still = False
     for _ in range(MOST_STEPS):
         words = engine.state.ctl.numpy().copy()
         engine.static_step(tau)
         status = engine.word("status")
         if np.any(status):
+            if still:  # what is left of forces and energies is round-off, and may well rise
+                engine.state.ctl.assign(words)
+                return _at_rest(engine, free, creeping=False)
             can_be_shorter = not np.any(status & ~int(k.NOT_CONVERGED | k.ENERGY)) and tau > least
             if retreats == 0 and not (settled or balanced or can_be_shorter):
                 return False
@@ -88,6 +92,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
         longer = [min(tau * growth, last) for growth in (GROWTH, CAREFUL, 1.0)]
         longer = next(t for t in longer if t < too_long)
         settled = bool(np.all(moved <= TOLERANCE * length))
+        still = tau >= FIRST * length and bool(np.all(moved <= ROUND_OFF * length))
         balanced = bool(np.all(left <= model.limits.residual_tolerance))
         creeping = balanced and bool(np.any(moved > CREEP * before))
         if longer == tau and (creeping or (settled and (balanced or tau >= last))):

@@ -21,6 +21,7 @@ from warpffrf_kernels.normal import (
 )
 
 from warpffrf.online.step.launches import blocks, threads
+from warpffrf.online.step.outer import FACTOR
 from warpffrf.online.step.phases import Participant
 
 BESIDE = "pair_beside"  # bodies that several pairs load
@@ -65,10 +66,22 @@ CONTACT = Participant(
         blocks(contact_compliance.respond),
         blocks(contact_compliance.modal_rows),
         blocks(contact_assembly.assemble, scratch="scaled_modes", receptance="contact_receptance"),
-        blocks(contact_assembly.assemble_between, when=BESIDE, field="field_beside"),
+        blocks(contact_assembly.assemble_between, when=BESIDE, receptance="contact_receptance", field="field_beside"),
     ],
-    condense=[blocks(contact_compliance.outer_rows), blocks(contact_compliance.condense_contact)],
-    press=[blocks(contact_solve.solve_pressures, work="factor")],
+    condense=[blocks(contact_compliance.outer_rows)],
+    press=[
+        threads(contact_solve.order_slots),
+        blocks(contact_solve.eliminate_pairs, "pair", G="soft"),
+        blocks(contact_solve.pose_pressures, G="soft"),
+        blocks(contact_solve.solve_pressures, U="factor", **FACTOR),
+        blocks(
+            contact_solve.solve_between,
+            when=BESIDE,
+            G="soft",
+            U="factor",
+            **FACTOR,
+        ),
+    ],
     follow=[blocks(contact_fields.modal_fields, "pair", **STEP)],
     correct=[blocks(contact_solve.correct_set, "pair"), threads(contact_solve.accept_set)],
     finish=[blocks(impulsive_memory.finish_rates)],

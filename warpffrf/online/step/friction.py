@@ -23,6 +23,7 @@ from warpffrf_kernels.friction import (
 )
 
 from warpffrf.online.step.launches import Launch, blocks, once, threads
+from warpffrf.online.step.outer import FACTOR
 from warpffrf.online.step.phases import Loop, Participant
 
 G, K, L, J, V, Y = ({letter: f"cell_{letter}"} for letter in "GKLJVY")
@@ -52,7 +53,8 @@ RUB = [
         **{name: f"cell_{name}" for name in OWN},
     ),
     blocks(
-        pressure_answer.press_with_tractions, tau_base="cell_base", change="answer_change", **Y, **TAU, **STEP
+        pressure_answer.press_with_tractions, tau_base="cell_base", change="answer_change", z_change="answer_z",
+        **Y, **V, **TAU, **STEP,
     ),
     *bounds(0),
     once(pressure_answer.count_rounds, again="rubbing"),
@@ -86,14 +88,24 @@ FRICTION = Participant(
         blocks(cell_compliance.assemble_cells, shift="cell_shift", **SCALED, **G),
         blocks(cell_compliance.outer_cells),
         blocks(pressure_answer.answer_tractions, shift="second_shift", **SCALED, **Y),
-        blocks(cell_compliance.condense_cells, **G, **L, **V, **K),
+        blocks(
+            pressure_answer.border_cells,
+            matrix="bordered",
+            bordered="cell_bordered",
+            right="mobility_rhs",
+            column="mobility_column",
+            **L,
+            **Y,
+            **V,
+            **FACTOR,
+        ),
+        blocks(cell_compliance.condense_cells, L="cell_bordered", **G, **V, **K),
         blocks(pressure_answer.condense_answer, **Y, **K),
         press("pressure_change", "load_change", of_state=0),
         blocks(stick_slip_problem.drive_modes),
         blocks(stick_slip_problem.pose_tractions, **K, **L, **J, **BASE, **RIGHT, **TAU),
         Loop("rubbing", RUB),
         blocks(stick_slip_problem.take_tractions, **TAU, **BASE, **V),
-        blocks(pressure_answer.move_with_answer, **STEP),
     ],
     answer=[blocks(stick_slip_problem.push_modes, push="cell_push", **TAU, **BASE, **J)],
     keep=[

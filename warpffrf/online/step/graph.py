@@ -32,15 +32,14 @@ class StepGraph:
         state: State,
         ring: Ring,
         scratch: Scratch,
-        pattern: OuterPattern | None,
+        pattern: OuterPattern,
         *,
         progress: bool = False,
     ) -> None:
         self.compiled, self.state, self.scratch, self.device = compiled, state, scratch, compiled.device
-        constants: dict[str, object] = {"models": compiled.models}
         self.pattern = pattern
-        if pattern is not None:
-            self.pattern_struct, constants["patterns"] = on_device(pattern, self.device)
+        self.pattern_struct, patterns = on_device(pattern, self.device)
+        constants: dict[str, object] = {"models": compiled.models, "patterns": patterns}
         self.program = Program(compiled, sizes, (state, ring, scratch), constants)
         load((launch.kernel.module for launch in self.program.launches()), self.device, progress=progress)
         more: Any = scratch.more

@@ -5,6 +5,7 @@ from __future__ import annotations
 from warpffrf_kernels.layers import layer_energy, weak_layer
 
 from warpffrf.online.step.launches import blocks, threads
+from warpffrf.online.step.outer import FACTOR
 from warpffrf.online.step.phases import Participant
 
 BEFORE = {"depth_before": "layer_depth", "drag_before": "layer_drag", "column_before": "layer_column"}
@@ -23,6 +24,9 @@ LAYERS = Participant(
     ],
     displace=[blocks(weak_layer.add_yield, "pair", **WEAK)],
     store=[threads(layer_energy.add_layer_energy, **NOW, **PAST, **WEAK)],
-    condense=[blocks(weak_layer.add_flexibility, tangent="layer_tangent", **SUPPORT)],
+    condense=[
+        blocks(weak_layer.find_support, right="layer_rhs", moved="layer_moved", **SUPPORT, **FACTOR),
+        blocks(weak_layer.add_flexibility, tangent="layer_tangent"),
+    ],
     keep=[blocks(layer_energy.keep_layer, "pair", **BEFORE, **NOW)],
 )

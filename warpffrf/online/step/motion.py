@@ -7,6 +7,7 @@ from warpffrf_kernels.constraints import forces, rows
 from warpffrf_kernels.step import accuracy, commit, record
 
 from warpffrf.online.step.launches import blocks, threads
+from warpffrf.online.step.outer import FACTOR
 from warpffrf.online.step.phases import Participant
 
 START = {"v_rate": "v_rate0", "v_alg": "v_alg0", "omega_rate": "omega_rate0", "omega_alg": "omega_alg0"}
@@ -21,8 +22,9 @@ MOTION = Participant(
         blocks(motion.move_bodies, **START),
         threads(motion.hold_motions, when="pair"),
         blocks(motion.move_modes, when="mode", **START_MODES),
-        blocks(inertia.sum_modes, when="dense", **SUMS),
-        blocks(inertia.add_inertia, when="dense", **SUMS),
+        blocks(inertia.uncondense, when="dense"),
+        blocks(inertia.sum_modes, when="inertia_mode", **SUMS),
+        blocks(inertia.add_inertia, when="inertia_mode", **SUMS),
         blocks(inertia.shorten_interfaces, when="stiffened_interface"),
         blocks(interfaces.move_interfaces, when="interface", **INTERFACES),
     ],
@@ -34,7 +36,14 @@ MOTION = Participant(
     ],
     project=[
         blocks(accuracy.missed_rates, when="projected_row", wanted="project"),
-        blocks(accuracy.project_velocities, when="projected_row", wanted="project", modal_change="modal_step"),
+        blocks(
+            accuracy.project_velocities,
+            when="projected_row",
+            wanted="project",
+            right="projection_rhs",
+            modal_change="modal_step",
+            **FACTOR,
+        ),
     ],
     estimate=[threads(accuracy.estimate_error, when="adaptive_world")],
     decide=[threads(commit.decide, created="created_now")],

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels.bodies import inertia, motion
+from warpffrf_kernels.bodies import inertia
 from warpffrf_kernels.constraints import geometric_stiffness
 from warpffrf_kernels.impulsive import impulsive_contact
-from warpffrf_kernels.linear import outer, sparse_outer
+from warpffrf_kernels.linear import outer, outer_solve
 from warpffrf_kernels.normal import contact_solve
 from warpffrf_kernels.step import balance
 
@@ -13,29 +13,19 @@ from warpffrf.online.step.launches import blocks, once, threads
 from warpffrf.online.step.phases import Participant
 
 INTERFACES = {"motion": "interface_motion"}
+FACTOR = {"factor": "sparse_factor", "vector": "sparse_vector", "lines": "sparse_lines", "work": "elimination"}
 
 OUTER = Participant(
     "outer",
-    load=[
-        blocks(outer.add_multipliers, when="dense_row"),
-        blocks(sparse_outer.pull, when="sparse_row"),
-    ],
+    load=[blocks(outer.pull, when="row")],
     balance=[threads(balance.balance, history="residual_history")],
     assemble=[
-        blocks(outer.condense, when="dense_outer"),
-        blocks(sparse_outer.condense_sparse, when="sparse_outer"),
-        blocks(inertia.couple_modes, when="dense"),
+        blocks(outer.condense),
+        blocks(inertia.couple_modes, when="inertia_mode"),
         threads(geometric_stiffness.stiffen, when="row", **INTERFACES),
-        blocks(motion.add_held, when="pair"),
         threads(geometric_stiffness.stiffen_applied, when="applied", **INTERFACES),
     ],
-    eliminate=[
-        blocks(outer.factor_outer, when="dense_outer", work="elimination"),
-        blocks(
-            sparse_outer.solve_outer, when="sparse_outer", factor="sparse_factor", vector="sparse_vector",
-            lines="sparse_lines", work="elimination", z="z_free",
-        ),
-    ],
+    eliminate=[blocks(outer_solve.solve_outer, when="free_outer", **FACTOR)],
     increase=[
         blocks(contact_solve.modal_increments, when="mode"),
         blocks(impulsive_contact.push_further, when="dynamic_mode", push="modal_push"),
