@@ -40,7 +40,7 @@ class ContactForces:
     approach: np.ndarray  # (T,) m
     active: np.ndarray  # (T,) int, carrying tests
     pressures: list[dict[int, float]]  # multiplier by number of the test: Pa of a hat, N of a node
-    local: tuple[np.ndarray, np.ndarray]  # local coordinates (T, n) of both surfaces
+    local: tuple[np.ndarray, np.ndarray]  # local coordinates (T, n) of both surfaces, of each with its body's others
     friction: dict[str, np.ndarray] | None = None  # fields of `warpffrf.online.history.history.FrictionHistory`
 
 

@@ -13,16 +13,15 @@ from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.evaluations import all_full
 from warpffrf.model.friction import friction_notes
 from warpffrf.model.progress import Progress
-from warpffrf.model.slopes import leanings, leant
 from warpffrf.model.step_count import step_count
 from warpffrf.monolithic.core.description import describe_scene
-from warpffrf.monolithic.core.equations import LocalData
 from warpffrf.monolithic.core.integrator import REST, Formula, coefficients_of
-from warpffrf.monolithic.core.local_coordinates import TREATMENTS, local_coordinates
+from warpffrf.monolithic.core.local_coordinates import TREATMENTS
 from warpffrf.monolithic.core.state import State, initial_state, layout_of
 from warpffrf.monolithic.history import BodyMotion, ContactForces, MonolithicHistory
 from warpffrf.monolithic.line_of_centres.pair import pair_data
 from warpffrf.monolithic.line_of_centres.record import ContactRow, contact_arrays, contact_row, joined
+from warpffrf.monolithic.local_systems import local_systems
 from warpffrf.monolithic.newton import Evaluation, Solution, System, solve_step
 from warpffrf.monolithic.nodal.build import memory, node_pairs
 from warpffrf.monolithic.nodal.record import FrictionRow, friction_arrays, node_row
@@ -65,11 +64,11 @@ def build(
     refuse_contacts(scene, full)
     law, layers = contact_layers(scene, full, law, layer_stiffness)
     nodal = full and needs_nodes(scene)
-    coordinates, surfaces = _local_systems(scene, local, local_modes or {}, zeta)
-    layout = layout_of(data, [c.count for c in coordinates])
-    empty = [np.zeros(0)]
-    parts = [np.concatenate(empty + [getattr(c, x) for c in coordinates]) for x in ("mass", "damping", "stiffness")]
-    local_data, first = LocalData(*parts), initial_state(scene, data, layout, len(scene.contacts))
+    systems = local_systems(scene, local, local_modes or {}, zeta)
+    coordinates, surfaces = systems.coordinates, systems.surfaces
+    data.notes += systems.notes
+    layout = layout_of(data, systems.counts, systems.system_of)
+    local_data, first = systems.data(), initial_state(scene, data, layout, len(scene.contacts))
     if nodal:
         pairs: list[Any] = list(node_pairs(scene, layout, surfaces, coordinates, stick_stiffness))
         first.nodes = memory(pairs)
@@ -80,25 +79,6 @@ def build(
             pairs.append(pair_data(contact, layout, (i, j), (coordinates[i], coordinates[j]), law, layer))
     assembled = law == "nodes" and variant != "low_rank"
     return System(data, layout, local_data, pairs, surfaces, variant, assembled, tolerance), first
-
-
-def _local_systems(scene: Any, local: str, given: dict, zeta: float) -> tuple[list[Any], list[tuple[int, int | None]]]:
-    """Local coordinates of every surface in contact, one system a surface however many pairs it serves, so that each
-    of them feels the loads of the others; and per pair the numbers of its two surfaces, None of a rigid one."""
-    ports = [port for contact in scene.contacts for port in (contact.a, contact.b)]
-    rough = {(p.body.index, p.name) for c in scene.contacts if c.friction.coefficient > 0.0 for p in (c.a, c.b)}
-    number: dict[tuple[int, str], int] = {}
-    found: list[Any] = []
-    lean = leanings(scene.contacts)
-    for port in ports:
-        place = (port.body.index, port.name)
-        if not port.rigid and place not in number:
-            number[place] = len(found)
-            modes = given.get((port.body.name, port.name))
-            surface = leant(port.surface, lean.get(place, 0.0)) if local == "quasi_static" else port.surface
-            found.append(local_coordinates(surface, local, modes, zeta, port.label, friction=place in rough))
-    of = [None if port.rigid else number[port.body.index, port.name] for port in ports]
-    return found, [(a, b) for a, b in zip(of[::2], of[1::2], strict=True) if a is not None]
 
 
 def run(
@@ -153,7 +133,7 @@ def run(
         "mean_iterations": spent.iterations / max(spent.steps, 1),
         "factorisations": spent.factorisations,
         "unknowns": system.layout.size,
-        "local_coordinates": sum(system.layout.local_count),
+        "local_coordinates": system.layout.local,
         "build_seconds": built - entered,
         "loop_seconds": spent.seconds.pop("loop", 0.0),
         **{f"{part}_seconds": value for part, value in spent.seconds.items()},

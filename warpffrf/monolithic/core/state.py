@@ -58,14 +58,15 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Numbers of unknowns: 6 a body (translation in world, turn in body axes), global modes, local coordinates, rows.
+    """Numbers of unknowns: 6 a body (translation in world, turn in body axes), global modes, `local` coordinates, rows.
 
     `mode_start` (B + 1,): first global mode of each body; `local_start`: first local coordinate of each contact
-    surface, counted in `q`, and `local_count`.
+    surface, counted in `q`, and `local_count`: surfaces of one body can have theirs in common.
     """
 
     bodies: int
     mode_start: np.ndarray
+    local: int
     local_start: tuple[int, ...]
     local_count: tuple[int, ...]
     rows: int
@@ -78,7 +79,7 @@ class Layout:
     @property
     def flexible(self) -> int:
         """Global modes and local coordinates."""
-        return self.modes + sum(self.local_count)
+        return self.modes + self.local
 
     @property
     def outer(self) -> int:
@@ -113,13 +114,14 @@ class Layout:
         return 6 * self.bodies + self.local_start[surface] + np.arange(self.local_count[surface])
 
 
-def layout_of(data: SceneData, local_counts: list[int]) -> Layout:
-    """Layout of a scene with so many local coordinates on its contact surfaces."""
+def layout_of(data: SceneData, counts: list[int], system_of: list[int]) -> Layout:
+    """Layout of a scene with so many local coordinates in each system of them, and of every contact surface the number
+    of its system."""
     mode_start = np.cumsum([0] + [len(b.stiffness) for b in data.bodies])
-    starts = int(mode_start[-1]) + np.cumsum([0, *local_counts])[:-1]
+    starts = int(mode_start[-1]) + np.cumsum([0, *counts])
     return Layout(
-        len(data.bodies), mode_start, tuple(int(s) for s in starts[: len(local_counts)]), tuple(local_counts),
-        len(data.constraints),
+        len(data.bodies), mode_start, sum(counts), tuple(int(starts[s]) for s in system_of),
+        tuple(counts[s] for s in system_of), len(data.constraints),
     )  # fmt: skip
 
 
