@@ -127,8 +127,6 @@ ELEMENTS = ("spring_damper", "bushing", "bearing", "joint_spring_damper", "point
 def make(scene: Scene, kind: str, a: Any, b: Any, far: Any, free: list, at: Place, rng: np.random.Generator) -> None:
     """A force element at the ports a and b of two bodies that meet, or from a to `far`, or on one of the coordinates
     that joints leave `free`.
-
-    A bearing's spin is not braked: `test_random_scenes.test_the_brake_of_a_bearing`.
     """
     k, A, axes = rng.uniform(20.0, 200.0), rng.normal(size=(6, 6)), any_turn(rng)
     if kind == "spring_damper":
@@ -140,6 +138,7 @@ def make(scene: Scene, kind: str, a: Any, b: Any, far: Any, free: list, at: Plac
             forces.Bearing(
                 a, b, axis=at.vector(axes[0]), radial=k, axial=0.5 * k, tilt=0.05 * k, radial_tilt=0.1 * k,
                 radial_damping=0.01 * k, tilt_damping=0.001 * k,
+                spin_damping=0.001 * k,
             )
         )  # fmt: skip
     elif kind == "point_force":

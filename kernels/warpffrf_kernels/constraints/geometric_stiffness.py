@@ -17,6 +17,8 @@ points by dx, turns them by dT and the bodies by dTheta. For fixed lambda
     DIRECTION              t = w x u:                 Q_a = -lambda w^ u^,   Q_b = lambda u^ w^
     ANGLE, SECOND_ANGLE    t = e x n/N, n = (q.e) p - (p.e) q, N = (p.e)^2 + (q.e)^2, e turning with one body, p and q
                            with the other, d(p.e) = (dTheta_e - dTheta_pq).(e x p), likewise q
+    TWIST                  t = (u + w)/N, N = 1 + u.w:   Q_a = -lambda (u^ + t (u x w)^T)/N, Q_b likewise, u and w
+                           exchanged
 
 and d(A^T v) = A^T (dv + v x dTheta). An applied force F is half a row: the residual has -F at its place, dF = 0, or
 dTheta x F where it turns with the body; a torque likewise. What B itself changes by with the modes is in
@@ -173,6 +175,12 @@ def pull_of(kind: int, pull: real, f: vec3, t: vec3, R_a: mat33, R_b: mat33, i: 
         W = hat(vec3(R_b[0, j], R_b[1, j], R_b[2, j]))
         out.Q_a = -pull * (W * U)
         out.Q_b = pull * (U * W)
+    if kind == k.TWIST:
+        u = vec3(R_a[0, i], R_a[1, i], R_a[2, i])
+        w = vec3(R_b[0, i], R_b[1, i], R_b[2, i])
+        N = real(1.0) + wp.dot(u, w)
+        out.Q_a = (-pull / N) * (hat(u) + wp.outer(t, wp.cross(u, w)))
+        out.Q_b = (-pull / N) * (hat(w) + wp.outer(t, wp.cross(w, u)))
     if kind == k.ANGLE or kind == k.SECOND_ANGLE:
         held = R_a
         turned = R_b

@@ -7,13 +7,15 @@ x_a, x_b:
     DIRECTION     c = u_i . w_j
     ANGLE         c = angle of w_j about u_i from u_j, minus s(t), in (-pi, pi]: needs no counting of turns
     SECOND_ANGLE  the same of the other side's axes: angle of w_j about w_i against u_j (universal joints)
+    TWIST         c = turn of b against a about the axis i, whatever tilts, minus s(t), in (-pi, pi]
     DISTANCE      c = |x_b - x_a| - s(t)
 
 with s the signal of the row (0 without one). Every variation has the form `f.(dx_b - dx_a) + t.(dTheta_b - dTheta_a)`,
 where dx are material displacements of the point x_b carried by either body and dTheta their turns, so a row pulls with
 the wrench (f, t) at x_b on b and the opposite on a: action equals reaction by construction.
     TRANSLATION: f = u_i, t = 0;  DIRECTION: f = 0, t = w_j x u_i;  DISTANCE: f = (x_b - x_a)/|x_b - x_a|, t = 0;
-    ANGLE: f = 0, t = u_i where w_j is perpendicular to it (in general, and for SECOND_ANGLE: `model/joints/rows.py`).
+    ANGLE: f = 0, t = u_i where w_j is perpendicular to it (in general, and for SECOND_ANGLE and TWIST:
+                  `model/joints/rows.py`).
     BUSHING       c = v.d + z.phi of the row's vector (v, z), with d = A_a^T (x_b - x_a) and exp(phi^) = A_a^T A_b:
                   f = A_a v, t = A_a T(phi)^-1 z, since phi turns by T(phi)^-T A_a^T (dTheta_b - dTheta_a).
 An angle that is a spring counts its turns.
@@ -213,11 +215,21 @@ def evaluate_rows(
             Q = wp.dot(u, z)
             value = wp.atan2(P * wp.cos(s) - Q * wp.sin(s), Q * wp.cos(s) + P * wp.sin(s))
             torque = (sign / (P * P + Q * Q)) * wp.cross(z, Q * v - P * u)
+        if kind == k.TWIST:
+            p = (i + 1) % 3
+            q = (i + 2) % 3
+            R = wp.transpose(R_a) * R_b
+            P = R[q, p] - R[p, q]
+            Q = R[p, p] + R[q, q]
+            value = wp.atan2(P * wp.cos(s) - Q * wp.sin(s), Q * wp.cos(s) + P * wp.sin(s))
+            u = vec3(R_a[0, i], R_a[1, i], R_a[2, i])
+            z = vec3(R_b[0, i], R_b[1, i], R_b[2, i])
+            torque = (u + z) / (real(1.0) + R[i, i])
         if kind == k.DISTANCE:
             gap = x_b - x_a
             value = wp.length(gap) - s
             force = gap / wp.max(value + s, real(1.0e-300))
-        if kind == k.ANGLE or kind == k.SECOND_ANGLE:
+        if kind == k.ANGLE or kind == k.SECOND_ANGLE or kind == k.TWIST:
             if model.rows.rigid[row] == 0:  # a spring counts turns from the last accepted state
                 value += TURN * wp.round((stretch[w, row] - value) / TURN)
         if kind == k.BUSHING:

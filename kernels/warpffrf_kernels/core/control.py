@@ -125,6 +125,7 @@ ANGLE = wp.constant(2)
 DISTANCE = wp.constant(3)
 SECOND_ANGLE = wp.constant(4)
 BUSHING = wp.constant(5)
+TWIST = wp.constant(6)
 
 # --- columns of the energy ledger
 KINETIC = wp.constant(0)

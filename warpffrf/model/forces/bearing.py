@@ -5,7 +5,8 @@ Coordinates of the second port's marker (axes w) against the first's (axes u), z
     d = A_a^T (x_b - x_a),      theta_x = -u_y . w_z,      theta_y = u_x . w_z.
 
 theta is the sine of the tilt of b's axis about a's x and y axes; unlike a rotation vector it does not feel the spin, so
-any number of turns leaves the law as it was. A bushing would not do: its rotation is that of the whole frame.
+any number of turns leaves the law as it was. A bushing would not do: its rotation is that of the whole frame. The spin
+is the twist (`warpffrf.model.joints.rows`), which no choice of x axes enters.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ _COORDINATES = (
     Coordinate("translation", 2),
     Coordinate("direction", 1, 2),
     Coordinate("direction", 0, 2),
-    Coordinate("angle", 2, 0),
+    Coordinate("twist", 2),
 )
 _SIGNS = np.array([1.0, 1.0, 1.0, -1.0, 1.0, 1.0])
 

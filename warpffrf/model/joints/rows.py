@@ -7,6 +7,7 @@ A row is a function c of two markers a and b: positions x_a, x_b and axes u_i (o
     direction      c = u_i . w_j
     angle          c = angle of w_j about u_i, from u_j towards u_i x u_j
     second_angle   c = angle of w_j about w_i, measured against u_j
+    twist          c = turn of b against a about the axis i, whatever the axis of b does (swing and twist)
 
 With dx_a, dx_b the displacements of the material points of either body that lie at x_b, and dTheta their turns, every
 variation is dc = f.(dx_b - dx_a) + t.(dTheta_b - dTheta_a). A multiplier therefore pulls with the wrench -lambda (f, t)
@@ -15,6 +16,20 @@ for a vector e of one body in the orthonormal directions p, q of the other, c = 
 dc = (Q dP - P dQ)/(P^2 + Q^2). For `angle` e = w_j turns against p = u_i x u_j, q = u_j, so that
 t = e x (Q p - P q)/(P^2 + Q^2); for `second_angle` p = w_j x w_i, q = w_j turn against e = u_j, and t is the opposite
 of the same expression. On the joint (e perpendicular to the axis) t is the axis itself.
+
+Where nothing holds the axis these angles are those of one vector, which another would not share: to first order in the
+tilt they depend on which was chosen. The *twist* does not. With the quaternion (q_v, q_0) of A_a^T A_b it is
+2 atan2(q_i, q_0): the shortest turn that brings u_i to w_i is taken off, what is left is a turn about u_i. In the
+markers' axes, p and q the two after i,
+
+    c = atan2(u_q.w_p - u_p.w_q, u_p.w_p + u_q.w_q),      as q_i q_0 and q_0^2 - q_i^2 are 1/4 and 1/2 of these,
+
+and with omega the angular velocity of b against a, q_0' = -omega.q_v/2 and q_v' = (q_0 omega + omega x q_v)/2,
+
+    c' = (u_i + w_i).omega/(1 + u_i.w_i),      t = (u_i + w_i)/(1 + u_i.w_i).
+
+It fails only where w_i = -u_i; without a tilt it is the angle, and a tilt alone (omega perpendicular to u_i + w_i) is
+no twist.
 
 `warpffrf_kernels.constraints.rows` computes the same on the device; this is the independent copy that checks of scenes,
 recorded coordinates and tests use."""
@@ -25,7 +40,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-KINDS = ("translation", "direction", "angle", "distance", "second_angle")
+KINDS = ("translation", "direction", "angle", "distance", "second_angle", "twist")
 _AXES = "xyz"
 
 
@@ -74,6 +89,10 @@ def value(row: Row, x_a: np.ndarray, A_a: np.ndarray, x_b: np.ndarray, A_b: np.n
         return np.linalg.norm(x_b - x_a, axis=-1)
     if row.kind == "direction":
         return _dot(A_a[..., row.i], A_b[..., row.j])
+    if row.kind == "twist":
+        p, q = (row.i + 1) % 3, (row.i + 2) % 3
+        across = _dot(A_a[..., q], A_b[..., p]) - _dot(A_a[..., p], A_b[..., q])
+        return np.arctan2(across, _dot(A_a[..., p], A_b[..., p]) + _dot(A_a[..., q], A_b[..., q]))
     e, p, q, _ = _angle(row, A_a, A_b)
     return np.arctan2(_dot(p, e), _dot(q, e))
 
@@ -89,6 +108,9 @@ def gradient(
         return (x_b - x_a) / np.linalg.norm(x_b - x_a, axis=-1)[..., None], zero
     if row.kind == "direction":
         return zero, zero + np.cross(A_b[..., row.j], A_a[..., row.i])
+    if row.kind == "twist":
+        u, w = A_a[..., row.i], A_b[..., row.i]
+        return zero, zero + (u + w) / (1.0 + _dot(u, w))[..., None]
     e, p, q, sign = _angle(row, A_a, A_b)
     P, Q = _dot(p, e)[..., None], _dot(q, e)[..., None]
     return zero, zero + sign * np.cross(e, Q * p - P * q) / (P * P + Q * Q)

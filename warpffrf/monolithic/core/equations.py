@@ -29,6 +29,7 @@ from warpffrf.monolithic.core.rows import Function, MarkerState, RowStates, mark
 from warpffrf.monolithic.core.state import Layout, State
 
 TURN = 2.0 * np.pi
+ANGLES = ("angle", "second_angle", "twist")  # coordinates that are angles
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,7 +228,7 @@ class _Work:
             for item, line, value, force in zip(items, lines, rows.value, pull, strict=True):
                 if item.signal is not None:
                     value -= float(item.signal(self.trial.time))
-                if item.kind in ("angle", "second_angle"):
+                if item.kind in ANGLES:
                     value = float(np.arctan2(np.sin(value), np.cos(value)))
                 self.residual[line] = value - item.reference
                 if item.is_length:
@@ -266,7 +267,7 @@ class _Work:
         rows, at = self.rows(list(spring.coordinates), spring.markers)
         e = rows.value.copy()
         for n, (kind, *_) in enumerate(spring.coordinates):
-            if kind in ("angle", "second_angle"):  # counts turns from the last accepted state
+            if kind in ANGLES:  # counts turns from the last accepted state
                 e[n] += TURN * np.round((stretch[first + n] - e[n]) / TURN)
         new[first : first + count] = e
         C, H = rows.force, rows.turning

@@ -166,6 +166,16 @@ def row_states(functions: list[Function], a: MarkerState, b: MarkerState) -> Row
             dv = np.outer(p, dQ) + Q * dp - np.outer(q, dP) - P * dq
             dt[m] = sign / N * (hat(e) @ dv - hat(v) @ de) - np.outer(t[m], 2.0 * (P * dP + Q * dQ) / N)
             slope[m] = (Q * dP - P * dQ) / N
+        elif kind == "twist":
+            o, p = (i + 1) % 3, (i + 2) % 3
+            A = a.R.T @ b.R
+            value[m] = np.arctan2(A[p, o] - A[o, p], A[o, o] + A[p, p])
+            u, w = a.R[:, i], b.R[:, i]
+            du, dw = -hat(u) @ T_a, -hat(w) @ T_b
+            N = 1.0 + u @ w
+            t[m] = (u + w) / N
+            dt[m] = (du + dw) / N - np.outer(t[m], w @ du + u @ dw) / N
+            slope[m] = t[m] @ (T_b - T_a)
         elif kind == "bushing":
             along, about = vector[:3], vector[3:]
             phi = rotation_vector(a.R.T @ b.R)

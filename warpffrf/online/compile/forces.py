@@ -23,6 +23,7 @@ ROW_KINDS = {
     "direction": k.DIRECTION,
     "angle": k.ANGLE,
     "second_angle": k.SECOND_ANGLE,
+    "twist": k.TWIST,
     "distance": k.DISTANCE,
     "bushing": k.BUSHING,
 }

@@ -23,6 +23,7 @@ ROW_KINDS = {
     "angle": k.ANGLE,
     "distance": k.DISTANCE,
     "second_angle": k.SECOND_ANGLE,
+    "twist": k.TWIST,
 }
 
 
