@@ -8,7 +8,7 @@ kinds of coordinates
     (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) vdot_1 + alpha_f vdot_0,
 
 so that `a_1`, `v_1`, `vdot_1` are affine in `d` with slopes `1/(beta h^2)`, `VEL = gamma/(beta h)` and
-`ACC = (1 - alpha_m)/(beta h^2 (1 - alpha_f))`. Three other uses of the same formulas:
+`ACC = (1 - alpha_m)/(beta h^2 (1 - alpha_f))`. Four other uses of the same formulas:
 
 * STATIC (beta = 1, gamma = 0, alphas 0, all rates zero): `vdot_1 = d/h^2`, a proximal step towards the static state;
   motions that are to stay where they are get an inertia of their own (`hold_motions`).
@@ -16,6 +16,8 @@ so that `a_1`, `v_1`, `vdot_1` are affine in `d` with slopes `1/(beta h^2)`, `VE
   joints and drives, in the mass metric.
 * START (beta = 1/2, gamma = 1, alphas 0): one tiny step of constant acceleration gives `vdot`, `lambda` and pressures
   (`warpffrf.online.start.accelerations` then takes out the round-off of its size).
+* A step that forgets (alphas 0, beta = gamma = 1, no part of a_0 in d): the implicit Euler method, `d = h v_1`, where
+  friction in a joint becomes another within the step (`warpffrf_kernels.constraints.joint_friction`).
 
 Modes of kind 1 (HHT) have coefficients of their own in a dynamic step, those of kind 2 the exact step for a linear load
 (`exact_step`), in which the load at the end plays the part of the residual and D that of the receptance. The
@@ -36,6 +38,7 @@ from warpffrf_kernels.core.integration import (
     algorithmic,
     coefficients_from,
     coefficients_of,
+    forgetful,
     predicted,
     rate_of,
     rule_of,
@@ -106,6 +109,9 @@ def begin_step(
             beta = real(0.5)
     clk[w].h = h
     clk[w].outer = coefficients_from(am, af, beta, gamma, h)
+    ctl[w].turned = 0
+    if ctl[w].mode == k.DYNAMIC and ctl[w].forget != 0:
+        clk[w].outer = forgetful(h)
     if ctl[w].mode == k.DYNAMIC:
         am = local_coefficients[w, 0]
         af = local_coefficients[w, 1]

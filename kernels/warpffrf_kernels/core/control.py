@@ -59,6 +59,9 @@ class Control:
     shaken: int  # 1 when the step before was impulsive, or halved after one that was
     spell: int  # steps in a row with a numerical line too high, see `energy_watch`
     trapezoidal: int  # 1 when the attempt acts by the trapezoidal rule from true accelerations
+    forget: int  # 1 when the attempt is to remember no acceleration, see `joint_friction`
+    turned: int  # 1 when friction in a joint has become another in the attempt: stick, slip, or its direction
+    forgotten: int  # accepted steps that remembered no acceleration
 
 
 @wp.struct
@@ -71,6 +74,7 @@ class Coefficients:
     gamma: real
     acc: real  # d(acceleration)/d(displacement)
     vel: real  # d(velocity)/d(displacement)
+    forget: real  # 1: the old algorithmic acceleration has no part in the increment
 
 
 @wp.struct

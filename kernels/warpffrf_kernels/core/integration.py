@@ -31,6 +31,20 @@ def coefficients_from(am: real, af: real, beta: real, gamma: real, h: real) -> C
 
 
 @wp.func
+def forgetful(h: real) -> Coefficients:
+    """The implicit Euler method, which remembers no acceleration: d = h v_1, v_1 = v_0 + h a_1, vdot_1 = a_1."""
+    c = coefficients_from(real(0.0), real(0.0), real(1.0), real(1.0), h)
+    c.forget = real(1.0)
+    return c
+
+
+@wp.func
+def of_old(c: Coefficients) -> real:
+    """Share of a_0 in the increment, 1/2 - beta, or none."""
+    return (real(0.5) - c.beta) * (real(1.0) - c.forget)
+
+
+@wp.func
 def coefficients_of(clk: wp.array(dtype=Clock), w: int, rule: int) -> Coefficients:
     """Of the coordinates that step by `rule`; those that step EXACT need none."""
     if rule == LOCAL:
@@ -42,12 +56,12 @@ def coefficients_of(clk: wp.array(dtype=Clock), w: int, rule: int) -> Coefficien
 def predicted(h: real, c: Coefficients, v0: vec3, rate0: vec3, a0: vec3) -> vec3:
     """Increment that keeps the rate of the old state."""
     a1 = (rate0 - c.alpha_m * a0) / (real(1.0) - c.alpha_m)
-    return h * v0 + h * h * ((real(0.5) - c.beta) * a0 + c.beta * a1)
+    return h * v0 + h * h * (of_old(c) * a0 + c.beta * a1)
 
 
 @wp.func
 def algorithmic(h: real, c: Coefficients, d: vec3, v0: vec3, a0: vec3) -> vec3:
-    return (d - h * v0 - h * h * (real(0.5) - c.beta) * a0) / (c.beta * h * h)
+    return (d - h * v0 - h * h * of_old(c) * a0) / (c.beta * h * h)
 
 
 @wp.func

@@ -4,7 +4,8 @@ A step is accepted when its Newton loop converged, everything is finite, and its
 Otherwise it is halved (levels are powers of two of the user's step, so time stays exact), and doubled again when it
 goes well. A rejected attempt leaves multipliers and the contact (`contact_snapshot`) as it found them. An attempt in
 which a pair swings, or its memory creates energy, is repeated at the same step with that pair impulsive
-(`impulsive_contact`).
+(`impulsive_contact`). One in which friction of a joint cannot stay what it was is repeated as a step that forgets, and
+the step after it forgets too (`joint_friction`).
 
 In scenes with dynamic local modes an attempt in which contact is not calm, or the integrator gains more than the energy
 tolerance, is repeated with all pairs impulsive, and so on until it is calm.
@@ -123,6 +124,11 @@ def decide(
         ctl[w].failure = ctl[w].failure | k.ACCURACY
     failure = ctl[w].failure
     bearable = (failure | k.ENERGY | k.ACCURACY) == (k.ENERGY | k.ACCURACY)
+    if dynamic and failure == 0 and ctl[w].turned != 0 and ctl[w].forget == 0:
+        ctl[w].forget = 1
+        ctl[w].repeated = ctl[w].repeated + 1
+        ctl[w].active = ctl[w].touched
+        return
     if (
         dynamic
         and model.modes.dynamic_count > 0
@@ -167,6 +173,8 @@ def decide(
     ctl[w].accept = 1
     if dynamic:
         ctl[w].impulses = ctl[w].impulses + impulse
+        ctl[w].forgotten = ctl[w].forgotten + ctl[w].forget
+        ctl[w].forget = ctl[w].turned  # what the old friction has left is not for the step after it either
         if model.modes.dynamic_count == 0 and (impulse != 0 or ctl[w].level == 0):
             ctl[w].shaken = impulse
     ctl[w].steps = ctl[w].steps + 1

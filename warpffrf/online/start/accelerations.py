@@ -102,6 +102,7 @@ class _World:
         reals["h"][self.w], reals["next_time"][self.w] = NEVER, self.time
         for word, value in (
             ("alpha_m", 0.0), ("alpha_f", 0.5), ("beta", 0.5), ("gamma", 0.0), ("acc", 0.0), ("vel", 1.0),
+            ("forget", 0.0),
         ):  # fmt: skip
             reals["outer"][word][self.w] = value
         engine.state.ctl.assign(words)

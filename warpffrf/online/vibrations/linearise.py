@@ -90,7 +90,7 @@ class _Probe:
         clk["next_time"] = clk["time"]
         clk["h"] = NO_TIME
         for word, value in (("alpha_m", 1.0), ("alpha_f", 0.0), ("beta", 1.0), ("gamma", 0.0),
-                            ("acc", RIGID_TANGENT), ("vel", 1.0)):  # fmt: skip
+                            ("acc", RIGID_TANGENT), ("vel", 1.0), ("forget", 0.0)):  # fmt: skip
             clk["outer"][word] = value  # dampers show their law where vel > 0
         for word, value in (("run", 1), ("moved", 1), ("reassemble", 1), ("refresh", 1), ("recenter", 0),
                             ("iteration", 0), ("failure", 0), ("slots", 0), ("fresh", 0), ("changes", 0)):  # fmt: skip
