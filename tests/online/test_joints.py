@@ -228,3 +228,11 @@ def test_the_check_names_the_drives_that_a_run_refuses() -> None:
     assert found.refused_drives == ("motor",) and "driven though fixed already: motor" in str(found)
     with pytest.raises(InputError, match="drive 'motor'.*fixed already"):
         run(scene, 1e-2, step=1e-3, progress=False)
+
+
+def test_a_body_held_at_the_origin_makes_no_energy() -> None:
+    """All energies are round-off there, also the potential one that they could be held against."""
+    scene = Scene(gravity=(0.0, 0.0, -9.81))
+    body = scene.add_rigid_body(2.0, CUBE, name="body")
+    scene.add(joints.Fixed(scene.ground.at((0, 0, 0)), body.at((0, 0, 0)), axis=(0.3, 0.2, 1.0)))
+    assert run(scene, 0.2, step=1e-3, progress=False).status == "completed"
