@@ -64,6 +64,15 @@ def pendulum(bodies: Bodies) -> wf.Scene:
     return scene
 
 
+def rubbing_pendulum(bodies: Bodies) -> wf.Scene:
+    """The same, one joint slipping, the other holding."""
+    scene = pendulum(bodies)
+    hinge, elbow = scene.joints
+    scene.add(wf.forces.RevoluteFriction(hinge, 0.2, pin_radius=0.01, name="slips"))
+    scene.add(wf.forces.RevoluteFriction(elbow, 0.0, preload=10.0, name="sticks"))
+    return scene
+
+
 def layered(bodies: Bodies) -> wf.Scene:
     scene = guided_pair(bodies["plain"], bodies["other"], speed=60.0, ramp=0.02)
     scene.contacts[0].law = laws.HuntCrossley(1e15, 1.5, damping=50.0)
@@ -84,6 +93,7 @@ SCENES: dict[str, Callable[[Bodies], wf.Scene]] = {
     "layer": layered,
     "friction": lambda b: guided_pair(b["rubbing"], b["rubbing"], load=60e3, speed=60.0, ramp=0.02, friction=0.3),
     "sparse": pendulum,
+    "joint friction": rubbing_pendulum,
 }
 
 

@@ -1,4 +1,4 @@
-r"""Friction laws of a contact pair.
+r"""Friction laws of contact pairs, and of joints.
 
 With the pressure p, the tangential traction tau (2,) on the first surface and the slip velocity w (2,) of the first
 surface relative to the second
@@ -81,8 +81,9 @@ def as_friction(value: Any, label: str) -> Coulomb | RegularisedCoulomb:
 
 
 def friction_notes(scene: Any, state: str) -> list[str]:
-    """A note for every pair whose friction a static `state` (words for the reader) leaves out."""
+    """A note of the pairs, and the joints, whose friction a static `state` (words for the reader) leaves out."""
     rubbing = [repr(contact.name) for contact in scene.contacts if contact.friction.coefficient > 0.0]
+    rubbing += [repr(force.name) for force in scene.forces if hasattr(force, "slip")]
     if not rubbing:
         return []
     return [f"friction of {', '.join(rubbing)} does not act in {state}: it has no slip to answer"]

@@ -173,7 +173,9 @@ def run(
         notes.extend(engine.start_notes)
         if np.any(engine.word("status")):
             return _finish(engine, begin, built, notes, "start: ")
-        engine.control(rejected=0, repeated=0, impulses=0, steps=0, iterations=0, worst=0, pending=0, pending_solves=0)
+        engine.control(
+            rejected=0, repeated=0, impulses=0, forgotten=0, steps=0, iterations=0, worst=0, pending=0, pending_solves=0
+        )
         engine.enter(k.DYNAMIC, step, target=0)
         if engine.compiled.model.capacity.cells:
             engine.control(level=min(RUB_IN, engine.settings.max_level))
@@ -262,6 +264,8 @@ def _finish(
         "impulsive_steps": int(engine.word("impulses")[0]),
         "outer_columns": engine.compiled.model.outer.count + engine.compiled.model.modes.count,
     }
+    if engine.compiled.slips.laws:
+        history.counters["forgetful_steps"] = int(engine.word("forgotten")[0])
     if engine.graph.pattern is not None:
         history.counters["dense_fallbacks"] = int(engine.scratch.fallback.numpy()[0, 1])
     if engine.word("edge")[0]:

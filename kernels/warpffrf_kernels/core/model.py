@@ -121,6 +121,27 @@ class Groups:
 
 
 @topic
+class JointFrictions:
+    """Friction in joints, see `joint_friction`."""
+
+    count: int
+    start: DeviceArray = integers("joint_friction", note="its first row; a second one follows")
+    size: DeviceArray = integers("joint_friction", note="1 or 2 rows")
+    weight: DeviceArray = reals("joint_friction", 2, unit="1 or m", note="path of what slides per unit coordinate")
+    coefficient: DeviceArray = reals("joint_friction")
+    slip_velocity: DeviceArray = reals(
+        "joint_friction", unit="m/s", note="of a law without stick, 0 of one that sticks"
+    )
+    radial: DeviceArray = reals("joint_friction", note="factor of the loads across the axis")
+    axial: DeviceArray = reals("joint_friction", note="of the reaction along it")
+    spin: DeviceArray = reals("joint_friction", unit="1/m", note="of the moment about it")
+    bending: DeviceArray = reals("joint_friction", unit="1/m", note="load of a place per moment across the axis")
+    preload: DeviceArray = reals("joint_friction", unit="N")
+    held_start: DeviceArray = integers("joint_friction+1", note="into held")
+    held: DeviceArray = integers("held_entry", note="rows of the joint, whose reactions press")
+
+
+@topic
 class Signals:
     """Piecewise polynomials of degree 7."""
 
@@ -364,6 +385,7 @@ class Model:
     markers: Markers
     rows: Rows
     groups: Groups
+    joint_frictions: JointFrictions
     signals: Signals
     forces: Forces
     torques: Torques

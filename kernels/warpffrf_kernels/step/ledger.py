@@ -6,7 +6,8 @@ books
     work of forces    sum (F_0 + F_1)/2 . (x_1 - x_0)           drive   -(lambda_0 + lambda_1)/2 (s_1 - s_0)
     damping           sum c (x_1 - x_0)^2/h of dampers and modal damping, never negative: what the trapezoidal rule
                       takes at any step; what damped layers take
-    friction          sum tau_1 . S: the tractions at the end of the step times the slip over it, never positive
+    friction          sum tau_1 . S: the tractions at the end of the step times the slip over it, never positive;
+                      what joints lose by friction (`joint_friction`)
     contact grid      dE_contact + (work of the contact forces on bodies and modes, trapezoidal; of pairs that are
                       impulsive in the step of their mean force) - friction
     numerical         what is left of dE: negative where the integrator dissipates.
@@ -62,6 +63,7 @@ def balance_energy(
     pair_loss: wp.array2d(dtype=real),
     extra_energy: wp.array2d(dtype=real),
     friction_work: wp.array3d(dtype=real),
+    slip_loss: wp.array2d(dtype=real),
     clk: inout(wp.array(dtype=Clock)),
     energy: inout(wp.array3d(dtype=real)),
 ):
@@ -139,13 +141,18 @@ def balance_energy(
             friction += friction_work[w, pair, 0]
         contact_work += mean_of(mean, before, after)
         pair += 1
+    pairs_friction = friction
+    joint = int(0)
+    while joint < model.joint_frictions.count:
+        friction -= slip_loss[w, joint]
+        joint += 1
     energy[w, 1, k.KINETIC] = kinetic
     energy[w, 1, k.STRAIN] = strain
     energy[w, 1, k.CONTACT] = contact
     energy[w, 1, k.POTENTIAL] = potential
     total = kinetic + strain + contact + potential
     before = energy[w, 0, k.KINETIC] + energy[w, 0, k.STRAIN] + energy[w, 0, k.CONTACT] + energy[w, 0, k.POTENTIAL]
-    grid = contact - energy[w, 0, k.CONTACT] + contact_work - friction
+    grid = contact - energy[w, 0, k.CONTACT] + contact_work - pairs_friction
     numerical = total - before - force_work - drive_work + damping - grid - friction
     clk[w].rise = real(0.0)
     if ctl[w].mode == k.STATIC and ctl[w].steps > 0:

@@ -1,17 +1,20 @@
 """Applied forces and compliant elements, one file each; `FORCES` is the registry by kind.
 
-An element says what it is in the terms of `laws`: springs give a `SpringLaw`, loads a `PointLoad` or a `BodyLoad`. The
-simulation knows no more of it, so a new element is one new file and one line here.
+An element says what it is in the terms of `laws`: springs give a `SpringLaw`, friction in joints a `SlipLaw`, loads a
+`PointLoad` or a `BodyLoad`. The simulation knows no more of it, so a new element is one new file and one line here.
 """
 
 from __future__ import annotations
 
 from warpffrf.model.forces.bearing import Bearing
 from warpffrf.model.forces.bushing import Bushing
+from warpffrf.model.forces.cylindrical_friction import CylindricalFriction
 from warpffrf.model.forces.joint_spring import JointSpringDamper, TorsionalSpringDamper
-from warpffrf.model.forces.laws import BodyLoad, Coordinate, PointLoad, SpringLaw
+from warpffrf.model.forces.laws import BodyLoad, Coordinate, PointLoad, SlipLaw, SpringLaw
 from warpffrf.model.forces.nodal_load import NodalLoad
 from warpffrf.model.forces.point import PointForce, PointTorque
+from warpffrf.model.forces.prismatic_friction import PrismaticFriction
+from warpffrf.model.forces.revolute_friction import RevoluteFriction
 from warpffrf.model.forces.spring import SpringDamper
 from warpffrf.model.forces.surface_load import SurfaceLoad
 
@@ -27,6 +30,9 @@ FORCES = {
         Bearing,
         SurfaceLoad,
         NodalLoad,
+        RevoluteFriction,
+        PrismaticFriction,
+        CylindricalFriction,
     )
 }
 
@@ -36,11 +42,15 @@ __all__ = [
     "BodyLoad",
     "Bushing",
     "Coordinate",
+    "CylindricalFriction",
     "JointSpringDamper",
     "NodalLoad",
     "PointForce",
     "PointLoad",
     "PointTorque",
+    "PrismaticFriction",
+    "RevoluteFriction",
+    "SlipLaw",
     "SpringDamper",
     "SpringLaw",
     "SurfaceLoad",

@@ -65,6 +65,44 @@ class SpringLaw:
 
 
 @dataclass(frozen=True, eq=False)
+class SlipLaw:
+    """Friction between the two sides of a `joint`: what presses them together, and what slides.
+
+    With s the one or two `coordinates` and W = diag(`weights`) the sides slide with the velocity v = W ds/dt [m/s], and
+    the force -W f on the coordinates brakes them, |f| at most
+
+        bound = mu (radial (|N_1| + |N_2|) + axial |R_z| + spin |M_z|) + preload,     mu and the law of v: `friction`.
+
+    R and M, about the joint's point, are what its rows exert on the second body, drives left out. With `bearing_length`
+    L the part of them across the axis e_z is carried at two places at +-L/2 along it, N = R/2 +- e_z x M/L; with None
+    at one, N = R/2, and M across the axis rubs nowhere. radial [-], axial [-] and spin [1/m] multiply, preload [N]
+    adds.
+    """
+
+    joint: Any
+    friction: Any
+    coordinates: tuple[Coordinate, ...]
+    weights: tuple[float, ...]
+    radial: float
+    axial: float
+    spin: float
+    preload: float
+    bearing_length: float | None
+
+    @property
+    def ports(self) -> tuple[Any, Any]:
+        return self.joint.ports
+
+    def bound(self, R: np.ndarray, M: np.ndarray, axis: np.ndarray) -> float:
+        """The bound [N] for the reaction R (3,) [N] and M (3,) [N m], `axis` (3,) being e_z, all in the same axes."""
+        across = 0.5 * (R - (R @ axis) * axis)
+        couple = np.cross(axis, M) / self.bearing_length if self.bearing_length else np.zeros(3)
+        load = self.radial * (np.linalg.norm(across + couple) + np.linalg.norm(across - couple))
+        load += self.axial * abs(R @ axis) + self.spin * abs(M @ axis)
+        return float(self.preload + self.friction.coefficient * load)
+
+
+@dataclass(frozen=True, eq=False)
 class PointLoad:
     """A force [N] (`what` "force") or torque [N m] ("torque") at a port, three signals, axes `frame`."""
 

@@ -125,6 +125,8 @@ def describe_scene(scene: Any) -> SceneData:
         if hasattr(item, "law"):
             data.springs.append(_spring(data, str(item.name), item.law(), joints))
             continue
+        if hasattr(item, "slip"):
+            raise InputError(f"{item.label}: method 'monolithic' has no friction in joints; use 'separated'")
         load = item.load()
         if isinstance(load, BodyLoad):
             data.body_loads.append(load)

@@ -42,6 +42,16 @@ class SavedMotion(Arrays, carried=True):
     saved_row_wrench: DeviceArray = reals("world", "ring_row", "row", 6, unit="N, N m", note="on the second body")
 
 
+class SavedJointFriction(Arrays, carried=True):
+    """Friction in joints."""
+
+    saved_slipping: DeviceArray = integers("world", "ring_row", "joint_friction", note="0 stick, 1 slip")
+    saved_surface_velocity: DeviceArray = reals("world", "ring_row", "joint_friction", 2, unit="m/s")
+    saved_surface_traction: DeviceArray = reals("world", "ring_row", "joint_friction", 2, unit="N")
+    saved_slip_bound: DeviceArray = reals("world", "ring_row", "joint_friction", unit="N")
+    saved_slip_power: DeviceArray = reals("world", "ring_row", "joint_friction", unit="W", note="of the last step")
+
+
 class SavedContact(Arrays, carried=True):
     """Pairs; wrenches are about the centre of mass of the first body."""
 
@@ -67,7 +77,7 @@ class SavedFriction(Arrays, carried=True):
     saved_advanced: DeviceArray = reals("world", "ring_row", "friction_pair", unit="columns", note="as most_advanced")
 
 
-class Ring(SavedBooks, SavedMotion, SavedContact, SavedFriction):
+class Ring(SavedBooks, SavedMotion, SavedJointFriction, SavedContact, SavedFriction):
     """What is saved of the steps of every world."""
 
     def on_host(self) -> SavedRows:

@@ -77,6 +77,12 @@ class Residuals(Arrays):
     row_pull: DeviceArray = reals("world", "2*row", 6, unit=FORCE, note="on each interface, body axes")
     flexibility: DeviceArray = reals("world", 36, "group", note="of coupled springs", run=True)
     applied_torque: DeviceArray = vectors("world", "torque", unit="N m")
+    slip_branch: DeviceArray = integers("world", "joint_friction", note="0 stick, 1 slip")
+    slip_anchor: DeviceArray = reals("world", "joint_friction", 2, unit="m or rad", note="where slips are counted from")
+    slip_way: DeviceArray = reals("world", "joint_friction", 2, note="friction over its bound, points as the slip does")
+    slip_softness: DeviceArray = reals("world", "joint_friction", 2, unit="m/N", note="along the slip, across it")
+    slip_bound: DeviceArray = reals("world", "joint_friction", unit="N")
+    slip_loss: DeviceArray = reals("world", "joint_friction", unit="J", note="dissipated in a step", zero_without=True)
     residual_history: DeviceArray = reals("world", "residual", note="of an attempt, as fractions", carried=True)
     gap_defect: DeviceArray = reals(
         "world", 2, note="largest open gap under pressure, force left out", zero_without=True

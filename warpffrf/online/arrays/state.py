@@ -46,6 +46,13 @@ class LoadState(Arrays, carried=True):
     load_on_modes: DeviceArray = reals("world", 2, "mode", unit="N/kg^1/2")
 
 
+class JointFrictionState(Arrays, carried=True):
+    """Friction in joints, see `warpffrf_kernels.constraints.joint_friction`."""
+
+    slipping: DeviceArray = integers("world", "joint_friction", note="1 where the last step slipped, or none was")
+    stuck_at: DeviceArray = reals("world", "joint_friction", 2, unit="m or rad", note="coordinates where it sticks")
+
+
 class ContactState(Arrays, carried=True):
     """Pairs: the active set in the contact frame, and what the integrator remembers of their forces."""
 
@@ -123,7 +130,7 @@ class Books(Arrays, carried=True):
     clk: DeviceArray = structs(Clock, "world", note="time, step and coefficients")
 
 
-class State(MotionState, LoadState, ContactState, FrictionState, LayerState, Books):
+class State(MotionState, LoadState, JointFrictionState, ContactState, FrictionState, LayerState, Books):
     """Accepted state of every world."""
 
 
@@ -140,6 +147,7 @@ def initial_state(compiled: CompiledScene, sizes: Sizes) -> State:
         p[i] = body.rotation
         v[i] = body.velocity + np.cross(body.angular_velocity, arm)
         omega[i] = A.T @ body.angular_velocity
+    state.slipping.fill_(1)
     for array, value in ((state.r, r), (state.p, p), (state.v, v), (state.omega, omega)):
         array.assign(np.broadcast_to(value, (sizes["world"], *value.shape)).copy())
     return state

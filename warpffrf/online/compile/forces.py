@@ -56,6 +56,8 @@ def compile_forces(collector: Collector, joints: JointTable) -> ForceTable:
             table.laws[item.name] = law
             table.rows[item.name] = _spring(collector, joints, table, law)
             continue
+        if hasattr(item, "slip"):  # `compile_joint_friction`
+            continue
         load = item.load()
         if isinstance(load, BodyLoad):
             table.bodies.append(load)

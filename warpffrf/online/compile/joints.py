@@ -32,6 +32,7 @@ class JointTable:
     """Where the joints of a scene went: rows and markers by joint name, the rows left out, and notes for the user."""
 
     rows: dict[str, list[int]] = field(default_factory=dict)  # drives included
+    held: dict[str, list[int]] = field(default_factory=dict)  # without them
     markers: dict[str, tuple[int, int]] = field(default_factory=dict)
     dropped: list[ConstraintRow] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -51,7 +52,7 @@ def compile_joints(collector: Collector) -> JointTable:
             for port, marker in zip(joint.ports, joint.frames(), strict=True)
         ]
         table.markers[str(joint.name)] = (pair[0], pair[1])
-        table.rows[str(joint.name)] = []
+        table.rows[str(joint.name)], table.held[str(joint.name)] = [], []
     for item, kept in zip(found.rows, found.kept, strict=True):
         if not kept:
             continue
@@ -65,6 +66,8 @@ def compile_joints(collector: Collector) -> JointTable:
             ROW_KINDS[item.row.kind], a, b, item.row.i, item.row.j, signal=signal, reference=reference
         )
         table.rows[str(item.joint.name)].append(number)
+        if item.drive is None:
+            table.held[str(item.joint.name)].append(number)
     table.dropped = found.dropped
     if table.dropped:
         table.notes.append(

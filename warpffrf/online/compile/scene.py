@@ -20,6 +20,7 @@ from warpffrf.online.compile.forces import ForceTable, compile_forces, fill_forc
 from warpffrf.online.compile.friction import fill_friction
 from warpffrf.online.compile.inertia import fill_inertia, fill_stiffening, mode_reach
 from warpffrf.online.compile.inertia_plan import InertiaPlan
+from warpffrf.online.compile.joint_friction import SlipTable, compile_joint_friction, fill_joint_friction
 from warpffrf.online.compile.joints import JointTable, compile_joints
 from warpffrf.online.compile.layers import LAYER_ITERATIONS, fill_layers
 from warpffrf.online.compile.pairs import fill_pairs
@@ -39,6 +40,7 @@ class CompiledScene:
     device: str
     joints: JointTable  # rows of each joint, drives included, and those left out
     forces: ForceTable  # rows of each spring
+    slips: SlipTable  # friction in joints
     row_count: int
     modal_start: np.ndarray
     interface_modes: np.ndarray  # (interfaces, 6, modes)
@@ -61,6 +63,7 @@ def _compiled(collector: Collector) -> CompiledScene:
     m = Model()
     joints = compile_joints(collector)
     collector.notes.extend(joints.notes)
+    slips = compile_joint_friction(collector, joints)
     springs = compile_forces(collector, joints)
     bodies = scene.bodies
     _gather_surfaces(collector)
@@ -79,6 +82,7 @@ def _compiled(collector: Collector) -> CompiledScene:
     modes = _interfaces(collector, m)
     stiffened = fill_stiffening(collector, m)
     fill_forces(collector, springs, m)
+    fill_joint_friction(collector, slips, m)
     _markers_rows_signals(collector, m)
     fill_pairs(collector, m)
     z_start = fill_surfaces(collector, m)
@@ -92,9 +96,9 @@ def _compiled(collector: Collector) -> CompiledScene:
         most_made=settings.most_made,
     )  # fmt: skip
     return CompiledScene(
-        scene, m, wp.array([m], dtype=Model, device=collector.device), collector.device, joints, springs,
-        len(collector.rows), modal_start, modes, stiffened, collector.local, collector.inertia, collector.cell_margin,
-        collector.notes,
+        scene, m, wp.array([m], dtype=Model, device=collector.device), collector.device, joints, springs, slips,
+        len(collector.rows), modal_start, modes, stiffened, collector.local, collector.inertia,
+        collector.cell_margin, collector.notes,
     )  # fmt: skip
 
 

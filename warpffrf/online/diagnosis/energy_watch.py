@@ -23,7 +23,8 @@ def round_off_energy(engine: Engine) -> float:
     weights = [body.mass * np.linalg.norm(scene.gravity) for body in scene.bodies]
     forces = [weights, *(getattr(state, name).numpy() for name in ("load", "lam", "pair_force"))]
     largest = max(float(np.abs(f).max(initial=0.0)) for f in forces)
-    return NOISE * largest * max(float(np.abs(state.r.numpy()).max(initial=0.0)), engine.compiled.model.length)
+    length = float(engine.compiled.model.length)  # where all stands at the origin
+    return NOISE * largest * max(float(np.abs(state.r.numpy()).max(initial=0.0)), length)
 
 
 class EnergyWatch:

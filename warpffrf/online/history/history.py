@@ -78,6 +78,18 @@ class JointHistory:
 
 
 @dataclass
+class JointFrictionHistory:
+    """Friction in one joint, at the surfaces that slide, along the joint's axis and around it; 0 in a direction that
+    the joint holds. Where no radius of them is known, around means at an arm of 1 m."""
+
+    state: np.ndarray  # (T,) int8: 1 stick, 2 slip, as of contact
+    slip_velocity: np.ndarray  # (T, 2) m/s, of the second body against the first
+    traction: np.ndarray  # (T, 2) N, on the second body
+    bound: np.ndarray  # (T,) N, that the length of it cannot exceed
+    power: np.ndarray  # (T,) W, dissipated in the last step, never negative
+
+
+@dataclass
 class ForceHistory:
     """One force element: what it exerts on the body that it loads; of an element between two ports on the second one,
     its opposite acts on the first."""
@@ -85,6 +97,7 @@ class ForceHistory:
     force: np.ndarray  # (T, 3) N
     torque: np.ndarray  # (T, 3) N m, about the (second) port, of surface and nodal loads about the user origin
     deformation: np.ndarray  # (T, k) coordinates of its law [m, rad], as `model.forces` defines them; k = 0 for loads
+    friction: JointFrictionHistory | None = None  # of friction in a joint
 
 
 @dataclass

@@ -14,6 +14,7 @@ from warpffrf.online.history.history import (
     History,
     JointHistory,
 )
+from warpffrf.online.history.joint_friction import friction_histories
 from warpffrf.online.history.joint_motion import coordinates, half_turn_notes, left_out_notes
 from warpffrf.online.history.sensors import force_histories, sensor_histories, turned
 from warpffrf.online.history.user_frame import user_frame
@@ -41,6 +42,8 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
         wrench = rows["saved_row_wrench"][:, compiled.joints.rows[str(joint.name)]].sum(axis=1)
         joints[str(joint.name)] = JointHistory(first, wrench[:, :3], wrench[:, 3:], second, tuple(found))
     forces = force_histories(scene, compiled.forces, time, rows["saved_coordinate"], rows["saved_row_wrench"], bodies)
+    forces |= friction_histories(compiled.slips, rows)
+    forces = {str(item.name): forces[str(item.name)] for item in scene.forces}
     contacts = {}
     for i, contact in enumerate(scene.contacts):
         contacts[contact.name] = _contact(compiled, i, rows, bodies)

@@ -12,8 +12,9 @@ difference of the device's own gradients, `(8 (g(d) - g(-d)) - (g(2d) - g(-2d)))
 d turning nothing by more than `TURN` its error is (TURN^4)/30 of gamma, and round-off is divided by TURN only once. A
 step of size h in positions divides by its square instead, which for h = 1e-7 s makes 1e-16 m to 1e-2 m/s2.
 
-The equations are linear in a and lam. They are solved with the mass matrix of the undeformed bodies, and corrected by
-R until nothing changes; inertia terms of the deformed body are small against it, so this contracts.
+The equations are linear in a and lam. They are solved with the mass matrix of the undeformed bodies, and corrected by R
+until nothing changes; inertia terms of the deformed body are small against it, so this contracts. Joints with friction
+that stick are rows like the others; the friction of those that slip follows from the multipliers (`joint_friction`).
 """
 
 from __future__ import annotations
@@ -26,9 +27,11 @@ from warpffrf_kernels.core import control as k
 from warpffrf.model.redundancy import scene_length
 from warpffrf.online.arrays.declaration import Arrays
 from warpffrf.online.engine import Engine
+from warpffrf.online.start.joint_friction import Friction
 
 TURN = 2e-3  # rad, or of the shortest length: see the module; truncation and round-off are then both near 1e-13
 CORRECTIONS = 12  # an inertia that deformation changes by a tenth is corrected to 1e-12
+RUBBING_CORRECTIONS = 60  # friction of half of what it changes in reactions is corrected to 1e-13 in about as many
 SETTLED = 1e-13  # of the largest acceleration and multiplier
 INDEPENDENT = 1e-11  # smallest over largest eigenvalue of the scaled C M^-1 C^T: below, the pose is singular
 TOLERABLE = 1e-9  # of the same: what round-off of large spring forces may leave
@@ -191,20 +194,51 @@ class _World:
         self, V: np.ndarray, a: np.ndarray, lam: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool] | None:
         """Velocities, accelerations, multipliers; None where the rows depend on each other or nothing settles."""
-        held = self.rigid
-        C = self._gradient()[held]
+        gradient = self._gradient()
+        C = gradient[self.rigid]
         system = _Constrained(self.mass, self.inertia, self.modes, C)
         if not system.independent:
             return None
-        rate, rate2 = (s[held] for s in self._signals())
-        V = V - system.solve(np.zeros_like(V), C @ V - rate)[0]
+        rate, rate2 = self._signals()
+        V = V - system.solve(np.zeros_like(V), C @ V - rate[self.rigid])[0]
         self._store(("v", "omega", "qd"), V)
-        gamma, change, first = self._curvature(V)[held], np.inf, a
-        for _ in range(CORRECTIONS):
+        gamma = self._curvature(V)
+        friction = Friction(self.engine, self.w, gradient @ V)
+        while True:
+            held = self.rigid.copy()
+            held[friction.sticking] = True
+            if friction.sticking:
+                system = _Constrained(self.mass, self.inertia, self.modes, gradient[held])
+            if not system.independent:
+                return None
+            found = self._balanced(system, held, gamma[held], rate2[held], friction, a, lam)
+            if found is None:
+                return None
+            a, lam = found
+            if not friction.lets_go(lam):
+                friction.store(lam)
+                return V, a, lam, True
+            system = _Constrained(self.mass, self.inertia, self.modes, C)
+
+    def _balanced(
+        self,
+        system: _Constrained,
+        held: np.ndarray,
+        gamma: np.ndarray,
+        rate2: np.ndarray,
+        friction: Friction,
+        a: np.ndarray,
+        lam: np.ndarray,
+    ) -> tuple[np.ndarray, np.ndarray] | None:
+        """Accelerations and multipliers with C a + gamma = s'' of the rows `held`; None where nothing settles."""
+        C, change, first = system.C, np.inf, a
+        for _ in range(RUBBING_CORRECTIONS if friction.laws else CORRECTIONS):
             self._store(("v_rate", "omega_rate", "qd_rate"), -a)
             self._put(self.engine.state, "lam", lam)
-            self._evaluate(np.zeros_like(V))
+            self._evaluate(np.zeros_like(a))
             springs = self._spring_forces()
+            rubbing, pulls = friction.forces(lam)
+            springs[rubbing] = pulls
             gap = np.where(held, 0.0, springs - lam)
             step, pull = system.solve(self._residual() + self._gradient().T @ gap, C @ a + gamma - rate2)
             a, lam = a - step, lam + gap
@@ -212,8 +246,8 @@ class _World:
             pulled = system.over_mass(C.T @ lam[held])  # in balance with what acts, also where nothing moves
             change = max(_share(step, a, pulled, first), _share(pull, lam))
             if change <= SETTLED:
-                return V, a, lam, True
-        return (V, a, lam, True) if change <= TOLERABLE else None
+                return a, lam
+        return (a, lam) if change <= TOLERABLE else None
 
     def _curvature(self, V: np.ndarray) -> np.ndarray:
         """gamma (rows,), see the module."""

@@ -30,7 +30,8 @@ def start_consistently(engine: Engine, step: float | None = None) -> None:
         engine.replay(1)
     if np.any(engine.word("status")):
         return
-    refine(engine, given)
+    if not refine(engine, given) and engine.compiled.slips.laws:
+        engine.control(forget=1)  # friction is found with the first step
     for name, unit, least in (("v", "m/s", 1.0), ("omega", "rad/s", 1.0 / engine.compiled.model.length)):
         change = np.linalg.norm(getattr(engine.state, name).numpy() - given[name], axis=-1)
         for i, body in enumerate(engine.scene.bodies):

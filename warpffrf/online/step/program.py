@@ -10,6 +10,7 @@ from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.step import phases
 from warpffrf.online.step.contact import CONTACT
 from warpffrf.online.step.friction import FRICTION
+from warpffrf.online.step.joint_friction import JOINT_FRICTION
 from warpffrf.online.step.launches import Launch
 from warpffrf.online.step.layers import LAYERS
 from warpffrf.online.step.ledger import LEDGER
@@ -17,7 +18,7 @@ from warpffrf.online.step.motion import MOTION
 from warpffrf.online.step.outer import OUTER
 from warpffrf.online.step.snapshot import SNAPSHOT
 
-PARTICIPANTS = (MOTION, OUTER, CONTACT, FRICTION, LAYERS, SNAPSHOT, LEDGER)
+PARTICIPANTS = (MOTION, OUTER, JOINT_FRICTION, CONTACT, FRICTION, LAYERS, SNAPSHOT, LEDGER)
 WHOLE = (*phases.ATTEMPT, *phases.ITERATION, *phases.DECISION)
 
 

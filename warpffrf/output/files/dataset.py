@@ -15,6 +15,7 @@ from warpffrf.output.files.fields import (
     FRICTION_DERIVED,
     FRICTION_FIELDS,
     JOINT_FIELDS,
+    JOINT_FRICTION_FIELDS,
     RUN_FIELDS,
     SIZES,
     Field,
@@ -45,12 +46,16 @@ def to_xarray(result: Any) -> Any:
         (coords if field.name == "time" else data)[field.name] = entry
     contacts = {name: result.contact(name) for name in history.contacts}
     rubbing = {name: contact.friction for name, contact in contacts.items() if contact.has_friction}
+    stuck = {name: force.friction for name, force in history.forces.items() if force.friction is not None}
+    if stuck:
+        coords["slip"] = ["along", "around"]
     groups: tuple[tuple[str, tuple[Field, ...], dict[str, Any]], ...] = (
         ("body", BODY_FIELDS, history.bodies),
         ("joint", JOINT_FIELDS, history.joints),
         ("force", FORCE_FIELDS, history.forces),
         ("pair", CONTACT_FIELDS, history.contacts),
         ("pair", DERIVED_FIELDS, contacts),
+        *([("joint_friction", JOINT_FRICTION_FIELDS, stuck)] if stuck else []),
         *([("friction_pair", (*FRICTION_FIELDS, *FRICTION_DERIVED), rubbing)] if rubbing else []),
     )
     for dim, fields, owners in groups:

@@ -27,7 +27,7 @@ WORLD = "world"
 USER_ORIGIN = "world, about the origin of the body's user frame"
 AXIS, QUATERNION = ("axis",), ("quaternion",)
 DIRECTION = ("direction",)  # e_theta and t_z of the first surface
-SIZES = {"axis": 3, "quaternion": 4, "direction": 2}  # of the dimensions that all owners share
+SIZES = {"axis": 3, "quaternion": 4, "direction": 2, "slip": 2}  # of the dimensions that all owners share
 
 RUN_FIELDS = (
     Field("time", "time", "s", "none"),
@@ -59,6 +59,15 @@ FORCE_FIELDS = (
     Field("applied_force", "force", "N", "world, on the loaded or the second body", AXIS),
     Field("applied_torque", "torque", "N m", "world, about the port or the user origin, see ForceHistory", AXIS),
     Field("applied_deformation", "deformation", "m or rad", "axes of the first port", ("coordinate",), stacked=False),
+)
+
+# Of the force elements that are friction in a joint: their own owners, `joint_friction`.
+JOINT_FRICTION_FIELDS = (
+    Field("joint_friction_state", "state", "1 stick, 2 slip", "none"),
+    Field("joint_slip_velocity", "slip_velocity", "m/s", "axis of the joint: along, around", ("slip",)),
+    Field("joint_traction", "traction", "N", "axis of the joint: along, around; on the second body", ("slip",)),
+    Field("joint_friction_bound", "bound", "N", "none"),
+    Field("joint_friction_power", "power", "W", "dissipated"),
 )
 
 CONTACT_FIELDS = (

@@ -37,6 +37,7 @@ from warpffrf.online.history.history import (
     ForceHistory,
     FrictionHistory,
     History,
+    JointFrictionHistory,
     JointHistory,
     SensorHistory,
 )
@@ -51,6 +52,7 @@ from warpffrf.output.files.fields import (
     FRICTION_DERIVED,
     FRICTION_FIELDS,
     JOINT_FIELDS,
+    JOINT_FRICTION_FIELDS,
     RUN_FIELDS,
     Field,
 )
@@ -95,6 +97,10 @@ def write_results(result: Any, path: str | os.PathLike[str]) -> Path:
         file.attrs["friction_names"] = json.dumps(list(rubbing))
         if rubbing:
             _put_group(file, "friction_pair", (*FRICTION_FIELDS, *FRICTION_DERIVED), rubbing, steps)
+        stuck = {name: force.friction for name, force in history.forces.items() if force.friction is not None}
+        file.attrs["joint_friction_names"] = json.dumps(list(stuck))
+        if stuck:
+            _put_group(file, "joint_friction", JOINT_FRICTION_FIELDS, stuck, steps)
         lines = np.stack(list(history.energy.values()), axis=1) if history.energy else np.zeros((steps, 0))
         file.attrs["energy_lines"] = json.dumps(list(history.energy))
         _put(file, Field("energy", "energy", ENERGY_UNITS, "none", ("line",)), lines, ())
@@ -141,6 +147,8 @@ def _read(file: Any) -> History:
         groups["joints"][name].names = tuple(named)
     for n, name in enumerate(json.loads(file.attrs.get("friction_names", "[]"))):
         groups["contacts"][name].friction = FrictionHistory(**_fields_of(file, FRICTION_FIELDS, name, n))
+    for n, name in enumerate(json.loads(file.attrs.get("joint_friction_names", "[]"))):
+        groups["forces"][name].friction = JointFrictionHistory(**_fields_of(file, JOINT_FRICTION_FIELDS, name, n))
     energy = file["energy"][()]
     run = {f.attribute: file[f.name][()] for f in RUN_FIELDS}
     return History(

@@ -17,6 +17,7 @@ FROM_START = ", change from the start"
 MACHINE_PLOTS = {
     "joint_force": "Reactions of the joints [N]",
     "applied_force": "Applied and spring forces [N]",
+    "joint_friction": "Friction in joints, and its bounds [N]",
     "coordinate": "Coordinates of the joints [m or rad]",
     **{kind: f"Sensors: {kind.replace('_', ' ')}" for kind in SENSORS},
     "energy": "Energies [J]",
@@ -32,6 +33,11 @@ def machine_series(result: Any) -> list[Series]:
             size = np.linalg.norm(owner.force, axis=1)
             if np.any(size > 0.0):
                 found.append((("plots", kind, name), f"{name} [N]", size))
+    for name, force in history.forces.items():
+        if force.friction is not None:
+            size = np.linalg.norm(force.friction.traction, axis=1)
+            found.append((("plots", "joint_friction", name), f"{name} [N]", size))
+            found.append((("plots", "joint_friction", f"{name} bound"), f"{name} bound [N]", force.friction.bound))
     for name, joint in history.joints.items():
         for coordinate in joint.names:
             unit = "m" if coordinate in ("translation", "distance") else "rad"

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+STICK = 1  # state of friction
 MOST_LINES = 20  # of one kind: a report is read on one screen
 
 
@@ -40,7 +41,11 @@ def _joint(name: str, joint: Any) -> str:
 
 
 def _force(name: str, force: Any) -> str:
-    return f"force '{name}': {_size(force.force, 'N')}, {_size(force.torque, 'N m')}"
+    line = f"force '{name}': {_size(force.force, 'N')}, {_size(force.torque, 'N m')}"
+    if force.friction is None:
+        return line
+    ends = "sticks" if force.friction.state[-1] == STICK else "slips"
+    return f"{line}; {ends} at the end, stuck in {np.mean(force.friction.state == STICK):.3g} of the saved rows"
 
 
 def _sensor(name: str, sensor: Any) -> str:

@@ -1,0 +1,427 @@
+r"""Dry friction in joints, with stick, and steps that forget.
+
+A joint that rubs has one row s (turning, sliding) or two (a pin that does both), spring rows without stiffness whose
+multipliers are its friction. With W = diag(weights), v = W s' is the velocity of the surfaces and f = W^-1 lambda the
+force that brakes them,
+
+    |f| <= b,    v = 0 where |f| < b (stick),    f = b v/|v| where v != 0 (slip),
+    b = preload + mu (radial (|N_1| + |N_2|) + axial |R_z| + spin |M_z|),     N = R_xy/2 +- bending e_z x M,
+
+R and M the reactions of the joint's own rows at the end of the step: all of it is implicit. A regularised law has
+f = b v/max(|v|, v_slip) instead and never sticks.
+
+**In the outer system** a row that sticks is a constraint, s = s_0, counted from where it came to rest, so that nothing
+creeps. One that slips asks for f = b n, n = v/|v|, linearised
+
+    df = n db + (b/|v|) (1 - n n^T) dv,        db = mu (...) dlambda of the joint's rows,
+
+which, multiplied by the softness E = (|v|/(b VEL)) (1 - n n^T) + E_n n n^T, becomes a row of the form of springs,
+
+    W C dx - E df + E_n n db = -E (b n - f),
+
+but for C dx along n, which should not be there: with E_n = SOFT times the compliance of the row it is a millionth of
+the rest, and an iteration loses no more than that by it. What solves the equations is exact either way.
+
+**Which of both.** A step of second order remembers accelerations (`motion`), and with them the friction of before. So a
+row stays what it was, stick, or slip in its direction, for the whole of an attempt, which is then as smooth as one
+without friction. If it cannot stay (|f| > b of one that sticks; one that slips is moved or ends against its direction),
+the attempt is taken again as one that *forgets*: by the implicit Euler method,
+
+    s_1 - s_0 = h v_1 (of coordinates linear in the motion),      v_1 = v_0 + h a_1,
+
+where v_1 = 0 means s_1 = s_0 and f is the mean force of the step. In it a row may be what it likes at the end of the
+step, found by an active set: one that sticks with |f| > b slips from then on along f, one that slips with v.n <= 0
+sticks. The step after it forgets as well, since the mean force of the one is not the friction that goes on. Each such
+step moves a body by a h^2/2 too much or too little, and a stop is up to a h^2/2 too early: of second order, as they are
+as many as the friction changes. The time of a change is known to h.
+
+**Dissipation.** A step loses lambda . (s_1 - s_0), the mean of lambda_0 and lambda_1 where it slips all through, of
+which neither is against it; lambda_1 where it forgets, where f.v_1 >= 0 makes it no less than zero, and 0 where it
+sticks.
+
+Where joints that stick close a loop their forces are not determined by the motion. A stuck row has HELD times its
+compliance as softness, with the defect s - s_0, which makes the matrix regular and changes no solution: of all forces
+the iteration then finds one near that of the step before.
+
+Friction acts in steps in time, not in static states; how it begins: `warpffrf.online.start.accelerations`.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.bodies.interfaces import compliance, marker_of
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import changed, inout, out
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+SOFT = wp.constant(wp.float64(1.0e6))  # of a row's compliance: an iteration is wrong by its inverse
+HELD = wp.constant(wp.float64(1.0e-5))  # of a row's compliance, likewise
+SLACK = wp.constant(wp.float64(1.0e-9))  # of the bound: what Newton's method leaves of forces
+NOTHING = wp.constant(wp.float64(1.0e-300))  # keeps fractions finite
+
+
+@wp.func
+def acts(ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int) -> bool:
+    """Whether the evaluation is part of a step in time; gamma is 0 where the host evaluates a state by itself."""
+    return ctl[w].mode == k.DYNAMIC and clk[w].outer.gamma > real(0.0)
+
+
+@wp.func
+def force_of(wrench: wp.array3d(dtype=real), w: int, row: int) -> vec3:
+    return vec3(wrench[w, row, 0], wrench[w, row, 1], wrench[w, row, 2])
+
+
+@wp.func
+def torque_of(wrench: wp.array3d(dtype=real), w: int, row: int) -> vec3:
+    return vec3(wrench[w, row, 3], wrench[w, row, 4], wrench[w, row, 5])
+
+
+@wp.func
+def axis_of(model: Model, w: int, e: int, row_wrench: wp.array3d(dtype=real)) -> vec3:
+    """Axis of the joint, world."""
+    row = model.joint_frictions.start[e]
+    if model.rows.kind[row] == k.TRANSLATION:
+        return force_of(row_wrench, w, row)
+    return wp.normalize(torque_of(row_wrench, w, row))
+
+
+@wp.func
+def reaction(model: Model, w: int, e: int, lam: wp.array2d(dtype=real), row_wrench: wp.array3d(dtype=real)):
+    """R and M of the joint on its second body."""
+    R = vec3(real(0.0))
+    M = vec3(real(0.0))
+    at = model.joint_frictions.held_start[e]
+    while at < model.joint_frictions.held_start[e + 1]:
+        row = model.joint_frictions.held[at]
+        R -= lam[w, row] * force_of(row_wrench, w, row)
+        M -= lam[w, row] * torque_of(row_wrench, w, row)
+        at += 1
+    return R, M
+
+
+@wp.func
+def bound_of(model: Model, e: int, axis: vec3, R: vec3, M: vec3) -> real:
+    across = real(0.5) * (R - wp.dot(R, axis) * axis)
+    couple = model.joint_frictions.bending[e] * wp.cross(axis, M)
+    load = model.joint_frictions.radial[e] * (wp.length(across + couple) + wp.length(across - couple))
+    load += model.joint_frictions.axial[e] * wp.abs(wp.dot(R, axis))
+    load += model.joint_frictions.spin[e] * wp.abs(wp.dot(M, axis))
+    return model.joint_frictions.preload[e] + model.joint_frictions.coefficient[e] * load
+
+
+@wp.func
+def bound_slope(model: Model, e: int, axis: vec3, R: vec3, M: vec3, dR: vec3, dM: vec3) -> real:
+    """What the bound changes by with R and M."""
+    bending = model.joint_frictions.bending[e]
+    across = real(0.5) * (R - wp.dot(R, axis) * axis)
+    couple = bending * wp.cross(axis, M)
+    along = real(0.5) * (dR - wp.dot(dR, axis) * axis)
+    turned = bending * wp.cross(axis, dM)
+    first = wp.normalize(across + couple)
+    second = wp.normalize(across - couple)
+    slope = model.joint_frictions.radial[e] * (wp.dot(first, along + turned) + wp.dot(second, along - turned))
+    slope += model.joint_frictions.axial[e] * wp.sign(wp.dot(R, axis)) * wp.dot(dR, axis)
+    slope += model.joint_frictions.spin[e] * wp.sign(wp.dot(M, axis)) * wp.dot(dM, axis)
+    return model.joint_frictions.coefficient[e] * slope
+
+
+@wp.func
+def row_compliance(
+    model: Model,
+    clk: wp.array(dtype=Clock),
+    w: int,
+    row: int,
+    C: wp.array3d(dtype=real),
+    C_modal: wp.array(dtype=real),
+    receptance: wp.array(dtype=real),
+) -> real:
+    """About what a unit of the row's force moves its coordinate by in a step, bodies taken as free."""
+    total = compliance(model, w, row, row, C_modal, receptance)
+    for side in range(2):
+        b = model.markers.body[marker_of(model, row, side)]
+        if b >= 0:
+            for i in range(3):
+                f = C[w, row, 6 * b + i]
+                t = C[w, row, 6 * b + 3 + i]
+                total += f * f / (model.bodies.mass[b] * clk[w].outer.acc)
+                total += t * t / (model.bodies.inertia[b][i, i] * clk[w].outer.acc)
+    return total
+
+
+@wp.kernel
+def rub(
+    models: wp.array(dtype=Model),
+    clk: wp.array(dtype=Clock),
+    lam: wp.array2d(dtype=real),
+    coordinate: wp.array2d(dtype=real),
+    stretch: wp.array2d(dtype=real),
+    drive_rate: wp.array3d(dtype=real),
+    row_wrench: wp.array3d(dtype=real),
+    C: wp.array3d(dtype=real),
+    C_modal: wp.array(dtype=real),
+    receptance: wp.array(dtype=real),
+    slipping: wp.array2d(dtype=int),
+    stuck_at: wp.array3d(dtype=real),
+    ctl: inout(wp.array(dtype=Control)),
+    slip_branch: inout(wp.array2d(dtype=int)),
+    slip_anchor: inout(wp.array3d(dtype=real)),
+    slip_way: inout(wp.array3d(dtype=real)),
+    slip_softness: out(wp.array3d(dtype=real)),
+    slip_bound: out(wp.array2d(dtype=real)),
+    defect: out(wp.array2d(dtype=real)),
+    softness: out(wp.array2d(dtype=real)),
+):
+    """Lanes over joints with friction: stick or slip, and the defects and softness of their rows."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not acts(ctl, clk, w):
+        return
+    e = lane
+    while e < model.joint_frictions.count:
+        n = model.joint_frictions.size[e]
+        first = model.joint_frictions.start[e]
+        slow = model.joint_frictions.slip_velocity[e]
+        R, M = reaction(model, w, e, lam, row_wrench)
+        bound = bound_of(model, e, axis_of(model, w, e, row_wrench), R, M)
+        slip_bound[w, e] = bound
+        v = wp.vec2d(real(0.0), real(0.0))
+        f = wp.vec2d(real(0.0), real(0.0))
+        yields = NOTHING
+        for r in range(n):
+            weight = model.joint_frictions.weight[e, r]
+            row = first + r
+            v[r] = weight * drive_rate[w, 1, row]
+            f[r] = lam[w, row] / weight
+            soft = weight * weight * row_compliance(model, clk, w, row, C, C_modal, receptance)
+            yields = wp.max(yields, soft)
+            if ctl[w].iteration == 0:
+                slip_anchor[w, e, r] = stuck_at[w, e, r]
+                if slipping[w, e] != 0:
+                    slip_anchor[w, e, r] = stretch[w, row]
+        way = wp.vec2d(slip_way[w, e, 0], slip_way[w, e, 1])
+        branch = slip_branch[w, e]
+        if slow > real(0.0):
+            branch = int(1)
+            way = v / wp.max(wp.length(v), slow)
+        elif ctl[w].iteration == 0:
+            branch = slipping[w, e]
+            way = wp.normalize(f)
+            if wp.length(f) == real(0.0):
+                way = wp.normalize(v)
+            if wp.length(way) == real(0.0):
+                branch = int(0)
+        elif ctl[w].forget != 0 and branch == 0 and wp.length(f) > bound * (real(1.0) + SLACK):
+            branch = int(1)
+            way = wp.normalize(f)
+            ctl[w].turned = 1
+        elif ctl[w].forget != 0 and branch != 0 and wp.dot(way, v) <= real(0.0):
+            branch = int(0)
+            ctl[w].turned = 1
+        elif branch != 0 and n == 2 and wp.dot(way, v) > real(0.0):
+            way = wp.normalize(v)
+        slip_branch[w, e] = branch
+        along = SOFT * yields
+        across = along
+        if branch != 0 and bound > real(0.0):
+            across = wp.min(along, wp.max(wp.length(v), slow) / (bound * clk[w].outer.vel))
+        if wp.length(v) < slow:
+            along = across
+        slip_way[w, e, 0] = way[0]
+        slip_way[w, e, 1] = way[1]
+        slip_softness[w, e, 0] = along
+        slip_softness[w, e, 1] = across
+        missing = bound * way - f
+        lead = (along - across) * wp.dot(way, missing)
+        for r in range(n):
+            row = first + r
+            weight = model.joint_frictions.weight[e, r]
+            if branch == 0:
+                defect[w, row] = coordinate[w, row] - slip_anchor[w, e, r]
+                softness[w, row] = HELD * yields / (weight * weight)
+            else:
+                defect[w, row] = (across * missing[r] + lead * way[r]) / weight
+                softness[w, row] = (across + (along - across) * way[r] * way[r]) / (weight * weight)
+        e += wp.block_dim()
+
+
+@wp.kernel
+def renew(ctl: inout(wp.array(dtype=Control))):
+    """Per world: the outer matrix is made anew where stick has become slip, or slip stick, since the last time."""
+    w = wp.tid()
+    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].turned == 0:
+        return
+    ctl[w].refresh = 1
+    ctl[w].turned = 0
+
+
+@wp.kernel
+def couple_friction(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    lam: wp.array2d(dtype=real),
+    row_wrench: wp.array3d(dtype=real),
+    slip_branch: wp.array2d(dtype=int),
+    slip_way: wp.array3d(dtype=real),
+    slip_softness: wp.array3d(dtype=real),
+    tangent: changed(wp.array3d(dtype=real)),
+):
+    """Lanes over joints with friction: what couples their rows to each other and to those that press, in the outer
+    matrix."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0 or not acts(ctl, clk, w):
+        return
+    e = lane
+    while e < model.joint_frictions.count:
+        n = model.joint_frictions.size[e]
+        at = model.outer.row_offset + model.joint_frictions.start[e]
+        along = slip_softness[w, e, 0]
+        across = slip_softness[w, e, 1]
+        if slip_branch[w, e] != 0:
+            if n == 2:
+                both = model.joint_frictions.weight[e, 0] * model.joint_frictions.weight[e, 1]
+                shear = (along - across) * slip_way[w, e, 0] * slip_way[w, e, 1] / both
+                tangent[w, at, at + 1] = tangent[w, at, at + 1] - shear
+                tangent[w, at + 1, at] = tangent[w, at + 1, at] - shear
+            axis = axis_of(model, w, e, row_wrench)
+            R, M = reaction(model, w, e, lam, row_wrench)
+            i = model.joint_frictions.held_start[e]
+            while i < model.joint_frictions.held_start[e + 1]:
+                row = model.joint_frictions.held[i]
+                dR = -force_of(row_wrench, w, row)
+                dM = -torque_of(row_wrench, w, row)
+                slope = bound_slope(model, e, axis, R, M, dR, dM)
+                column = model.outer.row_offset + row
+                for r in range(n):
+                    entry = along * slip_way[w, e, r] * slope / model.joint_frictions.weight[e, r]
+                    tangent[w, at + r, column] = tangent[w, at + r, column] + entry
+                i += 1
+        e += wp.block_dim()
+
+
+@wp.kernel
+def end_slips(
+    models: wp.array(dtype=Model),
+    clk: wp.array(dtype=Clock),
+    lam0: wp.array2d(dtype=real),
+    lam: wp.array2d(dtype=real),
+    coordinate: wp.array2d(dtype=real),
+    stretch: wp.array2d(dtype=real),
+    drive_rate: wp.array3d(dtype=real),
+    slipping: wp.array2d(dtype=int),
+    slip_branch: wp.array2d(dtype=int),
+    slip_way: wp.array3d(dtype=real),
+    slip_bound: wp.array2d(dtype=real),
+    ctl: inout(wp.array(dtype=Control)),
+    slip_loss: out(wp.array2d(dtype=real)),
+):
+    """Per world: what each joint has lost in the attempt, and whether one could not stay what it was."""
+    w = wp.tid()
+    model = models[0]
+    if ctl[w].attempt == 0:
+        return
+    ctl[w].turned = 0
+    e = int(0)
+    while e < model.joint_frictions.count:
+        slip_loss[w, e] = real(0.0)
+        if acts(ctl, clk, w):
+            held = real(0.0)
+            moved = real(0.0)
+            before = real(0.0)
+            after = real(0.0)
+            kept = real(0.0)
+            for r in range(model.joint_frictions.size[e]):
+                row = model.joint_frictions.start[e] + r
+                weight = model.joint_frictions.weight[e, r]
+                step = coordinate[w, row] - stretch[w, row]
+                held += lam[w, row] * lam[w, row] / (weight * weight)
+                before += lam0[w, row] * step
+                after += lam[w, row] * step
+                kept += lam0[w, row] * lam[w, row] / (weight * weight)
+                moved += slip_way[w, e, r] * weight * drive_rate[w, 1, row]
+            loss = real(0.5) * (before + after)
+            if ctl[w].forget != 0:
+                loss = after
+            slip_loss[w, e] = wp.max(loss, real(0.0))
+            branch = slip_branch[w, e]
+            if model.joint_frictions.slip_velocity[e] == real(0.0):
+                if ctl[w].forget != 0:
+                    if branch != slipping[w, e] or (branch != 0 and kept < real(0.0)):
+                        ctl[w].turned = 1
+                elif branch == 0:
+                    if wp.sqrt(held) > slip_bound[w, e] * (real(1.0) + SLACK):
+                        ctl[w].turned = 1
+                elif moved <= real(0.0) or after < real(0.0) or before < real(0.0):
+                    ctl[w].turned = 1
+        e += 1
+
+
+@wp.kernel
+def keep_slips(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    slip_branch: wp.array2d(dtype=int),
+    slip_anchor: wp.array3d(dtype=real),
+    slipping: out(wp.array2d(dtype=int)),
+    stuck_at: out(wp.array3d(dtype=real)),
+):
+    """Lanes over joints with friction: what an accepted attempt has found."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].accept == 0 or not acts(ctl, clk, w):
+        return
+    e = lane
+    while e < model.joint_frictions.count:
+        slipping[w, e] = slip_branch[w, e]
+        for r in range(model.joint_frictions.size[e]):
+            stuck_at[w, e, r] = slip_anchor[w, e, r]
+        e += wp.block_dim()
+
+
+@wp.kernel
+def record_slips(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    lam: wp.array2d(dtype=real),
+    drive_rate: wp.array3d(dtype=real),
+    slipping: wp.array2d(dtype=int),
+    slip_bound: wp.array2d(dtype=real),
+    slip_loss: wp.array2d(dtype=real),
+    saved_slipping: out(wp.array3d(dtype=int)),
+    saved_surface_velocity: out(wp.array4d(dtype=real)),
+    saved_surface_traction: out(wp.array4d(dtype=real)),
+    saved_slip_bound: out(wp.array3d(dtype=real)),
+    saved_slip_power: out(wp.array3d(dtype=real)),
+):
+    """Lanes over joints with friction. One whose law has no stick is said to stick below its slip velocity."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].record == 0:
+        return
+    at = ctl[w].saved % saved_slipping.shape[1]
+    e = lane
+    while e < model.joint_frictions.count:
+        v = wp.vec2d(real(0.0), real(0.0))
+        f = wp.vec2d(real(0.0), real(0.0))
+        for r in range(model.joint_frictions.size[e]):
+            row = model.joint_frictions.start[e] + r
+            v[r] = model.joint_frictions.weight[e, r] * drive_rate[w, 0, row]
+            f[r] = -lam[w, row] / model.joint_frictions.weight[e, r]
+        state = slipping[w, e]
+        if wp.length(v) < model.joint_frictions.slip_velocity[e]:
+            state = int(0)
+        saved_slipping[w, at, e] = state
+        for r in range(2):
+            saved_surface_velocity[w, at, e, r] = v[r]
+            saved_surface_traction[w, at, e, r] = f[r]
+        saved_slip_bound[w, at, e] = slip_bound[w, e]
+        saved_slip_power[w, at, e] = real(0.0)
+        if clk[w].done_step > real(0.0):
+            saved_slip_power[w, at, e] = slip_loss[w, e] / clk[w].done_step
+        e += wp.block_dim()

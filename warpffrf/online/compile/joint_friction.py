@@ -1,0 +1,60 @@
+"""Friction in joints -> rows without stiffness, and what bounds their forces (`kernels joint_friction`)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from warpffrf_kernels.core.model import Model
+
+from warpffrf.model.forces import SlipLaw
+from warpffrf.online.compile.collector import Collector
+from warpffrf.online.compile.joints import ROW_KINDS, JointTable
+
+
+@dataclass
+class SlipTable:
+    """Friction in the joints of a scene, in the order of the device arrays."""
+
+    laws: dict[str, SlipLaw] = field(default_factory=dict)
+    rows: dict[str, list[int]] = field(default_factory=dict)
+    held: dict[str, list[int]] = field(default_factory=dict)  # rows of the joints that press
+
+
+def compile_joint_friction(collector: Collector, joints: JointTable) -> SlipTable:
+    """Enter the rows, behind those of the joints and before those of springs; notes where the reaction that presses
+    lacks rows."""
+    table = SlipTable()
+    for item in collector.scene.forces:
+        if not hasattr(item, "slip"):
+            continue
+        law = item.slip()
+        joint = str(law.joint.name)
+        a, b = joints.markers[joint]
+        table.laws[item.name] = law
+        table.rows[item.name] = [
+            collector.rows.add(ROW_KINDS[c.kind], a, b, c.i, c.j, rigid=0) for c in law.coordinates
+        ]
+        table.held[item.name] = joints.held[joint]
+        missing = [row.row.held for row in joints.dropped if row.joint is law.joint and row.drive is None]
+        if missing:
+            collector.notes.append(
+                f"friction {item.name!r}: the reactions of joint {joint!r} that are left out as redundant "
+                f"({', '.join(missing)}) do not press"
+            )
+    return table
+
+
+def fill_joint_friction(collector: Collector, table: SlipTable, m: Model) -> None:
+    """Device arrays."""
+    laws, held = list(table.laws.values()), list(table.held.values())
+    collector.fill(
+        m.joint_frictions, count=len(laws), start=[rows[0] for rows in table.rows.values()],
+        size=[len(law.coordinates) for law in laws], weight=[(*law.weights, 1.0)[:2] for law in laws],
+        coefficient=[law.friction.coefficient for law in laws],
+        slip_velocity=[law.friction.slip_velocity for law in laws], radial=[law.radial for law in laws],
+        axial=[law.axial for law in laws], spin=[law.spin for law in laws],
+        bending=[1.0 / law.bearing_length if law.bearing_length else 0.0 for law in laws],
+        preload=[law.preload for law in laws], held_start=np.cumsum([0] + [len(rows) for rows in held]),
+        held=[row for rows in held for row in rows],
+    )  # fmt: skip

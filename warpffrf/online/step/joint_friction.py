@@ -1,0 +1,19 @@
+"""Friction in joints: stick and slip of its rows, what they lose, and what is kept of them."""
+
+from __future__ import annotations
+
+from warpffrf_kernels.constraints import joint_friction
+
+from warpffrf.online.step.launches import blocks, threads
+from warpffrf.online.step.phases import Participant
+
+JOINT_FRICTION = Participant(
+    "joint friction",
+    when="joint_friction",
+    load=[blocks(joint_friction.rub)],
+    store=[threads(joint_friction.renew)],
+    assemble=[blocks(joint_friction.couple_friction)],
+    estimate=[threads(joint_friction.end_slips)],
+    keep=[blocks(joint_friction.keep_slips)],
+    record=[blocks(joint_friction.record_slips)],
+)
