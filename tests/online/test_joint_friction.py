@@ -425,6 +425,29 @@ def test_results_say_whether_a_joint_sticks(tmp_path: Path) -> None:
     assert np.sum(here.power * result.history.step_size) == pytest.approx(booked, rel=1e-9)
 
 
+SCENE = """
+[bodies.rod]
+mass = 2.0
+inertia_tensor = [0.05, 0.01, 0.05]
+[joints.pin]
+kind = "revolute"
+a = "ground"
+b = { body = "rod", point = [0, 0.5, 0] }
+axis = [0, 0, 1]
+[forces.rub]
+kind = "revolute_friction"
+joint = "pin"
+friction = { kind = "regularised_coulomb", coefficient = 0.3, slip_velocity = 0.01 }
+pin_radius = 0.05
+"""
+
+
+def test_scene_files_know_it(tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text(SCENE)
+    (rub,) = wf.load_scene(tmp_path / "scene.toml").scene.forces
+    assert rub.friction == RegularisedCoulomb(0.3, 0.01) and rub.pin_radius == 0.05 and rub.joint.name == "pin"
+
+
 def test_friction_is_left_out_of_an_equilibrium_with_a_note() -> None:
     scene = pendulum(0.3, preload=5.0)
     history = run(scene, 0.01, step=1e-3, start="equilibrium", progress=False)
