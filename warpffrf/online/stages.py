@@ -125,7 +125,7 @@ def with_potential(checkpoint: Mapping[str, np.ndarray], before: Scene, after: S
 
 
 def _potential(checkpoint: Mapping[str, np.ndarray], scene: Scene) -> np.ndarray:
-    """Potential (W,) [J] of gravity, -sum m g.r, and of springs, 1/2 e.K e + preload.e of their deformations e.
+    """Potential (W,) [J] of gravity, -sum m g.r, and of springs.
 
     The values of spring rows stand behind those of joints, in the order of the forces (`compile_forces`).
     """
@@ -135,8 +135,7 @@ def _potential(checkpoint: Mapping[str, np.ndarray], scene: Scene) -> np.ndarray
     values = np.asarray(checkpoint["stretch"])
     at = values.shape[1] - sum(len(law.coordinates) for law in laws)
     for law in laws:
-        e = values[:, at : at + len(law.coordinates)] - law.reference
-        total += 0.5 * np.einsum("wi,ij,wj->w", e, law.stiffness, e) + e @ law.preload
+        total += law.potential(values[:, at : at + len(law.coordinates)])
         at += len(law.coordinates)
     return total
 

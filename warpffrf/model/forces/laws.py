@@ -63,6 +63,15 @@ class SpringLaw:
     joint: Any = None
     expand: np.ndarray | None = None
 
+    def force(self, e: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        """lambda (n,) at the coordinates e (n,) and their rates (n,)."""
+        return self.stiffness @ (e - self.reference) + self.damping @ rate + self.preload
+
+    def potential(self, e: np.ndarray) -> np.ndarray:
+        """Energy (...) [J] that is stored at the coordinates e (..., n), the part of the preload included."""
+        off = e - self.reference
+        return 0.5 * np.einsum("...i,ij,...j->...", off, self.stiffness, off) + off @ self.preload
+
 
 @dataclass(frozen=True, eq=False)
 class SlipLaw:

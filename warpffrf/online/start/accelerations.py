@@ -148,8 +148,7 @@ class _World:
         rate = self.engine.state.drive_rate.numpy()[self.w, 1]
         lam = np.zeros(self.rows)
         for name, rows in forces.rows.items():
-            law = forces.laws[name]
-            lam[rows] = law.stiffness @ (value[rows] - law.reference) + law.damping @ rate[rows] + law.preload
+            lam[rows] = forces.laws[name].force(value[rows], rate[rows])
         return lam
 
     def _signals(self) -> tuple[np.ndarray, np.ndarray]:
