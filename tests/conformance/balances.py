@@ -133,6 +133,7 @@ def stored(scene: Scene, history: History) -> dict[str, np.ndarray]:
             change = (c - law.reference)[:, : law.sprung]
             K = law.stiffness[: law.sprung, : law.sprung]
             potential += 0.5 * np.einsum("ti,ij,tj->t", change, K, change) + change @ law.preload[: law.sprung]
+            potential += sum(curve.energy(change[:, i]) for i, curve in enumerate(law.elastic[: law.sprung]) if curve)
     return {"kinetic": kinetic, "strain": strain, "potential": potential}
 
 

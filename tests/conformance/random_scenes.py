@@ -121,7 +121,9 @@ def lump(rng: np.random.Generator) -> tuple[float, np.ndarray, np.ndarray]:
     return float(m.sum()), center, np.sum(m * np.sum(y**2, axis=1)) * np.eye(3) - (y.T * m) @ y
 
 
-ELEMENTS = ("spring_damper", "bushing", "bearing", "joint_spring_damper", "point_force", "point_torque")
+ELEMENTS = (
+    "spring_damper", "bushing", "bearing", "joint_spring_damper", "characteristics", "point_force", "point_torque",
+)  # fmt: skip
 
 
 def make(scene: Scene, kind: str, a: Any, b: Any, far: Any, free: list, at: Place, rng: np.random.Generator) -> None:
@@ -141,6 +143,10 @@ def make(scene: Scene, kind: str, a: Any, b: Any, far: Any, free: list, at: Plac
                 spin_damping=0.001 * k,
             )
         )  # fmt: skip
+    elif kind == "characteristics":
+        hard, drag = forces.ForcePolynomial([k, 0.0, 5.0 * k]), forces.PowerLaw(0.001 * k, 2.0)
+        scene.add(forces.SpringDamper(a, far, hard, drag))
+        scene.add(forces.Bushing(a, b, [hard, k, k, hard, k, k], [drag] * 6, axes=at.turn @ axes))
     elif kind == "point_force":
         scene.add(forces.PointForce(far, at.vector(5.0 * rng.normal(size=3))))
     elif kind == "point_torque":

@@ -77,6 +77,21 @@ SPRINGS = {
     ),
 }  # fmt: skip
 
+MOUNT = forces.ForceTable([(-0.2, -90.0), (-0.05, -15.0), (0.0, 0.0), (0.1, 25.0), (0.2, 80.0)], smooth=True)
+CURVED = {
+    "spring with characteristics": lambda s, a, b: forces.SpringDamper(
+        a.at((0, 0.1, 0)), b.at((0.1, 0, 0)), forces.ForcePolynomial([300.0, 400.0, 9e3]), forces.PowerLaw(2.0, 1.5)
+    ),
+    "angle with characteristics": lambda s, a, b: forces.TorsionalSpringDamper(
+        revolute(s, a, b), forces.PowerLaw(20.0, 1.5), forces.ForcePolynomial([0.3, 0.0, 0.02]), reference=0.2
+    ),
+    "bushing with characteristics": lambda s, a, b: forces.Bushing(
+        *ports(a, b), [MOUNT, 300.0, forces.ForcePolynomial([300.0, 0.0, 3e4]), forces.PowerLaw(40.0, 1.2), 20.0, 20.0],
+        [1.0, forces.PowerLaw(2.0, 2.0), 1.0, 0.2, 0.2, forces.PowerLaw(0.2, 1.5)], axes=AXES, preload=np.arange(6.0),
+    ),
+}  # fmt: skip
+ALL = SPRINGS | CURVED
+
 
 def test_every_spring_of_the_registry_is_here() -> None:
     springs = {kind for kind, element in forces.FORCES.items() if hasattr(element, "law")}
@@ -87,7 +102,7 @@ def test_every_spring_of_the_registry_is_here() -> None:
 
 def spring_scene(name: str) -> tuple[Scene, Any]:
     scene, a, b = two_bodies()
-    return scene, scene.add(SPRINGS[name](scene, a, b))
+    return scene, scene.add(ALL[name](scene, a, b))
 
 
 class Rows:
@@ -131,7 +146,7 @@ def moved(r: np.ndarray, A: np.ndarray, body: int, c: int, by: float) -> tuple[n
     return r, A
 
 
-@pytest.mark.parametrize("name", SPRINGS)
+@pytest.mark.parametrize("name", ALL)
 def test_gradient_agrees_with_differences_and_action_with_reaction(name: str) -> None:
     scene, item = spring_scene(name)
     evaluate = Rows(scene)
@@ -153,7 +168,7 @@ def test_gradient_agrees_with_differences_and_action_with_reaction(name: str) ->
         assert f[1, :3] == pytest.approx(wrench[row, :3], abs=1e-14)
 
 
-@pytest.mark.parametrize("name", SPRINGS)
+@pytest.mark.parametrize("name", ALL)
 def test_geometric_stiffness_agrees_with_differences(name: str) -> None:
     """Rigid blocks of the outer matrix against differences of C^T lambda at fixed lambda, rows of joints included. A
     bushing's is of first order in its rotation, here 1e-3 rad."""
@@ -205,7 +220,7 @@ def balance_error(name: str, step: float) -> tuple[float, np.ndarray, np.ndarray
     return float(np.abs(e["numerical"]).max() / (np.abs(stored).max() + moved)), P, L
 
 
-@pytest.mark.parametrize("name", SPRINGS)
+@pytest.mark.parametrize("name", ALL)
 def test_ledger_closes_at_second_order_and_momentum_stays(name: str) -> None:
     (coarse, _, _), (fine, P, L) = (balance_error(name, h) for h in (4e-3, 2e-3))
     assert fine < 5e-3 and fine < coarse / 3.0, (coarse, fine)

@@ -14,12 +14,14 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha, Settings, run
 from warpffrf.online.history.history import History
+from warpffrf.output.monolithic_run import to_history
 
 RHO = 0.8
 TIGHT = 1e-12  # tolerance of both, of the forces
 AGREE = 1e-10  # of the largest value of a history: D9, round-off of some hundred steps
 # accelerations and reactions: 1e-16 of the coordinates times ACC, about 1e6/s^2, against some ten m/s^2
 AGREE_FORCES = 1e-8
+PLAY = 0.02  # rad
 SECOND = ("acceleration", "reaction", "torque")
 
 
@@ -57,7 +59,11 @@ def difference(a: History, b: monolithic.MonolithicHistory) -> dict[str, float]:
 
 def check(scene: Scene, duration: float, step: float) -> None:
     """Both solvers on `scene`, compared."""
-    worst = difference(*both(scene, duration, step))
+    check_difference(difference(*both(scene, duration, step)))
+
+
+def check_difference(worst: dict[str, float]) -> None:
+    """Differences as round-off leaves them."""
     first = max(value for name, value in worst.items() if name not in SECOND)
     second = max((worst[name] for name in SECOND if name in worst), default=0.0)
     assert first < AGREE and second < AGREE_FORCES, worst
@@ -115,6 +121,46 @@ def test_four_bar() -> None:
 @pytest.mark.parametrize("level", ["constant", "deformed", "gyroscopic", "full"])
 def test_flexible_body_on_joints_and_a_bushing(level: str) -> None:
     check(flexible(level), 0.05, 5e-4)
+
+
+def on_characteristics() -> Scene:
+    """A flexible body on a hinge with play and drag, a rigid one on a rubber mount at its end, a hardening line between
+    that and the ground."""
+    scene = Scene(gravity=(0.0, 0.0, -9.81))
+    a = scene.add_body(mass_point_body(5), name="a", inertia="full", damping=0.01)
+    pin = a["left"].world_point()
+    hinge = scene.add(joints.Revolute(scene.ground.at(pin), a["left"], axis=(0.0, 0.6, 0.8), name="hinge"))
+    play = forces.ForceTable([(-3.0 * PLAY, -60.0), (-PLAY, 0.0), (PLAY, 0.0), (3.0 * PLAY, 60.0)])
+    scene.add(forces.TorsionalSpringDamper(hinge, play, forces.PowerLaw(0.05, 2.0), name="play"))
+    place = a["right"].world_point()
+    b = scene.add_rigid_body(0.4, (2e-3, 3e-3, 4e-3), name="b", position=place + np.array([0.05, 0.0, 0.02]))
+    rubber = forces.ForceTable([(-1e-4, -3.0), (-5e-5, -1.0), (0.0, 0.0), (5e-5, 1.5), (1e-4, 5.0)], smooth=True)
+    twist = forces.ForcePolynomial([50.0, 0.0, 500.0])
+    scene.add(forces.Bushing(
+        a["right"], b.at(b.to_user(place)), [rubber] * 3 + [twist] * 3, [forces.PowerLaw(20.0, 1.5)] * 3 + [0.05] * 3,
+        name="mount",
+    ))  # fmt: skip
+    line = forces.ForcePolynomial([200.0, 0.0, 4e4])
+    ends = scene.ground.at(place + 0.3), b.at((0.0, 0.0, 0.0))
+    scene.add(forces.SpringDamper(*ends, line, free_length=0.5, name="line"))
+    return scene
+
+
+def test_springs_and_dampers_with_characteristics() -> None:
+    """Forces and deformations too; the play is left and entered, so that the kinks are met."""
+    scene = on_characteristics()
+    ours, theirs = both(scene, 0.15, 5e-4)
+    check_difference(difference(ours, theirs))
+    other = to_history(theirs, [])
+    angle = ours.forces["play"].deformation[:, 0]
+    assert np.sum(np.diff(np.abs(angle) > PLAY) != 0) >= 2
+    for name, own in ours.forces.items():
+        for field, within in (("deformation", AGREE), ("force", AGREE_FORCES)):
+            a, b = getattr(own, field), getattr(other.forces[name], field)
+            assert np.abs(a - b).max() <= within * np.abs(a).max(), (name, field)
+    potential = ours.energy["potential"] - other.energy["potential"]
+    assert np.abs(potential).max() < AGREE * np.ptp(ours.energy["potential"])
+    assert [note for note in ours.notes if "table" in note] == [note for note in other.notes if "table" in note] != []
 
 
 def test_geometric_stiffening() -> None:

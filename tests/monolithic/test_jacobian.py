@@ -93,6 +93,7 @@ def springs(scene: Scene, a: Any, b: Any) -> dict[str, Any]:
     port = b.at(b.to_user(place))
     rng = np.random.default_rng(11)
     K, D = (s * (lambda A: A @ A.T)(rng.normal(size=(6, 6))) for s in (300.0, 3.0))
+    rubber = forces.ForceTable([(-1.0, -500.0), (0.0, 0.0), (1.0, 900.0)], smooth=True)
 
     def hinge(kind: str) -> Any:
         return scene.add(joints.JOINT_KINDS[kind](a["right"], port, axis=(0, 1, 0), name="h"))
@@ -107,6 +108,14 @@ def springs(scene: Scene, a: Any, b: Any) -> dict[str, Any]:
         "bearing": lambda: forces.Bearing(
             a["right"], port, axis=(0, 1, 0), radial=500.0, axial=200.0, tilt=30.0, radial_tilt=50.0,
             radial_damping=2.0, axial_damping=1.0, tilt_damping=0.2, spin_damping=0.1, cross=40.0,
+        ),
+        "characteristics": lambda: forces.SpringDamper(
+            a["left"], b.at((0.1, 0, 0)), forces.ForcePolynomial([300.0, 40.0, 9e3]), forces.PowerLaw(2.0, 1.7),
+            free_length=0.3,
+        ),
+        "bushing with characteristics": lambda: forces.Bushing(
+            a["right"], port, [rubber] * 3 + [9.0] * 3, [1.0, forces.PowerLaw(3.0, 2.0), 1.0, 0.2,
+            forces.ForcePolynomial([0.1, 0.0, 0.2]), 0.2], axes=AXES,
         ),
         "point_force": lambda: forces.PointForce(a["right"], (3.0, -2.0, 5.0)),
         "point_force in the body": lambda: forces.PointForce(a["right"], (3.0, -2.0, 5.0), frame="body"),

@@ -19,6 +19,7 @@ import numpy as np
 from warpffrf import monolithic
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError
+from warpffrf.model.forces.notes import characteristic_notes
 from warpffrf.model.overlap import refuse_overlap
 from warpffrf.model.scene import Scene
 from warpffrf.model.signal_cover import refuse_short_tables
@@ -149,6 +150,7 @@ def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History
         joints[joint.name] = JointHistory(first, force, torque, second, tuple(named))
     springs = _springs(scene)
     rows = found.spring_rows
+    stretches = {name: rows[:, own, 0] for name, own in springs.rows.items()}
     forces = force_histories(scene, springs, time, rows[:, :, 0], rows[:, :, 1:], bodies)
     contacts = {
         name: ContactHistory(
@@ -167,7 +169,7 @@ def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History
         iterations=found.iterations, factorisations=found.factorisations, status=found.status, message=found.message,
         counters=counters, forces=forces, sensors=sensor_histories(scene, T, bodies, joints, forces),
         notes=[*notes, *found.notes, *left_out_notes(scene, found.dropped, bodies, T),
-               *half_turn_notes(springs.laws, bodies, T)],
+               *half_turn_notes(springs.laws, bodies, T), *characteristic_notes(springs.laws, stretches, time)],
         checkpoint={} if found.final is None else to_arrays(found.final),
     )  # fmt: skip
 

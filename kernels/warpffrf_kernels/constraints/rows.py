@@ -23,7 +23,7 @@ An angle that is a spring counts its turns.
 A constraint row demands c = 0 and carries the multiplier lambda, generalized force -C^T lambda. A spring row has
 `lambda = k c + d cdot + preload`; divided by its effective stiffness `k_e = k + d VEL` it is a constraint row with the
 compliance 1/k_e on its diagonal, so that springs on flexible interfaces need no special treatment (the modes stay
-diagonal).
+diagonal). What is not in proportion adds to it: `characteristics`.
 
 A marker on a flexible rigid interface moves with the interface: x = r + A (X + u + theta x (X - X_if)),
 axes A exp(theta^) L, with (u, theta) = Phi_if q, and -q.K q/2 in addition where loads stiffen the body (`interfaces`).
@@ -40,6 +40,7 @@ from warpffrf_kernels.bodies.interfaces import (
     rotation_of,
     translation_of,
 )
+from warpffrf_kernels.constraints.characteristics import characteristic, firm
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
@@ -259,7 +260,17 @@ def evaluate_rows(
                 rate += row_rate(model, w, row, b, C, C_modal, v1, omega1, qd1)
             k_e = model.rows.stiffness[row] + model.rows.damping[row] * clk[w].outer.vel
             law = model.rows.stiffness[row] * value + model.rows.damping[row] * rate + model.rows.preload[row]
-            if k_e > real(0.0):
+            if model.rows.elastic[row] >= 0:
+                spring = characteristic(model, model.rows.elastic[row], value)
+                law += spring[0]
+                k_e += spring[1]
+            if model.rows.viscous[row] >= 0:
+                damper = characteristic(model, model.rows.viscous[row], rate)
+                law += damper[0]
+                k_e += damper[1] * clk[w].outer.vel
+            if model.rows.elastic[row] >= 0 or model.rows.viscous[row] >= 0:
+                k_e = firm(model, row, force, clk[w].outer.acc, k_e)
+            if k_e != real(0.0):
                 defect[w, row] = (law - lam[w, row]) / k_e
                 softness[w, row] = real(1.0) / k_e
             else:  # a pure damper at rest: no force

@@ -90,7 +90,7 @@ class Markers:
 
 @topic
 class Rows:
-    """Constraints and springs, c(x, t) = 0 or lambda = k c + d cdot + preload."""
+    """Constraints and springs, c(x, t) = 0 or lambda = k c + d cdot + preload, and characteristics."""
 
     count: int
     kind: DeviceArray = integers("row", note="see `control`")
@@ -105,6 +105,8 @@ class Rows:
     preload: DeviceArray = reals("row", unit="N or N m")
     rigid: DeviceArray = integers("row", note="1: constraint, 0: spring")
     group: DeviceArray = integers("row", note="group of a spring row that shares matrices with others")
+    elastic: DeviceArray = integers("row", note="characteristic over c, -1 without")
+    viscous: DeviceArray = integers("row", note="characteristic over cdot, -1 without")
     vector: DeviceArray = reals("row", 6, note="a bushing coordinate's part of displacement and rotation vector")
 
 
@@ -139,6 +141,19 @@ class JointFrictions:
     preload: DeviceArray = reals("joint_friction", unit="N")
     held_start: DeviceArray = integers("joint_friction+1", note="into held")
     held: DeviceArray = integers("held_entry", note="rows of the joint, whose reactions press")
+
+
+@topic
+class Characteristics:
+    """Forces of springs and dampers over c or cdot, piece by piece, see `characteristics`."""
+
+    start: DeviceArray = integers("characteristic+1", note="first piece")
+    begin: DeviceArray = reals("piece_entry", unit="m, rad, m/s, rad/s", note="of each piece; of the first unused")
+    origin: DeviceArray = reals("piece_entry", unit="m, rad, m/s, rad/s")
+    coefficient: DeviceArray = reals("piece_entry", 8, note="ascending powers of x - origin")
+    power: DeviceArray = reals("piece_entry", note="a of a sgn(x - origin) |x - origin|^p")
+    exponent: DeviceArray = reals("piece_entry", note="p")
+    constant: DeviceArray = reals("piece_entry", unit="J", note="of the potential")
 
 
 @topic
@@ -386,6 +401,7 @@ class Model:
     rows: Rows
     groups: Groups
     joint_frictions: JointFrictions
+    characteristics: Characteristics
     signals: Signals
     forces: Forces
     torques: Torques

@@ -139,9 +139,9 @@ def balance(
         pair += 1
     row = int(0)
     while row < model.rows.count:  # a spring's force against its law; a stretch of round-off size passes
-        if softness[w, row] > real(0.0):
+        if softness[w, row] != real(0.0):
             arm = arm_of(model, row)
-            given = wp.max(scale * softness[w, row] * arm, SHORT * extent / arm)
+            given = wp.max(scale * wp.abs(softness[w, row]) * arm, SHORT * extent / arm)
             worst = wp.max(worst, wp.abs(defect[w, row]) / given)
         sum += defect[w, row]
         row += 1

@@ -5,7 +5,8 @@ books
 
     work of forces    sum (F_0 + F_1)/2 . (x_1 - x_0)           drive   -(lambda_0 + lambda_1)/2 (s_1 - s_0)
     damping           sum c (x_1 - x_0)^2/h of dampers and modal damping, never negative: what the trapezoidal rule
-                      takes at any step; what damped layers take
+                      takes at any step; of dampers with a characteristic G, (G(v_0) + G(v_1))/2 (x_1 - x_0), which
+                      is that too; what damped layers take
     friction          sum tau_1 . S: the tractions at the end of the step times the slip over it, never positive;
                       what joints lose by friction (`joint_friction`)
     contact grid      dE_contact + (work of the contact forces on bodies and modes, trapezoidal; of pairs that are
@@ -18,6 +19,7 @@ method would go to a maximum as well as to a minimum.
 
 import warp as wp
 
+from warpffrf_kernels.constraints.characteristics import characteristic
 from warpffrf_kernels.constraints.forces import group_energy
 from warpffrf_kernels.constraints.rows import evaluate_signal
 from warpffrf_kernels.core import control as k
@@ -48,6 +50,7 @@ def balance_energy(
     lam: wp.array2d(dtype=real),
     coordinate: wp.array2d(dtype=real),
     stretch: wp.array2d(dtype=real),
+    drive_rate: wp.array3d(dtype=real),
     applied: wp.array3d(dtype=vec3),
     applied_at: wp.array3d(dtype=vec3),
     load: wp.array3d(dtype=real),
@@ -106,6 +109,11 @@ def balance_energy(
             potential += half * model.rows.stiffness[row] * change * change + model.rows.preload[row] * change
             step = coordinate[w, row] - stretch[w, row]
             damping += model.rows.damping[row] * step * step / h
+            if model.rows.elastic[row] >= 0:
+                potential += characteristic(model, model.rows.elastic[row], change)[2]
+            if model.rows.viscous[row] >= 0:
+                for end in range(2):
+                    damping += half * characteristic(model, model.rows.viscous[row], drive_rate[w, end, row])[0] * step
         else:
             held_work -= half * (lam0[w, row] + lam[w, row]) * (coordinate[w, row] - stretch[w, row])
         if model.rows.rigid[row] != 0 and model.rows.signal[row] >= 0:

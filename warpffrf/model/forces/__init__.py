@@ -2,12 +2,14 @@
 
 An element says what it is in the terms of `laws`: springs give a `SpringLaw`, friction in joints a `SlipLaw`, loads a
 `PointLoad` or a `BodyLoad`. The simulation knows no more of it, so a new element is one new file and one line here.
+What a spring or damper does that is not in proportion to deformation or rate is a `characteristics`.
 """
 
 from __future__ import annotations
 
 from warpffrf.model.forces.bearing import Bearing
 from warpffrf.model.forces.bushing import Bushing
+from warpffrf.model.forces.characteristics import CHARACTERISTICS, Characteristic, ForcePolynomial, ForceTable, PowerLaw
 from warpffrf.model.forces.cylindrical_friction import CylindricalFriction
 from warpffrf.model.forces.joint_spring import JointSpringDamper, TorsionalSpringDamper
 from warpffrf.model.forces.laws import BodyLoad, Coordinate, PointLoad, SlipLaw, SpringLaw
@@ -37,17 +39,22 @@ FORCES = {
 }
 
 __all__ = [
+    "CHARACTERISTICS",
     "FORCES",
     "Bearing",
     "BodyLoad",
     "Bushing",
+    "Characteristic",
     "Coordinate",
     "CylindricalFriction",
+    "ForcePolynomial",
+    "ForceTable",
     "JointSpringDamper",
     "NodalLoad",
     "PointForce",
     "PointLoad",
     "PointTorque",
+    "PowerLaw",
     "PrismaticFriction",
     "RevoluteFriction",
     "SlipLaw",

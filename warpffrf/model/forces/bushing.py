@@ -8,12 +8,14 @@ the law is `lambda = K e + D de/dt + preload` in the axes of a. Its generalised 
 K e read as force and torque: with T the tangent of the exponential map, the torque that turns phi is `A_a T(phi)^-1`
 times the last three entries of lambda, acting at x_b, which differs from K e in second order of phi and makes the work
 of a closed path zero for symmetric K at any displacement of the frames. A skew part of K (an oil film) is allowed; its
-work is booked as work of forces. (Rotation vector as bushing coordinate: e.g. EXUDYN's RigidBodySpringDamper uses
-Tait-Bryan angles instead; the rotation vector has no preferred order of axes.)
+work is booked as work of forces. Directions of a rubber mount with characteristics of their own have
+`lambda_i = F_i(e_i) + G_i(de_i/dt) + preload_i`, uncoupled. (Rotation vector as bushing coordinate: e.g. EXUDYN's
+RigidBodySpringDamper uses Tait-Bryan angles instead; the rotation vector has no preferred order of axes.)
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -21,7 +23,17 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Port, as_port
 from warpffrf.model.errors import InputError, require_array
-from warpffrf.model.forces.laws import Coordinate, SpringLaw, matrix_6x6, split_directions
+from warpffrf.model.forces.characteristics import Characteristic
+from warpffrf.model.forces.laws import (
+    Coordinate,
+    SpringLaw,
+    matrix_6x6,
+    require_damping,
+    require_stiffness,
+    split,
+    split_directions,
+    vanishes,
+)
 from warpffrf.model.joints import coincident_within
 
 ORTHONORMAL = 1e-6  # entries of axes typed with six digits; further off is a mistake
@@ -106,10 +118,19 @@ class Bushing(TwoPorts):
     ) -> None:
         super().__init__(a, b, point, name)
         label = self.label
-        self.stiffness = matrix_6x6(stiffness, f"{label}: stiffness")
-        self.damping = matrix_6x6(np.zeros(6) if damping is None else damping, f"{label}: damping")
-        if not np.any(self.stiffness) and not np.any(self.damping):
+        self.stiffness, self.elastic = _directions(stiffness, f"{label}: stiffness", require_stiffness)
+        self.damping, self.viscous = _directions(
+            np.zeros(6) if damping is None else damping, f"{label}: damping", require_damping
+        )
+        curves = [curve for curve in (*self.elastic, *self.viscous) if curve is not None]
+        if not np.any(self.stiffness) and not np.any(self.damping) and all(map(vanishes, curves)):
             raise InputError(f"{label}: stiffness and damping are both zero; remove it")
+        self.linear = not curves
+        if curves and any(np.any(A - np.diag(np.diag(A))) for A in (self.stiffness, self.damping)):
+            raise InputError(
+                f"{label}: directions with characteristics are not coupled; give stiffness and damping as six values "
+                "each, numbers or characteristics, or use a second bushing for the matrix"
+            )
         A = np.eye(3) if axes is None else require_array(axes, f"{label}: axes", (3, 3))
         if np.abs(A.T @ A - np.eye(3)).max() > ORTHONORMAL or np.linalg.det(A) < 0.0:
             raise InputError(f"{label}: axes must be three perpendicular unit vectors in columns, right-handed")
@@ -119,15 +140,48 @@ class Bushing(TwoPorts):
 
     def law(self) -> SpringLaw:
         """Coordinates and law, from the initial pose as it is now."""
-        Q, W, sprung = split_directions(self.stiffness, self.damping)
+        Q, W, sprung = split_directions(self.stiffness, self.damping) if self.linear else self._own_directions()
         if np.abs(Q @ (W.T @ self.preload) - self.preload).max() > ORTHONORMAL * np.abs(self.preload).max():
             raise InputError(f"{self.label}: preload acts in a direction that has neither stiffness nor damping")
         return SpringLaw(
             tuple(Coordinate("bushing", vector=v) for v in Q.T),
             W.T @ self.stiffness @ W, W.T @ self.damping @ W, np.zeros(Q.shape[1]), W.T @ self.preload, sprung,
-            **self.markers(self.axes), expand=W,
+            **self.markers(self.axes), expand=W, **self._curves(Q),
         )  # fmt: skip
+
+    def _own_directions(self) -> tuple[np.ndarray, np.ndarray, int]:
+        """As `split_directions`, of directions that are not coupled: unit vectors."""
+        sprung, damped = (
+            [a > 0.0 or not (curve is None or curve.vanishes) for a, curve in zip(np.diag(A), curves, strict=True)]
+            for A, curves in ((self.stiffness, self.elastic), (self.damping, self.viscous))
+        )
+        use = [i for i in range(6) if sprung[i]] + [i for i in range(6) if damped[i] and not sprung[i]]
+        return np.eye(6)[:, use], np.eye(6)[:, use], sum(sprung)
+
+    def _curves(self, Q: np.ndarray) -> dict[str, Any]:
+        """The characteristics of the directions Q (6, n), in the words of `SpringLaw`."""
+        if self.linear:
+            return {}
+        use = np.argmax(Q, axis=0)
+        return {name: tuple(getattr(self, name)[i] for i in use) for name in ("elastic", "viscous")}
 
     def describe(self) -> dict[str, Any]:
         fields = ("stiffness", "damping", "axes", "preload")
-        return {**super().describe(), **{f: getattr(self, f).tolist() for f in fields}}
+        found = {**super().describe(), **{f: getattr(self, f).tolist() for f in fields}}
+        if not self.linear:
+            for name in ("elastic", "viscous"):
+                found[name] = [None if curve is None else curve.describe() for curve in getattr(self, name)]
+        return found
+
+
+def _directions(
+    value: Any, name: str, required: Callable[[Any, str], float | Characteristic]
+) -> tuple[np.ndarray, tuple[Characteristic | None, ...]]:
+    """A matrix (6, 6), and the characteristics of the six directions, from what a stiffness or damping may be."""
+    entries = list(value) if isinstance(value, (list, tuple, np.ndarray)) else []
+    if not any(isinstance(entry, Characteristic) for entry in entries):
+        return matrix_6x6(value, name), (None,) * 6
+    if len(entries) != 6:
+        raise InputError(f"{name}: six values are needed, one a direction, got {len(entries)}")
+    numbers, curves = split([required(entry, f"{name}[{i}]") for i, entry in enumerate(entries)])
+    return np.diag(numbers), curves

@@ -6,7 +6,16 @@ from typing import Any
 
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.forces.laws import Coordinate, SpringLaw, scalar_law
+from warpffrf.model.forces.characteristics import Characteristic
+from warpffrf.model.forces.laws import (
+    Coordinate,
+    SpringLaw,
+    described,
+    require_damping,
+    require_stiffness,
+    scalar_law,
+    vanishes,
+)
 from warpffrf.model.joints import Joint
 
 ROTATION = "rotation"
@@ -19,6 +28,8 @@ class JointSpringDamper:
     damping ds/dt, its opposite acts on the first. stiffness [N/m or N m/rad], damping [N s/m or N m s/rad], reference
     [m or rad], preload [N or N m]. coordinate: the name of the joint's coordinate ("translation", "rotation", ...), or
     None where it has one only. Turns of an angle are counted, so a spiral spring winds up over any number of them.
+    A characteristic (`characteristics`) in the place of stiffness or damping is the force over s - reference, or over
+    ds/dt.
     """
 
     scene_list = "forces"
@@ -27,8 +38,8 @@ class JointSpringDamper:
     def __init__(
         self,
         joint: Joint,
-        stiffness: float,
-        damping: float = 0.0,
+        stiffness: float | Characteristic,
+        damping: float | Characteristic = 0.0,
         *,
         coordinate: str | None = None,
         reference: float = 0.0,
@@ -48,8 +59,8 @@ class JointSpringDamper:
             raise InputError(f"{label}: {joint.label} holds its {self.coordinate}; it leaves free {', '.join(free)}")
         self.name = name
         self.joint = joint
-        self.stiffness = require_number(stiffness, f"{label}: stiffness", non_negative=True)
-        self.damping = require_number(damping, f"{label}: damping", non_negative=True)
+        self.stiffness = require_stiffness(stiffness, f"{label}: stiffness")
+        self.damping = require_damping(damping, f"{label}: damping")
         self.reference = require_number(reference, f"{label}: reference")
         self.preload = require_number(preload, f"{label}: preload")
 
@@ -59,7 +70,7 @@ class JointSpringDamper:
 
     def law(self) -> SpringLaw:
         """Coordinate and law."""
-        if self.stiffness == 0.0 and self.damping == 0.0:
+        if vanishes(self.stiffness) and vanishes(self.damping):
             raise InputError(
                 f"joint spring {self.name!r}: stiffness and damping are both zero; use a PointForce or PointTorque"
             )
@@ -72,20 +83,21 @@ class JointSpringDamper:
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
         fields = ("kind", "name", "coordinate", "stiffness", "damping", "reference", "preload")
-        return {**{f: getattr(self, f) for f in fields}, "joint": self.joint.name}
+        return {**{f: described(getattr(self, f)) for f in fields}, "joint": self.joint.name}
 
 
 class TorsionalSpringDamper(JointSpringDamper):
     """A spring and damper on the angle of a revolute or cylindrical joint: `JointSpringDamper` with
-    coordinate="rotation". stiffness [N m/rad], damping [N m s/rad], reference [rad], preload [N m]."""
+    coordinate="rotation". stiffness [N m/rad], damping [N m s/rad], or characteristics; reference [rad], preload [N
+    m]."""
 
     kind = "torsional_spring_damper"
 
     def __init__(
         self,
         joint: Joint,
-        stiffness: float,
-        damping: float = 0.0,
+        stiffness: float | Characteristic,
+        damping: float | Characteristic = 0.0,
         *,
         reference: float = 0.0,
         preload: float = 0.0,

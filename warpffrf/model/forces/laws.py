@@ -17,16 +17,26 @@ Forces follow the exact gradients of these, so with K symmetric the
 work of the law on any path is the change of `1/2 (e - reference)^T K (e - reference) + preload . (e - reference)` plus
 what the dampers take, `de/dt^T D de/dt`. The skew part of K stores nothing: its work depends on the path, and the
 energy ledger books it as work of forces.
+
+A law that is not linear has *characteristics* F_i of deformation and G_i of rate (`characteristics`) in addition,
+
+    lambda_i = K_ii (e_i - reference_i) + F_i(e_i - reference_i) + D_ii de_i/dt + G_i(de_i/dt) + preload_i,
+
+each coordinate for itself. It stores `V_i(e_i - reference_i)` more, V_i the potential of F_i, and takes
+`G_i(de_i/dt) de_i/dt`. Its tangents are `K_ii + F_i'` and `D_ii + G_i'`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError, require_array
+from warpffrf.model.errors import InputError, require_array, require_number
+from warpffrf.model.forces.characteristics import CHARACTERISTICS, Characteristic
+from warpffrf.model.forces.characteristics.characteristic import ROUND_OFF
 
 ZERO_STIFFNESS = 1e-10  # of an equilibrated matrix with unit diagonal: rounding of typed numbers, not a stiffness
 
@@ -48,7 +58,8 @@ class SpringLaw:
     `ports` carry the markers at `points` (2, 3) [m, user frames] with `axes` (2, 3, 3, columns, user frames); with a
     `joint` its own markers serve. stiffness, damping (n, n); reference, preload (n,). The first `sprung` coordinates
     have stiffness, the rest are dampers only. `expand` (k, n) gives the deformation that a result shows from the
-    coordinates; None: the coordinates themselves.
+    coordinates; None: the coordinates themselves. `elastic`, `viscous` (n,): the characteristics F_i and G_i, None
+    where there is none; empty of a linear law. With them stiffness and damping are diagonal.
     """
 
     coordinates: tuple[Coordinate, ...]
@@ -62,15 +73,36 @@ class SpringLaw:
     axes: tuple[np.ndarray, np.ndarray] | None = None
     joint: Any = None
     expand: np.ndarray | None = None
+    elastic: tuple[Characteristic | None, ...] = ()
+    viscous: tuple[Characteristic | None, ...] = ()
 
     def force(self, e: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """lambda (n,) at the coordinates e (n,) and their rates (n,)."""
-        return self.stiffness @ (e - self.reference) + self.damping @ rate + self.preload
+        off = e - self.reference
+        lam = self.stiffness @ off + self.damping @ rate + self.preload
+        for curves, x in ((self.elastic, off), (self.viscous, rate)):
+            for i, curve in enumerate(curves):
+                if curve is not None:
+                    lam[i] += curve.force(x[i])
+        return lam
+
+    def slopes(self, e: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Slopes (n,) of the characteristics alone, F' and G', at the coordinates e (n,) and their rates (n,)."""
+        found = np.zeros((2, len(self.coordinates)))
+        for line, curves, x in zip(found, (self.elastic, self.viscous), (e - self.reference, rate), strict=True):
+            for i, curve in enumerate(curves):
+                if curve is not None:
+                    line[i] = curve.slope(x[i])
+        return found[0], found[1]
 
     def potential(self, e: np.ndarray) -> np.ndarray:
         """Energy (...) [J] that is stored at the coordinates e (..., n), the part of the preload included."""
         off = e - self.reference
-        return 0.5 * np.einsum("...i,ij,...j->...", off, self.stiffness, off) + off @ self.preload
+        total = 0.5 * np.einsum("...i,ij,...j->...", off, self.stiffness, off) + off @ self.preload
+        for i, curve in enumerate(self.elastic):
+            if curve is not None:
+                total = total + curve.energy(off[..., i])
+        return total
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,13 +164,59 @@ class BodyLoad:
     signal: Any
 
 
+def require_stiffness(value: Any, name: str) -> float | Characteristic:
+    """`value` as a number, not negative, or the characteristic that it is; else `InputError` naming `name`."""
+    if isinstance(value, Characteristic):
+        return value
+    if np.ndim(value):
+        known = ", ".join(cls.__name__ for cls in CHARACTERISTICS.values())
+        raise InputError(f"{name} must be a number, or one of {known}, got {value!r}; points are a ForceTable(points)")
+    return require_number(value, name, non_negative=True)
+
+
+def require_damping(value: Any, name: str) -> float | Characteristic:
+    """As `require_stiffness`; a characteristic must be zero at rate zero."""
+    law = require_stiffness(value, name)
+    if isinstance(law, Characteristic):
+        at_rest, size = float(law.force(0.0)), np.abs(law.force(law.sign_changes())).max()
+        if abs(at_rest) > ROUND_OFF * size:
+            raise InputError(
+                f"{name} must be zero where the rate is zero, its force there is {at_rest:g}; a force that stays at "
+                "rest is a preload"
+            )
+    return law
+
+
+def vanishes(law: float | Characteristic) -> bool:
+    """Whether a stiffness or damping is none."""
+    return law.vanishes if isinstance(law, Characteristic) else law == 0.0
+
+
+def described(law: float | Characteristic) -> Any:
+    """A stiffness or damping as plain data for hashing."""
+    return law.describe() if isinstance(law, Characteristic) else law
+
+
+def split(laws: Sequence[float | Characteristic]) -> tuple[np.ndarray, tuple[Characteristic | None, ...]]:
+    """Numbers (n,), 0 for characteristics, and the characteristics, None for numbers."""
+    curves = tuple(law if isinstance(law, Characteristic) else None for law in laws)
+    return np.array([0.0 if isinstance(law, Characteristic) else law for law in laws]), curves
+
+
 def scalar_law(
-    coordinate: Coordinate, stiffness: float, damping: float, reference: float, preload: float, **where: Any
+    coordinate: Coordinate,
+    stiffness: float | Characteristic,
+    damping: float | Characteristic,
+    reference: float,
+    preload: float,
+    **where: Any,
 ) -> SpringLaw:
     """A law on one coordinate."""
+    (k, elastic), (d, viscous) = split([stiffness]), split([damping])
+    curves = {} if elastic == viscous == (None,) else {"elastic": elastic, "viscous": viscous}
     return SpringLaw(
-        (coordinate,), np.array([[stiffness]]), np.array([[damping]]), np.array([reference]), np.array([preload]),
-        int(stiffness > 0.0), **where,
+        (coordinate,), np.diag(k), np.diag(d), np.array([reference]), np.array([preload]),
+        int(not vanishes(stiffness)), **curves, **where,
     )  # fmt: skip
 
 

@@ -8,7 +8,16 @@ import numpy as np
 
 from warpffrf.model.bodies import Port, as_port
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.forces.laws import Coordinate, SpringLaw, scalar_law
+from warpffrf.model.forces.characteristics import Characteristic
+from warpffrf.model.forces.laws import (
+    Coordinate,
+    SpringLaw,
+    described,
+    require_damping,
+    require_stiffness,
+    scalar_law,
+    vanishes,
+)
 from warpffrf.model.joints import coincident_within
 
 
@@ -16,7 +25,8 @@ class SpringDamper:
     """A spring and damper along the line between two ports.
 
     The force that pulls the ports together is stiffness (l - free_length) + damping dl/dt [N], l their distance [m];
-    stiffness [N/m], damping [N s/m], free_length [m] or None for the distance at the initial pose.
+    stiffness [N/m], damping [N s/m], free_length [m] or None for the distance at the initial pose. A characteristic
+    (`characteristics`) in the place of either number is the force over l - free_length [m], or over dl/dt [m/s].
     """
 
     scene_list = "forces"
@@ -26,8 +36,8 @@ class SpringDamper:
         self,
         a: Any,
         b: Any,
-        stiffness: float,
-        damping: float = 0.0,
+        stiffness: float | Characteristic,
+        damping: float | Characteristic = 0.0,
         *,
         free_length: float | None = None,
         name: str | None = None,
@@ -41,8 +51,8 @@ class SpringDamper:
                 raise InputError(f"{label}: a spring needs a point on the ground, use scene.ground.at((x, y, z))")
         if self.a.body is self.b.body:
             raise InputError(f"{label}: both ends are on {self.a.body.name!r}; a spring joins two bodies")
-        self.stiffness = require_number(stiffness, f"{label}: stiffness", non_negative=True)
-        self.damping = require_number(damping, f"{label}: damping", non_negative=True)
+        self.stiffness = require_stiffness(stiffness, f"{label}: stiffness")
+        self.damping = require_damping(damping, f"{label}: damping")
         if free_length is not None:
             free_length = require_number(free_length, f"{label}: free_length", non_negative=True)
         self.given_free_length = free_length
@@ -67,7 +77,7 @@ class SpringDamper:
 
     def law(self) -> SpringLaw:
         """Coordinate and law, from the initial pose as it is now."""
-        if self.stiffness == 0.0 and self.damping == 0.0:
+        if vanishes(self.stiffness) and vanishes(self.damping):
             raise InputError(f"spring {self.name!r}: stiffness and damping are both zero; remove it")
         points = (np.asarray(self.a.point), np.asarray(self.b.point))
         return scalar_law(
@@ -78,4 +88,4 @@ class SpringDamper:
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
         fields = ("kind", "name", "stiffness", "damping", "given_free_length")
-        return {**{f: getattr(self, f) for f in fields}, "a": self.a.describe(), "b": self.b.describe()}
+        return {**{f: described(getattr(self, f)) for f in fields}, "a": self.a.describe(), "b": self.b.describe()}

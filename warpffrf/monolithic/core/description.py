@@ -56,7 +56,8 @@ class ConstraintData:
 
 @dataclass(frozen=True, eq=False)
 class SpringData:
-    """A spring law on n coordinates, see `warpffrf.model.forces.laws`; `coordinates` are (kind, i, j, vector)."""
+    """A spring law on n coordinates, see `warpffrf.model.forces.laws`; `coordinates` are (kind, i, j, vector),
+    `elastic` and `viscous` the characteristics of some of them, by coordinate."""
 
     name: str
     coordinates: tuple[tuple[str, int, int, np.ndarray], ...]
@@ -65,6 +66,8 @@ class SpringData:
     damping: np.ndarray
     reference: np.ndarray
     preload: np.ndarray
+    elastic: dict[int, Any]
+    viscous: dict[int, Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,7 +196,10 @@ def _spring(data: SceneData, name: str, law: Any, joints: dict[str, tuple[int, i
         a, b = (_marker(data, port, point, axes) for port, point, axes in sides)
         markers = (a, b)
     coordinates = tuple((c.kind, c.i, c.j, np.asarray(c.vector)) for c in law.coordinates)
+    elastic, viscous = (
+        {i: curve for i, curve in enumerate(curves) if curve is not None} for curves in (law.elastic, law.viscous)
+    )
     return SpringData(
         name, coordinates, markers, np.asarray(law.stiffness), np.asarray(law.damping), np.asarray(law.reference),
-        np.asarray(law.preload),
+        np.asarray(law.preload), elastic, viscous,
     )  # fmt: skip

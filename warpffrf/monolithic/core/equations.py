@@ -8,7 +8,8 @@ Unknowns are the increments (dx, psi, dq) of the step (`integrator`) and the mul
     row       c(x, t).
 
 A spring adds C^T (K (e - e_0) + D edot + preload) with edot = C ydot, ydot = (v, w, qdot); its tangent is
-`sum lam_i H_i + C^T (K slope + D (C V + ydot^T H))`, H the derivative of C^T, V = VEL (1, T^-1, 1).
+`sum lam_i H_i + C^T (K slope + D (C V + ydot^T H))`, H the derivative of C^T, V = VEL (1, T^-1, 1). Characteristics
+add their forces to the law, and their slopes to the diagonals of K and D in the tangent.
 
 Columns belong to (dx, dtheta, dq, dlam), dtheta a turn about the body's own axes: psi follows by dpsi = T^-1 dtheta.
 """
@@ -273,9 +274,17 @@ class _Work:
         C, H = rows.force, rows.turning
         ydot = self.velocities(at)
         off = e - spring.reference
-        lam = spring.stiffness @ off + spring.damping @ (C @ ydot) + spring.preload
-        slope = spring.stiffness @ rows.slope
-        slope = slope + spring.damping @ (self.rate_slope(C, at) + ydot @ H)
+        rate = C @ ydot
+        lam = spring.stiffness @ off + spring.damping @ rate + spring.preload
+        steepness, resistance = spring.stiffness.copy(), spring.damping.copy()
+        for n, curve in spring.elastic.items():
+            lam[n] += curve.force(off[n])
+            steepness[n, n] += curve.slope(off[n])
+        for n, curve in spring.viscous.items():
+            lam[n] += curve.force(rate[n])
+            resistance[n, n] += curve.slope(rate[n])
+        slope = steepness @ rows.slope
+        slope = slope + resistance @ (self.rate_slope(C, at) + ydot @ H)
         self.residual[at] += lam @ C
         self.tangent[np.ix_(at, at)] += np.tensordot(lam, H, 1) + C.T @ slope
         self.springs[first : first + count, 0] = e
@@ -283,7 +292,8 @@ class _Work:
         pulls = np.abs(lam) * np.linalg.norm(rows.wrench[:, :3], axis=1)
         self.force = max(self.force, float(pulls.max(initial=0.0)))
         symmetric = 0.5 * (spring.stiffness + spring.stiffness.T)
-        return float(0.5 * off @ symmetric @ off + spring.preload @ off)
+        stored = float(0.5 * off @ symmetric @ off + spring.preload @ off)
+        return stored + sum(float(curve.energy(off[n])) for n, curve in spring.elastic.items())
 
     def add_loads(self) -> None:
         """Concentrated forces and torques, and loads that are constant in body axes."""

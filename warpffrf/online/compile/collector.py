@@ -10,6 +10,8 @@ import numpy as np
 from warpffrf.model.bodies import Body, Ground, Port
 from warpffrf.model.contact import Contact
 from warpffrf.model.contact_surface import ContactSurface
+from warpffrf.model.forces import Characteristic
+from warpffrf.model.forces.characteristics import Pieces
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Signal
@@ -54,13 +56,16 @@ class Rows:
     reference: list[float] = field(default_factory=list)
     preload: list[float] = field(default_factory=list)
     rigid: list[int] = field(default_factory=list)
+    elastic: list[int] = field(default_factory=list)
+    viscous: list[int] = field(default_factory=list)
 
     def add(
         self, kind: int, a: int, b: int, i: int = 0, j: int = 0, signal: int = -1, stiffness: float = 0.0,
-        damping: float = 0.0, reference: float = 0.0, preload: float = 0.0, rigid: int = 1,
+        damping: float = 0.0, reference: float = 0.0, preload: float = 0.0, rigid: int = 1, elastic: int = -1,
+        viscous: int = -1,
     ) -> int:  # fmt: skip
         """Enter a row between markers a and b; returns its number."""
-        values = (int(kind), a, b, i, j, signal, stiffness, damping, reference, preload, rigid)
+        values = (int(kind), a, b, i, j, signal, stiffness, damping, reference, preload, rigid, elastic, viscous)
         for name, value in zip(self.__dataclass_fields__, values, strict=True):
             getattr(self, name).append(value)
         return len(self.kind) - 1
@@ -80,6 +85,7 @@ class Collector:
         self.rows = Rows()
         self.markers: list[tuple[int, int, np.ndarray, np.ndarray]] = []
         self.signals: list[tuple[np.ndarray, np.ndarray]] = []
+        self.characteristics: list[Pieces] = []
         self.interfaces: dict[tuple[int, str], int] = {}
         self.notes: list[str] = []
         self.cell_margin = 0
@@ -111,6 +117,13 @@ class Collector:
         offset = body.center_of_mass if body.index >= 0 else np.zeros(3)
         self.markers.append((body.index, self.interface(port), np.asarray(point) - offset, axes))
         return len(self.markers) - 1
+
+    def characteristic(self, curve: Characteristic | None) -> int:
+        """Enter a characteristic; returns its number, -1 of None."""
+        if curve is None:
+            return -1
+        self.characteristics.append(curve.pieces)
+        return len(self.characteristics) - 1
 
     def signal(self, signal: Signal) -> int:
         """Enter a signal; returns its number."""

@@ -1,7 +1,8 @@
 """Forces of a scene -> spring rows, point loads and body loads of the device model.
 
 Elements describe themselves in the terms of `warpffrf.model.forces.laws`. A spring law on one coordinate is a row with
-its own stiffness; a law on several is a *group* of rows that share matrices (`warpffrf_kernels.constraints.forces`).
+its own stiffness, and so is each coordinate of a law with characteristics; a linear law on several is a *group* of rows
+that share matrices (`warpffrf_kernels.constraints.forces`).
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import BodyLoad, PointLoad, SpringLaw
+from warpffrf.model.forces.characteristics.characteristic import TERMS
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.joints import JointTable
 
@@ -74,22 +76,23 @@ def _spring(collector: Collector, joints: JointTable, table: ForceTable, law: Sp
         sides = zip(law.ports, law.points or (), law.axes or (), strict=True)
         a, b = (collector.marker(port, point, axes) for port, point, axes in sides)
     n = len(law.coordinates)
+    separate = n == 1 or bool(law.elastic)
     if n > MOST_COUPLED:
         raise InputError(f"a spring law couples {n} coordinates, at most {MOST_COUPLED} can be")
     rows = []
     for i, c in enumerate(law.coordinates):
-        alone = n == 1
         row = collector.rows.add(
             ROW_KINDS[c.kind], a, b, c.i, c.j, -1,
-            float(law.stiffness[0, 0]) if alone else 0.0, float(law.damping[0, 0]) if alone else 0.0,
+            float(law.stiffness[i, i]) if separate else 0.0, float(law.damping[i, i]) if separate else 0.0,
             float(law.reference[i]), float(law.preload[i]), 0,
+            *(collector.characteristic(curves[i] if curves else None) for curves in (law.elastic, law.viscous)),
         )  # fmt: skip
         rows.append(row)
         if c.kind == "bushing":
             table.vectors[row] = c.vector
-        if not alone:
+        if not separate:
             table.of_row[row] = len(table.groups)
-    if n > 1:
+    if not separate:
         table.groups.append(law)
         table.group_start.append(rows[0])
     return rows
@@ -113,6 +116,13 @@ def fill_forces(collector: Collector, table: ForceTable, m: Model) -> None:
         m.groups, count=len(table.groups), start=table.group_start,
         size=[len(law.coordinates) for law in table.groups], sprung=[law.sprung for law in table.groups], **packed,
     )  # fmt: skip
+    pieces = collector.characteristics
+    breaks = [np.concatenate([[0.0], p.breaks]) for p in pieces]  # the first piece has no beginning
+    collector.fill(
+        m.characteristics, start=np.cumsum([0] + [len(p.origin) for p in pieces]), begin=_joined(breaks),
+        coefficient=np.concatenate([np.zeros((0, TERMS)), *(p.coefficient for p in pieces)]),
+        **{name: _joined([getattr(p, name) for p in pieces]) for name in ("origin", "power", "exponent", "constant")},
+    )  # fmt: skip
     for topic, loads in ((m.forces, table.forces), (m.torques, table.torques)):
         collector.fill(
             topic, count=len(loads), body=[x.port.body.index for x in loads],
@@ -129,3 +139,7 @@ def fill_forces(collector: Collector, table: ForceTable, m: Model) -> None:
         signal=[collector.signal(x.signal) for x in table.bodies], force=[x.force for x in table.bodies],
         torque=[x.torque - np.cross(x.body.center_of_mass, x.force) for x in table.bodies], modal=modal,
     )  # fmt: skip
+
+
+def _joined(arrays: list[np.ndarray]) -> np.ndarray:
+    return np.concatenate([np.zeros(0), *arrays])

@@ -21,8 +21,8 @@ those below have entries of their own; and the other rows depend on no joint tha
 independent of each other and of the tree's as they are in the whole (redundant rows were removed,
 `warpffrf.model.redundancy`). So [[S, C^T], [C, -E]] on B and R is regular at every stage, which is what a block
 factorisation without pivoting needs. Springs make E positive and pressures add to S, both can only help. Geometric
-stiffness can spoil S; then the factorisation or its residual fails, and the dense inverse is taken for that step and
-counted.
+stiffness can spoil S, a characteristic that falls makes its entry of E negative; where that matters the factorisation
+or its residual fails, and the dense inverse is taken for that step and counted.
 
 Among what may come next, the node with the fewest neighbours (minimum degree) comes first.
 """

@@ -116,7 +116,7 @@ def _rows(engine: Engine, world: int) -> list[Residual]:
             unit = "m" if kinds[row] in (int(k.TRANSLATION), int(k.DISTANCE)) else "rad"
             found.append(Residual(abs(defect[row]), f"{owner} misses by {abs(defect[row]):.3g} {unit}"))
         else:
-            off = abs(defect[row]) / max(softness[row], NO_FORCE)
+            off = abs(defect[row]) / max(abs(softness[row]), NO_FORCE)
             found.append(Residual(off / scale, f"{owner} is {off:.3g} (N or N m) off its law"))
     return found
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from warpffrf.model.forces.notes import characteristic_notes
 from warpffrf.online.arrays.ring import SavedContact, SavedRows
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.history.history import (
@@ -41,6 +42,7 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
         first, second = [*found.values(), np.full(T, np.nan), np.full(T, np.nan)][:2]
         wrench = rows["saved_row_wrench"][:, compiled.joints.rows[str(joint.name)]].sum(axis=1)
         joints[str(joint.name)] = JointHistory(first, wrench[:, :3], wrench[:, 3:], second, tuple(found))
+    stretches = {name: rows["saved_coordinate"][:, own] for name, own in compiled.forces.rows.items()}
     forces = force_histories(scene, compiled.forces, time, rows["saved_coordinate"], rows["saved_row_wrench"], bodies)
     forces |= friction_histories(compiled.slips, rows)
     forces = {str(item.name): forces[str(item.name)] for item in scene.forces}
@@ -56,7 +58,8 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
         energy=energy, iterations=rows["saved_iterations"].astype(int),
         factorisations=rows["saved_solves"].astype(int),
         notes=left_out_notes(scene, compiled.joints.dropped, bodies, T)
-        + half_turn_notes(compiled.forces.laws, bodies, T),
+        + half_turn_notes(compiled.forces.laws, bodies, T)
+        + characteristic_notes(compiled.forces.laws, stretches, time),
     )  # fmt: skip
 
 

@@ -189,6 +189,10 @@ def free_motions(engine: Engine, world: int, weight: np.ndarray) -> np.ndarray:
     holds = (m.rows.rigid.numpy()[: m.rows.count] != 0) | (m.rows.stiffness.numpy()[: m.rows.count] > 0.0)
     for start, sprung in zip(m.groups.start.numpy()[: m.groups.count], m.groups.sprung.numpy(), strict=False):
         holds[start : start + sprung] = True
+    value, rate = scratch.coordinate.numpy()[world], engine.state.drive_rate.numpy()[world, 1]
+    for name, own in engine.compiled.forces.rows.items():
+        elastic, _ = engine.compiled.forces.laws[name].slopes(value[own], rate[own])
+        holds[own] |= elastic != 0.0
     lines = np.vstack([rows[holds], _gap_gradients(engine, world, size)]) / weight
     length = np.linalg.norm(lines, axis=1, keepdims=True)
     lines = lines[length[:, 0] > 0.0] / length[length[:, 0] > 0.0]

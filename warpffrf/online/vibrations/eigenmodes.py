@@ -226,6 +226,11 @@ def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
             f"closed contacts stay closed ({linear.closed} pressure hats): the modes are those of vibrations too small "
             "to open them, with the patch held in place; what rolls it along is at 0 Hz"
         )
+    if linear.kinked:
+        notes.append(
+            f"the characteristic of force {', '.join(map(repr, linear.kinked))} has a kink where it stands: the modes "
+            "are those of its slope on the side of larger deformation and rate"
+        )
     if linear.turning:
         names = ", ".join(repr(n) for n in linear.turning)
         if linear.co_rotating:

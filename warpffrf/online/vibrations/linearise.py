@@ -7,7 +7,8 @@ every spring. With the coefficients of the step set so that displacement, veloci
 varied one at a time. R is linear in a and a quadratic polynomial in v (gyroscopic and centrifugal terms), so that
 central differences in them are exact; for x two central differences are combined, the error is of fourth order in a
 step of 10 um. Whatever a kernel does is thereby in the matrices: the geometric stiffness of joints, springs and loads,
-on rigid coordinates and modes, inertia terms, stiffening.
+on rigid coordinates and modes, inertia terms, stiffening. Characteristics of springs and dampers enter by their slopes
+at the state, as differences would reach over their kinks.
 
     R_a da + R_v dv + R_x dx + C^T dlambda - L^T ds = 0
     C_r dx = 0                            rigid rows: joints and drives
@@ -53,6 +54,7 @@ NO_TIME = 1e-20  # s: the step with which velocities and accelerations stay as t
 FAR_ITERATION = 10**6  # beyond the most iterations: the kernels evaluate, and leave the loop
 RIGID_TANGENT = 1e30  # 1/s2: an inertia so large that modes do not give way, which leaves the local compliance alone
 ROUND_OFF = 1e-13  # of a sum of forces: machine precision times the few hundred operations of a force
+KINK = 1e-9  # of the scene's length [m, rad, m/s or rad/s]: a kink this near is where the state stands
 TURNING = 1e-3  # rad/s: one turn in two hours; a start leaves less on bodies at rest
 SYMMETRIC = 1e-6  # relative difference of the two moments of a body of revolution
 PATCHED = ("active", "pressure", "patch_offset", "ctl", "clk", "modal_load", "lam")  # what an evaluation may change
@@ -74,6 +76,7 @@ class Linearisation:
     co_rotating: bool
     turning: list[str]  # names of the bodies that turn
     closed: int  # active hats of closed contacts
+    kinked: list[str]  # names of springs and dampers whose slope jumps where they stand
     resolution: float  # 1/s, frequency of the stiffness that is round-off of the differences
 
 
@@ -100,6 +103,7 @@ class _Probe:
             self._joined("v", "omega", "qd"),
         )
         self.spring = self._springs()
+        self.tangents: dict[int, tuple[float, float]] = {}  # row with characteristics -> tangent stiffness and damping
 
     def settle_windows(self) -> None:
         """Lay the windows of the contact pairs as a step does when it begins; keep the active set that they show."""
@@ -159,8 +163,27 @@ class _Probe:
             modal = modal + self.state.modal_load.numpy()[0, 1, : self.modes]
         return np.concatenate([rigid, modal, self.laws()])
 
+    def find_tangents(self) -> list[str]:
+        """Take the tangents of characteristics at the state as it was evaluated last, once and for all: differences
+        would reach over kinks. Returns the forces whose slope jumps where they stand."""
+        m, forces = self.model, self.engine.compiled.forces
+        value, rate = self.scratch.coordinate.numpy()[0], self.state.drive_rate.numpy()[0, 1]
+        aside, kinked = KINK * float(m.length), []
+        for name, own in forces.rows.items():
+            law = forces.laws[name]
+            if not law.elastic:
+                continue
+            elastic, viscous = law.slopes(value[own], rate[own])
+            stiffness, damping = np.diag(law.stiffness) + elastic, np.diag(law.damping) + viscous
+            self.tangents.update(zip(own, zip(stiffness, damping, strict=True), strict=True))
+            places = zip((*law.elastic, *law.viscous), (*(value[own] - law.reference), *rate[own]), strict=True)
+            if any(curve is not None and curve.has_kink(x, aside) for curve, x in places):
+                kinked.append(name)
+        return kinked
+
     def laws(self) -> Array:
-        """Spring forces by their laws (springs,): lambda + (effective stiffness) (defect)."""
+        """Spring forces by their laws (springs,): lambda + (effective stiffness) (defect); of those with
+        characteristics their tangents, what is constant left out."""
         if not self.spring:
             return np.zeros(0)
         x, m = self.scratch, self.model
@@ -174,6 +197,9 @@ class _Probe:
             start, size = int(m.groups.start.numpy()[g]), int(m.groups.size.numpy()[g])
             F = x.flexibility.numpy()[36 * g : 36 * (g + 1)].reshape(6, 6)[:size, :size]
             stiffness[start : start + size] = np.linalg.solve(F, defect[start : start + size])
+        value, rate = x.coordinate.numpy()[0], self.state.drive_rate.numpy()[0, 1]
+        for row, (k, d) in self.tangents.items():
+            stiffness[row] = k * value[row] + d * rate[row] - lam[row]
         return (lam + stiffness)[self.spring]
 
     def steps(self) -> Array:
@@ -206,6 +232,7 @@ def _linearise(probe: _Probe) -> Linearisation:
     x, B, Q, rows = probe.scratch, probe.bodies, probe.modes, probe.rows
     C = np.concatenate([x.C.numpy()[0, :rows, : 6 * B], x.C_modal.numpy()[0, :rows, :Q]], axis=1)
     contact, closed = _closed_contacts(probe)
+    kinked = probe.find_tangents()
 
     steps = probe.steps()
     R_x, R_v, R_a = (np.zeros((n + len(probe.spring), n)) for _ in range(3))
@@ -232,6 +259,7 @@ def _linearise(probe: _Probe) -> Linearisation:
         co_rotating=co_rotating,
         turning=turning,
         closed=closed,
+        kinked=kinked,
         resolution=_resolution(probe, C),
     )
 
