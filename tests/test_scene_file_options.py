@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 
@@ -129,3 +130,47 @@ def _refused(text: str, at: str, said: str) -> None:
         scene_of(text)
     line = text[: text.index(at)].count("\n") + 1
     assert str(caught.value).startswith(f"scene.toml:{line}: "), caught.value
+
+
+MOUNT = """\
+[bodies.block]
+mass = 2.0
+inertia_tensor = [1, 1, 1]
+position = [1, 0, 0]
+
+[forces.spring]
+kind = "spring_damper"
+a = { body = "ground", point = [0, 0, 0] }
+b = { body = "block", point = [0, 0, 0] }
+stiffness = { kind = "force_polynomial", coefficients = [800, 0, 4e5] }
+damping = { kind = "force_table", points = [[-1, -20], [0, 0], [1, 60]] }
+
+[forces.mount]
+kind = "bushing"
+a = "ground"
+b = { body = "block", point = [0, 0, 0] }
+stiffness = [{ kind = "power_law", coefficient = 1e4, exponent = 1.5 }, 200, 200, 5, 5, 5]
+"""
+
+
+def test_characteristics_of_springs_and_dampers(tmp_path: Path) -> None:
+    scene = wf.Scene()
+    block = scene.add_rigid_body(2.0, (1, 1, 1), name="block", position=(1, 0, 0))
+    ports = scene.ground.at((0, 0, 0)), block.at((0, 0, 0))
+    table = wf.forces.ForceTable([(-1, -20), (0, 0), (1, 60)])
+    scene.add(wf.forces.SpringDamper(*ports, wf.forces.ForcePolynomial([800, 0, 4e5]), table, name="spring"))
+    stiffness = [wf.forces.PowerLaw(1e4, 1.5), 200, 200, 5, 5, 5]
+    scene.add(wf.forces.Bushing(scene.ground, ports[1], stiffness, name="mount"))
+    assert scene_of(MOUNT).scene.content_hash() == scene.content_hash()
+    (tmp_path / "damper.csv").write_text("-1, -20\n0, 0\n1, 60\n", encoding="utf-8")
+    (tmp_path / "mount.toml").write_text(
+        MOUNT.replace("[[-1, -20], [0, 0], [1, 60]]", '{ file = "damper.csv" }'), encoding="utf-8"
+    )
+    assert wf.load_scene(tmp_path / "mount.toml").scene.content_hash() == scene.content_hash()
+    for old, new, line, message in (
+        ("[1, 60]", "[-1, 60]", "damping", "folds over itself"),
+        ('{ kind = "force_polynomial", coefficients = [800, 0, 4e5] }', '"soft"', "stiffness", "a number, got 'soft'"),
+        ("force_table", "force_tabel", "force_tabel", "did you mean 'force_table'"),
+        ("exponent = 1.5", "exponent = 0.5", "exponent", "at least 1, got 0.5"),
+    ):
+        _refused(MOUNT.replace(old, new), line, message)

@@ -32,7 +32,7 @@ WORDS = {
     "int_from_float": "must be a whole number", "string_type": "must be a text", "list_type": "must be a list",
     "dict_type": "must be a table", "literal_error": "has no such value", "finite_number": "must be finite",
 }  # fmt: skip
-_TYPES: dict[str, Any] = {"float": float, "int": int, "bool": bool, "str": str}
+_TYPES: dict[str, Any] = {"float": float, "int": int, "bool": bool, "str": str, "Characteristic": dict}
 _TEXTS = ("Path", "os.PathLike[str]")
 _TABLES = ("Mapping", "dict")
 _LISTS = ("Sequence", "list", "tuple")
@@ -56,7 +56,11 @@ class Form:
             self.adapter.validate_python(table)
         except ValidationError as error:
             wrong = sorted(error.errors(include_url=False), key=lambda one: one["type"] != "extra_forbidden")
-            found = [self._told(source, path, one) for one in wrong]  # a misspelt key explains the missing one
+            told: dict[Any, str] = {}  # one of each place, whatever the types are that could stand there
+            for one in wrong:  # a misspelt key explains the missing one
+                place = (one["loc"][:1], *(part for part in one["loc"] if isinstance(part, int)))
+                told.setdefault(place, self._told(source, path, one))
+            found = list(told.values())
             raise InputError(found[0] + (f" (and {len(found) - 1} more)" if len(found) > 1 else "")) from None
 
     def _told(self, source: Source, path: Path, error: Any) -> str:
@@ -194,9 +198,10 @@ def signal_kinds() -> dict[str, Form]:
 @cache
 def value_kinds() -> dict[str, Form]:
     """Kind -> form of everything that may stand as a value: signals, surfaces, bases, damping, contact and friction
-    laws, integrators, treatments of local modes, the monolithic method, stress points."""
+    laws, characteristics of springs, integrators, treatments of local modes, the monolithic method, stress points."""
     from warpffrf.model.bases import BASES
     from warpffrf.model.damping import DAMPINGS
+    from warpffrf.model.forces import CHARACTERISTICS
     from warpffrf.model.friction import FRICTION_LAWS
     from warpffrf.model.laws import LAWS
     from warpffrf.model.stress_field import StressPoints
@@ -206,7 +211,7 @@ def value_kinds() -> dict[str, Form]:
     online = importlib.import_module("warpffrf.online")
     others = [StressPoints, Monolithic, online.LocalDynamics, *online.INTEGRATORS.values()]
     found = dict(signal_kinds())
-    registered = {**SHAPES, **BASES, **DAMPINGS, **LAWS, **FRICTION_LAWS}
+    registered = {**SHAPES, **BASES, **DAMPINGS, **LAWS, **FRICTION_LAWS, **CHARACTERISTICS}
     found.update({kind: form_of(kind, cls, {}) for kind, cls in registered.items()})
     found.update({snake_case(cls.__name__): form_of(snake_case(cls.__name__), cls, {}) for cls in others})
     return found
