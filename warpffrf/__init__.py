@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from warpffrf.model import bases, damping, forces, integrators, joints, laws, mesh, sensors, signals, surfaces
     from warpffrf.model.contact import Contact
     from warpffrf.model.errors import InputError
+    from warpffrf.model.lumped_contact import LumpedContact
     from warpffrf.model.material import Material
     from warpffrf.model.reduced_body import ReducedBody
     from warpffrf.model.scene import Scene
@@ -36,6 +37,7 @@ __all__ = [
     "GeneralizedAlpha",
     "InputError",
     "LocalDynamics",
+    "LumpedContact",
     "Material",
     "ReducedBody",
     "Result",
@@ -67,6 +69,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "GeneralizedAlpha": ("warpffrf.online", "GeneralizedAlpha"),
     "InputError": ("warpffrf.model.errors", "InputError"),
     "LocalDynamics": ("warpffrf.online", "LocalDynamics"),
+    "LumpedContact": ("warpffrf.model.lumped_contact", "LumpedContact"),
     "Material": ("warpffrf.model.material", "Material"),
     "ReducedBody": ("warpffrf.model.reduced_body", "ReducedBody"),
     "Result": ("warpffrf.output.result", "Result"),

@@ -2,7 +2,7 @@
 
 The first surface carries the contact grid, so it is a surface of a flexible body. The second may be flexible too, or
 the rigid surface of a rigid body or of the ground. Two rigid surfaces have no compliance and no pressure between them:
-such a pair is refused. The gap between the true shapes is in `gap`.
+such a pair is refused, a `LumpedContact` holds it. The gap between the true shapes is in `gap`.
 """
 
 from __future__ import annotations
@@ -55,7 +55,8 @@ class Contact:
         if a.rigid and b.rigid:
             raise InputError(
                 f"{label}: {a.label} and {b.label} are both rigid, and without any compliance there is no pressure "
-                "between them; make one of the two a flexible body, scene.add_body(reduce(...)), and name it first"
+                f"between them; take LumpedContact({a.label}, {b.label}, ...), a force against their "
+                "approach, or make one of the two a flexible body, scene.add_body(reduce(...)), and name it first"
             )
         if a.rigid:
             raise InputError(

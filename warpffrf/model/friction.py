@@ -82,7 +82,8 @@ def as_friction(value: Any, label: str) -> Coulomb | RegularisedCoulomb:
 
 def friction_notes(scene: Any, state: str) -> list[str]:
     """A note of the pairs, and the joints, whose friction a static `state` (words for the reader) leaves out."""
-    rubbing = [repr(contact.name) for contact in scene.contacts if contact.friction.coefficient > 0.0]
+    contacts = (*scene.contacts, *scene.lumped_contacts)
+    rubbing = [repr(contact.name) for contact in contacts if contact.friction.coefficient > 0.0]
     rubbing += [repr(force.name) for force in scene.forces if hasattr(force, "slip")]
     if not rubbing:
         return []

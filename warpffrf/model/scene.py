@@ -16,6 +16,7 @@ from warpffrf.model.errors import InputError, require_array, require_direction, 
 from warpffrf.model.forces import JointSpringDamper
 from warpffrf.model.gap import closing_distance
 from warpffrf.model.joints import Drive, Joint
+from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.sensors import JointReaction, Sensor
 
 if TYPE_CHECKING:
@@ -24,16 +25,16 @@ if TYPE_CHECKING:
 
 SYMMETRY_TOLERANCE = 1e-9  # relative asymmetry of an inertia tensor that is rounding of its numbers
 _LISTS = ("joints", "drives", "forces", "contacts")
-_ADDED = (*_LISTS, "sensors")  # sensors change nothing in a run, so they are no part of what a scene is
+_LATER_LISTS = ("lumped_contacts",)  # described where there are any: scenes without keep their hash
+_ADDED = (*_LISTS, *_LATER_LISTS, "sensors")  # sensors change nothing in a run, so they are no part of what a scene is
 Item = TypeVar("Item")
 
 
 class Scene:
     """A machine: bodies with poses, and what connects and loads them.
 
-    gravity: (3,) [m/s2], world. `bodies`, `joints`, `drives`, `forces`, `contacts`, `sensors` are lists in the order of
-    adding;
-    `ground` is the world as a body. SI units, world axes, quaternions (x, y, z, w).
+    gravity: (3,) [m/s2], world. `bodies`, `joints`, `drives`, `forces`, `contacts`, `lumped_contacts`, `sensors` are
+    lists in the order of adding; `ground` is the world as a body. SI units, world axes, quaternions (x, y, z, w).
     """
 
     def __init__(self, *, gravity: Any = (0.0, 0.0, 0.0)) -> None:
@@ -44,6 +45,7 @@ class Scene:
         self.drives: list[Drive] = []
         self.forces: list[Any] = []
         self.contacts: list[Contact] = []
+        self.lumped_contacts: list[LumpedContact] = []
         self.sensors: list[Sensor] = []
 
     def add_body(
@@ -136,7 +138,7 @@ class Scene:
         (`revolute_1`)."""
         where = getattr(item, "scene_list", None)
         if where not in _ADDED or isinstance(item, type):
-            raise InputError(f"scene: {item!r} cannot be added; joints, drives, forces, contact pairs and sensors can")
+            raise InputError(f"scene: {item!r} cannot be added; joints, drives, forces, contacts and sensors can")
         thing: Any = item
         members = getattr(self, where)
         if any(member is thing for member in members):
@@ -146,7 +148,7 @@ class Scene:
                 raise InputError(f"{thing.kind} {thing.name!r}: body {port.body.name!r} belongs to another scene")
         if isinstance(thing, (Drive, JointSpringDamper, JointReaction)):
             self._check_driven_joint(thing)
-        if isinstance(thing, Contact):
+        if isinstance(thing, (Contact, LumpedContact)):
             self._check_new_pair(thing)
         names = [member.name for member in members]
         if thing.name is None:
@@ -169,6 +171,10 @@ class Scene:
     def contact(self, name: str) -> Contact:
         """The contact pair called `name`; `InputError` lists those that exist."""
         return _named(self.contacts, name, "contact")
+
+    def lumped_contact(self, name: str) -> LumpedContact:
+        """The lumped contact called `name`; `InputError` lists those that exist."""
+        return _named(self.lumped_contacts, name, "lumped contact")
 
     def place(self, port: Port, *, onto: Port) -> None:
         """Shift the body of `port` so that the port's point falls onto the point of `onto` (orientation unchanged)."""
@@ -215,6 +221,9 @@ class Scene:
             "bodies": [body.describe() for body in self.bodies],
             **{where: [item.describe() for item in getattr(self, where)] for where in _LISTS},
         }
+        for where in _LATER_LISTS:
+            if items := getattr(self, where):
+                description[where] = [item.describe() for item in items]
         if self.ground.surfaces:
             description["ground"] = {name: surface.describe() for name, surface in self.ground.surfaces.items()}
         digest.update(json.dumps(description, sort_keys=True).encode())
@@ -238,8 +247,8 @@ class Scene:
                 if drive.joint is item.joint and drive.coordinate == item.coordinate:
                     raise InputError(f"drive: the {item.coordinate} of joint {item.joint.name!r} is driven already")
 
-    def _check_new_pair(self, contact: Contact) -> None:
-        for other in self.contacts:
+    def _check_new_pair(self, contact: Contact | LumpedContact) -> None:
+        for other in (*self.contacts, *self.lumped_contacts):
             same = [any(_same_surface(port, used) for used in other.ports) for port in contact.ports]
             if all(same):
                 raise InputError(

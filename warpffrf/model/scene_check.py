@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from warpffrf.model.bodies import GROUND_INDEX, Body
 from warpffrf.model.consistency import velocity_defects
 from warpffrf.model.errors import InputError
 from warpffrf.model.gap import facing_gap
+from warpffrf.model.lumped_contact import allowed_overlap
 from warpffrf.model.overlap import excessive_overlap
 from warpffrf.model.reach import out_of_reach
 from warpffrf.model.redundancy import find_redundancy
@@ -91,6 +92,7 @@ def check_scene(scene: Scene) -> SceneCheck:
     for row in found.rows:
         constraints[row.owner] = constraints.get(row.owner, 0) + 1
     found_gaps = {contact.name: facing_gap(contact) for contact in scene.contacts}
+    lumped_gaps = {contact.name: contact.gap() for contact in scene.lumped_contacts}
     unknowns = sum(6 + body.mode_count for body in scene.bodies)
     return SceneCheck(
         masses={b.name: b.mass for b in scene.bodies},
@@ -100,12 +102,12 @@ def check_scene(scene: Scene) -> SceneCheck:
         grubler=unknowns - sum(constraints.values()),
         degrees_of_freedom=unknowns - found.rank,
         redundant=found.counts(),
-        gaps={name: gap[0] if gap else inf for name, gap in found_gaps.items()},
+        gaps={**{name: gap[0] if gap else inf for name, gap in found_gaps.items()}, **lumped_gaps},
         unsupported=_unsupported(scene),
         redundant_rows=tuple(row.label for row in found.dropped),
         refused_drives=tuple(str(row.drive.name) for row in found.dropped if row.drive is not None),
         velocity_defects=tuple(str(defect) for defect in velocity_defects(scene)),
-        overlaps=tuple(_overlaps(scene, found_gaps)),
+        overlaps=(*_overlaps(scene, found_gaps), *_lumped_overlaps(scene, lumped_gaps)),
         wedge=find_wedge(scene, found_gaps),
         out_of_reach=tuple(out_of_reach(scene, found_gaps)),
         singular_pose=found.rank_here < found.rank,
@@ -123,6 +125,19 @@ def _overlaps(scene: Scene, gaps: dict[str, tuple[float, float, float] | None]) 
     return told
 
 
+def _lumped_overlaps(scene: Scene, gaps: dict[str, float]) -> list[str]:
+    told = []
+    for contact in scene.lumped_contacts:
+        gap = gaps[contact.name]
+        if gap < 0.0 and -gap > (allowed := allowed_overlap(contact)):
+            told.append(f"{contact.name} ({-gap:.3g} m, {allowed:.3g} m are allowed)")
+    return told
+
+
+def _connecting(scene: Scene) -> list[Any]:
+    return [*scene.joints, *scene.forces, *scene.contacts, *scene.lumped_contacts]
+
+
 def _local_modes(body: Body) -> int:
     if body.reduced is None:
         return 0
@@ -131,7 +146,7 @@ def _local_modes(body: Body) -> int:
 
 def _unsupported(scene: Scene) -> tuple[str, ...]:
     """Names of bodies that no chain of joints, springs and contacts connects with the ground."""
-    links = [item.ports for item in [*scene.joints, *scene.forces, *scene.contacts] if len(item.ports) == 2]
+    links = [item.ports for item in _connecting(scene) if len(item.ports) == 2]
     reached = {GROUND_INDEX}
     while True:
         new = {p.body.index for link in links for p in link if any(q.body.index in reached for q in link)} - reached

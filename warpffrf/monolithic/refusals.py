@@ -23,6 +23,11 @@ def needs_nodes(scene: Any) -> bool:
 
 def refuse_contacts(scene: Any, full: bool) -> None:
     """Raises `InputError` naming the contact and the cure: evaluation "full" (`full`), or method "separated"."""
+    for lumped in scene.lumped_contacts:
+        raise InputError(
+            f"{lumped.label}: method 'monolithic' has no lumped contacts; use method 'separated', or make a body "
+            "flexible and use Contact(...)"
+        )
     for contact in scene.contacts:
         label = f"contact {contact.name!r}"
         beyond = _beyond(contact)

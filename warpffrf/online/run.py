@@ -20,6 +20,7 @@ from warpffrf.model.integrators import (
     roots_at_infinity,
 )
 from warpffrf.model.joints import Drive
+from warpffrf.model.lumped_contact import refuse_lumped_overlap
 from warpffrf.model.overlap import excessive_wedge, refuse_overlap
 from warpffrf.model.progress import Progress
 from warpffrf.model.scene import Scene
@@ -131,6 +132,7 @@ def run(
         if start == "initial":
             refuse_positions(scene)
             refuse_overlap(scene)
+            refuse_lumped_overlap(scene.lumped_contacts)
         if not project_start:
             refuse_velocities(scene)
     begin = time.perf_counter()
@@ -177,7 +179,7 @@ def run(
             rejected=0, repeated=0, impulses=0, forgotten=0, steps=0, iterations=0, worst=0, pending=0, pending_solves=0
         )
         engine.enter(k.DYNAMIC, step, target=0)
-        if engine.compiled.model.capacity.cells:
+        if engine.compiled.model.capacity.cells or any(c.friction.coefficient > 0.0 for c in scene.lumped_contacts):
             engine.control(level=min(RUB_IN, engine.settings.max_level))
         engine.save_now()
         first_step = 0

@@ -11,7 +11,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.online.history.history import BodyHistory, ForceHistory, History, JointHistory, SensorHistory
+from warpffrf.online.history.history import (
+    BodyHistory,
+    ForceHistory,
+    History,
+    JointHistory,
+    LumpedHistory,
+    SensorHistory,
+)
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.contact.result import ContactResult
 from warpffrf.output.geometry.scene_view import SceneView, scene_view
@@ -68,6 +75,15 @@ class Result:
     def force(self, name: str) -> ForceHistory:
         """Force, torque and deformation of the force element called `name`; raises InputError when there is none."""
         return _named(self.history.forces, "force", name)
+
+    @property
+    def lumped_contact_names(self) -> list[str]:
+        """Names of the lumped contacts."""
+        return list(self.history.lumped_contacts)
+
+    def lumped_contact(self, name: str) -> LumpedHistory:
+        """Force, place, approach and slip of the lumped contact called `name`; raises InputError when there is none."""
+        return _named(self.history.lumped_contacts, "lumped contact", name)
 
     @property
     def sensor_names(self) -> list[str]:

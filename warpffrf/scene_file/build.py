@@ -20,7 +20,7 @@ from warpffrf.scene_file.forms import (
     choose,
     fixed_forms,
     item_kinds,
-    pair_kinds,
+    law_kinds,
     shape_kinds,
     shown,
     signal_kinds,
@@ -127,7 +127,7 @@ class Builder:
         return {**self.source.values["forces"][name], **changes}
 
     def _check_value(self, path: Path, value: Any, role: str) -> None:
-        laws = pair_kinds().get(str(path[-1])) if path[0] == "contacts" and len(path) == 3 else None
+        laws = law_kinds().get((str(path[0]), str(path[-1]))) if len(path) == 3 else None
         if laws is not None and isinstance(value, str | dict) and not (isinstance(value, dict) and "kind" in value):
             number = "a number or " if path[-1] == "friction" else ""
             raise InputError(

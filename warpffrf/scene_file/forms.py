@@ -25,7 +25,7 @@ from warpffrf.scene_file.source import Path, Source
 PORTS = ("a", "b", "port", "onto", "first", "second")  # arguments that are places on bodies
 NAMED = {"joint": "joints", "contact": "contacts", "body": "bodies", "sensor": "sensors"}  # role -> section
 PATHS = ("path", "M", "K")
-ITEM_MODULES = ("joints", "forces", "sensors", "contact")  # of warpffrf.model, those that there are
+ITEM_MODULES = ("joints", "forces", "sensors", "contact", "lumped_contact")  # of warpffrf.model, those that there are
 ABSTRACT = ("joint", "force", "sensor")  # kinds of the classes that others are made from
 WORDS = {
     "float_type": "must be a number", "int_type": "must be a whole number", "bool_type": "must be true or false",
@@ -99,7 +99,7 @@ def form_of(title: str, call: Callable[..., Any], roles: dict[str, str], leave_o
         if name in leave_out or parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
             continue
         annotation = parameter.annotation if isinstance(parameter.annotation, str) else ""
-        found[name] = roles.get(name, "")
+        found[name] = roles.get(name, "materials" if re.search(r"\bMaterial\b", annotation) else "")
         needed = parameter.default is inspect.Parameter.empty
         kind = _type_of(annotation) if not found[name] else str if found[name] in ("joints", "contacts") else Any
         fields[name] = kind if needed else NotRequired[kind]
@@ -203,7 +203,7 @@ def value_kinds() -> dict[str, Form]:
     from warpffrf.model.damping import DAMPINGS
     from warpffrf.model.forces import CHARACTERISTICS
     from warpffrf.model.friction import FRICTION_LAWS
-    from warpffrf.model.laws import LAWS
+    from warpffrf.model.laws import LAWS, LUMPED_LAWS
     from warpffrf.model.stress_field import StressPoints
     from warpffrf.model.surfaces import SHAPES
     from warpffrf.monolithic import Monolithic
@@ -211,7 +211,7 @@ def value_kinds() -> dict[str, Form]:
     online = importlib.import_module("warpffrf.online")
     others = [StressPoints, Monolithic, online.LocalDynamics, *online.INTEGRATORS.values()]
     found = dict(signal_kinds())
-    registered = {**SHAPES, **BASES, **DAMPINGS, **LAWS, **FRICTION_LAWS, **CHARACTERISTICS}
+    registered = {**SHAPES, **BASES, **DAMPINGS, **LAWS, **LUMPED_LAWS, **FRICTION_LAWS, **CHARACTERISTICS}
     found.update({kind: form_of(kind, cls, {}) for kind, cls in registered.items()})
     found.update({snake_case(cls.__name__): form_of(snake_case(cls.__name__), cls, {}) for cls in others})
     return found
@@ -226,14 +226,16 @@ def shape_kinds() -> dict[str, Form]:
 
 
 @cache
-def pair_kinds() -> dict[str, dict[str, Form]]:
-    """Argument of a contact pair -> kind -> form, of those that take the laws of one sort only."""
+def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
+    """Section of contacts and argument -> kind -> form, of those that take the laws of one sort only."""
     from warpffrf.model.friction import FRICTION_LAWS
-    from warpffrf.model.laws import LAWS
+    from warpffrf.model.laws import LAWS, LUMPED_LAWS
 
+    laws = {"contacts": LAWS, "lumped_contacts": LUMPED_LAWS}
     return {
-        name: {kind: value_kinds()[kind] for kind in kinds}
-        for name, kinds in (("law", LAWS), ("friction", FRICTION_LAWS))
+        (section, name): {kind: value_kinds()[kind] for kind in kinds}
+        for section, own in laws.items()
+        for name, kinds in (("law", own), ("friction", FRICTION_LAWS))
     }
 
 

@@ -373,6 +373,31 @@ class Layers:
 
 
 @topic
+class Lumped:
+    """Lumped contacts of two rigid surfaces, see `lumped`; their places, a point or the laminae of a roller, stand one
+    contact behind the other."""
+
+    count: int
+    places: int
+    first: DeviceArray = integers("lumped", note="surface")
+    second: DeviceArray = integers("lumped", note="surface")
+    stiffness: DeviceArray = reals("lumped", unit="N/m^n", note="of a power of the approach")
+    exponent: DeviceArray = reals("lumped", note="n")
+    table_start: DeviceArray = integers("lumped", note="into table")
+    table_count: DeviceArray = integers("lumped", note="points of a tabulated law, 0 of a power")
+    table: DeviceArray = reals("lumped_entry", 3, unit="m, N, J", note="approach, force, energy")
+    damping: DeviceArray = reals("lumped", unit="s/m", note="chi of the factor 1 + chi a_dot")
+    friction: DeviceArray = reals("lumped", note="coefficient mu, 0 without")
+    slip_velocity: DeviceArray = reals("lumped", unit="m/s", note="of the regularised law, 0 of one that sticks")
+    shear: DeviceArray = reals("lumped", note="tangential stiffness over the normal one")
+    contact: DeviceArray = integers("lumped_place", note="lumped contact of a place")
+    lamina: DeviceArray = integers("lumped_place", note="1: a lamina of the first surface, 0: where both are nearest")
+    z: DeviceArray = reals("lumped_place", unit="m", note="of a lamina, on the first surface")
+    drop: DeviceArray = reals("lumped_place", unit="m", note="of a lamina's profile, added to its gap")
+    share: DeviceArray = reals("lumped_place", note="of the law's force")
+
+
+@topic
 class Limits:
     """Tolerances and counts at which an attempt ends."""
 
@@ -414,4 +439,5 @@ class Model:
     window: Window
     capacity: Capacity
     layers: Layers
+    lumped: Lumped
     limits: Limits

@@ -64,6 +64,7 @@ def balance(
     load: wp.array3d(dtype=real),
     load_on_modes: wp.array3d(dtype=real),
     pair_wrench: wp.array3d(dtype=real),
+    lumped_force: wp.array3d(dtype=real),
     gap_defect: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
     modal_load: wp.array3d(dtype=real),
@@ -137,6 +138,10 @@ def balance(
         f = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
         scale = wp.max(scale, wp.length(f))
         pair += 1
+    place = int(0)
+    while place < model.lumped.places:
+        scale = wp.max(scale, lumped_force[w, 1, place])
+        place += 1
     row = int(0)
     while row < model.rows.count:  # a spring's force against its law; a stretch of round-off size passes
         if softness[w, row] != real(0.0):

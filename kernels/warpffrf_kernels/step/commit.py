@@ -14,8 +14,10 @@ What the *integrator* gains of stiff modes that an impact has struck is limited 
 contact, are part of an impact (contact and motion exchange much of their energy in it), are impulsive while anything
 touches, or come next to such a step at its size or halved, may gain `energy_tolerance` of the energy at hand each, and
 all together MOST_GAINED, each of them half of what is left of that, if this is less. With dynamic local modes, where no
-pair is judged, what contact gains or loses counts as well. Elsewhere a step is halved in which impulsive pairs create
-more than `energy_tolerance` of the energy at hand, by whatever mean of their forces: contact came too suddenly for it.
+pair is judged, what contact gains or loses counts as well; and where a lumped contact is part of the impact what the
+integrator loses: nothing else limits that where all that yields is the law of the contact. Elsewhere a step is halved
+in which impulsive pairs create more than `energy_tolerance` of the energy at hand, by whatever mean of their forces:
+contact came too suddenly for it.
 """
 
 import warp as wp
@@ -54,6 +56,8 @@ def decide(
     restless: wp.array2d(dtype=int),
     wanted: wp.array2d(dtype=int),
     created: wp.array2d(dtype=real),
+    lumped_force: wp.array3d(dtype=real),
+    lumped_energy: wp.array3d(dtype=real),
     impulsive: inout(wp.array2d(dtype=int)),
     ctl: inout(wp.array(dtype=Control)),
     clk: inout(wp.array(dtype=Clock)),
@@ -90,6 +94,17 @@ def decide(
         if wanted[w, pair] != 0:
             again = int(1)
         pair += 1
+    struck = int(0)  # 1 where a lumped contact is part of an impact
+    bounced = real(0.0)
+    place = int(0)
+    while place < model.lumped.places:
+        before = lumped_force[w, 0, place] > real(0.0)
+        after = lumped_force[w, 1, place] > real(0.0)
+        if before != after:
+            event = int(1)
+            struck = int(1)
+        bounced += lumped_energy[w, 1, place] - lumped_energy[w, 0, place]
+        place += 1
     dynamic = ctl[w].mode == k.DYNAMIC
     defect = energy[w, 1, k.NUMERICAL] - energy[w, 0, k.NUMERICAL]
     defect += energy[w, 1, k.CONTACT_GRID] - energy[w, 0, k.CONTACT_GRID]
@@ -111,7 +126,10 @@ def decide(
         defect = integrated
     if dynamic and ctl[w].failure == 0 and impact:
         left = wp.max(real(0.5) * (MOST_GAINED - clk[w].gained), LEAST_GAIN * model.limits.energy_tolerance)
-        lost = model.modes.dynamic_count > 0 and defect < -model.limits.energy_tolerance * hand
+        if wp.abs(bounced) > SWUNG * hand:
+            struck = int(1)
+        seen = model.modes.dynamic_count > 0 or struck != 0
+        lost = seen and defect < -model.limits.energy_tolerance * hand
         if ctl[w].impulsive == k.IMPULSIVE and clk[w].h * model.modes.top_frequency <= RESOLVED:
             lost = False  # it is the motion of the faces: see `impulsive_contact`
         if lost or defect > wp.min(model.limits.energy_tolerance, left) * hand:

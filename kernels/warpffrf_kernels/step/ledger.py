@@ -1,15 +1,15 @@
 """The energy ledger of an attempt.
 
-With E the energy of the state (kinetic, strain of the modes, contact, potential of gravity and springs) every step
-books
+With E the energy of the state (kinetic, strain of the modes, contact of pairs and lumped, potential of gravity and
+springs) every step books
 
     work of forces    sum (F_0 + F_1)/2 . (x_1 - x_0)           drive   -(lambda_0 + lambda_1)/2 (s_1 - s_0)
     damping           sum c (x_1 - x_0)^2/h of dampers and modal damping, never negative: what the trapezoidal rule
                       takes at any step; of dampers with a characteristic G, (G(v_0) + G(v_1))/2 (x_1 - x_0), which
                       is that too; what damped layers take
     friction          sum tau_1 . S: the tractions at the end of the step times the slip over it, never positive;
-                      what joints lose by friction (`joint_friction`)
-    contact grid      dE_contact + (work of the contact forces on bodies and modes, trapezoidal; of pairs that are
+                      what joints (`joint_friction`) and lumped contacts lose by friction
+    contact grid      dE_contact of pairs + (work of their forces on bodies and modes, trapezoidal; of pairs that are
                       impulsive in the step of their mean force) - friction
     numerical         what is left of dE: negative where the integrator dissipates.
 
@@ -27,6 +27,7 @@ from warpffrf_kernels.core.access import inout
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.lumped.forces import DAMPED, RUBBED
 from warpffrf_kernels.normal.pair_forces import mean_of, pair_work
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -67,6 +68,8 @@ def balance_energy(
     extra_energy: wp.array2d(dtype=real),
     friction_work: wp.array3d(dtype=real),
     slip_loss: wp.array2d(dtype=real),
+    lumped_energy: wp.array3d(dtype=real),
+    lumped_taken: wp.array3d(dtype=real),
     clk: inout(wp.array(dtype=Clock)),
     energy: inout(wp.array3d(dtype=real)),
 ):
@@ -149,7 +152,18 @@ def balance_energy(
             friction += friction_work[w, pair, 0]
         contact_work += mean_of(mean, before, after)
         pair += 1
-    pairs_friction = friction
+    of_pairs = energy[w, 0, k.CONTACT]  # what of the accepted contact energy they have
+    place = int(0)
+    while place < model.lumped.places:
+        of_pairs -= lumped_energy[w, 0, place]
+        place += 1
+    grid = contact - of_pairs + contact_work - friction
+    place = int(0)
+    while place < model.lumped.places:
+        contact += lumped_energy[w, 1, place]
+        damping += lumped_taken[w, place, DAMPED]
+        friction -= lumped_taken[w, place, RUBBED]
+        place += 1
     joint = int(0)
     while joint < model.joint_frictions.count:
         friction -= slip_loss[w, joint]
@@ -160,7 +174,6 @@ def balance_energy(
     energy[w, 1, k.POTENTIAL] = potential
     total = kinetic + strain + contact + potential
     before = energy[w, 0, k.KINETIC] + energy[w, 0, k.STRAIN] + energy[w, 0, k.CONTACT] + energy[w, 0, k.POTENTIAL]
-    grid = contact - energy[w, 0, k.CONTACT] + contact_work - pairs_friction
     numerical = total - before - force_work - drive_work + damping - grid - friction
     clk[w].rise = real(0.0)
     if ctl[w].mode == k.STATIC and ctl[w].steps > 0:

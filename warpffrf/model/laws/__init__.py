@@ -9,6 +9,7 @@ With the gap g [m] between the deformed surfaces, the depth d = -g and the press
     ExponentialAsperities    p = p_0 exp(-g/lambda)
     HuntCrossley             p = k d^n (1 + chi d_dot)
 
+Laws of force against approach, of lumped contacts, are in `warpffrf.model.laws.lumped` and named here too.
 The laws of friction, `Coulomb` and `RegularisedCoulomb`, are in `warpffrf.model.friction` and named here too.
 """
 
@@ -22,6 +23,15 @@ from warpffrf.model.laws.exponential_asperities import ExponentialAsperities
 from warpffrf.model.laws.hunt_crossley import HuntCrossley
 from warpffrf.model.laws.layer import Curve, Law
 from warpffrf.model.laws.linear_layer import LinearLayer
+from warpffrf.model.laws.lumped import (
+    LUMPED_LAWS,
+    ForceTable,
+    HertzPoint,
+    IsoLamina,
+    LumpedLaw,
+    PalmgrenLine,
+    PowerForce,
+)
 from warpffrf.model.laws.nonlinear_layer import NonlinearLayer
 from warpffrf.model.laws.table_layer import TableLayer
 from warpffrf.model.laws.unilateral import Unilateral
@@ -31,13 +41,19 @@ LAWS = {
 }
 
 __all__ = [
-    "LAWS", "Coulomb", "Curve", "ExponentialAsperities", "HuntCrossley", "Law", "LinearLayer", "NonlinearLayer",
-    "RegularisedCoulomb", "TableLayer", "Unilateral", "as_law",
+    "LAWS", "LUMPED_LAWS", "Coulomb", "Curve", "ExponentialAsperities", "ForceTable", "HertzPoint", "HuntCrossley",
+    "IsoLamina", "Law", "LinearLayer", "NonlinearLayer", "PalmgrenLine", "PowerForce", "RegularisedCoulomb",
+    "TableLayer", "Unilateral", "as_law",
 ]  # fmt: skip
 
 
 def as_law(value: Any, label: str) -> Law:
     """`value` if it is a law; raises `InputError` naming `label` and the laws there are."""
+    if isinstance(value, LumpedLaw):
+        raise InputError(
+            f"{label}: laws.{type(value).__name__} gives a force against the approach of two rigid bodies; take "
+            "LumpedContact(...) for it, or a law of pressure here"
+        )
     if not isinstance(value, tuple(LAWS.values())):
         names = ", ".join(f"laws.{law.__name__}" for law in LAWS.values())
         raise InputError(f"{label}: law must be one of {names}, got {value!r}")

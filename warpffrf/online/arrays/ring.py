@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from warpffrf_kernels.core.declaration import DeviceArray, integers, quaternions, reals, vectors
+from warpffrf_kernels.lumped.forces import NUMBERS
 
 from warpffrf.online.arrays.declaration import Arrays
 
@@ -77,7 +78,16 @@ class SavedFriction(Arrays, carried=True):
     saved_advanced: DeviceArray = reals("world", "ring_row", "friction_pair", unit="columns", note="as most_advanced")
 
 
-class Ring(SavedBooks, SavedMotion, SavedJointFriction, SavedContact, SavedFriction):
+class SavedLumped(Arrays, carried=True):
+    """Places of lumped contacts."""
+
+    saved_lumped: DeviceArray = reals(
+        "world", "ring_row", "lumped_place", NUMBERS,
+        note="place, force, friction (both on the first body) and slip velocity, world axes; approach, normal force",
+    )  # fmt: skip
+
+
+class Ring(SavedBooks, SavedMotion, SavedJointFriction, SavedContact, SavedFriction, SavedLumped):
     """What is saved of the steps of every world."""
 
     def on_host(self) -> SavedRows:

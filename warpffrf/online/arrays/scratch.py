@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, quaternions, reals, structs, vectors
 from warpffrf_kernels.kinematics.contact_wrench import Held
+from warpffrf_kernels.lumped.forces import Load
 
 from warpffrf.online.arrays.axes import Sizes
 from warpffrf.online.arrays.declaration import Arrays
@@ -298,6 +299,15 @@ class FrictionSolve(Arrays):
     answer_change: DeviceArray = reals("world", 1)
 
 
+class LumpedContacts(Arrays):
+    """Places of lumped contacts, see `lumped.forces`."""
+
+    lumped_load: DeviceArray = structs(Load, "world", "lumped_place", note="force on the first body, what moves it")
+    lumped_taken: DeviceArray = reals(
+        "world", "lumped_place", 2, unit="J", note="by damping and by friction in the step", zero_without=True
+    )
+
+
 RESTORED = {name: declaration for name, declaration in State.declarations.items() if declaration.restored}
 
 
@@ -312,7 +322,7 @@ class Before(Arrays):
 
 class Scratch(
     RunWords, Motion, Residuals, Outer, ImpulsiveContact, ContactGeometry, ContactFields, ContactSolve, Layers,
-    FrictionCells, FrictionSolve, Before,
+    FrictionCells, FrictionSolve, LumpedContacts, Before,
 ):  # fmt: skip
     """Scratch arrays of a step."""
 

@@ -122,6 +122,21 @@ class LayerState(Arrays, carried=True):
     layer_column: DeviceArray = integers("world", "pair", note="centre column of these points")
 
 
+class LumpedState(Arrays, carried=True):
+    """Places of lumped contacts: accepted, trial; forces on the first body, world axes."""
+
+    lumped_force: DeviceArray = reals("world", 2, "lumped_place", unit="N", note="along the normal, 0 where apart")
+    lumped_friction: DeviceArray = vectors("world", 2, "lumped_place", unit="N")
+    lumped_normal: DeviceArray = vectors("world", 2, "lumped_place", note="of the second surface")
+    lumped_at: DeviceArray = vectors("world", 2, "lumped_place", unit="m", note="the nearest place, world")
+    lumped_shear: DeviceArray = reals("world", 2, "lumped_place", unit="N/m", note="tangential stiffness, 0 apart")
+    lumped_power: DeviceArray = reals("world", 2, "lumped_place", 2, unit="W", note="taken by damping, by creep")
+    lumped_energy: DeviceArray = reals("world", 2, "lumped_place", unit="J", note="of the law, and of what sticks")
+
+
+LUMPED = tuple(LumpedState.declarations)
+
+
 class Books(Arrays, carried=True):
     """Ledger, control words and clock."""
 
@@ -130,7 +145,9 @@ class Books(Arrays, carried=True):
     clk: DeviceArray = structs(Clock, "world", note="time, step and coefficients")
 
 
-class State(MotionState, LoadState, JointFrictionState, ContactState, FrictionState, LayerState, Books):
+class State(
+    MotionState, LoadState, JointFrictionState, ContactState, FrictionState, LayerState, LumpedState, Books,
+):  # fmt: skip
     """Accepted state of every world."""
 
 

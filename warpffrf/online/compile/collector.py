@@ -91,6 +91,7 @@ class Collector:
         self.cell_margin = 0
         self.surfaces: list[OnBody] = []
         self.sides: list[int] = []  # which of them each side of each pair is on
+        self.lumped_sides: list[int] = []  # the same of lumped contacts
         self.inertia = InertiaPlan.of(scene)
         self.local = LocalPlan.of(scene, local)
         self.mode_counts = [b.mode_count + self.local.count(b.index) for b in scene.bodies]

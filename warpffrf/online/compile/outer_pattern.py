@@ -42,7 +42,6 @@ from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.settings import LARGEST_INDEX
 
 GROUND = -1
-NO_PAIRS = np.zeros((0, 2), dtype=int)
 
 
 @dataclass(frozen=True)
@@ -97,17 +96,29 @@ class OuterPattern:
         return int((s**3 // 3 + s**2 * w + s * w**2).sum())
 
 
+NO_COUPLES = np.zeros((0, 2), dtype=int)
+
+
 def find_pattern(
-    body_count: int, dense: np.ndarray, rows: np.ndarray, flexible: np.ndarray, pairs: np.ndarray = NO_PAIRS
+    body_count: int,
+    dense: np.ndarray,
+    rows: np.ndarray,
+    flexible: np.ndarray,
+    pairs: np.ndarray = NO_COUPLES,
+    couples: np.ndarray = NO_COUPLES,
 ) -> OuterPattern:
     """Pattern of a scene.
 
     dense (bodies,): modes of each body among the outer unknowns. rows (rows, 2): bodies of each row, -1 for the ground.
     flexible (rows, 2): true where the row ends on an interface of a flexible body. pairs (pairs, 2): bodies in contact.
+    couples (couples, 2): bodies whose columns have a block in common without a row, -1 for the ground.
     """
     nodes = _nodes(body_count, np.asarray(dense), np.asarray(rows).reshape(-1, 2))
     ends = np.asarray(rows).reshape(-1, 2), np.asarray(flexible).reshape(-1, 2)
     near = _neighbours(nodes, body_count, *ends, np.asarray(pairs).reshape(-1, 2))
+    for a, b in np.asarray(couples)[np.all(np.asarray(couples) != GROUND, axis=1)]:
+        near[a].add(int(b))
+        near[b].add(int(a))
     waits = _waits(nodes, body_count)
     sequence, later = _eliminate(nodes, near, waits)
     return _places(nodes, near, sequence, later, body_count, np.asarray(rows).reshape(-1, 2), np.asarray(flexible))
@@ -119,9 +130,11 @@ def pattern_of(compiled: CompiledScene) -> OuterPattern:
     dense = m.bodies.dense_count.numpy()[: m.bodies.count] if m.dense.count else np.zeros(m.bodies.count, int)
     ends = np.stack([m.rows.a.numpy(), m.rows.b.numpy()], axis=1)[: m.rows.count]
     bodies, interfaces = m.markers.body.numpy(), m.markers.interface.numpy()
+    of = m.surfaces.body.numpy()
     sides = np.stack([m.pairs.first.numpy(), m.pairs.second.numpy()], axis=1)[: m.pairs.count]
+    couples = np.stack([m.lumped.first.numpy(), m.lumped.second.numpy()], axis=1)[: m.lumped.count]
     return find_pattern(
-        m.bodies.count, dense, bodies[ends], interfaces[ends] >= 0, m.surfaces.body.numpy()[sides.astype(int)]
+        m.bodies.count, dense, bodies[ends], interfaces[ends] >= 0, of[sides.astype(int)], of[couples.astype(int)]
     )
 
 

@@ -23,6 +23,7 @@ from warpffrf.online.compile.inertia_plan import InertiaPlan
 from warpffrf.online.compile.joint_friction import SlipTable, compile_joint_friction, fill_joint_friction
 from warpffrf.online.compile.joints import JointTable, compile_joints
 from warpffrf.online.compile.layers import LAYER_ITERATIONS, fill_layers
+from warpffrf.online.compile.lumped import fill_lumped
 from warpffrf.online.compile.pairs import fill_pairs
 from warpffrf.online.compile.responses import fill_responses
 from warpffrf.online.compile.surfaces import fill_surfaces
@@ -89,9 +90,10 @@ def _compiled(collector: Collector) -> CompiledScene:
     fill_friction(collector, m, z_start)
     fill_responses(collector, m)
     fill_layers(collector, m)
+    fill_lumped(collector, m)
     collector.fill(
         m.limits, residual_tolerance=settings.residual_tolerance, energy_tolerance=settings.energy_tolerance,
-        max_iterations=settings.max_iterations * (LAYER_ITERATIONS if m.layers.count else 1),
+        max_iterations=settings.max_iterations * (LAYER_ITERATIONS if m.layers.count or m.lumped.count else 1),
         max_inner=settings.max_inner, max_guarded=settings.max_guarded, max_level=settings.max_level,
         most_made=settings.most_made,
     )  # fmt: skip
@@ -103,11 +105,12 @@ def _compiled(collector: Collector) -> CompiledScene:
 
 
 def _gather_surfaces(collector: Collector) -> None:
-    """The surfaces that pairs load, each once, and which of them their sides are on."""
-    lean = leanings(collector.scene.contacts)
+    """The surfaces that pairs load and lumped contacts meet on, each once, and which of them their sides are on."""
+    scene = collector.scene
+    lean = leanings(scene.contacts)
     known: dict[tuple[int, str], int] = {}
-    for contact in collector.scene.contacts:
-        for port in contact.ports:
+    for contacts, sides in ((scene.contacts, collector.sides), (scene.lumped_contacts, collector.lumped_sides)):
+        for port in (port for contact in contacts for port in contact.ports):
             place = (port.body.index, port.name)
             if place not in known:
                 known[place] = len(collector.surfaces)
@@ -115,7 +118,7 @@ def _gather_surfaces(collector: Collector) -> None:
                 if surface is port.surface:  # dynamic modes keep the compliance that they were made of
                     surface = leant(surface, lean.get(place, 0.0))
                 collector.surfaces.append(OnBody(port.body, port.name, surface))
-            collector.sides.append(known[place])
+            sides.append(known[place])
 
 
 def _length(collector: Collector) -> float:

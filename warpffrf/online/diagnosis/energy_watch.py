@@ -21,7 +21,7 @@ def round_off_energy(engine: Engine) -> float:
     """What an energy [J] is no more than round-off below, of scenes in which nothing moves."""
     state, scene = engine.state, engine.scene
     weights = [body.mass * np.linalg.norm(scene.gravity) for body in scene.bodies]
-    forces = [weights, *(getattr(state, name).numpy() for name in ("load", "lam", "pair_force"))]
+    forces = [weights, *(getattr(state, name).numpy() for name in ("load", "lam", "pair_force", "lumped_force"))]
     largest = max(float(np.abs(f).max(initial=0.0)) for f in forces)
     length = float(engine.compiled.model.length)  # where all stands at the origin
     return NOISE * largest * max(float(np.abs(state.r.numpy()).max(initial=0.0)), length)

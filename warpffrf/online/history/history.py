@@ -16,7 +16,7 @@ from warpffrf.model.errors import unknown_name
 ENERGY_LINES = (
     "kinetic",  # rigid motion and global modes
     "strain",  # global modes
-    "contact",  # local modes and surface layers, 1/2 s.G.s
+    "contact",  # local modes and surface layers, 1/2 s.G.s; lumped contacts
     "potential",  # gravity and springs
     "force_work",  # cumulative work of applied forces
     "drive_work",  # cumulative work of prescribed joint motion
@@ -147,6 +147,21 @@ class ContactHistory:
 
 
 @dataclass
+class LumpedHistory:
+    """One lumped contact; world axes. Where the surfaces are apart the forces are zero and the place is where they are
+    nearest."""
+
+    force: np.ndarray  # (T, 3) N, on the first body, normal and friction
+    torque: np.ndarray  # (T, 3) N m, on the first body, about its user origin
+    place: np.ndarray  # (T, 3) m, where the force acts; by laminae the mean of their places, weighed by their forces
+    approach: np.ndarray  # (T,) m, of the undeformed surfaces, the largest of all laminae; negative where apart
+    normal_force: np.ndarray  # (T,) N
+    friction_force: np.ndarray  # (T, 3) N, on the first body
+    slip_velocity: np.ndarray  # (T, 3) m/s, of the first surface against the second at the place, tangential
+    lamina_force: np.ndarray  # (T, laminae) N, normal force of each; one column of a law that has none
+
+
+@dataclass
 class History:
     """A run: histories, the energy ledger, solver counts, status, and the state to continue from."""
 
@@ -170,5 +185,6 @@ class History:
         default_factory=list
     )  # dropped terms, capped counts, fallbacks: printed by Result.report()
     forces: dict[str, ForceHistory] = field(default_factory=dict)
+    lumped_contacts: dict[str, LumpedHistory] = field(default_factory=dict)
     sensors: dict[str, SensorHistory] = field(default_factory=dict)
     checkpoint: dict[str, np.ndarray] = field(default_factory=dict)  # the complete device state at the end

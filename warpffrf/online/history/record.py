@@ -17,6 +17,7 @@ from warpffrf.online.history.history import (
 )
 from warpffrf.online.history.joint_friction import friction_histories
 from warpffrf.online.history.joint_motion import coordinates, half_turn_notes, left_out_notes
+from warpffrf.online.history.lumped import lumped_histories
 from warpffrf.online.history.sensors import force_histories, sensor_histories, turned
 from warpffrf.online.history.user_frame import user_frame
 
@@ -54,6 +55,7 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
     return History(
         scene=scene, time=time, step_size=rows["saved_step"],
         bodies=bodies, joints=joints, contacts=contacts, forces=forces,
+        lumped_contacts=lumped_histories(compiled, rows, bodies),
         sensors=sensor_histories(scene, T, bodies, joints, forces),
         energy=energy, iterations=rows["saved_iterations"].astype(int),
         factorisations=rows["saved_solves"].astype(int),

@@ -26,6 +26,7 @@ from warpffrf_kernels.core import control as k
 
 from warpffrf.model.redundancy import scene_length
 from warpffrf.online.arrays.declaration import Arrays
+from warpffrf.online.arrays.state import LUMPED
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.joint_friction import Friction
 
@@ -271,7 +272,7 @@ class _World:
     def _accept(self) -> None:
         """What the ledger takes from the accepted state, from the last evaluation."""
         state, w = self.engine.state, self.w
-        for name in ("drive_rate", "applied", "applied_at", "load", "load_on_modes"):
+        for name in ("drive_rate", "applied", "applied_at", "load", "load_on_modes", *LUMPED):
             array = getattr(state, name).numpy().copy()
             array[w, 0] = array[w, 1]
             getattr(state, name).assign(array)

@@ -2,9 +2,10 @@ r"""Rigid motions of the bodies that neither joints, springs nor closed contacts
 state.
 
 With C the gradients of all rows that hold (joints, drives, springs), L those of the weak gaps of the hats under
-pressure, by the rigid coordinates z, a motion is free where C z = 0 and L z = 0: a roller about its axle, whatever it
-is pressed on, a ball about any line, a body that slides along a plane. They are the right singular vectors of (C, L),
-lines of length one in coordinates weighed by mass, with singular values below FREE.
+pressure and of the gaps of lumped contacts that are closed, by the rigid coordinates z, a motion is free where C z = 0
+and L z = 0: a roller about its axle, whatever it is pressed on, a ball about any line, a body that slides along a
+plane. They are the right singular vectors of (C, L), lines of length one in coordinates weighed by mass, with singular
+values below FREE.
 
 Held, a free motion n gets the inertia n n^T m/(HOLD L)^2, L the length of the scene, in proximal steps (kernels
 `motion`), beside which it stays where it is. What acts along it must be next to nothing: a load that drives it finds no
@@ -193,12 +194,30 @@ def free_motions(engine: Engine, world: int, weight: np.ndarray) -> np.ndarray:
     for name, own in engine.compiled.forces.rows.items():
         elastic, _ = engine.compiled.forces.laws[name].slopes(value[own], rate[own])
         holds[own] |= elastic != 0.0
-    lines = np.vstack([rows[holds], _gap_gradients(engine, world, size)]) / weight
+    gaps = [_gap_gradients(engine, world, size), _lumped_gradients(engine, world, size)]
+    lines = np.vstack([rows[holds], *gaps]) / weight
     length = np.linalg.norm(lines, axis=1, keepdims=True)
     lines = lines[length[:, 0] > 0.0] / length[length[:, 0] > 0.0]
     _, values, vectors = np.linalg.svd(lines, full_matrices=True)
     rank = int(np.count_nonzero(values > FREE))
     return vectors[rank:]
+
+
+def _lumped_gradients(engine: Engine, world: int, size: int) -> np.ndarray:
+    """Of the gaps of closed places of lumped contacts, by the rigid coordinates (places, size)."""
+    m, state, scratch = engine.compiled.model, engine.state, engine.scratch
+    closed = np.flatnonzero(state.lumped_force.numpy()[world, 1, : m.lumped.places] > 0.0)
+    n, x = (getattr(state, name).numpy()[world, 1] for name in ("lumped_normal", "lumped_at"))
+    axes, r, body = scratch.axes.numpy()[world], scratch.r1.numpy()[world], m.surfaces.body.numpy()
+    lines = np.zeros((len(closed), size))
+    for line, place in zip(lines, closed, strict=True):
+        contact = m.lumped.contact.numpy()[place]
+        for sign, surface in ((1.0, m.lumped.first.numpy()[contact]), (-1.0, m.lumped.second.numpy()[contact])):
+            b = int(body[surface])
+            if b >= 0:
+                moment = np.cross(x[place] - r[b], n[place]) @ axes[b]
+                line[6 * b : 6 * b + 6] = sign * np.concatenate([n[place], moment])
+    return lines
 
 
 def _gap_gradients(engine: Engine, world: int, size: int) -> np.ndarray:

@@ -14,11 +14,12 @@ from warpffrf.online.step.joint_friction import JOINT_FRICTION
 from warpffrf.online.step.launches import Launch
 from warpffrf.online.step.layers import LAYERS
 from warpffrf.online.step.ledger import LEDGER
+from warpffrf.online.step.lumped import LUMPED
 from warpffrf.online.step.motion import MOTION
 from warpffrf.online.step.outer import OUTER
 from warpffrf.online.step.snapshot import SNAPSHOT
 
-PARTICIPANTS = (MOTION, OUTER, JOINT_FRICTION, CONTACT, FRICTION, LAYERS, SNAPSHOT, LEDGER)
+PARTICIPANTS = (MOTION, OUTER, JOINT_FRICTION, LUMPED, CONTACT, FRICTION, LAYERS, SNAPSHOT, LEDGER)
 WHOLE = (*phases.ATTEMPT, *phases.ITERATION, *phases.DECISION)
 
 

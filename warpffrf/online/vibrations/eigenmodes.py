@@ -221,6 +221,11 @@ def _prepare(engine: Engine, about: Any, notes: list[str]) -> str:
 def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
     """What a reader of the modes should know."""
     notes = list(engine.compiled.notes) + friction_notes(engine.scene, "eigenmodes")
+    if linear.lumped:
+        notes.append(
+            f"closed lumped contacts ({linear.lumped} places) have the stiffness of their laws at the forces they "
+            "carry: the modes are those of vibrations small beside their approaches"
+        )
     if linear.closed:
         notes.append(
             f"closed contacts stay closed ({linear.closed} pressure hats): the modes are those of vibrations too small "

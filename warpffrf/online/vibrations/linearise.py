@@ -6,9 +6,9 @@ every spring. With the coefficients of the step set so that displacement, veloci
 (alpha_m = 1, alpha_f = gamma = 0, h -> 0: `r_1 = r_0 + dx`, `v_1 = v_0`, `vdot_1 = a_0` in `motion`) the three can be
 varied one at a time. R is linear in a and a quadratic polynomial in v (gyroscopic and centrifugal terms), so that
 central differences in them are exact; for x two central differences are combined, the error is of fourth order in a
-step of 10 um. Whatever a kernel does is thereby in the matrices: the geometric stiffness of joints, springs and loads,
-on rigid coordinates and modes, inertia terms, stiffening. Characteristics of springs and dampers enter by their slopes
-at the state, as differences would reach over their kinks.
+step of 10 um, or less where lumped contacts are closed. Whatever a kernel does is thereby in the matrices: the
+geometric stiffness of joints, springs and loads, on rigid coordinates and modes, inertia terms, stiffening.
+Characteristics of springs and dampers enter by their slopes at the state, as differences would reach over their kinks.
 
     R_a da + R_v dv + R_x dx + C^T dlambda - L^T ds = 0
     C_r dx = 0                            rigid rows: joints and drives
@@ -50,6 +50,9 @@ from warpffrf.online.engine import Engine
 Array = np.ndarray
 LENGTH_STEP = 1e-5  # m, rad: fourth-order error 1e-12 at lengths of 10 mm, round-off 1e-11 of the forces in play per m
 RATE_STEP = 1.0  # m/s, rad/s and their rates: exact for quadratic terms, whatever its size
+# where lumped contacts are closed, whose force is a power of an approach of micrometres: of the smallest approach, with
+# a fourth-order error of 1e-12; and a rate at which damping is far from its cut
+APPROACH_STEP, LUMPED_RATE_STEP = 1e-3, 1e-5
 NO_TIME = 1e-20  # s: the step with which velocities and accelerations stay as they are given
 FAR_ITERATION = 10**6  # beyond the most iterations: the kernels evaluate, and leave the loop
 RIGID_TANGENT = 1e30  # 1/s2: an inertia so large that modes do not give way, which leaves the local compliance alone
@@ -77,6 +80,7 @@ class Linearisation:
     turning: list[str]  # names of the bodies that turn
     closed: int  # active hats of closed contacts
     kinked: list[str]  # names of springs and dampers whose slope jumps where they stand
+    lumped: int  # closed places of lumped contacts
     resolution: float  # 1/s, frequency of the stiffness that is round-off of the differences
 
 
@@ -104,6 +108,7 @@ class _Probe:
         )
         self.spring = self._springs()
         self.tangents: dict[int, tuple[float, float]] = {}  # row with characteristics -> tangent stiffness and damping
+        self.length_step, self.rate_step = LENGTH_STEP, RATE_STEP
 
     def settle_windows(self) -> None:
         """Lay the windows of the contact pairs as a step does when it begins; keep the active set that they show."""
@@ -116,6 +121,17 @@ class _Probe:
         self.engine.graph.contact()
         for name in ("active", "pressure", "patch_offset"):
             self.base[name] = getattr(self.state, name).numpy().copy()
+
+    def measure_lumped(self) -> int:
+        """Closed places of lumped contacts at the state placed last; steps of the differences become small beside
+        their approaches."""
+        places = self.model.lumped.places
+        load = self.scratch.lumped_load.numpy()[0, :places]
+        approach = -load["touch"]["gap"][load["force"] > 0.0]
+        if len(approach):
+            self.length_step = min(LENGTH_STEP, APPROACH_STEP * float(np.abs(approach).min()))
+            self.rate_step = LUMPED_RATE_STEP
+        return len(approach)
 
     def _joined(self, linear: str, angular: str, modal: str) -> Array:
         """Velocities or accelerations of world 0 in the order of the coordinates."""
@@ -209,7 +225,7 @@ class _Probe:
             if body.mode_count:
                 found = mode_reach(body.flexible)
                 reach.append(np.where(found > 0.0, found, 1.0))
-        return LENGTH_STEP / np.concatenate(reach)
+        return self.length_step / np.concatenate(reach)
 
 
 def linearise(engine: Engine) -> Linearisation:
@@ -233,6 +249,7 @@ def _linearise(probe: _Probe) -> Linearisation:
     C = np.concatenate([x.C.numpy()[0, :rows, : 6 * B], x.C_modal.numpy()[0, :rows, :Q]], axis=1)
     contact, closed = _closed_contacts(probe)
     kinked = probe.find_tangents()
+    lumped = probe.measure_lumped()
 
     steps = probe.steps()
     R_x, R_v, R_a = (np.zeros((n + len(probe.spring), n)) for _ in range(3))
@@ -242,8 +259,9 @@ def _linearise(probe: _Probe) -> Linearisation:
         near = probe.forces(e, zero, zero) - probe.forces(-e, zero, zero)
         far = probe.forces(2.0 * e, zero, zero) - probe.forces(-2.0 * e, zero, zero)
         R_x[:, j] = (8.0 * near - far) / (12.0 * steps[j])
+        e[j] = probe.rate_step
+        R_v[:, j] = (probe.forces(zero, e, zero) - probe.forces(zero, -e, zero)) / (2.0 * probe.rate_step)
         e[j] = RATE_STEP
-        R_v[:, j] = (probe.forces(zero, e, zero) - probe.forces(zero, -e, zero)) / (2.0 * RATE_STEP)
         R_a[:, j] = (probe.forces(zero, zero, e) - probe.forces(zero, zero, -e)) / (2.0 * RATE_STEP)
     C_spring = C[probe.spring]
     R_x = R_x[:n] + C_spring.T @ R_x[n:] + contact
@@ -260,6 +278,7 @@ def _linearise(probe: _Probe) -> Linearisation:
         turning=turning,
         closed=closed,
         kinked=kinked,
+        lumped=lumped,
         resolution=_resolution(probe, C),
     )
 
@@ -275,13 +294,15 @@ def _resolution(probe: _Probe, C: Array) -> float:
         for b in bodies
     ]
     contact = float(np.abs(probe.scratch.pair_wrench.numpy()[0, : probe.model.pairs.count]).max(initial=0.0))
-    noise = ROUND_OFF * max(pulls, contact, *weights) / LENGTH_STEP  # N/m, and on arms as long as positions N m/rad
+    lumped = float(base["lumped_force"][0].max(initial=0.0))
+    forces = max(pulls, contact, lumped, *weights)
+    noise = ROUND_OFF * forces / probe.length_step  # N/m, and on arms as long as positions N m/rad
     extent = float(np.linalg.norm(base["r"][0, :B], axis=-1).max())
     lightest = min(float(np.linalg.eigvalsh(b.inertia)[0]) for b in bodies)
     squares = [noise / min(b.mass for b in bodies), noise * extent / lightest]
     if contact > 0.0:
         q = base["q"][0, : probe.modes]
-        deflection = float(np.sum(np.abs(q) * LENGTH_STEP / probe.steps()[6 * B :]))
+        deflection = float(np.sum(np.abs(q) * probe.length_step / probe.steps()[6 * B :]))
         squares.append(contact * deflection / lightest)
     return float(np.sqrt(max(squares)))
 

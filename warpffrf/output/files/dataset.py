@@ -16,6 +16,7 @@ from warpffrf.output.files.fields import (
     FRICTION_FIELDS,
     JOINT_FIELDS,
     JOINT_FRICTION_FIELDS,
+    LUMPED_FIELDS,
     RUN_FIELDS,
     SIZES,
     Field,
@@ -56,6 +57,7 @@ def to_xarray(result: Any) -> Any:
         ("pair", CONTACT_FIELDS, history.contacts),
         ("pair", DERIVED_FIELDS, contacts),
         *([("joint_friction", JOINT_FRICTION_FIELDS, stuck)] if stuck else []),
+        *([("lumped_contact", LUMPED_FIELDS, history.lumped_contacts)] if history.lumped_contacts else []),
         *([("friction_pair", (*FRICTION_FIELDS, *FRICTION_DERIVED), rubbing)] if rubbing else []),
     )
     for dim, fields, owners in groups:

@@ -91,6 +91,17 @@ CONTACT_FIELDS = (
     ),
 )
 
+LUMPED_FIELDS = (
+    Field("lumped_force", "force", "N", "world, on the first body", AXIS),
+    Field("lumped_torque", "torque", "N m", f"{USER_ORIGIN}, on the first body", AXIS),
+    Field("lumped_place", "place", "m", WORLD, AXIS),
+    Field("lumped_approach", "approach", "m", "of the undeformed surfaces, negative where apart"),
+    Field("lumped_normal_force", "normal_force", "N", "along the normal"),
+    Field("lumped_friction_force", "friction_force", "N", "world, on the first body", AXIS),
+    Field("lumped_slip_velocity", "slip_velocity", "m/s", "world, of the first surface against the second", AXIS),
+    Field("lumped_lamina_force", "lamina_force", "N", "along the normals", ("lamina",), stacked=False),
+)
+
 # Of the pairs that were run with friction: their own owners, `friction_pair`.
 CELLS = "cells of the contact grid of the first surface"
 FIRST = "first surface, along e_theta and t_z"

@@ -2,6 +2,7 @@
 
     /time (time), /step_size, /iterations, /factorisations
     /body_position (time, body, axis), /contact_force (time, pair, axis), ...   stacked over the owners
+    /lumped_force (time, lumped_contact, axis), ...   over the lumped contacts, where there are any
     /contact_friction_power (time, friction_pair), ...   over the pairs with friction, where there are any
     /contact_pressure/<pair> (time, column, row), /body_modal/<body>, ...       one dataset an owner
     /sensor/<name> (time, component)
@@ -39,6 +40,7 @@ from warpffrf.online.history.history import (
     History,
     JointFrictionHistory,
     JointHistory,
+    LumpedHistory,
     SensorHistory,
 )
 from warpffrf.output.files.dataset import stacked
@@ -53,6 +55,7 @@ from warpffrf.output.files.fields import (
     FRICTION_FIELDS,
     JOINT_FIELDS,
     JOINT_FRICTION_FIELDS,
+    LUMPED_FIELDS,
     RUN_FIELDS,
     Field,
 )
@@ -69,7 +72,9 @@ _GROUPS = (
     ("joints", "joint", JOINT_FIELDS, JointHistory),
     ("contacts", "pair", CONTACT_FIELDS, ContactHistory),
     ("forces", "force", FORCE_FIELDS, ForceHistory),
+    ("lumped_contacts", "lumped_contact", LUMPED_FIELDS, LumpedHistory),
 )
+_ONLY_WHERE_THERE = ("lumped_contact",)
 
 
 def write_results(result: Any, path: str | os.PathLike[str]) -> Path:
@@ -89,7 +94,8 @@ def write_results(result: Any, path: str | os.PathLike[str]) -> Path:
         for attribute, dim, fields, _ in _GROUPS:
             owners: dict[str, Any] = getattr(history, attribute)
             file.attrs[f"{dim}_names"] = json.dumps(list(owners))
-            _put_group(file, dim, fields, owners, steps)
+            if owners or dim not in _ONLY_WHERE_THERE:
+                _put_group(file, dim, fields, owners, steps)
         file.attrs["joint_coordinates"] = json.dumps({name: j.names for name, j in history.joints.items()})
         contacts = {name: result.contact(name) for name in history.contacts}
         _put_group(file, "pair", (*DERIVED_FIELDS, *DERIVED_POSITIONS), contacts, steps)
@@ -251,12 +257,18 @@ def _put_scene(file: Any, view: SceneView) -> None:
              "shapes": _described(body)}
         )  # fmt: skip
     group.attrs["bodies"] = json.dumps(bodies)
-    pairs = [
-        [p.name, p.first_body.name, p.first_surface_name, p.second_body.name, p.second_surface_name, p.friction]
-        for p in view.pairs.values()
+    for kind, found in (("pairs", view.pairs), ("lumped", view.lumped)):
+        pairs = [
+            [p.name, p.first_body.name, p.first_surface_name, p.second_body.name, p.second_surface_name, p.friction]
+            for p in found.values()
+        ]
+        group.attrs[kind] = json.dumps(pairs)
+    fixed = [
+        b
+        for p in (*view.pairs.values(), *view.lumped.values())
+        for b in (p.first_body, p.second_body)
+        if b.name not in view.bodies
     ]
-    group.attrs["pairs"] = json.dumps(pairs)
-    fixed = [b for p in view.pairs.values() for b in (p.first_body, p.second_body) if b.name not in view.bodies]
     group.attrs["ground"] = json.dumps({name: shape for b in fixed for name, shape in _described(b).items()})
     group.attrs["anchors"] = json.dumps([anchor.describe() for anchor in view.anchors])
 
@@ -283,12 +295,17 @@ def _get_scene(file: Any) -> SceneView:
         for b in json.loads(group.attrs["bodies"])
     }  # fmt: skip
     known = {GROUND: ground_view(_shapes(json.loads(group.attrs.get("ground", "{}")))), **bodies}
-    pairs = {
-        name: PairView(name, known[first], first_surface, known[second], second_surface, *friction)
-        for name, first, first_surface, second, second_surface, *friction in json.loads(group.attrs["pairs"])
-    }
+    pairs, lumped = (
+        {
+            name: PairView(name, known[first], first_surface, known[second], second_surface, *friction)
+            for name, first, first_surface, second, second_surface, *friction in json.loads(group.attrs.get(kind, "[]"))
+        }
+        for kind in ("pairs", "lumped")
+    )
     anchors = tuple(Anchor.of(data) for data in json.loads(group.attrs.get("anchors", "[]")))
-    return SceneView(str(group.attrs["content_hash"]), bodies, pairs, tuple(json.loads(group.attrs["joints"])), anchors)
+    return SceneView(
+        str(group.attrs["content_hash"]), bodies, pairs, tuple(json.loads(group.attrs["joints"])), anchors, lumped
+    )
 
 
 def _as_bytes(reduced: Any) -> np.ndarray:

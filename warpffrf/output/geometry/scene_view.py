@@ -66,13 +66,14 @@ class SceneView:
     pairs: dict[str, PairView] = field(default_factory=dict)
     joints: tuple[str, ...] = ()
     anchors: tuple[Anchor, ...] = ()
+    lumped: dict[str, PairView] = field(default_factory=dict)
 
 
 def scene_view(scene: Any) -> SceneView:
     """The view of a live `Scene`; a `SceneView` passes through."""
     if isinstance(scene, SceneView):
         return scene
-    shapes = rigid_shapes(scene.contacts)
+    shapes = rigid_shapes((*scene.contacts, *scene.lumped_contacts))
     bodies = {
         body.name: BodyView(
             body.name, body.reduced, float(body.mass), np.asarray(body.center_of_mass, dtype=float),
@@ -81,15 +82,20 @@ def scene_view(scene: Any) -> SceneView:
         for body in scene.bodies
     }  # fmt: skip
     known = {GROUND: ground_view(shapes.get(GROUND, {})), **bodies}
-    pairs = {}
-    for contact in scene.contacts:
+    pairs, lumped = _pairs(scene.contacts, known), _pairs(scene.lumped_contacts, known)
+    joints = tuple(joint.name for joint in scene.joints)
+    return SceneView(scene.content_hash(), bodies, pairs, joints, scene_anchors(scene), lumped)
+
+
+def _pairs(contacts: Any, known: dict[str, BodyView]) -> dict[str, PairView]:
+    found = {}
+    for contact in contacts:
         a, b = contact.a, contact.b
         mu = getattr(contact, "friction", 0.0) or 0.0
         friction = float(getattr(mu, "coefficient", mu))
         names = known[a.body.name], a.name, known[b.body.name], b.name
-        pairs[contact.name] = PairView(contact.name, *names, friction)
-    joints = tuple(joint.name for joint in scene.joints)
-    return SceneView(scene.content_hash(), bodies, pairs, joints, scene_anchors(scene))
+        found[contact.name] = PairView(contact.name, *names, friction)
+    return found
 
 
 def rigid_shapes(contacts: Any) -> dict[str, dict[str, Any]]:

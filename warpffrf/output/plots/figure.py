@@ -17,6 +17,7 @@ from warpffrf.output.plots.friction import FRICTION_PLOTS
 
 FINE = 400  # points of a smooth curve
 SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch plots
+MOST_NAMED = 12  # curves with a name in the legend
 HEADROOM = 1.08  # of the largest value of a plot
 SECTIONS = {"point": "Across the patch through its centre"}  # of other kinds at mid-width
 PROFILE, REFERENCE = "#1b6ca8", "#d1495b"
@@ -64,13 +65,15 @@ def _at(result: Any, i: int) -> str:
 
 
 def force(result: Any, ax: Any) -> None:
-    """Contact force of every pair against time."""
-    for name in result.contact_names:
-        ax.plot(result.time * 1e3, result.contact(name).force_magnitude * 1e-3, label=name)
+    """Contact force of every pair and lumped contact against time."""
+    forces = {name: result.contact(name).force_magnitude for name in result.contact_names}
+    forces |= {name: np.linalg.norm(c.force, axis=1) for name, c in result.history.lumped_contacts.items()}
+    for name, size in forces.items():
+        ax.plot(result.time * 1e3, size * 1e-3, label=name)
     ax.set(xlabel="time [ms]", ylabel="contact force [kN]")
     ax.set_title("Contact force", fontsize=10)
-    _from_zero(ax, *(result.contact(name).force_magnitude * 1e-3 for name in result.contact_names))
-    if len(result.contact_names) > 1:
+    _from_zero(ax, *(size * 1e-3 for size in forces.values()))
+    if 1 < len(forces) <= MOST_NAMED:
         ax.legend(frameon=False)
 
 
@@ -214,6 +217,8 @@ def summary_figure(result: Any) -> Any:
     from matplotlib.figure import Figure
 
     drawn: dict[str, Callable[[Any, Any], None]] = dict(PLOTS) if result.contact_names else {"energy": energy}
+    if result.lumped_contact_names:
+        drawn = {"force": force} | drawn
     if any(result.contact(name).has_friction for name in result.contact_names):
         drawn.update(FRICTION_PLOTS)
     kinds = list(drawn)

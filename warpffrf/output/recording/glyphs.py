@@ -22,7 +22,7 @@ from warpffrf.output.plots.colors import largest
 
 THINNEST = 0.03  # half length of the thinnest side drawn, of the longest: a disc is no body without thickness
 BODY_COLORS = ((150, 160, 175), (190, 160, 120), (130, 170, 150), (170, 145, 175))
-JOINT_COLOR, LOAD_COLOR = (90, 200, 120), (235, 110, 60)
+JOINT_COLOR, LOAD_COLOR, LUMPED_COLOR = (90, 200, 120), (235, 110, 60), (80, 130, 230)
 ARROW_LENGTH = 0.45  # of the scene's largest body, for the largest force of the run
 ARROW_RADIUS, BAR_RADIUS, POINT_RADIUS = 0.008, 0.01, 0.015  # of the largest body
 LEAST_SHOWN = 1e-3  # of the largest force: shorter arrows are dots
@@ -57,11 +57,13 @@ class Glyphs:
         self.recorder, self.result, self.size = recorder, recorder.result, size
         self.loaded = [a for a in self.result.view.anchors if a.loaded and self._force(a) is not None]
         rows = recorder.rows[recorder.good]
-        self.top_force = largest([np.linalg.norm(self._force(a)[rows], axis=1) for a in self.loaded])
-        self.labelled = len(self.loaded) <= MOST_LABELS
+        self.lumped = self.result.history.lumped_contacts
+        forces = [self._force(a) for a in self.loaded] + [contact.force for contact in self.lumped.values()]
+        self.top_force = largest([np.linalg.norm(force[rows], axis=1) for force in forces])
+        self.labelled = len(forces) <= MOST_LABELS
         # solid boxes would hide what touches beside them
         mode = recorder.rr.components.FillMode
-        self.fill = mode.MajorWireframe if recorder.contacts else mode.Solid
+        self.fill = mode.MajorWireframe if recorder.contacts or self.lumped else mode.Solid
 
     def _force(self, anchor: Anchor) -> Any:
         """Recorded force (T, 3) [N] at the anchor, world; None for one that is not in the result."""
@@ -89,27 +91,32 @@ class Glyphs:
                 recorder.log_static(recorder.path("world", body.name, "bars"), lines)
 
     def frame(self, i: int) -> None:
-        """Arrows of saved row i: what acts on the second side of each joint and on each loaded place."""
-        rr = self.recorder.rr
-        scale = ARROW_LENGTH * self.size / self.top_force if self.top_force > 0.0 else 0.0
+        """Arrows of saved row i: what acts on the second side of each joint, on each loaded place, and on the first
+        body of each lumped contact."""
         for anchor in self.loaded:
-            force, at = self._force(anchor)[i], self._place(anchor, i)
-            size = float(np.linalg.norm(force))
-            path = self.recorder.path("world", f"{anchor.kind}_arrows", anchor.name)
             color = JOINT_COLOR if anchor.kind == "joint" else LOAD_COLOR
-            self.recorder.stream.log(f"{path}/place", rr.Points3D([at], colors=[color], radii=POINT_RADIUS * self.size))
-            if size <= LEAST_SHOWN * self.top_force:
-                self.recorder.stream.log(f"{path}/force", rr.Arrows3D(vectors=np.zeros((0, 3))))
-                continue
-            # a push ends where it acts, a reaction begins there: neither hides the place
-            vector = scale * force
-            origin = at - vector if anchor.kind == "force" else at
-            label = [f"{anchor.name} {force_text(size)}"] if self.labelled else None
-            arrow = rr.Arrows3D(
-                origins=[origin], vectors=[vector], colors=[color], radii=ARROW_RADIUS * self.size, labels=label,
-                show_labels=self.labelled,
-            )  # fmt: skip
-            self.recorder.stream.log(f"{path}/force", arrow)
+            self._arrow(anchor.kind, anchor.name, self._place(anchor, i), self._force(anchor)[i], color)
+        for name, contact in self.lumped.items():
+            self._arrow("lumped", name, contact.place[i].copy(), contact.force[i], LUMPED_COLOR)
+
+    def _arrow(self, kind: str, name: str, at: np.ndarray, force: np.ndarray, color: tuple[int, int, int]) -> None:
+        rr, stream = self.recorder.rr, self.recorder.stream
+        scale = ARROW_LENGTH * self.size / self.top_force if self.top_force > 0.0 else 0.0
+        size = float(np.linalg.norm(force))
+        path = self.recorder.path("world", f"{kind}_arrows", name)
+        stream.log(f"{path}/place", rr.Points3D([at], colors=[color], radii=POINT_RADIUS * self.size))
+        if size <= LEAST_SHOWN * self.top_force:
+            stream.log(f"{path}/force", rr.Arrows3D(vectors=np.zeros((0, 3))))
+            return
+        # a push ends where it acts, a reaction begins there: neither hides the place
+        vector = scale * force
+        origin = at - vector if kind == "force" else at
+        label = [f"{name} {force_text(size)}"] if self.labelled else None
+        arrow = rr.Arrows3D(
+            origins=[origin], vectors=[vector], colors=[color], radii=ARROW_RADIUS * self.size, labels=label,
+            show_labels=self.labelled,
+        )  # fmt: skip
+        stream.log(f"{path}/force", arrow)
 
     def _place(self, anchor: Anchor, i: int) -> np.ndarray:
         if anchor.body is None:

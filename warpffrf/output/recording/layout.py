@@ -28,7 +28,7 @@ def blueprint(recorder: Any) -> Any:
     bodies = [f"+ {recorder.path('world', name)}/**" for name in result.view.bodies]
     bodies += [f"+ {path}" for path in recorder.shapes.paths()]
     forces = [f"+ {recorder.path('world', 'forces', c.name)}/**" for c in recorder.contacts]
-    arrows = ["+ /world/joint_arrows/**", "+ /world/force_arrows/**"]
+    arrows = ["+ /world/joint_arrows/**", "+ /world/force_arrows/**", "+ /world/lumped_arrows/**"]
     rigid = [recorder.path("world", name) for name, body in result.view.bodies.items() if body.reduced is None]
     hidden = [f"- {path}/{shape}" for path in rigid for shape in ("box", "bars")]
     # what touches comes first; rigid bodies and arrows of joints then have a view of their own

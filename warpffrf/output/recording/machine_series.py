@@ -15,6 +15,7 @@ MOST_SENSORS = 6  # further ones are in the results; a plot of more curves is no
 EQUIVALENT = Stress.components[-1]  # of a stress only this one is drawn
 FROM_START = ", change from the start"
 MACHINE_PLOTS = {
+    "lumped_force": "Forces of lumped contacts [N]",
     "joint_force": "Reactions of the joints [N]",
     "applied_force": "Applied and spring forces [N]",
     "joint_friction": "Friction in joints, and its bounds [N]",
@@ -28,7 +29,11 @@ def machine_series(result: Any) -> list[Series]:
     """What there is to plot of joints, forces, sensors and energies; entities `plots/<kind>/<name>`."""
     history = result.history
     found: list[Series] = []
-    for kind, owners in (("joint_force", history.joints), ("applied_force", history.forces)):
+    for kind, owners in (
+        ("lumped_force", history.lumped_contacts),
+        ("joint_force", history.joints),
+        ("applied_force", history.forces),
+    ):
         for name, owner in owners.items():
             size = np.linalg.norm(owner.force, axis=1)
             if np.any(size > 0.0):

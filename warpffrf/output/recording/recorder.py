@@ -2,7 +2,8 @@
 
 Entities: `/world/<body>` carries the rigid motion as a transform, its child `surface` the deforming skin in the user
 frame with the displacement times the deformation factor, coloured by displacement, or its children `box` and `bars`
-where it is rigid; `/world/joint_arrows`, `/world/force_arrows` what joints and forces do, see `glyphs`;
+where it is rigid; `/world/joint_arrows`, `/world/force_arrows`, `/world/lumped_arrows` what joints, forces and
+lumped contacts do, see `glyphs`;
 `/world/contacts/<pair>` is a frame that stays with the patch (x along the arc, y along the axis, z outwards) and
 carries the pressure relief, `/patch_map/<pair>` the unwrapped patch, see `contact_scene`; `/world/forces/<pair>` the
 contact's arrows; `/plots`, `/solver` scalars over all saved rows.
@@ -112,7 +113,8 @@ def _row_is_finite(result: Any, bodies: dict[str, fr.BodyFrames], f: int, i: int
     history = result.history
     arrays = [b.displacement[f] for b in bodies.values()]
     arrays += [a[i] for m in history.bodies.values() for a in (m.position, m.rotation)]
-    arrays += [a.force[i] for a in (*history.joints.values(), *history.forces.values())]
+    owners = (*history.joints.values(), *history.forces.values(), *history.lumped_contacts.values())
+    arrays += [a.force[i] for a in owners]
     arrays += [a[i] for c in history.contacts.values() for a in (c.force, c.pressure, c.center_column)]
     rubbing = [c.friction for c in history.contacts.values() if getattr(c, "friction", None) is not None]
     arrays += [a[i] for f in rubbing for a in (f.traction, f.slip_velocity)]
@@ -237,7 +239,8 @@ class _Recorder:
             f"Flexible bodies are coloured by {self.color}, contact patches by pressure; the ranges hold for "
             "the whole run. The red, green and blue lines are x, y, z of each body's user frame and turn with it. "
             "A rigid body is the box with its mass and moments of inertia, with bars to the places that hold it.",
-            "Green arrows are reactions of joints on their second body, orange ones forces on the body that they load; "
+            "Green arrows are reactions of joints on their second body, orange ones forces on the body that they load, "
+            "blue ones those of lumped contacts on their first body; "
             f"one length for all, the largest is {force_text(self.glyphs.top_force)}.",
             *([CONTACT_TEXT] if self.contacts else []),
             *([FRICTION_TEXT] if any(c.has_friction for c in self.contacts) else []),

@@ -17,36 +17,61 @@ from warpffrf.output.recording import frames as fr
 AROUND = 0.6  # of the largest body
 POINTS = (97, 25)  # around and along
 POLE = 1.0 - 1e-6  # of the radius of an arc: the last ring before its end
+Reach = tuple[tuple[float, float], tuple[float, float]]  # ranges of theta and z
 COLOR = (168, 176, 186, 255)
 
 
 class RigidShapes:
-    """Draws the rigid surfaces of the recording's pairs, children of their bodies, so that they move with them."""
+    """Draws the rigid surfaces of the recording's pairs and lumped contacts, children of their bodies, so that they
+    move with them."""
 
     def __init__(self, recorder: Any) -> None:
         self.recorder = recorder
         rigid = {self._path(c.view): c for c in recorder.contacts if c.view.second.grid is None}
         self._contacts = rigid  # one pair a surface: it shows where the patches are
+        self._lumped: dict[str, tuple[Any, str, Any]] = {}  # path -> shape, body, one contact it is in
+        for name, view in recorder.result.view.lumped.items():
+            for body, surface in (
+                (view.first_body, view.first_surface_name),
+                (view.second_body, view.second_surface_name),
+            ):
+                path = recorder.path("world", body.name, surface)
+                if path not in rigid:
+                    contact = recorder.result.history.lumped_contacts[name]
+                    self._lumped.setdefault(path, (body.shapes[surface], body.name, contact))
 
     def _path(self, view: PairView) -> str:
         return self.recorder.path("world", view.second_body.name, view.second_surface_name)
 
     def paths(self) -> list[str]:
         """Entities of the surfaces."""
-        return list(self._contacts)
+        return [*self._contacts, *self._lumped]
 
     def static(self) -> None:
         """Log every surface once."""
-        rr = self.recorder.rr
         for path, contact in self._contacts.items():
-            points, normals, triangles = shape_mesh(contact.view.second.shape, *self._reach(contact))
-            mesh = rr.Mesh3D(
-                vertex_positions=points.astype(np.float32), vertex_normals=normals.astype(np.float32),
-                triangle_indices=triangles.astype(np.uint32), albedo_factor=COLOR,
-            )  # fmt: skip
-            self.recorder.log_static(path, mesh)
+            self._log(path, contact.view.second.shape, self._reach(contact))
+        for path, (shape, body, contact) in self._lumped.items():
+            self._log(path, shape, self._lumped_reach(shape, body, contact))
 
-    def _reach(self, contact: Any) -> tuple[tuple[float, float], tuple[float, float]]:
+    def _log(self, path: str, shape: Any, reach: Reach) -> None:
+        rr = self.recorder.rr
+        points, normals, triangles = shape_mesh(shape, *reach)
+        mesh = rr.Mesh3D(
+            vertex_positions=points.astype(np.float32), vertex_normals=normals.astype(np.float32),
+            triangle_indices=triangles.astype(np.uint32), albedo_factor=COLOR,
+        )  # fmt: skip
+        self.recorder.log_static(path, mesh)
+
+    def _lumped_reach(self, shape: Any, body: str, contact: Any) -> Reach:
+        """As `_reach`, about the places of a lumped contact."""
+        recorder = self.recorder
+        rows = [int(i) for i in recorder.rows[recorder.good]]
+        own = [Pose.of(recorder.result.history.bodies, body, i).to_user(contact.place[i][None])[0] for i in rows]
+        theta, z, _ = shape.chart(np.array(own).reshape(-1, 3))
+        return self._around([(float(t), float(s)) for t, s in zip(theta, z, strict=True)])
+
+    def _reach(self, contact: Any) -> Reach:
         """Ranges of theta [rad, m on a plane] and z [m] on the rigid surface that the patches of the run lie in, and
         more."""
         recorder, shape = self.recorder, contact.view.second.shape
@@ -56,8 +81,11 @@ class RigidShapes:
             origin = fr.patch_frame(recorder.result, contact, int(i)).origin
             theta, z, _ = shape.chart(own.to_user(origin[None]))
             places.append((float(theta[0]), float(z[0])))
+        return self._around(places)
+
+    def _around(self, places: list[tuple[float, float]]) -> Reach:
         low, high = (np.min(places, axis=0), np.max(places, axis=0)) if places else (np.zeros(2), np.zeros(2))
-        more = AROUND * recorder.size
+        more = AROUND * self.recorder.size
         return (low[0] - more, high[0] + more), (low[1] - more, high[1] + more)
 
 

@@ -11,10 +11,11 @@ MOST_LINES = 20  # of one kind: a report is read on one screen
 
 
 def item_lines(result: Any) -> list[str]:
-    """One line a joint, force element and sensor of a run with saved rows, at most `MOST_LINES` of a kind. Stresses are
-    left out: they are evaluated when they are asked for."""
+    """One line a lumped contact, joint, force element and sensor of a run with saved rows, at most `MOST_LINES` of a
+    kind. Stresses are left out: they are evaluated when they are asked for."""
     history = result.history
     return [
+        *_capped("lumped contacts", [_lumped(name, contact) for name, contact in history.lumped_contacts.items()]),
         *_capped("joints", [_joint(name, joint) for name, joint in history.joints.items()]),
         *_capped("forces", [_force(name, force) for name, force in history.forces.items()]),
         *_capped("sensors", [_sensor(name, sensor) for name, sensor in history.sensors.items()]),
@@ -37,6 +38,14 @@ def _joint(name: str, joint: Any) -> str:
     for coordinate in joint.names:
         unit = "rad" if coordinate.endswith("rotation") else "m"
         line += f"; {coordinate.replace('_', ' ')} {joint.named(coordinate)[-1]:.6g} {unit}"
+    return line
+
+
+def _lumped(name: str, contact: Any) -> str:
+    line = f"lumped contact '{name}': force {_size(contact.force, 'N')}"
+    line += f"; approach {contact.approach[-1] * 1e6:.5g} um (largest {np.max(contact.approach) * 1e6:.5g})"
+    if np.any(contact.friction_force != 0.0):
+        line += f"; friction {_size(contact.friction_force, 'N')}, slip {_size(contact.slip_velocity, 'm/s')}"
     return line
 
 

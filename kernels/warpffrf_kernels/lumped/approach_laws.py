@@ -1,0 +1,51 @@
+r"""Force against approach a = -g of lumped contacts, see `warpffrf.model.laws.lumped`.
+
+    POWER    F = K a^n, a > 0;      slope n F/a,      energy F a/(n + 1)
+    TABLE    straight between points, from force 0 on; the last piece goes on
+
+of one place times its `share`. With damping the force is F (1 + chi a_dot), cut at zero: surfaces do not pull.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.struct
+class Push:
+    """Elastic force [N] of a place, its first and second derivative by the approach, and the energy [J]."""
+
+    force: real
+    slope: real
+    bend: real
+    energy: real
+
+
+@wp.func
+def push_of(model: Model, contact: int, share: real, approach: real) -> Push:
+    """Of a lumped contact at an approach [m]."""
+    out = Push()
+    count = model.lumped.table_count[contact]
+    if count == 0:
+        if approach > real(0.0):
+            n = model.lumped.exponent[contact]
+            out.force = share * model.lumped.stiffness[contact] * wp.pow(approach, n)
+            out.slope = n * out.force / approach
+            out.bend = (n - real(1.0)) * out.slope / approach
+            out.energy = out.force * approach / (n + real(1.0))
+        return out
+    i = model.lumped.table_start[contact]
+    last = i + count - 2
+    if approach > model.lumped.table[i, 0]:
+        while i < last and approach >= model.lumped.table[i + 1, 0]:
+            i += 1
+        rise = model.lumped.table[i + 1, 1] - model.lumped.table[i, 1]
+        beyond = approach - model.lumped.table[i, 0]
+        out.slope = share * rise / (model.lumped.table[i + 1, 0] - model.lumped.table[i, 0])
+        out.force = share * model.lumped.table[i, 1] + out.slope * beyond
+        mean = real(0.5) * (share * model.lumped.table[i, 1] + out.force)
+        out.energy = share * model.lumped.table[i, 2] + mean * beyond
+    return out

@@ -1,0 +1,543 @@
+r"""Forces of lumped contacts: one at each place, its friction, and their tangent in the outer matrix.
+
+At a place x with normal n of the second body, gap g and approach a = -g (`places`)
+
+    force on the first body       F n + f,      F = P(a) (1 + chi a_dot) >= 0,      f . n = 0,      |f| <= mu F,
+
+its opposite on the second, at the same x: action equals reaction, in force and moment.
+
+**Friction that sticks** is a spring between the two surfaces with the tangential stiffness of the patch, k = kappa
+P'(a) (kappa = k_t/k_n, Mindlin), which yields at the bound. With s the slip of body 1 against body 2 over the step,
+
+    f_tr = c T f_0 - k s_t,      f = f_tr where |f_tr| <= mu F, else mu F f_tr/|f_tr|.
+
+T turns the force of the last step with the contact: about the old normal by the mean spin of the bodies, then by the
+least rotation that takes the old normal to the new one. c = min(1, k/k_0): where the normal force falls the spring
+keeps its stretch, and where it rises its force. Either loses energy: 1/2 f^2/k never grows by a change of the normal
+force, as that of a spring with f = k times stretch would in loading (Elata and Berryman 1996). So
+
+    energy   1/2 f^2/k,      dissipated   (1/2 f_0^2/k_0 - 1/2 (c f_0)^2/k) + |f| (|f_tr| - |f|)/k   >= 0.
+
+The slip is that of the points of the bodies that lie at the contact, s = D_1 - D_2 with D = dr + psi x (mean lever),
+dr and psi the increments of the step. A body that rolls has D = 0: the levers are those of the place, which goes along.
+
+**Regularised friction** f = -mu F v_t/max(|v_t|, v_slip), v the slip velocity at the end of the step.
+
+**The first iteration** of a step leaves the bound out, and solves for the slip of a contact that sticks, or creeps.
+Whether it does is then asked at that slip. From a slip of the wrong sign Newton's method would go to and fro: with a
+force that saturates at +-mu F and a stiffness k far above the inertia of the step, m/h^2, the slope is that inertia on
+either side. Nothing is accepted from the first iteration.
+
+In static steps nothing slips, and f is zero. dF and df with a small motion follow from those of `places`.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import changed, inout, out
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.rotation import matrix
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
+from warpffrf_kernels.lumped.approach_laws import push_of
+from warpffrf_kernels.lumped.places import Side, Touch, nearest_of_lamina, nearest_points, side_in_world
+
+wp.set_module_options(MODULE_OPTIONS)
+
+# --- regimes of friction
+NONE = wp.constant(0)
+STICKS = wp.constant(1)
+SLIPS = wp.constant(2)
+CREEPS = wp.constant(3)  # regularised, below v_slip
+RUBS = wp.constant(4)  # regularised, above
+
+# --- what is taken of the energy in a step, J, and at what power at the end of it, W
+DAMPED = wp.constant(0)
+RUBBED = wp.constant(1)
+
+NUMBERS = 14  # of a place that are saved: place, force and friction on the first body, slip velocity; approach, force
+
+
+@wp.struct
+class Load:
+    """The force of a place on the first body, and what its tangent needs of it."""
+
+    touch: Touch
+    force: real  # F
+    by_approach: real  # dF/da
+    by_rate: real  # dF/da_dot
+    regime: int
+    friction: vec3  # f
+    trial: vec3  # f_tr
+    shear: real  # k
+    shear_bend: real  # dk/da
+    turned: vec3  # T f_0
+    spun: vec3  # f_0 after the spin about the old normal
+    kept: real  # c
+    kept_bend: real  # dc/da
+    slip: vec3  # s, with its part along n
+    velocity: vec3  # v_1 - v_2 at the place
+
+
+@wp.struct
+class Motion:
+    """Of a body, in the world: velocity of its centre of mass, angular velocity, increments of the step."""
+
+    v: vec3
+    omega: vec3
+    move: vec3
+    turn: vec3
+    lever: vec3  # from its centre of mass to the place, mean of the step
+    share: real  # of that the part that the end of the step has
+    turn_by_turn: mat33  # d(turn) and, in the world, d(psi) by a turn about the body's axes
+    psi_by_turn: mat33
+
+
+@wp.func
+def motion_of(
+    side: Side,
+    w: int,
+    x: vec3,
+    before: vec3,
+    known: int,
+    r: wp.array2d(dtype=vec3),
+    p: wp.array2d(dtype=quat),
+    v1: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+    psi_inverse: wp.array2d(dtype=mat33),
+) -> Motion:
+    """Of the body of a surface; `before`: the place at the end of the last step, where `known`."""
+    out = Motion()
+    b = side.body
+    if b < 0:
+        return out
+    A = matrix(p[w, b])
+    out.v = v1[w, b]
+    out.omega = side.A * omega1[w, b]
+    out.move = dx[w, b]
+    out.turn = A * psi[w, b]
+    out.lever = x - side.r
+    out.share = real(1.0)
+    if known != 0:
+        out.lever = real(0.5) * (out.lever + before - r[w, b])
+        out.share = real(0.5)
+    out.turn_by_turn = A * psi_inverse[w, b]
+    out.psi_by_turn = side.A * psi_inverse[w, b]
+    return out
+
+
+@wp.func
+def tangential(n: vec3, a: vec3) -> vec3:
+    return a - wp.dot(n, a) * n
+
+
+@wp.func
+def turned_with(old: vec3, n: vec3, f: vec3) -> vec3:
+    """f, perpendicular to the unit vector `old`, by the least rotation that takes `old` to n."""
+    q = real(1.0) + wp.dot(old, n)
+    if q <= real(0.0):
+        return vec3(real(0.0))
+    return f - (wp.dot(n, f) / q) * (n + old)
+
+
+@wp.func
+def touch_of(model: Model, place: int, first: Side, second: Side) -> Touch:
+    if model.lumped.lamina[place] != 0:
+        t = nearest_of_lamina(model, first, second, model.lumped.z[place])
+        t.gap = t.gap + model.lumped.drop[place]
+        return t
+    return nearest_points(model, first, second)
+
+
+@wp.kernel
+def find_forces(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    r: wp.array2d(dtype=vec3),
+    p: wp.array2d(dtype=quat),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    v1: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+    psi_inverse: wp.array2d(dtype=mat33),
+    lumped_force: inout(wp.array3d(dtype=real)),
+    lumped_friction: inout(wp.array3d(dtype=vec3)),
+    lumped_normal: inout(wp.array3d(dtype=vec3)),
+    lumped_at: inout(wp.array3d(dtype=vec3)),
+    lumped_shear: inout(wp.array3d(dtype=real)),
+    lumped_power: inout(wp.array4d(dtype=real)),
+    lumped_energy: out(wp.array3d(dtype=real)),
+    lumped_load: out(wp.array2d(dtype=Load)),
+    lumped_taken: out(wp.array3d(dtype=real)),
+):
+    """Per (world, place): the nearest place at the trial state, the force there, and its energies."""
+    w, place = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    contact = model.lumped.contact[place]
+    first = side_in_world(model, w, model.lumped.first[contact], r1, axes)
+    second = side_in_world(model, w, model.lumped.second[contact], r1, axes)
+    out = Load()
+    out.touch = touch_of(model, place, first, second)
+    n = out.touch.n
+    x = out.touch.x
+    known = int(0)
+    if lumped_force[w, 0, place] > real(0.0):
+        known = int(1)
+    before = lumped_at[w, 0, place]
+    one = motion_of(first, w, x, before, known, r, p, v1, omega1, dx, psi, psi_inverse)
+    two = motion_of(second, w, x, before, known, r, p, v1, omega1, dx, psi, psi_inverse)
+    out.velocity = one.v + wp.cross(one.omega, x - first.r) - two.v - wp.cross(two.omega, x - second.r)
+    approach = -out.touch.gap
+    rate = -wp.dot(n, out.velocity)
+    push = push_of(model, contact, model.lumped.share[place], approach)
+    factor = real(1.0) + model.lumped.damping[contact] * rate
+    if factor > real(0.0):
+        out.force = push.force * factor
+        out.by_approach = push.slope * factor
+        out.by_rate = push.force * model.lumped.damping[contact]
+    mu = model.lumped.friction[contact]
+    creep = model.lumped.slip_velocity[contact]
+    rubbed = real(0.0)
+    rub_power = real(0.0)
+    held = real(0.0)
+    old_energy = real(0.0)
+    dynamic = ctl[w].mode != k.STATIC
+    bounded = ctl[w].mode != k.DYNAMIC or ctl[w].iteration > 0
+    if mu > real(0.0) and creep == real(0.0) and dynamic:
+        out.shear = model.lumped.shear[contact] * push.slope
+        out.shear_bend = model.lumped.shear[contact] * push.bend
+        out.kept = real(1.0)
+        stiff = lumped_shear[w, 0, place]
+        if known != 0 and stiff > real(0.0):
+            f = lumped_friction[w, 0, place]
+            old = lumped_normal[w, 0, place]
+            old_energy = real(0.5) * wp.dot(f, f) / stiff
+            angle = real(0.5) * wp.dot(old, one.turn + two.turn)
+            out.spun = wp.cos(angle) * f + wp.sin(angle) * wp.cross(old, f)
+            out.turned = turned_with(old, n, out.spun)
+            if out.shear < stiff:
+                out.kept = out.shear / stiff
+                out.kept_bend = out.shear_bend / stiff
+        if out.force > real(0.0):
+            out.slip = one.move + wp.cross(one.turn, one.lever) - two.move - wp.cross(two.turn, two.lever)
+            base = out.kept * out.turned
+            out.trial = base - out.shear * tangential(n, out.slip)
+            out.friction = out.trial
+            out.regime = STICKS
+            size = wp.length(out.trial)
+            if bounded and size > mu * out.force:
+                out.regime = SLIPS
+                out.friction = (mu * out.force / size) * out.trial
+                rubbed = mu * out.force * (size - mu * out.force) / out.shear
+            held = real(0.5) * wp.dot(out.friction, out.friction) / out.shear
+            old_energy -= real(0.5) * wp.dot(base, base) / out.shear
+        rubbed += wp.max(old_energy, real(0.0))
+    if mu > real(0.0) and creep > real(0.0) and dynamic and out.force > real(0.0):
+        v = tangential(n, out.velocity)
+        speed = wp.length(v)
+        out.regime = CREEPS
+        least = creep
+        if bounded and speed > creep:
+            out.regime = RUBS
+            least = speed
+        out.friction = (-mu * out.force / least) * v
+        rub_power = -wp.dot(out.friction, v)
+    damp_power = (out.force - push.force) * rate
+    half = real(0.5) * clk[w].h
+    lumped_taken[w, place, DAMPED] = half * (lumped_power[w, 0, place, DAMPED] + damp_power)
+    lumped_taken[w, place, RUBBED] = rubbed + half * (lumped_power[w, 0, place, RUBBED] + rub_power)
+    lumped_power[w, 1, place, DAMPED] = damp_power
+    lumped_power[w, 1, place, RUBBED] = rub_power
+    lumped_energy[w, 1, place] = push.energy + held
+    lumped_force[w, 1, place] = out.force
+    lumped_friction[w, 1, place] = out.friction
+    lumped_normal[w, 1, place] = n
+    lumped_at[w, 1, place] = x
+    lumped_shear[w, 1, place] = real(0.0)
+    if out.force > real(0.0):
+        lumped_shear[w, 1, place] = out.shear
+    lumped_load[w, place] = out
+
+
+@wp.kernel
+def push_lumped(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    lumped_load: wp.array2d(dtype=Load),
+    residual: changed(wp.array2d(dtype=real)),
+):
+    """Per world: subtract the forces of all places from the residuals of their bodies."""
+    w = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    place = int(0)
+    while place < model.lumped.places:
+        load = lumped_load[w, place]
+        if load.force > real(0.0):
+            contact = model.lumped.contact[place]
+            f = load.force * load.touch.n + load.friction
+            for side in range(2):
+                s = model.lumped.first[contact]
+                if side == 1:
+                    s = model.lumped.second[contact]
+                    f = -f
+                b = model.surfaces.body[s]
+                if b >= 0:
+                    moment = wp.transpose(axes[w, b]) * wp.cross(load.touch.x - r1[w, b], f)
+                    for c in range(3):
+                        residual[w, 6 * b + c] = residual[w, 6 * b + c] - f[c]
+                        residual[w, 6 * b + 3 + c] = residual[w, 6 * b + 3 + c] - moment[c]
+        place += 1
+
+
+@wp.struct
+class Answer:
+    """What a small motion makes of a place: its shift, and the change of the force on the first body."""
+
+    x: vec3
+    f: vec3
+
+
+@wp.func
+def answer_to(
+    model: Model,
+    contact: int,
+    old_normal: vec3,
+    load: Load,
+    first: Side,
+    second: Side,
+    one: Motion,
+    two: Motion,
+    moves: int,
+    coordinate: int,
+    vel: real,
+) -> Answer:
+    """To a unit of a coordinate of body `moves` (0 the first): 0 to 2 translation, 3 to 5 turn about its own axes."""
+    zero = vec3(real(0.0))
+    unit = zero
+    unit[coordinate % 3] = real(1.0)
+    side = first
+    own = one
+    sign = real(1.0)
+    if moves == 1:
+        side = second
+        own = two
+        sign = real(-1.0)
+    dr = zero
+    phi = zero
+    dturn = zero
+    domega = zero
+    if coordinate < 3:
+        dr = unit
+    else:
+        phi = side.A * unit
+        dturn = own.turn_by_turn * unit
+        domega = vel * (own.psi_by_turn * unit) + wp.cross(phi, own.omega)
+    x = load.touch.x
+    n = load.touch.n
+    u = dr + wp.cross(phi, x - side.r)
+    u1 = u
+    u2 = zero
+    if moves == 1:
+        u1 = zero
+        u2 = u
+    shift = load.touch.Y * (sign * wp.cross(phi, n) + load.touch.H * (u2 - u1))
+    ds = u1 + shift + (load.touch.between * wp.dot(n, u2 - u1)) * n
+    dn = load.touch.H * (ds - u2)
+    if moves == 1:
+        dn += wp.cross(phi, n)
+    da = wp.dot(n, u2 - u1)
+    dv = sign * (vel * dr + wp.cross(domega, x - side.r) - wp.cross(own.omega, dr))
+    dv += wp.cross(one.omega - two.omega, ds)
+    drate = -wp.dot(dn, load.velocity) - wp.dot(n, dv)
+    dF = load.by_approach * da + load.by_rate * drate
+    out = Answer()
+    out.x = ds
+    out.f = dF * n + load.force * dn
+    mu = model.lumped.friction[contact]
+    if load.regime == STICKS or load.regime == SLIPS:
+        dslip = sign * (dr + wp.cross(dturn, own.lever) - own.share * wp.cross(own.turn, dr))
+        dslip += wp.cross(one.share * one.turn - two.share * two.turn, ds)
+        dtang = tangential(n, dslip) - wp.dot(n, load.slip) * dn - wp.dot(dn, load.slip) * n
+        dangle = real(0.5) * wp.dot(old_normal, dturn)
+        dspun = dangle * wp.cross(old_normal, load.spun)
+        q = real(1.0) + wp.dot(old_normal, n)
+        dturned = zero
+        if q > real(0.0):
+            along = wp.dot(n, load.spun)
+            dalong = wp.dot(dn, load.spun) + wp.dot(n, dspun)
+            dturned = dspun - (along / q) * dn
+            dturned -= (dalong / q - along * wp.dot(old_normal, dn) / (q * q)) * (n + old_normal)
+        dtrial = load.kept * dturned + (load.kept_bend * da) * load.turned
+        dtrial -= load.shear * dtang + (load.shear_bend * da) * tangential(n, load.slip)
+        if load.regime == STICKS:
+            out.f += dtrial
+        else:
+            size = wp.length(load.trial)
+            e = load.trial / size
+            out.f += mu * dF * e + (mu * load.force / size) * tangential(e, dtrial)
+    if load.regime == CREEPS or load.regime == RUBS:
+        creep = model.lumped.slip_velocity[contact]
+        v = tangential(n, load.velocity)
+        dtang = tangential(n, dv) - wp.dot(n, load.velocity) * dn - wp.dot(dn, load.velocity) * n
+        if load.regime == CREEPS:
+            out.f -= (mu / creep) * (dF * v + load.force * dtang)
+        else:
+            speed = wp.length(v)
+            e = v / speed
+            out.f -= mu * (dF * e + (load.force / speed) * tangential(e, dtang))
+    return out
+
+
+@wp.func
+def add_column(
+    w: int, body: int, column: int, A: mat33, dr: vec3, phi: vec3, d: vec3, dx: vec3, f: vec3, df: vec3,
+    tangent: wp.array3d(dtype=real),
+):  # fmt: skip
+    """Adds to a column what the residual of a body changes by: -f at d from its centre of mass, which moves by dr while
+    the place moves by dx and the body turns by phi."""
+    dM = wp.cross(dx - dr, f) + wp.cross(d, df)
+    moment = wp.transpose(A) * (dM + wp.cross(wp.cross(d, f), phi))
+    row = 6 * body
+    for i in range(3):
+        tangent[w, row + i, column] = tangent[w, row + i, column] - df[i]
+        tangent[w, row + 3 + i, column] = tangent[w, row + 3 + i, column] - moment[i]
+
+
+@wp.kernel
+def stiffen_lumped(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    r: wp.array2d(dtype=vec3),
+    p: wp.array2d(dtype=quat),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    v1: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+    psi_inverse: wp.array2d(dtype=mat33),
+    lumped_force: wp.array3d(dtype=real),
+    lumped_normal: wp.array3d(dtype=vec3),
+    lumped_at: wp.array3d(dtype=vec3),
+    lumped_load: wp.array2d(dtype=Load),
+    tangent: changed(wp.array3d(dtype=real)),
+):
+    """Per world: add the tangent of the forces of all places that touch to the outer matrix."""
+    w = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
+        return
+    vel = clk[w].outer.vel
+    place = int(0)
+    while place < model.lumped.places:
+        load = lumped_load[w, place]
+        if load.force > real(0.0):
+            contact = model.lumped.contact[place]
+            first = side_in_world(model, w, model.lumped.first[contact], r1, axes)
+            second = side_in_world(model, w, model.lumped.second[contact], r1, axes)
+            known = int(0)
+            if lumped_force[w, 0, place] > real(0.0):
+                known = int(1)
+            x = load.touch.x
+            before = lumped_at[w, 0, place]
+            one = motion_of(first, w, x, before, known, r, p, v1, omega1, dx, psi, psi_inverse)
+            two = motion_of(second, w, x, before, known, r, p, v1, omega1, dx, psi, psi_inverse)
+            f = load.force * load.touch.n + load.friction
+            old_normal = lumped_normal[w, 0, place]
+            moved = int(0)
+            while moved < 12:
+                coordinate = moved % 6
+                moves = moved / 6
+                side = first
+                if moves == 1:
+                    side = second
+                if side.body >= 0:
+                    by = answer_to(
+                        model, contact, old_normal, load, first, second, one, two, moves, coordinate, vel
+                    )  # fmt: skip
+                    dr = vec3(real(0.0))
+                    phi = vec3(real(0.0))
+                    if coordinate < 3:
+                        dr[coordinate] = real(1.0)
+                    else:
+                        phi = vec3(side.A[0, coordinate - 3], side.A[1, coordinate - 3], side.A[2, coordinate - 3])
+                    column = 6 * side.body + coordinate
+                    still = vec3(real(0.0))
+                    for other in range(2):
+                        body = first
+                        sign = real(1.0)
+                        if other == 1:
+                            body = second
+                            sign = real(-1.0)
+                        own_dr = still
+                        own_phi = still
+                        if other == moves:
+                            own_dr = dr
+                            own_phi = phi
+                        if body.body >= 0:
+                            add_column(
+                                w, body.body, column, body.A, own_dr, own_phi, x - body.r, by.x, sign * f, sign * by.f,
+                                tangent,
+                            )  # fmt: skip
+                moved += 1
+        place += 1
+
+
+@wp.kernel
+def keep_lumped(
+    ctl: wp.array(dtype=Control),
+    lumped_force: inout(wp.array3d(dtype=real)),
+    lumped_friction: inout(wp.array3d(dtype=vec3)),
+    lumped_normal: inout(wp.array3d(dtype=vec3)),
+    lumped_at: inout(wp.array3d(dtype=vec3)),
+    lumped_shear: inout(wp.array3d(dtype=real)),
+    lumped_power: inout(wp.array4d(dtype=real)),
+    lumped_energy: inout(wp.array3d(dtype=real)),
+):
+    """Per (world, place): the trial state becomes the accepted one; the tiny step of PROJECT leaves nothing."""
+    w, place = wp.tid()
+    if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
+        return
+    lumped_force[w, 0, place] = lumped_force[w, 1, place]
+    lumped_friction[w, 0, place] = lumped_friction[w, 1, place]
+    lumped_normal[w, 0, place] = lumped_normal[w, 1, place]
+    lumped_at[w, 0, place] = lumped_at[w, 1, place]
+    lumped_shear[w, 0, place] = lumped_shear[w, 1, place]
+    lumped_energy[w, 0, place] = lumped_energy[w, 1, place]
+    for i in range(2):
+        lumped_power[w, 0, place, i] = lumped_power[w, 1, place, i]
+
+
+@wp.kernel
+def record_lumped(
+    ctl: wp.array(dtype=Control),
+    lumped_load: wp.array2d(dtype=Load),
+    saved_lumped: out(wp.array4d(dtype=real)),
+):
+    """Per (world, place): NUMBERS of the accepted state."""
+    w, place = wp.tid()
+    if ctl[w].record == 0:
+        return
+    at = ctl[w].saved % saved_lumped.shape[1]
+    load = lumped_load[w, place]
+    f = load.force * load.touch.n + load.friction
+    v = tangential(load.touch.n, load.velocity)
+    for i in range(3):
+        saved_lumped[w, at, place, i] = load.touch.x[i]
+        saved_lumped[w, at, place, 3 + i] = f[i]
+        saved_lumped[w, at, place, 6 + i] = load.friction[i]
+        saved_lumped[w, at, place, 9 + i] = v[i]
+    saved_lumped[w, at, place, 12] = -load.touch.gap
+    saved_lumped[w, at, place, 13] = load.force

@@ -1,0 +1,298 @@
+r"""Where two rigid surfaces are nearest, and how that place moves with the two bodies.
+
+A surface is known by its signed distance d(x), positive in the free space, whose gradient is the unit normal n at the
+foot of x and whose Hessian H (zero along n) is the curvature of the surface through x (`surfaces.surface`). No chart is
+used, so that poles of a ball and other seams of charts do not matter.
+
+**Nearest points.** The sum d_1 + d_2 is stationary where n_1 + n_2 = 0: x lies on the common normal, along which the
+sum is constant. Its value is the gap g, of surfaces apart the distance, of surfaces that overlap minus the depth. It is
+a minimum across the normal where the surfaces touch in one point, the Hessian H_1 + H_2 there the relative curvature;
+Newton's method, with eigenvalues kept positive and steps that must not raise the sum, finds it from the foot of one
+surface's middle on the other, the better of both. x is put half-way, d_1 = d_2.
+
+**A lamina** of a roller is the circle x = c + R e_r(theta) about the roller's axis at a place z, R = R(z). Its gap is
+the least d_2 over the circle, where n_2 . e_theta = 0.
+
+**Motions.** With small motions of the bodies that carry them by u_i = dr_i + phi_i x (x - r_i) at x and turn them by
+phi_i, and n = n_2 (= -n_1 of points), the gap changes by
+
+    dg = n . (u_1 - u_2)
+
+in both cases, as x is stationary: a force F against -g acts with F n on body 1 and -F n on body 2 at the same place x,
+has the potential int F, and balances in force and moment. The place itself moves by
+
+    dx = u_1 + Y [(phi_1 - phi_2) x n + H_2 (u_2 - u_1)] (+ n n . (u_2 - u_1)/2 of points),
+    dn = phi_2 x n + H_2 (dx - u_2),
+
+Y the inverse of the relative curvature across the normal (of points), or R/(R e_theta . H_2 e_theta - n . e_r) along
+e_theta (of laminae). A ball of radius R on a plane: H_2 = 0, Y = R, dx = u_1 + R phi_1 x n: the place stays below the
+centre. Where the relative curvature vanishes in a direction (two parallel cylinders) the place is not determined there,
+and does not move along it against body 1.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.surfaces.surface import (
+    axes_of,
+    distance_of,
+    gradient_of,
+    gradient_slope_of,
+    origin_of,
+    profile_of,
+)
+
+wp.set_module_options(MODULE_OPTIONS)
+
+STEPS = wp.constant(40)  # of Newton's method; four or five do from the foot of a ball's or a roller's middle
+HALVINGS = wp.constant(30)  # of a step that would raise the sum of the distances
+ARRIVED = wp.constant(wp.float64(1.0e-15))  # sine between the normals: the gap errs by its square
+# of the sum of the distances, over the size of the surfaces: a step that raises it by less is one at round-off
+ROUND_OFF = wp.constant(wp.float64(1.0e-15))
+FLAT = wp.constant(wp.float64(1.0e-7))  # of the larger curvature: a relative curvature below is none
+CENTRED = wp.constant(wp.float64(1.0e-9))  # of the radius: a middle so close to the other's axis has no direction there
+OFF_CENTRE = wp.constant(wp.float64(1.0e-3))  # of the radius: where such a one is taken to be
+
+
+@wp.struct
+class Side:
+    """A surface in the world: its number, axes e_0, e_1, e_a in columns, origin; of its body axes and centre of
+    mass."""
+
+    surface: int
+    body: int
+    Q: mat33
+    o: vec3
+    A: mat33
+    r: vec3
+
+
+@wp.struct
+class Touch:
+    """A place: x, the normal n of the second surface, H_2 and Y of the module docstring, the gap g; `between`: 1 where
+    x is half-way."""
+
+    x: vec3
+    n: vec3
+    H: mat33
+    Y: mat33
+    gap: real
+    between: real
+
+
+@wp.func
+def side_in_world(model: Model, w: int, s: int, r1: wp.array2d(dtype=vec3), axes: wp.array2d(dtype=mat33)) -> Side:
+    out = Side()
+    out.surface = s
+    out.body = model.surfaces.body[s]
+    out.A = axes_of(axes, w, out.body)
+    out.r = origin_of(r1, w, out.body)
+    out.Q = out.A * model.surfaces.frame[s]
+    out.o = out.r + out.A * model.surfaces.origin[s]
+    return out
+
+
+@wp.func
+def distance_at(model: Model, side: Side, x: vec3) -> real:
+    return distance_of(model, side.surface, wp.transpose(side.Q) * (x - side.o))
+
+
+@wp.func
+def normal_at(model: Model, side: Side, x: vec3) -> vec3:
+    return side.Q * gradient_of(model, side.surface, wp.transpose(side.Q) * (x - side.o))
+
+
+@wp.func
+def is_ball(model: Model, s: int) -> int:
+    """1 of a sphere or a cup: an arc about a point of the axis."""
+    ball = model.surfaces.crown[s] == model.surfaces.radius[s] and model.surfaces.planar[s] == 0
+    if ball and model.surfaces.tangent[s] == real(0.0) and model.surfaces.table_count[s] == 0:
+        return 1
+    return 0
+
+
+@wp.func
+def bend_at(model: Model, side: Side, x: vec3) -> mat33:
+    """Hessian of the distance, 1/m; of a ball at its poles too, where the chart has none."""
+    y = wp.transpose(side.Q) * (x - side.o)
+    s = side.surface
+    if is_ball(model, s) != 0:
+        h = wp.length(y)
+        if h == real(0.0):
+            return mat33()
+        e = (side.Q * y) / h
+        return (model.surfaces.side[s] / h) * (wp.identity(n=3, dtype=real) - wp.outer(e, e))
+    return side.Q * gradient_slope_of(model, s, y) * wp.transpose(side.Q)
+
+
+@wp.func
+def off_axis(model: Model, side: Side, x: vec3) -> vec3:
+    """x, moved off the axis of the surface where it lies on it: there is no nearest point then."""
+    if model.surfaces.planar[side.surface] != 0:
+        return x
+    y = wp.transpose(side.Q) * (x - side.o)
+    R = model.surfaces.radius[side.surface]
+    if y[0] * y[0] + y[1] * y[1] > CENTRED * CENTRED * R * R:
+        return x
+    return x + side.Q * vec3(OFF_CENTRE * R, real(0.0), real(0.0))
+
+
+@wp.func
+def foot_of_middle(model: Model, one: Side, other: Side) -> vec3:
+    """Where to begin: the foot on `other` of the middle of `one`, taken on to the surface of `one`."""
+    c = off_axis(model, other, one.o)
+    n = normal_at(model, other, c)
+    if is_ball(model, one.surface) != 0 and model.surfaces.side[one.surface] > real(0.0):
+        return c - model.surfaces.radius[one.surface] * n  # its own point on the common normal
+    return c - distance_at(model, other, c) * n
+
+
+@wp.func
+def across(n: vec3):
+    """Two unit vectors perpendicular to n and each other."""
+    e = vec3(real(1.0), real(0.0), real(0.0))
+    if wp.abs(n[0]) > wp.abs(n[1]):
+        e = vec3(real(0.0), real(1.0), real(0.0))
+    t = wp.normalize(wp.cross(n, e))
+    return t, wp.cross(n, t)
+
+
+@wp.func
+def inverse_across(H: mat33, n: vec3, clipped: int) -> mat33:
+    """Inverse of H across n. `clipped`: eigenvalues made positive and none below FLAT of the largest, as a descent
+    needs; else directions without curvature have the inverse 0."""
+    t, s = across(n)
+    a = wp.dot(t, H * t)
+    b = wp.dot(t, H * s)
+    c = wp.dot(s, H * s)
+    half = real(0.5) * (a - c)
+    root = wp.sqrt(half * half + b * b)
+    mean = real(0.5) * (a + c)
+    large = mean + root
+    small = mean - root
+    e = t  # of the larger eigenvalue
+    if root > real(0.0):
+        if half >= real(0.0):
+            e = wp.normalize((half + root) * t + b * s)
+        else:
+            e = wp.normalize(b * t + (root - half) * s)
+    f = wp.cross(n, e)
+    top = wp.max(wp.abs(large), wp.abs(small))
+    if top == real(0.0):
+        return mat33()
+    if clipped != 0:
+        large = wp.max(wp.abs(large), FLAT * top)
+        small = wp.max(wp.abs(small), FLAT * top)
+        return wp.outer(e, e) / large + wp.outer(f, f) / small
+    out = mat33()
+    if wp.abs(large) > FLAT * top:
+        out = out + wp.outer(e, e) / large
+    if wp.abs(small) > FLAT * top:
+        out = out + wp.outer(f, f) / small
+    return out
+
+
+@wp.func
+def nearest_points(model: Model, first: Side, second: Side) -> Touch:
+    """The common normal of two surfaces that touch in a point."""
+    x = foot_of_middle(model, first, second)
+    if model.surfaces.planar[first.surface] != 0:
+        x = foot_of_middle(model, second, first)
+    elif model.surfaces.planar[second.surface] == 0:
+        other = foot_of_middle(model, second, first)
+        here = distance_at(model, first, x) + distance_at(model, second, x)
+        if distance_at(model, first, other) + distance_at(model, second, other) < here:
+            x = other
+    d1 = distance_at(model, first, x)
+    d2 = distance_at(model, second, x)
+    n1 = normal_at(model, first, x)
+    n2 = normal_at(model, second, x)
+    size = model.surfaces.radius[first.surface] + model.surfaces.radius[second.surface]
+    step = int(0)
+    while step < STEPS:
+        m = wp.normalize(n2 - n1)
+        slope = n1 + n2
+        bend = inverse_across(bend_at(model, first, x) + bend_at(model, second, x), m, 1)
+        move = -(bend * slope) + real(0.5) * (d1 - d2) * m
+        if wp.length(slope) <= ARRIVED:
+            move = real(0.5) * (d1 - d2) * m
+            step = STEPS
+        halving = int(0)
+        while halving < HALVINGS:
+            y = x + move
+            e1 = distance_at(model, first, y)
+            e2 = distance_at(model, second, y)
+            if e1 + e2 <= d1 + d2 + ROUND_OFF * size:
+                x = y
+                d1 = e1
+                d2 = e2
+                halving = HALVINGS
+            else:
+                move = real(0.5) * move
+                halving += 1
+                if halving == HALVINGS:
+                    step = STEPS
+        n1 = normal_at(model, first, x)
+        n2 = normal_at(model, second, x)
+        step += 1
+    out = Touch()
+    out.x = x
+    out.n = wp.normalize(n2 - n1)
+    out.H = bend_at(model, second, x)
+    out.Y = inverse_across(bend_at(model, first, x) + out.H, out.n, 0)
+    out.gap = d1 + d2
+    out.between = real(0.5)
+    return out
+
+
+@wp.func
+def nearest_of_lamina(model: Model, roller: Side, second: Side, z: real) -> Touch:
+    """The place of the circle about the roller's axis at z [m] that is deepest in the second surface."""
+    e_0 = vec3(roller.Q[0, 0], roller.Q[1, 0], roller.Q[2, 0])
+    e_1 = vec3(roller.Q[0, 1], roller.Q[1, 1], roller.Q[2, 1])
+    e_a = vec3(roller.Q[0, 2], roller.Q[1, 2], roller.Q[2, 2])
+    R = profile_of(model, roller.surface, z)[0]
+    c = roller.o + z * e_a
+    n = normal_at(model, second, off_axis(model, second, c))
+    theta = wp.atan2(-wp.dot(n, e_1), -wp.dot(n, e_0))
+    e_r = wp.cos(theta) * e_0 + wp.sin(theta) * e_1
+    e_t = wp.cross(e_a, e_r)
+    x = c + R * e_r
+    n = normal_at(model, second, x)
+    H = bend_at(model, second, x)
+    curved = R * wp.dot(e_t, H * e_t) - wp.dot(n, e_r)  # of d_2 over the circle, over R
+    step = int(0)
+    while step < STEPS:
+        slope = wp.dot(n, e_t)
+        if wp.abs(slope) <= ARRIVED:
+            step = STEPS
+        turn = wp.clamp(-slope / wp.max(wp.abs(curved), FLAT), real(-0.5), real(0.5))
+        before = distance_at(model, second, x)
+        halving = int(0)
+        while halving < HALVINGS:
+            r = wp.cos(theta + turn) * e_0 + wp.sin(theta + turn) * e_1
+            if distance_at(model, second, c + R * r) <= before + ROUND_OFF * R:
+                theta += turn
+                halving = HALVINGS
+            else:
+                turn = real(0.5) * turn
+                halving += 1
+                if halving == HALVINGS:
+                    step = STEPS
+        e_r = wp.cos(theta) * e_0 + wp.sin(theta) * e_1
+        e_t = wp.cross(e_a, e_r)
+        x = c + R * e_r
+        n = normal_at(model, second, x)
+        H = bend_at(model, second, x)
+        curved = R * wp.dot(e_t, H * e_t) - wp.dot(n, e_r)
+        step += 1
+    out = Touch()
+    out.x = x
+    out.n = n
+    out.H = H
+    if wp.abs(curved) > FLAT:
+        out.Y = (R / curved) * wp.outer(e_t, e_t)
+    out.gap = distance_at(model, second, x)
+    out.between = real(0.0)
+    return out

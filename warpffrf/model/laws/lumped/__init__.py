@@ -1,0 +1,40 @@
+"""Laws of lumped contacts: force against the approach of two rigid surfaces. One file a law; `base` has what they
+share.
+
+With the approach a [m] of the undeformed surfaces, which is how deep they lie in one another, and the force F [N]
+
+    HertzPoint      F = K a^1.5, K from the curvatures where they touch and the moduli of both
+    PalmgrenLine    F = (a l^0.8/3.84e-5)^(1/0.9) in N and mm, steel rollers of length l, by laminae
+    IsoLamina       F = sum over laminae c a_k^(10/9), ISO/TS 16281, with the roller's profile
+    PowerForce      F = K a^n
+    ForceTable      F(a) from a table
+
+each times (1 + chi a_dot) where damping is given, never tensile.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.laws.lumped.base import Approach, LumpedLaw
+from warpffrf.model.laws.lumped.force_table import ForceTable
+from warpffrf.model.laws.lumped.hertz_point import HertzPoint
+from warpffrf.model.laws.lumped.iso_lamina import IsoLamina
+from warpffrf.model.laws.lumped.palmgren_line import PalmgrenLine
+from warpffrf.model.laws.lumped.power_force import PowerForce
+
+LUMPED_LAWS = {law.kind: law for law in (HertzPoint, PalmgrenLine, IsoLamina, PowerForce, ForceTable)}
+
+__all__ = [
+    "LUMPED_LAWS", "Approach", "ForceTable", "HertzPoint", "IsoLamina", "LumpedLaw", "PalmgrenLine", "PowerForce",
+    "as_lumped_law",
+]  # fmt: skip
+
+
+def as_lumped_law(value: Any, label: str) -> LumpedLaw:
+    """`value` if it is a law of lumped contacts; raises `InputError` naming `label` and the laws there are."""
+    if not isinstance(value, tuple(LUMPED_LAWS.values())):
+        names = ", ".join(f"laws.{law.__name__}" for law in LUMPED_LAWS.values())
+        raise InputError(f"{label}: law must be one of {names}, which give a force against the approach, got {value!r}")
+    return value

@@ -1,0 +1,101 @@
+r"""What all laws of lumped contacts have in common.
+
+**Damping** is that of Hunt and Crossley: the elastic force times 1 + chi a_dot, cut at zero. chi is given, or follows
+from the restitution wanted at an impact speed (`warpffrf.model.laws.hunt_crossley`): it holds for every law here, as
+the force of all is an elastic one times that factor.
+
+**Tangential stiffness.** A patch that sticks all over yields sideways with k_t = kappa k_n, k_n = dF/da. Of two
+half-spaces and a circular patch k_n = 2 b E*, k_t = 8 b G* (Mindlin 1949), b the radius of the patch, so that
+
+    kappa = 4 G*/E*,      1/G* = sum (2 - nu)/G,      1/E* = sum (1 - nu^2)/E,
+
+which is 2 (1 - nu)/(2 - nu) for like materials, 0.8235 at nu = 0.3. A longer patch has another one by a few per cent.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import asdict, dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+
+from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.laws.hunt_crossley import chi_times_speed
+
+STEEL_SHEAR = 2.0 * (1.0 - 0.3) / (2.0 - 0.3)  # kappa of like materials with nu = 0.3
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """What a law may need to know of a contact: its name, the relative principal curvatures [1/m] where the surfaces
+    are nearest, the smaller one first, and the radius [m] of the first surface."""
+
+    label: str
+    curvatures: tuple[float, float]
+    radius: float
+
+
+@dataclass(frozen=True)
+class Approach:
+    """A law as the kernels read it (`warpffrf_kernels.lumped.approach_laws`).
+
+    F = stiffness a^exponent, or straight between the lines of `table` (n, 2) of approach [m] and force [N]. Of a law by
+    laminae `z` (m,) [m] are their places on the first surface from its middle, `drop` (m,) [m] by how much its profile
+    stands back there, and every lamina has the m-th part of the force; others have none. shear: kappa.
+    """
+
+    stiffness: float = 0.0
+    exponent: float = 1.0
+    table: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
+    z: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    drop: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    shear: float = STEEL_SHEAR
+
+
+@dataclass(frozen=True, kw_only=True)
+class LumpedLaw(ABC):
+    """A law of lumped contacts, listed in `warpffrf.model.laws.lumped.LUMPED_LAWS`.
+
+    damping [s/m], chi, not negative; or restitution (0 < e <= 1) with the impact_speed [m/s] at which it is wanted.
+    Raises `InputError`.
+    """
+
+    damping: float = 0.0
+    restitution: float | None = None
+    impact_speed: float | None = None
+    kind: ClassVar[str] = ""
+    by_laminae: ClassVar[bool] = False  # the first surface is a roller, whose laminae each meet the other surface
+
+    def __post_init__(self) -> None:
+        name = type(self).__name__
+        self._keep("damping", require_number(self.damping, f"{name}: damping [s/m]", non_negative=True))
+        if (self.restitution is None) != (self.impact_speed is None):
+            raise InputError(f"{name}: restitution and impact_speed belong together")
+        if self.restitution is not None:
+            if self.damping:
+                raise InputError(f"{name}: give damping, or restitution with the impact_speed it holds at, not both")
+            e = require_number(self.restitution, f"{name}: restitution", positive=True)
+            if e > 1.0:
+                raise InputError(f"{name}: restitution must be at most 1, got {e:g}")
+            self._keep("restitution", e)
+            speed = require_number(self.impact_speed, f"{name}: impact_speed [m/s]", positive=True)
+            self._keep("impact_speed", speed)
+
+    @property
+    def chi(self) -> float:
+        """Damping [s/m], also where the restitution is given."""
+        if self.restitution is None or self.impact_speed is None:
+            return self.damping
+        return chi_times_speed(self.restitution) / self.impact_speed
+
+    @abstractmethod
+    def approach(self, meeting: Meeting) -> Approach:
+        """The law between two surfaces that meet like this. Raises `InputError` where it does not hold for them."""
+
+    def describe(self) -> dict[str, Any]:
+        """Plain data for hashing."""
+        return {"kind": self.kind, **asdict(self)}
+
+    def _keep(self, name: str, value: Any) -> None:
+        object.__setattr__(self, name, value)

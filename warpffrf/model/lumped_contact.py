@@ -1,0 +1,154 @@
+"""A lumped contact: one force between two rigid surfaces, against their approach where they are nearest.
+
+`Contact` has a pressure between its surfaces, and needs a body that yields under it. Where the bodies are rigid, what
+yields is the neighbourhood of the place, and a law says how: Hertz's, of a roller by laminae, or any other
+(`warpffrf.model.laws.lumped`). Friction acts at the same place (`warpffrf_kernels.lumped.forces`).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.bodies import SurfacePort
+from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.friction import Coulomb, RegularisedCoulomb, as_friction
+from warpffrf.model.laws.lumped import Approach, LumpedLaw, as_lumped_law
+from warpffrf.model.laws.lumped.base import Meeting
+from warpffrf.model.nearest import Nearest, lamina_gap, nearest
+
+OVERLAP_FRACTION = 1e-2  # of the smallest radius of curvature, as `warpffrf.model.overlap` has it
+STRAIGHT = 1e-6  # of the larger relative curvature: with a smaller one there is no single place
+
+
+class LumpedContact:
+    """Contact between the surfaces of two rigid bodies, or of one and the ground, by a law of force against approach.
+
+    a, b: `body["tread"]`, named in `add_rigid_body(surfaces=...)` or by `body.surface(shape, name=)`. law: one of
+    `laws.LUMPED_LAWS`; by laminae the first surface is the roller. friction: the coefficient, or a friction law
+    (`warpffrf.model.friction`), at the place of the force. Forces are reported on the first body. overlap [m]: how deep
+    the surfaces may lie in one another at the start of a run, None for a hundredth of their radius. name: default
+    "<first body>-<second body>".
+    """
+
+    scene_list = "lumped_contacts"
+    kind = "lumped_contact"
+
+    def __init__(
+        self, a: Any, b: Any, *, law: Any, friction: Any = 0.0, overlap: float | None = None, name: str | None = None
+    ) -> None:
+        for port, place in ((a, "first"), (b, "second")):
+            if not isinstance(port, SurfacePort):
+                raise InputError(
+                    f"lumped contact: the {place} surface must be a surface of a rigid body or of the ground, "
+                    "body['tread'] with 'tread' named in add_rigid_body(surfaces=...), got "
+                    f"{getattr(port, 'label', None) or repr(getattr(port, 'name', port))}"
+                )
+        self.a, self.b = a, b
+        self.name = f"{a.body.name}-{b.body.name}" if name is None else name
+        label = self.label
+        if a.body is b.body:
+            raise InputError(f"{label}: body {a.body.name!r} in contact with itself is not supported; name two bodies")
+        for port in self.ports:
+            if not port.rigid:
+                raise InputError(
+                    f"{label}: {port.label} is a surface of a flexible body, whose deformation is no matter of a "
+                    "single force against approach; use Contact(...) with the flexible body first, or a rigid body in "
+                    "its place"
+                )
+        self.law: LumpedLaw = as_lumped_law(law, label)
+        self.friction: Coulomb | RegularisedCoulomb = as_friction(friction, label)
+        self.overlap = None if overlap is None else require_number(overlap, f"{label}: overlap", non_negative=True)
+        self._require_shapes()
+
+    @property
+    def label(self) -> str:
+        """Readable name, for messages."""
+        return f"lumped contact {self.name!r}"
+
+    @property
+    def ports(self) -> tuple[SurfacePort, SurfacePort]:
+        return self.a, self.b
+
+    def nearest(self) -> Nearest:
+        """Where the surfaces are nearest at the initial pose as it is now; of a law by laminae somewhere on the
+        line."""
+        return nearest(self.a, self.b)
+
+    def approach(self) -> Approach:
+        """The law's numbers, from the initial pose as it is now. Raises `InputError` for surfaces that it does not hold
+        for."""
+        radius = 0.0 if self.law.by_laminae is False else float(self.a.surface.shape.radius)
+        curvatures = (0.0, 0.0) if self.law.by_laminae else self._curvatures()
+        return self.law.approach(Meeting(self.label, curvatures, radius))
+
+    def gap(self) -> float:
+        """Smallest gap [m] at the initial pose as it is now, negative where the surfaces overlap."""
+        if not self.law.by_laminae:
+            return self.nearest().gap
+        law = self.approach()
+        return lamina_gap(self.a, self.b, law.z, law.drop)
+
+    def describe(self) -> dict[str, Any]:
+        """Plain data for hashing."""
+        surfaces = {"a": [self.a.body.name, self.a.name], "b": [self.b.body.name, self.b.name]}
+        laws = {"law": self.law.describe(), "friction": self.friction.describe()}
+        return {"name": self.name, **surfaces, **laws, "overlap": self.overlap}
+
+    def _curvatures(self) -> tuple[float, float]:
+        small, large = self.nearest().curvatures
+        if large <= 0.0 or small < -STRAIGHT * large:
+            raise InputError(
+                f"{self.label}: {self.a.label} does not fit against {self.b.label} where they are nearest: one curves "
+                "away less than the other follows, and they would touch in two places or all around; make the inner "
+                "radius of curvature the smaller one"
+            )
+        if small < STRAIGHT * large:
+            raise InputError(
+                f"{self.label}: {self.a.label} and {self.b.label} touch along a line, where a point law has no single "
+                "place; take laws.PalmgrenLine or laws.IsoLamina with the roller first, or give one of them a crown"
+            )
+        return small, large
+
+    def _require_shapes(self) -> None:
+        planar = [port.surface.shape.profile().planar for port in self.ports]
+        if all(planar):
+            raise InputError(
+                f"{self.label}: {self.a.label} and {self.b.label} are both planes, which meet in no single place; put "
+                "balls or rollers between them, or use a joint"
+            )
+        if not self.law.by_laminae:
+            return
+        name = type(self.law).__name__
+        if planar[0] or self.a.surface.shape.side < 0.0:
+            swap = not planar[1] and self.b.surface.shape.side > 0.0
+            swapped = f"LumpedContact({self.b.label}, {self.a.label}, ...)"
+            raise InputError(
+                f"{self.label}: laws.{name} cuts the first surface into laminae, which must be the outside of a "
+                f"roller, {self.a.label} is not; {swapped if swap else 'take a cylinder as the first surface'}"
+            )
+
+
+def allowed_overlap(contact: LumpedContact) -> float:
+    """Depth [m] by which the surfaces may overlap at the start of a run."""
+    if contact.overlap is not None:
+        return contact.overlap
+    at = contact.nearest().place
+    largest = 0.0
+    for port in contact.ports:
+        shape = port.surface.shape
+        largest = max(largest, float(np.max(np.abs(shape.curvatures(*shape.chart(port.body.to_user(at))[:2])))))
+    return OVERLAP_FRACTION / largest
+
+
+def refuse_lumped_overlap(contacts: list[LumpedContact]) -> None:
+    """Raises `InputError` for surfaces that overlap at the initial pose by more than is allowed."""
+    for contact in contacts:
+        gap = contact.gap()
+        if gap < 0.0 and -gap > (allowed := allowed_overlap(contact)):
+            raise InputError(
+                f"{contact.label}: the surfaces {contact.a.label} and {contact.b.label} overlap at the start by "
+                f"{-gap:.3g} m, more than the {allowed:.3g} m that are allowed; move a body, or allow it with "
+                f"LumpedContact(..., overlap={-1.05 * gap:.2g})"
+            )

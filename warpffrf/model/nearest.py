@@ -1,0 +1,121 @@
+r"""Where two rigid surfaces are nearest at the initial pose: for laws that need the curvatures there, and for checks.
+
+The least signed distance of the points of one surface from the other is the gap, of surfaces that overlap minus the
+depth. A ball's is that of its centre less its radius; else the places of a chart are tried on a lattice that closes in
+on the best one. The kernels go another way (`warpffrf_kernels.lumped.places`).
+
+With the curvature tensors B of both surfaces there (positive where convex) the gap of points that lie opposite each
+other is g + 1/2 t . (B_1 + B_2) t at the distance t across the normal: the eigenvalues of the sum are the relative
+principal curvatures.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.bodies import SurfacePort
+
+LATTICE = (73, 41)  # places around and along: every 5 degrees
+FINER = (13, 13)  # of the rounds after the first
+ROUNDS, CLOSER = 24, 3.0  # it closes in by a factor each round: to 1e-11, the gap errs by the square
+EDGE = 1.0 - 1e-9  # of a crown's radius: its chart ends there
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """The smallest gap [m], negative where the surfaces overlap, the place (3,) [m] in the world, the normal (3,) of
+    the second surface there, and the relative principal curvatures [1/m], the smaller one first."""
+
+    gap: float
+    place: np.ndarray
+    normal: np.ndarray
+    curvatures: tuple[float, float]
+
+
+def nearest(a: SurfacePort, b: SurfacePort) -> Nearest:
+    """Of two rigid surfaces at the initial pose of their bodies."""
+    one, other = a, b
+    if not is_ball(a) and (is_ball(b) or a.surface.shape.profile().planar):
+        one, other = b, a
+    shape = one.surface.shape
+    if is_ball(one):
+        center = one.body.to_world(shape.axis_point)
+        foot, gap = _foot(other, center)
+        gap -= shape.radius
+        x = center - shape.radius * _normal(other, foot)
+    else:
+        theta, z = _least(one, other)
+        x = one.body.to_world(shape.point(theta, z))
+        foot, gap = _foot(other, x)
+    bend = _tensor(one, x) + _tensor(other, foot)
+    n = _normal(b, foot if other is b else x)
+    values, vectors = np.linalg.eigh(bend)
+    across = np.argsort(np.abs(vectors.T @ n))[:2]  # the third eigenvector is the normal
+    small, large = sorted(float(values[i]) for i in across)
+    return Nearest(float(gap), 0.5 * (x + foot), n, (small, large))
+
+
+def is_ball(port: SurfacePort) -> bool:
+    """True of the outside of a sphere."""
+    profile = port.surface.shape.profile()
+    return profile.spherical and profile.side > 0.0
+
+
+def lamina_gap(roller: SurfacePort, other: SurfacePort, z: np.ndarray, drop: np.ndarray) -> float:
+    """Smallest gap [m] of laminae of a roller at z (m,) [m], whose profile stands back by drop (m,) [m]."""
+    shape, width = roller.surface.shape, np.pi
+    theta = np.zeros(len(z))
+    gap = np.full(len(z), np.inf)
+    for i in range(ROUNDS):
+        tried = theta[:, None] + width * np.linspace(-1.0, 1.0, FINER[0] if i else LATTICE[0])
+        world = roller.body.to_world(shape.point(tried, z[:, None]))
+        distance = other.surface.shape.chart(other.body.to_user(world))[2]
+        best = np.argmin(distance, axis=1)
+        theta, gap = tried[np.arange(len(z)), best], distance[np.arange(len(z)), best]
+        width /= CLOSER
+    return float(np.min(gap + drop))
+
+
+def _least(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
+    """Chart coordinates of the place of `one` with the least distance from `other`."""
+    shape, opposite = one.surface.shape, other.surface.shape
+    middle = one.body.to_user(other.body.to_world(opposite.axis_point))
+    reach = float(np.linalg.norm(middle - shape.axis_point)) + float(shape.radius) + float(opposite.size)
+    limit = abs(shape.profile().crown) * EDGE or np.inf
+    center, half = (0.0, 0.0), (np.pi, min(reach, limit))
+    for tried in range(ROUNDS):
+        counts = FINER if tried else LATTICE
+        around, along = (c + h * np.linspace(-1.0, 1.0, n) for c, h, n in zip(center, half, counts, strict=True))
+        along = np.clip(along, -limit, limit)
+        world = one.body.to_world(shape.point(around[:, None], along[None, :]))
+        distance = opposite.chart(other.body.to_user(world))[2]
+        i, j = np.unravel_index(np.argmin(distance), distance.shape)
+        center, half = (float(around[i]), float(along[j])), (half[0] / CLOSER, half[1] / CLOSER)
+    return center
+
+
+def _foot(port: SurfacePort, x: np.ndarray) -> tuple[np.ndarray, float]:
+    """The nearest point of a surface (3,), world, and the signed distance of x from it [m]."""
+    theta, z, distance = port.surface.shape.chart(port.body.to_user(x))
+    return port.body.to_world(port.surface.shape.point(theta, z)), float(distance)
+
+
+def _normal(port: SurfacePort, x: np.ndarray) -> np.ndarray:
+    shape = port.surface.shape
+    return _turned(port, shape.normal(*shape.chart(port.body.to_user(x))[:2]))
+
+
+def _tensor(port: SurfacePort, x: np.ndarray) -> np.ndarray:
+    """Curvature tensor (3, 3) [1/m] of a surface at its place nearest x, world axes."""
+    shape: Any = port.surface.shape
+    theta, z, _ = shape.chart(port.body.to_user(x))
+    around, along = (_turned(port, direction) for direction in (shape.around(theta), shape.along(theta, z)))
+    k_around, k_along = (float(kappa) for kappa in shape.curvatures(theta, z))
+    return k_around * np.outer(around, around) + k_along * np.outer(along, along)
+
+
+def _turned(port: SurfacePort, direction: np.ndarray) -> np.ndarray:
+    return port.body.to_world(direction) - port.body.position

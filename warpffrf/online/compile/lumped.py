@@ -1,0 +1,40 @@
+"""Lumped contacts of a scene -> device tables of their laws and places."""
+
+from __future__ import annotations
+
+import numpy as np
+from warpffrf_kernels.core.model import Model
+
+from warpffrf.model.laws.lumped import HertzPoint
+from warpffrf.online.compile.collector import Collector
+from warpffrf.online.compile.layers import with_energy
+
+
+def fill_lumped(collector: Collector, m: Model) -> None:
+    """Laws and places. Raises `InputError` for surfaces that a law does not hold for."""
+    contacts = collector.scene.lumped_contacts
+    laws = [contact.approach() for contact in contacts]
+    tables = [with_energy(law.table) for law in laws]
+    counts = [max(len(law.z), 1) for law in laws]
+    none = [np.zeros(0)]
+    collector.fill(
+        m.lumped, count=len(contacts), places=sum(counts), first=collector.lumped_sides[::2],
+        second=collector.lumped_sides[1::2],
+        stiffness=[law.stiffness for law in laws], exponent=[law.exponent for law in laws],
+        table_start=np.cumsum([0, *map(len, tables)])[:-1], table_count=[len(table) for table in tables],
+        table=np.concatenate([np.zeros((0, 3)), *tables]), damping=[contact.law.chi for contact in contacts],
+        friction=[contact.friction.coefficient for contact in contacts],
+        slip_velocity=[contact.friction.slip_velocity for contact in contacts], shear=[law.shear for law in laws],
+        contact=np.repeat(np.arange(len(contacts)), counts),
+        lamina=np.repeat([int(len(law.z) > 0) for law in laws], counts),
+        z=np.concatenate([*none, *(law.z if len(law.z) else [0.0] for law in laws)]),
+        drop=np.concatenate([*none, *(law.drop if len(law.z) else [0.0] for law in laws)]),
+        share=np.concatenate([*none, *(np.full(n, 1.0 / n) for n in counts)]),
+    )  # fmt: skip
+    hertz = [law.stiffness for contact, law in zip(contacts, laws, strict=True) if isinstance(contact.law, HertzPoint)]
+    if hertz:
+        low, high = f"{min(hertz):.6g}", f"{max(hertz):.6g}"
+        collector.notes.append(
+            f"lumped contacts: Hertz's stiffness ({low if low == high else f'{low} to {high}'} N/m^1.5) is that of the "
+            "curvatures where the surfaces are nearest at the initial pose, and stays"
+        )
