@@ -139,6 +139,20 @@ def test_a_pair_with_its_options_is_that_of_python() -> None:
     assert loaded.scene.content_hash() == scene.content_hash()
 
 
+STRIBECK = 'kind = "stribeck_coulomb", static = 0.4, kinetic = 0.2, decay_velocity = 0.1, exponent = 1'
+TABLE = 'kind = "table_coulomb", speeds = [0, 0.1], coefficients = [0.4, 0.2]'
+FALLING = {
+    STRIBECK: wf.laws.StribeckCoulomb(0.4, 0.2, 0.1, exponent=1.0),
+    TABLE: wf.laws.TableCoulomb((0.0, 0.1), (0.4, 0.2)),
+}
+
+
+@pytest.mark.parametrize("table", list(FALLING))
+def test_friction_that_depends_on_speed(table: str) -> None:
+    found = scene_of(MACHINE.replace(FRICTION, f"friction = {{ {table} }}")).scene.contacts[0].friction
+    assert found == FALLING[table]
+
+
 FRICTION = 'friction = { kind = "regularised_coulomb", coefficient = 0.3, slip_velocity = 1e-3 }'
 WRONG = [
     ('kind = "plane"', 'kind = "plan"', "there is no kind 'plan'; did you mean 'plane'?"),

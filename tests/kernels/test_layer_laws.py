@@ -4,9 +4,10 @@
 # pyright: reportInvalidTypeForm=false, reportIndexIssue=false
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -16,20 +17,38 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.layers import layer_laws
 
 from warpffrf.model import laws
+from warpffrf.model.laws import curves
 from warpffrf.online.compile.constants import Constants
 from warpffrf.online.compile.layers import fill_layers
-from warpffrf.online.diagnosis.layer_compliance import yield_of
 from warpffrf.online.settings import Settings
 
 wp.set_module_options(MODULE_OPTIONS)
 
 ROUND_OFF = 1e-12
+
+
+@dataclass(frozen=True)
+class DampedAsperities(laws.Law):
+    """Asperities that lose energy: a law of one's own, made of a curve and a damping that there are."""
+
+    kind: ClassVar[str] = "damped_asperities"
+
+    @property
+    def curve(self) -> curves.Exponential:
+        return curves.Exponential(1e7, 1e-6, 1e-5)
+
+    @property
+    def chi(self) -> float:
+        return 2.0
+
+
 LAWS: list[Any] = [
     laws.NonlinearLayer(1e15, 1.5),
     laws.NonlinearLayer(1e12, 1.0),
     laws.TableLayer((-4e-6, -2e-6, -1e-6, 0.5e-6), (9e6, 3e6, 1e6, 0.0)),
     laws.ExponentialAsperities(1e7, 1e-6),
     laws.HuntCrossley(1e15, 1.5, damping=2.0),
+    DampedAsperities(),
 ]
 
 
@@ -91,9 +110,10 @@ def test_curves_are_those_of_the_laws(index: int) -> None:
     np.testing.assert_allclose(slope[smooth], difference[smooth], rtol=1e-5)
 
 
-def test_a_step_of_a_damped_law() -> None:
-    """p = P(d) (1 + chi (d - past)/h), zero up to the larger of 0 and past - h/chi; slope and inverse of that."""
-    law, index, past, h = LAWS[4], 4, 2e-6, 1e-6
+@pytest.mark.parametrize("index", [4, 5], ids=lambda i: LAWS[i].kind)
+def test_a_step_of_a_damped_law(index: int) -> None:
+    """p = P(d) (1 + chi (d - past)/h), zero up to the larger of P's beginning and past - h/chi; slope and inverse."""
+    law, past, h = LAWS[index], 2e-6, 1e-6
     rate = law.chi / h
     least = curve(index, np.zeros(1), past, rate)[0, 4]
     assert least == pytest.approx(past - h / law.chi)
@@ -104,7 +124,8 @@ def test_a_step_of_a_damped_law() -> None:
     step = 1e-6 * (depth - least)
     higher, lower = (curve(index, depth + sign * step, past, rate)[:, 0] for sign in (1.0, -1.0))
     np.testing.assert_allclose(slope, (higher - lower) / (2.0 * step), rtol=1e-5)
-    assert curve(index, np.zeros(1), 0.5e-7, rate)[0, 4] == 0.0
+    early = law.curve.begins + 0.5e-7
+    assert curve(index, np.zeros(1), early, rate)[0, 4] == law.curve.begins
 
 
 @pytest.mark.parametrize("index", range(4), ids=lambda i: LAWS[i].kind)
@@ -114,8 +135,8 @@ def test_the_yield_on_the_host_is_the_inverse_on_the_device(index: int) -> None:
     p, slope = curve(index, depth).T[:2]
     given = LAWS[index].curve
     assert given is not None
-    y, derivative = yield_of(given, p)
+    y, derivative = given.yielding(p)
     np.testing.assert_allclose(y, depth, rtol=1e-9, atol=1e-15)
     np.testing.assert_allclose(derivative, 1.0 / slope, rtol=1e-8)
     least = curve(index, np.zeros(1))[0, 4]
-    np.testing.assert_allclose(yield_of(given, np.array([0.0, -1.0]))[0], least, rtol=1e-9, atol=1e-11)
+    np.testing.assert_allclose(given.yielding(np.array([0.0, -1.0]))[0], least, rtol=1e-9, atol=1e-11)

@@ -10,8 +10,8 @@ from scipy.integrate import quad, solve_ivp
 
 from warpffrf.model import laws
 from warpffrf.model.errors import InputError
+from warpffrf.model.laws.curves.power import SHIFT
 from warpffrf.model.laws.hunt_crossley import chi_times_speed
-from warpffrf.model.laws.power import SHIFT
 
 LAYERS = [
     laws.LinearLayer(1e12),
@@ -133,7 +133,7 @@ def test_every_law_is_registered_and_described() -> None:
     assert {law.kind for law in made} == set(laws.LAWS)
     described = [repr(law.describe()) for law in made]
     assert len(set(described)) == len(described)
-    assert all(law.compliance == 0.0 or law.curve is None for law in made)
+    assert all(law.compliance == 0.0 or law.bent is None for law in made)
     same = laws.HuntCrossley(1e15, 1.5, restitution=0.7, impact_speed=0.2)
     again = laws.HuntCrossley(1e15, 1.5, damping=same.chi)
     assert same.describe() == again.describe()

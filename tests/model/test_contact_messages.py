@@ -119,7 +119,7 @@ def test_a_pair_is_checked_when_it_is_changed(body_maker) -> None:
 @pytest.mark.parametrize("value", [0.3, np.float32(0.3), np.float64(0.3), np.array(0.3), 1, np.int64(1), np.array(1)])
 def test_every_number_is_a_coefficient(value: Any) -> None:
     law = as_friction(value, "pair")
-    assert law == Coulomb(float(value)) and type(law.coefficient) is float
+    assert isinstance(law, Coulomb) and law == Coulomb(float(value)) and type(law.coefficient) is float
 
 
 @pytest.mark.parametrize("value", [True, np.True_, "0.3", [0.3], np.array([0.3]), None, 0.3j])

@@ -90,7 +90,7 @@ def test_friction(body_maker) -> None:
     law = RegularisedCoulomb(0.3, slip_velocity=1e-3)
     assert Contact(rim, floor, friction=law).friction is law
     without = plain.body("roller")["rim"]
-    assert Contact(without, plain.ground["floor"], friction=0.0).friction.coefficient == 0.0
+    assert Contact(without, plain.ground["floor"], friction=0.0).friction.static_coefficient == 0.0
     with pytest.raises(
         InputError,
         match="contact 'roller-ground': friction needs tangential modes, body 'roller' was reduced without them; "

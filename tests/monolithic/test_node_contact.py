@@ -26,6 +26,7 @@ from warpffrf.output.simulate import simulate
 from warpffrf.verification.full_friction import with_nodes
 from warpffrf.verification.half_space.bodies import half_space
 from warpffrf.verification.scenes.rollers import roller_body
+from warpffrf.verification.stick_slip import BeltOscillator
 
 RIGID = Material(2.1e20, 0.3, 7850.0)  # yields a billionth of what steel does: only the layer is left
 STEEL = Material(210e9, 0.3, 7850.0)
@@ -109,6 +110,34 @@ def test_a_punch_sticks_on_its_stretch(rigid_space: ReducedBody) -> None:
     assert rub is not None and set(np.unique(rub.state[-1])) == {0, 1}
     assert result.history.contacts[PAIR].force[-1, 0] == pytest.approx(Q, rel=1e-6)
     assert np.all(result.history.energy["friction"] == 0.0)
+
+
+def test_a_punch_sticks_and_slips(rigid_space: ReducedBody) -> None:
+    """Pulled by a spring whose other end runs ahead: amplitude and period of an event-driven solution."""
+    k, V, step, end = 1e5, 0.5, 1e-4, 0.017
+    law = laws.StribeckCoulomb(0.4, 0.2, 0.5)
+    scene, punch = on_half_space(rigid_space, FLAT, LOAD, law=laws.LinearLayer(1e13), friction=law)
+    scene.add(forces.JointSpringDamper(guided(scene, punch), stiffness=k))
+    pull = signals.Ramp(0.0, k * V * end, duration=end)  # with the spring together k (V t - x)
+    scene.add(forces.PointForce(punch.at((0.0, 0.0, 0.0)), (pull, (1.0, 0.0, 0.0))))
+    result = simulate(
+        scene, end, step=step, start="equilibrium", progress=False, integrator=GeneralizedAlpha(0.0),
+        method=Monolithic("low_rank", stick_stiffness=1e13),
+    )  # fmt: skip
+    assert result.status == "completed", result.message
+    y = V * result.time - result.history.bodies["partner"].position[:, 0]
+    case = BeltOscillator(MASS, k, LOAD, V)
+    amplitude, period = case.cycle(lambda v: float(law.coefficient_at(v)))
+    i = np.flatnonzero((y[1:-1] > y[:-2]) & (y[1:-1] >= y[2:])) + 1
+    bend, rise = y[i + 1] - 2.0 * y[i] + y[i - 1], 0.5 * (y[i + 1] - y[i - 1])
+    tops, at = y[i] - 0.5 * rise**2 / bend, result.time[i] - step * rise / bend
+    later = result.time > at[0]
+    found = 0.5 * (tops.mean() - y[later].min()), np.diff(at).mean()
+    print(f"amplitude {found[0] / amplitude - 1.0:+.1e}, period {found[1] / period - 1.0:+.1e}")
+    assert len(tops) >= 2 and found == pytest.approx((amplitude, period), rel=0.01)
+    pair = result.history.contacts[PAIR]
+    assert np.abs(pair.force[1:, 0] / pair.force[1:, 2]).max() == pytest.approx(0.4, rel=1e-3)
+    assert np.diff(result.history.energy["friction"]).max() <= 0.0
 
 
 @pytest.mark.parametrize("law", [Coulomb(0.3), RegularisedCoulomb(0.3, 1e-4)])

@@ -90,7 +90,7 @@ def stirred(scene: Scene, seed: int = 2) -> tuple[System, Any, Formula, Any, Eva
     state.q[:n] = 1e-7 * rng.normal(size=n)
     state.q[n:] = 1e-7 * np.sqrt(1e9) * 1e-6 * rng.normal(size=len(state.q) - n)
     state.nodes = standing(system, state)
-    mu, share = scene.contacts[0].friction.coefficient, system.pairs[0].a.share
+    mu, share = scene.contacts[0].friction.static_coefficient, system.pairs[0].a.share
     bound = mu * state.nodes[:, FORCE] / np.where(share > 0.0, share, 1.0)
     angle = rng.uniform(0.0, 2.0 * np.pi, len(bound))
     size = bound * rng.uniform(0.5, 1.5, len(bound))  # some will stick and some slip

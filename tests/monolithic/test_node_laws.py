@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 from warpffrf.model import laws
 from warpffrf.model.friction import Coulomb, RegularisedCoulomb
 from warpffrf.monolithic.nodal.friction import SLIP, STICK, closest_point, node_traction
-from warpffrf.monolithic.nodal.layer_slopes import elastic_slope, layer_pressure, reach
+from warpffrf.monolithic.nodal.layer_slopes import layer_pressure, reach
 
 LAYERS = {
     "linear_layer": laws.LinearLayer(1e13),
@@ -21,6 +21,12 @@ LAYERS = {
     "hunt_crossley": laws.HuntCrossley(1e16, 1.5, damping=20.0),
 }
 K_T, H = 3e13, 1e-4  # Pa/m, s
+FRICTION: list[Any] = [
+    Coulomb(0.3),
+    RegularisedCoulomb(0.3, 5e-3),
+    laws.StribeckCoulomb(0.3, 0.2, 2.0),  # p |mu'|/(h k_t) at most 0.009
+    laws.TableCoulomb((0.0, 0.01, 0.03), (0.3, 0.25, 0.28)),
+]
 
 
 def test_every_layer_is_tested() -> None:
@@ -38,7 +44,7 @@ def test_slopes_are_those_of_the_pressure(kind: str) -> None:
         ends = [layer_pressure(law, gap + s * d, before, H, moving=moving).pressure for s in (1.0, -1.0)]
         assert np.abs(at.slope - (ends[0] - ends[1]) / (2.0 * d)).max() < 1e-5 * np.abs(at.slope).max()
         assert np.all(at.pressure >= 0.0) and np.all(at.lost >= 0.0)
-    assert np.all(elastic_slope(law, gap) >= 0.0)
+    assert np.all(law.curve.slope(-gap) >= 0.0)
     assert layer_pressure(law, np.array([reach(law) + 1e-9]), gap[:1], H, moving=False).pressure[0] == 0.0
     assert layer_pressure(law, np.array([reach(law) - 1e-9]), gap[:1], H, moving=False).pressure[0] > 0.0
 
@@ -84,11 +90,11 @@ def random_states() -> np.ndarray:
     return rub(Coulomb(0.3), pressure, slip, before).state
 
 
-@pytest.mark.parametrize("law", [Coulomb(0.3), RegularisedCoulomb(0.3, 5e-3)])
+@pytest.mark.parametrize("law", FRICTION, ids=lambda law: law.kind)
 def test_tangent_of_the_law(law: Any) -> None:
     """by_slip and by_pressure against differences of the law itself, stick and slip."""
     pressure, slip, before = random_nodes()
-    slip = slip if isinstance(law, Coulomb) else 0.5 * slip
+    slip = 0.5 * slip if law.creep_limit else slip
     at = rub(law, pressure, slip, before)
     assert {STICK, SLIP} == set(at.state)
     for i, d in ((0, np.array([1e-13, 0.0])), (1, np.array([0.0, 1e-13]))):
@@ -99,7 +105,7 @@ def test_tangent_of_the_law(law: Any) -> None:
     assert np.abs((ends[0] - ends[1]) / 20.0 - at.by_pressure).max() < 1e-5
 
 
-@pytest.mark.parametrize("law", [Coulomb(0.3), RegularisedCoulomb(0.3, 5e-3)])
+@pytest.mark.parametrize("law", FRICTION, ids=lambda law: law.kind)
 @pytest.mark.parametrize("search", [1e11, 1e13, 1e20])
 def test_newton_on_the_tractions_ends_at_the_law(law: Any, search: float) -> None:
     """Slips and pressures given: from any traction on the disc the iteration comes to that of the law."""
@@ -113,7 +119,7 @@ def test_newton_on_the_tractions_ends_at_the_law(law: Any, search: float) -> Non
     assert found.off.max() < 1e-6 * np.abs(law_itself).max()
 
 
-@pytest.mark.parametrize("law", [Coulomb(0.3), RegularisedCoulomb(0.3, 5e-3)])
+@pytest.mark.parametrize("law", FRICTION, ids=lambda law: law.kind)
 def test_friction_only_takes(law: Any) -> None:
     """A random walk: what is put in is never less than what is stored and booked as lost, and no loss is negative."""
     rng = np.random.default_rng(7)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -132,6 +133,29 @@ def test_tractions_stay_within_the_bounds_and_against_the_slip(body) -> None:
         across[sliding], (friction.traction[-1, 1] * friction.slip_velocity[-1, 0])[sliding],
         atol=1e-6 * size.max() * np.abs(friction.slip_velocity[-1]).max(),
     )  # fmt: skip
+
+
+SPEEDS: dict[str, Any] = {  # slip in this patch is up to 5 mm/s
+    "falls": wf.laws.StribeckCoulomb(0.4, 0.2, 0.2, exponent=1.0),
+    "rises": wf.laws.TableCoulomb((0.0, 0.01, 0.02), (0.1, 0.3, 0.5)),
+    "rises late": wf.laws.TableCoulomb((0.0, 0.001, 0.002), (0.3, 0.3, 0.5)),
+}
+
+
+@pytest.mark.parametrize("name", list(SPEEDS))
+def test_a_coefficient_of_the_slip_speed_in_every_cell(body, name: str) -> None:
+    """|tau| = mu(|w|) p where a cell slides, w its slip velocity with all deformation, and no more than mu(0) p else;
+    also where the bound rises steeply, and from a kink on."""
+    law = SPEEDS[name]
+    result = run(rollers(body, law, 8e-3), 40)
+    contact, friction = result.history.contacts["pair"], rubbing(result)
+    pressure = bounding(body, contact.pressure[-1])
+    size, speed = (np.linalg.norm(x[-1], axis=0) for x in (friction.traction, friction.slip_velocity))
+    slides, sticks = friction.state[-1] == 2, friction.state[-1] == 1
+    np.testing.assert_allclose(size[slides], (law.coefficient_at(speed) * pressure)[slides], rtol=CONVERGED)
+    assert np.all(size[sticks] <= law.static_coefficient * pressure[sticks] * (1.0 + CONVERGED))
+    assert slides.any() and sticks.any() and speed[slides].max() > 7e-4
+    assert np.all(np.diff(result.energy["friction"]) <= 0.0)
 
 
 def test_the_regularised_law_is_viscous_below_its_velocity(body) -> None:

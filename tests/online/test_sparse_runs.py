@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from one_block import in_one_block
 
 from warpffrf.model import joints
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, engine, run
-from warpffrf.online.compile.outer_pattern import OuterPattern, pattern_of
+from warpffrf.online.compile.outer_pattern import pattern_of
 
 MOVED = 1e-12  # m, rotations: round-off of coordinates of order 1, and some steps of its growth
 PULLED = 3e-8  # of the largest force: a position's round-off of 1e-16 m over h^2 = 1e-6 s2, at the start over 1e-14 s2
@@ -72,20 +71,6 @@ def motion(history: History) -> dict[str, np.ndarray]:
         "force": np.stack([j.force for j in held]),
         "torque": np.stack([j.torque for j in held]),
     }
-
-
-def in_one_block(pattern: OuterPattern) -> OuterPattern:
-    """The same entries, eliminated as a dense matrix with pivots sought among all rows."""
-    n, none = pattern.outer_count, np.zeros(0, int)
-    lines = np.repeat(np.arange(n), np.diff(pattern.entry_start))
-    there = np.zeros((n, n), bool)
-    there[lines, pattern.entry_column] = True
-    line, column = np.indices((n, n))
-    return replace(
-        pattern, order=np.arange(n), size=np.array([n]), width=np.array([0]), first=np.array([0]), start=np.array([0]),
-        panel_start=np.array([0]), panel=none, target_start=np.array([0]), target=none,
-        gather_line=np.where(there, line, -1).ravel(), gather_column=np.where(there, column, -1).ravel(),
-    )  # fmt: skip
 
 
 @pytest.mark.parametrize("name", SCENES)

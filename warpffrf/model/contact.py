@@ -11,7 +11,7 @@ from typing import Any
 
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
-from warpffrf.model.friction import Coulomb, RegularisedCoulomb, as_friction
+from warpffrf.model.friction import FrictionLaw, as_friction
 from warpffrf.model.laws import Law, Unilateral, as_law
 
 UNILATERAL = Unilateral()
@@ -81,14 +81,14 @@ class Contact:
         self._law = as_law(value, self._label)
 
     @property
-    def friction(self) -> Coulomb | RegularisedCoulomb:
+    def friction(self) -> FrictionLaw:
         """The law of friction; a number that is set is the coefficient of `Coulomb`."""
         return self._friction
 
     @friction.setter
     def friction(self, value: Any) -> None:
         friction = as_friction(value, self._label)
-        if friction.coefficient > 0.0:
+        if friction.acts:
             self._require_tangential(self._label)
         self._friction = friction
 

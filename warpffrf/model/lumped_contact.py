@@ -13,7 +13,7 @@ import numpy as np
 
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.friction import Coulomb, RegularisedCoulomb, as_friction
+from warpffrf.model.friction import as_constant_friction
 from warpffrf.model.laws.lumped import Approach, LumpedLaw, as_lumped_law
 from warpffrf.model.laws.lumped.base import Meeting
 from warpffrf.model.nearest import Nearest, lamina_gap, nearest
@@ -58,7 +58,7 @@ class LumpedContact:
                     "its place"
                 )
         self.law: LumpedLaw = as_lumped_law(law, label)
-        self.friction: Coulomb | RegularisedCoulomb = as_friction(friction, label)
+        self.friction = as_constant_friction(friction, label)
         self.overlap = None if overlap is None else require_number(overlap, f"{label}: overlap", non_negative=True)
         self._require_shapes()
 

@@ -64,7 +64,7 @@ def local_systems(scene: Any, local: str, given: dict[tuple[str, str], Any], zet
             sides.append(place)
             if place is not None:
                 ports.setdefault(place, port)
-                rough |= {place} if contact.friction.coefficient > 0.0 else set()
+                rough |= {place} if contact.friction.acts else set()
     lean = leanings(scene.contacts)
     groups, notes = _groups(ports, local)
     coordinates: dict[Place, LocalCoordinates] = {}

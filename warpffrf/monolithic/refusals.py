@@ -31,12 +31,12 @@ def refuse_contacts(scene: Any, full: bool) -> None:
     for contact in scene.contacts:
         label = f"contact {contact.name!r}"
         beyond = _beyond(contact)
-        if not full and beyond is not None and contact.law.curve is None:
+        if not full and beyond is not None and contact.law.bent is None:
             raise InputError(
                 f"{label}: method 'monolithic' has {beyond} with the law at nodes only; use evaluation='full' and a "
                 "law with a stiffness, laws.LinearLayer(stiffness), or method 'separated'"
             )
-        if full and contact.friction.coefficient > 0.0:
+        if full and contact.friction.acts:
             for port in (contact.a, contact.b):
                 if not port.rigid and port.surface.tangential is None:
                     raise InputError(
@@ -47,11 +47,11 @@ def refuse_contacts(scene: Any, full: bool) -> None:
 
 def _beyond(contact: Any) -> str | None:
     """What of `contact` is not on the line of centres, in words."""
-    if contact.friction.coefficient > 0.0:
+    if contact.friction.acts:
         return "friction"
     if contact.b.rigid:
         return f"a rigid partner, {contact.b.label},"
     for port in (contact.a, contact.b):
         if port.surface.shape.kind not in SHAPES:
             return f"a {port.surface.shape.kind}, {port.label},"
-    return None if contact.law.curve is None else f"a {contact.law.kind}"
+    return None if contact.law.bent is None else f"a {contact.law.kind}"

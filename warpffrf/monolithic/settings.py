@@ -56,14 +56,14 @@ def contact_layers(scene: Any, full: bool, law: str, layer_stiffness: float | No
     for contact in scene.contacts:
         label = f"contact {contact.name!r}"
         if not full:
-            if contact.law.compliance or contact.law.curve is not None:
+            if contact.law.curve is not None:
                 raise InputError(
                     f"{label}: method 'monolithic' has no {contact.law.kind} but at nodes; use evaluation='full', or "
                     "laws.Unilateral()"
                 )
             layers.append(layer_stiffness)
             continue
-        if not contact.law.compliance and contact.law.curve is None:
+        if contact.law.curve is None:
             raise InputError(
                 f"{label}: evaluation 'full' has no {contact.law.kind}; use laws.LinearLayer(stiffness) or another "
                 "layer, as a law at nodes needs a stiffness, or method 'separated' with evaluation 'semi'"

@@ -34,6 +34,7 @@ from warpffrf.online.diagnosis.energy_watch import EnergyWatch, round_off_energy
 from warpffrf.online.diagnosis.failure_report import failure_owner
 from warpffrf.online.diagnosis.indicator import indicator_lines, term_sizes, unheld_lines
 from warpffrf.online.diagnosis.sampling_check import sampling_notes
+from warpffrf.online.diagnosis.steep_falls import steep_notes
 from warpffrf.online.engine import Engine
 from warpffrf.online.free_flight.check_run import run_check
 from warpffrf.online.history.history import History
@@ -179,7 +180,7 @@ def run(
             rejected=0, repeated=0, impulses=0, forgotten=0, steps=0, iterations=0, worst=0, pending=0, pending_solves=0
         )
         engine.enter(k.DYNAMIC, step, target=0)
-        if engine.compiled.model.capacity.cells or any(c.friction.coefficient > 0.0 for c in scene.lumped_contacts):
+        if engine.compiled.model.capacity.cells or any(c.friction.acts for c in scene.lumped_contacts):
             engine.control(level=min(RUB_IN, engine.settings.max_level))
         engine.save_now()
         first_step = 0
@@ -276,6 +277,7 @@ def _finish(
             f"a contact patch reached the end of a contact surface that covers an arc only ({', '.join(arcs)}): the "
             "pressure is cut there; give the body a larger contact surface"
         )
+    notes.extend(steep_notes(engine.scene, engine.scratch.steep.numpy()[0]))
     halved = int(engine.word("rejected")[0]) - rejected_before
     if halved and not at_rest:
         reasons = [text for bit, (text, _) in MESSAGES.items() if int(engine.word("reason")[0]) & int(bit)]

@@ -297,9 +297,21 @@ class Pairs:
     family: DeviceArray = integers("pair", note="0: gap along the line of centres, 1: at points, see `at_points`")
     coupled_count: DeviceArray = integers("pair", note="outer columns the gap of a pair depends on")
     coupled: DeviceArray = integers("pair", "coupled", note="these")
-    friction: DeviceArray = reals("pair", note="coefficient mu, 0 without")
+    friction: DeviceArray = reals("pair", note="coefficient mu, the largest of all slip speeds; 0 without")
     slip_velocity: DeviceArray = reals(
         "pair", unit="m/s", note="of the regularised law of friction, 0 of a law that sticks"
+    )
+
+
+@topic
+class SlipSpeeds:
+    """Coefficients of friction that depend on the slip speed, see `slip_speed`."""
+
+    count: int  # pairs with one
+    start: DeviceArray = integers("pair", note="first piece")
+    pieces: DeviceArray = integers("pair", note="0 of a coefficient that is the same at all speeds")
+    piece: DeviceArray = reals(
+        "slip_speed_entry", 5, note="speed [m/s] it begins at, coefficients of a cubic from there"
     )
 
 
@@ -435,6 +447,7 @@ class Model:
     responses: Responses
     quadrature: Quadrature
     pairs: Pairs
+    slip_speeds: SlipSpeeds
     points: Points
     window: Window
     capacity: Capacity

@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.forces.laws import Coordinate, SlipLaw
-from warpffrf.model.friction import as_friction
+from warpffrf.model.friction import as_constant_friction
 from warpffrf.model.joints import Joint
 
 
@@ -34,7 +34,7 @@ class JointFriction:
             got = f"{joint.kind} {joint.label}" if isinstance(joint, Joint) else repr(joint)
             raise InputError(f"{self.label}: acts on a {self.joint_kind} joint, got {got}")
         self.joint = joint
-        self.friction = as_friction(friction, self.label)
+        self.friction = as_constant_friction(friction, self.label)
 
     @property
     def label(self) -> str:

@@ -140,7 +140,7 @@ class SlipLaw:
         couple = np.cross(axis, M) / self.bearing_length if self.bearing_length else np.zeros(3)
         load = self.radial * (np.linalg.norm(across + couple) + np.linalg.norm(across - couple))
         load += self.axial * abs(R @ axis) + self.spin * abs(M @ axis)
-        return float(self.preload + self.friction.coefficient * load)
+        return float(self.preload + self.friction.static_coefficient * load)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Contact laws: what lies between two surfaces that touch. One file a law; `layer` has what they share.
+"""Contact laws: what lies between two surfaces that touch. One file a law; `law` has what they share.
 
 With the gap g [m] between the deformed surfaces, the depth d = -g and the pressure p >= 0 [Pa]
 
@@ -10,7 +10,8 @@ With the gap g [m] between the deformed surfaces, the depth d = -g and the press
     HuntCrossley             p = k d^n (1 + chi d_dot)
 
 Laws of force against approach, of lumped contacts, are in `warpffrf.model.laws.lumped` and named here too.
-The laws of friction, `Coulomb` and `RegularisedCoulomb`, are in `warpffrf.model.friction` and named here too.
+A law of one's own is a subclass of `Law` with a curve of `warpffrf.model.laws.curves`. The laws of friction are in
+`warpffrf.model.friction` and named here too.
 """
 
 from __future__ import annotations
@@ -18,10 +19,11 @@ from __future__ import annotations
 from typing import Any
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.friction import Coulomb, RegularisedCoulomb
+from warpffrf.model.friction import Coulomb, FrictionLaw, RegularisedCoulomb, StribeckCoulomb, TableCoulomb
+from warpffrf.model.laws import curves
 from warpffrf.model.laws.exponential_asperities import ExponentialAsperities
 from warpffrf.model.laws.hunt_crossley import HuntCrossley
-from warpffrf.model.laws.layer import Curve, Law
+from warpffrf.model.laws.law import Law
 from warpffrf.model.laws.linear_layer import LinearLayer
 from warpffrf.model.laws.lumped import (
     LUMPED_LAWS,
@@ -41,20 +43,31 @@ LAWS = {
 }
 
 __all__ = [
-    "LAWS", "LUMPED_LAWS", "Coulomb", "Curve", "ExponentialAsperities", "ForceTable", "HertzPoint", "HuntCrossley",
-    "IsoLamina", "Law", "LinearLayer", "NonlinearLayer", "PalmgrenLine", "PowerForce", "RegularisedCoulomb",
-    "TableLayer", "Unilateral", "as_law",
+    "LAWS", "LUMPED_LAWS", "Coulomb", "ExponentialAsperities", "ForceTable", "FrictionLaw", "HertzPoint",
+    "HuntCrossley", "IsoLamina", "Law", "LinearLayer", "NonlinearLayer", "PalmgrenLine", "PowerForce",
+    "RegularisedCoulomb", "StribeckCoulomb", "TableCoulomb", "TableLayer", "Unilateral", "as_law", "curves",
 ]  # fmt: skip
 
 
 def as_law(value: Any, label: str) -> Law:
-    """`value` if it is a law; raises `InputError` naming `label` and the laws there are."""
+    """`value` if it is a law with a curve; raises `InputError` naming `label`, with the laws there are."""
     if isinstance(value, LumpedLaw):
         raise InputError(
             f"{label}: laws.{type(value).__name__} gives a force against the approach of two rigid bodies; take "
             "LumpedContact(...) for it, or a law of pressure here"
         )
-    if not isinstance(value, tuple(LAWS.values())):
+    if not isinstance(value, Law):
         names = ", ".join(f"laws.{law.__name__}" for law in LAWS.values())
-        raise InputError(f"{label}: law must be one of {names}, got {value!r}")
+        raise InputError(f"{label}: law must be one of {names}, or a laws.Law of your own, got {value!r}")
+    curve = value.curve
+    if curve is not None and not isinstance(curve, curves.Curve):
+        raise InputError(
+            f"{label}: the law {value.kind} has no curve, its `curve` is {curve!r}; return one of laws.curves, or None "
+            "where nothing lies between the surfaces"
+        )
+    if value.chi and (curve is None or not curve.convex):
+        raise InputError(
+            f"{label}: the law {value.kind} is damped, which needs a curve whose slope never falls; leave out the "
+            "damping, or take another curve"
+        )
     return value

@@ -21,14 +21,15 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.laws.layer import Curve
+from warpffrf.model.laws.curves import Exponential
+from warpffrf.model.laws.law import Law
 
 NEGLIGIBLE = 1e-6  # of the pressure at zero gap: what the law is cut at by default
 DEEPEST = 300.0  # decay lengths between zero gap and the cut: exponentials of more leave the range of numbers
 
 
 @dataclass(frozen=True)
-class ExponentialAsperities:
+class ExponentialAsperities(Law):
     """Asperities with the pressure `pressure_at_zero` [Pa] at zero gap that falls by a factor e every `decay_length`
     [m] and ends at the gap `cut` [m], by default where it is 1e-6 of that at zero gap. Raises `InputError`."""
 
@@ -56,25 +57,13 @@ class ExponentialAsperities:
         return float(-np.log(NEGLIGIBLE) * self.decay_length) if self.cut is None else self.cut
 
     @property
-    def compliance(self) -> float:
-        """0: the yield is no constant, see `curve`."""
-        return 0.0
+    def curve(self) -> Exponential:
+        """p_0 exp(-g/lambda) up to where it ends."""
+        return Exponential(self.pressure_at_zero, self.decay_length, self.end)
 
     @property
-    def curve(self) -> Curve:
-        """Form "exponential": pressure at zero gap, decay length, the gap where it ends."""
-        return Curve("exponential", (self.pressure_at_zero, self.decay_length, self.end))
-
-    def pressure(self, gap: Any) -> np.ndarray:
-        """Pressure [Pa] at the gaps [m], any shape."""
-        g = np.minimum(np.asarray(gap, float), self.end)
-        return self.pressure_at_zero * (np.exp(-g / self.decay_length) - np.exp(-self.end / self.decay_length))
-
-    def energy(self, gap: Any) -> np.ndarray:
-        """Energy [J/m^2] of the layer at the gaps [m], any shape."""
-        g = np.minimum(np.asarray(gap, float), self.end)
-        shift = self.pressure_at_zero * np.exp(-self.end / self.decay_length)
-        return self.decay_length * self.pressure(g) - shift * (self.end - g)
+    def remark(self) -> str:
+        return f"the pressure of its {self.kind} ends at {self.end:.3g} m"
 
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""

@@ -23,9 +23,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.laws.layer import Curve
-from warpffrf.model.laws.nonlinear_layer import require_exponent
-from warpffrf.model.laws.power import SHIFT, power_energy, power_pressure
+from warpffrf.model.laws.curves import Power
+from warpffrf.model.laws.curves.power import require_exponent
+from warpffrf.model.laws.law import Law
 
 BISECTIONS = 200  # halve until neighbouring numbers are left
 ELASTIC = 1e-9  # 1 - e below which the first-order formula is as exact as the difference of two numbers that far apart
@@ -34,7 +34,7 @@ TERMS = 18  # of the series: 0.1^18 is below round-off
 
 
 @dataclass(frozen=True)
-class HuntCrossley:
+class HuntCrossley(Law):
     """A layer with the pressure stiffness * depth^exponent * (1 + damping * closing speed), never tensile.
 
     stiffness [Pa/m^exponent] positive, exponent at least 1. Either damping [s/m], not negative, or restitution (0 < e
@@ -76,23 +76,9 @@ class HuntCrossley:
         return chi_times_speed(e) / speed
 
     @property
-    def compliance(self) -> float:
-        """0: the yield is no constant, see `curve`."""
-        return 0.0
-
-    @property
-    def curve(self) -> Curve:
-        """Form "power": stiffness, exponent, shift; with damping."""
-        return Curve("power", (self.stiffness, self.exponent, SHIFT), damping=self.chi)
-
-    def pressure(self, gap: Any, closing_speed: Any = 0.0) -> np.ndarray:
-        """Pressure [Pa] at the gaps [m] and speeds [m/s] at which they close, shapes that broadcast."""
-        elastic = power_pressure(-np.asarray(gap, float), self.stiffness, self.exponent)
-        return np.maximum(elastic * (1.0 + self.chi * np.asarray(closing_speed, float)), 0.0)
-
-    def energy(self, gap: Any) -> np.ndarray:
-        """Elastic energy [J/m^2] of the layer at the gaps [m], any shape."""
-        return power_energy(-np.asarray(gap, float), self.stiffness, self.exponent)
+    def curve(self) -> Power:
+        """k d^n, the elastic part."""
+        return Power(self.stiffness, self.exponent)
 
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""

@@ -12,15 +12,15 @@ A layer counts where hats of the first surface lie; at the end of a narrower sec
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
-
-import numpy as np
+from typing import ClassVar
 
 from warpffrf.model.errors import require_number
+from warpffrf.model.laws.curves import Straight
+from warpffrf.model.laws.law import Law
 
 
 @dataclass(frozen=True)
-class LinearLayer:
+class LinearLayer(Law):
     """A layer between the surfaces that yields by p/stiffness; `stiffness` [Pa/m] must be positive. For a coating of
     thickness t about E/t (1 - nu)/((1 + nu)(1 - 2 nu)). Raises `InputError`."""
 
@@ -32,23 +32,6 @@ class LinearLayer:
         object.__setattr__(self, "stiffness", stiffness)
 
     @property
-    def compliance(self) -> float:
-        """Yield [m/Pa] of the layer, 1/stiffness."""
-        return 1.0 / self.stiffness
-
-    @property
-    def curve(self) -> None:
-        """None: the yield is a constant, and part of the compliance."""
-        return None
-
-    def pressure(self, gap: Any) -> np.ndarray:
-        """Pressure [Pa] at the gaps [m], any shape."""
-        return self.stiffness * np.maximum(-np.asarray(gap, float), 0.0)
-
-    def energy(self, gap: Any) -> np.ndarray:
-        """Energy [J/m^2] of the layer at the gaps [m], any shape."""
-        return 0.5 * self.stiffness * np.maximum(-np.asarray(gap, float), 0.0) ** 2
-
-    def describe(self) -> dict[str, Any]:
-        """Plain data for hashing."""
-        return {"kind": self.kind, "stiffness": self.stiffness}
+    def curve(self) -> Straight:
+        """Its yield is a constant, and part of the compliance."""
+        return Straight(self.stiffness)

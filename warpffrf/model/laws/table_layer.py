@@ -8,18 +8,18 @@ the surfaces are apart.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array
-from warpffrf.model.laws.layer import Curve
-
-MOST_POINTS = 256  # a lookup is a walk along the table
+from warpffrf.model.laws.curves import Table
+from warpffrf.model.laws.curves.table import MOST_POINTS
+from warpffrf.model.laws.law import Law
 
 
 @dataclass(frozen=True)
-class TableLayer:
+class TableLayer(Law):
     """A layer with tabulated pressures (n,) [Pa] at the gaps (n,) [m], which rise; the pressures must fall strictly and
     end at zero. Raises `InputError` for a table that folds over itself."""
 
@@ -55,33 +55,6 @@ class TableLayer:
         object.__setattr__(self, "pressures", tuple(float(p) for p in pressures))
 
     @property
-    def compliance(self) -> float:
-        """0: the yield is no constant, see `curve`."""
-        return 0.0
-
-    @property
-    def curve(self) -> Curve:
-        """Form "table": depths and pressures, both rising."""
-        return Curve("table", (), np.stack([-np.array(self.gaps)[::-1], np.array(self.pressures)[::-1]], axis=1))
-
-    def pressure(self, gap: Any) -> np.ndarray:
-        """Pressure [Pa] at the gaps [m], any shape."""
-        d, i, t = self._place(gap)
-        slope = np.diff(t[:, 1]) / np.diff(t[:, 0])
-        return np.where(d > t[0, 0], t[i, 1] + slope[i] * (d - t[i, 0]), 0.0)
-
-    def energy(self, gap: Any) -> np.ndarray:
-        """Energy [J/m^2] of the layer at the gaps [m], any shape."""
-        d, i, t = self._place(gap)
-        whole = np.concatenate([[0.0], np.cumsum(0.5 * (t[1:, 1] + t[:-1, 1]) * np.diff(t[:, 0]))])
-        return np.where(d > t[0, 0], whole[i] + 0.5 * (t[i, 1] + self.pressure(-d)) * (d - t[i, 0]), 0.0)
-
-    def describe(self) -> dict[str, Any]:
-        """Plain data for hashing."""
-        return {"kind": self.kind, "gaps": list(self.gaps), "pressures": list(self.pressures)}
-
-    def _place(self, gap: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Depths, the pieces they lie on, and the table (n, 2) by depth."""
-        table = self.curve.table
-        depth = -np.asarray(gap, float)
-        return depth, np.clip(np.searchsorted(table[:, 0], depth) - 1, 0, len(table) - 2), table
+    def curve(self) -> Table:
+        """Depths and pressures, both rising."""
+        return Table(-np.array(self.gaps)[::-1], np.array(self.pressures)[::-1])

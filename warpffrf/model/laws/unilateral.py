@@ -3,25 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
+
+from warpffrf.model.laws.law import Law
 
 
 @dataclass(frozen=True)
-class Unilateral:
+class Unilateral(Law):
     """Surfaces that touch do not enter one another; no parameter. The default."""
 
     kind: ClassVar[str] = "unilateral"
 
     @property
-    def compliance(self) -> float:
-        """Yield [m/Pa] of what lies between: none."""
-        return 0.0
-
-    @property
     def curve(self) -> None:
         """No layer, no curve."""
         return None
-
-    def describe(self) -> dict[str, Any]:
-        """Plain data for hashing."""
-        return {"kind": self.kind}

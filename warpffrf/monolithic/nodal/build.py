@@ -22,7 +22,7 @@ def node_pairs(
     stick [Pa/m]: stick stiffness of friction, None for the default of `friction`."""
     found, first = [], 0
     for contact, (i, j) in zip(scene.contacts, surfaces, strict=True):
-        rough = contact.friction.coefficient > 0.0
+        rough = contact.friction.acts
         a = node_side(contact.a, local[i], rough, f"contact {contact.name!r}")
         b = partner_side(contact.b, None if j is None else local[j], rough)
         rigid = [6 * side.body + np.arange(6) for side in (a, b) if side.body >= 0]

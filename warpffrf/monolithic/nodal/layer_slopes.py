@@ -1,15 +1,14 @@
 r"""Pressure and tangent of any layer law at a node, as a function of its gap and of how fast that closes.
 
-With the depth d = -g, the elastic curve P(d) of the law and chi its damping (`warpffrf.model.laws.layer`)
+With the depth d = -g, the elastic curve P(d) of the law and chi its damping (`warpffrf.model.laws.law`)
 
     p = max(P(d) (1 + chi d_dot), 0),        d_dot = (g_before - g)/h,
     dp/dg = -P'(d) (1 + chi d_dot) - P(d) chi/h    where p > 0,      W = int P dd.
 
-The rate is the gap's increment over the step over its size h: no velocity of a coordinate is used. P' is written here
-from the law's `curve`, because the separated solver needs only its inverse.
+The rate is the gap's increment over the step over its size h: no velocity of a coordinate is used.
 
-Asperities. Newton's method on p_0 exp(-g/lambda) climbs out of a gap that is too deep by one lambda an iteration, and a
-step from an open gap goes thousands deep. So the law is linearised not at g but at a gap g^ that follows it,
+Exponentials. Newton's method on p_0 exp(-g/lambda) climbs out of a gap that is too deep by one lambda an iteration, and
+a step from an open gap goes thousands deep. So the law is linearised not at g but at a gap g^ that follows it,
 
     g^ = g where g > g^_before,      g^ = g^_before - lambda ln(1 + (g^_before - g)/lambda) else,
 
@@ -23,8 +22,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-
-from warpffrf.model.laws.layer import Curve
 
 DEEPEST = 100.0  # decay lengths: squares of e^100 times a pressure are numbers, and no body bears that
 
@@ -40,38 +37,26 @@ class LayerPressure:
     lost: np.ndarray
 
 
-def elastic_slope(law: Any, gap: np.ndarray) -> np.ndarray:
-    """P'(d) [Pa/m] at the gaps (k,) [m], not negative; 0 where the surfaces are apart."""
-    if law.curve is None:
-        return np.where(gap < 0.0, 1.0 / law.compliance, 0.0)
-    return _SLOPES[law.curve.form](law.curve, np.asarray(gap, float))
-
-
 def reach(law: Any) -> float:
     """The gap [m] below which the law has a pressure: 0, more for asperities, and either sign for a table."""
-    curve = law.curve
-    if curve is None or curve.form == "power":
-        return 0.0
-    return float(curve.numbers[2]) if curve.form == "exponential" else float(-curve.table[0, 0])
+    return -law.curve.begins
 
 
 def followed(law: Any, gap: np.ndarray, before: np.ndarray) -> np.ndarray:
     """g^ (k,) [m] of the module docstring from that of the iteration before; of laws that need no such help the gap."""
-    curve = law.curve
-    if curve is None or curve.form != "exponential":
+    length = law.curve.e_folding
+    if not length:
         return gap
-    length = curve.numbers[1]
-    start = np.minimum(before, curve.numbers[2])  # beyond its end the law says nothing
+    start = np.minimum(before, reach(law))  # beyond its end the law says nothing
     return np.where(gap < start, start - length * np.log1p(np.maximum(start - gap, 0.0) / length), gap)
 
 
 def layer_pressure(law: Any, gap: np.ndarray, before: np.ndarray, h: float, *, moving: bool) -> LayerPressure:
     """The law at gaps (k,) [m] that were `before` [m] a step h [s] ago; without `moving` nothing has a rate."""
-    chi = 0.0 if law.curve is None or not moving else law.curve.damping
-    if law.curve is not None and law.curve.form == "exponential":  # a trial state may lie anywhere
-        gap = np.maximum(gap, -DEEPEST * law.curve.numbers[1])
-    elastic, slope = np.asarray(law.pressure(gap), float), elastic_slope(law, gap)
-    energy = np.asarray(law.energy(gap), float)
+    chi, curve = law.chi if moving else 0.0, law.curve
+    if curve.e_folding:  # a trial state may lie anywhere
+        gap = np.maximum(gap, -DEEPEST * curve.e_folding)
+    elastic, slope, energy = curve.pressure(-gap), curve.slope(-gap), curve.energy(-gap)
     if chi == 0.0:
         return LayerPressure(elastic, -slope, energy, np.zeros_like(elastic))
     rate = (before - gap) / h
@@ -80,24 +65,3 @@ def layer_pressure(law: Any, gap: np.ndarray, before: np.ndarray, h: float, *, m
     pressure = np.where(pressing, elastic * factor, 0.0)
     by_gap = np.where(pressing, -slope * factor - elastic * chi / h, 0.0)
     return LayerPressure(pressure, by_gap, energy, (pressure - elastic) * rate * h)
-
-
-def _power(curve: Curve, gap: np.ndarray) -> np.ndarray:
-    stiffness, exponent, shift = curve.numbers
-    depth = np.maximum(-gap, 0.0)
-    return np.where(gap < 0.0, exponent * stiffness * (depth + shift) ** (exponent - 1.0), 0.0)
-
-
-def _exponential(curve: Curve, gap: np.ndarray) -> np.ndarray:
-    pressure, length, end = curve.numbers
-    return np.where(gap < end, pressure / length * np.exp(-np.minimum(gap, end) / length), 0.0)
-
-
-def _table(curve: Curve, gap: np.ndarray) -> np.ndarray:
-    depth, table = -gap, curve.table
-    slope = np.diff(table[:, 1]) / np.diff(table[:, 0])
-    piece = np.clip(np.searchsorted(table[:, 0], depth) - 1, 0, len(slope) - 1)
-    return np.where(depth > table[0, 0], slope[piece], 0.0)
-
-
-_SLOPES = {"power": _power, "exponential": _exponential, "table": _table}

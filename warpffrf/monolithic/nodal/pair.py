@@ -23,7 +23,6 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.friction import Coulomb
 from warpffrf.monolithic.nodal.frame import Extra, Poses
 from warpffrf.monolithic.nodal.friction import NodeTraction, node_traction
 from warpffrf.monolithic.nodal.gap import RIGID, Opposite, hats_at, leaning, opposite, tangents_at
@@ -71,7 +70,7 @@ class NodePairData:
 
     @property
     def rough(self) -> bool:
-        return self.friction.coefficient > 0.0
+        return self.friction.acts
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,7 +172,7 @@ class NodePairState:
         gone = np.ones(self.data.count, dtype=bool)
         gone[self.active] = False
         held = 0.0
-        if isinstance(self.data.friction, Coulomb):
+        if not self.data.friction.creep_limit:
             held = float(share[gone] @ np.einsum("ki,ki->k", before[gone], before[gone])) / (2.0 * self.data.stick)
         return float(share[self.active] @ self.traction.lost) + held
 

@@ -240,6 +240,7 @@ class FrictionCells(Arrays):
     share: DeviceArray = reals("world", "pair", "friction_hat", "share")
     share_at: DeviceArray = integers("world", "pair", "friction_hat", 2)
     bound: DeviceArray = reals("world", "pair", "friction_hat", unit="Pa", note="mu p")
+    steep: DeviceArray = integers("world", "speed_pair", 3, note="mark, count, worst: see `slip_speed`", carried=True)
     late: DeviceArray = reals("world", "pair", "friction_hat", note="cells that come under pressure within the step")
     pressure_change: DeviceArray = reals("world", "pair", "friction_hat", unit="Pa")
     load_change: DeviceArray = reals("world", "pair", "friction_node", unit="N")
@@ -308,6 +309,19 @@ class LumpedContacts(Arrays):
     )
 
 
+class SlipSpeedSolve(Arrays):
+    """The same system where coefficients depend on the slip speed: their slopes are condensed, see `slip_speed`."""
+
+    speed_K: DeviceArray = reals("world", "2*speed_cell", "2*speed_cell", unit="m/Pa", instead="cell_K")
+    speed_right: DeviceArray = reals("world", "2*speed_cell", unit="m", instead="cell_right")
+    speed_tau: DeviceArray = reals("world", "2*speed_cell", unit="Pa", note="the part on the disc", instead="cell_tau")
+    speed_slope: DeviceArray = reals("world", "speed_cell", unit="Pa/m3", note="of the bound by the weak slip")
+    speed_line: DeviceArray = reals("world", "4*speed_cell", unit="m/Pa", note="two lines of the compliance")
+    speed_slip: DeviceArray = reals("world", "2*speed_cell", unit="m3", note="weak, 0 of what sticks")
+    speed_before: DeviceArray = reals("world", "speed_cell", unit="m/s", note="of the round before")
+    speed_again: DeviceArray = integers("world", 1, note="1 where the bounds do not follow the speeds yet")
+
+
 RESTORED = {name: declaration for name, declaration in State.declarations.items() if declaration.restored}
 
 
@@ -322,7 +336,7 @@ class Before(Arrays):
 
 class Scratch(
     RunWords, Motion, Residuals, Outer, ImpulsiveContact, ContactGeometry, ContactFields, ContactSolve, Layers,
-    FrictionCells, FrictionSolve, LumpedContacts, Before,
+    FrictionCells, FrictionSolve, SlipSpeedSolve, LumpedContacts, Before,
 ):  # fmt: skip
     """Scratch arrays of a step."""
 

@@ -10,6 +10,7 @@ from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
+from warpffrf.model.friction.pieces import cubic_pieces
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.windows import Extent, between_axes, sine_between
@@ -20,26 +21,27 @@ ROUND_OFF = 1e-9  # cells: a ratio of two grids that is a whole number up to thi
 
 def has_friction(scene: Scene) -> bool:
     """True where any pair of `scene` has friction."""
-    return any(contact.friction.coefficient > 0.0 for contact in scene.contacts)
+    return any(contact.friction.acts for contact in scene.contacts)
 
 
 def fill_friction(collector: Collector, m: Model, z_start: np.ndarray) -> None:
     """Friction fields of the model; `z_start`: of `fill_surfaces`."""
     contacts = collector.scene.contacts
     collector.fill(
-        m.pairs, friction=[c.friction.coefficient for c in contacts],
-        slip_velocity=[c.friction.slip_velocity for c in contacts],
+        m.pairs, friction=[c.friction.largest_coefficient for c in contacts],
+        slip_velocity=[c.friction.creep_limit for c in contacts],
     )  # fmt: skip
+    _fill_slip_speeds(collector, m)
     present = has_friction(collector.scene)
     if present and m.modes.dynamic_count:  # tangential compliances are those of static local modes
-        rubbing_pair = next(c for c in contacts if c.friction.coefficient > 0.0)
+        rubbing_pair = next(c for c in contacts if c.friction.acts)
         raise InputError(
             f"contact {rubbing_pair.name!r}: friction needs quasi-static local modes in the whole scene, and "
             f"{m.modes.dynamic_count} of it have inertia; use local='quasi_static'"
         )
     collector.cell_margin = _cells_beside(collector, m) if present else 0
     m.capacity.cells = m.capacity.slots + collector.cell_margin if present else 0
-    rubbed = {side for i, c in enumerate(contacts) if c.friction.coefficient > 0.0
+    rubbed = {side for i, c in enumerate(contacts) if c.friction.acts
               for side in collector.sides[2 * i : 2 * i + 2]}  # fmt: skip
     starts: list[int] = []
     modes: list[np.ndarray] = []
@@ -58,12 +60,25 @@ def fill_friction(collector: Collector, m: Model, z_start: np.ndarray) -> None:
         by_columns = tangential.mode_tangent.reshape(2, cells.columns, cells.rows, -1).transpose(1, 0, 2, 3)
         modes.append(np.ascontiguousarray(by_columns).ravel())
     for contact, _, a, _, b in collector.pairs():
-        if contact.friction.coefficient > 0.0 and isinstance(b, ContactSurface):
+        if contact.friction.acts and isinstance(b, ContactSurface):
             crossed = sine_between(Extent.of(a), Extent.of(b), between_axes(contact))
             share = tuple(np.maximum(share, _extent(a, b, crossed)))
     m.window.share_columns, m.window.share_rows = (int(n) for n in share)
     collector.fill(
         m.surfaces, cell_area=area, shear_start=starts, mode_tangent=np.concatenate([np.zeros(0), *modes]),
+    )  # fmt: skip
+
+
+def _fill_slip_speeds(collector: Collector, m: Model) -> None:
+    """Coefficients that depend on the slip speed, in cubic pieces, one table behind the other."""
+    tables = [
+        cubic_pieces(c.friction, f"contact {c.name!r}") if c.friction.breaks else np.zeros((0, 5))
+        for c in collector.scene.contacts
+    ]
+    pieces = [len(table) for table in tables]
+    collector.fill(
+        m.slip_speeds, count=sum(n > 0 for n in pieces), start=np.cumsum([0, *pieces])[:-1], pieces=pieces,
+        piece=np.concatenate([np.zeros((0, 5)), *tables]),
     )  # fmt: skip
 
 

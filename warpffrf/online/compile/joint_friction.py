@@ -51,8 +51,8 @@ def fill_joint_friction(collector: Collector, table: SlipTable, m: Model) -> Non
     collector.fill(
         m.joint_frictions, count=len(laws), start=[rows[0] for rows in table.rows.values()],
         size=[len(law.coordinates) for law in laws], weight=[(*law.weights, 1.0)[:2] for law in laws],
-        coefficient=[law.friction.coefficient for law in laws],
-        slip_velocity=[law.friction.slip_velocity for law in laws], radial=[law.radial for law in laws],
+        coefficient=[law.friction.static_coefficient for law in laws],
+        slip_velocity=[law.friction.creep_limit for law in laws], radial=[law.radial for law in laws],
         axial=[law.axial for law in laws], spin=[law.spin for law in laws],
         bending=[1.0 / law.bearing_length if law.bearing_length else 0.0 for law in laws],
         preload=[law.preload for law in laws], held_start=np.cumsum([0] + [len(rows) for rows in held]),

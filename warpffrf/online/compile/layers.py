@@ -6,13 +6,12 @@ import numpy as np
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.layers import layer_laws as device
 
-from warpffrf.model.laws.layer import Curve
+from warpffrf.model.laws.curves import Curve
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.points import PointRule
 from warpffrf.online.compile.sampling_rules import layer_rule
 
 LAYER_ITERATIONS = 2  # times as many Newton iterations: pressures of asperities span decades, a decade an iteration
-FORMS = {"power": device.POWER, "exponential": device.EXPONENTIAL, "table": device.TABLE}
 
 
 def fill_layers(collector: Collector, m: Model) -> None:
@@ -22,20 +21,17 @@ def fill_layers(collector: Collector, m: Model) -> None:
     tables = [np.zeros((0, 3))]
     rules: list[tuple[PointRule, int] | None] = []
     for contact in collector.scene.contacts:
-        curve = contact.law.curve
-        kinds.append(int(device.CONSTANT) if curve is None else int(FORMS[curve.form]))
-        numbers.append([0.0] * device.NUMBERS if curve is None else curve_numbers(curve))
-        table = np.zeros((0, 3)) if curve is None else with_energy(curve.table)
+        curve = contact.law.bent
+        kinds.append(int(device.CONSTANT) if curve is None else int(device.FORMS[curve.form]))
+        numbers.append([0.0] * device.NUMBERS if curve is None else _numbers(curve, contact.law.chi))
+        table = np.zeros((0, 3)) if curve is None else curve.table
         starts.append(sum(map(len, tables)))
         counts.append(len(table))
         tables.append(table)
         around, along = collector.settings.theta_points, collector.settings.z_points
         rules.append(None if curve is None else (layer_rule(contact, around, along), contact.a.surface.grid.rows))
-        end = getattr(contact.law, "end", None)
-        if end is not None:
-            collector.notes.append(
-                f"contact {contact.name!r}: the pressure of its {contact.law.kind} ends at {end:.3g} m"
-            )
+        if contact.law.remark:
+            collector.notes.append(f"contact {contact.name!r}: {contact.law.remark}")
     collector.fill(
         m.layers, count=sum(kind != int(device.CONSTANT) for kind in kinds), kind=kinds, number=numbers,
         table_start=starts, table_count=counts, table=np.concatenate(tables),
@@ -62,22 +58,9 @@ def _fill_points(collector: Collector, m: Model, rules: list[tuple[PointRule, in
     )  # fmt: skip
 
 
-def curve_numbers(curve: Curve) -> list[float]:
-    """Columns of `layer_number` of a curve (`warpffrf.model.laws.Curve`)."""
+def _numbers(curve: Curve, chi: float) -> list[float]:
+    """Columns of `layer_number`: those of the form, then the damping."""
     found = [0.0] * device.NUMBERS
-    if curve.form == "power":
-        stiffness, exponent, shift = curve.numbers
-        found[:4] = [stiffness, exponent, shift, shift**exponent]
-    elif curve.form == "exponential":
-        pressure, length, end = curve.numbers
-        found[:4] = [pressure, length, float(np.exp(-end / length)), end]
-    found[int(device.CHI)] = curve.damping
+    found[: len(curve.numbers)] = curve.numbers
+    found[int(device.CHI)] = chi
     return found
-
-
-def with_energy(table: np.ndarray) -> np.ndarray:
-    """Depth, pressure (n, 2) and the energy up to there, of straight pieces: (n, 3)."""
-    if not len(table):
-        return np.zeros((0, 3))
-    pieces = 0.5 * (table[1:, 1] + table[:-1, 1]) * np.diff(table[:, 0])
-    return np.column_stack([table, np.concatenate([[0.0], np.cumsum(pieces)])])

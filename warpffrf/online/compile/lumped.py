@@ -7,14 +7,13 @@ from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.laws.lumped import HertzPoint
 from warpffrf.online.compile.collector import Collector
-from warpffrf.online.compile.layers import with_energy
 
 
 def fill_lumped(collector: Collector, m: Model) -> None:
     """Laws and places. Raises `InputError` for surfaces that a law does not hold for."""
     contacts = collector.scene.lumped_contacts
     laws = [contact.approach() for contact in contacts]
-    tables = [with_energy(law.table) for law in laws]
+    tables = [_with_energy(law.table) for law in laws]
     counts = [max(len(law.z), 1) for law in laws]
     none = [np.zeros(0)]
     collector.fill(
@@ -23,8 +22,8 @@ def fill_lumped(collector: Collector, m: Model) -> None:
         stiffness=[law.stiffness for law in laws], exponent=[law.exponent for law in laws],
         table_start=np.cumsum([0, *map(len, tables)])[:-1], table_count=[len(table) for table in tables],
         table=np.concatenate([np.zeros((0, 3)), *tables]), damping=[contact.law.chi for contact in contacts],
-        friction=[contact.friction.coefficient for contact in contacts],
-        slip_velocity=[contact.friction.slip_velocity for contact in contacts], shear=[law.shear for law in laws],
+        friction=[contact.friction.static_coefficient for contact in contacts],
+        slip_velocity=[contact.friction.creep_limit for contact in contacts], shear=[law.shear for law in laws],
         contact=np.repeat(np.arange(len(contacts)), counts),
         lamina=np.repeat([int(len(law.z) > 0) for law in laws], counts),
         z=np.concatenate([*none, *(law.z if len(law.z) else [0.0] for law in laws)]),
@@ -38,3 +37,11 @@ def fill_lumped(collector: Collector, m: Model) -> None:
             f"lumped contacts: Hertz's stiffness ({low if low == high else f'{low} to {high}'} N/m^1.5) is that of the "
             "curvatures where the surfaces are nearest at the initial pose, and stays"
         )
+
+
+def _with_energy(table: np.ndarray) -> np.ndarray:
+    """Approach, force (n, 2) and the energy up to there, of straight pieces: (n, 3)."""
+    if not len(table):
+        return np.zeros((0, 3))
+    pieces = 0.5 * (table[1:, 1] + table[:-1, 1]) * np.diff(table[:, 0])
+    return np.column_stack([table, np.concatenate([[0.0], np.cumsum(pieces)])])

@@ -61,7 +61,7 @@ def loads_on_sides(collector: Collector) -> list[list[int]]:
 def fill_responses(collector: Collector, m: Model) -> None:
     """The loads on every side and the tables of what they displace."""
     loads = loads_on_sides(collector)
-    rubbing = [contact.friction.coefficient > 0.0 for contact in collector.scene.contacts]
+    rubbing = [contact.friction.acts for contact in collector.scene.contacts]
     layers = [contact.law.compliance for contact in collector.scene.contacts]
     asked: dict[Key, int] = {}
     far: set[Key] = set()

@@ -28,10 +28,9 @@ from warpffrf.model.bodies import Body
 from warpffrf.model.contact import Contact
 from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.evaluations import evaluation_of
-from warpffrf.model.laws.layer import Curve
+from warpffrf.model.laws.curves import Curve
 from warpffrf.model.sampling import gauss_points
 from warpffrf.model.scene import Scene
-from warpffrf.online.diagnosis.layer_compliance import yield_of
 from warpffrf.online.history.history import ContactHistory, History
 from warpffrf.online.settings import Settings
 
@@ -123,8 +122,8 @@ def _compare(contact: Contact, history: History, t: int, few: _Rule, every: _Rul
     E = np.zeros((len(active), len(active)))
     for rule in (few, every):
         g, S, depth = _weak(contact, history, t, rule, columns, pressure)
-        if contact.law.curve is not None:
-            y, E = _weak_yield(contact.law.curve, rule, columns, grid.rows, pressure)
+        if contact.law.bent is not None:
+            y, E = _weak_yield(contact.law.bent, rule, columns, grid.rows, pressure)
             g = g + y
         gaps.append(g[active])
         stencils.append(S[active])
@@ -190,7 +189,7 @@ def _weak_yield(
     """Weak yield (hats,) [m^3] of a layer under `pressure` (hats,), and its tangent E (hats, hats) [m^3/Pa]."""
     weights = _hat_weights(rule, columns, rows)
     psi = weights / np.tile(rule.weight, len(columns) + 1)
-    y, slope = yield_of(curve, pressure @ psi)
+    y, slope = curve.yielding(pressure @ psi)
     return weights @ y, (weights * slope) @ psi.T
 
 

@@ -50,7 +50,7 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
     contacts = {}
     for i, contact in enumerate(scene.contacts):
         contacts[contact.name] = _contact(compiled, i, rows, bodies)
-        if contact.friction.coefficient > 0.0:
+        if contact.friction.acts:
             contacts[contact.name].friction = _friction(compiled, i, rows)
     return History(
         scene=scene, time=time, step_size=rows["saved_step"],

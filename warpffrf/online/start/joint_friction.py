@@ -67,7 +67,7 @@ class Friction:
     @staticmethod
     def _way(law: SlipLaw, v: np.ndarray, fastest: float) -> np.ndarray | None:
         """Friction over its bound, None of one that sticks."""
-        speed, slow = float(np.linalg.norm(v)), law.friction.slip_velocity
+        speed, slow = float(np.linalg.norm(v)), law.friction.creep_limit
         if slow > 0.0:
             return v / max(speed, slow)
         return v / speed if speed > AT_REST * fastest else None

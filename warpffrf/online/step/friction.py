@@ -16,6 +16,7 @@ from warpffrf_kernels.friction import (
     history,
     patch_advance,
     pressure_answer,
+    slip_speed,
     stick_slip_problem,
     stick_slip_solve,
     tangential_fields,
@@ -26,8 +27,10 @@ from warpffrf.online.step.launches import Launch, blocks, once, threads
 from warpffrf.online.step.outer import FACTOR
 from warpffrf.online.step.phases import Loop, Participant
 
+SPEED = "speed_pair"  # where a coefficient depends on the slip speed
 G, K, L, J, V, Y = ({letter: f"cell_{letter}"} for letter in "GKLJVY")
 TAU, BASE, RIGHT = {"tau": "cell_tau"}, {"base": "cell_base"}, {"right": "cell_right"}
+SYSTEM = {"K": "speed_K", "right": "speed_right", "tau": "speed_tau"}  # K, RIGHT and TAU where no slopes are condensed
 LIMITS = {"radius": "cell_radius", "softness": "cell_softness"}
 STEP, SCALED = {"step": "answer_step"}, {"scratch": "cell_scaled"}
 OWN = ("slip", "direction", "frozen", "curvature", "order", "sliding", "outcome", "solution", "work")
@@ -48,14 +51,17 @@ def press(pressure: str, load: str, of_state: int) -> Launch:
 
 RUB = [
     blocks(stick_slip_problem.limit_tractions, **LIMITS),
+    blocks(slip_speed.condense_slopes, when=SPEED, **G, **K, **RIGHT, **TAU, **LIMITS),
     blocks(
-        stick_slip_solve.solve_tractions, jumps="cell_jump", **K, **RIGHT, **LIMITS, **TAU,
+        stick_slip_solve.solve_tractions, jumps="cell_jump", **SYSTEM, **LIMITS,
         **{name: f"cell_{name}" for name in OWN},
     ),
+    blocks(slip_speed.split_tractions, when=SPEED, radius="cell_radius", found="cell_slip", **TAU),
     blocks(
         pressure_answer.press_with_tractions, tau_base="cell_base", change="answer_change", z_change="answer_z",
         **Y, **V, **TAU, **STEP,
     ),
+    threads(slip_speed.keep_following, when=SPEED),
     *bounds(0),
     once(pressure_answer.count_rounds, again="rubbing"),
 ]  # fmt: skip
@@ -63,6 +69,7 @@ RUB = [
 FRICTION = Participant(
     "friction",
     when="friction_pair",
+    predict=[threads(slip_speed.open_attempt, "pair", when=SPEED)],
     cells=[
         threads(cells.open_cells, "pair"),
         blocks(cells.place_cells, "pair"),
@@ -77,6 +84,7 @@ FRICTION = Participant(
         blocks(tangential_fields.rub_cells, "pair"),
         blocks(tangential_fields.displace_cells, "pair", amplitude="q1"),
         blocks(cell_forces.slide_cells, "pair"),
+        blocks(slip_speed.follow_slips, "pair", when=SPEED),
         blocks(cell_forces.load_tractions, "pair"),
     ],
     sum=[threads(cell_forces.add_friction)],
@@ -98,12 +106,13 @@ FRICTION = Participant(
             **Y,
             **V,
             **FACTOR,
-        ),
+        ),  # fmt: skip
         blocks(cell_compliance.condense_cells, L="cell_bordered", **G, **V, **K),
         blocks(pressure_answer.condense_answer, **Y, **K),
         press("pressure_change", "load_change", of_state=0),
         blocks(stick_slip_problem.drive_modes),
         blocks(stick_slip_problem.pose_tractions, **K, **L, **J, **BASE, **RIGHT, **TAU),
+        blocks(slip_speed.begin_slips, when=SPEED),
         Loop("rubbing", RUB),
         blocks(stick_slip_problem.take_tractions, **TAU, **BASE, **V),
     ],
@@ -112,6 +121,7 @@ FRICTION = Participant(
         threads(patch_advance.follow_patch, "pair"),
         blocks(history.keep_slips, "pair"),
         blocks(entering_cells.keep_pressed, "pair"),
+        threads(slip_speed.mark, "pair", when=SPEED),
     ],
     measure=[threads(history.add_friction_second, "pair")],
     record=[blocks(history.record_friction, "pair")],

@@ -43,7 +43,7 @@ MOTION = Participant(
             right="projection_rhs",
             modal_change="modal_step",
             **FACTOR,
-        ),
+        ),  # fmt: skip
     ],
     estimate=[threads(accuracy.estimate_error, when="adaptive_world")],
     decide=[threads(commit.decide, created="created_now")],

@@ -37,7 +37,7 @@ class BodyView:
 @dataclass(frozen=True)
 class PairView:
     """One contact pair: the two bodies (or the ground), the names of the surfaces that touch, coefficient of friction
-    [-]."""
+    [-], 0 also where it depends on the slip speed."""
 
     name: str
     first_body: BodyView
@@ -91,8 +91,7 @@ def _pairs(contacts: Any, known: dict[str, BodyView]) -> dict[str, PairView]:
     found = {}
     for contact in contacts:
         a, b = contact.a, contact.b
-        mu = getattr(contact, "friction", 0.0) or 0.0
-        friction = float(getattr(mu, "coefficient", mu))
+        friction = 0.0 if contact.friction.breaks else contact.friction.static_coefficient
         names = known[a.body.name], a.name, known[b.body.name], b.name
         found[contact.name] = PairView(contact.name, *names, friction)
     return found

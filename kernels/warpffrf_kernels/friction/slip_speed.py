@@ -1,0 +1,448 @@
+r"""Coefficients of friction that depend on the slip speed: bounds mu(v) p, and their slopes condensed into the cells.
+
+Law (`warpffrf.model.friction.law`). With w the slip of a cell in the step h, after its touch (`entering_cells`), and
+v = |w|/h, the bound is mu(v) p. In each round of tractions and bounds it is replaced by a tangent, whose slope is
+condensed into K, the compliance of the cells with everything else condensed (`cell_compliance`). With r = area w the
+weak slip, b_k and r_k bound and slip at hand and s = mu' p/(h area)
+
+    |tau| = b_k + s (|r| - |r_k|)      <=>      |tau'| = b_k - s |r_k|   with   tau' = tau + s r,
+
+as tau points against r. tau' and r obey Coulomb's law with a constant disc, and r = r_0 + K tau gives
+
+    r = r_0' + K' tau',      K' = (K^-1 + s)^-1,      r_0' = (1 + K s)^-1 r_0,
+
+symmetric, so that the same solver takes them. A rise is a damper beside the cells, a fall a negative one: K' is
+positive definite, and the step has one solution, where K^-1 + s is, that is where what holds the cells resists more
+than the bound falls. Cells are condensed one after another,
+
+    K -= K_i B K_i^T,      B = s (1 + s K_ii)^-1      (2 x 2, K_ii what those before have left),
+
+and K^-1 + s is positive definite if and only if all the 1 + s K_ii are: the pivots of an elimination.
+
+Other slopes than the tangent's have the same solution, and rounds converge, more slowly, with any that is nowhere below
+it: what is left of an error is (s - mu' p/(h area))/(K^-1 + s) of it, in [0, 1). So a cell whose pivot is not clearly
+positive takes s = 0. With a fall the rounds then go one way only, as less traction is more slip everywhere, and end at
+the solution next to the state at hand; the pair is marked. Where the fall is too steep for G alone, the compliance
+without outer coordinates, a shorter step is no cure: its local part does not change with h, and s grows. Where tangents
+do not settle, as at kinks, s is at least the slope of the chord to the slip of the round before. It is at most
+b_k/|r_k|, so that the disc does not vanish.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.access import changed, inout, out
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
+from warpffrf_kernels.friction.cell_forces import SLIP
+from warpffrf_kernels.friction.cells import cell_at
+from warpffrf_kernels.friction.pressure_answer import OPEN, ROUND, ROUNDS
+
+wp.set_module_options(MODULE_OPTIONS)
+
+LEAST = wp.constant(wp.float64(0.1))  # of a pivot: with less, K' would be ten times K and the tangent of little use
+ALIKE = wp.constant(wp.float64(0.05))  # of 1 + s K_ii: slopes that differ by less converge as fast
+UNSETTLED = wp.constant(3)  # rounds after which slopes are no less than those of the chords between iterates
+ON_DISC = wp.constant(wp.float64(1.0e-9))  # of its radius: what the solver leaves of a cell that slides
+FOLLOWED = wp.constant(wp.float64(1.0e-6))  # of the largest bound: a round that ends so near the law is the last
+UNIQUE = wp.constant(0)  # marks of a pair: every slip was the only one,
+SHORTER = wp.constant(1)  # a shorter step would make it so,
+MILDER = wp.constant(2)  # or a milder fall alone
+MARK = wp.constant(0)  # columns of steep: mark of the attempt, steps accepted with a mark, the largest of them
+COUNT = wp.constant(1)
+WORST = wp.constant(2)
+
+
+@wp.func
+def coefficient(model: Model, pair: int, speed: real) -> wp.vec2d:
+    """mu and dmu/dv [s/m] of a pair at a slip speed [m/s]."""
+    low = model.slip_speeds.start[pair]
+    high = low + model.slip_speeds.pieces[pair]
+    while high - low > 1:
+        middle = (low + high) / 2
+        if speed < model.slip_speeds.piece[middle, 0]:
+            high = middle
+        else:
+            low = middle
+    x = speed - model.slip_speeds.piece[low, 0]
+    a = model.slip_speeds.piece[low, 1]
+    b = model.slip_speeds.piece[low, 2]
+    c = model.slip_speeds.piece[low, 3]
+    d = model.slip_speeds.piece[low, 4]
+    return wp.vec2d(a + x * (b + x * (c + x * d)), b + x * (real(2.0) * c + real(3.0) * x * d))
+
+
+@wp.func
+def share_of(model: Model, pair: int, speed: real) -> wp.vec2d:
+    """The same, as parts of the largest coefficient, with which bounds are made (`traction_bounds`)."""
+    return coefficient(model, pair, speed) / model.pairs.friction[pair]
+
+
+@wp.func
+def sliding(
+    rows: int,
+    w: int,
+    pair: int,
+    m: int,
+    slip: wp.array3d(dtype=real),
+    late: wp.array3d(dtype=real),
+    traction: wp.array3d(dtype=real),
+) -> wp.vec2d:
+    """Slip [m] of a cell in the step, since its touch."""
+    i = cell_at(rows, m, 0)
+    j = cell_at(rows, m, 1)
+    return wp.vec2d(
+        slip[w, pair, i] + late[w, pair, m] * traction[w, pair, i],
+        slip[w, pair, j] + late[w, pair, m] * traction[w, pair, j],
+    )
+
+
+@wp.kernel
+def open_attempt(models: wp.array(dtype=Model), ctl: wp.array(dtype=Control), steep: out(wp.array3d(dtype=int))):
+    """Per (world, pair): no mark yet."""
+    w, pair = wp.tid()
+    if ctl[w].attempt != 0 and models[0].slip_speeds.pieces[pair] > 0:
+        steep[w, pair, MARK] = UNIQUE
+
+
+@wp.kernel
+def follow_slips(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    window: wp.array3d(dtype=int),
+    slip: wp.array3d(dtype=real),
+    late: wp.array3d(dtype=real),
+    traction: wp.array3d(dtype=real),
+    bound: changed(wp.array3d(dtype=real)),
+):
+    """Per (world, pair), lanes over cells: bounds mu(v) p of the slips at hand, from those of the largest mu."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.slip_speeds.pieces[pair] == 0 or clk[w].h == real(0.0):
+        return
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    H = model.window.half
+    m = (window[w, pair, 0] + H) * rows + lane
+    while m < (window[w, pair, 1] + H + 1) * rows:
+        if bound[w, pair, m] > real(0.0):
+            way = wp.length(sliding(rows, w, pair, m, slip, late, traction))
+            bound[w, pair, m] = bound[w, pair, m] * share_of(model, pair, way / clk[w].h)[0]
+        m += wp.block_dim()
+
+
+@wp.func
+def stiff_enough(w: int, count: int, row: int, slope: real, G: wp.array3d(dtype=real)) -> bool:
+    """Would the local compliance alone leave one solution, if all cells slid like the one with the line `row`?"""
+    all = real(0.0)
+    j = row % 2
+    while j < count:
+        all += wp.abs(G[w, row, j])
+        j += 2
+    return real(1.0) + slope * all > LEAST
+
+
+@wp.func
+def condense(
+    model: Model,
+    w: int,
+    lane: int,
+    count: int,
+    row: int,
+    s: real,
+    K: wp.array(dtype=real),
+    line: wp.array(dtype=real),
+    right: wp.array2d(dtype=real),
+) -> int:
+    """Takes a slope s of the cell with the lines `row`, `row` + 1 into K and r_0; returns 0, and nothing is done, where
+    its pivot is not clearly positive."""
+    N = 2 * model.capacity.cells
+    start = w * N * N
+    a = start + row * N + row
+    k_00 = K[a]
+    k_01 = K[a + 1]
+    k_11 = K[a + N + 1]
+    r_0 = right[w, row]
+    r_1 = right[w, row + 1]
+    p_00 = real(1.0) + s * k_00
+    p_11 = real(1.0) + s * k_11
+    det = p_00 * p_11 - s * s * k_01 * k_01
+    if p_00 <= LEAST or p_11 <= LEAST or det <= LEAST * LEAST:
+        return 0
+    b_00 = s * p_11 / det
+    b_11 = s * p_00 / det
+    b_01 = -s * s * k_01 / det
+    copy = w * 2 * N
+    i = lane
+    while i < count:
+        line[copy + i] = K[start + row * N + i]
+        line[copy + N + i] = K[start + (row + 1) * N + i]
+        i += wp.block_dim()
+    sync()
+    i = int(0)
+    while i < count:
+        c_0 = line[copy + i] * b_00 + line[copy + N + i] * b_01
+        c_1 = line[copy + i] * b_01 + line[copy + N + i] * b_11
+        axpy(count, -c_0, line, copy, K, start + i * N)
+        axpy(count, -c_1, line, copy + N, K, start + i * N)
+        if lane == 0:
+            right[w, i] = right[w, i] - c_0 * r_0 - c_1 * r_1
+        i += 1
+    sync()
+    return 1
+
+
+@wp.func
+def wanted_slope(model: Model, h: real, pair: int, b: real, area: real, speed: real, before: real, rounds: int) -> real:
+    """s of a cell with the bound b of the largest mu, at its speed; of one that sticks only where mu rises. before: the
+    speed of the round before."""
+    at = share_of(model, pair, speed)
+    s = at[1]
+    if rounds >= UNSETTLED and speed != before:
+        s = wp.max(s, (share_of(model, pair, before)[0] - at[0]) / (before - speed))
+    if speed > real(0.0):
+        s = wp.min(s, at[0] / speed)
+    else:
+        s = wp.max(s, real(0.0))
+    return b * s / (h * area)
+
+
+@wp.kernel
+def begin_slips(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    cell_slot: wp.array3d(dtype=int),
+    weight: wp.array2d(dtype=real),
+    cell_area: wp.array3d(dtype=real),
+    cell_state: wp.array3d(dtype=int),
+    late: wp.array3d(dtype=real),
+    slip: wp.array3d(dtype=real),
+    traction: wp.array3d(dtype=real),
+    speed_slip: out(wp.array2d(dtype=real)),
+    speed_before: out(wp.array2d(dtype=real)),
+):
+    """Per world, lanes over slots: weak slips r of the state at hand, 0 of what sticks in it."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].changes != 0:
+        return
+    i = lane
+    while i < ctl[w].cells:
+        pair = cell_slot[w, i, 0]
+        m = cell_slot[w, i, 1]
+        rows = model.surfaces.rows[model.pairs.first[pair]]
+        scale = real(0.0)
+        if cell_state[w, pair, m] == SLIP:
+            scale = weight[w, pair] * cell_area[w, pair, m]
+        way = sliding(rows, w, pair, m, slip, late, traction)
+        speed_slip[w, 2 * i] = scale * way[0]
+        speed_slip[w, 2 * i + 1] = scale * way[1]
+        speed_before[w, i] = real(0.0)
+        i += wp.block_dim()
+
+
+@wp.func
+def speed_of(h: real, w: int, i: int, scale: real, speed_slip: wp.array2d(dtype=real)) -> real:
+    """Slip speed [m/s] of a slot."""
+    return wp.length(wp.vec2d(speed_slip[w, 2 * i], speed_slip[w, 2 * i + 1])) / (scale * h)
+
+
+@wp.kernel
+def condense_slopes(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    cell_slot: wp.array3d(dtype=int),
+    weight: wp.array2d(dtype=real),
+    cell_area: wp.array3d(dtype=real),
+    bound: wp.array3d(dtype=real),
+    late: wp.array3d(dtype=real),
+    G: wp.array3d(dtype=real),
+    K: wp.array(dtype=real),
+    right: wp.array2d(dtype=real),
+    tau: wp.array2d(dtype=real),
+    answer_state: wp.array2d(dtype=int),
+    speed_slip: wp.array2d(dtype=real),
+    speed_before: wp.array2d(dtype=real),
+    speed_K: inout(wp.array(dtype=real)),
+    speed_right: inout(wp.array2d(dtype=real)),
+    speed_slope: inout(wp.array2d(dtype=real)),
+    speed_line: inout(wp.array(dtype=real)),
+    steep: inout(wp.array3d(dtype=int)),
+    speed_tau: out(wp.array2d(dtype=real)),
+    radius: out(wp.array2d(dtype=real)),
+    softness: out(wp.array2d(dtype=real)),
+):
+    """Per world: K', r_0', discs and a first guess of tau' for the slips at hand. What softens a late cell is part of
+    K' here. Slopes are taken anew in the first round, and where they have changed."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0:
+        return
+    h = clk[w].h
+    cells = ctl[w].cells
+    count = 2 * cells
+    N = 2 * model.capacity.cells
+    start = w * N * N
+    rounds = answer_state[w, ROUND]
+    renew = rounds == 0
+    i = int(0)
+    while i < cells:  # every lane looks for itself
+        pair = cell_slot[w, i, 0]
+        m = cell_slot[w, i, 1]
+        b = bound[w, pair, m]
+        if not renew and model.slip_speeds.pieces[pair] > 0 and b > real(0.0):
+            area = cell_area[w, pair, m]
+            speed = speed_of(h, w, i, weight[w, pair] * area, speed_slip)
+            s = wanted_slope(model, h, pair, b, area, speed, speed_before[w, i], rounds)
+            held = speed_slope[w, i]
+            k_i = wp.max(K[start + 2 * i * N + 2 * i], K[start + (2 * i + 1) * N + 2 * i + 1])
+            renew = wp.abs(s - held) * k_i > ALIKE * wp.max(real(1.0) + held * k_i, LEAST)
+        i += 1
+    sync()
+    if renew:
+        i = lane
+        while i < count:
+            speed_right[w, i] = right[w, i]
+            j = int(0)
+            while j < count:
+                speed_K[start + i * N + j] = K[start + i * N + j]
+                j += 1
+            i += wp.block_dim()
+        sync()
+        i = lane
+        while i < cells:
+            pair = cell_slot[w, i, 0]
+            m = cell_slot[w, i, 1]
+            if model.slip_speeds.pieces[pair] > 0 and bound[w, pair, m] > real(0.0):
+                soft = cell_area[w, pair, m] * late[w, pair, m]
+                a = start + 2 * i * N + 2 * i
+                speed_K[a] = speed_K[a] + soft
+                speed_K[a + N + 1] = speed_K[a + N + 1] + soft
+            i += wp.block_dim()
+        sync()
+        i = int(0)
+        while i < cells:
+            pair = cell_slot[w, i, 0]
+            m = cell_slot[w, i, 1]
+            b = bound[w, pair, m]
+            s = real(0.0)
+            if model.slip_speeds.pieces[pair] > 0 and b > real(0.0):
+                area = cell_area[w, pair, m]
+                speed = speed_of(h, w, i, weight[w, pair] * area, speed_slip)
+                s = wanted_slope(model, h, pair, b, area, speed, speed_before[w, i], rounds)
+            if s != real(0.0):
+                if condense(model, w, lane, count, 2 * i, s, speed_K, speed_line, speed_right) == 0:
+                    if lane == 0:
+                        mark = SHORTER
+                        alone = stiff_enough(w, count, 2 * i, s, G) and stiff_enough(w, count, 2 * i + 1, s, G)
+                        if not alone:
+                            mark = MILDER
+                        steep[w, pair, MARK] = wp.max(steep[w, pair, MARK], mark)
+                    s = real(0.0)
+            sync()
+            if lane == 0:
+                speed_slope[w, i] = s
+            i += 1
+        sync()
+    i = lane
+    while i < cells:
+        pair = cell_slot[w, i, 0]
+        m = cell_slot[w, i, 1]
+        s = real(0.0)
+        if model.slip_speeds.pieces[pair] > 0:
+            scale = weight[w, pair] * cell_area[w, pair, m]
+            b = bound[w, pair, m]
+            s = speed_slope[w, i]
+            speed = speed_of(h, w, i, scale, speed_slip)
+            disc = weight[w, pair] * b * share_of(model, pair, speed)[0] - s * scale * h * speed
+            radius[w, i] = wp.max(disc, real(0.0))
+            softness[w, i] = real(0.0)
+        for d in range(2):
+            speed_tau[w, 2 * i + d] = tau[w, 2 * i + d] + s * speed_slip[w, 2 * i + d]
+        i += wp.block_dim()
+
+
+@wp.kernel
+def split_tractions(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    cell_slot: wp.array3d(dtype=int),
+    weight: wp.array2d(dtype=real),
+    cell_area: wp.array3d(dtype=real),
+    bound: wp.array3d(dtype=real),
+    radius: wp.array2d(dtype=real),
+    found: wp.array2d(dtype=real),
+    speed_tau: wp.array2d(dtype=real),
+    speed_slope: wp.array2d(dtype=real),
+    answer_state: wp.array2d(dtype=int),
+    speed_slip: inout(wp.array2d(dtype=real)),
+    tau: out(wp.array2d(dtype=real)),
+    speed_before: out(wp.array2d(dtype=real)),
+    speed_again: out(wp.array2d(dtype=int)),
+):
+    """Per world, one lane: tau = tau' - s r with the slips r `found`, and whether the law is far enough from its
+    tangents there to ask for another round."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0 or lane != 0:
+        return
+    h = clk[w].h
+    largest = real(0.0)
+    off = real(0.0)
+    i = int(0)
+    while i < ctl[w].cells:
+        pair = cell_slot[w, i, 0]
+        m = cell_slot[w, i, 1]
+        s = speed_slope[w, i]
+        disc = wp.vec2d(speed_tau[w, 2 * i], speed_tau[w, 2 * i + 1])
+        scale = weight[w, pair] * cell_area[w, pair, m]
+        speed_before[w, i] = speed_of(h, w, i, scale, speed_slip)
+        slides = wp.length(disc) > (real(1.0) - ON_DISC) * radius[w, i]
+        for d in range(2):
+            r = real(0.0)
+            if slides:
+                r = found[w, 2 * i + d]
+            speed_slip[w, 2 * i + d] = r
+            tau[w, 2 * i + d] = speed_tau[w, 2 * i + d] - s * r
+        if model.slip_speeds.pieces[pair] > 0:
+            speed = speed_of(h, w, i, scale, speed_slip)
+            law = weight[w, pair] * bound[w, pair, m] * share_of(model, pair, speed)[0]
+            largest = wp.max(largest, law)
+            if slides:
+                off = wp.max(off, wp.abs(radius[w, i] + s * scale * h * speed - law))
+            elif radius[w, i] > law:
+                off = wp.max(off, wp.length(disc) - law)
+        i += 1
+    speed_again[w, 0] = 0
+    if off > FOLLOWED * largest:
+        speed_again[w, 0] = 1
+
+
+@wp.kernel
+def keep_following(
+    ctl: wp.array(dtype=Control), speed_again: wp.array2d(dtype=int), answer_state: changed(wp.array2d(dtype=int))
+):
+    """Per world: another round where the bounds do not follow the speeds yet."""
+    w = wp.tid()
+    if ctl[w].run == 0 or ctl[w].changes != 0 or ctl[w].failure != 0:
+        return
+    if speed_again[w, 0] != 0 and answer_state[w, ROUND] < ROUNDS:
+        answer_state[w, OPEN] = 1
+
+
+@wp.kernel
+def mark(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    friction_work: wp.array3d(dtype=real),
+    steep: inout(wp.array3d(dtype=int)),
+):
+    """Per (world, pair): counts the accepted steps in which a pair slid that was marked, see the module docstring."""
+    w, pair = wp.tid()
+    if ctl[w].attempt == 0 or ctl[w].accept == 0 or models[0].slip_speeds.pieces[pair] == 0:
+        return
+    if steep[w, pair, MARK] != UNIQUE and friction_work[w, pair, 0] < real(0.0):
+        steep[w, pair, COUNT] = steep[w, pair, COUNT] + 1
+        steep[w, pair, WORST] = wp.max(steep[w, pair, WORST], steep[w, pair, MARK])

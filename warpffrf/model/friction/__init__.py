@@ -1,0 +1,63 @@
+"""Friction laws of contact pairs, and of joints, one file a law; `law` has what they share.
+
+    Coulomb               |tau| <= mu p, stick and slip
+    RegularisedCoulomb    no stick: tau proportional to the slip velocity below v_slip
+    StribeckCoulomb       mu(v) = mu_k + (mu_s - mu_k) exp(-(v/v_s)^delta)
+    TableCoulomb          mu(v) from a table
+
+A law of one's own is a subclass of `FrictionLaw` with a coefficient and its slope.
+"""
+
+from __future__ import annotations
+
+from numbers import Real
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.friction.coulomb import Coulomb
+from warpffrf.model.friction.law import FrictionLaw
+from warpffrf.model.friction.regularised_coulomb import RegularisedCoulomb
+from warpffrf.model.friction.stribeck_coulomb import StribeckCoulomb
+from warpffrf.model.friction.table_coulomb import TableCoulomb
+
+FRICTION_LAWS = {law.kind: law for law in (Coulomb, RegularisedCoulomb, StribeckCoulomb, TableCoulomb)}
+
+__all__ = [
+    "FRICTION_LAWS", "Coulomb", "FrictionLaw", "RegularisedCoulomb", "StribeckCoulomb", "TableCoulomb",
+    "as_constant_friction", "as_friction", "friction_notes",
+]  # fmt: skip
+
+
+def as_friction(value: Any, label: str) -> FrictionLaw:
+    """`value` as a friction law: a number is the coefficient of `Coulomb`. Raises `InputError` naming `label`."""
+    if isinstance(value, FrictionLaw):
+        return value
+    scalar = isinstance(value, Real) or (isinstance(value, np.ndarray) and value.ndim == 0)
+    if isinstance(value, (bool, np.bool_)) or not scalar:
+        names = ", ".join(f"laws.{law.__name__}" for law in FRICTION_LAWS.values())
+        raise InputError(f"{label}: friction must be a coefficient or one of {names}, got {value!r}")
+    return Coulomb(require_number(value, f"{label}: friction", non_negative=True))
+
+
+def as_constant_friction(value: Any, label: str) -> FrictionLaw:
+    """`as_friction` of what joints and lumped contacts take; raises `InputError` for a coefficient that depends on the
+    slip speed too."""
+    law = as_friction(value, label)
+    if law.breaks:
+        raise InputError(
+            f"{label}: laws.{type(law).__name__} depends on the slip speed, which only contact pairs of surfaces take; "
+            "give a coefficient, or laws.RegularisedCoulomb"
+        )
+    return law
+
+
+def friction_notes(scene: Any, state: str) -> list[str]:
+    """A note of the pairs, and the joints, whose friction a static `state` (words for the reader) leaves out."""
+    contacts = (*scene.contacts, *scene.lumped_contacts)
+    rubbing = [repr(contact.name) for contact in contacts if contact.friction.acts]
+    rubbing += [repr(force.name) for force in scene.forces if hasattr(force, "slip")]
+    if not rubbing:
+        return []
+    return [f"friction of {', '.join(rubbing)} does not act in {state}: it has no slip to answer"]
