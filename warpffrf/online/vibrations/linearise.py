@@ -331,6 +331,8 @@ def _closed_contacts(probe: _Probe) -> tuple[Array, int]:
             L[slot, 6 * probe.bodies + first : 6 * probe.bodies + first + size] += J[slot, at : at + size]
             at += size
     G = x.G.numpy()[0, :count, :count]
+    if not m.pairs.beside:  # G has blocks between pairs only where they answer to each other by local modes
+        G = np.where(slot_pair[:, None] == slot_pair, G, 0.0)
     if m.layers.count:
         G = G + slot_flexibility(m, x, count)
     return L.T @ np.linalg.solve(0.5 * (G + G.T), L), count
