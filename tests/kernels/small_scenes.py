@@ -12,7 +12,7 @@ from warpffrf_kernels.core import control as k
 
 from warpffrf.model import forces, joints, laws, mesh, signals, surfaces
 from warpffrf.model.contact import Contact
-from warpffrf.model.friction import RegularisedCoulomb
+from warpffrf.model.friction import RegularisedCoulomb, StribeckCoulomb
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
@@ -282,6 +282,9 @@ CASES: dict[str, Case] = {
     "friction": Case(lambda: rollers(rubbing(), rubbing(), friction=0.3, load=300e3), options=REST),
     "friction, regularised": Case(
         lambda: rollers(rubbing(), rubbing(), friction=RegularisedCoulomb(0.3, 1e-2)), options=REST
+    ),
+    "friction, falling with the speed": Case(
+        lambda: rollers(rubbing(), rubbing(), friction=StribeckCoulomb(0.4, 0.2, 1e-2)), options=REST
     ),
     "friction, damped layer": Case(lambda: rollers(rubbing(), rubbing(), friction=0.3, law=DAMPED), options=REST),
     "three rollers": Case(lambda: three_rollers(roller()), options=REST),

@@ -117,3 +117,12 @@ def test_a_coefficient_that_jumps_is_refused() -> None:
 
     with pytest.raises(InputError, match="pair: the coefficient of viscous jumps near 1.2 m/s"):
         cubic_pieces(Jumping(0.1, 0.0, 2.0), "pair")
+
+
+def test_a_coefficient_with_an_extreme_that_is_not_named_is_refused() -> None:
+    class Humped(Viscous):
+        def coefficient_at(self, speed: Any) -> np.ndarray:
+            return 0.2 + 0.1 * np.sin(np.pi * np.minimum(np.asarray(speed, float) / self.fastest, 1.0))
+
+    with pytest.raises(InputError, match="pair: the coefficient of viscous rises and falls .* name the speed"):
+        cubic_pieces(Humped(0.2, 0.0, 2.0), "pair")

@@ -9,7 +9,7 @@ weak slip, b_k and r_k bound and slip at hand and s = mu' p/(h area)
 
 as tau points against r. tau' and r obey Coulomb's law with a constant disc, and r = r_0 + K tau gives
 
-    r = r_0' + K' tau',      K' = (K^-1 + s)^-1,      r_0' = (1 + K s)^-1 r_0,
+    r = r_0' + K' tau',      K' = (K^-1 + s)^-1,      r_0' = (1 + K s)^-1 r_0 = r_0 - K' s r_0,
 
 symmetric, so that the same solver takes them. A rise is a damper beside the cells, a fall a negative one: K' is
 positive definite, and the step has one solution, where K^-1 + s is, that is where what holds the cells resists more
@@ -33,10 +33,10 @@ import warp as wp
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync
 from warpffrf_kernels.friction.cell_forces import SLIP
 from warpffrf_kernels.friction.cells import cell_at
-from warpffrf_kernels.friction.pressure_answer import OPEN, ROUND, ROUNDS
+from warpffrf_kernels.friction.pressure_answer import OPEN, RENEWED, ROUND, ROUNDS
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -152,18 +152,15 @@ def condense(
     s: real,
     K: wp.array(dtype=real),
     line: wp.array(dtype=real),
-    right: wp.array2d(dtype=real),
 ) -> int:
-    """Takes a slope s of the cell with the lines `row`, `row` + 1 into K and r_0; returns 0, and nothing is done, where
-    its pivot is not clearly positive."""
+    """Takes a slope s of the cell with the lines `row`, `row` + 1 into K; returns 0, and nothing is done, where its
+    pivot is not clearly positive."""
     N = 2 * model.capacity.cells
     start = w * N * N
     a = start + row * N + row
     k_00 = K[a]
     k_01 = K[a + 1]
     k_11 = K[a + N + 1]
-    r_0 = right[w, row]
-    r_1 = right[w, row + 1]
     p_00 = real(1.0) + s * k_00
     p_11 = real(1.0) + s * k_11
     det = p_00 * p_11 - s * s * k_01 * k_01
@@ -185,8 +182,6 @@ def condense(
         c_1 = line[copy + i] * b_01 + line[copy + N + i] * b_11
         axpy(count, -c_0, line, copy, K, start + i * N)
         axpy(count, -c_1, line, copy + N, K, start + i * N)
-        if lane == 0:
-            right[w, i] = right[w, i] - c_0 * r_0 - c_1 * r_1
         i += 1
     sync()
     return 1
@@ -265,16 +260,17 @@ def condense_slopes(
     speed_slip: wp.array2d(dtype=real),
     speed_before: wp.array2d(dtype=real),
     speed_K: inout(wp.array(dtype=real)),
-    speed_right: inout(wp.array2d(dtype=real)),
     speed_slope: inout(wp.array2d(dtype=real)),
     speed_line: inout(wp.array(dtype=real)),
+    speed_late: inout(wp.array2d(dtype=int)),
     steep: inout(wp.array3d(dtype=int)),
+    speed_right: out(wp.array2d(dtype=real)),
     speed_tau: out(wp.array2d(dtype=real)),
     radius: out(wp.array2d(dtype=real)),
     softness: out(wp.array2d(dtype=real)),
 ):
     """Per world: K', r_0', discs and a first guess of tau' for the slips at hand. What softens a late cell is part of
-    K' here. Slopes are taken anew in the first round, and where they have changed."""
+    K' here. K' is made anew where K is, where cells are late, and where slopes have changed."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0:
@@ -285,7 +281,7 @@ def condense_slopes(
     N = 2 * model.capacity.cells
     start = w * N * N
     rounds = answer_state[w, ROUND]
-    renew = rounds == 0
+    renew = rounds == 0 and (answer_state[w, RENEWED] != 0 or speed_late[w, 0] != 0)
     i = int(0)
     while i < cells:  # every lane looks for itself
         pair = cell_slot[w, i, 0]
@@ -296,30 +292,35 @@ def condense_slopes(
             speed = speed_of(h, w, i, weight[w, pair] * area, speed_slip)
             s = wanted_slope(model, h, pair, b, area, speed, speed_before[w, i], rounds)
             held = speed_slope[w, i]
+            renew = late[w, pair, m] > real(0.0) and rounds == 0
             k_i = wp.max(K[start + 2 * i * N + 2 * i], K[start + (2 * i + 1) * N + 2 * i + 1])
-            renew = wp.abs(s - held) * k_i > ALIKE * wp.max(real(1.0) + held * k_i, LEAST)
+            renew = renew or wp.abs(s - held) * k_i > ALIKE * wp.max(real(1.0) + held * k_i, LEAST)
         i += 1
     sync()
     if renew:
+        softened = int(0)
         i = lane
         while i < count:
-            speed_right[w, i] = right[w, i]
             j = int(0)
             while j < count:
                 speed_K[start + i * N + j] = K[start + i * N + j]
                 j += 1
             i += wp.block_dim()
         sync()
-        i = lane
+        i = int(0)
         while i < cells:
             pair = cell_slot[w, i, 0]
             m = cell_slot[w, i, 1]
-            if model.slip_speeds.pieces[pair] > 0 and bound[w, pair, m] > real(0.0):
-                soft = cell_area[w, pair, m] * late[w, pair, m]
-                a = start + 2 * i * N + 2 * i
-                speed_K[a] = speed_K[a] + soft
-                speed_K[a + N + 1] = speed_K[a + N + 1] + soft
-            i += wp.block_dim()
+            if model.slip_speeds.pieces[pair] > 0 and late[w, pair, m] > real(0.0):
+                softened = 1
+                if lane == 0:
+                    soft = cell_area[w, pair, m] * late[w, pair, m]
+                    a = start + 2 * i * N + 2 * i
+                    speed_K[a] = speed_K[a] + soft
+                    speed_K[a + N + 1] = speed_K[a + N + 1] + soft
+            i += 1
+        if lane == 0:
+            speed_late[w, 0] = softened
         sync()
         i = int(0)
         while i < cells:
@@ -332,7 +333,7 @@ def condense_slopes(
                 speed = speed_of(h, w, i, weight[w, pair] * area, speed_slip)
                 s = wanted_slope(model, h, pair, b, area, speed, speed_before[w, i], rounds)
             if s != real(0.0):
-                if condense(model, w, lane, count, 2 * i, s, speed_K, speed_line, speed_right) == 0:
+                if condense(model, w, lane, count, 2 * i, s, speed_K, speed_line) == 0:
                     if lane == 0:
                         mark = SHORTER
                         alone = stiff_enough(w, count, 2 * i, s, G) and stiff_enough(w, count, 2 * i + 1, s, G)
@@ -359,7 +360,14 @@ def condense_slopes(
             radius[w, i] = wp.max(disc, real(0.0))
             softness[w, i] = real(0.0)
         for d in range(2):
-            speed_tau[w, 2 * i + d] = tau[w, 2 * i + d] + s * speed_slip[w, 2 * i + d]
+            row = 2 * i + d
+            speed_tau[w, row] = tau[w, row] + s * speed_slip[w, row]
+            speed_line[w * 2 * N + row] = s * right[w, row]
+        i += wp.block_dim()
+    sync()
+    i = lane
+    while i < count:
+        speed_right[w, i] = right[w, i] - dot(count, speed_K, start + i * N, speed_line, w * 2 * N)
         i += wp.block_dim()
 
 

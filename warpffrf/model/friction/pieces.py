@@ -21,6 +21,8 @@ def cubic_pieces(law: FrictionLaw, label: str) -> np.ndarray:
     """Speeds v_i [m/s] at which pieces begin, and their coefficients by (v - v_i)^0 to ^3 (n, 5); the last one is
     constant. Raises `InputError` naming `label` where the coefficient is negative, no number, or not smooth."""
     found: list[np.ndarray] = []
+    room = TOLERANCE * law.largest_coefficient
+    least, most = law.least_coefficient - room, law.largest_coefficient + room
     ends = list(zip(law.breaks[:-1], law.breaks[1:], strict=True))[::-1]
     while ends:
         low, high = ends.pop()
@@ -29,7 +31,12 @@ def cubic_pieces(law: FrictionLaw, label: str) -> np.ndarray:
         values = law.coefficient_at(low + at)
         if not np.all(np.isfinite(piece)) or not np.all(values >= 0.0):
             raise InputError(f"{label}: {law.kind} has a coefficient of friction that is negative or no number")
-        if np.abs(_value(piece, at) - values).max() <= TOLERANCE * law.largest_coefficient:
+        if np.any(values > most) or np.any(values < least):
+            raise InputError(
+                f"{label}: the coefficient of {law.kind} rises and falls between {low:g} and {high:g} m/s; name the "
+                "speed of its extreme in `breaks`"
+            )
+        if np.abs(_value(piece, at) - values).max() <= room:
             found.append(np.concatenate([[low], piece]))
             continue
         if len(found) + len(ends) > MOST_PIECES or high - low < SHORTEST * law.breaks[-1]:

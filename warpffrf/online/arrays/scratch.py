@@ -319,6 +319,7 @@ class SlipSpeedSolve(Arrays):
     speed_line: DeviceArray = reals("world", "4*speed_cell", unit="m/Pa", note="two lines of the compliance")
     speed_slip: DeviceArray = reals("world", "2*speed_cell", unit="m3", note="weak, 0 of what sticks")
     speed_before: DeviceArray = reals("world", "speed_cell", unit="m/s", note="of the round before")
+    speed_late: DeviceArray = integers("world", 1, note="1 where late cells soften speed_K")
     speed_again: DeviceArray = integers("world", 1, note="1 where the bounds do not follow the speeds yet")
 
 
