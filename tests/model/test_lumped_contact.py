@@ -187,7 +187,7 @@ def test_a_pair_is_named_once() -> None:
     scene.add(LumpedContact(a, b, law=HERTZ, name="one"))
     with pytest.raises(InputError, match="in contact already"):
         scene.add(LumpedContact(b, a, law=HERTZ, name="two"))
-    assert scene.lumped_contact("one").friction.coefficient == 0.0
+    assert scene.lumped_contact("one").friction.static_coefficient == 0.0
     with pytest.raises(InputError, match="'one'"):
         scene.lumped_contact("other")
     with pytest.raises(InputError, match="contact with itself"):
