@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 import warp as wp
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.layers import layer_laws
 
@@ -79,12 +79,14 @@ def device_model() -> tuple[wp.array, Any]:
     port = SimpleNamespace(surface=SimpleNamespace(grid=grid, shape=shape))
     contacts = [SimpleNamespace(name="pair", law=law, a=port, evaluation="semi") for law in LAWS]
     scene, fill = SimpleNamespace(contacts=contacts), Constants("cpu").fill
-    collector: Any = SimpleNamespace(scene=scene, settings=Settings(), notes=[], fill=fill)
+    elements = Elements()
+    collector: Any = SimpleNamespace(scene=scene, settings=Settings(), notes=[], fill=fill, elements=elements)
     model = Model()
-    fill_layers(collector, model)
-    assert model.layers.count == len(LAWS)
+    fill_layers(collector)
+    model.elements = wp.array([elements], dtype=Elements, device="cpu")
+    assert elements.layers.count == len(LAWS)
     assert any("ends at" in note for note in collector.notes)
-    return wp.array([model], dtype=Model), model
+    return wp.array([model], dtype=Model), (model, elements)
 
 
 def curve(index: int, depth: np.ndarray, past: float = 0.0, rate: float = 0.0) -> np.ndarray:

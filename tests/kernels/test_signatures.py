@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import importlib
 import inspect
 import pkgutil
@@ -14,6 +15,7 @@ import warp as wp
 import warpffrf_kernels
 from kernel_access import access_of
 from warpffrf_kernels.core.access import is_read, is_written
+from warpffrf_kernels.core.model import Model
 
 MODULES = [
     importlib.import_module(m.name) for m in pkgutil.walk_packages(warpffrf_kernels.__path__, "warpffrf_kernels.")
@@ -85,3 +87,8 @@ def test_kernels_and_what_they_write_are_found() -> None:
     assert {"bordered_rhs", "work", "solution", "pressure", "z"} <= access_of(
         KERNELS["contact_solve.solve_pressures"]
     ).written
+
+
+def test_the_model_is_small_enough_for_cuda() -> None:
+    """Kernels take a copy of it; above 8 KiB a module took minutes to compile for sm_90 instead of seconds."""
+    assert ctypes.sizeof(Model.ctype) <= 8192

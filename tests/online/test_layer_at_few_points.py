@@ -127,11 +127,11 @@ def test_the_tangent_of_few_points_is_symmetric_and_not_negative(few: ReducedBod
     model = engine.compiled.model
     sampling = few.contact_surfaces["rim"].sampling
     assert sampling is not None
-    assert layer_points(model) == (model.window.columns + 1) * sampling.count
+    assert layer_points(engine.compiled) == (model.window.columns + 1) * sampling.count
     assert settle(engine)
     slots = int(np.count_nonzero(engine.scratch.slot_of.numpy()[0] >= 0))
     assert slots >= 4
-    E = slot_flexibility(model, engine.scratch, slots)
+    E = slot_flexibility(engine.compiled, engine.scratch, slots)
     assert np.abs(E - E.T).max() < 1e-12 * E.max()
     values = np.linalg.eigvalsh(E)
     assert values.max() > 0.0 and values.min() > -1e-12 * values.max()

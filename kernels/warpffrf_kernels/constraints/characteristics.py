@@ -29,29 +29,29 @@ LIMP = wp.constant(wp.float64(1.0e-6))
 @wp.func
 def characteristic(model: Model, n: int, x: real) -> vec3:
     """Force, slope and potential of characteristic n at x."""
-    low = model.characteristics.start[n]
-    high = model.characteristics.start[n + 1] - 1
+    low = model.elements[0].characteristics.start[n]
+    high = model.elements[0].characteristics.start[n + 1] - 1
     while low < high:  # the last piece that begins at x or below
         middle = (low + high + 1) / 2
-        if x >= model.characteristics.begin[middle]:
+        if x >= model.elements[0].characteristics.begin[middle]:
             low = middle
         else:
             high = middle - 1
-    xi = x - model.characteristics.origin[low]
+    xi = x - model.elements[0].characteristics.origin[low]
     force = real(0.0)
     slope = real(0.0)
     energy = real(0.0)
     i = int(7)
     while i >= 0:
-        c = model.characteristics.coefficient[low, i]
+        c = model.elements[0].characteristics.coefficient[low, i]
         slope = slope * xi + force
         force = force * xi + c
         energy = energy * xi + c / real(i + 1)
         i -= 1
-    energy = energy * xi + model.characteristics.constant[low]
-    a = model.characteristics.power[low]
+    energy = energy * xi + model.elements[0].characteristics.constant[low]
+    a = model.elements[0].characteristics.power[low]
     if a != real(0.0):
-        p = model.characteristics.exponent[low]
+        p = model.elements[0].characteristics.exponent[low]
         size = wp.abs(xi)
         steep = a * wp.pow(size, p - real(1.0))
         slope += p * steep

@@ -82,7 +82,7 @@ def torque_of(wrench: wp.array3d(dtype=real), w: int, row: int) -> vec3:
 @wp.func
 def axis_of(model: Model, w: int, e: int, row_wrench: wp.array3d(dtype=real)) -> vec3:
     """Axis of the joint, world."""
-    row = model.joint_frictions.start[e]
+    row = model.elements[0].joint_frictions.start[e]
     if model.rows.kind[row] == k.TRANSLATION:
         return force_of(row_wrench, w, row)
     return wp.normalize(torque_of(row_wrench, w, row))
@@ -93,9 +93,9 @@ def reaction(model: Model, w: int, e: int, lam: wp.array2d(dtype=real), row_wren
     """R and M of the joint on its second body."""
     R = vec3(real(0.0))
     M = vec3(real(0.0))
-    at = model.joint_frictions.held_start[e]
-    while at < model.joint_frictions.held_start[e + 1]:
-        row = model.joint_frictions.held[at]
+    at = model.elements[0].joint_frictions.held_start[e]
+    while at < model.elements[0].joint_frictions.held_start[e + 1]:
+        row = model.elements[0].joint_frictions.held[at]
         R -= lam[w, row] * force_of(row_wrench, w, row)
         M -= lam[w, row] * torque_of(row_wrench, w, row)
         at += 1
@@ -105,27 +105,29 @@ def reaction(model: Model, w: int, e: int, lam: wp.array2d(dtype=real), row_wren
 @wp.func
 def bound_of(model: Model, e: int, axis: vec3, R: vec3, M: vec3) -> real:
     across = real(0.5) * (R - wp.dot(R, axis) * axis)
-    couple = model.joint_frictions.bending[e] * wp.cross(axis, M)
-    load = model.joint_frictions.radial[e] * (wp.length(across + couple) + wp.length(across - couple))
-    load += model.joint_frictions.axial[e] * wp.abs(wp.dot(R, axis))
-    load += model.joint_frictions.spin[e] * wp.abs(wp.dot(M, axis))
-    return model.joint_frictions.preload[e] + model.joint_frictions.coefficient[e] * load
+    couple = model.elements[0].joint_frictions.bending[e] * wp.cross(axis, M)
+    load = model.elements[0].joint_frictions.radial[e] * (wp.length(across + couple) + wp.length(across - couple))
+    load += model.elements[0].joint_frictions.axial[e] * wp.abs(wp.dot(R, axis))
+    load += model.elements[0].joint_frictions.spin[e] * wp.abs(wp.dot(M, axis))
+    return model.elements[0].joint_frictions.preload[e] + model.elements[0].joint_frictions.coefficient[e] * load
 
 
 @wp.func
 def bound_slope(model: Model, e: int, axis: vec3, R: vec3, M: vec3, dR: vec3, dM: vec3) -> real:
     """What the bound changes by with R and M."""
-    bending = model.joint_frictions.bending[e]
+    bending = model.elements[0].joint_frictions.bending[e]
     across = real(0.5) * (R - wp.dot(R, axis) * axis)
     couple = bending * wp.cross(axis, M)
     along = real(0.5) * (dR - wp.dot(dR, axis) * axis)
     turned = bending * wp.cross(axis, dM)
     first = wp.normalize(across + couple)
     second = wp.normalize(across - couple)
-    slope = model.joint_frictions.radial[e] * (wp.dot(first, along + turned) + wp.dot(second, along - turned))
-    slope += model.joint_frictions.axial[e] * wp.sign(wp.dot(R, axis)) * wp.dot(dR, axis)
-    slope += model.joint_frictions.spin[e] * wp.sign(wp.dot(M, axis)) * wp.dot(dM, axis)
-    return model.joint_frictions.coefficient[e] * slope
+    slope = model.elements[0].joint_frictions.radial[e] * (
+        wp.dot(first, along + turned) + wp.dot(second, along - turned)
+    )
+    slope += model.elements[0].joint_frictions.axial[e] * wp.sign(wp.dot(R, axis)) * wp.dot(dR, axis)
+    slope += model.elements[0].joint_frictions.spin[e] * wp.sign(wp.dot(M, axis)) * wp.dot(dM, axis)
+    return model.elements[0].joint_frictions.coefficient[e] * slope
 
 
 @wp.func
@@ -180,10 +182,10 @@ def rub(
     if ctl[w].run == 0 or ctl[w].moved == 0 or not acts(ctl, clk, w):
         return
     e = lane
-    while e < model.joint_frictions.count:
-        n = model.joint_frictions.size[e]
-        first = model.joint_frictions.start[e]
-        slow = model.joint_frictions.slip_velocity[e]
+    while e < model.elements[0].joint_frictions.count:
+        n = model.elements[0].joint_frictions.size[e]
+        first = model.elements[0].joint_frictions.start[e]
+        slow = model.elements[0].joint_frictions.slip_velocity[e]
         R, M = reaction(model, w, e, lam, row_wrench)
         bound = bound_of(model, e, axis_of(model, w, e, row_wrench), R, M)
         slip_bound[w, e] = bound
@@ -191,7 +193,7 @@ def rub(
         f = wp.vec2d(real(0.0), real(0.0))
         yields = NOTHING
         for r in range(n):
-            weight = model.joint_frictions.weight[e, r]
+            weight = model.elements[0].joint_frictions.weight[e, r]
             row = first + r
             v[r] = weight * drive_rate[w, 1, row]
             f[r] = lam[w, row] / weight
@@ -237,7 +239,7 @@ def rub(
         lead = (along - across) * wp.dot(way, missing)
         for r in range(n):
             row = first + r
-            weight = model.joint_frictions.weight[e, r]
+            weight = model.elements[0].joint_frictions.weight[e, r]
             if branch == 0:
                 defect[w, row] = coordinate[w, row] - slip_anchor[w, e, r]
                 softness[w, row] = HELD * yields / (weight * weight)
@@ -276,28 +278,28 @@ def couple_friction(
     if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0 or not acts(ctl, clk, w):
         return
     e = lane
-    while e < model.joint_frictions.count:
-        n = model.joint_frictions.size[e]
-        at = model.outer.row_offset + model.joint_frictions.start[e]
+    while e < model.elements[0].joint_frictions.count:
+        n = model.elements[0].joint_frictions.size[e]
+        at = model.outer.row_offset + model.elements[0].joint_frictions.start[e]
         along = slip_softness[w, e, 0]
         across = slip_softness[w, e, 1]
         if slip_branch[w, e] != 0:
             if n == 2:
-                both = model.joint_frictions.weight[e, 0] * model.joint_frictions.weight[e, 1]
+                both = model.elements[0].joint_frictions.weight[e, 0] * model.elements[0].joint_frictions.weight[e, 1]
                 shear = (along - across) * slip_way[w, e, 0] * slip_way[w, e, 1] / both
                 tangent[w, at, at + 1] = tangent[w, at, at + 1] - shear
                 tangent[w, at + 1, at] = tangent[w, at + 1, at] - shear
             axis = axis_of(model, w, e, row_wrench)
             R, M = reaction(model, w, e, lam, row_wrench)
-            i = model.joint_frictions.held_start[e]
-            while i < model.joint_frictions.held_start[e + 1]:
-                row = model.joint_frictions.held[i]
+            i = model.elements[0].joint_frictions.held_start[e]
+            while i < model.elements[0].joint_frictions.held_start[e + 1]:
+                row = model.elements[0].joint_frictions.held[i]
                 dR = -force_of(row_wrench, w, row)
                 dM = -torque_of(row_wrench, w, row)
                 slope = bound_slope(model, e, axis, R, M, dR, dM)
                 column = model.outer.row_offset + row
                 for r in range(n):
-                    entry = along * slip_way[w, e, r] * slope / model.joint_frictions.weight[e, r]
+                    entry = along * slip_way[w, e, r] * slope / model.elements[0].joint_frictions.weight[e, r]
                     tangent[w, at + r, column] = tangent[w, at + r, column] + entry
                 i += 1
         e += wp.block_dim()
@@ -326,7 +328,7 @@ def end_slips(
         return
     ctl[w].turned = 0
     e = int(0)
-    while e < model.joint_frictions.count:
+    while e < model.elements[0].joint_frictions.count:
         slip_loss[w, e] = real(0.0)
         if acts(ctl, clk, w):
             held = real(0.0)
@@ -334,9 +336,9 @@ def end_slips(
             before = real(0.0)
             after = real(0.0)
             kept = real(0.0)
-            for r in range(model.joint_frictions.size[e]):
-                row = model.joint_frictions.start[e] + r
-                weight = model.joint_frictions.weight[e, r]
+            for r in range(model.elements[0].joint_frictions.size[e]):
+                row = model.elements[0].joint_frictions.start[e] + r
+                weight = model.elements[0].joint_frictions.weight[e, r]
                 step = coordinate[w, row] - stretch[w, row]
                 held += lam[w, row] * lam[w, row] / (weight * weight)
                 before += lam0[w, row] * step
@@ -348,7 +350,7 @@ def end_slips(
                 loss = after
             slip_loss[w, e] = wp.max(loss, real(0.0))
             branch = slip_branch[w, e]
-            if model.joint_frictions.slip_velocity[e] == real(0.0):
+            if model.elements[0].joint_frictions.slip_velocity[e] == real(0.0):
                 if ctl[w].forget != 0:
                     if branch != slipping[w, e] or (branch != 0 and kept < real(0.0)):
                         ctl[w].turned = 1
@@ -376,9 +378,9 @@ def keep_slips(
     if ctl[w].accept == 0 or not acts(ctl, clk, w):
         return
     e = lane
-    while e < model.joint_frictions.count:
+    while e < model.elements[0].joint_frictions.count:
         slipping[w, e] = slip_branch[w, e]
-        for r in range(model.joint_frictions.size[e]):
+        for r in range(model.elements[0].joint_frictions.size[e]):
             stuck_at[w, e, r] = slip_anchor[w, e, r]
         e += wp.block_dim()
 
@@ -406,15 +408,15 @@ def record_slips(
         return
     at = ctl[w].saved % saved_slipping.shape[1]
     e = lane
-    while e < model.joint_frictions.count:
+    while e < model.elements[0].joint_frictions.count:
         v = wp.vec2d(real(0.0), real(0.0))
         f = wp.vec2d(real(0.0), real(0.0))
-        for r in range(model.joint_frictions.size[e]):
-            row = model.joint_frictions.start[e] + r
-            v[r] = model.joint_frictions.weight[e, r] * drive_rate[w, 0, row]
-            f[r] = -lam[w, row] / model.joint_frictions.weight[e, r]
+        for r in range(model.elements[0].joint_frictions.size[e]):
+            row = model.elements[0].joint_frictions.start[e] + r
+            v[r] = model.elements[0].joint_frictions.weight[e, r] * drive_rate[w, 0, row]
+            f[r] = -lam[w, row] / model.elements[0].joint_frictions.weight[e, r]
         state = slipping[w, e]
-        if wp.length(v) < model.joint_frictions.slip_velocity[e]:
+        if wp.length(v) < model.elements[0].joint_frictions.slip_velocity[e]:
             state = int(0)
         saved_slipping[w, at, e] = state
         for r in range(2):

@@ -4,6 +4,8 @@ Indices of absent things are -1. Body frames have their origin in the centre of 
 end in "_entry" are those of tables that stand one behind the other.
 """
 
+import warp as wp
+
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, reals, topic, vectors
 from warpffrf_kernels.core.scalars import real, vec3
 
@@ -423,6 +425,18 @@ class Limits:
 
 
 @topic
+class Elements:
+    """What few scenes have. Every kernel takes a copy of the model, and of one above 8 KiB the compiler of CUDA takes
+    minutes: so these are read where they lie."""
+
+    joint_frictions: JointFrictions
+    characteristics: Characteristics
+    slip_speeds: SlipSpeeds
+    layers: Layers
+    lumped: Lumped
+
+
+@topic
 class Model:
     """All of them, gravity [m/s2], and the length of the scene [m], which lengths of round-off size are fractions
     of."""
@@ -437,8 +451,6 @@ class Model:
     markers: Markers
     rows: Rows
     groups: Groups
-    joint_frictions: JointFrictions
-    characteristics: Characteristics
     signals: Signals
     forces: Forces
     torques: Torques
@@ -447,10 +459,8 @@ class Model:
     responses: Responses
     quadrature: Quadrature
     pairs: Pairs
-    slip_speeds: SlipSpeeds
     points: Points
     window: Window
     capacity: Capacity
-    layers: Layers
-    lumped: Lumped
     limits: Limits
+    elements: wp.array(dtype=Elements)  # one

@@ -56,19 +56,19 @@ WORST = wp.constant(2)
 @wp.func
 def coefficient(model: Model, pair: int, speed: real) -> wp.vec2d:
     """mu and dmu/dv [s/m] of a pair at a slip speed [m/s]."""
-    low = model.slip_speeds.start[pair]
-    high = low + model.slip_speeds.pieces[pair]
+    low = model.elements[0].slip_speeds.start[pair]
+    high = low + model.elements[0].slip_speeds.pieces[pair]
     while high - low > 1:
         middle = (low + high) / 2
-        if speed < model.slip_speeds.piece[middle, 0]:
+        if speed < model.elements[0].slip_speeds.piece[middle, 0]:
             high = middle
         else:
             low = middle
-    x = speed - model.slip_speeds.piece[low, 0]
-    a = model.slip_speeds.piece[low, 1]
-    b = model.slip_speeds.piece[low, 2]
-    c = model.slip_speeds.piece[low, 3]
-    d = model.slip_speeds.piece[low, 4]
+    x = speed - model.elements[0].slip_speeds.piece[low, 0]
+    a = model.elements[0].slip_speeds.piece[low, 1]
+    b = model.elements[0].slip_speeds.piece[low, 2]
+    c = model.elements[0].slip_speeds.piece[low, 3]
+    d = model.elements[0].slip_speeds.piece[low, 4]
     return wp.vec2d(a + x * (b + x * (c + x * d)), b + x * (real(2.0) * c + real(3.0) * x * d))
 
 
@@ -119,7 +119,7 @@ def follow_slips(
     """Per (world, pair), lanes over cells: bounds mu(v) p of the slips at hand, from those of the largest mu."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.slip_speeds.pieces[pair] == 0 or clk[w].h == real(0.0):
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.elements[0].slip_speeds.pieces[pair] == 0 or clk[w].h == real(0.0):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     H = model.window.half
@@ -287,7 +287,7 @@ def condense_slopes(
         pair = cell_slot[w, i, 0]
         m = cell_slot[w, i, 1]
         b = bound[w, pair, m]
-        if not renew and model.slip_speeds.pieces[pair] > 0 and b > real(0.0):
+        if not renew and model.elements[0].slip_speeds.pieces[pair] > 0 and b > real(0.0):
             area = cell_area[w, pair, m]
             speed = speed_of(h, w, i, weight[w, pair] * area, speed_slip)
             s = wanted_slope(model, h, pair, b, area, speed, speed_before[w, i], rounds)
@@ -311,7 +311,7 @@ def condense_slopes(
         while i < cells:
             pair = cell_slot[w, i, 0]
             m = cell_slot[w, i, 1]
-            if model.slip_speeds.pieces[pair] > 0 and late[w, pair, m] > real(0.0):
+            if model.elements[0].slip_speeds.pieces[pair] > 0 and late[w, pair, m] > real(0.0):
                 softened = 1
                 if lane == 0:
                     soft = cell_area[w, pair, m] * late[w, pair, m]
@@ -328,7 +328,7 @@ def condense_slopes(
             m = cell_slot[w, i, 1]
             b = bound[w, pair, m]
             s = real(0.0)
-            if model.slip_speeds.pieces[pair] > 0 and b > real(0.0):
+            if model.elements[0].slip_speeds.pieces[pair] > 0 and b > real(0.0):
                 area = cell_area[w, pair, m]
                 speed = speed_of(h, w, i, weight[w, pair] * area, speed_slip)
                 s = wanted_slope(model, h, pair, b, area, speed, speed_before[w, i], rounds)
@@ -351,7 +351,7 @@ def condense_slopes(
         pair = cell_slot[w, i, 0]
         m = cell_slot[w, i, 1]
         s = real(0.0)
-        if model.slip_speeds.pieces[pair] > 0:
+        if model.elements[0].slip_speeds.pieces[pair] > 0:
             scale = weight[w, pair] * cell_area[w, pair, m]
             b = bound[w, pair, m]
             s = speed_slope[w, i]
@@ -414,7 +414,7 @@ def split_tractions(
                 r = found[w, 2 * i + d]
             speed_slip[w, 2 * i + d] = r
             tau[w, 2 * i + d] = speed_tau[w, 2 * i + d] - s * r
-        if model.slip_speeds.pieces[pair] > 0:
+        if model.elements[0].slip_speeds.pieces[pair] > 0:
             speed = speed_of(h, w, i, scale, speed_slip)
             law = weight[w, pair] * bound[w, pair, m] * share_of(model, pair, speed)[0]
             largest = wp.max(largest, law)

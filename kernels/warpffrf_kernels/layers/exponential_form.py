@@ -17,29 +17,31 @@ END = wp.constant(3)  # the gap where pressure ends, m
 @wp.func
 def exponential_beginning(model: Model, pair: int) -> real:
     """Depth [m] at which the pressure begins."""
-    return -model.layers.number[pair, END]
+    return -model.elements[0].layers.number[pair, END]
 
 
 @wp.func
 def exponential_pressure(model: Model, pair: int, depth: real) -> wp.vec2d:
     """Pressure [Pa] and slope [Pa/m]."""
-    k = model.layers.number[pair, AT_ZERO]
-    length = model.layers.number[pair, LENGTH]
+    k = model.elements[0].layers.number[pair, AT_ZERO]
+    length = model.elements[0].layers.number[pair, LENGTH]
     e = wp.exp(depth / length)
-    return wp.vec2d(k * (e - model.layers.number[pair, EPS]), k * e / length)
+    return wp.vec2d(k * (e - model.elements[0].layers.number[pair, EPS]), k * e / length)
 
 
 @wp.func
 def exponential_depth(model: Model, pair: int, p: real) -> real:
     """Depth [m] under p > 0."""
-    whole = p / model.layers.number[pair, AT_ZERO] + model.layers.number[pair, EPS]
-    return model.layers.number[pair, LENGTH] * wp.log(whole)
+    whole = p / model.elements[0].layers.number[pair, AT_ZERO] + model.elements[0].layers.number[pair, EPS]
+    return model.elements[0].layers.number[pair, LENGTH] * wp.log(whole)
 
 
 @wp.func
 def exponential_energy(model: Model, pair: int, depth: real) -> real:
     """Energy [J/m^2]."""
-    length = model.layers.number[pair, LENGTH]
-    shift = model.layers.number[pair, EPS]
+    length = model.elements[0].layers.number[pair, LENGTH]
+    shift = model.elements[0].layers.number[pair, EPS]
     e = wp.exp(depth / length) - shift
-    return model.layers.number[pair, AT_ZERO] * (length * e - shift * (model.layers.number[pair, END] + depth))
+    return model.elements[0].layers.number[pair, AT_ZERO] * (
+        length * e - shift * (model.elements[0].layers.number[pair, END] + depth)
+    )

@@ -62,7 +62,7 @@ def add_layer_energy(
         return
     pair = int(0)
     while pair < model.pairs.count:
-        if model.layers.kind[pair] != CONSTANT:
+        if model.elements[0].layers.kind[pair] != CONSTANT:
             energy = real(0.0)
             lost = real(0.0)
             part = real(0.5)
@@ -70,8 +70,8 @@ def add_layer_energy(
                 part = theta[w, pair]
             A = model.pairs.first[pair]
             rows = model.surfaces.rows[A]
-            start = model.layers.point_start[pair]
-            per_column = model.layers.point_count[pair]
+            start = model.elements[0].layers.point_start[pair]
+            per_column = model.elements[0].layers.point_count[pair]
             low = window[w, pair, 0] + model.window.half
             high = window[w, pair, 1] + model.window.half
             m = low * rows
@@ -80,7 +80,7 @@ def add_layer_energy(
                     value = linear_yield(model, w, pair, m, rows, active, pressure, offset, tangent)
                     energy -= real(0.5) * pressure[w, pair, m] * value
                 m += 1
-            damped = model.layers.number[pair, CHI] > real(0.0)
+            damped = model.elements[0].layers.number[pair, CHI] > real(0.0)
             rate = rate_of(model, ctl, clk, w, pair)
             origin = center[w, pair, 0] - 1 - model.window.half
             if damped:
@@ -93,7 +93,7 @@ def add_layer_energy(
             while q < (high + 2) * per_column:
                 cell = q / per_column
                 point = start + q - cell * per_column
-                row = model.layers.row[point]
+                row = model.elements[0].layers.row[point]
                 p = real(0.0)
                 slack = real(0.0)
                 for node in range(4):
@@ -112,7 +112,7 @@ def add_layer_energy(
                         if p <= real(0.0):
                             d = wp.max(d - slack, real(0.0))
                         depth_now[w, pair, q] = d
-                    dA = model.layers.area[point]
+                    dA = model.elements[0].layers.area[point]
                     energy += dA * layer_energy(model, pair, d)
                     if rate > real(0.0):
                         elastic = layer_pressure(model, pair, d, real(0.0), real(0.0))
@@ -142,7 +142,7 @@ def keep_layer(
     model = models[0]
     if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
         return
-    if model.layers.kind[pair] != CONSTANT and model.layers.number[pair, CHI] > real(0.0):
+    if model.elements[0].layers.kind[pair] != CONSTANT and model.elements[0].layers.number[pair, CHI] > real(0.0):
         q = lane
         while q < depth_before.shape[2]:
             depth_before[w, pair, q] = depth_now[w, pair, q]

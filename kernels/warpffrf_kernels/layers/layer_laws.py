@@ -46,7 +46,7 @@ pair2 = wp.vec2d
 @wp.func
 def beginning(model: Model, pair: int) -> real:
     """Depth [m] at which P begins."""
-    kind = model.layers.kind[pair]
+    kind = model.elements[0].layers.kind[pair]
     if kind == EXPONENTIAL:
         return exponential_beginning(model, pair)
     if kind == TABLE:
@@ -57,7 +57,7 @@ def beginning(model: Model, pair: int) -> real:
 @wp.func
 def elastic_pressure(model: Model, pair: int, depth: real) -> pair2:
     """P [Pa] at a depth [m], and its slope [Pa/m]; from `beginning` on."""
-    kind = model.layers.kind[pair]
+    kind = model.elements[0].layers.kind[pair]
     if kind == EXPONENTIAL:
         return exponential_pressure(model, pair, depth)
     if kind == TABLE:
@@ -68,7 +68,7 @@ def elastic_pressure(model: Model, pair: int, depth: real) -> pair2:
 @wp.func
 def elastic_depth(model: Model, pair: int, p: real) -> real:
     """Depth [m] at which P is p > 0."""
-    kind = model.layers.kind[pair]
+    kind = model.elements[0].layers.kind[pair]
     if kind == EXPONENTIAL:
         return exponential_depth(model, pair, p)
     if kind == TABLE:
@@ -81,7 +81,7 @@ def layer_energy(model: Model, pair: int, depth: real) -> real:
     """Elastic energy [J/m^2] of a layer at a depth [m]; 0 below its beginning."""
     if depth <= beginning(model, pair):
         return real(0.0)
-    kind = model.layers.kind[pair]
+    kind = model.elements[0].layers.kind[pair]
     if kind == EXPONENTIAL:
         return exponential_energy(model, pair, depth)
     if kind == TABLE:

@@ -11,10 +11,10 @@ wp.set_module_options(MODULE_OPTIONS)
 @wp.func
 def piece_of(model: Model, pair: int, column: int, value: real) -> int:
     """Line of the pair's table at or below `value` of a column, the last but one at most."""
-    first = model.layers.table_start[pair]
-    last = first + model.layers.table_count[pair] - 2
+    first = model.elements[0].layers.table_start[pair]
+    last = first + model.elements[0].layers.table_count[pair] - 2
     i = int(first)
-    while i < last and value >= model.layers.table[i + 1, column]:
+    while i < last and value >= model.elements[0].layers.table[i + 1, column]:
         i += 1
     return i
 
@@ -22,25 +22,27 @@ def piece_of(model: Model, pair: int, column: int, value: real) -> int:
 @wp.func
 def table_beginning(model: Model, pair: int) -> real:
     """Depth [m] at which the pressure begins."""
-    return model.layers.table[model.layers.table_start[pair], 0]
+    return model.elements[0].layers.table[model.elements[0].layers.table_start[pair], 0]
 
 
 @wp.func
 def table_pressure(model: Model, pair: int, depth: real) -> wp.vec2d:
     """Pressure [Pa] and slope [Pa/m]."""
     i = piece_of(model, pair, 0, depth)
-    rise = model.layers.table[i + 1, 1] - model.layers.table[i, 1]
-    slope = rise / (model.layers.table[i + 1, 0] - model.layers.table[i, 0])
-    return wp.vec2d(model.layers.table[i, 1] + slope * (depth - model.layers.table[i, 0]), slope)
+    rise = model.elements[0].layers.table[i + 1, 1] - model.elements[0].layers.table[i, 1]
+    slope = rise / (model.elements[0].layers.table[i + 1, 0] - model.elements[0].layers.table[i, 0])
+    return wp.vec2d(
+        model.elements[0].layers.table[i, 1] + slope * (depth - model.elements[0].layers.table[i, 0]), slope
+    )
 
 
 @wp.func
 def table_depth(model: Model, pair: int, p: real) -> real:
     """Depth [m] under p > 0."""
     i = piece_of(model, pair, 1, p)
-    run = model.layers.table[i + 1, 0] - model.layers.table[i, 0]
-    rise = model.layers.table[i + 1, 1] - model.layers.table[i, 1]
-    return model.layers.table[i, 0] + run / rise * (p - model.layers.table[i, 1])
+    run = model.elements[0].layers.table[i + 1, 0] - model.elements[0].layers.table[i, 0]
+    rise = model.elements[0].layers.table[i + 1, 1] - model.elements[0].layers.table[i, 1]
+    return model.elements[0].layers.table[i, 0] + run / rise * (p - model.elements[0].layers.table[i, 1])
 
 
 @wp.func
@@ -48,5 +50,5 @@ def table_energy(model: Model, pair: int, depth: real) -> real:
     """Energy [J/m^2]."""
     i = piece_of(model, pair, 0, depth)
     at = table_pressure(model, pair, depth)
-    mean = real(0.5) * (model.layers.table[i, 1] + at[0])
-    return model.layers.table[i, 2] + mean * (depth - model.layers.table[i, 0])
+    mean = real(0.5) * (model.elements[0].layers.table[i, 1] + at[0])
+    return model.elements[0].layers.table[i, 2] + mean * (depth - model.elements[0].layers.table[i, 0])

@@ -65,14 +65,14 @@ def rate_of(model: Model, ctl: wp.array(dtype=Control), clk: wp.array(dtype=Cloc
     """chi/h [1/m] of a pair's law in a step in time, else 0."""
     if ctl[w].mode != k.DYNAMIC or clk[w].h < NO_TIME:
         return real(0.0)
-    return model.layers.number[pair, CHI] / clk[w].h
+    return model.elements[0].layers.number[pair, CHI] / clk[w].h
 
 
 @wp.func
 def hat_value(model: Model, node: int, point: int) -> real:
     """Value of corner `node` = 2 c + r of a cell at its point with the number `point` in the tables."""
-    x = model.layers.x[point]
-    z = model.layers.zeta[point]
+    x = model.elements[0].layers.x[point]
+    z = model.elements[0].layers.zeta[point]
     if node < 2:
         x = real(1.0) - x
     if node % 2 == 0:
@@ -117,12 +117,12 @@ def linearise_layer(
     """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.layers.kind[pair] == CONSTANT:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.elements[0].layers.kind[pair] == CONSTANT:
         return
     A = model.pairs.first[pair]
     rows = model.surfaces.rows[A]
-    start = model.layers.point_start[pair]
-    per_column = model.layers.point_count[pair]
+    start = model.elements[0].layers.point_start[pair]
+    per_column = model.elements[0].layers.point_count[pair]
     rate = rate_of(model, ctl, clk, w, pair)
     fresh = ctl[w].iteration == 0 or ctl[w].recenter != 0
     moved = center[w, pair, 0] - column_before[w, pair]
@@ -145,7 +145,7 @@ def linearise_layer(
     while q < end:
         cell = q / per_column
         point = start + q - cell * per_column
-        row = model.layers.row[point]
+        row = model.elements[0].layers.row[point]
         p = real(0.0)
         held = real(0.0)
         share = real(0.0)
@@ -231,13 +231,13 @@ def weigh_layer(
     row + r - 1) at 3 c + r."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.layers.kind[pair] == CONSTANT:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.elements[0].layers.kind[pair] == CONSTANT:
         return
     A = model.pairs.first[pair]
     rows = model.surfaces.rows[A]
-    start = model.layers.point_start[pair]
-    per_column = model.layers.point_count[pair]
-    row_at = model.layers.row_start[pair]
+    start = model.elements[0].layers.point_start[pair]
+    per_column = model.elements[0].layers.point_count[pair]
+    row_at = model.elements[0].layers.row_start[pair]
     m = (window[w, pair, 0] + model.window.half) * rows + lane
     while m < (window[w, pair, 1] + model.window.half + 1) * rows:
         column = m / rows
@@ -250,11 +250,11 @@ def weigh_layer(
             row = own_row - corner % 2
             absolute = center[w, pair, 0] + cell - 1 - model.window.half
             if row >= 0 and row < rows - 1 and cell_exists(model, A, absolute):
-                point = start + model.layers.row_at[row_at + row]
-                end = start + model.layers.row_at[row_at + row + 1]
+                point = start + model.elements[0].layers.row_at[row_at + row]
+                end = start + model.elements[0].layers.row_at[row_at + row + 1]
                 q = cell * per_column + point - start
                 while point < end:
-                    weight = hat_value(model, corner, point) * model.layers.area[point]
+                    weight = hat_value(model, corner, point) * model.elements[0].layers.area[point]
                     total += weight * beginning[w, pair, q]
                     weight = weight * flexibility[w, pair, q]
                     for node in range(4):
@@ -307,7 +307,7 @@ def add_yield(
     """Per (world, pair), lanes over hats of the window: the layer's weak yield, added to what the local modes open."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or model.layers.kind[pair] == CONSTANT:
+    if ctl[w].run == 0 or model.elements[0].layers.kind[pair] == CONSTANT:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     base = (w * model.pairs.count + pair) * model.window.hats
@@ -354,7 +354,7 @@ def find_support(
     renew = int(1)
     pair = int(0)
     while pair < model.pairs.count:
-        if model.layers.kind[pair] != CONSTANT:
+        if model.elements[0].layers.kind[pair] != CONSTANT:
             count = model.pairs.coupled_count[pair]
             i = lane
             while i < model.outer.count:
@@ -424,7 +424,7 @@ def add_flexibility(
             if slot_hat[w, j, 0] == pair or model.pairs.beside != 0:
                 soft[w, i, j] = G[w, i, j]
             j += 1
-        if model.layers.kind[pair] != CONSTANT:
+        if model.elements[0].layers.kind[pair] != CONSTANT:
             rows = model.surfaces.rows[model.pairs.first[pair]]
             column = m / rows
             row = m - column * rows

@@ -28,24 +28,24 @@ class Push:
 def push_of(model: Model, contact: int, share: real, approach: real) -> Push:
     """Of a lumped contact at an approach [m]."""
     out = Push()
-    count = model.lumped.table_count[contact]
+    count = model.elements[0].lumped.table_count[contact]
     if count == 0:
         if approach > real(0.0):
-            n = model.lumped.exponent[contact]
-            out.force = share * model.lumped.stiffness[contact] * wp.pow(approach, n)
+            n = model.elements[0].lumped.exponent[contact]
+            out.force = share * model.elements[0].lumped.stiffness[contact] * wp.pow(approach, n)
             out.slope = n * out.force / approach
             out.bend = (n - real(1.0)) * out.slope / approach
             out.energy = out.force * approach / (n + real(1.0))
         return out
-    i = model.lumped.table_start[contact]
+    i = model.elements[0].lumped.table_start[contact]
     last = i + count - 2
-    if approach > model.lumped.table[i, 0]:
-        while i < last and approach >= model.lumped.table[i + 1, 0]:
+    if approach > model.elements[0].lumped.table[i, 0]:
+        while i < last and approach >= model.elements[0].lumped.table[i + 1, 0]:
             i += 1
-        rise = model.lumped.table[i + 1, 1] - model.lumped.table[i, 1]
-        beyond = approach - model.lumped.table[i, 0]
-        out.slope = share * rise / (model.lumped.table[i + 1, 0] - model.lumped.table[i, 0])
-        out.force = share * model.lumped.table[i, 1] + out.slope * beyond
-        mean = real(0.5) * (share * model.lumped.table[i, 1] + out.force)
-        out.energy = share * model.lumped.table[i, 2] + mean * beyond
+        rise = model.elements[0].lumped.table[i + 1, 1] - model.elements[0].lumped.table[i, 1]
+        beyond = approach - model.elements[0].lumped.table[i, 0]
+        out.slope = share * rise / (model.elements[0].lumped.table[i + 1, 0] - model.elements[0].lumped.table[i, 0])
+        out.force = share * model.elements[0].lumped.table[i, 1] + out.slope * beyond
+        mean = real(0.5) * (share * model.elements[0].lumped.table[i, 1] + out.force)
+        out.energy = share * model.elements[0].lumped.table[i, 2] + mean * beyond
     return out

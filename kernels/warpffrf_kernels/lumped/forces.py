@@ -144,9 +144,9 @@ def turned_with(old: vec3, n: vec3, f: vec3) -> vec3:
 
 @wp.func
 def touch_of(model: Model, place: int, first: Side, second: Side) -> Touch:
-    if model.lumped.lamina[place] != 0:
-        t = nearest_of_lamina(model, first, second, model.lumped.z[place])
-        t.gap = t.gap + model.lumped.drop[place]
+    if model.elements[0].lumped.lamina[place] != 0:
+        t = nearest_of_lamina(model, first, second, model.elements[0].lumped.z[place])
+        t.gap = t.gap + model.elements[0].lumped.drop[place]
         return t
     return nearest_points(model, first, second)
 
@@ -180,9 +180,9 @@ def find_forces(
     model = models[0]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
-    contact = model.lumped.contact[place]
-    first = side_in_world(model, w, model.lumped.first[contact], r1, axes)
-    second = side_in_world(model, w, model.lumped.second[contact], r1, axes)
+    contact = model.elements[0].lumped.contact[place]
+    first = side_in_world(model, w, model.elements[0].lumped.first[contact], r1, axes)
+    second = side_in_world(model, w, model.elements[0].lumped.second[contact], r1, axes)
     out = Load()
     out.touch = touch_of(model, place, first, second)
     n = out.touch.n
@@ -196,14 +196,14 @@ def find_forces(
     out.velocity = one.v + wp.cross(one.omega, x - first.r) - two.v - wp.cross(two.omega, x - second.r)
     approach = -out.touch.gap
     rate = -wp.dot(n, out.velocity)
-    push = push_of(model, contact, model.lumped.share[place], approach)
-    factor = real(1.0) + model.lumped.damping[contact] * rate
+    push = push_of(model, contact, model.elements[0].lumped.share[place], approach)
+    factor = real(1.0) + model.elements[0].lumped.damping[contact] * rate
     if factor > real(0.0):
         out.force = push.force * factor
         out.by_approach = push.slope * factor
-        out.by_rate = push.force * model.lumped.damping[contact]
-    mu = model.lumped.friction[contact]
-    creep = model.lumped.slip_velocity[contact]
+        out.by_rate = push.force * model.elements[0].lumped.damping[contact]
+    mu = model.elements[0].lumped.friction[contact]
+    creep = model.elements[0].lumped.slip_velocity[contact]
     rubbed = real(0.0)
     rub_power = real(0.0)
     held = real(0.0)
@@ -211,8 +211,8 @@ def find_forces(
     dynamic = ctl[w].mode != k.STATIC
     bounded = ctl[w].mode != k.DYNAMIC or ctl[w].iteration > 0
     if mu > real(0.0) and creep == real(0.0) and dynamic:
-        out.shear = model.lumped.shear[contact] * push.slope
-        out.shear_bend = model.lumped.shear[contact] * push.bend
+        out.shear = model.elements[0].lumped.shear[contact] * push.slope
+        out.shear_bend = model.elements[0].lumped.shear[contact] * push.bend
         out.kept = real(1.0)
         stiff = lumped_shear[w, 0, place]
         if known != 0 and stiff > real(0.0):
@@ -281,15 +281,15 @@ def push_lumped(
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     place = int(0)
-    while place < model.lumped.places:
+    while place < model.elements[0].lumped.places:
         load = lumped_load[w, place]
         if load.force > real(0.0):
-            contact = model.lumped.contact[place]
+            contact = model.elements[0].lumped.contact[place]
             f = load.force * load.touch.n + load.friction
             for side in range(2):
-                s = model.lumped.first[contact]
+                s = model.elements[0].lumped.first[contact]
                 if side == 1:
-                    s = model.lumped.second[contact]
+                    s = model.elements[0].lumped.second[contact]
                     f = -f
                 b = model.surfaces.body[s]
                 if b >= 0:
@@ -364,7 +364,7 @@ def answer_to(
     out = Answer()
     out.x = ds
     out.f = dF * n + load.force * dn
-    mu = model.lumped.friction[contact]
+    mu = model.elements[0].lumped.friction[contact]
     if load.regime == STICKS or load.regime == SLIPS:
         dslip = sign * (dr + wp.cross(dturn, own.lever) - own.share * wp.cross(own.turn, dr))
         dslip += wp.cross(one.share * one.turn - two.share * two.turn, ds)
@@ -387,7 +387,7 @@ def answer_to(
             e = load.trial / size
             out.f += mu * dF * e + (mu * load.force / size) * tangential(e, dtrial)
     if load.regime == CREEPS or load.regime == RUBS:
-        creep = model.lumped.slip_velocity[contact]
+        creep = model.elements[0].lumped.slip_velocity[contact]
         v = tangential(n, load.velocity)
         dtang = tangential(n, dv) - wp.dot(n, load.velocity) * dn - wp.dot(dn, load.velocity) * n
         if load.regime == CREEPS:
@@ -441,12 +441,12 @@ def stiffen_lumped(
         return
     vel = clk[w].outer.vel
     place = int(0)
-    while place < model.lumped.places:
+    while place < model.elements[0].lumped.places:
         load = lumped_load[w, place]
         if load.force > real(0.0):
-            contact = model.lumped.contact[place]
-            first = side_in_world(model, w, model.lumped.first[contact], r1, axes)
-            second = side_in_world(model, w, model.lumped.second[contact], r1, axes)
+            contact = model.elements[0].lumped.contact[place]
+            first = side_in_world(model, w, model.elements[0].lumped.first[contact], r1, axes)
+            second = side_in_world(model, w, model.elements[0].lumped.second[contact], r1, axes)
             known = int(0)
             if lumped_force[w, 0, place] > real(0.0):
                 known = int(1)

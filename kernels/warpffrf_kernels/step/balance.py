@@ -139,7 +139,7 @@ def balance(
         scale = wp.max(scale, wp.length(f))
         pair += 1
     place = int(0)
-    while place < model.lumped.places:
+    while place < model.elements[0].lumped.places:
         scale = wp.max(scale, lumped_force[w, 1, place])
         place += 1
     row = int(0)

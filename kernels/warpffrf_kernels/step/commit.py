@@ -97,7 +97,7 @@ def decide(
     struck = int(0)  # 1 where a lumped contact is part of an impact
     bounced = real(0.0)
     place = int(0)
-    while place < model.lumped.places:
+    while place < model.elements[0].lumped.places:
         before = lumped_force[w, 0, place] > real(0.0)
         after = lumped_force[w, 1, place] > real(0.0)
         if before != after:

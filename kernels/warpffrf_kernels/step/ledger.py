@@ -154,18 +154,18 @@ def balance_energy(
         pair += 1
     of_pairs = energy[w, 0, k.CONTACT]  # what of the accepted contact energy they have
     place = int(0)
-    while place < model.lumped.places:
+    while place < model.elements[0].lumped.places:
         of_pairs -= lumped_energy[w, 0, place]
         place += 1
     grid = contact - of_pairs + contact_work - friction
     place = int(0)
-    while place < model.lumped.places:
+    while place < model.elements[0].lumped.places:
         contact += lumped_energy[w, 1, place]
         damping += lumped_taken[w, place, DAMPED]
         friction -= lumped_taken[w, place, RUBBED]
         place += 1
     joint = int(0)
-    while joint < model.joint_frictions.count:
+    while joint < model.elements[0].joint_frictions.count:
         friction -= slip_loss[w, joint]
         joint += 1
     energy[w, 1, k.KINETIC] = kinetic

@@ -146,13 +146,15 @@ def sizes_of(
     families, counts = m.pairs.family.numpy()[:P], m.points.count.numpy()[:P]
     stations = (m.window.rows - 1) * m.quadrature.z_points
     rubbing = bool(m.capacity.cells)
-    layer_point = layer_points(m)
-    beside, layered = bool(m.pairs.beside), bool(m.layers.count)
+    elements = compiled.elements
+    layer_point = layer_points(compiled)
+    beside, layered = bool(m.pairs.beside), bool(elements.layers.count)
+    by_speed = bool(elements.slip_speeds.count)
     return {
         "world": worlds, "body": B, "mode": Q, "row": rows, "force": m.forces.count, "torque": m.torques.count,
         "load": m.torques.count + m.body_loads.count, "interface": m.interfaces.count,
         "interface_shape": compiled.interface_modes.size, "group": m.groups.count, "dense": m.dense.count,
-        "joint_friction": m.joint_frictions.count,
+        "joint_friction": elements.joint_frictions.count,
         "exact_mode": Q if compiled.local.exact else 0, "dynamic_mode": Q if m.modes.dynamic_count else 0,
         "outer": outer, "line": k.LINES, "residual": RESIDUALS_KEPT,
         "ring_row": ring_rows, "pair": P, "contact_body": B if P else 0,
@@ -165,9 +167,9 @@ def sizes_of(
         "layer_hat": hat if layer_point else 0, "friction_pair": P if rubbing else 0,
         "friction_hat": hat if rubbing else 0, "friction_node": node if rubbing else 0,
         "friction_slot": S if rubbing else 0, "cell": m.capacity.cells,
-        "speed_cell": m.capacity.cells if m.slip_speeds.count else 0, "speed_pair": P if m.slip_speeds.count else 0,
+        "speed_cell": m.capacity.cells if by_speed else 0, "speed_pair": P if by_speed else 0,
         "share": m.window.share_columns * m.window.share_rows,
-        "surface_place": max(hat, node), "lumped": m.lumped.count, "lumped_place": m.lumped.places,
+        "surface_place": max(hat, node), "lumped": elements.lumped.count, "lumped_place": elements.lumped.places,
         "factor_number": pattern.factor_size, "factor_line": BLOCK * pattern.widest, "one": 1,
         "applied": m.forces.count + m.torques.count, "row_or_mode": rows + Q,
         "stiffened_interface": m.interfaces.count if compiled.stiffened else 0,
@@ -181,8 +183,9 @@ def sizes_of(
     }  # fmt: skip
 
 
-def layer_points(m: Model) -> int:
+def layer_points(compiled: CompiledScene) -> int:
     """Points of a pair's window at which the laws of layers are evaluated, the most of all pairs."""
-    if not m.layers.count:
+    layers = compiled.elements.layers
+    if not layers.count:
         return 0
-    return (m.window.columns + 1) * int(m.layers.point_count.numpy().max())
+    return (compiled.model.window.columns + 1) * int(layers.point_count.numpy().max())

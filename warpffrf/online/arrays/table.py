@@ -6,7 +6,7 @@ import inspect
 from typing import Any
 
 from warpffrf_kernels.core.declaration import Declaration, parts
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import Elements, Model
 
 from warpffrf.online.arrays.axes import NAMES
 from warpffrf.online.arrays.declaration import Arrays
@@ -48,8 +48,9 @@ def markdown() -> str:
 
 
 def topics() -> dict[str, Any]:
-    """Those of the model that have arrays, by the name of their field."""
-    found = {name: type(value) for name, value in vars(Model()).items() if hasattr(value, "declarations")}
+    """Those of the model and its elements that have arrays, by the name of their field."""
+    fields = {**vars(Model()), **vars(Elements())}
+    found = {name: type(value) for name, value in fields.items() if hasattr(value, "declarations")}
     return {name: topic for name, topic in found.items() if topic.declarations}
 
 

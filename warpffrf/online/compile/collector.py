@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
+from warpffrf_kernels.core.model import Elements
 
 from warpffrf.model.bodies import Body, Ground, Port
 from warpffrf.model.contact import Contact
@@ -87,6 +88,7 @@ class Collector:
         self.signals: list[tuple[np.ndarray, np.ndarray]] = []
         self.characteristics: list[Pieces] = []
         self.interfaces: dict[tuple[int, str], int] = {}
+        self.elements = Elements()
         self.notes: list[str] = []
         self.cell_margin = 0
         self.surfaces: list[OnBody] = []

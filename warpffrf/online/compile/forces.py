@@ -119,7 +119,8 @@ def fill_forces(collector: Collector, table: ForceTable, m: Model) -> None:
     pieces = collector.characteristics
     breaks = [np.concatenate([[0.0], p.breaks]) for p in pieces]  # the first piece has no beginning
     collector.fill(
-        m.characteristics, start=np.cumsum([0] + [len(p.origin) for p in pieces]), begin=_joined(breaks),
+        collector.elements.characteristics, start=np.cumsum([0] + [len(p.origin) for p in pieces]),
+        begin=_joined(breaks),
         coefficient=np.concatenate([np.zeros((0, TERMS)), *(p.coefficient for p in pieces)]),
         **{name: _joined([getattr(p, name) for p in pieces]) for name in ("origin", "power", "exponent", "constant")},
     )  # fmt: skip

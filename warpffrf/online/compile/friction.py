@@ -31,7 +31,7 @@ def fill_friction(collector: Collector, m: Model, z_start: np.ndarray) -> None:
         m.pairs, friction=[c.friction.largest_coefficient for c in contacts],
         slip_velocity=[c.friction.creep_limit for c in contacts],
     )  # fmt: skip
-    _fill_slip_speeds(collector, m)
+    _fill_slip_speeds(collector)
     present = has_friction(collector.scene)
     if present and m.modes.dynamic_count:  # tangential compliances are those of static local modes
         rubbing_pair = next(c for c in contacts if c.friction.acts)
@@ -69,7 +69,7 @@ def fill_friction(collector: Collector, m: Model, z_start: np.ndarray) -> None:
     )  # fmt: skip
 
 
-def _fill_slip_speeds(collector: Collector, m: Model) -> None:
+def _fill_slip_speeds(collector: Collector) -> None:
     """Coefficients that depend on the slip speed, in cubic pieces, one table behind the other."""
     tables = [
         cubic_pieces(c.friction, f"contact {c.name!r}") if c.friction.breaks else np.zeros((0, 5))
@@ -77,8 +77,8 @@ def _fill_slip_speeds(collector: Collector, m: Model) -> None:
     ]
     pieces = [len(table) for table in tables]
     collector.fill(
-        m.slip_speeds, count=sum(n > 0 for n in pieces), start=np.cumsum([0, *pieces])[:-1], pieces=pieces,
-        piece=np.concatenate([np.zeros((0, 5)), *tables]),
+        collector.elements.slip_speeds, count=sum(n > 0 for n in pieces), start=np.cumsum([0, *pieces])[:-1],
+        pieces=pieces, piece=np.concatenate([np.zeros((0, 5)), *tables]),
     )  # fmt: skip
 
 

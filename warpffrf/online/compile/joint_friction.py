@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.forces import SlipLaw
 from warpffrf.online.compile.collector import Collector
@@ -45,11 +44,11 @@ def compile_joint_friction(collector: Collector, joints: JointTable) -> SlipTabl
     return table
 
 
-def fill_joint_friction(collector: Collector, table: SlipTable, m: Model) -> None:
+def fill_joint_friction(collector: Collector, table: SlipTable) -> None:
     """Device arrays."""
     laws, held = list(table.laws.values()), list(table.held.values())
     collector.fill(
-        m.joint_frictions, count=len(laws), start=[rows[0] for rows in table.rows.values()],
+        collector.elements.joint_frictions, count=len(laws), start=[rows[0] for rows in table.rows.values()],
         size=[len(law.coordinates) for law in laws], weight=[(*law.weights, 1.0)[:2] for law in laws],
         coefficient=[law.friction.static_coefficient for law in laws],
         slip_velocity=[law.friction.creep_limit for law in laws], radial=[law.radial for law in laws],

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.layers import layer_laws as device
 
 from warpffrf.model.laws.curves import Curve
@@ -14,7 +13,7 @@ from warpffrf.online.compile.sampling_rules import layer_rule
 LAYER_ITERATIONS = 2  # times as many Newton iterations: pressures of asperities span decades, a decade an iteration
 
 
-def fill_layers(collector: Collector, m: Model) -> None:
+def fill_layers(collector: Collector) -> None:
     """Curves of the layers whose yield is no constant, and the points where they count."""
     kinds, starts, counts = [], [], []
     numbers: list[list[float]] = []
@@ -33,13 +32,13 @@ def fill_layers(collector: Collector, m: Model) -> None:
         if contact.law.remark:
             collector.notes.append(f"contact {contact.name!r}: {contact.law.remark}")
     collector.fill(
-        m.layers, count=sum(kind != int(device.CONSTANT) for kind in kinds), kind=kinds, number=numbers,
-        table_start=starts, table_count=counts, table=np.concatenate(tables),
+        collector.elements.layers, count=sum(kind != int(device.CONSTANT) for kind in kinds), kind=kinds,
+        number=numbers, table_start=starts, table_count=counts, table=np.concatenate(tables),
     )  # fmt: skip
-    _fill_points(collector, m, rules)
+    _fill_points(collector, rules)
 
 
-def _fill_points(collector: Collector, m: Model, rules: list[tuple[PointRule, int] | None]) -> None:
+def _fill_points(collector: Collector, rules: list[tuple[PointRule, int] | None]) -> None:
     """Tables of the points of each pair's layer, given with the rows of its grid; None: a pair without such a layer."""
     starts, counts, row_starts = [], [], []
     columns: dict[str, list[np.ndarray]] = {name: [] for name in ("x", "row", "zeta", "area", "row_at")}
@@ -53,7 +52,7 @@ def _fill_points(collector: Collector, m: Model, rules: list[tuple[PointRule, in
             for name, value in zip(columns, (rule.x, rule.row, rule.zeta, rule.weight, row_at), strict=True):
                 columns[name].append(value)
     collector.fill(
-        m.layers, point_start=starts, point_count=counts, row_start=row_starts,
+        collector.elements.layers, point_start=starts, point_count=counts, row_start=row_starts,
         **{name: np.concatenate([np.zeros(0), *parts]) for name, parts in columns.items()},
     )  # fmt: skip
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.laws.lumped import HertzPoint
 from warpffrf.online.compile.collector import Collector
 
 
-def fill_lumped(collector: Collector, m: Model) -> None:
+def fill_lumped(collector: Collector) -> None:
     """Laws and places. Raises `InputError` for surfaces that a law does not hold for."""
     contacts = collector.scene.lumped_contacts
     laws = [contact.approach() for contact in contacts]
@@ -17,7 +16,7 @@ def fill_lumped(collector: Collector, m: Model) -> None:
     counts = [max(len(law.z), 1) for law in laws]
     none = [np.zeros(0)]
     collector.fill(
-        m.lumped, count=len(contacts), places=sum(counts), first=collector.lumped_sides[::2],
+        collector.elements.lumped, count=len(contacts), places=sum(counts), first=collector.lumped_sides[::2],
         second=collector.lumped_sides[1::2],
         stiffness=[law.stiffness for law in laws], exponent=[law.exponent for law in laws],
         table_start=np.cumsum([0, *map(len, tables)])[:-1], table_count=[len(table) for table in tables],

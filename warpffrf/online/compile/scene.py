@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import warp as wp
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import Elements, Model
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
@@ -37,6 +37,7 @@ class CompiledScene:
 
     scene: Scene
     model: Model
+    elements: Elements  # what `model.elements` has on the device
     models: wp.array  # the same as a device array of one entry: kernels read it by address, launches stay small
     device: str
     joints: JointTable  # rows of each joint, drives included, and those left out
@@ -83,23 +84,25 @@ def _compiled(collector: Collector) -> CompiledScene:
     modes = _interfaces(collector, m)
     stiffened = fill_stiffening(collector, m)
     fill_forces(collector, springs, m)
-    fill_joint_friction(collector, slips, m)
+    fill_joint_friction(collector, slips)
     _markers_rows_signals(collector, m)
     fill_pairs(collector, m)
     z_start = fill_surfaces(collector, m)
     fill_friction(collector, m, z_start)
     fill_responses(collector, m)
-    fill_layers(collector, m)
-    fill_lumped(collector, m)
+    fill_layers(collector)
+    fill_lumped(collector)
+    slow = collector.elements.layers.count or collector.elements.lumped.count
     collector.fill(
         m.limits, residual_tolerance=settings.residual_tolerance, energy_tolerance=settings.energy_tolerance,
-        max_iterations=settings.max_iterations * (LAYER_ITERATIONS if m.layers.count or m.lumped.count else 1),
+        max_iterations=settings.max_iterations * (LAYER_ITERATIONS if slow else 1),
         max_inner=settings.max_inner, max_guarded=settings.max_guarded, max_level=settings.max_level,
         most_made=settings.most_made,
     )  # fmt: skip
+    m.elements = wp.array([collector.elements], dtype=Elements, device=collector.device)
     return CompiledScene(
-        scene, m, wp.array([m], dtype=Model, device=collector.device), collector.device, joints, springs, slips,
-        len(collector.rows), modal_start, modes, stiffened, collector.local, collector.inertia,
+        scene, m, collector.elements, wp.array([m], dtype=Model, device=collector.device), collector.device, joints,
+        springs, slips, len(collector.rows), modal_start, modes, stiffened, collector.local, collector.inertia,
         collector.cell_margin, collector.notes,
     )  # fmt: skip
 

@@ -71,7 +71,7 @@ def largest_force(engine: Engine, world: int) -> float:
     lengths = np.isin(m.rows.kind.numpy()[:R], (int(k.TRANSLATION), int(k.DISTANCE)))
     pulls = np.abs(_array(state, "lam", world)[:R][lengths])
     contact = np.linalg.norm(_array(scratch, "pair_wrench", world)[:P, :3], axis=1)
-    lumped = _array(state, "lumped_force", world)[1, : m.lumped.places]
+    lumped = _array(state, "lumped_force", world)[1, : engine.compiled.elements.lumped.places]
     values = np.concatenate([forces, pulls, contact, lumped])
     return float(max(values[np.isfinite(values)], default=0.0)) + NO_FORCE
 

@@ -13,7 +13,7 @@ def lumped_histories(
     compiled: CompiledScene, rows: SavedRows, bodies: dict[str, BodyHistory]
 ) -> dict[str, LumpedHistory]:
     """By name."""
-    owner = compiled.model.lumped.contact.numpy()[: compiled.model.lumped.places]
+    owner = compiled.elements.lumped.contact.numpy()[: compiled.elements.lumped.places]
     found = {}
     for i, contact in enumerate(compiled.scene.lumped_contacts):
         body = contact.a.body.name

@@ -206,13 +206,14 @@ def free_motions(engine: Engine, world: int, weight: np.ndarray) -> np.ndarray:
 def _lumped_gradients(engine: Engine, world: int, size: int) -> np.ndarray:
     """Of the gaps of closed places of lumped contacts, by the rigid coordinates (places, size)."""
     m, state, scratch = engine.compiled.model, engine.state, engine.scratch
-    closed = np.flatnonzero(state.lumped_force.numpy()[world, 1, : m.lumped.places] > 0.0)
+    lumped = engine.compiled.elements.lumped
+    closed = np.flatnonzero(state.lumped_force.numpy()[world, 1, : lumped.places] > 0.0)
     n, x = (getattr(state, name).numpy()[world, 1] for name in ("lumped_normal", "lumped_at"))
     axes, r, body = scratch.axes.numpy()[world], scratch.r1.numpy()[world], m.surfaces.body.numpy()
     lines = np.zeros((len(closed), size))
     for line, place in zip(lines, closed, strict=True):
-        contact = m.lumped.contact.numpy()[place]
-        for sign, surface in ((1.0, m.lumped.first.numpy()[contact]), (-1.0, m.lumped.second.numpy()[contact])):
+        contact = lumped.contact.numpy()[place]
+        for sign, surface in ((1.0, lumped.first.numpy()[contact]), (-1.0, lumped.second.numpy()[contact])):
             b = int(body[surface])
             if b >= 0:
                 moment = np.cross(x[place] - r[b], n[place]) @ axes[b]

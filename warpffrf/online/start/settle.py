@@ -61,7 +61,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
     least, tau, last = (time * length for time in (LEAST, FIRST, LAST))
     too_long = np.inf
     before = moved = failed_at = np.full(engine.worlds, np.inf)
-    retreats = RETREATS if model.layers.count or model.pairs.count > 1 else 0
+    retreats = RETREATS if engine.compiled.elements.layers.count or model.pairs.count > 1 else 0
     settled = balanced = still = False
     for _ in range(MOST_STEPS):
         words = engine.state.ctl.numpy().copy()

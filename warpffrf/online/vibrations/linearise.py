@@ -40,11 +40,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels.core.model import Model
 
 from warpffrf.model import rotation as rot
 from warpffrf.online.arrays.scratch import Scratch
 from warpffrf.online.compile.inertia import mode_reach
+from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.engine import Engine
 
 Array = np.ndarray
@@ -125,7 +125,7 @@ class _Probe:
     def measure_lumped(self) -> int:
         """Closed places of lumped contacts at the state placed last; steps of the differences become small beside
         their approaches."""
-        places = self.model.lumped.places
+        places = self.engine.compiled.elements.lumped.places
         load = self.scratch.lumped_load.numpy()[0, :places]
         approach = -load["touch"]["gap"][load["force"] > 0.0]
         if len(approach):
@@ -333,8 +333,8 @@ def _closed_contacts(probe: _Probe) -> tuple[Array, int]:
     G = x.G.numpy()[0, :count, :count]
     if not m.pairs.beside:  # G has blocks between pairs only where they answer to each other by local modes
         G = np.where(slot_pair[:, None] == slot_pair, G, 0.0)
-    if m.layers.count:
-        G = G + slot_flexibility(m, x, count)
+    if probe.engine.compiled.elements.layers.count:
+        G = G + slot_flexibility(probe.engine.compiled, x, count)
     return L.T @ np.linalg.solve(0.5 * (G + G.T), L), count
 
 
@@ -373,10 +373,11 @@ def _is_symmetric(J: Array, w: Array) -> bool:
     return bool(np.abs(J - moment * P - (e @ J @ e) * np.outer(e, e)).max() <= SYMMETRIC * np.abs(J).max())
 
 
-def slot_flexibility(m: Model, scratch: Scratch, count: int) -> np.ndarray:
+def slot_flexibility(compiled: CompiledScene, scratch: Scratch, count: int) -> np.ndarray:
     """E (count, count) [m^3/Pa] of the hats in the first `count` slots of world 0, at the last linearisation."""
     E = np.zeros((count, count))
-    kinds, first = m.layers.kind.numpy(), m.pairs.first.numpy()
+    m = compiled.model
+    kinds, first = compiled.elements.layers.kind.numpy(), m.pairs.first.numpy()
     pairs, hats = scratch.slot_hat.numpy()[0, :count].T
     slot_of, tangent = scratch.slot_of.numpy()[0], scratch.layer_tangent.numpy()[0]
     rows = m.surfaces.rows.numpy()[first]
