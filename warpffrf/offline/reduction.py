@@ -374,8 +374,8 @@ def _between_surfaces(product: PathProduct, settings: Settings) -> list[str]:
     notes = []
     if product.cross and settings.local_dynamics:
         notes.append(
-            "local_dynamics=True: the mass of local modes is that of each contact surface alone; loads on one surface "
-            "move the others through the local modes statically"
+            "local_dynamics=True: the mass of local modes is that of each contact surface alone; where they move with "
+            "inertia, loads on one surface move the others through the global modes only"
         )
     if product.cross and any(s.slope_lags is not None for s in product.surfaces):
         notes.append(
