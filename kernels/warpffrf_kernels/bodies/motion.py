@@ -95,7 +95,7 @@ def begin_step(
         beta = coefficients[w, 2]
         gamma = coefficients[w, 3]
         # see `impulsive_contact`
-        if ctl[w].again != 0 and (ctl[w].shaken == 0 or models[0].layers.count > 0):
+        if ctl[w].again != 0 and (ctl[w].shaken == 0 or models[0].elements[0].layers.count > 0):
             ctl[w].trapezoidal = 1
             am = real(0.0)
             af = real(0.0)

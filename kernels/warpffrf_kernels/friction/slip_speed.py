@@ -101,7 +101,7 @@ def sliding(
 def open_attempt(models: wp.array(dtype=Model), ctl: wp.array(dtype=Control), steep: out(wp.array3d(dtype=int))):
     """Per (world, pair): no mark yet."""
     w, pair = wp.tid()
-    if ctl[w].attempt != 0 and models[0].slip_speeds.pieces[pair] > 0:
+    if ctl[w].attempt != 0 and models[0].elements[0].slip_speeds.pieces[pair] > 0:
         steep[w, pair, MARK] = UNIQUE
 
 
@@ -449,7 +449,7 @@ def mark(
 ):
     """Per (world, pair): counts the accepted steps in which a pair slid that was marked, see the module docstring."""
     w, pair = wp.tid()
-    if ctl[w].attempt == 0 or ctl[w].accept == 0 or models[0].slip_speeds.pieces[pair] == 0:
+    if ctl[w].attempt == 0 or ctl[w].accept == 0 or models[0].elements[0].slip_speeds.pieces[pair] == 0:
         return
     if steep[w, pair, MARK] != UNIQUE and friction_work[w, pair, 0] < real(0.0):
         steep[w, pair, COUNT] = steep[w, pair, COUNT] + 1
