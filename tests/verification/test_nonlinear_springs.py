@@ -288,6 +288,19 @@ def test_linear_numbers_as_characteristics_give_the_linear_motion() -> None:
             assert found.energy[line] == pytest.approx(values, abs=within), line
 
 
+def test_what_a_damper_takes_while_friction_stops_the_body() -> None:
+    """Steps that forget are implicit Euler's: the damper takes d v_1^2 h in them, as a number and as a characteristic
+    that is as straight."""
+    taken = []
+    for damping in (3.0, forces.PowerLaw(3.0, 1.0)):
+        scene = on("joint_spring_damper", K1, damping, x=AMPLITUDE)
+        scene.add(forces.PrismaticFriction(scene.joints[0], 0.0, preload=8.0, name="rub"))
+        history = conservative(scene, 0.5, 2e-3)
+        assert history.counters["forgetful_steps"] > 5
+        taken.append(history.energy["damping"])
+    assert taken[1] == pytest.approx(taken[0], rel=1e-9, abs=1e-12)
+
+
 def test_stage_with_another_characteristic_books_the_jump() -> None:
     """The potential that a stage's spring has more is work of forces; nothing else moves."""
     old, new = forces.ForcePolynomial([K1, 0.0, K3]), forces.PowerLaw(2e4, 1.5)

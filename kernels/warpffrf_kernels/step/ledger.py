@@ -6,7 +6,7 @@ springs) every step books
     work of forces    sum (F_0 + F_1)/2 . (x_1 - x_0)           drive   -(lambda_0 + lambda_1)/2 (s_1 - s_0)
     damping           sum c (x_1 - x_0)^2/h of dampers and modal damping, never negative: what the trapezoidal rule
                       takes at any step; of dampers with a characteristic G, (G(v_0) + G(v_1))/2 (x_1 - x_0), which
-                      is that too; what damped layers take
+                      is that too, in steps that forget G(v_1) (x_1 - x_0); what damped layers take
     friction          sum tau_1 . S: the tractions at the end of the step times the slip over it, never positive;
                       what joints (`joint_friction`) and lumped contacts lose by friction
     contact grid      dE_contact of pairs + (work of their forces on bodies and modes, trapezoidal; of pairs that are
@@ -115,8 +115,11 @@ def balance_energy(
             if model.rows.elastic[row] >= 0:
                 potential += characteristic(model, model.rows.elastic[row], change)[2]
             if model.rows.viscous[row] >= 0:
-                for end in range(2):
-                    damping += half * characteristic(model, model.rows.viscous[row], drive_rate[w, end, row])[0] * step
+                drag = characteristic(model, model.rows.viscous[row], drive_rate[w, 1, row])[0]
+                drag_before = drag
+                if ctl[w].forget == 0:
+                    drag_before = characteristic(model, model.rows.viscous[row], drive_rate[w, 0, row])[0]
+                damping += half * (drag_before + drag) * step
         else:
             held_work -= half * (lam0[w, row] + lam[w, row]) * (coordinate[w, row] - stretch[w, row])
         if model.rows.rigid[row] != 0 and model.rows.signal[row] >= 0:
