@@ -17,7 +17,7 @@ the angular momentum is L = J w + h, h = sum_j g_j qdot_j, and (Lagrange) these 
 
 Their change with dw = VEL dpsi, dwdot = ACC dpsi, dqdot = VEL dq, dqddot = ACC dq gives the blocks of the tangent;
 modes that carry inertia are therefore unknowns of the outer system beside the rigid ones, "dense", with zero
-receptance. So are the global modes of a body that several pairs load; the others stay diagonal and are condensed.
+receptance. So are those of a body that is loaded on several surfaces; the others stay diagonal and are condensed.
 
 Which of J1, J2, G a body has is its inertia level: the tables of the others are zero. Geometric stiffening by rotation
 enters as J2 - K_c (the shortening of a bent body moves its mass), that by loads at an interface as the second-order

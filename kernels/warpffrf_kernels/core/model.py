@@ -43,7 +43,7 @@ class Modes:
 @topic
 class Dense:
     """Modes that are outer unknowns, the first ones of a body: those that carry inertia, see `inertia`, and all global
-    modes of a body that several pairs load, by which these feel each other."""
+    modes of a body that is loaded on several surfaces, by which its pairs feel each other."""
 
     count: int
     body: DeviceArray = integers("dense")
@@ -293,7 +293,7 @@ class Pairs:
     count: int
     most_modes: int  # of a pair's two bodies
     coupled_capacity: int  # largest of coupled_count
-    beside: int  # 1: some answer to each other by local modes, so that G has blocks between pairs
+    beside: int  # 1: some answer to each other by modes, so that G has blocks between pairs
     first: DeviceArray = integers("pair", note="surface")
     second: DeviceArray = integers("pair", note="surface")
     family: DeviceArray = integers("pair", note="0: gap along the line of centres, 1: at points, see `at_points`")

@@ -14,9 +14,9 @@ block for each pair, symmetric positive definite: U^T U. The hats of each pair a
 so that pairs meet in the sparse outer system alone, at the cost of their number. Pressures that leave the set change by
 -base, which goes to the right-hand sides.
 
-Where local modes of a body answer to several pairs, G has blocks F between these too. With M the system without them,
-which the elimination solves, (M + F) ds = b is solved by conjugate gradients with M as preconditioner: F is small
-beside M where patches lie apart.
+Where condensed or local modes of a body answer to several pairs, G has blocks F between these too. With M the system
+without them, which the elimination solves, (M + F) ds = b is solved by conjugate gradients with M as preconditioner: F
+is small beside M where patches lie apart.
 
 Everything is counted from the present state, so that G, L, J and A may be those of a position a small fraction of a
 column away (a modified Newton step, exact at its fixed point), and so that large forces in balance do not cancel in the

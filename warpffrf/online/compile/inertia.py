@@ -48,9 +48,9 @@ def fill_inertia(collector: Collector, m: Model) -> None:
 
 
 def outer_modes(collector: Collector) -> list[int]:
-    """How many modes of each body are outer unknowns: those that carry inertia, and all global ones of a body that
-    several pairs load, so that each pair's hats can be eliminated on their own."""
-    loads = Counter(collector.surfaces[s].body.index for s in collector.sides)
+    """How many modes of each body are outer unknowns: those that carry inertia, and all global ones of a body that is
+    loaded on several surfaces, as those of a sheet: by these its pairs feel each other about as much as themselves."""
+    loads = Counter(body.index for body, _, _ in (collector.surfaces[s] for s in set(collector.sides)))
     return [
         body.mode_count if loads[body.index] > 1 else plan.count
         for body, plan in zip(collector.scene.bodies, collector.inertia.bodies, strict=True)

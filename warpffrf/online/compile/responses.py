@@ -100,14 +100,18 @@ def fill_responses(collector: Collector, m: Model) -> None:
         m.responses, load_start=np.cumsum([0, *map(len, loads)]), load_side=[n for side in loads for n in side],
         **numbers, **fields, number=np.concatenate(parts),
     )  # fmt: skip
-    m.pairs.beside = int(any(len(sources) > 1 for sources in loads) or _condensed_between(collector))
+    m.pairs.beside = int(any(len(sources) > 1 for sources in loads) or _condensed_between(collector, m))
     collector.notes.extend(_apart(collector))
 
 
-def _condensed_between(collector: Collector) -> bool:
-    """Whether several pairs load a body of which modes are condensed: its dynamic local ones."""
+def _condensed_between(collector: Collector, m: Model) -> bool:
+    """Whether several pairs load a body of which modes are condensed."""
     loads = Counter(collector.surfaces[s].body.index for s in collector.sides)
-    return any(loads[body.index] > 1 and collector.local.count(body.index) for body in collector.scene.bodies)
+    kept = m.bodies.dense_count.numpy()
+    return any(
+        loads[body.index] > 1 and collector.mode_counts[body.index] > kept[body.index]
+        for body in collector.scene.bodies
+    )
 
 
 def _cross(collector: Collector, target: int, source: int) -> CrossCompliance | None:
