@@ -85,7 +85,7 @@ def test_kernels_and_what_they_write_are_found() -> None:
     written = access_of(KERNELS["line_of_centres_weights.weigh"]).written
     assert written == {"ctl", "weak_gap", "area", "wrench", "stencil", "stencil_at"}
     assert {"bordered_rhs", "work", "solution", "pressure", "z"} <= access_of(
-        KERNELS["contact_solve.solve_pressures"]
+        KERNELS["pair_elimination.solve_pressures"]
     ).written
 
 

@@ -9,9 +9,10 @@ import pytest
 import warp as wp
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real
+from warpffrf_kernels.linear import block_elimination
 from warpffrf_kernels.linear.outer_solve import PIVOT_TOLERANCE, invert
 from warpffrf_kernels.linear.sparse_factor import Pattern
-from warpffrf_kernels.normal.contact_solve import border_block, factor_block, go_back, go_forward
+from warpffrf_kernels.normal.pair_elimination import block_at, gather_block, gather_lines, lines_at
 
 from warpffrf.online.compile.outer_pattern import find_pattern, on_device
 
@@ -39,20 +40,30 @@ def eliminate(
     L: wp.array3d(dtype=real),
     order: wp.array2d(dtype=int),
     z: wp.array(dtype=real),
-    factor: wp.array3d(dtype=real),
-    W: wp.array3d(dtype=real),
-    square: wp.array4d(dtype=real),
+    factor: wp.array(dtype=real),
+    W: wp.array(dtype=real),
+    square: wp.array(dtype=real),
     solution: wp.array(dtype=real),
     right: wp.array(dtype=real),
     bad: wp.array(dtype=int),
 ):
     w, _lane = wp.tid()
     model = models[0]
-    bad[w] = factor_block(model, w, start, count, G, order, factor)
-    border_block(model, w, 0, start, count, order, factor, L, W, square)
-    at = w * model.capacity.slots
-    go_forward(model, w, 0, start, count, factor, W, solution, at, right)
-    go_back(model, w, 0, start, count, factor, W, z, solution, at)
+    cap = model.capacity.slots
+    width = model.pairs.coupled_capacity
+    coupled = model.pairs.coupled_count[0]
+    block = block_at(model, w, start)
+    line = lines_at(model, w, start)
+    at = w * cap + start
+    gather_block(model, w, start, count, G, order, factor)
+    bad[w] = block_elimination.factor(factor, block, cap, count)
+    gather_lines(model, w, 0, start, count, L, order, W)
+    block_elimination.forward_lines(factor, block, cap, count, W, line, width, coupled)
+    block_elimination.square_of(count, W, line, width, coupled, square, w * width * width)
+    block_elimination.forward(factor, block, cap, count, solution, at)
+    block_elimination.push_columns(model, w, 0, count, W, line, solution, at, right)
+    block_elimination.follow_columns(model, w, 0, count, real(-1.0), W, line, z, solution, at)
+    block_elimination.backward(factor, block, cap, count, solution, at)
 
 
 @wp.kernel
@@ -124,21 +135,23 @@ def test_a_pair_is_eliminated(start: int, n: int) -> None:
     G = A @ A.T + capacity * np.eye(capacity)
     L, z, b = pseudo_random(capacity, coupled), pseudo_random(2 * coupled), pseudo_random(capacity)
     order = np.random.default_rng(n).permutation(capacity)
-    square, right = device(np.zeros((2, 1, coupled, coupled))), device(np.zeros(4 * coupled))
+    square, right = device(np.zeros(2 * coupled**2)), device(np.zeros(4 * coupled))
     solution, bad = device(np.tile(b, 2)), device(np.zeros(2, int), int)
     kept, given = pair(capacity, coupled)
     wp.launch_tiled(
         eliminate, dim=(2,),
         inputs=[given, start, n, device(np.stack([np.eye(capacity), G])), device(np.stack([L, L])),
                 device(np.stack([order, order]), int), device(np.tile(z, 2))],
-        outputs=[device(np.zeros((2, capacity, capacity))), device(np.zeros((2, capacity, coupled))), square, solution,
+        outputs=[device(np.zeros(2 * capacity**2)), device(np.zeros(2 * capacity * coupled)), square, solution,
                  right, bad],
         block_dim=64, device=DEVICE,
     )  # fmt: skip
     del kept
     chosen, mine = order[start : start + n], slice(start, start + n)
     block, gradient = G[np.ix_(chosen, chosen)], L[chosen]
-    assert np.allclose(square.numpy()[1, 0], gradient.T @ np.linalg.solve(block, gradient), atol=ROUND_OFF)
+    assert np.allclose(
+        square.numpy().reshape(2, coupled, coupled)[1], gradient.T @ np.linalg.solve(block, gradient), atol=ROUND_OFF
+    )
     assert np.allclose(
         right.numpy()[2 * coupled + 1 :: 2], gradient.T @ np.linalg.solve(block, b[mine]), atol=ROUND_OFF
     )
@@ -163,7 +176,7 @@ def test_cholesky_names_what_is_not_definite(broken: float) -> None:
         eliminate, dim=(1,),
         inputs=[given, 0, 6, device(G[None]), device(np.ones((1, 6, 2))), device(np.arange(6)[None], int),
                 device(np.zeros(4))],
-        outputs=[device(np.zeros((1, 6, 6))), device(np.zeros((1, 6, 2))), device(np.zeros((1, 1, 2, 2))),
+        outputs=[device(np.zeros(36)), device(np.zeros(12)), device(np.zeros(4)),
                  device(np.ones(6)), device(np.zeros(4)), bad],
         block_dim=64, device=DEVICE,
     )  # fmt: skip

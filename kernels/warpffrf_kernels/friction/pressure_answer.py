@@ -35,8 +35,8 @@ from warpffrf_kernels.friction.cell_shares import on_shares
 from warpffrf_kernels.friction.cells import cell_at
 from warpffrf_kernels.linear.outer_solve import solve
 from warpffrf_kernels.linear.sparse_factor import Pattern
-from warpffrf_kernels.normal.contact_solve import COUNT as SLOTS
-from warpffrf_kernels.normal.contact_solve import LEFT_START, START
+from warpffrf_kernels.normal.pair_elimination import COUNT as SLOTS
+from warpffrf_kernels.normal.pair_elimination import LEFT_START, START
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
 wp.set_module_options(MODULE_OPTIONS)

@@ -13,11 +13,13 @@ from warpffrf_kernels.kinematics import (
     windows,
 )
 from warpffrf_kernels.normal import (
+    between_pairs,
     contact_assembly,
     contact_compliance,
     contact_fields,
     contact_record,
     contact_solve,
+    pair_elimination,
 )
 
 from warpffrf.online.step.launches import blocks, threads
@@ -70,11 +72,11 @@ CONTACT = Participant(
     ],
     condense=[blocks(contact_compliance.outer_rows)],
     press=[
-        threads(contact_solve.order_slots),
-        blocks(contact_solve.eliminate_pairs, "pair", G="soft"),
-        blocks(contact_solve.pose_pressures, G="soft"),
-        blocks(contact_solve.solve_pressures, U="factor", **FACTOR),
-        blocks(contact_solve.solve_between, when=BESIDE, G="soft", U="factor", **FACTOR),
+        threads(pair_elimination.order_slots),
+        blocks(pair_elimination.eliminate_pairs, "pair", G="soft"),
+        blocks(pair_elimination.pose_pressures, G="soft"),
+        blocks(pair_elimination.solve_pressures, U="factor", **FACTOR),
+        blocks(between_pairs.solve_between, when=BESIDE, G="soft", U="factor", **FACTOR),
     ],
     follow=[blocks(contact_fields.modal_fields, "pair", **STEP)],
     correct=[blocks(contact_solve.correct_set, "pair"), threads(contact_solve.accept_set)],

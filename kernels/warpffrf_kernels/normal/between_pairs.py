@@ -1,0 +1,172 @@
+"""What pairs do to each other by condensed or local modes of the bodies that they share.
+
+(M + F) ds = b of `contact_solve`, F the blocks of G between pairs and M the system without them, by conjugate gradients
+from the solution without F, with M as preconditioner. Each step costs a solve with the factors at hand.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.access import changed, inout, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
+from warpffrf_kernels.linear.sparse_factor import Pattern
+from warpffrf_kernels.normal.pair_elimination import LEFT_START, eliminated, put_pressures
+
+wp.set_module_options(MODULE_OPTIONS)
+
+EXACT = wp.constant(wp.float64(1.0e-16))  # of the energy of the first correction: where the gradients end
+GRADIENTS = wp.constant(100)  # steps of them at most; what is left then stays in the gaps, and Newton iterates on
+
+
+# y += F x over the first n places: what the pressures of each pair displace on the others. Lanes over the places.
+@wp.func_native("""
+    const int cap = model.capacity.slots, *list = order.data + (size_t)w * cap;
+    const double* x = krylov.data + start; double* y = krylov.data + end;
+    WP_TILE_SYNC();
+    for (int pair = 0; pair < model.pairs.count; ++pair) {
+        const int* b = block.data + ((size_t)w * model.pairs.count + pair) * 4;
+        for (int i = b[0] + WP_TILE_THREAD_IDX; i < b[0] + b[1]; i += WP_TILE_BLOCK_DIM) {
+            const double* g = G.data + ((size_t)w * cap + list[i]) * cap; double sum = 0.0;
+            for (int j = 0; j < b[0]; ++j) sum += g[list[j]] * x[j];
+            for (int j = b[0] + b[1]; j < n; ++j) sum += g[list[j]] * x[j];
+            y[i] += sum;
+        }
+    }
+    WP_TILE_SYNC();
+""")
+def add_between(
+    model: Model,
+    w: int,
+    n: int,
+    G: wp.array3d(dtype=real),
+    order: wp.array2d(dtype=int),
+    block: wp.array3d(dtype=int),
+    krylov: wp.array(dtype=real),
+    start: int,
+    end: int,
+): ...
+
+
+@wp.func
+def inner(n: int, x: wp.array(dtype=real), a: int, b: int) -> real:
+    """x[a:] . x[b:] of n numbers, the same in every lane."""
+    total = dot(n, x, a, x, b)
+    sync()
+    return total
+
+
+@wp.kernel
+def solve_between(
+    models: wp.array(dtype=Model),
+    patterns: wp.array(dtype=Pattern),
+    ctl: wp.array(dtype=Control),
+    base: wp.array3d(dtype=real),
+    slot_hat: wp.array3d(dtype=int),
+    order: wp.array2d(dtype=int),
+    block: wp.array3d(dtype=int),
+    weight: wp.array2d(dtype=real),
+    G: wp.array3d(dtype=real),
+    U: wp.array(dtype=real),
+    W: wp.array(dtype=real),
+    bordered: wp.array3d(dtype=real),
+    hold: wp.array3d(dtype=real),
+    scaling: inout(wp.array2d(dtype=real)),
+    pivots: inout(wp.array2d(dtype=int)),
+    factor: inout(wp.array(dtype=real)),
+    vector: inout(wp.array(dtype=real)),
+    lines: inout(wp.array(dtype=real)),
+    fallback: inout(wp.array2d(dtype=int)),
+    work: inout(wp.array3d(dtype=real)),
+    inverse_transposed: inout(wp.array(dtype=real)),
+    krylov: inout(wp.array(dtype=real)),
+    krylov_rhs: inout(wp.array(dtype=real)),
+    krylov_z: inout(wp.array(dtype=real)),
+    krylov_path: inout(wp.array(dtype=real)),
+    solution: changed(wp.array(dtype=real)),
+    z: changed(wp.array(dtype=real)),
+    pressure: out(wp.array3d(dtype=real)),
+):
+    """Per world: outer increments and pressures with what pairs do to each other by local modes, by conjugate gradients
+    from the solution without."""
+    w, lane = wp.tid()
+    model = models[0]
+    count = block[w, 0, LEFT_START]
+    if ctl[w].run == 0 or count == 0:
+        return
+    cap = model.capacity.slots
+    N = model.outer.count
+    at = w * cap
+    residual = w * 4 * cap  # r, M^-1 r, the direction p and M p
+    answer = residual + cap
+    path = residual + 2 * cap
+    image = residual + 3 * cap
+    i = lane
+    while i < count:
+        krylov[residual + i] = real(0.0)
+        krylov[path + i] = -solution[at + i]
+        krylov[image + i] = real(0.0)
+        i += wp.block_dim()
+    i = lane
+    while i < N:
+        krylov_path[w * N + i] = real(0.0)
+        i += wp.block_dim()
+    add_between(model, w, count, G, order, block, krylov, path, residual)  # r = -F x
+    reference = real(0.0)
+    before = real(0.0)
+    step = int(0)
+    while step < GRADIENTS:
+        i = lane
+        while i < count:
+            krylov[answer + i] = krylov[residual + i]
+            i += wp.block_dim()
+        i = lane
+        while i < N:
+            krylov_rhs[w * N + i] = real(0.0)
+            i += wp.block_dim()
+        sync()
+        eliminated(
+            model, patterns[0], w, lane, 0, 0, block, U, W, bordered, hold, scaling, pivots, factor, vector, lines,
+            fallback, work, inverse_transposed, krylov, answer, krylov_rhs, krylov_z,
+        )  # fmt: skip
+        product = inner(count, krylov, residual, answer)
+        if step == 0:
+            reference = product
+        if not (product > EXACT * reference):
+            break
+        share = real(0.0)
+        if step > 0:
+            share = product / before
+        before = product
+        i = lane
+        while i < count:
+            if step == 0:
+                krylov[path + i] = real(0.0)
+            krylov[path + i] = krylov[answer + i] + share * krylov[path + i]
+            krylov[image + i] = krylov[residual + i] + share * krylov[image + i]
+            i += wp.block_dim()
+        i = lane
+        while i < N:
+            krylov_path[w * N + i] = krylov_z[w * N + i] + share * krylov_path[w * N + i]
+            i += wp.block_dim()
+        sync()
+        # the image by M is carried along, that by F is added for the step and taken off again
+        i = lane
+        while i < count:
+            krylov[answer + i] = krylov[image + i]
+            i += wp.block_dim()
+        sync()
+        add_between(model, w, count, G, order, block, krylov, path, answer)
+        length = product / inner(count, krylov, path, answer)
+        i = lane
+        while i < count:
+            solution[at + i] = solution[at + i] + length * krylov[path + i]
+            krylov[residual + i] = krylov[residual + i] - length * krylov[answer + i]
+            i += wp.block_dim()
+        i = lane
+        while i < N:
+            z[w * N + i] = z[w * N + i] + length * krylov_path[w * N + i]
+            i += wp.block_dim()
+        sync()
+        step += 1
+    put_pressures(model, w, lane, count, base, slot_hat, order, weight, solution, pressure)

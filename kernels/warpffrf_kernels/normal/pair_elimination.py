@@ -1,0 +1,400 @@
+"""The active hats of the pairs eliminated pair by pair, and the outer system with what is left of them.
+
+Equations and names: `contact_solve`.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import changed, inout, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, weighted
+from warpffrf_kernels.linear import block_elimination
+from warpffrf_kernels.linear.outer_solve import held_motions, solve
+from warpffrf_kernels.linear.sparse_factor import Pattern
+from warpffrf_kernels.normal.pair_forces import surface_of
+
+wp.set_module_options(MODULE_OPTIONS)
+
+START = wp.constant(0)  # columns of `block`: where the active slots of a pair begin in `order`
+COUNT = wp.constant(1)  # how many they are
+LEFT_START = wp.constant(2)  # the same of those that have left the set
+LEFT_COUNT = wp.constant(3)
+
+
+@wp.kernel
+def order_slots(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    active: wp.array3d(dtype=int),
+    base: wp.array3d(dtype=real),
+    slot_hat: wp.array3d(dtype=int),
+    order: out(wp.array2d(dtype=int)),
+    block: out(wp.array3d(dtype=int)),
+):
+    """Per world: the active slots, pair by pair, then those that have left the set."""
+    w = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0:
+        return
+    pair = int(0)
+    while pair < model.pairs.count:
+        block[w, pair, COUNT] = 0
+        block[w, pair, LEFT_COUNT] = 0
+        pair += 1
+    slot = int(0)
+    while slot < ctl[w].slots:
+        pair = slot_hat[w, slot, 0]
+        m = slot_hat[w, slot, 1]
+        if active[w, pair, m] != 0:
+            block[w, pair, COUNT] = block[w, pair, COUNT] + 1
+        elif base[w, pair, m] != real(0.0):
+            block[w, pair, LEFT_COUNT] = block[w, pair, LEFT_COUNT] + 1
+        slot += 1
+    at = int(0)
+    for kind in range(2):
+        pair = int(0)
+        while pair < model.pairs.count:
+            block[w, pair, 2 * kind + START] = at
+            at += block[w, pair, 2 * kind + COUNT]
+            block[w, pair, 2 * kind + COUNT] = 0
+            pair += 1
+    slot = int(0)
+    while slot < ctl[w].slots:
+        pair = slot_hat[w, slot, 0]
+        m = slot_hat[w, slot, 1]
+        kind = int(-1)
+        if active[w, pair, m] != 0:
+            kind = int(0)
+        elif base[w, pair, m] != real(0.0):
+            kind = int(1)
+        if kind >= 0:
+            n = block[w, pair, 2 * kind + COUNT]
+            order[w, block[w, pair, 2 * kind + START] + n] = slot
+            block[w, pair, 2 * kind + COUNT] = n + 1
+        slot += 1
+
+
+# Gathers the block of G of n slots from place `start` of `order` on, in the lines and columns of these places.
+@wp.func_native("""
+    const int cap = model.capacity.slots;
+    double* U = factor.data + ((size_t)w * cap + start) * cap + start;
+    const int* list = order.data + (size_t)w * cap + start;
+    for (int i = 0; i < n; ++i) {
+        const double* g = G.data + ((size_t)w * cap + list[i]) * cap;
+        for (int j = i + WP_TILE_THREAD_IDX; j < n; j += WP_TILE_BLOCK_DIM) U[(size_t)i * cap + j] = g[list[j]];
+    }
+    WP_TILE_SYNC();
+""")
+def gather_block(
+    model: Model,
+    w: int,
+    start: int,
+    n: int,
+    G: wp.array3d(dtype=real),
+    order: wp.array2d(dtype=int),
+    factor: wp.array(dtype=real),
+): ...
+
+
+# The lines of L of n slots from place `start` of `order` on, to W.
+@wp.func_native("""
+    const int cap = model.capacity.slots, width = model.pairs.coupled_capacity;
+    const int count = model.pairs.coupled_count.data[pair], *list = order.data + (size_t)w * cap + start;
+    for (int i = 0; i < n; ++i) {
+        const double* l = L.data + ((size_t)w * cap + list[i]) * width;
+        double* x = W.data + ((size_t)w * cap + start + i) * width;
+        for (int c = WP_TILE_THREAD_IDX; c < count; c += WP_TILE_BLOCK_DIM) x[c] = l[c];
+    }
+    WP_TILE_SYNC();
+""")
+def gather_lines(
+    model: Model,
+    w: int,
+    pair: int,
+    start: int,
+    n: int,
+    L: wp.array3d(dtype=real),
+    order: wp.array2d(dtype=int),
+    W: wp.array(dtype=real),
+): ...
+
+
+@wp.func
+def block_at(model: Model, w: int, start: int) -> int:
+    """Where the factor of the places from `start` on begins; its lines are as long as there may be slots."""
+    return (w * model.capacity.slots + start) * model.capacity.slots + start
+
+
+@wp.func
+def lines_at(model: Model, w: int, start: int) -> int:
+    """Where the lines W of the places from `start` on begin."""
+    return (w * model.capacity.slots + start) * model.pairs.coupled_capacity
+
+
+@wp.kernel
+def eliminate_pairs(
+    models: wp.array(dtype=Model),
+    G: wp.array3d(dtype=real),
+    L: wp.array3d(dtype=real),
+    order: wp.array2d(dtype=int),
+    block: wp.array3d(dtype=int),
+    ctl: inout(wp.array(dtype=Control)),
+    factor: inout(wp.array(dtype=real)),
+    W: inout(wp.array(dtype=real)),
+    square: inout(wp.array(dtype=real)),
+):
+    """Per (world, pair): U, W and W^T W of the active hats."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    n = block[w, pair, COUNT]
+    if ctl[w].run == 0 or n == 0:
+        return
+    start = block[w, pair, START]
+    cap = model.capacity.slots
+    width = model.pairs.coupled_capacity
+    coupled = model.pairs.coupled_count[pair]
+    at = block_at(model, w, start)
+    line = lines_at(model, w, start)
+    gather_block(model, w, start, n, G, order, factor)
+    if block_elimination.factor(factor, at, cap, n) != 0 and lane == 0:
+        ctl[w].failure = ctl[w].failure | k.INDEFINITE
+    gather_lines(model, w, pair, start, n, L, order, W)
+    block_elimination.forward_lines(factor, at, cap, n, W, line, width, coupled)
+    block_elimination.square_of(n, W, line, width, coupled, square, (w * model.pairs.count + pair) * width * width)
+
+
+# A + sum W^T W, entries of the pattern.
+@wp.func_native("""
+    const int N = model.outer.count, width = model.pairs.coupled_capacity;
+    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
+    const double* A = tangent.data + (size_t)w * N * N;
+    double* a = bordered.data + (size_t)w * N * N;
+    for (int i = lane; i < N; i += lanes)
+        for (int e = p.entry_start.data[i]; e < p.entry_start.data[i + 1]; ++e) {
+            const size_t at = (size_t)i * N + p.entry_column.data[e];
+            a[at] = A[at];
+        }
+    WP_TILE_SYNC();
+    for (int pair = 0; pair < model.pairs.count; ++pair) {
+        if (block.data[((size_t)w * model.pairs.count + pair) * block.shape[2] + 1] == 0) continue;
+        const int count = model.pairs.coupled_count.data[pair];
+        const int* column = model.pairs.coupled.data + (size_t)pair * width;
+        const double* s = square.data + ((size_t)w * model.pairs.count + pair) * width * width;
+        for (int c = 0; c < count; ++c)
+            for (int d = lane; d < count; d += lanes) {
+                const double value = s[(size_t)c * width + d];
+                if (value != 0.0) a[(size_t)column[c] * N + column[d]] += value;
+            }
+        WP_TILE_SYNC();
+    }
+""")
+def add_borders(
+    model: Model,
+    p: Pattern,
+    w: int,
+    tangent: wp.array3d(dtype=real),
+    block: wp.array3d(dtype=int),
+    square: wp.array4d(dtype=real),
+    bordered: wp.array3d(dtype=real),
+): ...
+
+
+@wp.kernel
+def pose_pressures(
+    models: wp.array(dtype=Model),
+    patterns: wp.array(dtype=Pattern),
+    ctl: wp.array(dtype=Control),
+    tangent: wp.array3d(dtype=real),
+    rhs: wp.array2d(dtype=real),
+    opened: wp.array3d(dtype=real),
+    base: wp.array3d(dtype=real),
+    slot_hat: wp.array3d(dtype=int),
+    order: wp.array2d(dtype=int),
+    block: wp.array3d(dtype=int),
+    square: wp.array4d(dtype=real),
+    G: wp.array3d(dtype=real),
+    weight: wp.array2d(dtype=real),
+    J: wp.array(dtype=real),
+    L: wp.array3d(dtype=real),
+    receptance: wp.array(dtype=real),
+    modal_residual: wp.array(dtype=real),
+    bordered: inout(wp.array3d(dtype=real)),
+    bordered_rhs: out(wp.array2d(dtype=real)),
+    right: out(wp.array2d(dtype=real)),
+):
+    """Per world: A + sum W^T W, and both right-hand sides with what leaves the active set."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0:
+        return
+    add_borders(model, patterns[0], w, tangent, block, square, bordered)
+    i = lane
+    while i < model.outer.count:
+        bordered_rhs[w, i] = rhs[w, i]
+        i += wp.block_dim()
+    sync()
+    last = model.pairs.count - 1
+    first_left = block[w, 0, LEFT_START]
+    lefts = block[w, last, LEFT_START] + block[w, last, LEFT_COUNT] - first_left
+    i = lane
+    while i < first_left:  # the places before are those of active slots
+        a = order[w, i]
+        pair = slot_hat[w, a, 0]
+        total = -weight[w, pair] * opened[w, pair, slot_hat[w, a, 1]]
+        e = int(0)
+        while e < lefts:
+            slot = order[w, first_left + e]
+            other = slot_hat[w, slot, 0]
+            if other == pair or model.pairs.beside != 0:
+                total += G[w, a, slot] * weight[w, other] * base[w, other, slot_hat[w, slot, 1]]
+            e += 1
+        line = (w * model.capacity.slots + a) * model.pairs.most_modes
+        for side in range(2):
+            surface = surface_of(model, pair, side)
+            modes = w * model.modes.count + model.surfaces.modal_start[surface]
+            n = model.surfaces.modal_count[surface]
+            total += weighted(n, J, line, receptance, modes, modal_residual, modes)
+            line += n
+        right[w, i] = total
+        i += wp.block_dim()
+    if lane != 0:
+        return
+    e = int(0)
+    while e < lefts:
+        slot = order[w, first_left + e]
+        pair = slot_hat[w, slot, 0]
+        change = -weight[w, pair] * base[w, pair, slot_hat[w, slot, 1]]
+        c = int(0)
+        while c < model.pairs.coupled_count[pair]:
+            column = model.pairs.coupled[pair, c]
+            bordered_rhs[w, column] = bordered_rhs[w, column] + change * L[w, slot, c]
+            c += 1
+        e += 1
+
+
+@wp.func
+def eliminated(
+    model: Model,
+    p: Pattern,
+    w: int,
+    lane: int,
+    renew: int,
+    held: int,
+    block: wp.array3d(dtype=int),
+    U: wp.array(dtype=real),
+    W: wp.array(dtype=real),
+    bordered: wp.array3d(dtype=real),
+    hold: wp.array3d(dtype=real),
+    scaling: wp.array2d(dtype=real),
+    pivots: wp.array2d(dtype=int),
+    factor: wp.array(dtype=real),
+    vector: wp.array(dtype=real),
+    lines: wp.array(dtype=real),
+    fallback: wp.array2d(dtype=int),
+    work: wp.array3d(dtype=real),
+    inverse_transposed: wp.array(dtype=real),
+    x: wp.array(dtype=real),
+    at: int,
+    right: wp.array(dtype=real),
+    z: wp.array(dtype=real),
+) -> int:
+    """Solution of the system by its blocks: x from `at` on, the right-hand side of the places at first, becomes their
+    changes of pressure, z the outer increments of `right`; 1 where the outer matrix is singular."""
+    cap = model.capacity.slots
+    pair = int(0)
+    while pair < model.pairs.count:
+        start = block[w, pair, START]
+        n = block[w, pair, COUNT]
+        block_elimination.forward(U, block_at(model, w, start), cap, n, x, at + start)
+        block_elimination.push_columns(model, w, pair, n, W, lines_at(model, w, start), x, at + start, right)
+        pair += 1
+    bad = solve(
+        model, p, w, lane, renew, bordered, right, hold, held, scaling, pivots, factor, vector, lines, fallback, work,
+        inverse_transposed, z,
+    )  # fmt: skip
+    sync()
+    pair = int(0)
+    while pair < model.pairs.count:
+        start = block[w, pair, START]
+        n = block[w, pair, COUNT]
+        block_elimination.follow_columns(
+            model, w, pair, n, real(-1.0), W, lines_at(model, w, start), z, x, at + start
+        )  # fmt: skip
+        block_elimination.backward(U, block_at(model, w, start), cap, n, x, at + start)
+        pair += 1
+    return bad
+
+
+@wp.func
+def put_pressures(
+    model: Model,
+    w: int,
+    lane: int,
+    count: int,
+    base: wp.array3d(dtype=real),
+    slot_hat: wp.array3d(dtype=int),
+    order: wp.array2d(dtype=int),
+    weight: wp.array2d(dtype=real),
+    solution: wp.array(dtype=real),
+    pressure: wp.array3d(dtype=real),
+):
+    """Pressures of the active slots from their changes."""
+    i = lane
+    while i < count:
+        pair = slot_hat[w, order[w, i], 0]
+        m = slot_hat[w, order[w, i], 1]
+        pressure[w, pair, m] = base[w, pair, m] + solution[w * model.capacity.slots + i] / weight[w, pair]
+        i += wp.block_dim()
+
+
+@wp.kernel
+def solve_pressures(
+    models: wp.array(dtype=Model),
+    patterns: wp.array(dtype=Pattern),
+    base: wp.array3d(dtype=real),
+    slot_hat: wp.array3d(dtype=int),
+    order: wp.array2d(dtype=int),
+    block: wp.array3d(dtype=int),
+    weight: wp.array2d(dtype=real),
+    U: wp.array(dtype=real),
+    W: wp.array(dtype=real),
+    bordered: wp.array3d(dtype=real),
+    hold: wp.array3d(dtype=real),
+    hold_count: wp.array(dtype=int),
+    right: wp.array2d(dtype=real),
+    ctl: inout(wp.array(dtype=Control)),
+    bordered_rhs: changed(wp.array(dtype=real)),
+    scaling: inout(wp.array2d(dtype=real)),
+    pivots: inout(wp.array2d(dtype=int)),
+    factor: inout(wp.array(dtype=real)),
+    vector: inout(wp.array(dtype=real)),
+    lines: inout(wp.array(dtype=real)),
+    fallback: inout(wp.array2d(dtype=int)),
+    work: inout(wp.array3d(dtype=real)),
+    inverse_transposed: inout(wp.array(dtype=real)),
+    solution: inout(wp.array(dtype=real)),
+    z: inout(wp.array(dtype=real)),
+    pressure: out(wp.array3d(dtype=real)),
+):
+    """Per world: the outer increments, and pressures of the active set, without what pairs do to each other by local
+    modes."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0:
+        return
+    at = w * model.capacity.slots
+    count = block[w, 0, LEFT_START]
+    i = lane
+    while i < count:
+        solution[at + i] = right[w, i]
+        i += wp.block_dim()
+    sync()
+    bad = eliminated(
+        model, patterns[0], w, lane, 1, held_motions(ctl, w, hold_count), block, U, W, bordered, hold, scaling, pivots,
+        factor, vector, lines, fallback, work, inverse_transposed, solution, at, bordered_rhs, z,
+    )  # fmt: skip
+    if bad != 0 and lane == 0:
+        ctl[w].failure = ctl[w].failure | k.SINGULAR
+    put_pressures(model, w, lane, count, base, slot_hat, order, weight, solution, pressure)
