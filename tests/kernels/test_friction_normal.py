@@ -71,15 +71,20 @@ def stopped(request: pytest.FixtureRequest, body: wf.ReducedBody) -> Engine:
     for _ in range(8):
         engine.control(run=1, moved=1, reassemble=1, refresh=1, recenter=0, iteration=0, failure=0)
         engine.graph.iterate()
-    assert engine.word("changes")[0] == 0 and engine.word("cells")[0] > 5
+    assert engine.word("changes")[0] == 0 and cells_of(engine) > 5
     return engine
+
+
+def cells_of(engine: Engine) -> int:
+    """Cells in play of the first pair."""
+    return int(engine.scratch.cell_block.numpy()[0, 0, 1])
 
 
 def operators(engine: Engine) -> tuple[np.ndarray, ...]:
     """G and L_n of the active slots, in the order of the last solve; L and G of the lines of cells; the outer matrix
     with the pressures, inverted; L over the outer columns."""
     m, x, state = engine.compiled.model, engine.scratch, engine.state
-    lines, N, width = 2 * int(engine.word("cells")[0]), m.outer.count, int(m.pairs.coupled_count.numpy()[0])
+    lines, N, width = 2 * cells_of(engine), m.outer.count, int(m.pairs.coupled_count.numpy()[0])
     place = np.zeros((width, N))
     place[np.arange(width), m.pairs.coupled.numpy()[0, :width]] = 1.0
     n = int(x.answer_state.numpy()[0, 0])
@@ -87,20 +92,20 @@ def operators(engine: Engine) -> tuple[np.ndarray, ...]:
     hats = x.slot_hat.numpy()[0, order, 1]
     np.testing.assert_array_equal(np.sort(hats), np.flatnonzero(state.active.numpy()[0, 0]))
     np.testing.assert_array_equal(hats, x.answer_hat.numpy()[0, :n])
-    L_n, L = x.L.numpy()[0, order, :width] @ place, x.cell_L.numpy()[0, :lines, :width] @ place
+    L_n, L = x.L.numpy()[0, order, :width] @ place, x.cell_L.numpy()[0, 0, :lines, :width] @ place
     H = x.mobility.numpy().reshape(N, N).T
-    return x.soft.numpy()[0][np.ix_(order, order)], L_n, L, x.cell_G.numpy()[0, :lines, :lines], H, hats
+    return x.soft.numpy()[0][np.ix_(order, order)], L_n, L, x.cell_G.numpy()[0, 0, :lines, :lines], H, hats
 
 
 def coupling(engine: Engine) -> np.ndarray:
     """N^T (active slots, lines of the cells) without the outer coordinates: how the gaps open with each traction by the
     local modes, evaluated, and by the global ones."""
     x, state, width = engine.scratch, engine.state, engine.compiled.model.pairs.most_modes
-    n, cells = int(x.answer_state.numpy()[0, 0]), int(engine.word("cells")[0])
+    n, cells = int(x.answer_state.numpy()[0, 0]), cells_of(engine)
     order = x.order.numpy()[0, :n]
     hats = x.slot_hat.numpy()[0, order, 1]
     rows = len(engine.scene.contacts[0].a.surface.grid.z)
-    kept, bound, number = state.traction.numpy().copy(), x.bound.numpy()[0, 0].copy(), x.cell_slot.numpy()[0, :cells, 1]
+    kept, bound, number = state.traction.numpy().copy(), x.bound.numpy()[0, 0].copy(), x.cell_slot.numpy()[0, 0, :cells]
     found = []
     for m in number:
         for d in range(2):
@@ -126,7 +131,7 @@ def test_the_answer_of_the_pressures_is_condensed(stopped: Engine, request: pyte
     assert n > 3
     near = coupling(stopped)
     loaded = np.repeat(
-        stopped.scratch.bound.numpy()[0, 0, stopped.scratch.cell_slot.numpy()[0, : lines // 2, 1]] > 0.0, 2
+        stopped.scratch.bound.numpy()[0, 0, stopped.scratch.cell_slot.numpy()[0, 0, : lines // 2]] > 0.0, 2
     )
     U = np.triu(stopped.scratch.factor.numpy()[0, :n, :n])
     Y = stopped.scratch.cell_Y.numpy()[0, :n, :lines]
@@ -135,7 +140,10 @@ def test_the_answer_of_the_pressures_is_condensed(stopped: Engine, request: pyte
     scale = np.abs(L_n @ free @ L.T).max()
     assert np.abs((U.T @ Y - near)[:, loaded]).max() < ROUND_OFF * scale
     # the whole Schur complement from the operators
-    held = stopped.scratch.cell_K.numpy()[0, :lines, :lines]
+    width = stopped.compiled.model.pairs.coupled_count.numpy()[0]
+    bordered = stopped.scratch.cell_bordered.numpy()[0, 0, :lines, :width]
+    columns = stopped.compiled.model.pairs.coupled.numpy()[0, :width]
+    held = stopped.scratch.cell_D.numpy()[0, 0, :lines, :lines] + bordered @ H[np.ix_(columns, columns)] @ bordered.T
     whole = K + L @ free @ L.T
     N_t = U.T @ Y + L_n @ free @ L.T
     expected = whole - N_t.T @ np.linalg.solve(G + L_n @ free @ L_n.T, N_t)

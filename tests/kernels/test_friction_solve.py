@@ -11,6 +11,7 @@ from warpffrf_kernels.core.scalars import BLOCK
 from warpffrf_kernels.friction import stick_slip_solve
 
 from warpffrf.online.arrays.declaration import host_structs
+from warpffrf.online.compile.outer_pattern import find_pattern, on_device
 from warpffrf.verification.half_space.friction_program import residual, solve
 
 SAME = 1e-10  # of the largest bound: both stop at 1e-12 of it, and the compliances' condition is below 100
@@ -26,30 +27,51 @@ def compliance(count: int, generator: np.random.Generator) -> np.ndarray:
     return np.kron(decay, coupled) + 1e-3 * noise @ noise.T
 
 
-def device_solve(K, right, bound, start, softness=None) -> tuple[np.ndarray, np.ndarray]:
-    """Tractions and control words after one solve on the device."""
-    n = len(bound)
+def device_solve(D, right, bound, start, softness=None, L=None, M=None) -> tuple[np.ndarray, np.ndarray]:
+    """Tractions and control words after one solve on the device, of pairs with a block of D (pairs, 2 cells, 2 cells)
+    and lines of L (pairs, 2 cells, 6) each over the coordinates of one body, and its mobility M (6, 6)."""
+    D, bound = np.atleast_3d(np.asarray(D, float).T).T, np.atleast_2d(bound)
+    P, n, N = *bound.shape, 6
+    M = np.eye(N) if M is None else np.asarray(M, float)
+    L = np.zeros((P, 2 * n, N)) if L is None else np.asarray(L, float)
+    V = L @ M
+    whole = D + V @ L.transpose(0, 2, 1)
+    blocks = np.stack([whole[:, 2 * i : 2 * i + 2, 2 * i : 2 * i + 2] for i in range(n)], axis=1)
     model = Model()
-    model.capacity.cells = n
+    model.capacity.cells, model.pairs.count, model.pairs.coupled_capacity = n, P, N
+    model.outer.count = model.outer.row_offset = N
 
     def zeros(*shape: int) -> wp.array:
-        return wp.zeros((1, *shape), dtype=wp.float64)
+        return wp.zeros(shape, dtype=wp.float64)
 
-    def put(values) -> wp.array:
-        return wp.array(np.asarray(values, float)[None], dtype=wp.float64)
+    def put(values, kind: type = float) -> wp.array:
+        return wp.array(np.asarray(values, kind), dtype=wp.float64 if kind is float else wp.int32)
 
+    def flat(values) -> wp.array:
+        return put(np.ravel(values))
+
+    kept = put(np.full(P, N), int), put(np.tile(np.arange(N), (P, 1)), int)
+    model.pairs.coupled_count, model.pairs.coupled = kept
     words = host_structs(k.Control, 1)
-    words["run"], words["cells"] = 1, n
-    ctl, tau = wp.array(words, dtype=k.Control), put(start)
-    whole = wp.zeros((1, 2 * n), dtype=wp.int32)
+    words["run"] = 1
+    ctl, tau = wp.array(words, dtype=k.Control), flat(start)
+    pattern = find_pattern(1, np.zeros(1, int), np.zeros((0, 2), int), np.zeros((0, 2), bool))
+    owner, patterns = on_device(pattern, "cpu")
+    order = wp.zeros(2 * P * n, dtype=wp.int32)
     wp.launch_tiled(
         stick_slip_solve.solve_tractions, dim=(1,), block_dim=BLOCK,
-        inputs=[wp.array([model], dtype=Model), put(K), put(right), put(bound),
-                zeros(n) if softness is None else put(softness)],
-        outputs=[ctl, tau, zeros(2 * n), zeros(2 * n), zeros(2 * n), zeros(2 * n), zeros(n), whole,
-                 wp.zeros((1, 2 * n), dtype=wp.int32), zeros(2), zeros(2 * n), zeros(2 * n, 2 * n)],
+        inputs=[wp.array([model], dtype=Model), patterns, flat(D), flat(L),
+                flat(M), flat(V), flat(blocks[..., [0, 0, 1], [0, 1, 1]]), put(np.linalg.inv(M)[None]), zeros(1, 1, 1),
+                wp.zeros(1, dtype=wp.int32), flat(right), flat(bound),
+                zeros(P * n) if softness is None else flat(softness)],
+        outputs=[ctl, put(np.tile([0, n, 0], (1, P, 1)), int), tau, *(zeros(2 * P * n) for _ in range(4)),
+                 zeros(P * n), order, wp.zeros(2 * P * n, dtype=wp.int32), zeros(1, 4), zeros(1, 2), zeros(2 * P * n),
+                 zeros(P * 4 * n * n), zeros(P * 2 * n * N), zeros(P * N * N), zeros(N), zeros(N), zeros(1, N, N),
+                 zeros(1, N), wp.zeros((1, N), dtype=wp.int32), zeros(pattern.factor_size), zeros(2 * N),
+                 zeros(BLOCK * pattern.widest), wp.zeros((1, 2), dtype=wp.int32), zeros(1, N, N), zeros(N * N)],
     )  # fmt: skip
-    return tau.numpy()[0].copy(), ctl.numpy()[0].copy()
+    del kept, owner
+    return tau.numpy().copy(), ctl.numpy()[0].copy()
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -89,6 +111,28 @@ def test_tractions_that_all_move_a_free_body(seed: int, common: float) -> None:
     np.testing.assert_allclose(tau, exact, atol=STIFF * bound.max(), rtol=0.0)
     stick = np.hypot(*tau.reshape(-1, 2).T) < (1.0 - STIFF) * bound
     assert 0 < stick.sum() < count
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("common", [0.3, 30.0, 1e4])
+def test_pairs_that_move_the_same_bodies(seed: int, common: float) -> None:
+    """Three pairs, each with a block of its own, coupled by the motion of a body alone: the whole matrix is the
+    sum."""
+    generator = np.random.default_rng(seed)
+    pairs, count, columns = 3, 8, 6
+    D = np.array([compliance(count, generator) for _ in range(pairs)])
+    L = generator.normal(size=(pairs, 2 * count, columns))
+    root = generator.normal(size=(columns, columns))
+    M = common * (root @ root.T + 0.1 * np.eye(columns))
+    all_L = L.reshape(-1, columns)
+    K = all_L @ M @ all_L.T
+    for p in range(pairs):
+        K[2 * count * p : 2 * count * (p + 1), 2 * count * p : 2 * count * (p + 1)] += D[p]
+    right, bound = 2.0 * generator.normal(size=2 * pairs * count), generator.uniform(0.2, 1.5, (pairs, count))
+    tau, words = device_solve(D, right, bound, generator.normal(size=2 * pairs * count), L=L, M=M)
+    assert words["failure"] == 0
+    exact = solve(K, right.reshape(-1, 2), bound.ravel()).ravel()
+    np.testing.assert_allclose(tau, exact, atol=STIFF * bound.max(), rtol=0.0)
 
 
 def test_a_warm_start_needs_no_factorisation_of_a_solved_problem() -> None:

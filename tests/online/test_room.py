@@ -15,7 +15,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, find_equilibrium, run
 from warpffrf.online.arrays.scratch import Scratch, scratch_for
-from warpffrf.online.compile import pairs
+from warpffrf.online.compile import room
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.vibrations.eigenmodes import find_modes
 
@@ -51,8 +51,8 @@ def plate_on_balls(
 @pytest.fixture
 def little(monkeypatch: pytest.MonkeyPatch) -> None:
     """Room for one hat of each pair, to begin with."""
-    monkeypatch.setattr(pairs, "LEAST_SLOTS", 1)
-    monkeypatch.setattr(pairs, "USUAL_PATCH", 10**6)
+    monkeypatch.setattr(room, "LEAST_SLOTS", 1)
+    monkeypatch.setattr(room, "USUAL_PATCH", 10**6)
 
 
 def test_modes_about_a_given_state_have_room_for_its_patch(little: None) -> None:

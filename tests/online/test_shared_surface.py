@@ -21,7 +21,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import Engine, Settings, find_equilibrium, run
-from warpffrf.online.compile import pairs
+from warpffrf.online.compile import room
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 
@@ -299,8 +299,8 @@ def test_room_for_hats_grows_without_a_trace(rubbing_body: ReducedBody, monkeypa
     bit; and a capacity that is asked for stays."""
     scene = train(rubbing_body, (False, True), (MU, MU))
     plain = run(scene, 6 * STEP, step=STEP, start="equilibrium", progress=False)
-    monkeypatch.setattr(pairs, "LEAST_SLOTS", 1)
-    monkeypatch.setattr(pairs, "USUAL_PATCH", 10**6)
+    monkeypatch.setattr(room, "LEAST_SLOTS", 1)
+    monkeypatch.setattr(room, "USUAL_PATCH", 10**6)
     assert Engine(scene).compiled.model.capacity.slots == 3
     grown = run(scene, 6 * STEP, step=STEP, start="equilibrium", progress=False)
     assert plain.status == grown.status == "completed"

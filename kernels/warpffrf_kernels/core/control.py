@@ -43,8 +43,6 @@ class Control:
     refresh: int  # 1 when the outer matrix is to be inverted anew
     recenter: int  # 1 when the windows are to be laid anew
     coarse: int  # steps less accurate than asked for, taken as they could not be halved again
-    cells: int  # cell slots of friction in use
-    fresh_cells: int  # first cell slot not yet assembled
     stale: int  # 1 when every cell slot is to be assembled anew
     solves: int  # factorisations of stick and slip so far
     factored: int  # free coordinates of the factorisation of stick and slip at hand, 0 without

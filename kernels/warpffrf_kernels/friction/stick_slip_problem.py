@@ -16,10 +16,12 @@ from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, vec3, weighted
+from warpffrf_kernels.friction.cell_blocks import COUNT, add_slips, borders_of, first_line
 from warpffrf_kernels.friction.cell_forces import creep_softness
 from warpffrf_kernels.friction.cell_shares import on_shares
 from warpffrf_kernels.friction.cells import cell_at
 from warpffrf_kernels.friction.pressure_answer import OPEN
+from warpffrf_kernels.linear.block_elimination import follow_columns
 from warpffrf_kernels.normal.contact_solve import push_by_slots
 from warpffrf_kernels.normal.pair_forces import surface_of
 
@@ -53,44 +55,11 @@ def drive_modes(
     push_by_slots(model, ctl, w, slot_hat, active, pressure, base, weight, J, modal_drive)
 
 
-# Line `row` of L times the entries of z in its columns.
-@wp.func_native("""
-    const int* c = model.pairs.coupled.data + (size_t)pair * model.pairs.coupled_capacity;
-    const double* l = L.data + ((size_t)w * 2 * model.capacity.cells + row) * model.pairs.coupled_capacity;
-    const double* v = z.data + (size_t)w * model.outer.count;
-    double sum = 0.0;
-    for (int i = 0; i < model.pairs.coupled_count.data[pair]; ++i) sum += l[i] * v[c[i]];
-    return sum;
-""")
-def gathered(model: Model, w: int, pair: int, row: int, L: wp.array3d(dtype=real), z: wp.array(dtype=real)) -> real: ...
-
-
-# right -= K x over the first n lines, lanes over the lines; contiguous runs, as `dot`.
-@wp.func_native("""
-    const int cap = 2 * model.capacity.cells;
-    const double* v = x.data + (size_t)w * cap;
-    for (int i = WP_TILE_THREAD_IDX; i < n; i += WP_TILE_BLOCK_DIM) {
-        const double* a = K.data + ((size_t)w * cap + i) * cap; double s[8] = {0.0}, sum = 0.0; int j = 0;
-        for (; j + 7 < n; j += 8) for (int c = 0; c < 8; ++c) s[c] += a[j + c] * v[j + c];
-        for (; j < n; ++j) sum += a[j] * v[j];
-        for (int c = 0; c < 8; ++c) sum += s[c];
-        right.data[(size_t)w * cap + i] -= sum;
-    }
-""")
-def subtract_product(
-    model: Model,
-    w: int,
-    n: int,
-    K: wp.array3d(dtype=real),
-    x: wp.array2d(dtype=real),
-    right: wp.array2d(dtype=real),
-): ...
-
-
 @wp.kernel
 def pose_tractions(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
+    cell_block: wp.array3d(dtype=int),
     cell_slot: wp.array3d(dtype=int),
     weight: wp.array2d(dtype=real),
     cell_area: wp.array3d(dtype=real),
@@ -102,51 +71,71 @@ def pose_tractions(
     share_at: wp.array4d(dtype=int),
     first_shift: wp.array(dtype=real),
     second_shift: wp.array(dtype=real),
-    K: wp.array3d(dtype=real),
-    L: wp.array3d(dtype=real),
+    L: wp.array(dtype=real),
     J: wp.array(dtype=real),
     receptance: wp.array(dtype=real),
     modal_drive: wp.array(dtype=real),
     z: wp.array(dtype=real),
-    base: inout(wp.array2d(dtype=real)),
-    right: inout(wp.array2d(dtype=real)),
-    tau: out(wp.array2d(dtype=real)),
+    base: out(wp.array(dtype=real)),
+    right: inout(wp.array(dtype=real)),
+    tau: out(wp.array(dtype=real)),
 ):
-    """Per world: right-hand side r_0 = S + dS(ds) + L z + J sigma^-1 (modal drive) - K tau_base, and first guess of all
-    slots. dS: by the local modes under the change of the pressures, of which the shifts are."""
-    w, lane = wp.tid()
+    """Per (world, pair): right-hand side S + dS(ds) + L z + J sigma^-1 (modal drive), and first guess of all slots. dS:
+    by the local modes under the change of the pressures, of which the shifts are."""
+    w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].changes != 0:
+    count = cell_block[w, pair, COUNT]
+    if ctl[w].run == 0 or ctl[w].changes != 0 or count == 0:
         return
-    count = ctl[w].cells
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    scale = weight[w, pair]
+    flexible = model.surfaces.shear_start[model.pairs.second[pair]] >= 0
+    start = first_line(model, w, pair)
     i = lane
     while i < count:
-        pair = cell_slot[w, i, 0]
-        m = cell_slot[w, i, 1]
-        rows = model.surfaces.rows[model.pairs.first[pair]]
+        m = cell_slot[w, pair, i]
         area = cell_area[w, pair, m]
-        scale = weight[w, pair]
         second = vec3(real(0.0), real(0.0), real(0.0))
-        if model.surfaces.shear_start[model.pairs.second[pair]] >= 0:
+        if flexible:
             second = on_shares(model, w, pair, m, cell_turn, share, share_at, second_shift)
         for d in range(2):
-            row = 2 * i + d
+            line = start + 2 * i + d
             at = cell_at(rows, m, d)
-            base[w, row] = scale * traction_base[w, pair, at]
-            tau[w, row] = scale * traction[w, pair, at]
+            base[line] = scale * traction_base[w, pair, at]
+            tau[line] = scale * traction[w, pair, at]
             moved = first_shift[(w * model.pairs.count + pair) * 2 * model.window.hats + at] - second[d]
-            value = scale * area * (slip[w, pair, at] + moved) + gathered(model, w, pair, row, L, z)
-            line = (w * model.capacity.cells + i) * 2 * model.pairs.most_modes + d * model.pairs.most_modes
+            value = scale * area * (slip[w, pair, at] + moved)
+            by_mode = line * model.pairs.most_modes
             for side in range(2):
                 surface = surface_of(model, pair, side)
                 modes = w * model.modes.count + model.surfaces.modal_start[surface]
                 n = model.surfaces.modal_count[surface]
-                value += weighted(n, J, line, receptance, modes, modal_drive, modes)
-                line += n
-            right[w, row] = value
+                value += weighted(n, J, by_mode, receptance, modes, modal_drive, modes)
+                by_mode += n
+            right[line] = value
         i += wp.block_dim()
     sync()
-    subtract_product(model, w, 2 * count, K, base, right)
+    follow_columns(model, w, pair, 2 * count, real(1.0), L, borders_of(model, w, pair), z, right, start)
+
+
+@wp.kernel
+def take_off_base(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    cell_block: wp.array3d(dtype=int),
+    D: wp.array(dtype=real),
+    L: wp.array(dtype=real),
+    M: wp.array(dtype=real),
+    base: wp.array(dtype=real),
+    push: inout(wp.array(dtype=real)),
+    turned: inout(wp.array(dtype=real)),
+    right: inout(wp.array(dtype=real)),
+):
+    """Per world: the right-hand side less K tau_base."""
+    w, lane = wp.tid()
+    if ctl[w].run == 0 or ctl[w].changes != 0:
+        return
+    add_slips(models[0], w, lane, real(-1.0), cell_block, D, L, M, base, push, turned, right)
 
 
 @wp.kernel
@@ -154,29 +143,31 @@ def limit_tractions(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
     clk: wp.array(dtype=Clock),
+    cell_block: wp.array3d(dtype=int),
     cell_slot: wp.array3d(dtype=int),
     weight: wp.array2d(dtype=real),
     cell_area: wp.array3d(dtype=real),
     bound: wp.array3d(dtype=real),
     late: wp.array3d(dtype=real),
     answer_state: wp.array2d(dtype=int),
-    radius: out(wp.array2d(dtype=real)),
-    softness: out(wp.array2d(dtype=real)),
+    radius: out(wp.array3d(dtype=real)),
+    softness: out(wp.array3d(dtype=real)),
 ):
-    """Per world: discs and softness of all slots, with the bounds of the pressures as they are in this round."""
-    w, lane = wp.tid()
+    """Per (world, pair): discs and softness of all slots, with the bounds of the pressures as they are in this
+    round."""
+    w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0:
         return
     i = lane
-    while i < ctl[w].cells:
-        pair = cell_slot[w, i, 0]
-        m = cell_slot[w, i, 1]
+    while i < cell_block[w, pair, COUNT]:
+        m = cell_slot[w, pair, i]
         b = bound[w, pair, m]
-        radius[w, i] = weight[w, pair] * b
-        softness[w, i] = real(0.0)
+        radius[w, pair, i] = weight[w, pair] * b
+        softness[w, pair, i] = real(0.0)
         if b > real(0.0):
-            softness[w, i] = cell_area[w, pair, m] * (creep_softness(model, clk, w, pair, b) + late[w, pair, m])
+            soft = creep_softness(model, clk, w, pair, b) + late[w, pair, m]
+            softness[w, pair, i] = cell_area[w, pair, m] * soft
         i += wp.block_dim()
 
 
@@ -184,11 +175,11 @@ def limit_tractions(
 def take_tractions(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
+    cell_block: wp.array3d(dtype=int),
     cell_slot: wp.array3d(dtype=int),
     weight: wp.array2d(dtype=real),
-    tau: wp.array2d(dtype=real),
-    base: wp.array2d(dtype=real),
-    V: wp.array(dtype=real),
+    tau: wp.array(dtype=real),
+    z_change: wp.array(dtype=real),
     z: changed(wp.array(dtype=real)),
     traction: out(wp.array3d(dtype=real)),
 ):
@@ -197,27 +188,24 @@ def take_tractions(
     model = models[0]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
-    N = model.outer.count
-    i = int(0)
-    while i < 2 * ctl[w].cells:
-        pair = cell_slot[w, i / 2, 0]
-        m = cell_slot[w, i / 2, 1]
-        if lane == 0:
-            rows = model.surfaces.rows[model.pairs.first[pair]]
-            traction[w, pair, cell_at(rows, m, i % 2)] = tau[w, i] / weight[w, pair]
-        change = tau[w, i] - base[w, i]
-        if change != real(0.0):
-            axpy(N, change, V, (w * 2 * model.capacity.cells + i) * N, z, w * N)
-        i += 1
+    axpy(model.outer.count, real(1.0), z_change, w * model.outer.count, z, w * model.outer.count)
+    pair = int(0)
+    while pair < model.pairs.count:
+        rows = model.surfaces.rows[model.pairs.first[pair]]
+        line = lane
+        while line < 2 * cell_block[w, pair, COUNT]:
+            value = tau[first_line(model, w, pair) + line] / weight[w, pair]
+            traction[w, pair, cell_at(rows, cell_slot[w, pair, line / 2], line % 2)] = value
+            line += wp.block_dim()
+        pair += 1
 
 
 @wp.kernel
 def push_modes(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
-    cell_slot: wp.array3d(dtype=int),
-    tau: wp.array2d(dtype=real),
-    base: wp.array2d(dtype=real),
+    cell_block: wp.array3d(dtype=int),
+    moved: wp.array(dtype=real),
     J: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
     push: inout(wp.array(dtype=real)),
@@ -235,18 +223,20 @@ def push_modes(
         push[first + n] = real(0.0)
         n += wp.block_dim()
     sync()
-    i = int(0)
-    while i < 2 * ctl[w].cells:
-        change = tau[w, i] - base[w, i]
-        if change != real(0.0):
-            pair = cell_slot[w, i / 2, 0]
-            start = (w * model.capacity.cells + i / 2) * 2 * model.pairs.most_modes + (i % 2) * model.pairs.most_modes
-            for side in range(2):
-                surface = surface_of(model, pair, side)
-                modes = model.surfaces.modal_count[surface]
-                axpy(modes, change, J, start, push, first + model.surfaces.modal_start[surface])
-                start += modes
-        i += 1
+    pair = int(0)
+    while pair < model.pairs.count:
+        line = first_line(model, w, pair)
+        end = line + 2 * cell_block[w, pair, COUNT]
+        while line < end:
+            if moved[line] != real(0.0):
+                start = line * model.pairs.most_modes
+                for side in range(2):
+                    surface = surface_of(model, pair, side)
+                    modes = model.surfaces.modal_count[surface]
+                    axpy(modes, moved[line], J, start, push, first + model.surfaces.modal_start[surface])
+                    start += modes
+            line += 1
+        pair += 1
     sync()
     n = lane
     while n < model.modes.count:

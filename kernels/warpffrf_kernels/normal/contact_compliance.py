@@ -230,7 +230,6 @@ def outer_row(
     model: Model,
     w: int,
     pair: int,
-    row: int,
     lane: int,
     f: vec3,
     t: vec3,
@@ -240,11 +239,12 @@ def outer_row(
     J: wp.array(dtype=real),
     start: int,
     C_receptance: wp.array(dtype=real),
-    L: wp.array3d(dtype=real),
+    line: int,
+    L: wp.array(dtype=real),
 ):
-    """Line `row` of L, [d/d(rigid), -J sigma^-1 C_modal^T] over the columns in `coupled` of the pair: of a quantity
-    with the gradient (f, t) by the motion of A relative to B, and J (from `start`) by the modes, times the weight of
-    the pair, which J has already."""
+    """The line of L that begins at `line`, [d/d(rigid), -J sigma^-1 C_modal^T] over the columns in `coupled` of the
+    pair: of a quantity with the gradient (f, t) by the motion of A relative to B, and J (from `start`) by the modes,
+    times the weight of the pair, which J has already."""
     A = model.surfaces.body[model.pairs.first[pair]]
     B = model.surfaces.body[model.pairs.second[pair]]
     if lane == 0:
@@ -252,15 +252,15 @@ def outer_row(
         turn = weight[w, pair] * t
         t_a = wp.transpose(axes[w, A]) * turn
         for i in range(3):
-            L[w, row, i] = push[i]
-            L[w, row, 3 + i] = t_a[i]
-            L[w, row, 6 + i] = real(0.0)  # the ground does not move
-            L[w, row, 9 + i] = real(0.0)
+            L[line + i] = push[i]
+            L[line + 3 + i] = t_a[i]
+            L[line + 6 + i] = real(0.0)  # the ground does not move
+            L[line + 9 + i] = real(0.0)
         if B >= 0:
             t_b = wp.transpose(axes[w, B]) * (turn + wp.cross(r1[w, A] - r1[w, B], push))
             for i in range(3):
-                L[w, row, 6 + i] = -push[i]
-                L[w, row, 9 + i] = -t_b[i]
+                L[line + 6 + i] = -push[i]
+                L[line + 9 + i] = -t_b[i]
     first_a = model.surfaces.modal_start[model.pairs.first[pair]]
     count_a = model.surfaces.modal_count[model.pairs.first[pair]]
     first_b = model.surfaces.modal_start[model.pairs.second[pair]]
@@ -273,13 +273,13 @@ def outer_row(
             at = mode - first_a
             if at < 0 or at >= count_a:
                 at = count_a + mode - first_b
-            L[w, row, c] = J[start + at]
+            L[line + c] = J[start + at]
         else:
             at = (w * model.rows.count + column - model.outer.row_offset) * model.modes.count
             value = -dot(model.bodies.global_count[A], J, start, C_receptance, at + first_a)
             if B >= 0:
                 value -= dot(model.bodies.global_count[B], J, start + count_a, C_receptance, at + first_b)
-            L[w, row, c] = value
+            L[line + c] = value
         c += wp.block_dim()
 
 
@@ -294,7 +294,7 @@ def outer_rows(
     slot_hat: wp.array3d(dtype=int),
     J: wp.array(dtype=real),
     C_receptance: wp.array(dtype=real),
-    L: out(wp.array3d(dtype=real)),
+    L: out(wp.array(dtype=real)),
 ):
     """Per world: gradient L of the gap by the outer coordinates times the weight of the pair (`outer_row`); for all
     slots when the outer matrix is new, else for the fresh ones."""
@@ -311,5 +311,6 @@ def outer_rows(
         f = vec3(wrench[w, pair, m, 0], wrench[w, pair, m, 1], wrench[w, pair, m, 2])
         t = vec3(wrench[w, pair, m, 3], wrench[w, pair, m, 4], wrench[w, pair, m, 5])
         start = (w * model.capacity.slots + slot) * model.pairs.most_modes
-        outer_row(model, w, pair, slot, lane, f, t, axes, r1, weight, J, start, C_receptance, L)
+        line = (w * model.capacity.slots + slot) * model.pairs.coupled_capacity
+        outer_row(model, w, pair, lane, f, t, axes, r1, weight, J, start, C_receptance, line, L)
         slot += 1

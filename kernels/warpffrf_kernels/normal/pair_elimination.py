@@ -196,7 +196,7 @@ def add_borders(
     w: int,
     tangent: wp.array3d(dtype=real),
     block: wp.array3d(dtype=int),
-    square: wp.array4d(dtype=real),
+    square: wp.array(dtype=real),
     bordered: wp.array3d(dtype=real),
 ): ...
 
@@ -213,7 +213,7 @@ def pose_pressures(
     slot_hat: wp.array3d(dtype=int),
     order: wp.array2d(dtype=int),
     block: wp.array3d(dtype=int),
-    square: wp.array4d(dtype=real),
+    square: wp.array(dtype=real),
     G: wp.array3d(dtype=real),
     weight: wp.array2d(dtype=real),
     J: wp.array(dtype=real),

@@ -18,6 +18,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Signal
 from warpffrf.online.compile.constants import Constants
 from warpffrf.online.compile.inertia_plan import InertiaPlan
+from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.local_dynamics import LocalDynamics, LocalPlan
 from warpffrf.online.settings import Settings
 
@@ -90,7 +91,7 @@ class Collector:
         self.interfaces: dict[tuple[int, str], int] = {}
         self.elements = Elements()
         self.notes: list[str] = []
-        self.cell_margin = 0
+        self.cell_room = CellRoom()
         self.surfaces: list[OnBody] = []
         self.sides: list[int] = []  # which of them each side of each pair is on
         self.lumped_sides: list[int] = []  # the same of lumped contacts

@@ -13,6 +13,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.friction.pieces import cubic_pieces
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.collector import Collector
+from warpffrf.online.compile.room import CellRoom, slots_of
 from warpffrf.online.compile.windows import Extent, between_axes, sine_between
 
 CUBIC_SPARE = 2  # columns beyond the overlap that a cubic reaches, see `cell_shares.spread_cells`
@@ -39,8 +40,9 @@ def fill_friction(collector: Collector, m: Model, z_start: np.ndarray) -> None:
             f"contact {rubbing_pair.name!r}: friction needs quasi-static local modes in the whole scene, and "
             f"{m.modes.dynamic_count} of it have inertia; use local='quasi_static'"
         )
-    collector.cell_margin = _cells_beside(collector, m) if present else 0
-    m.capacity.cells = m.capacity.slots + collector.cell_margin if present else 0
+    if present:
+        collector.cell_room = CellRoom(m.capacity.slots, *_cells_of_pairs(collector, m))
+    m.capacity.cells = collector.cell_room.cells(m.capacity.slots)
     rubbed = {side for i, c in enumerate(contacts) if c.friction.acts
               for side in collector.sides[2 * i : 2 * i + 2]}  # fmt: skip
     starts: list[int] = []
@@ -82,14 +84,16 @@ def _fill_slip_speeds(collector: Collector) -> None:
     )  # fmt: skip
 
 
-def _cells_beside(collector: Collector, m: Model) -> int:
-    """Most cells that are loaded beside those where hats are (`bounds`): a patch of n hats in r rows and c
-    columns has at most 2 (c + r) neighbours."""
-    beside = 0
+def _cells_of_pairs(collector: Collector, m: Model) -> tuple[int, int, int]:
+    """Hats in play of a pair, the most of all pairs, to begin with and at all, and most cells that are loaded beside
+    those where hats are (`bounds`): a patch of n hats in r rows and c columns has at most 2 (c + r) neighbours."""
+    first = most = beside = 0
     for contact, _, a, _, _ in collector.pairs():
         hats = m.window.hats if contact.capacity is None else contact.capacity
-        beside += 2 * (min(hats, m.window.columns) + min(hats, a.grid.rows))
-    return beside
+        most = max(most, min(hats, m.window.hats))
+        first = max(first, slots_of(contact, hats))
+        beside = max(beside, 2 * (min(hats, m.window.columns) + min(hats, a.grid.rows)))
+    return first, most, beside
 
 
 def _extent(a: ContactSurface, b: ContactSurface, crossed: float) -> tuple[int, int]:

@@ -15,6 +15,7 @@ from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.online.compile.collector import Collector, Pair
 from warpffrf.online.compile.inertia import dense_columns
 from warpffrf.online.compile.points import fill_points
+from warpffrf.online.compile.room import slots_of
 from warpffrf.online.compile.sampling_rules import on_stations, rule_of
 from warpffrf.online.compile.surfaces import NO_NODES
 from warpffrf.online.compile.windows import (
@@ -30,9 +31,6 @@ from warpffrf.online.compile.windows import (
 
 LINE_OF_CENTRES, AT_POINTS = 0, 1  # families of geometry: `line_of_centres`, `at_points`
 LEAST_CROWN = 1.0  # radii: below, the crown is no small drop along the width
-# room for hats in play, to begin with: matrices grow with its square, so pairs that never load a whole window need not
-# pay for one; `Engine` doubles it where it is short
-LEAST_SLOTS, USUAL_PATCH = 64, 4
 SKEW = 0.02  # rad between the axes: the line of centres drops terms of the order of its square, 4e-4
 
 
@@ -63,7 +61,7 @@ def fill_pairs(collector: Collector, m: Model) -> None:
         hats = (2 * min(own, MAX_HALF_WINDOW) + 1) * a.grid.rows
         most = hats if contact.capacity is None else min(contact.capacity, (2 * own + 1) * a.grid.rows)
         limit += most
-        slots += most if contact.capacity is not None else min(most, max(LEAST_SLOTS, hats // USUAL_PATCH))
+        slots += slots_of(contact, most)
         coupled.append(_coupled_columns(collector, m, body_a, body_b))
     second_half = max(second_half, stencil[0])  # also the window of a rigid surface holds a stencil
     collector.fill(

@@ -26,6 +26,7 @@ from warpffrf.online.compile.layers import LAYER_ITERATIONS, fill_layers
 from warpffrf.online.compile.lumped import fill_lumped
 from warpffrf.online.compile.pairs import fill_pairs
 from warpffrf.online.compile.responses import fill_responses
+from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.compile.surfaces import fill_surfaces
 from warpffrf.online.local_dynamics import FOLLOWS, LocalDynamics, LocalPlan
 from warpffrf.online.settings import Settings
@@ -49,14 +50,14 @@ class CompiledScene:
     stiffened: bool  # loads at interfaces stiffen a body
     local: LocalPlan
     inertia: InertiaPlan
-    cell_margin: int  # cells with friction that may be loaded beside those of the slots
+    cell_room: CellRoom
     notes: list[str]
 
     def enlarge(self, slots: int) -> None:
         """Room for `slots` hats in play, and cells where there is friction; scratch arrays are to be made anew."""
         m = self.model
         m.capacity.slots = slots
-        m.capacity.cells = slots + self.cell_margin if m.capacity.cells else 0
+        m.capacity.cells = self.cell_room.cells(slots)
         self.models = wp.array([m], dtype=Model, device=self.device)
 
 
@@ -103,7 +104,7 @@ def _compiled(collector: Collector) -> CompiledScene:
     return CompiledScene(
         scene, m, collector.elements, wp.array([m], dtype=Model, device=collector.device), collector.device, joints,
         springs, slips, len(collector.rows), modal_start, modes, stiffened, collector.local, collector.inertia,
-        collector.cell_margin, collector.notes,
+        collector.cell_room, collector.notes,
     )  # fmt: skip
 
 

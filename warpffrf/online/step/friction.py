@@ -14,6 +14,7 @@ from warpffrf_kernels.friction import (
     cells,
     entering_cells,
     history,
+    mobility,
     patch_advance,
     pressure_answer,
     slip_speed,
@@ -28,12 +29,22 @@ from warpffrf.online.step.outer import FACTOR
 from warpffrf.online.step.phases import Loop, Participant
 
 SPEED = "speed_pair"  # where a coefficient depends on the slip speed
-G, K, L, J, V, Y = ({letter: f"cell_{letter}"} for letter in "GKLJVY")
+G, D, J, V, Y = ({letter: f"cell_{letter}"} for letter in "GDJVY")
+L, BORDERED, M = {"L": "cell_L"}, {"L": "cell_bordered"}, {"M": "mobility"}
 TAU, BASE, RIGHT = {"tau": "cell_tau"}, {"base": "cell_base"}, {"right": "cell_right"}
-SYSTEM = {"K": "speed_K", "right": "speed_right", "tau": "speed_tau"}  # K, RIGHT and TAU where no slopes are condensed
+OWN, DIAGONAL = {"own": "mobility_own"}, {"diagonal": "cell_diagonal"}
+OUTER = {"push": "cell_load", "turned": "cell_moved_outer"}
+# K and what it acts on, in its factors; those of cell_* where no slopes are condensed
+SYSTEM = {name: f"speed_{name}" for name in ("D", "L", "M", "V", "diagonal", "bordered", "right", "tau")}
 LIMITS = {"radius": "cell_radius", "softness": "cell_softness"}
-STEP, SCALED = {"step": "answer_step"}, {"scratch": "cell_scaled"}
-OWN = ("slip", "direction", "frozen", "curvature", "order", "sliding", "outcome", "solution", "work")
+STEP, SCALED = {"step": "answer_step", "moved": "answer_moved"}, {"scratch": "cell_scaled"}
+SOLVE = {
+    name: f"cell_{name}"
+    for name in (
+        "slip", "direction", "frozen", "curvature", "order", "sliding", "outcome", "inside", "solution", "outer",
+        "scaling", "pivots", "factor", "vector", "lines", "fallback", "work", "inverse_transposed",
+    )
+} | {"jumps": "cell_jump", "U": "cell_U", "W": "cell_W", "square": "cell_square"}  # fmt: skip
 
 
 def bounds(of_state: int) -> list[Launch]:
@@ -50,16 +61,14 @@ def press(pressure: str, load: str, of_state: int) -> Launch:
 
 
 RUB = [
-    blocks(stick_slip_problem.limit_tractions, **LIMITS),
-    blocks(slip_speed.condense_slopes, when=SPEED, **G, **K, **RIGHT, **TAU, **LIMITS),
-    blocks(
-        stick_slip_solve.solve_tractions, jumps="cell_jump", **SYSTEM, **LIMITS,
-        **{name: f"cell_{name}" for name in OWN},
-    ),
+    blocks(stick_slip_problem.limit_tractions, "friction_pair", **LIMITS),
+    blocks(slip_speed.condense_slopes, when=SPEED, bordered="bordered", **G, **D, **BORDERED, **M, **DIAGONAL),
+    blocks(slip_speed.pose_slopes, when=SPEED, **RIGHT, **TAU, **LIMITS, **OUTER),
+    blocks(stick_slip_solve.solve_tractions, **SYSTEM, **LIMITS, **OUTER, **SOLVE),
     blocks(slip_speed.split_tractions, when=SPEED, radius="cell_radius", found="cell_slip", **TAU),
     blocks(
         pressure_answer.press_with_tractions, tau_base="cell_base", change="answer_change", z_change="answer_z",
-        **Y, **V, **TAU, **STEP,
+        push="cell_load", **Y, **BORDERED, **M, **TAU, **STEP,
     ),
     threads(slip_speed.keep_following, when=SPEED),
     *bounds(0),
@@ -92,31 +101,23 @@ FRICTION = Participant(
         *bounds(0),
         blocks(tangential_fields.change_pressures, "pair"),
         threads(cell_compliance.take_cells),
-        blocks(cell_compliance.cell_modes),
-        blocks(cell_compliance.assemble_cells, shift="cell_shift", **SCALED, **G),
-        blocks(cell_compliance.outer_cells),
-        blocks(pressure_answer.answer_tractions, shift="second_shift", **SCALED, **Y),
-        blocks(
-            pressure_answer.border_cells,
-            matrix="bordered",
-            bordered="cell_bordered",
-            right="mobility_rhs",
-            column="mobility_column",
-            **L,
-            **Y,
-            **V,
-            **FACTOR,
-        ),  # fmt: skip
-        blocks(cell_compliance.condense_cells, L="cell_bordered", **G, **V, **K),
-        blocks(pressure_answer.condense_answer, **Y, **K),
+        blocks(cell_compliance.cell_modes, "friction_pair"),
+        blocks(cell_compliance.assemble_cells, "friction_pair", shift="cell_shift", **SCALED, **G),
+        blocks(cell_compliance.outer_cells, "friction_pair"),
+        threads(pressure_answer.open_answer),
+        blocks(pressure_answer.answer_tractions, "friction_pair", shift="second_shift", **SCALED, **Y),
+        blocks(pressure_answer.condense_answer, "friction_pair", bordered="cell_bordered", **G, **D, **L, **Y),
+        blocks(mobility.invert_outer, matrix="bordered", right="mobility_rhs", column="mobility_column", **FACTOR),
+        blocks(mobility.diagonal_blocks, "friction_pair", **D, **BORDERED, **M, **OWN, **V, **DIAGONAL),
         press("pressure_change", "load_change", of_state=0),
         blocks(stick_slip_problem.drive_modes),
-        blocks(stick_slip_problem.pose_tractions, **K, **L, **J, **BASE, **RIGHT, **TAU),
-        blocks(slip_speed.begin_slips, when=SPEED),
+        blocks(stick_slip_problem.pose_tractions, "friction_pair", **L, **J, **BASE, **RIGHT, **TAU),
+        blocks(stick_slip_problem.take_off_base, **D, **BORDERED, **M, **BASE, **RIGHT, **OUTER),
+        blocks(slip_speed.begin_slips, "speed_pair", when=SPEED),
         Loop("rubbing", RUB),
-        blocks(stick_slip_problem.take_tractions, **TAU, **BASE, **V),
+        blocks(stick_slip_problem.take_tractions, z_change="answer_z", **TAU),
     ],
-    answer=[blocks(stick_slip_problem.push_modes, push="cell_push", **TAU, **BASE, **J)],
+    answer=[blocks(stick_slip_problem.push_modes, push="cell_push", moved="answer_moved", **J)],
     keep=[
         threads(patch_advance.follow_patch, "pair"),
         blocks(history.keep_slips, "pair"),

@@ -1,0 +1,142 @@
+"""Blocks of the cells that may carry friction, one a pair, and what couples them.
+
+With everything else condensed, weak slips follow tractions by
+
+    K = D + L M L^T,
+
+D with a block for each pair, and L M L^T by the outer coordinates: L the gradients of the slips by the columns that
+their pair is coupled to, M the mobility, the inverse of the outer matrix B (`pressure_answer`). K itself is never
+formed, so that n pairs cost n times what one does. A pair's cells stand in the lines 2 i + d of its own block, i the
+slot, d the direction.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
+from warpffrf_kernels.linear.block_elimination import follow_columns, push_columns
+
+wp.set_module_options(MODULE_OPTIONS)
+
+FRESH = wp.constant(0)  # columns of `cell_block`: first slot of a pair that is not assembled yet
+COUNT = wp.constant(1)  # slots in use
+FREE = wp.constant(2)  # free coordinates of the factor at hand
+
+
+@wp.func
+def is_fresh(model: Model, w: int, block: wp.array3d(dtype=int)) -> bool:
+    """Whether any pair has slots that are not assembled yet."""
+    pair = int(0)
+    while pair < model.pairs.count and block[w, pair, FRESH] == block[w, pair, COUNT]:
+        pair += 1
+    return pair < model.pairs.count
+
+
+@wp.func
+def first_line(model: Model, w: int, pair: int) -> int:
+    """Of a pair's cells, counted over all worlds and pairs."""
+    return (w * model.pairs.count + pair) * 2 * model.capacity.cells
+
+
+@wp.func
+def block_of(model: Model, w: int, pair: int) -> int:
+    """Where the block of a pair begins, lines of 2 model.capacity.cells numbers."""
+    return first_line(model, w, pair) * 2 * model.capacity.cells
+
+
+@wp.func
+def borders_of(model: Model, w: int, pair: int) -> int:
+    """Where the lines of a pair over its coupled columns begin."""
+    return first_line(model, w, pair) * model.pairs.coupled_capacity
+
+
+@wp.func
+def square_at(model: Model, w: int, pair: int) -> int:
+    """Where the matrix of a pair over its coupled columns begins."""
+    return (w * model.pairs.count + pair) * model.pairs.coupled_capacity * model.pairs.coupled_capacity
+
+
+# y += part D x of a block of n lines, lanes over the lines; contiguous runs, as `dot`.
+@wp.func_native("""
+    const double* v = x.data + at_x;
+    WP_TILE_SYNC();
+    for (int i = WP_TILE_THREAD_IDX; i < n; i += WP_TILE_BLOCK_DIM) {
+        const double* a = D.data + at + (size_t)i * stride; double s[8] = {0.0}, sum = 0.0; int j = 0;
+        for (; j + 7 < n; j += 8) for (int c = 0; c < 8; ++c) s[c] += a[j + c] * v[j + c];
+        for (; j < n; ++j) sum += a[j] * v[j];
+        for (int c = 0; c < 8; ++c) sum += s[c];
+        y.data[at_x + i] += part * sum;
+    }
+    WP_TILE_SYNC();
+""")
+def add_block(
+    n: int,
+    part: real,
+    D: wp.array(dtype=real),
+    at: int,
+    stride: int,
+    x: wp.array(dtype=real),
+    at_x: int,
+    y: wp.array(dtype=real),
+): ...
+
+
+@wp.func
+def move_outer(
+    model: Model,
+    w: int,
+    lane: int,
+    block: wp.array3d(dtype=int),
+    L: wp.array(dtype=real),
+    M: wp.array(dtype=real),
+    x: wp.array(dtype=real),
+    push: wp.array(dtype=real),
+    z: wp.array(dtype=real),
+):
+    """z = M L^T x: the outer increments that tractions lead to."""
+    N = model.outer.count
+    i = lane
+    while i < N:
+        push[w * N + i] = real(0.0)
+        z[w * N + i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    pair = int(0)
+    while pair < model.pairs.count:
+        n = 2 * block[w, pair, COUNT]
+        if n > 0:
+            push_columns(model, w, pair, n, L, borders_of(model, w, pair), x, first_line(model, w, pair), push)
+        pair += 1
+    i = int(0)
+    while i < N:
+        if push[w * N + i] != real(0.0):
+            axpy(N, push[w * N + i], M, (w * N + i) * N, z, w * N)
+        i += 1
+    sync()
+
+
+@wp.func
+def add_slips(
+    model: Model,
+    w: int,
+    lane: int,
+    part: real,
+    block: wp.array3d(dtype=int),
+    D: wp.array(dtype=real),
+    L: wp.array(dtype=real),
+    M: wp.array(dtype=real),
+    x: wp.array(dtype=real),
+    push: wp.array(dtype=real),
+    z: wp.array(dtype=real),
+    y: wp.array(dtype=real),
+):
+    """y += part K x over the lines of all pairs; leaves z = M L^T x."""
+    move_outer(model, w, lane, block, L, M, x, push, z)
+    pair = int(0)
+    while pair < model.pairs.count:
+        n = 2 * block[w, pair, COUNT]
+        if n > 0:
+            at = first_line(model, w, pair)
+            add_block(n, part, D, block_of(model, w, pair), 2 * model.capacity.cells, x, at, y)
+            follow_columns(model, w, pair, n, part, L, borders_of(model, w, pair), z, y, at)
+        pair += 1

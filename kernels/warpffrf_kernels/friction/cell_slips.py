@@ -1,0 +1,186 @@
+"""Weak slips r = r_0 + K tau + softness tau of all cells under trial tractions, and how far these are from the law.
+
+The defect of a cell is how far its traction is from the point of its disc that its slip asks for,
+
+    tau = P(tau - r/c),      P: the nearest point of the disc, c: the mean of the diagonal of its block of K.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.friction.cell_blocks import COUNT, add_slips, first_line
+
+wp.set_module_options(MODULE_OPTIONS)
+
+DEFECT = wp.constant(0)  # columns of `outcome`: the largest defect,
+LARGEST = wp.constant(1)  # the largest bound,
+CHANGED = wp.constant(2)  # 1 where the kind of a cell differs from that of the factorisation at hand,
+JUMPED = wp.constant(3)  # 1 where sliding cells are not on their circles yet
+
+
+@wp.func
+def clear_outcome(w: int, lane: int, outcome: wp.array2d(dtype=real)):
+    sync()
+    if lane == 0:
+        for column in range(4):
+            outcome[w, column] = real(0.0)
+    sync()
+
+
+@wp.func
+def defect_of(w: int, outcome: wp.array2d(dtype=real)) -> real:
+    """The largest defect as a fraction of the largest bound."""
+    if outcome[w, LARGEST] > real(0.0):
+        return outcome[w, DEFECT] / outcome[w, LARGEST]
+    return real(0.0)
+
+
+@wp.func
+def find_slips(
+    model: Model,
+    w: int,
+    lane: int,
+    cell_block: wp.array3d(dtype=int),
+    D: wp.array(dtype=real),
+    L: wp.array(dtype=real),
+    M: wp.array(dtype=real),
+    right: wp.array(dtype=real),
+    softness: wp.array(dtype=real),
+    tau: wp.array(dtype=real),
+    push: wp.array(dtype=real),
+    turned: wp.array(dtype=real),
+    slip: wp.array(dtype=real),
+):
+    """r of the tractions."""
+    pair = int(0)
+    while pair < model.pairs.count:
+        line = first_line(model, w, pair) + lane
+        end = first_line(model, w, pair) + 2 * cell_block[w, pair, COUNT]
+        while line < end:
+            slip[line] = right[line] + softness[line / 2] * tau[line]
+            line += wp.block_dim()
+        pair += 1
+    sync()
+    add_slips(model, w, lane, real(1.0), cell_block, D, L, M, tau, push, turned, slip)
+
+
+@wp.func
+def add_jumps(
+    model: Model,
+    w: int,
+    lane: int,
+    cell_block: wp.array3d(dtype=int),
+    D: wp.array(dtype=real),
+    L: wp.array(dtype=real),
+    M: wp.array(dtype=real),
+    softness: wp.array(dtype=real),
+    jumps: wp.array(dtype=real),
+    push: wp.array(dtype=real),
+    turned: wp.array(dtype=real),
+    slip: wp.array(dtype=real),
+):
+    """Adds what the jumps of sliding cells to their circles do to the slips."""
+    pair = int(0)
+    while pair < model.pairs.count:
+        line = first_line(model, w, pair) + lane
+        end = first_line(model, w, pair) + 2 * cell_block[w, pair, COUNT]
+        while line < end:
+            slip[line] = slip[line] + softness[line / 2] * jumps[line]
+            line += wp.block_dim()
+        pair += 1
+    sync()
+    add_slips(model, w, lane, real(1.0), cell_block, D, L, M, jumps, push, turned, slip)
+
+
+# Who sticks (1), slides (2) or is free of load (0) of the cells of a pair, and where sliding ones are to jump; of one
+# lane.
+@wp.func_native("""
+    const size_t here = (size_t)w * model.pairs.count + pair; const int cap = model.capacity.cells;
+    const double *x = tau.data + here * 2 * cap, *r = slip.data + here * 2 * cap;
+    const double *b = radius.data + here * cap, *soft = softness.data + here * cap, *k = diagonal.data + here * cap * 3;
+    double *dir = direction.data + here * 2 * cap, *jump = jumps.data + here * 2 * cap;
+    double* report = outcome.data + (size_t)w * 4;
+    int *kind = sliding.data + here * 2 * cap, *factored = kind + cap;  // present, then of the factorisation
+    WP_TILE_SYNC();
+    if (WP_TILE_THREAD_IDX == 0) for (int i = 0; i < count; ++i) {
+        const int p = 2 * i;
+        int found = 0; jump[p] = jump[p + 1] = 0.0;
+        if (b[i] > 0.0) {
+            const double c = 0.5 * (k[3 * i] + k[3 * i + 2]) + soft[i];
+            const double y0 = x[p] - r[p] / c, y1 = x[p + 1] - r[p + 1] / c, size = ::sqrt(y0 * y0 + y1 * y1);
+            double v0 = y0, v1 = y1; found = 1;
+            if (size > b[i]) {
+                found = 2; dir[p] = y0 / size; dir[p + 1] = y1 / size;
+                v0 = b[i] * dir[p]; v1 = b[i] * dir[p + 1];
+                jump[p] = v0 - x[p]; jump[p + 1] = v1 - x[p + 1];
+                if (jump[p] != 0.0 || jump[p + 1] != 0.0) report[3] = 1.0;
+                const double lambda = -(r[p] * dir[p] + r[p + 1] * dir[p + 1]) / b[i];
+                curvature.data[here * cap + i] = lambda > 0.0 ? lambda : 0.0;
+            }
+            const double e = ::sqrt((v0 - x[p]) * (v0 - x[p]) + (v1 - x[p + 1]) * (v1 - x[p + 1]));
+            if (!(e <= report[0])) report[0] = e;
+            if (b[i] > report[1]) report[1] = b[i];
+        }
+        if (found != factored[i]) report[2] = 1.0;
+        kind[i] = found;
+    }
+    WP_TILE_SYNC();
+""")
+def sort_pair(
+    model: Model,
+    w: int,
+    pair: int,
+    count: int,
+    diagonal: wp.array(dtype=real),
+    radius: wp.array(dtype=real),
+    softness: wp.array(dtype=real),
+    tau: wp.array(dtype=real),
+    slip: wp.array(dtype=real),
+    jumps: wp.array(dtype=real),
+    direction: wp.array(dtype=real),
+    curvature: wp.array(dtype=real),
+    sliding: wp.array(dtype=int),
+    outcome: wp.array2d(dtype=real),
+): ...
+
+
+@wp.func
+def judge_cells(
+    model: Model,
+    w: int,
+    lane: int,
+    cell_block: wp.array3d(dtype=int),
+    D: wp.array(dtype=real),
+    L: wp.array(dtype=real),
+    M: wp.array(dtype=real),
+    diagonal: wp.array(dtype=real),
+    right: wp.array(dtype=real),
+    radius: wp.array(dtype=real),
+    softness: wp.array(dtype=real),
+    tau: wp.array(dtype=real),
+    slip: wp.array(dtype=real),
+    jumps: wp.array(dtype=real),
+    direction: wp.array(dtype=real),
+    curvature: wp.array(dtype=real),
+    sliding: wp.array(dtype=int),
+    outcome: wp.array2d(dtype=real),
+    push: wp.array(dtype=real),
+    turned: wp.array(dtype=real),
+) -> real:
+    """Slips of the tractions, kinds of the cells, and the right-hand side of the reduced system: the slips after
+    sliding cells have jumped to their circles. Returns the defect of the tractions."""
+    find_slips(model, w, lane, cell_block, D, L, M, right, softness, tau, push, turned, slip)
+    clear_outcome(w, lane, outcome)
+    pair = int(0)
+    while pair < model.pairs.count:
+        count = cell_block[w, pair, COUNT]
+        if count > 0:
+            sort_pair(
+                model, w, pair, count, diagonal, radius, softness, tau, slip, jumps, direction, curvature, sliding,
+                outcome,
+            )  # fmt: skip
+        pair += 1
+    if outcome[w, JUMPED] != real(0.0):
+        add_jumps(model, w, lane, cell_block, D, L, M, softness, jumps, push, turned, slip)
+    return defect_of(w, outcome)

@@ -1,0 +1,144 @@
+"""Mobility M = (A + W^T W)^-1 of the outer coordinates, and what it makes of tractions.
+
+All columns by the sparse factor of the last solve, where the pressures' answer is new (`pressure_answer`): the outer
+matrix changes by next to nothing within a step. Of a pair, V = L M over the columns that it is coupled to is what the
+tractions of a cell do to the others of its pair by the outer coordinates.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.friction.cell_blocks import COUNT
+from warpffrf_kernels.friction.pressure_answer import RENEWED
+from warpffrf_kernels.linear.outer_solve import solve
+from warpffrf_kernels.linear.sparse_factor import Pattern
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.kernel
+def invert_outer(
+    models: wp.array(dtype=Model),
+    patterns: wp.array(dtype=Pattern),
+    ctl: wp.array(dtype=Control),
+    answer_state: wp.array2d(dtype=int),
+    matrix: wp.array3d(dtype=real),
+    hold: wp.array3d(dtype=real),
+    scaling: inout(wp.array2d(dtype=real)),
+    pivots: inout(wp.array2d(dtype=int)),
+    factor: inout(wp.array(dtype=real)),
+    vector: inout(wp.array(dtype=real)),
+    lines: inout(wp.array(dtype=real)),
+    fallback: inout(wp.array2d(dtype=int)),
+    work: inout(wp.array3d(dtype=real)),
+    inverse_transposed: inout(wp.array(dtype=real)),
+    right: inout(wp.array(dtype=real)),
+    column: inout(wp.array(dtype=real)),
+    mobility: out(wp.array(dtype=real)),
+):
+    """Per world: M, column by column with the factor of the last solve, where Y is new."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0:
+        return
+    N = model.outer.count
+    i = lane
+    while i < N:
+        right[w * N + i] = real(0.0)
+        i += wp.block_dim()
+    c = int(0)
+    while c < N:
+        sync()
+        if lane == 0:
+            right[w * N + c] = real(1.0)
+        sync()
+        solve(
+            model, patterns[0], w, lane, 0, matrix, right, hold, 0, scaling, pivots, factor, vector, lines, fallback,
+            work, inverse_transposed, column,
+        )  # fmt: skip
+        sync()
+        i = lane
+        while i < N:
+            mobility[(w * N + c) * N + i] = column[w * N + i]
+            i += wp.block_dim()
+        if lane == 0:
+            right[w * N + c] = real(0.0)
+        c += 1
+
+
+# V = L M over the coupled columns of a pair, and the 2 x 2 blocks D + V L^T of its cells; `own`: M between these
+# columns, scratch. Lanes over the columns.
+@wp.func_native("""
+    const int width = model.pairs.coupled_capacity, stride = 2 * model.capacity.cells, N = model.outer.count;
+    const int count = model.pairs.coupled_count.data[pair], lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
+    const int* column = model.pairs.coupled.data + (size_t)pair * width;
+    const size_t here = (size_t)w * model.pairs.count + pair;
+    double* m0 = own.data + here * width * width;
+    for (int c = 0; c < count; ++c) {
+        const double* row = M.data + ((size_t)w * N + column[c]) * N;
+        for (int d = lane; d < count; d += lanes) m0[(size_t)c * width + d] = row[column[d]];
+    }
+    WP_TILE_SYNC();
+    for (int i = 0; i < lines; ++i) {
+        const double* l = L.data + (here * stride + i) * width;
+        double* __restrict v = V.data + (here * stride + i) * width;
+        for (int d = lane; d < count; d += lanes) v[d] = 0.0;
+        int c = 0;
+        for (; c + 3 < count; c += 4) {
+            const double *a = m0 + (size_t)c * width, *b = a + width, *e = b + width, *f = e + width;
+            const double p = l[c], q = l[c + 1], r = l[c + 2], s = l[c + 3];
+            for (int d = lane; d < count; d += lanes) v[d] += p * a[d] + q * b[d] + r * e[d] + s * f[d];
+        }
+        for (; c < count; ++c) { const double *a = m0 + (size_t)c * width, p = l[c];
+            for (int d = lane; d < count; d += lanes) v[d] += p * a[d]; }
+    }
+    WP_TILE_SYNC();
+    for (int i = lane; i < lines / 2; i += lanes) {
+        const double *v = V.data + (here * stride + 2 * i) * width, *l = L.data + (here * stride + 2 * i) * width;
+        const double* d = D.data + (here * stride + 2 * i) * stride + 2 * i;
+        double k00 = d[0], k01 = d[1], k11 = d[stride + 1];
+        for (int c = 0; c < count; ++c) {
+            k00 += v[c] * l[c]; k01 += v[c] * l[width + c]; k11 += v[width + c] * l[width + c];
+        }
+        double* k = diagonal.data + (here * stride / 2 + i) * 3;
+        k[0] = k00; k[1] = k01; k[2] = k11;
+    }
+    WP_TILE_SYNC();
+""")
+def move_pair(
+    model: Model,
+    w: int,
+    pair: int,
+    lines: int,
+    D: wp.array(dtype=real),
+    L: wp.array(dtype=real),
+    M: wp.array(dtype=real),
+    own: wp.array(dtype=real),
+    V: wp.array(dtype=real),
+    diagonal: wp.array(dtype=real),
+): ...
+
+
+@wp.kernel
+def diagonal_blocks(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    cell_block: wp.array3d(dtype=int),
+    answer_state: wp.array2d(dtype=int),
+    D: wp.array(dtype=real),
+    L: wp.array(dtype=real),
+    M: wp.array(dtype=real),
+    own: inout(wp.array(dtype=real)),
+    V: inout(wp.array(dtype=real)),
+    diagonal: out(wp.array(dtype=real)),
+):
+    """Per (world, pair): what each cell's tractions do to the outer coordinates and to its own slip, where new."""
+    w, pair, _lane = wp.tid()
+    model = models[0]
+    lines = 2 * cell_block[w, pair, COUNT]
+    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or lines == 0:
+        return
+    move_pair(model, w, pair, lines, D, L, M, own, V, diagonal)
