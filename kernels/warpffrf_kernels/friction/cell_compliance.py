@@ -18,10 +18,13 @@ from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
-from warpffrf_kernels.friction.cell_blocks import COUNT, FRESH, first_line, is_fresh
-from warpffrf_kernels.friction.cell_shares import line_of
+from warpffrf_kernels.friction.cell_blocks import COUNT, FRESH, block_of, first_line, is_fresh
+from warpffrf_kernels.friction.cell_shares import add_on_shares, line_of
 from warpffrf_kernels.friction.cells import cell_at
+from warpffrf_kernels.friction.tangential_fields import second_high, second_low
+from warpffrf_kernels.linear.block_elimination import add_lines
 from warpffrf_kernels.normal.contact_compliance import outer_row, short_of
+from warpffrf_kernels.normal.pair_forces import surface_of
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -89,9 +92,10 @@ def cell_modes(
     share_at: wp.array4d(dtype=int),
     weight: wp.array2d(dtype=real),
     cell_J: inout(wp.array(dtype=real)),
+    cell_JT: out(wp.array4d(dtype=real)),
 ):
     """Per (world, pair): gradient J of the weak slip of the fresh slots by the global modes of A, then of B, times the
-    weight of the pair."""
+    weight of the pair, and its transpose."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].changes != 0:
@@ -137,81 +141,41 @@ def cell_modes(
                                     )  # fmt: skip
                     q += 1
                 c += 1
+        sync()
+        i = lane
+        while i < 2 * model.pairs.most_modes:
+            n = i % model.pairs.most_modes
+            cell_JT[w, pair, n, 2 * slot + i / model.pairs.most_modes] = cell_J[start + i]
+            i += wp.block_dim()
         slot += 1
 
 
-# Rows 2 slot, 2 slot + 1 of G against the slots up to itself, and their mirror. `shift` holds what the two tractions of
-# the slot do to the second surface's cells. Native, since it is the inner loop of the assembly.
+# Lines 2 slot, 2 slot + 1 of G by the local modes of the first body, columns of the slots up to itself. Lanes over the
+# slots.
 @wp.func_native("""
-    const int cap = 2 * model.capacity.cells, width = model.pairs.most_modes;
-    const int SC = model.window.share_columns, SR = model.window.share_rows;
-    const size_t block = (size_t)w * model.pairs.count + pair;
-    const int* mine = cell_slot.data + block * model.capacity.cells;
-    const int m = mine[slot];
-    const int A = model.pairs.first.data[pair], B = model.pairs.second.data[pair];
+    const int cap = 2 * model.capacity.cells;
+    const size_t here = (size_t)w * model.pairs.count + pair, cells = here * model.window.hats;
+    const int* mine = cell_slot.data + here * model.capacity.cells;
     const int table = model.responses.tangential.data[model.responses.load_start.data[2 * pair]];
-    const int rows = model.surfaces.rows.data[A], period = model.responses.source_block.data[table];
+    const int rows = model.surfaces.rows.data[model.pairs.first.data[pair]];
+    const int period = model.responses.source_block.data[table];
     const int reach = model.responses.reach.data[table], wide = model.responses.width.data[table];
-    const int rows_b = model.surfaces.rows.data[B], flexible = model.surfaces.shear_start.data[B] >= 0;
     const double* DA = model.responses.number.data + model.responses.start.data[table];
-    const double* T = shift.data + block * 4 * model.window.nodes;
-    const size_t cells = block * model.window.hats;
-    const int first_a = model.surfaces.modal_start.data[A], count_a = model.surfaces.modal_count.data[A];
-    const int first_b = model.surfaces.modal_start.data[B], count_b = model.surfaces.modal_count.data[B];
-    const double* s = receptance.data + (size_t)w * model.modes.count;
-    const double* J0 = cell_J.data + (block * model.capacity.cells + slot) * 2 * width;
-    double* scaled = scratch.data + block * 2 * width;
+    const int m = mine[slot], column = origin + m / rows, row = m % rows;
+    double *g0 = G.data + (here * cap + 2 * slot) * cap, *g1 = g0 + cap;
     WP_TILE_SYNC();
-    for (int n = WP_TILE_THREAD_IDX; n < count_a + count_b; n += WP_TILE_BLOCK_DIM) {
-        const double r = s[n < count_a ? first_a + n : first_b + n - count_a];
-        scaled[n] = J0[n] * r; scaled[width + n] = J0[width + n] * r;
-    }
-    WP_TILE_SYNC();
-    const double area = cell_area.data[cells + m];
-    const int column = origin + m / rows, row = m % rows;
     for (int j = WP_TILE_THREAD_IDX; j <= slot; j += WP_TILE_BLOCK_DIM) {
-        double g[2][2];
         const int mj = mine[j], column_j = origin + mj / rows, row_j = mj % rows;
         const int part = ((column_j % period) + period) % period, target = column - (column_j - part) + reach;
-        const double area_j = cell_area.data[cells + mj];
-        for (int e = 0; e < 2; ++e) for (int d = 0; d < 2; ++d)
-            g[d][e] = area * area_j * DA[(((size_t)part * 2 * rows + e * rows + row_j) * wide + target) * 2 * rows
-                                         + d * rows + row];
-        if (flexible) {
-            const double* o = share.data + (cells + mj) * SC * SR;
-            const int* at = share_at.data + (cells + mj) * 2;
-            const double* turn = cell_turn.data + (cells + mj) * 4;
-            for (int d = 0; d < 2; ++d) {
-                const double* t = T + (size_t)d * 2 * model.window.nodes;
-                double v0 = 0.0, v1 = 0.0;
-                for (int c = 0; c < SC; ++c) for (int q = 0; q < SR; ++q) {
-                    const double f = o[c * SR + q];
-                    if (f == 0.0) continue;
-                    const int n = (at[0] + c) * 2 * rows_b + at[1] + q;
-                    v0 += f * t[n]; v1 += f * t[n + rows_b];
-                }
-                g[d][0] += area_j * (turn[0] * v0 + turn[1] * v1);
-                g[d][1] += area_j * (turn[2] * v0 + turn[3] * v1);
-            }
-        }
-        const double* Jj = cell_J.data + (block * model.capacity.cells + j) * 2 * width;
-        for (int d = 0; d < 2; ++d) for (int e = 0; e < 2; ++e) {
-            const double *p = scaled + d * width, *q = Jj + e * width;
-            double sum[8] = {0.0}; int n = 0; const int all = count_a + count_b;
-            for (; n + 7 < all; n += 8) for (int c = 0; c < 8; ++c) sum[c] += p[n + c] * q[n + c];
-            double f = 0.0; for (; n < all; ++n) f += p[n] * q[n];
-            for (int c = 0; c < 8; ++c) f += sum[c];
-            g[d][e] += f;
-        }
-        double* base = G.data + block * cap * cap;
-        for (int d = 0; d < 2; ++d) for (int e = 0; e < 2; ++e) {
-            base[(size_t)(2 * slot + d) * cap + 2 * j + e] = g[d][e];
-            base[(size_t)(2 * j + e) * cap + 2 * slot + d] = g[d][e];
+        const double scale = cell_area.data[cells + m] * cell_area.data[cells + mj];
+        for (int e = 0; e < 2; ++e) {
+            const double* d = DA + (((size_t)part * 2 * rows + e * rows + row_j) * wide + target) * 2 * rows + row;
+            g0[2 * j + e] = scale * d[0]; g1[2 * j + e] = scale * d[rows];
         }
     }
     WP_TILE_SYNC();
 """)
-def couple_cells(
+def couple_first(
     model: Model,
     w: int,
     pair: int,
@@ -219,15 +183,47 @@ def couple_cells(
     origin: int,
     cell_slot: wp.array3d(dtype=int),
     cell_area: wp.array3d(dtype=real),
-    cell_turn: wp.array4d(dtype=real),
-    share: wp.array4d(dtype=real),
-    share_at: wp.array4d(dtype=int),
-    cell_J: wp.array(dtype=real),
-    receptance: wp.array2d(dtype=real),
-    shift: wp.array(dtype=real),
-    scratch: wp.array(dtype=real),
     G: wp.array(dtype=real),
 ): ...
+
+
+# The columns of G that lines `line` and `line` + 1 are, up to there.
+@wp.func_native("""
+    const int cap = 2 * model.capacity.cells;
+    double* g = G.data + ((size_t)w * model.pairs.count + pair) * cap * cap;
+    WP_TILE_SYNC();
+    for (int j = WP_TILE_THREAD_IDX; j < line; j += WP_TILE_BLOCK_DIM)
+        for (int d = 0; d < 2; ++d) g[(size_t)j * cap + line + d] = g[(size_t)(line + d) * cap + j];
+    WP_TILE_SYNC();
+""")
+def mirror_lines(model: Model, w: int, pair: int, line: int, G: wp.array(dtype=real)): ...
+
+
+@wp.func
+def scale_modes(
+    model: Model,
+    w: int,
+    pair: int,
+    lane: int,
+    J: wp.array(dtype=real),
+    start: int,
+    receptance: wp.array(dtype=real),
+    scratch: wp.array(dtype=real),
+    at: int,
+) -> int:
+    """Line of J from `start` on times sigma^-1, over the modes of both bodies of a pair, to `scratch`; returns their
+    number."""
+    all = int(0)
+    for side in range(2):
+        surface = surface_of(model, pair, side)
+        first = w * model.modes.count + model.surfaces.modal_start[surface]
+        n = lane
+        while n < model.surfaces.modal_count[surface]:
+            scratch[at + all + n] = J[start + all + n] * receptance[first + n]
+            n += wp.block_dim()
+        all += model.surfaces.modal_count[surface]
+    sync()
+    return all
 
 
 @wp.func
@@ -290,7 +286,8 @@ def assemble_cells(
     share: wp.array4d(dtype=real),
     share_at: wp.array4d(dtype=int),
     cell_J: wp.array(dtype=real),
-    receptance: wp.array2d(dtype=real),
+    cell_JT: wp.array(dtype=real),
+    receptance: wp.array(dtype=real),
     shift: inout(wp.array(dtype=real)),
     scratch: inout(wp.array(dtype=real)),
     G: out(wp.array(dtype=real)),
@@ -300,22 +297,38 @@ def assemble_cells(
     model = models[0]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
-    # a cubic reaches beyond what the hats of the window do
-    low = wp.max(second_window[w, pair, 0] - model.window.share_columns, 0)
-    high = wp.min(second_window[w, pair, 1] + model.window.share_columns, model.window.second_columns - 1)
-    slot = cell_block[w, pair, FRESH]
-    while slot < cell_block[w, pair, COUNT]:
-        if model.surfaces.shear_start[model.pairs.second[pair]] >= 0:
-            origin_b = center[w, pair, 1] - model.window.second_half
-            shift_second(
-                model, w, pair, cell_slot[w, pair, slot], lane, low, high, origin_b, cell_area, cell_turn, share,
-                share_at, shift,
+    low = second_low(model, w, pair, second_window)
+    high = second_high(model, w, pair, second_window)
+    flexible = model.surfaces.shear_start[model.pairs.second[pair]] >= 0
+    lines = 2 * model.capacity.cells
+    width = model.pairs.most_modes
+    line = 2 * cell_block[w, pair, FRESH]
+    while line < 2 * cell_block[w, pair, COUNT]:
+        if line % 2 == 0:
+            couple_first(
+                model, w, pair, line / 2, center[w, pair, 0] - model.window.half, cell_slot, cell_area, G
             )  # fmt: skip
-        couple_cells(
-            model, w, pair, slot, center[w, pair, 0] - model.window.half, cell_slot, cell_area, cell_turn, share,
-            share_at, cell_J, receptance, shift, scratch, G,
-        )  # fmt: skip
-        slot += 1
+            if flexible:
+                origin_b = center[w, pair, 1] - model.window.second_half
+                shift_second(
+                    model, w, pair, cell_slot[w, pair, line / 2], lane, low, high, origin_b, cell_area, cell_turn,
+                    share, share_at, shift,
+                )  # fmt: skip
+        at = block_of(model, w, pair) + line * lines
+        if flexible:
+            field = ((w * model.pairs.count + pair) * 4 + 2 * (line % 2)) * model.window.nodes
+            add_on_shares(
+                model, w, pair, line / 2 + 1, real(1.0), cell_slot, cell_area, cell_turn, share, share_at, shift,
+                field, G, at,
+            )  # fmt: skip
+        scaled = (w * model.pairs.count + pair) * 2 * width
+        start = (first_line(model, w, pair) + line) * width
+        modes = scale_modes(model, w, pair, lane, cell_J, start, receptance, scratch, scaled)
+        by_mode = (w * model.pairs.count + pair) * width * lines
+        add_lines(modes, 2 * (line / 2 + 1), scratch, scaled, cell_JT, by_mode, lines, G, at)
+        if line % 2 == 1:
+            mirror_lines(model, w, pair, line - 1, G)
+        line += 1
 
 
 @wp.kernel

@@ -164,6 +164,47 @@ def on_shares(
     return vec3(u_1, u_2, real(0.0))
 
 
+# out += part area Q o u_B of the first `count` cells in play of a pair, two numbers each, as `on_shares`; lanes over
+# the cells. Native, as the inner loop of two assemblies.
+@wp.func_native("""
+    const size_t here = (size_t)w * model.pairs.count + pair, cells = here * model.window.hats;
+    const int SC = model.window.share_columns, SR = model.window.share_rows;
+    const int rows_b = model.surfaces.rows.data[model.pairs.second.data[pair]];
+    const int* mine = cell_slot.data + here * model.capacity.cells;
+    const double* u = second.data + at_second; double* x = y.data + at_y;
+    WP_TILE_SYNC();
+    for (int j = WP_TILE_THREAD_IDX; j < count; j += WP_TILE_BLOCK_DIM) {
+        const size_t m = cells + mine[j];
+        const double *o = share.data + m * SC * SR, *turn = cell_turn.data + m * 4, f = part * cell_area.data[m];
+        const int* at = share_at.data + m * 2;
+        const double* v = u + (size_t)at[0] * 2 * rows_b + at[1];
+        double v_1 = 0.0, v_2 = 0.0;
+        for (int c = 0; c < SC; ++c, o += SR, v += 2 * rows_b) for (int q = 0; q < SR; ++q) {
+            if (o[q] == 0.0) continue;
+            v_1 += o[q] * v[q]; v_2 += o[q] * v[rows_b + q];
+        }
+        x[2 * j] += f * (turn[0] * v_1 + turn[1] * v_2); x[2 * j + 1] += f * (turn[2] * v_1 + turn[3] * v_2);
+    }
+    WP_TILE_SYNC();
+""")
+def add_on_shares(
+    model: Model,
+    w: int,
+    pair: int,
+    count: int,
+    part: real,
+    cell_slot: wp.array3d(dtype=int),
+    cell_area: wp.array3d(dtype=real),
+    cell_turn: wp.array4d(dtype=real),
+    share: wp.array4d(dtype=real),
+    share_at: wp.array4d(dtype=int),
+    second: wp.array(dtype=real),
+    at_second: int,
+    y: wp.array(dtype=real),
+    at_y: int,
+): ...
+
+
 @wp.func
 def line_of(model: Model, s: int, column: int, line: int) -> int:
     """Line of `mode_tangent` of a grid column counted over full turns; -1 where the grid has none."""

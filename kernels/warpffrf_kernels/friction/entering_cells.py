@@ -25,7 +25,7 @@ patches it may jump). Along the rows the advance is not known: cells that are re
 
 import warp as wp
 
-from warpffrf_kernels.core.access import out
+from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
@@ -169,10 +169,12 @@ def soften_late(
     share_at: wp.array4d(dtype=int),
     of_state: int,
     bound: wp.array3d(dtype=real),
+    apart: inout(wp.array3d(dtype=real)),
     late: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over cells: the softness `late` [m/Pa] of the loaded cells. last_normal: zero where the
-    last step ended without contact: the patch advances from nowhere."""
+    last step ended without contact: the patch advances from nowhere. apart: D_mm - D_mn of the cells that were asked
+    for since the bodies have moved, -1 of the others."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0):
@@ -188,6 +190,8 @@ def soften_late(
     m = lane
     while m < model.window.columns * rows:
         soft = real(0.0)
+        if of_state != 0:
+            apart[w, pair, m] = real(-1.0)
         if bound[w, pair, m] > real(0.0) and advanced != real(0.0):
             old = before_at(model, w, pair, rows, m, center, history_center)
             touched = int(0)
@@ -200,9 +204,11 @@ def soften_late(
             if (advanced < real(0.0) or n < low) and m + rows <= high:
                 n = m + rows
             if lag > real(0.0) and n >= low:
-                own = response_between(model, w, pair, m, m, center, share, share_at)
-                apart = own - response_between(model, w, pair, m, n, center, share, share_at)
-                soft = BOTH * wp.max(apart, real(0.0)) * cell_area[w, pair, m] * lag
+                if apart[w, pair, m] < real(0.0):
+                    own = response_between(model, w, pair, m, m, center, share, share_at)
+                    less = own - response_between(model, w, pair, m, n, center, share, share_at)
+                    apart[w, pair, m] = wp.max(less, real(0.0))
+                soft = BOTH * apart[w, pair, m] * cell_area[w, pair, m] * lag
         late[w, pair, m] = soft
         m += wp.block_dim()
 

@@ -31,13 +31,16 @@ import warp as wp
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, vec3
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
 from warpffrf_kernels.friction.cell_blocks import COUNT, first_line, is_fresh, move_outer
-from warpffrf_kernels.friction.cell_shares import on_shares
+from warpffrf_kernels.friction.cell_compliance import scale_modes
+from warpffrf_kernels.friction.cell_shares import add_on_shares
 from warpffrf_kernels.friction.cells import cell_at
-from warpffrf_kernels.linear.block_elimination import backward, follow_columns, forward_lines
+from warpffrf_kernels.friction.tangential_fields import second_high, second_low
+from warpffrf_kernels.linear.block_elimination import add_lines, backward, follow_columns, forward_lines
 from warpffrf_kernels.normal.pair_elimination import COUNT as SLOTS
 from warpffrf_kernels.normal.pair_elimination import LEFT_START, START, block_at, lines_at
+from warpffrf_kernels.surfaces.fields import clear_field
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -108,50 +111,6 @@ def open_answer(
             a += 1
 
 
-# Line `a` of Y, from N^T: of active slot `slot` against the two lines of each cell of its pair, the part of the modes
-# that are condensed. Lanes over the cells.
-@wp.func_native("""
-    const int cells = model.capacity.cells, width = model.pairs.most_modes;
-    const int cap = model.capacity.slots;
-    const size_t own = (size_t)w * model.pairs.count + pair;
-    const double* Ji = J.data + ((size_t)w * cap + slot) * width;
-    const double* s = receptance.data + (size_t)w * model.modes.count;
-    double* scaled = scratch.data + own * 2 * width;
-    int all = 0;
-    WP_TILE_SYNC();
-    for (int side = 0; side < 2; ++side) {
-        const int surface = (side ? model.pairs.second : model.pairs.first).data[pair];
-        const int first = model.surfaces.modal_start.data[surface];
-        const int count = model.surfaces.modal_count.data[surface];
-        for (int n = WP_TILE_THREAD_IDX; n < count; n += WP_TILE_BLOCK_DIM)
-            scaled[all + n] = Ji[all + n] * s[first + n];
-        all += count;
-    }
-    WP_TILE_SYNC();
-    double* y = Y.data + ((size_t)w * cap + a) * 2 * cells;
-    for (int j = WP_TILE_THREAD_IDX; j < 2 * count; j += WP_TILE_BLOCK_DIM) {
-        const double* Jj = cell_J.data + (own * 2 * cells + j) * width;
-        double sum = 0.0;
-        for (int n = 0; n < all; ++n) sum += scaled[n] * Jj[n];
-        y[j] = sum;
-    }
-    WP_TILE_SYNC();
-""")
-def couple_modes(
-    model: Model,
-    w: int,
-    pair: int,
-    a: int,
-    slot: int,
-    count: int,
-    J: wp.array(dtype=real),
-    cell_J: wp.array(dtype=real),
-    receptance: wp.array2d(dtype=real),
-    scratch: wp.array(dtype=real),
-    Y: wp.array(dtype=real),
-): ...
-
-
 @wp.func
 def couple_near(
     model: Model,
@@ -163,6 +122,7 @@ def couple_near(
     cell_slot: wp.array3d(dtype=int),
     cells: int,
     center: wp.array3d(dtype=int),
+    second_window: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
     cell_area: wp.array3d(dtype=real),
@@ -182,40 +142,35 @@ def couple_near(
         rows_b = model.surfaces.rows[B]
         table_b = model.responses.pressed[own_load(model, 2 * pair + 1)]
         origin_b = center[w, pair, 1] - model.window.second_half
-        wide = 2 * model.window.second_columns * rows_b
-        i = lane
-        while i < wide:
-            shift[start + i] = real(0.0)
-            i += wp.block_dim()
-        sync()
+        low = second_low(model, w, pair, second_window)
+        wide = 2 * (second_high(model, w, pair, second_window) - low + 1) * rows_b
+        run = start + 2 * low * rows_b
+        clear_field(lane, wide, run, shift)
         e = int(0)
         while e < model.window.stencil_columns * model.window.stencil_rows:
             part = stencil[w, pair, m, e]
             if part != real(0.0):
                 column = origin_b + stencil_at[w, pair, m, 0] + e / model.window.stencil_rows
                 row = stencil_at[w, pair, m, 1] + e % model.window.stencil_rows
-                at = place_in_table(model, table_b, column, row, origin_b)
+                at = place_in_table(model, table_b, column, row, origin_b + low)
                 if at >= 0:
-                    axpy(wide, -part, model.responses.number, at, shift, start)
+                    axpy(wide, -part, model.responses.number, at, shift, run)
             e += 1
         sync()
+    line = (w * model.capacity.slots + a) * 2 * model.capacity.cells
     origin = center[w, pair, 0] - model.window.half
     table = model.responses.pressed[own_load(model, 2 * pair)]
     at = place_in_table(model, table, origin + m / rows, m % rows, origin)
-    j = lane
-    while j < cells:
-        n = cell_slot[w, pair, j]
-        second = vec3(real(0.0), real(0.0), real(0.0))
-        if flexible:
-            second = on_shares(model, w, pair, n, cell_turn, share, share_at, shift)
-        for d in range(2):
-            value = -second[d]
-            if at >= 0:
-                value -= model.responses.number[at + cell_at(rows, n, d)]
-            entry = (w * model.capacity.slots + a) * 2 * model.capacity.cells + 2 * j + d
-            Y[entry] = Y[entry] + cell_area[w, pair, n] * value
-        j += wp.block_dim()
+    i = lane
+    while at >= 0 and i < 2 * cells:
+        n = cell_slot[w, pair, i / 2]
+        Y[line + i] = Y[line + i] - cell_area[w, pair, n] * model.responses.number[at + cell_at(rows, n, i % 2)]
+        i += wp.block_dim()
     sync()
+    if flexible:
+        add_on_shares(
+            model, w, pair, cells, real(-1.0), cell_slot, cell_area, cell_turn, share, share_at, shift, start, Y, line
+        )  # fmt: skip
 
 
 @wp.kernel
@@ -223,6 +178,7 @@ def answer_tractions(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
+    second_window: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
     slot_hat: wp.array3d(dtype=int),
@@ -236,8 +192,8 @@ def answer_tractions(
     cell_turn: wp.array4d(dtype=real),
     share: wp.array4d(dtype=real),
     share_at: wp.array4d(dtype=int),
-    cell_J: wp.array(dtype=real),
-    receptance: wp.array2d(dtype=real),
+    cell_JT: wp.array(dtype=real),
+    receptance: wp.array(dtype=real),
     answer_state: wp.array2d(dtype=int),
     shift: inout(wp.array(dtype=real)),
     scratch: inout(wp.array(dtype=real)),
@@ -252,16 +208,24 @@ def answer_tractions(
         return
     start = block[w, pair, START]
     n = block[w, pair, SLOTS]
+    lines = 2 * model.capacity.cells
+    width = model.pairs.most_modes
+    scaled = (w * model.pairs.count + pair) * 2 * width
+    by_mode = (w * model.pairs.count + pair) * width * lines
     a = start
     while a < start + n:
         slot = order[w, a]
-        couple_modes(model, w, pair, a, slot, cells, J, cell_J, receptance, scratch, Y)
+        line = (w * model.capacity.slots + a) * lines
+        clear_field(lane, 2 * cells, line, Y)
+        modes = scale_modes(
+            model, w, pair, lane, J, (w * model.capacity.slots + slot) * width, receptance, scratch, scaled
+        )  # fmt: skip
+        add_lines(modes, 2 * cells, scratch, scaled, cell_JT, by_mode, lines, Y, line)
         couple_near(
-            model, w, pair, a, slot_hat[w, slot, 1], lane, cell_slot, cells, center, stencil, stencil_at, cell_area,
-            cell_turn, share, share_at, shift, Y,
+            model, w, pair, a, slot_hat[w, slot, 1], lane, cell_slot, cells, center, second_window, stencil,
+            stencil_at, cell_area, cell_turn, share, share_at, shift, Y,
         )  # fmt: skip
         a += 1
-    lines = 2 * model.capacity.cells
     at = (w * model.capacity.slots + start) * lines
     forward_lines(factor, block_at(model, w, start), model.capacity.slots, n, Y, at, lines, 2 * cells)
 

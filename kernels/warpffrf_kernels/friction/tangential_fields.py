@@ -19,13 +19,14 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync
 from warpffrf_kernels.friction.cell_shares import line_of, on_shares
 from warpffrf_kernels.friction.cells import cell_at
-from warpffrf_kernels.surfaces.responses import first_column, loaded_by_others, place_of_load
+from warpffrf_kernels.surfaces.fields import add_fields, clear_field
+from warpffrf_kernels.surfaces.responses import loaded_by_others
 
 wp.set_module_options(MODULE_OPTIONS)
 
 
 @wp.kernel
-def force_second(
+def force_cells(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
     window: wp.array3d(dtype=int),
@@ -34,9 +35,11 @@ def force_second(
     share: wp.array4d(dtype=real),
     share_at: wp.array4d(dtype=int),
     traction: wp.array3d(dtype=real),
+    first_force: out(wp.array3d(dtype=real)),
     second_force: inout(wp.array3d(dtype=real)),
 ):
-    """Per (world, pair): shares of the tractions on the second surface's cells [N]."""
+    """Per (world, pair): forces of the tractions on the first surface's cells, and their shares on the second's
+    [N]."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
@@ -46,6 +49,11 @@ def force_second(
     i = lane
     while i < 2 * model.window.nodes:
         second_force[w, pair, i] = real(0.0)
+        i += wp.block_dim()
+    i = (window[w, pair, 0] + model.window.half) * 2 * rows + lane
+    while i < (window[w, pair, 1] + model.window.half + 1) * 2 * rows:
+        area = cell_area[w, pair, (i / (2 * rows)) * rows + i % rows]
+        first_force[w, pair, i] = area * traction[w, pair, i]
         i += wp.block_dim()
     sync()
     if lane != 0 or model.surfaces.shear_start[model.pairs.second[pair]] < 0:
@@ -72,53 +80,15 @@ def force_second(
 
 
 @wp.func
-def rub(
-    model: Model,
-    w: int,
-    side: int,
-    low: int,
-    columns: int,
-    tables: wp.array(dtype=int),
-    sign: real,
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    cell_area: wp.array3d(dtype=real),
-    traction: wp.array3d(dtype=real),
-    second_force: wp.array3d(dtype=real),
-    start: int,
-    field: wp.array(dtype=real),
-):
-    """Adds to `field` (from `start`, the columns `low` and following of the side's window) the displacement by all
-    tangential loads on the side, times `sign`; `tables` of the loads say in which directions."""
-    target = first_column(model, w, side, center) + low
-    middle = target + columns / 2
-    n = model.responses.load_start[side]
-    while n < model.responses.load_start[side + 1]:
-        other = model.responses.load_side[n]
-        pair = other / 2
-        table = tables[n]
-        if table >= 0 and model.pairs.friction[pair] > real(0.0):
-            count = columns * model.responses.target_lines[table]
-            lines = model.responses.source_lines[table]
-            rows = lines / 2
-            origin = first_column(model, w, other, center)
-            i = int(0)
-            end = model.window.second_columns * lines
-            if other % 2 == 0:
-                i = (window[w, pair, 0] + model.window.half) * lines
-                end = (window[w, pair, 1] + model.window.half + 1) * lines
-            while i < end:
-                force = real(0.0)
-                if other % 2 == 0:
-                    force = cell_area[w, pair, (i / lines) * rows + i % rows] * traction[w, pair, i]
-                else:
-                    force = second_force[w, pair, i]
-                if force != real(0.0):
-                    at = place_of_load(model, table, origin + i / lines, i % lines, target, middle)
-                    if at >= 0:
-                        axpy(count, sign * force, model.responses.number, at, field, start)
-                i += 1
-        n += 1
+def second_low(model: Model, w: int, pair: int, second_window: wp.array3d(dtype=int)) -> int:
+    """First column of the second window that the shares of the cells reach: a cubic reaches beyond what hats do."""
+    return wp.max(second_window[w, pair, 0] - model.window.share_columns, 0)
+
+
+@wp.func
+def second_high(model: Model, w: int, pair: int, second_window: wp.array3d(dtype=int)) -> int:
+    """The last one."""
+    return wp.min(second_window[w, pair, 1] + model.window.share_columns, model.window.second_columns - 1)
 
 
 @wp.kernel
@@ -128,9 +98,8 @@ def push_gaps(
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
-    cell_area: wp.array3d(dtype=real),
-    traction: wp.array3d(dtype=real),
-    second_force: wp.array3d(dtype=real),
+    first_force: wp.array(dtype=real),
+    second_force: wp.array(dtype=real),
     first_push: inout(wp.array(dtype=real)),
     second_push: inout(wp.array(dtype=real)),
 ):
@@ -142,28 +111,21 @@ def push_gaps(
         return
     base = (w * model.pairs.count + pair) * model.window.hats
     base_b = (w * model.pairs.count + pair) * model.window.nodes
-    i = lane
-    while i < model.window.hats:
-        first_push[base + i] = real(0.0)
-        i += wp.block_dim()
-    i = lane
-    while i < model.window.nodes:
-        second_push[base_b + i] = real(0.0)
-        i += wp.block_dim()
-    sync()
+    clear_field(lane, model.window.hats, base, first_push)
+    clear_field(lane, model.window.nodes, base_b, second_push)
     low = window[w, pair, 0] + model.window.half
     columns = window[w, pair, 1] - window[w, pair, 0] + 1
     start = base + low * model.surfaces.rows[model.pairs.first[pair]]
-    rub(
-        model, w, 2 * pair, low, columns, model.responses.rubbed, real(-1.0), center, window, cell_area, traction,
-        second_force, start, first_push,
+    add_fields(
+        model, w, 2 * pair, low, columns, model.responses.rubbed, real(-1.0), 2, center, window, second_window,
+        first_force, second_force, start, first_push,
     )  # fmt: skip
     low = second_window[w, pair, 0]
     columns = second_window[w, pair, 1] - low + 1
     start = base_b + low * model.surfaces.rows[model.pairs.second[pair]]
-    rub(
-        model, w, 2 * pair + 1, low, columns, model.responses.rubbed, real(-1.0), center, window, cell_area, traction,
-        second_force, start, second_push,
+    add_fields(
+        model, w, 2 * pair + 1, low, columns, model.responses.rubbed, real(-1.0), 2, center, window, second_window,
+        first_force, second_force, start, second_push,
     )  # fmt: skip
 
 
@@ -187,59 +149,15 @@ def add_push(
     sync()
 
 
-@wp.func
-def press(
-    model: Model,
-    w: int,
-    side: int,
-    low: int,
-    columns: int,
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    second_load: wp.array3d(dtype=real),
-    start: int,
-    field: wp.array(dtype=real),
-):
-    """Adds to `field` the displacement along the surface by all normal loads on the side, as `rub`."""
-    target = first_column(model, w, side, center) + low
-    middle = target + columns / 2
-    n = model.responses.load_start[side]
-    while n < model.responses.load_start[side + 1]:
-        other = model.responses.load_side[n]
-        pair = other / 2
-        table = model.responses.pressed[n]
-        if table >= 0:
-            count = columns * model.responses.target_lines[table]
-            rows = model.responses.source_lines[table]
-            origin = first_column(model, w, other, center)
-            m = int(0)
-            end = model.window.second_columns * rows
-            if other % 2 == 0:
-                m = (window[w, pair, 0] + model.window.half) * rows
-                end = (window[w, pair, 1] + model.window.half + 1) * rows
-            while m < end:
-                load = real(0.0)
-                if other % 2 == 0:
-                    load = pressure[w, pair, m]
-                else:
-                    load = second_load[w, pair, m]
-                if load != real(0.0):
-                    at = place_of_load(model, table, origin + m / rows, m % rows, target, middle)
-                    if at >= 0:
-                        axpy(count, -load, model.responses.number, at, field, start)
-                m += 1
-        n += 1
-
-
 @wp.kernel
 def press_cells(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    second_load: wp.array3d(dtype=real),
+    second_window: wp.array3d(dtype=int),
+    pressure: wp.array(dtype=real),
+    second_load: wp.array(dtype=real),
     of_state: int,
     first_shift: inout(wp.array(dtype=real)),
     second_shift: inout(wp.array(dtype=real)),
@@ -254,22 +172,23 @@ def press_cells(
         return
     base = (w * model.pairs.count + pair) * 2 * model.window.hats
     base_b = (w * model.pairs.count + pair) * 2 * model.window.nodes
-    i = lane
-    while i < 2 * model.window.hats:
-        first_shift[base + i] = real(0.0)
-        i += wp.block_dim()
-    i = lane
-    while i < 2 * model.window.nodes:
-        second_shift[base_b + i] = real(0.0)
-        i += wp.block_dim()
-    sync()
+    clear_field(lane, 2 * model.window.hats, base, first_shift)
+    clear_field(lane, 2 * model.window.nodes, base_b, second_shift)
     low = window[w, pair, 0] + model.window.half
     columns = window[w, pair, 1] - window[w, pair, 0] + 1
     start = base + 2 * low * model.surfaces.rows[model.pairs.first[pair]]
-    press(model, w, 2 * pair, low, columns, center, window, pressure, second_load, start, first_shift)
+    add_fields(
+        model, w, 2 * pair, low, columns, model.responses.pressed, real(-1.0), 1, center, window, second_window,
+        pressure, second_load, start, first_shift,
+    )  # fmt: skip
     if model.surfaces.shear_start[model.pairs.second[pair]] >= 0:
-        columns = model.window.second_columns
-        press(model, w, 2 * pair + 1, 0, columns, center, window, pressure, second_load, base_b, second_shift)
+        low = second_low(model, w, pair, second_window)
+        columns = second_high(model, w, pair, second_window) - low + 1
+        start = base_b + 2 * low * model.surfaces.rows[model.pairs.second[pair]]
+        add_fields(
+            model, w, 2 * pair + 1, low, columns, model.responses.pressed, real(-1.0), 1, center, window,
+            second_window, pressure, second_load, start, second_shift,
+        )  # fmt: skip
 
 
 @wp.kernel
@@ -278,9 +197,9 @@ def rub_cells(
     ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
-    cell_area: wp.array3d(dtype=real),
-    traction: wp.array3d(dtype=real),
-    second_force: wp.array3d(dtype=real),
+    second_window: wp.array3d(dtype=int),
+    first_force: wp.array(dtype=real),
+    second_force: wp.array(dtype=real),
     first_shift: changed(wp.array(dtype=real)),
     second_shift: changed(wp.array(dtype=real)),
 ):
@@ -293,16 +212,17 @@ def rub_cells(
     columns = window[w, pair, 1] - window[w, pair, 0] + 1
     at = (w * model.pairs.count + pair) * 2
     start = at * model.window.hats + 2 * low * model.surfaces.rows[model.pairs.first[pair]]
-    rub(
-        model, w, 2 * pair, low, columns, model.responses.tangential, real(1.0), center, window, cell_area, traction,
-        second_force, start, first_shift,
+    add_fields(
+        model, w, 2 * pair, low, columns, model.responses.tangential, real(1.0), 2, center, window, second_window,
+        first_force, second_force, start, first_shift,
     )  # fmt: skip
     if model.surfaces.shear_start[model.pairs.second[pair]] >= 0:
-        start = at * model.window.nodes
-        columns = model.window.second_columns
-        rub(
-            model, w, 2 * pair + 1, 0, columns, model.responses.tangential, real(1.0), center, window, cell_area,
-            traction, second_force, start, second_shift,
+        low = second_low(model, w, pair, second_window)
+        columns = second_high(model, w, pair, second_window) - low + 1
+        start = at * model.window.nodes + 2 * low * model.surfaces.rows[model.pairs.second[pair]]
+        add_fields(
+            model, w, 2 * pair + 1, low, columns, model.responses.tangential, real(1.0), 2, center, window,
+            second_window, first_force, second_force, start, second_shift,
         )  # fmt: skip
 
 
@@ -343,9 +263,8 @@ def displace_cells(
     base_b = (w * model.pairs.count + pair) * 2 * model.window.nodes
     flexible = model.surfaces.shear_start[B] >= 0
     if flexible:
-        # the cubic of the shares reaches beyond the columns that the hats of the window do
-        low = wp.max(second_window[w, pair, 0] - model.window.share_columns, 0)
-        high = wp.min(second_window[w, pair, 1] + model.window.share_columns, model.window.second_columns - 1)
+        low = second_low(model, w, pair, second_window)
+        high = second_high(model, w, pair, second_window)
         modes_b = model.surfaces.modal_count[B]
         i = 2 * low * rows_b + lane
         while i < 2 * (high + 1) * rows_b:

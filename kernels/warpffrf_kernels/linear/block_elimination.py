@@ -186,3 +186,31 @@ def follow_columns(
     x: wp.array(dtype=real),
     at_x: int,
 ): ...
+
+
+# y += sum of p_n times line n of x, `count` numbers each; four lines at a time. Lanes over the numbers.
+@wp.func_native("""
+    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
+    const double *f = p.data + at_p, *q = x.data + at_x;
+    double* __restrict out = y.data + at_y; int n = 0;
+    WP_TILE_SYNC();
+    for (; n + 3 < lines; n += 4) {
+        const double *a = q + (size_t)n * stride, *b = a + stride, *c = b + stride, *d = c + stride;
+        const double f0 = f[n], f1 = f[n + 1], f2 = f[n + 2], f3 = f[n + 3];
+        for (int j = lane; j < count; j += lanes) out[j] += f0 * a[j] + f1 * b[j] + f2 * c[j] + f3 * d[j];
+    }
+    for (; n < lines; ++n) { const double *a = q + (size_t)n * stride, f0 = f[n];
+        for (int j = lane; j < count; j += lanes) out[j] += f0 * a[j]; }
+    WP_TILE_SYNC();
+""")
+def add_lines(
+    lines: int,
+    count: int,
+    p: wp.array(dtype=real),
+    at_p: int,
+    x: wp.array(dtype=real),
+    at_x: int,
+    stride: int,
+    y: wp.array(dtype=real),
+    at_y: int,
+): ...

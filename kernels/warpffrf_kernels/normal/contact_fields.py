@@ -13,7 +13,7 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync
 from warpffrf_kernels.normal.contact_compliance import node_of
 from warpffrf_kernels.normal.pair_forces import modal_line
-from warpffrf_kernels.surfaces.responses import first_column, place_of_load
+from warpffrf_kernels.surfaces.fields import add_fields, clear_field
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -241,54 +241,6 @@ def load_second(
         m += 1
 
 
-@wp.func
-def displace(
-    model: Model,
-    w: int,
-    side: int,
-    low: int,
-    columns: int,
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    second_window: wp.array3d(dtype=int),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    second_load: wp.array(dtype=real),
-    start: int,
-    field: wp.array(dtype=real),
-):
-    """Adds to `field` (from `start`, the columns `low` and following of the side's window) the normal displacement by
-    all normal loads on the side."""
-    target = first_column(model, w, side, center) + low
-    middle = target + columns / 2
-    n = model.responses.load_start[side]
-    while n < model.responses.load_start[side + 1]:
-        other = model.responses.load_side[n]
-        table = model.responses.normal[n]
-        count = columns * model.responses.target_lines[table]
-        rows = model.responses.source_lines[table]
-        pair = other / 2
-        origin = first_column(model, w, other, center)
-        m = second_window[w, pair, 0] * rows
-        end = (second_window[w, pair, 1] + 1) * rows
-        if other % 2 == 0:
-            m = (window[w, pair, 0] + model.window.half) * rows
-            end = (window[w, pair, 1] + model.window.half + 1) * rows
-        while m < end:
-            load = real(0.0)
-            if other % 2 == 0:
-                if active[w, pair, m] != 0:
-                    load = pressure[w, pair, m]
-            else:
-                load = second_load[(w * model.pairs.count + pair) * model.window.nodes + m]
-            if load != real(0.0):
-                at = place_of_load(model, table, origin + m / rows, m % rows, target, middle)
-                if at >= 0:
-                    axpy(count, load, model.responses.number, at, field, start)
-            m += 1
-        n += 1
-
-
 @wp.kernel
 def local_fields(
     models: wp.array(dtype=Model),
@@ -296,42 +248,34 @@ def local_fields(
     center: wp.array3d(dtype=int),
     window: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
+    pressure: wp.array(dtype=real),
     second_load: wp.array(dtype=real),
     first_local: inout(wp.array(dtype=real)),
     second_local: inout(wp.array(dtype=real)),
 ):
     """Per (world, pair): displacements by the local modes under the loads of all pairs on the two bodies: weak ones on
-    A's hats, nodal ones on B, both opening the gap."""
+    A's hats, nodal ones on B, both opening the gap. pressure: 0 where inactive."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
         return
     base = (w * model.pairs.count + pair) * model.window.hats
     base_b = (w * model.pairs.count + pair) * model.window.nodes
-    i = lane
-    while i < model.window.hats:
-        first_local[base + i] = real(0.0)
-        i += wp.block_dim()
-    i = lane
-    while i < model.window.nodes:
-        second_local[base_b + i] = real(0.0)
-        i += wp.block_dim()
-    sync()
+    clear_field(lane, model.window.hats, base, first_local)
+    clear_field(lane, model.window.nodes, base_b, second_local)
     low = window[w, pair, 0] + model.window.half
     columns = window[w, pair, 1] - window[w, pair, 0] + 1
     start = base + low * model.surfaces.rows[model.pairs.first[pair]]
-    displace(
-        model, w, 2 * pair, low, columns, center, window, second_window, active, pressure, second_load, start,
-        first_local,
+    add_fields(
+        model, w, 2 * pair, low, columns, model.responses.normal, real(1.0), 1, center, window, second_window,
+        pressure, second_load, start, first_local,
     )  # fmt: skip
     low = second_window[w, pair, 0]
     columns = second_window[w, pair, 1] - low + 1
     start = base_b + low * model.surfaces.rows[model.pairs.second[pair]]
-    displace(
-        model, w, 2 * pair + 1, low, columns, center, window, second_window, active, pressure, second_load, start,
-        second_local,
+    add_fields(
+        model, w, 2 * pair + 1, low, columns, model.responses.normal, real(1.0), 1, center, window, second_window,
+        pressure, second_load, start, second_local,
     )  # fmt: skip
 
 

@@ -242,8 +242,10 @@ class FrictionCells(Arrays):
     bound: DeviceArray = reals("world", "pair", "friction_hat", unit="Pa", note="mu p")
     steep: DeviceArray = integers("world", "speed_pair", 3, note="mark, count, worst: see `slip_speed`", carried=True)
     late: DeviceArray = reals("world", "pair", "friction_hat", note="cells that come under pressure within the step")
+    apart: DeviceArray = reals("world", "pair", "friction_hat", unit="m/N", note="see `entering_cells`")
     pressure_change: DeviceArray = reals("world", "pair", "friction_hat", unit="Pa")
     load_change: DeviceArray = reals("world", "pair", "friction_node", unit="N")
+    first_force: DeviceArray = reals("world", "pair", "2*friction_hat", unit="N", note="of tractions")
     second_force: DeviceArray = reals("world", "pair", "2*friction_node", unit="N")
     traction_base: DeviceArray = reals("world", "pair", "2*friction_hat", unit="Pa", note="of the evaluation")
     cell_phase: DeviceArray = reals("world", "pair", 4, unit="columns")
@@ -271,6 +273,7 @@ class FrictionSolve(Arrays):
     )
     cell_L: DeviceArray = reals("world", "friction_pair", "2*cell", "coupled")
     cell_J: DeviceArray = reals("world", "friction_pair", "2*cell", "pair_mode", run=True)
+    cell_JT: DeviceArray = reals("world", "friction_pair", "pair_mode", "2*cell", note="transposed")
     cell_bordered: DeviceArray = reals(
         "world", "friction_pair", "2*cell", "coupled", note="L with the pressures' answer"
     )

@@ -85,15 +85,14 @@ def _fill_slip_speeds(collector: Collector) -> None:
 
 
 def _cells_of_pairs(collector: Collector, m: Model) -> tuple[int, int, int]:
-    """Hats in play of a pair, the most of all pairs, to begin with and at all, and most cells that are loaded beside
-    those where hats are (`bounds`): a patch of n hats in r rows and c columns has at most 2 (c + r) neighbours."""
-    first = most = beside = 0
+    """Hats in play of a pair to begin with, the most of all pairs; most cells that are loaded beside those where hats
+    are (`bounds`), as a patch of n hats in r rows and c columns has at most 2 (c + r) neighbours; cells of a window."""
+    first = beside = 0
     for contact, _, a, _, _ in collector.pairs():
         hats = m.window.hats if contact.capacity is None else contact.capacity
-        most = max(most, min(hats, m.window.hats))
         first = max(first, slots_of(contact, hats))
         beside = max(beside, 2 * (min(hats, m.window.columns) + min(hats, a.grid.rows)))
-    return first, most, beside
+    return first, beside, m.window.hats
 
 
 def _extent(a: ContactSurface, b: ContactSurface, crossed: float) -> tuple[int, int]:

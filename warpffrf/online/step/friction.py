@@ -84,7 +84,7 @@ FRICTION = Participant(
         blocks(cells.place_cells, "pair"),
         blocks(cell_shares.spread_cells, "pair"),
         *bounds(1),
-        blocks(tangential_fields.force_second, "pair"),
+        blocks(tangential_fields.force_cells, "pair"),
         blocks(tangential_fields.push_gaps, "pair"),
     ],
     displace=[blocks(tangential_fields.add_push, "pair")],
