@@ -37,6 +37,34 @@ def defect_of(w: int, outcome: wp.array2d(dtype=real)) -> real:
 
 
 @wp.func
+def add_soft_slips(
+    model: Model,
+    w: int,
+    lane: int,
+    cell_block: wp.array3d(dtype=int),
+    D: wp.array(dtype=real),
+    L: wp.array(dtype=real),
+    M: wp.array(dtype=real),
+    softness: wp.array(dtype=real),
+    x: wp.array(dtype=real),
+    push: wp.array(dtype=real),
+    turned: wp.array(dtype=real),
+    slip: wp.array(dtype=real),
+):
+    """slip += (K + softness) x."""
+    pair = int(0)
+    while pair < model.pairs.count:
+        line = first_line(model, w, pair) + lane
+        end = first_line(model, w, pair) + 2 * cell_block[w, pair, COUNT]
+        while line < end:
+            slip[line] = slip[line] + softness[line / 2] * x[line]
+            line += wp.block_dim()
+        pair += 1
+    sync()
+    add_slips(model, w, lane, real(1.0), cell_block, D, L, M, x, push, turned, slip)
+
+
+@wp.func
 def find_slips(
     model: Model,
     w: int,
@@ -53,44 +81,13 @@ def find_slips(
     slip: wp.array(dtype=real),
 ):
     """r of the tractions."""
-    pair = int(0)
-    while pair < model.pairs.count:
-        line = first_line(model, w, pair) + lane
-        end = first_line(model, w, pair) + 2 * cell_block[w, pair, COUNT]
-        while line < end:
-            slip[line] = right[line] + softness[line / 2] * tau[line]
-            line += wp.block_dim()
-        pair += 1
+    all = model.pairs.count * 2 * model.capacity.cells
+    line = lane
+    while line < all:
+        slip[w * all + line] = right[w * all + line]
+        line += wp.block_dim()
     sync()
-    add_slips(model, w, lane, real(1.0), cell_block, D, L, M, tau, push, turned, slip)
-
-
-@wp.func
-def add_jumps(
-    model: Model,
-    w: int,
-    lane: int,
-    cell_block: wp.array3d(dtype=int),
-    D: wp.array(dtype=real),
-    L: wp.array(dtype=real),
-    M: wp.array(dtype=real),
-    softness: wp.array(dtype=real),
-    jumps: wp.array(dtype=real),
-    push: wp.array(dtype=real),
-    turned: wp.array(dtype=real),
-    slip: wp.array(dtype=real),
-):
-    """Adds what the jumps of sliding cells to their circles do to the slips."""
-    pair = int(0)
-    while pair < model.pairs.count:
-        line = first_line(model, w, pair) + lane
-        end = first_line(model, w, pair) + 2 * cell_block[w, pair, COUNT]
-        while line < end:
-            slip[line] = slip[line] + softness[line / 2] * jumps[line]
-            line += wp.block_dim()
-        pair += 1
-    sync()
-    add_slips(model, w, lane, real(1.0), cell_block, D, L, M, jumps, push, turned, slip)
+    add_soft_slips(model, w, lane, cell_block, D, L, M, softness, tau, push, turned, slip)
 
 
 # Who sticks (1), slides (2) or is free of load (0) of the cells of a pair, and where sliding ones are to jump; of one
@@ -182,5 +179,5 @@ def judge_cells(
             )  # fmt: skip
         pair += 1
     if outcome[w, JUMPED] != real(0.0):
-        add_jumps(model, w, lane, cell_block, D, L, M, softness, jumps, push, turned, slip)
+        add_soft_slips(model, w, lane, cell_block, D, L, M, softness, jumps, push, turned, slip)
     return defect_of(w, outcome)
