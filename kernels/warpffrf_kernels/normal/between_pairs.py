@@ -19,17 +19,32 @@ EXACT = wp.constant(wp.float64(1.0e-16))  # of the energy of the first correctio
 GRADIENTS = wp.constant(100)  # steps of them at most; what is left then stays in the gaps, and Newton iterates on
 
 
-# y += F x over the first n places: what the pressures of each pair displace on the others. Lanes over the places.
+# y += F x over the first n places: what the pressures of each pair displace on the others. Lanes over the places. The
+# slots of a pair ascend, and mostly follow one another: then lines are read in runs.
 @wp.func_native("""
-    const int cap = model.capacity.slots, *list = order.data + (size_t)w * cap;
+    const int cap = model.capacity.slots, pairs = model.pairs.count, *list = order.data + (size_t)w * cap;
     const double* x = krylov.data + start; double* y = krylov.data + end;
+    const int* blocks = block.data + (size_t)w * pairs * 4;
+    const int *body = model.surfaces.body.data, *first = model.pairs.first.data, *second = model.pairs.second.data;
     WP_TILE_SYNC();
-    for (int pair = 0; pair < model.pairs.count; ++pair) {
-        const int* b = block.data + ((size_t)w * model.pairs.count + pair) * 4;
+    for (int pair = 0; pair < pairs; ++pair) {
+        const int* b = blocks + 4 * pair;
         for (int i = b[0] + WP_TILE_THREAD_IDX; i < b[0] + b[1]; i += WP_TILE_BLOCK_DIM) {
             const double* g = G.data + ((size_t)w * cap + list[i]) * cap; double sum = 0.0;
-            for (int j = 0; j < b[0]; ++j) sum += g[list[j]] * x[j];
-            for (int j = b[0] + b[1]; j < n; ++j) sum += g[list[j]] * x[j];
+            for (int other = 0; other < pairs; ++other) {
+                const int *o = blocks + 4 * other, m = o[1], *l = list + o[0]; const double* v = x + o[0];
+                if (other == pair || m == 0) continue;
+                const int p = body[first[pair]], q = body[second[pair]];  // the first is never the ground
+                const int r = body[first[other]], s = body[second[other]];
+                if (p != r && p != s && (q < 0 || (q != r && q != s))) continue;
+                if (l[m - 1] - l[0] == m - 1) {
+                    const double* run = g + l[0];
+                    double part[4] = {0.0}; int j = 0;  // chains of sums wait for each other
+                    for (; j + 3 < m; j += 4) for (int c = 0; c < 4; ++c) part[c] += run[j + c] * v[j + c];
+                    for (; j < m; ++j) sum += run[j] * v[j];
+                    sum += (part[0] + part[1]) + (part[2] + part[3]);
+                } else for (int j = 0; j < m; ++j) sum += g[l[j]] * v[j];
+            }
             y[i] += sum;
         }
     }

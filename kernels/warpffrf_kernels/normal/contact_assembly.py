@@ -89,8 +89,8 @@ def couple(
 ): ...
 
 
-# Entries of row `slot` of G with the slots before it that belong to other pairs, and their mirror, by the modes that
-# are condensed. Native like `couple`.
+# Entries of row `slot` of G with the slots before it that belong to other pairs, by the modes that are condensed.
+# Native like `couple`.
 @wp.func_native("""
     const int cap = model.capacity.slots, width = model.pairs.most_modes;
     const int* const slots = slot_hat.data + (size_t)w * cap * 2;
@@ -107,13 +107,16 @@ def couple(
                 if (model.surfaces.body.data[sa] >= 0 && model.surfaces.body.data[sa] == model.surfaces.body.data[sb]) {
                     const double *p = own + at_a, *q = J.data + ((size_t)w * cap + j) * width + at_b;
                     const double* r = s + model.surfaces.modal_start.data[sa];
-                    for (int n = 0; n < count; ++n) g += p[n] * r[n] * q[n];
+                    double sum[4] = {0.0}; int n = 0;  // chains of sums wait for each other
+                    for (; n + 3 < count; n += 4) for (int c = 0; c < 4; ++c) sum[c] += p[n + c] * r[n + c] * q[n + c];
+                    for (; n < count; ++n) g += p[n] * r[n] * q[n];
+                    g += (sum[0] + sum[1]) + (sum[2] + sum[3]);
                 }
                 at_b += model.surfaces.modal_count.data[sb];
             }
             at_a += count;
         }
-        G.data[((size_t)w * cap + slot) * cap + j] = g; G.data[((size_t)w * cap + j) * cap + slot] = g;
+        G.data[((size_t)w * cap + slot) * cap + j] = g;
     }
 """)
 def couple_others(
@@ -156,6 +159,24 @@ def assemble(
         slot += 1
 
 
+# The mirror of rows `fresh` to `slots` of G between pairs, eight at a time, as columns are far apart. Lanes over the
+# columns of these rows.
+@wp.func_native("""
+    const int cap = model.capacity.slots, *pair = slot_hat.data + (size_t)w * cap * 2;
+    double* g = G.data + (size_t)w * cap * cap;
+    for (int s = fresh; s < slots; s += 8) {
+        const int end = s + 8 < slots ? s + 8 : slots;
+        for (int j = WP_TILE_THREAD_IDX; j < end - 1; j += WP_TILE_BLOCK_DIM)
+            for (int i = j < s ? s : j + 1; i < end; ++i)
+                if (pair[2 * i] != pair[2 * j]) g[(size_t)j * cap + i] = g[(size_t)i * cap + j];
+    }
+    WP_TILE_SYNC();
+""")
+def mirror_between(
+    model: Model, w: int, fresh: int, slots: int, slot_hat: wp.array3d(dtype=int), G: wp.array3d(dtype=real)
+): ...
+
+
 @wp.func
 def lay_out(
     model: Model,
@@ -185,16 +206,18 @@ def lay_out(
         if at >= 0:
             axpy(count, real(1.0), model.responses.number, at, field, start)
     else:
-        e = int(0)
-        while e < model.window.stencil_columns * model.window.stencil_rows:
-            weight = stencil[w, pair, m, e]
-            if weight != real(0.0):
-                column = origin + stencil_at[w, pair, m, 0] + e / model.window.stencil_rows
-                row = stencil_at[w, pair, m, 1] + e % model.window.stencil_rows
-                at = place_of_load(model, table, column, row, target, middle)
-                if at >= 0:
-                    axpy(count, weight, model.responses.number, at, field, start)
-            e += 1
+        along = model.responses.width[table] * model.responses.target_lines[table]  # from a line to the next
+        c = int(0)
+        while c < model.window.stencil_columns:
+            at = place_of_load(model, table, origin + stencil_at[w, pair, m, 0] + c, 0, target, middle)
+            r = int(0)
+            while at >= 0 and r < model.window.stencil_rows:
+                weight = stencil[w, pair, m, c * model.window.stencil_rows + r]
+                if weight != real(0.0):
+                    line = at + (stencil_at[w, pair, m, 1] + r) * along
+                    axpy(count, weight, model.responses.number, line, field, start)
+                r += 1
+            c += 1
 
 
 @wp.kernel
@@ -202,8 +225,10 @@ def assemble_between(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
+    window: wp.array3d(dtype=int),
     second_window: wp.array3d(dtype=int),
     slot_hat: wp.array3d(dtype=int),
+    slot_of: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
     weight: wp.array2d(dtype=real),
@@ -235,8 +260,11 @@ def assemble_between(
                     continue
                 ratio = wp.min(weight[w, pair], weight[w, other]) / wp.max(weight[w, pair], weight[w, other])
                 rows = model.surfaces.rows[surface_of(model, other, reads % 2)]
-                low = int(0)
-                columns = model.window.columns
+                rows_a = model.surfaces.rows[model.pairs.first[other]]
+                first = window[w, other, 0] + model.window.half
+                last = window[w, other, 1] + model.window.half
+                low = first
+                columns = last - first + 1
                 if reads % 2 != 0:
                     low = second_window[w, other, 0]
                     columns = second_window[w, other, 1] - low + 1
@@ -247,13 +275,13 @@ def assemble_between(
                 sync()
                 lay_out(model, w, m, loads, reads, low, columns, center, stencil, stencil_at, start, field)
                 sync()
-                j = lane
-                while j < slot:
-                    if slot_hat[w, j, 0] == other:
-                        hat = slot_hat[w, j, 1]
+                hat = first * rows_a + lane
+                while hat < (last + 1) * rows_a:
+                    j = slot_of[w, other, hat]
+                    if j >= 0 and j < slot:
                         g = real(0.0)
                         if reads % 2 == 0:
-                            g = field[start + hat]
+                            g = field[start + hat - low * rows]
                         else:
                             e = int(0)
                             while e < model.window.stencil_columns * model.window.stencil_rows:
@@ -266,8 +294,9 @@ def assemble_between(
                                 e += 1
                         g = g * ratio
                         G[w, slot, j] = G[w, slot, j] + g
-                        G[w, j, slot] = G[w, j, slot] + g
-                    j += wp.block_dim()
+                    hat += wp.block_dim()
                 sync()
                 n += 1
         slot += 1
+    sync()
+    mirror_between(model, w, ctl[w].fresh, ctl[w].slots, slot_hat, G)

@@ -66,15 +66,18 @@ def add_fields(
                 reach = (directions - 1) * model.window.share_columns  # shares of cells reach beyond those of hats
                 i = wp.max(second_window[w, pair, 0] - reach, 0) * lines
                 end = wp.min(second_window[w, pair, 1] + reach + 1, model.window.second_columns) * lines
+            along = model.responses.width[table] * model.responses.target_lines[table]  # from a line to the next
             while i < end:
-                load = real(0.0)
-                if other % 2 == 0:
-                    load = first_load[base + i]
-                else:
-                    load = second_load[base + i]
-                if load != real(0.0):
-                    at = place_of_load(model, table, origin + i / lines, i % lines, target, middle)
-                    if at >= 0:
-                        axpy(count, sign * load, model.responses.number, at, field, start)
-                i += 1
+                at = place_of_load(model, table, origin + i / lines, 0, target, middle)
+                line = int(0)
+                while line < lines:
+                    load = real(0.0)
+                    if other % 2 == 0:
+                        load = first_load[base + i]
+                    else:
+                        load = second_load[base + i]
+                    if load != real(0.0) and at >= 0:
+                        axpy(count, sign * load, model.responses.number, at + line * along, field, start)
+                    line += 1
+                    i += 1
         n += 1
