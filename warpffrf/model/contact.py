@@ -2,7 +2,8 @@
 
 The first surface carries the contact grid, so it is a surface of a flexible body. The second may be flexible too, or
 the rigid surface of a rigid body or of the ground. Two rigid surfaces have no compliance and no pressure between them:
-such a pair is refused, a `LumpedContact` holds it. The gap between the true shapes is in `gap`.
+such a pair is refused, a `LumpedContact` holds it. The gap between the true shapes is in `gap`; which contacts may
+stand on the same two surfaces is in `claims`.
 """
 
 from __future__ import annotations

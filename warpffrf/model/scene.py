@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from warpffrf.model.bodies import INERTIA_LEVELS, Body, Ground, Port, SurfacePort
+from warpffrf.model.bodies import INERTIA_LEVELS, Body, Ground, Port
+from warpffrf.model.claims import refuse_double_claims
 from warpffrf.model.contact import Contact
 from warpffrf.model.damping import damping_ratios
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number, unknown_name
@@ -149,7 +150,7 @@ class Scene:
         if isinstance(thing, (Drive, JointSpringDamper, JointReaction)):
             self._check_driven_joint(thing)
         if isinstance(thing, (Contact, LumpedContact)):
-            self._check_new_pair(thing)
+            refuse_double_claims(thing, (*self.contacts, *self.lumped_contacts))
         names = [member.name for member in members]
         if thing.name is None:
             number = 1
@@ -246,19 +247,6 @@ class Scene:
             for drive in self.drives:
                 if drive.joint is item.joint and drive.coordinate == item.coordinate:
                     raise InputError(f"drive: the {item.coordinate} of joint {item.joint.name!r} is driven already")
-
-    def _check_new_pair(self, contact: Contact | LumpedContact) -> None:
-        for other in (*self.contacts, *self.lumped_contacts):
-            same = [any(_same_surface(port, used) for used in other.ports) for port in contact.ports]
-            if all(same):
-                raise InputError(
-                    f"contact {contact.name!r}: {contact.a.label} and {contact.b.label} are in contact already, as "
-                    f"{other.name!r}; one pair holds all their patches, in whichever order they are named"
-                )
-
-
-def _same_surface(a: SurfacePort, b: SurfacePort) -> bool:
-    return a.body is b.body and a.name == b.name
 
 
 def _named(members: list, name: str, kind: str) -> Any:

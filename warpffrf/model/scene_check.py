@@ -13,6 +13,7 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from warpffrf.model.bodies import GROUND_INDEX, Body
+from warpffrf.model.claims import refuse_claims_of
 from warpffrf.model.consistency import velocity_defects
 from warpffrf.model.errors import InputError
 from warpffrf.model.gap import facing_gap
@@ -87,6 +88,7 @@ def check_scene(scene: Scene) -> SceneCheck:
     """See `Scene.check`."""
     if not scene.bodies:
         raise InputError("scene: there are no bodies; add one with scene.add_body or scene.add_rigid_body")
+    refuse_claims_of(scene)
     found = find_redundancy(scene)
     constraints: dict[str, int] = {}
     for row in found.rows:

@@ -12,6 +12,7 @@ import numpy as np
 import warp as wp
 from warpffrf_kernels.core.model import Elements, Model
 
+from warpffrf.model.claims import refuse_claims_of
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 from warpffrf.model.slopes import leanings, leant
@@ -188,4 +189,5 @@ def compile_scene(scene: Scene, settings: Settings, device: str, local: LocalDyn
     """Constant device data of `scene`; raises `InputError` for a scene that cannot be run."""
     if not scene.bodies:
         raise InputError("scene: there are no bodies; add one with scene.add_body or scene.add_rigid_body")
+    refuse_claims_of(scene)
     return _compiled(Collector(scene, settings, device, local or LocalDynamics()))
