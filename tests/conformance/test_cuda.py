@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -74,10 +75,50 @@ np.savez(sys.argv[2], force=c.force, pressure=c.pressure, torque_second=c.torque
 """
 
 
+# three pairs on one surface, with a coefficient that falls with the slip speed
+PLANETS = """
+import sys
+import numpy as np
+import warp as wp
+
+wp.config.enable_cpu_blocks = sys.argv[1] == "blocks"
+import warpffrf as wf
+from warpffrf.online import run
+from warpffrf.verification.scenes.planets import planets
+from warpffrf.verification.scenes.rollers import roller_body
+
+body = roller_body(90, layers=3, axial=2, order=2, grading=1.6, max_frequency=15e3, tangential=True, cache=False)
+scene = planets(body, 3, 100e3, friction=0.3, creepage=2e-2)
+for contact in scene.contacts:
+    contact.friction = wf.laws.StribeckCoulomb(0.3, 0.2, 0.05)
+history = run(scene, 0.003, step=1e-4, start="equilibrium", progress=False)
+made = {"status": history.status}
+for name, c in history.contacts.items():
+    made |= {f"{name} force": c.force, f"{name} traction": c.friction.traction, f"{name} state": c.friction.state}
+np.savez(sys.argv[2], **made)
+"""
+
+
+@pytest.mark.slow
+def test_one_lane_and_64_lanes_agree_on_several_pairs(tmp_path: Path) -> None:
+    one, blocks = both(PLANETS, tmp_path)
+    assert str(one["status"]) == "completed" and {1, 2} <= set(np.unique(one["pair 1 state"]))
+    compare(one, blocks)
+
+
 def test_one_lane_and_64_lanes_agree(tmp_path: Path) -> None:
+    one, blocks = both(RUN, tmp_path)
+    assert (int(one["lanes"]), int(blocks["lanes"])) == (1, BLOCK)
+    assert str(one["status"]) == "completed" and len(one["force"]) == 41
+    assert one["force"][-1, 2] < -1e5  # the lower one is pressed down
+    assert {1, 2} <= set(np.unique(one["state"]))  # some cells stick, some slide
+    compare(one, blocks)
+
+
+def both(source: str, tmp_path: Path) -> tuple[Any, Any]:
     """The same run in two processes, with and without `wp.config.enable_cpu_blocks`."""
     script = tmp_path / "run_once.py"
-    script.write_text(RUN)
+    script.write_text(source)
     found = {}
     for mode in ("one", "blocks"):
         out = tmp_path / f"{mode}.npz"
@@ -92,11 +133,10 @@ def test_one_lane_and_64_lanes_agree(tmp_path: Path) -> None:
         )
         assert done.returncode == 0, done.stderr[-2000:]
         found[mode] = np.load(out)
-    one, blocks = found["one"], found["blocks"]
-    assert (int(one["lanes"]), int(blocks["lanes"])) == (1, BLOCK)
-    assert str(one["status"]) == "completed" and len(one["force"]) == 41
-    assert one["force"][-1, 2] < -1e5  # the lower one is pressed down
-    assert {1, 2} <= set(np.unique(one["state"]))  # some cells stick, some slide
+    return found["one"], found["blocks"]
+
+
+def compare(one: Any, blocks: Any) -> None:
     for name in one.files:
         if name not in ("status", "lanes"):
             scale = np.abs(one[name]).max()
