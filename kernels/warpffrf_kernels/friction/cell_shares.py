@@ -175,13 +175,15 @@ def on_shares(
     WP_TILE_SYNC();
     for (int j = WP_TILE_THREAD_IDX; j < count; j += WP_TILE_BLOCK_DIM) {
         const size_t m = cells + mine[j];
-        const double *o = share.data + m * SC * SR, *turn = cell_turn.data + m * 4, f = part * cell_area.data[m];
+        const double *o = share.data + m * SC * SR, *turn = cell_turn.data + m * 4;
         const int* at = share_at.data + m * 2;
         const double* v = u + (size_t)at[0] * 2 * rows_b + at[1];
+        const double f = part * cell_area.data[m];
         double v_1 = 0.0, v_2 = 0.0;
-        for (int c = 0; c < SC; ++c, o += SR, v += 2 * rows_b) for (int q = 0; q < SR; ++q) {
-            if (o[q] == 0.0) continue;
-            v_1 += o[q] * v[q]; v_2 += o[q] * v[rows_b + q];
+        for (int c = 0; c < SC; ++c) for (int q = 0; q < SR; ++q) {
+            const double a = o[c * SR + q];
+            if (a == 0.0) continue;
+            v_1 += a * v[c * 2 * rows_b + q]; v_2 += a * v[c * 2 * rows_b + rows_b + q];
         }
         x[2 * j] += f * (turn[0] * v_1 + turn[1] * v_2); x[2 * j + 1] += f * (turn[2] * v_1 + turn[3] * v_2);
     }

@@ -92,7 +92,7 @@ def invert_outer(
             const double p = l[c], q = l[c + 1], r = l[c + 2], s = l[c + 3];
             for (int d = lane; d < count; d += lanes) v[d] += p * a[d] + q * b[d] + r * e[d] + s * f[d];
         }
-        for (; c < count; ++c) { const double *a = m0 + (size_t)c * width, p = l[c];
+        for (; c < count; ++c) { const double* a = m0 + (size_t)c * width; const double p = l[c];
             for (int d = lane; d < count; d += lanes) v[d] += p * a[d]; }
     }
     WP_TILE_SYNC();

@@ -280,10 +280,11 @@ def subtract_answer(
         int k = 0;
         for (; k + 3 < n; k += 4) {
             const double *a = w0 + (size_t)k * width, *b = a + width, *d = b + width, *e = d + width;
-            const double *p = y + (size_t)k * stride, m0 = p[0], m1 = p[stride], m2 = p[2 * stride], m3 = p[3 * stride];
+            const double* p = y + (size_t)k * stride;
+            const double m0 = p[0], m1 = p[stride], m2 = p[2 * stride], m3 = p[3 * stride];
             for (int c = lane; c < count; c += lanes) x[c] -= m0 * a[c] + m1 * b[c] + m2 * d[c] + m3 * e[c];
         }
-        for (; k < n; ++k) { const double *a = w0 + (size_t)k * width, m = y[(size_t)k * stride];
+        for (; k < n; ++k) { const double* a = w0 + (size_t)k * width; const double m = y[(size_t)k * stride];
             for (int c = lane; c < count; c += lanes) x[c] -= m * a[c]; }
     }
     WP_TILE_SYNC();

@@ -58,7 +58,8 @@ NEAR = wp.constant(wp.float64(1.0e-6))  # of the largest bound, or SETTLED: wher
 @wp.func_native("""
     const size_t here = (size_t)w * model.pairs.count + pair;
     const int cap = 2 * model.capacity.cells, width = model.pairs.coupled_capacity, n = 2 * count;
-    const int coupled = model.pairs.coupled_count.data[pair], *column = model.pairs.coupled.data + (size_t)pair * width;
+    const int coupled = model.pairs.coupled_count.data[pair];
+    const int* column = model.pairs.coupled.data + (size_t)pair * width;
     const double *A = D.data + here * cap * cap, *l = L.data + here * cap * width, *v = V.data + here * cap * width;
     const double *r0 = right.data + here * cap, *b = radius.data + here * cap / 2;
     const double *soft = softness.data + here * cap / 2, *block = diagonal.data + here * cap / 2 * 3;
@@ -101,7 +102,8 @@ NEAR = wp.constant(wp.float64(1.0e-6))  # of the largest bound, or SETTLED: wher
                     t0 *= scale; t1 *= scale;
                 }
             }
-            const double e0 = t0 - x[p], e1 = t1 - x[p + 1], *v0 = v + (size_t)p * width, *v1 = v0 + width;
+            const double e0 = t0 - x[p], e1 = t1 - x[p + 1];
+            const double *v0 = v + (size_t)p * width, *v1 = v0 + width;
             if (e0 != 0.0 || e1 != 0.0) for (int c = 0; c < coupled; ++c) {
                 picked[c] += v0[c] * e0 + v1[c] * e1; change[c] += l0[c] * e0 + l1[c] * e1;
             }
@@ -241,7 +243,8 @@ def reduce_pair(
 @wp.func_native("""
     const size_t here = (size_t)w * model.pairs.count + pair; const int cap = 2 * model.capacity.cells;
     const double *r = slip.data + here * cap, *dir = direction.data + here * cap;
-    const int *list = order.data + here * cap, *kind = sliding.data + here * cap;
+    const int *list = order.data + here * cap;
+    const int* kind = sliding.data + here * cap;
     WP_TILE_SYNC();
     for (int u = WP_TILE_THREAD_IDX; u < m; u += WP_TILE_BLOCK_DIM) {
         const int p = list[u], i = p / 2;
@@ -269,7 +272,8 @@ def pose_reduced(
     const size_t here = (size_t)w * model.pairs.count + pair; const int cap = 2 * model.capacity.cells;
     double* x = tau.data + here * cap;
     const double *y = solution.data + here * cap, *dir = direction.data + here * cap, *b = radius.data + here * cap / 2;
-    const int *list = order.data + here * cap, *kind = sliding.data + here * cap;
+    const int *list = order.data + here * cap;
+    const int* kind = sliding.data + here * cap;
     WP_TILE_SYNC();
     for (int i = WP_TILE_THREAD_IDX; i < count; i += WP_TILE_BLOCK_DIM) if (kind[i] == 0) x[2 * i] = x[2 * i + 1] = 0.0;
     for (int u = WP_TILE_THREAD_IDX; u < m; u += WP_TILE_BLOCK_DIM) {

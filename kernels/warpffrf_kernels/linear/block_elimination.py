@@ -135,7 +135,8 @@ def backward(a: wp.array(dtype=real), at: int, stride: int, n: int, x: wp.array(
     WP_TILE_SYNC();
     for (int c = lane; c < count; c += lanes) sum[c] = 0.0;
     for (int i = 0; i < n; ++i) {
-        const double *b = W.data + at_w + (size_t)i * width, value = x.data[at_x + i];
+        const double* b = W.data + at_w + (size_t)i * width;
+        const double value = x.data[at_x + i];
         for (int c = lane; c < count; c += lanes) sum[c] += b[c] * value;
     }
     // columns may be named twice, by a pair with the ground, with zeros
@@ -199,7 +200,7 @@ def follow_columns(
         const double f0 = f[n], f1 = f[n + 1], f2 = f[n + 2], f3 = f[n + 3];
         for (int j = lane; j < count; j += lanes) out[j] += f0 * a[j] + f1 * b[j] + f2 * c[j] + f3 * d[j];
     }
-    for (; n < lines; ++n) { const double *a = q + (size_t)n * stride, f0 = f[n];
+    for (; n < lines; ++n) { const double* a = q + (size_t)n * stride; const double f0 = f[n];
         for (int j = lane; j < count; j += lanes) out[j] += f0 * a[j]; }
     WP_TILE_SYNC();
 """)

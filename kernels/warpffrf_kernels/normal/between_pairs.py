@@ -22,17 +22,20 @@ GRADIENTS = wp.constant(100)  # steps of them at most; what is left then stays i
 # y += F x over the first n places: what the pressures of each pair displace on the others. Lanes over the places. The
 # slots of a pair ascend, and mostly follow one another: then lines are read in runs.
 @wp.func_native("""
-    const int cap = model.capacity.slots, pairs = model.pairs.count, *list = order.data + (size_t)w * cap;
+    const int cap = model.capacity.slots, pairs = model.pairs.count;
+    const int* list = order.data + (size_t)w * cap;
     const double* x = krylov.data + start; double* y = krylov.data + end;
     const int* blocks = block.data + (size_t)w * pairs * 4;
-    const int *body = model.surfaces.body.data, *first = model.pairs.first.data, *second = model.pairs.second.data;
+    const int *body = model.surfaces.body.data;
+    const int* first = model.pairs.first.data, *second = model.pairs.second.data;
     WP_TILE_SYNC();
     for (int pair = 0; pair < pairs; ++pair) {
         const int* b = blocks + 4 * pair;
         for (int i = b[0] + WP_TILE_THREAD_IDX; i < b[0] + b[1]; i += WP_TILE_BLOCK_DIM) {
             const double* g = G.data + ((size_t)w * cap + list[i]) * cap; double sum = 0.0;
             for (int other = 0; other < pairs; ++other) {
-                const int *o = blocks + 4 * other, m = o[1], *l = list + o[0]; const double* v = x + o[0];
+                const int *o = blocks + 4 * other;
+    const int* l = list + o[0]; const int m = o[1]; const double* v = x + o[0];
                 if (other == pair || m == 0) continue;
                 const int p = body[first[pair]], q = body[second[pair]];  // the first is never the ground
                 const int r = body[first[other]], s = body[second[other]];

@@ -162,7 +162,7 @@ def assemble(
 # The mirror of rows `fresh` to `slots` of G between pairs, eight at a time, as columns are far apart. Lanes over the
 # columns of these rows.
 @wp.func_native("""
-    const int cap = model.capacity.slots, *pair = slot_hat.data + (size_t)w * cap * 2;
+    const int cap = model.capacity.slots; const int* pair = slot_hat.data + (size_t)w * cap * 2;
     double* g = G.data + (size_t)w * cap * cap;
     for (int s = fresh; s < slots; s += 8) {
         const int end = s + 8 < slots ? s + 8 : slots;

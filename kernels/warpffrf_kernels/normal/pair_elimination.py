@@ -101,7 +101,8 @@ def gather_block(
 # The lines of L of n slots from place `start` of `order` on, to W.
 @wp.func_native("""
     const int cap = model.capacity.slots, width = model.pairs.coupled_capacity;
-    const int count = model.pairs.coupled_count.data[pair], *list = order.data + (size_t)w * cap + start;
+    const int count = model.pairs.coupled_count.data[pair];
+    const int* list = order.data + (size_t)w * cap + start;
     for (int i = 0; i < n; ++i) {
         const double* l = L.data + ((size_t)w * cap + list[i]) * width;
         double* x = W.data + ((size_t)w * cap + start + i) * width;
