@@ -41,7 +41,7 @@ def fill_friction(collector: Collector, m: Model, z_start: np.ndarray) -> None:
             f"{m.modes.dynamic_count} of it have inertia; use local='quasi_static'"
         )
     if present:
-        collector.cell_room = CellRoom(m.capacity.slots, *_cells_of_pairs(collector, m))
+        collector.cell_room = _cell_room(collector, m)
     m.capacity.cells = collector.cell_room.cells(m.capacity.slots)
     rubbed = {side for i, c in enumerate(contacts) if c.friction.acts
               for side in collector.sides[2 * i : 2 * i + 2]}  # fmt: skip
@@ -84,15 +84,16 @@ def _fill_slip_speeds(collector: Collector) -> None:
     )  # fmt: skip
 
 
-def _cells_of_pairs(collector: Collector, m: Model) -> tuple[int, int, int]:
-    """Hats in play of a pair to begin with, the most of all pairs; most cells that are loaded beside those where hats
-    are (`bounds`), as a patch of n hats in r rows and c columns has at most 2 (c + r) neighbours; cells of a window."""
-    first = beside = 0
+def _cell_room(collector: Collector, m: Model) -> CellRoom:
+    """Cells are loaded beside those where hats are too (`bounds`): a patch of n hats in r rows and c columns has at
+    most 2 (c + r) neighbours."""
+    first = most = 0
     for contact, _, a, _, _ in collector.pairs():
-        hats = m.window.hats if contact.capacity is None else contact.capacity
-        first = max(first, slots_of(contact, hats))
-        beside = max(beside, 2 * (min(hats, m.window.columns) + min(hats, a.grid.rows)))
-    return first, beside, m.window.hats
+        hats = m.window.hats if contact.capacity is None else min(contact.capacity, m.window.hats)
+        beside = 2 * (min(hats, m.window.columns) + min(hats, a.grid.rows))
+        first = max(first, min(m.window.hats, slots_of(contact, hats) + beside))
+        most = max(most, min(m.window.hats, hats + beside))
+    return CellRoom(m.capacity.slots, m.capacity.slot_limit, first, most)
 
 
 def _extent(a: ContactSurface, b: ContactSurface, crossed: float) -> tuple[int, int]:

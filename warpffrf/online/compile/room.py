@@ -25,17 +25,17 @@ def slots_of(contact: Contact, hats: int) -> int:
 class CellRoom:
     """Cells with friction of a pair that there is room for: it grows as that of the hats in play does.
 
-    slots: hats in play of the scene to begin with, `first` of the pair with most of them; beside: cells that may be
-    loaded beside those of the hats; most: cells of a window.
+    slots, limit: hats in play of the scene, to begin with and at all; first: cells of a pair to begin with, the most of
+    all pairs; most: that it can ever need.
     """
 
     slots: int = 1
+    limit: int = 1
     first: int = 0
-    beside: int = 0
     most: int = 0
 
     def cells(self, slots: int) -> int:
         """Room where there are `slots` hats in play."""
-        if not self.first:
-            return 0
-        return min(self.most, ceil(self.first * slots / self.slots) + self.beside)
+        if slots >= self.limit:
+            return self.most
+        return min(self.most, ceil(self.first * slots / self.slots))
