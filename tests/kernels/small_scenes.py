@@ -14,6 +14,7 @@ from warpffrf.model import forces, joints, laws, mesh, signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.friction import RegularisedCoulomb, StribeckCoulomb
 from warpffrf.model.integrators import GeneralizedAlpha
+from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
@@ -123,6 +124,28 @@ def chain() -> Scene:
     load = signals.Table([0.0, 1.0, 10.0], [0.0, 2.0, 1.0])
     scene.add(forces.PointForce(links[2].at((0.0, 0.0, 0.05)), (load, (0.0, 1.0, 0.0)), frame="body"))
     scene.add(forces.PointTorque(links[6].at((0.0, 0.0, 0.0)), (0.01, 0.0, 0.02)))
+    return scene
+
+
+def pendulum() -> Scene:
+    """A pin that rubs, of a bar that swings and is held by a spring and a damper that are not in proportion."""
+    scene = Scene()
+    bar = scene.add_rigid_body(1.0, (1e-2, 1e-2, 1e-2), name="bar", position=(0.1, 0.0, 0.0))
+    pin = scene.add(joints.Revolute(scene.ground.at((0, 0, 0)), bar.at((-0.1, 0, 0)), axis=(0, 1, 0), name="pin"))
+    scene.add(forces.RevoluteFriction(pin, 0.3, pin_radius=0.01, preload=1.0))
+    table = forces.ForceTable([[-0.1, -1.0], [0.0, 0.0], [0.1, 2.0]])
+    scene.add(forces.SpringDamper(scene.ground.at((0.1, 0, 0.2)), bar.at((0, 0, 0)), table, forces.PowerLaw(2.0, 1.5)))
+    return scene
+
+
+def meeting(first: Any, second: Any, law: Any, height: float) -> Scene:
+    """A rigid body that is thrown on the ground, along it too, in lumped contact with friction."""
+    scene = Scene()
+    body = scene.add_rigid_body(
+        0.1, (1e-5, 1e-5, 1e-5), name="body", position=(0, 0, height), velocity=(0.1, 0, -0.1), surfaces={"skin": first}
+    )
+    floor = scene.ground.surface(second, name="floor")
+    scene.add(LumpedContact(body["skin"], floor, law=law, friction=0.2, name="pair"))
     return scene
 
 
@@ -260,9 +283,15 @@ HOPELESS: dict[str, Any] = {"start": "equilibrium", "settings": replace(WIDE, ma
 DAMPED = laws.HuntCrossley(1e15, 1.5, damping=50.0)
 ASPERITIES = laws.ExponentialAsperities(2e8, 5e-6)
 PROJECTED = GeneralizedAlpha(project_velocities=True)
+FLOOR = surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1))
+WHEEL = surfaces.Cylinder(radius=0.01, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
+BEAD = surfaces.Sphere(radius=0.01, axis_point=(0, 0, 0), axis_direction=(0, 0, 1))
 CASES: dict[str, Case] = {
     "chain": Case(chain, 1e-3),
     "chain, projected": Case(chain, 1e-3, {"integrator": PROJECTED, "accuracy": 1e-6}),
+    "pendulum": Case(pendulum, 1e-3),
+    "bead": Case(lambda: meeting(BEAD, FLOOR, laws.HertzPoint(STEEL, STEEL), 0.01), 1e-5),
+    "wheel": Case(lambda: meeting(WHEEL, FLOOR, laws.PalmgrenLine(0.01, 5), 0.01), 1e-5),
     "beams": Case(beams, 1e-4),
     "rollers": Case(lambda: rollers(roller(), roller(sectors=42, outer_radius=0.035)), options=REST),
     "rollers, sudden": Case(lambda: rollers(roller(), roller(), ramp=5e-4), 1e-4, REST),
