@@ -51,7 +51,7 @@ RENEWED = wp.constant(1)  # 1 where Y is new in this iteration
 OPEN = wp.constant(2)  # 1 while the bounds do not follow the pressures yet
 ROUND = wp.constant(3)  # rounds of tractions and bounds in this iteration
 SAME = wp.constant(wp.float64(1.0e-3))  # of the first answer: a round that changes the pressures by less is the last
-ROUND_OFF = wp.constant(wp.float64(1.0e-14))  # of the largest pressure
+NEGLIGIBLE = wp.constant(wp.float64(1.0e-10))  # of the largest pressure: a tenth of what a step converges to
 ROUNDS = wp.constant(20)  # of an iteration: a half of the change left by each, for friction close to its limits
 
 
@@ -427,8 +427,8 @@ def press_with_tractions(
     answer_state[w, ROUND] = rounds
     if rounds == 1:
         change[w, 0] = most
-    settled = most <= wp.max(SAME * change[w, 0], ROUND_OFF * largest) and rounds > 1
-    if settled or most == real(0.0) or rounds == ROUNDS or ctl[w].failure != 0:
+    settled = most <= NEGLIGIBLE * largest or (most <= SAME * change[w, 0] and rounds > 1)
+    if settled or rounds == ROUNDS or ctl[w].failure != 0:
         answer_state[w, OPEN] = 0
 
 
