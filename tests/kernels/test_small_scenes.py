@@ -1,0 +1,23 @@
+"""The small scenes launch every kernel between them: what the bounds-checked run (`test_bounds`) rests on."""
+
+from __future__ import annotations
+
+from small_scenes import CASES
+from test_signatures import KERNELS
+
+from warpffrf.online import Engine
+from warpffrf.online.local_dynamics import as_local_dynamics
+
+
+def test_no_kernel_is_left_out() -> None:
+    launched = set()
+    for case in CASES.values():
+        scene = case.build()
+        if not scene.bodies:
+            continue  # made where it is run
+        options = {name: case.options[name] for name in ("integrator", "accuracy") if name in case.options}
+        local = as_local_dynamics(case.options.get("local", "quasi_static"))
+        engine = Engine(scene, local=local, **options)
+        launched |= {launch.kernel.key for launch in engine.graph.program.launches()}
+    left_out = sorted(name for name, kernel in KERNELS.items() if kernel.key not in launched)
+    assert not left_out, f"no scene of small_scenes launches {', '.join(left_out)}"
