@@ -18,6 +18,6 @@ def test_no_kernel_is_left_out() -> None:
         options = {name: case.options[name] for name in ("integrator", "accuracy") if name in case.options}
         local = as_local_dynamics(case.options.get("local", "quasi_static"))
         engine = Engine(scene, local=local, **options)
-        launched |= {launch.kernel.key for launch in engine.graph.program.launches()}
-    left_out = sorted(name for name, kernel in KERNELS.items() if kernel.key not in launched)
+        launched |= {launch.kernel for launch in engine.graph.program.launches()}
+    left_out = sorted(name for name, kernel in KERNELS.items() if kernel not in launched)
     assert not left_out, f"no scene of small_scenes launches {', '.join(left_out)}"

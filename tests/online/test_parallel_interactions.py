@@ -12,7 +12,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.online import Engine, run
 
 STEEL = wf.Material(210e9, 0.3, 7850.0)
-WHOLE, PARTS = 3e13, (1e13, 2e13)  # Pa/m, much less than the half-width's compliance and about as much
+WHOLE, PARTS = 3e13, (1e13, 2e13)  # Pa/m
 LOAD, STEP, FRICTION = 20e3, 2e-5, 0.2
 TURNED = 1e-3  # pressures and tractions stand on a convex surface: a component of each by the patch's angle
 SAME = 1e-8  # of the largest pressure, force and velocity: each run converges to 1e-9 of the contact force

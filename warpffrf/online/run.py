@@ -270,7 +270,8 @@ def _finish(
     if engine.compiled.slips.laws:
         history.counters["forgetful_steps"] = int(engine.word("forgotten")[0])
     if engine.graph.pattern is not None:
-        history.counters["dense_fallbacks"] = int(engine.scratch.fallback.numpy()[0, 1])
+        factors = engine.scratch.fallback, engine.scratch.cell_fallback  # of the pressures, and of the tractions
+        history.counters["dense_fallbacks"] = sum(int(factor.numpy()[0, 1]) for factor in factors)
     if engine.word("edge")[0]:
         arcs = [c.name for c in engine.scene.contacts if not c.a.surface.grid.periodic]
         notes.append(

@@ -19,7 +19,7 @@ from warpffrf_kernels.linear.block_elimination import follow_columns, push_colum
 wp.set_module_options(MODULE_OPTIONS)
 
 FRESH = wp.constant(0)  # columns of `cell_block`: first slot of a pair that is not assembled yet
-COUNT = wp.constant(1)  # slots in use
+COUNT = wp.constant(1)  # slots in use, in the column where `pair_elimination.add_borders` looks for it
 FREE = wp.constant(2)  # free coordinates of the factor at hand
 
 

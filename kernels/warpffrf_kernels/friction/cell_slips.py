@@ -20,23 +20,6 @@ JUMPED = wp.constant(3)  # 1 where sliding cells are not on their circles yet
 
 
 @wp.func
-def clear_outcome(w: int, lane: int, outcome: wp.array2d(dtype=real)):
-    sync()
-    if lane == 0:
-        for column in range(4):
-            outcome[w, column] = real(0.0)
-    sync()
-
-
-@wp.func
-def defect_of(w: int, outcome: wp.array2d(dtype=real)) -> real:
-    """The largest defect as a fraction of the largest bound."""
-    if outcome[w, LARGEST] > real(0.0):
-        return outcome[w, DEFECT] / outcome[w, LARGEST]
-    return real(0.0)
-
-
-@wp.func
 def add_soft_slips(
     model: Model,
     w: int,
@@ -143,6 +126,43 @@ def sort_pair(
 
 
 @wp.func
+def sort_cells(
+    model: Model,
+    w: int,
+    lane: int,
+    cell_block: wp.array3d(dtype=int),
+    diagonal: wp.array(dtype=real),
+    radius: wp.array(dtype=real),
+    softness: wp.array(dtype=real),
+    tau: wp.array(dtype=real),
+    slip: wp.array(dtype=real),
+    jumps: wp.array(dtype=real),
+    direction: wp.array(dtype=real),
+    curvature: wp.array(dtype=real),
+    sliding: wp.array(dtype=int),
+    outcome: wp.array2d(dtype=real),
+) -> real:
+    """Kinds of the cells of all pairs; returns the defect of the tractions, as a fraction of the largest bound."""
+    sync()
+    if lane == 0:
+        for column in range(4):
+            outcome[w, column] = real(0.0)
+    sync()
+    pair = int(0)
+    while pair < model.pairs.count:
+        count = cell_block[w, pair, COUNT]
+        if count > 0:
+            sort_pair(
+                model, w, pair, count, diagonal, radius, softness, tau, slip, jumps, direction, curvature, sliding,
+                outcome,
+            )  # fmt: skip
+        pair += 1
+    if outcome[w, LARGEST] > real(0.0):
+        return outcome[w, DEFECT] / outcome[w, LARGEST]
+    return real(0.0)
+
+
+@wp.func
 def judge_cells(
     model: Model,
     w: int,
@@ -168,16 +188,9 @@ def judge_cells(
     """Slips of the tractions, kinds of the cells, and the right-hand side of the reduced system: the slips after
     sliding cells have jumped to their circles. Returns the defect of the tractions."""
     find_slips(model, w, lane, cell_block, D, L, M, right, softness, tau, push, turned, slip)
-    clear_outcome(w, lane, outcome)
-    pair = int(0)
-    while pair < model.pairs.count:
-        count = cell_block[w, pair, COUNT]
-        if count > 0:
-            sort_pair(
-                model, w, pair, count, diagonal, radius, softness, tau, slip, jumps, direction, curvature, sliding,
-                outcome,
-            )  # fmt: skip
-        pair += 1
+    defect = sort_cells(
+        model, w, lane, cell_block, diagonal, radius, softness, tau, slip, jumps, direction, curvature, sliding, outcome
+    )  # fmt: skip
     if outcome[w, JUMPED] != real(0.0):
         add_soft_slips(model, w, lane, cell_block, D, L, M, softness, jumps, push, turned, slip)
-    return defect_of(w, outcome)
+    return defect

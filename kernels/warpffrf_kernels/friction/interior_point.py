@@ -15,7 +15,7 @@ import warp as wp
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.friction.cell_blocks import COUNT, FREE
-from warpffrf_kernels.friction.cell_slips import clear_outcome, defect_of, find_slips
+from warpffrf_kernels.friction.cell_slips import find_slips, sort_cells
 from warpffrf_kernels.friction.reduced_system import factor_reduced, solve_reduced
 from warpffrf_kernels.linear.sparse_factor import Pattern
 
@@ -37,8 +37,8 @@ LENGTH = wp.constant(1)  # length of the step
         const size_t p = here * 2 * cap + 2 * i;
         const double r0 = right.data[p], r1 = right.data[p + 1], least = 1e-3 * k[3 * i];
         tau.data[p] = tau.data[p + 1] = 0.0; slip.data[p] = r0; slip.data[p + 1] = r1;
-        const double slope = b[i] > 0.0 ? ::sqrt(r0 * r0 + r1 * r1) / b[i] : 0.0;
-        curvature.data[here * cap + i] = slope > least ? slope : least;
+        const double lambda = b[i] > 0.0 ? ::sqrt(r0 * r0 + r1 * r1) / b[i] : 0.0;
+        slope.data[here * cap + i] = lambda > least ? lambda : least;
     }
     WP_TILE_SYNC();
 """)
@@ -52,7 +52,7 @@ def begin_inside(
     radius: wp.array(dtype=real),
     tau: wp.array(dtype=real),
     slip: wp.array(dtype=real),
-    curvature: wp.array(dtype=real),
+    slope: wp.array(dtype=real),
 ): ...
 
 
@@ -63,13 +63,13 @@ def begin_inside(
     const int width = model.pairs.coupled_capacity, coupled = model.pairs.coupled_count.data[pair];
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
     const double *A = D.data + here * cap * cap, *x = tau.data + here * cap, *b = radius.data + here * cap / 2;
-    const double *soft = softness.data + here * cap / 2, *slope = curvature.data + here * cap / 2;
+    const double *soft = softness.data + here * cap / 2, *lambda = slope.data + here * cap / 2;
     int* list = order.data + here * cap;
     double* U = work.data + here * cap * cap;
     int m = 0; double sum = 0.0;
     for (int i = 0; i < count; ++i) if (b[i] > 0.0) {  // every lane counts for itself, in the same order
         if (lane == 0) { list[m] = 2 * i; list[m + 1] = 2 * i + 1; }
-        sum += slope[i] * 0.5 * (b[i] * b[i] - x[2 * i] * x[2 * i] - x[2 * i + 1] * x[2 * i + 1]);
+        sum += lambda[i] * 0.5 * (b[i] * b[i] - x[2 * i] * x[2 * i] - x[2 * i + 1] * x[2 * i + 1]);
         m += 2;
     }
     WP_TILE_SYNC();
@@ -79,8 +79,8 @@ def begin_inside(
         const double room = 0.5 * (b[i] * b[i] - x[2 * i] * x[2 * i] - x[2 * i + 1] * x[2 * i + 1]);
         double* row = U + (size_t)u * cap;
         for (int v = u; v < m; ++v) row[v] = A[(size_t)p * cap + list[v]];
-        row[u] += soft[i] + slope[i] + slope[i] / room * x[p] * x[p];
-        if (p % 2 == 0) row[u + 1] += slope[i] / room * x[p] * x[p + 1];
+        row[u] += soft[i] + lambda[i] + lambda[i] / room * x[p] * x[p];
+        if (p % 2 == 0) row[u + 1] += lambda[i] / room * x[p] * x[p + 1];
         const double* l = L.data + (here * cap + p) * width; double* border = W.data + (here * cap + u) * width;
         for (int c = 0; c < coupled; ++c) border[c] = l[c];
     }
@@ -97,7 +97,7 @@ def fill_inside(
     radius: wp.array(dtype=real),
     softness: wp.array(dtype=real),
     tau: wp.array(dtype=real),
-    curvature: wp.array(dtype=real),
+    slope: wp.array(dtype=real),
     order: wp.array(dtype=int),
     work: wp.array(dtype=real),
     W: wp.array(dtype=real),
@@ -134,7 +134,7 @@ def pose_inside(
 # How far the step may go (`move` 0: shortens `inside`), or the step by that length (1), of a pair; of one lane.
 @wp.func_native("""
     const size_t here = (size_t)w * model.pairs.count + pair; const int cap = 2 * model.capacity.cells;
-    double *x = tau.data + here * cap, *lambda = curvature.data + here * cap / 2;
+    double *x = tau.data + here * cap, *lambda = slope.data + here * cap / 2;
     double* step = inside.data + (size_t)w * 2 + 1;
     const double *y = solution.data + here * cap, *b = radius.data + here * cap / 2;
     const int* list = order.data + here * cap;
@@ -164,40 +164,8 @@ def go_inside(
     order: wp.array(dtype=int),
     solution: wp.array(dtype=real),
     tau: wp.array(dtype=real),
-    curvature: wp.array(dtype=real),
+    slope: wp.array(dtype=real),
     inside: wp.array2d(dtype=real),
-): ...
-
-
-# The largest defect and bound of a pair, to `outcome`; of one lane.
-@wp.func_native("""
-    const size_t here = (size_t)w * model.pairs.count + pair; const int cap = 2 * model.capacity.cells;
-    const double *x = tau.data + here * cap, *r = slip.data + here * cap, *b = radius.data + here * cap / 2;
-    const double *soft = softness.data + here * cap / 2, *k = diagonal.data + here * cap / 2 * 3;
-    double* report = outcome.data + (size_t)w * 4;
-    WP_TILE_SYNC();
-    if (WP_TILE_THREAD_IDX == 0) for (int i = 0; i < count; ++i) if (b[i] > 0.0) {
-        const int p = 2 * i;
-        const double c = 0.5 * (k[3 * i] + k[3 * i + 2]) + soft[i];
-        const double y0 = x[p] - r[p] / c, y1 = x[p + 1] - r[p + 1] / c, size = ::sqrt(y0 * y0 + y1 * y1);
-        const double part = size > b[i] ? b[i] / size : 1.0;
-        const double e0 = part * y0 - x[p], e1 = part * y1 - x[p + 1], e = ::sqrt(e0 * e0 + e1 * e1);
-        if (!(e <= report[0])) report[0] = e;
-        if (b[i] > report[1]) report[1] = b[i];
-    }
-    WP_TILE_SYNC();
-""")
-def measure_inside(
-    model: Model,
-    w: int,
-    pair: int,
-    count: int,
-    diagonal: wp.array(dtype=real),
-    radius: wp.array(dtype=real),
-    softness: wp.array(dtype=real),
-    tau: wp.array(dtype=real),
-    slip: wp.array(dtype=real),
-    outcome: wp.array2d(dtype=real),
 ): ...
 
 
@@ -221,7 +189,11 @@ def come_near(
     hold: wp.array3d(dtype=real),
     tau: wp.array(dtype=real),
     slip: wp.array(dtype=real),
+    jumps: wp.array(dtype=real),
+    direction: wp.array(dtype=real),
     curvature: wp.array(dtype=real),
+    slope: wp.array(dtype=real),
+    sliding: wp.array(dtype=int),
     order: wp.array(dtype=int),
     outcome: wp.array2d(dtype=real),
     inside: wp.array2d(dtype=real),
@@ -244,7 +216,7 @@ def come_near(
     """Tractions near the solution, up to a defect of `wanted`; returns the number of steps."""
     pair = int(0)
     while pair < model.pairs.count:
-        begin_inside(model, w, pair, cell_block[w, pair, COUNT], diagonal, right, radius, tau, slip, curvature)
+        begin_inside(model, w, pair, cell_block[w, pair, COUNT], diagonal, right, radius, tau, slip, slope)
         pair += 1
     n = int(0)
     defect = real(1.0)
@@ -259,7 +231,7 @@ def come_near(
         pair = int(0)
         while pair < model.pairs.count:
             m = fill_inside(
-                model, w, pair, cell_block[w, pair, COUNT], D, L, radius, softness, tau, curvature, order, U, W, inside
+                model, w, pair, cell_block[w, pair, COUNT], D, L, radius, softness, tau, slope, order, U, W, inside
             )  # fmt: skip
             if lane == 0:
                 cell_block[w, pair, FREE] = m
@@ -283,16 +255,12 @@ def come_near(
                 while pair < model.pairs.count:
                     go_inside(
                         model, w, pair, cell_block[w, pair, FREE], mu, WITHIN, move, radius, order, solution, tau,
-                        curvature, inside,
+                        slope, inside,
                     )  # fmt: skip
                     pair += 1
             find_slips(model, w, lane, cell_block, D, L, M, right, softness, tau, push, turned, slip)
-            clear_outcome(w, lane, outcome)
-            pair = int(0)
-            while pair < model.pairs.count:
-                measure_inside(
-                    model, w, pair, cell_block[w, pair, COUNT], diagonal, radius, softness, tau, slip, outcome
-                )  # fmt: skip
-                pair += 1
-            defect = defect_of(w, outcome)
+            defect = sort_cells(
+                model, w, lane, cell_block, diagonal, radius, softness, tau, slip, jumps, direction, curvature,
+                sliding, outcome,
+            )  # fmt: skip
     return n

@@ -325,6 +325,7 @@ def solve_tractions(
     direction: inout(wp.array(dtype=real)),
     frozen: inout(wp.array(dtype=real)),
     curvature: inout(wp.array(dtype=real)),
+    slope: inout(wp.array(dtype=real)),
     order: inout(wp.array(dtype=int)),
     sliding: inout(wp.array(dtype=int)),
     outcome: inout(wp.array2d(dtype=real)),
@@ -375,8 +376,9 @@ def solve_tractions(
                     wanted = NEAR
                 steps = come_near(
                     model, patterns[0], w, lane, wanted, held, cell_block, D, L, M, diagonal, right, radius, softness,
-                    bordered, hold, tau, slip, curvature, order, outcome, inside, solution, U, W, square, push, turned,
-                    outer, scaling, pivots, factor, vector, lines, fallback, work, inverse_transposed,
+                    bordered, hold, tau, slip, jumps, direction, curvature, slope, sliding, order, outcome, inside,
+                    solution, U, W, square, push, turned, outer, scaling, pivots, factor, vector, lines, fallback, work,
+                    inverse_transposed,
                 )  # fmt: skip
                 free = 0
                 if lane == 0:

@@ -294,6 +294,7 @@ class FrictionSolve(Arrays):
     cell_jump: DeviceArray = reals("world", "friction_pair", "2*cell")
     cell_direction: DeviceArray = reals("world", "friction_pair", "2*cell")
     cell_curvature: DeviceArray = reals("world", "friction_pair", "cell")
+    cell_slope: DeviceArray = reals("world", "friction_pair", "cell", note="lambda, see `interior_point`")
     cell_order: DeviceArray = integers("world", "friction_pair", "2*cell")
     cell_sliding: DeviceArray = integers("world", "friction_pair", "2*cell")
     cell_outcome: DeviceArray = reals("world", 4)

@@ -18,6 +18,7 @@ from warpffrf_kernels.friction import (
     patch_advance,
     pressure_answer,
     slip_speed,
+    slope_condensation,
     stick_slip_problem,
     stick_slip_solve,
     tangential_fields,
@@ -41,8 +42,8 @@ STEP, SCALED = {"step": "answer_step", "moved": "answer_moved"}, {"scratch": "ce
 SOLVE = {
     name: f"cell_{name}"
     for name in (
-        "slip", "direction", "frozen", "curvature", "order", "sliding", "outcome", "inside", "solution", "outer",
-        "scaling", "pivots", "factor", "vector", "lines", "fallback", "work", "inverse_transposed",
+        "slip", "direction", "frozen", "curvature", "slope", "order", "sliding", "outcome", "inside", "solution",
+        "outer", "scaling", "pivots", "factor", "vector", "lines", "fallback", "work", "inverse_transposed",
     )
 } | {"jumps": "cell_jump", "U": "cell_U", "W": "cell_W", "square": "cell_square"}  # fmt: skip
 
@@ -62,8 +63,8 @@ def press(pressure: str, load: str, of_state: int) -> Launch:
 
 RUB = [
     blocks(stick_slip_problem.limit_tractions, "friction_pair", **LIMITS),
-    blocks(slip_speed.condense_slopes, when=SPEED, bordered="bordered", **G, **D, **BORDERED, **M, **DIAGONAL),
-    blocks(slip_speed.pose_slopes, when=SPEED, **RIGHT, **TAU, **LIMITS, **OUTER),
+    blocks(slope_condensation.condense_slopes, when=SPEED, bordered="bordered", **G, **D, **BORDERED, **M, **DIAGONAL),
+    blocks(slope_condensation.pose_slopes, when=SPEED, **RIGHT, **TAU, **LIMITS, **OUTER),
     blocks(stick_slip_solve.solve_tractions, **SYSTEM, **LIMITS, **OUTER, **SOLVE),
     blocks(slip_speed.split_tractions, when=SPEED, radius="cell_radius", found="cell_slip", **TAU),
     blocks(
