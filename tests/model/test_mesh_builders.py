@@ -44,6 +44,10 @@ BODIES = {
         lambda o: roller(0.01, 0.002, 0.012, crown_radius=0.01, sectors=40, layers=4, axial=8, order=o),
         4.0 / 3.0 * np.pi * 1e-6 - 2.0 * spherical_cap(0.01, 0.004) - np.pi * 0.002**2 * 0.012,
     ),
+    "solid": (
+        lambda o: roller(0.01, 0, 0.012, crown_radius=0.01, sectors=40, layers=4, axial=8, order=o),
+        4.0 / 3.0 * np.pi * 1e-6 - 2.0 * spherical_cap(0.01, 0.004),
+    ),
     "cone": (
         lambda o: roller(0.011, 0.002, 0.01, profile=lambda y: 0.01 + 0.2 * y, sectors=40, layers=4, axial=3, order=o),
         np.pi * (0.009**2 + 0.009 * 0.011 + 0.011**2) / 3.0 * 0.01 - np.pi * 0.002**2 * 0.01,
@@ -80,7 +84,12 @@ def test_volume_is_that_of_the_body(body):
 def test_sets_are_the_whole_surface(body):
     """Sets other than parts of others cover each outer facet once."""
     name, meshes, _ = body
-    parts = {"block": ["top", "bottom", "sides"], "ball": ["outside"], "ring": ["groove", "lands", "outside", "ends"]}
+    parts = {
+        "block": ["top", "bottom", "sides"],
+        "ball": ["outside"],
+        "ring": ["groove", "lands", "outside", "ends"],
+        "solid": ["rim", "ends"],
+    }
     tube = ["rim", "bore", "ends"] if name in ("barrel", "cone") else ["bore", "outside", "ends"]
     for mesh in meshes.values():
         found = np.concatenate([np.sort(mesh.facets(s).single[1], axis=1) for s in parts.get(name, tube)])

@@ -1,4 +1,5 @@
-"""A hollow roller meshed in sectors: linear or curved quadratic hexahedra, numbered for cyclic reduction.
+"""A roller meshed in hexahedra, linear or curved quadratic: a hollow one in sectors, numbered for cyclic reduction, a
+solid one around a coarse core.
 
 Cylindrical coordinates about the axis e_a = +y with e_0 = +x and e_1 = e_a x e_0 = -z:
 
@@ -17,6 +18,10 @@ coarse ones. Of all g that is still the best for the pressure: two steel rollers
 cells per half-width, have half-width and peak pressure off by -40 % and +76 % with g = 1, -13 % and +13 % with g = 2,
 -8 % and +6 % with the solved g = 3.9; enough layers for g = 1.3 give -3 % and +1 %.
 
+A solid roller has layers down to 0.4 of its radius, of which the deep ones halve the number of cells around, and a core
+of a few square cells (`disc`). Nodes on its axis belong to no sector: it is not periodic and takes the general path.
+A crown draws the whole cross section in, as r_i = 0 above says: r = f R(y).
+
 Counts left out follow from the wanted contact half-width b. With weak gaps on linear cells the measured rolling ripple
 is below 1 % from 2 cells per half-width on; quadratic cells carry the same number of nodes at 1 cell.
 """
@@ -30,6 +35,7 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.mesh.cyclic import Cyclic
 from warpffrf.model.mesh.data import Mesh
+from warpffrf.model.mesh.disc import CORE, LEAST_SECTORS, disc, standing_cells, standing_points
 from warpffrf.model.mesh.lattice import refined
 from warpffrf.model.mesh.revolved import (
     axial_lines,
@@ -61,18 +67,25 @@ def roller(
     order: int = 2,
     half_width: float | None = None,
 ) -> Mesh:
-    """A hollow roller with axis y, centred in the origin, with facet sets `rim`, `bore` and `ends`.
+    """A roller with axis y, centred in the origin: facet sets `rim`, `ends` and, of a hollow one, `bore`.
+
+    A solid roller, `inner_radius=0`, has sets for interfaces on its end faces too: `end_low` (y = -width/2) and
+    `end_high`, and `journal_low` and `journal_high`, the circles of 0.4 of their radius in their middles. A rigid
+    interface on a whole end face would hold the edge of the rim as well, which then cannot carry contact; one on a
+    journal, or an "average" one, does not.
 
     Parameters (lengths in m)
     -------------------------
-    outer_radius, inner_radius, width: the roller; `inner_radius` > 0.
+    outer_radius, inner_radius, width: the roller; `inner_radius=0` makes a solid one.
     crown_radius: radius of the crown's arc in a plane through the axis; None for a straight rim.
     profile: instead of a crown, the true radius of the rim along the axis: a surface shape (its `radius_at`), or a
         function of positions y (n,) [m] that returns radii (n,) [m]; for tables, cones and everything else that turns.
         `outer_radius` then only sets the size of the cells. `crown_radius=outer_radius` makes a ball with flat ends.
     sectors, layers, axial: cells around, through the wall, along the axis. What is left out follows `half_width`.
         `axial` may be the boundaries (n + 1,) of the cells, rising from -width/2 to width/2: a sharp end that carries
-        pressure wants small cells there.
+        pressure wants small cells there. Of a solid roller `sectors`, a multiple of 4 and at least 8, stand around in
+        the rim layer, fewer behind it where layers are deep beside their cells' width; `layers` counts those from the
+        rim to 0.4 `outer_radius`, where the core begins.
     tread: width of a band in the middle that has all `axial` cells, equal ones; beside it cells grow. It adds the facet
         set `tread`: for a contact that is narrow beside the roller, and for balls. None: the whole width. The rim layer
         is then as deep as the smaller side of a cell.
@@ -84,11 +97,12 @@ def roller(
     half_width: wanted contact half-width; gives 2 linear or 1 quadratic cells per half-width around.
 
     The first node plane of sector 0 lies in the half plane x > 0, z = 0. In a plane nodes are numbered from the bore to
-    the rim with the axial index fastest; a sector of hex27 holds a corner plane, then a mid plane.
+    the rim with the axial index fastest; a sector of hex27 holds a corner plane, then a mid plane. A solid roller is
+    not periodic (`cyclic` None): `reduce` takes the general path.
     Raises `InputError` for impossible sizes and for counts left out without `half_width`.
     """
     R = require_number(outer_radius, "roller: outer_radius", positive=True)
-    r_i = require_number(inner_radius, "roller: inner_radius", positive=True)
+    r_i = require_number(inner_radius, "roller: inner_radius", non_negative=True)
     width = require_number(width, "roller: width", positive=True)
     if r_i >= R:
         raise InputError(f"roller: inner_radius {r_i:g} must be smaller than outer_radius {R:g}")
@@ -98,6 +112,8 @@ def roller(
         raise InputError("roller: crown_radius and profile both shape the rim; give one of them")
     if crown_radius is not None:
         crown_radius = _checked_crown(crown_radius, R - r_i, width)
+    solid = r_i == 0.0
+    wall = R * (1.0 - CORE) if solid else R - r_i
     if half_width is None:
         left_out = [n for n, v in (("sectors", sectors), ("layers", layers), ("axial", axial)) if v is None]
         if left_out:
@@ -105,41 +121,45 @@ def roller(
         size = None
     else:
         size = require_number(half_width, "roller: half_width", positive=True) / CELLS_PER_HALF_WIDTH[order]
-        if size > R - r_i:
+        if size > wall:
             raise InputError(f"roller: half_width {half_width:g} is as large as the wall; give the counts instead")
     if sectors is None and size is not None:
-        sectors = max(int(np.ceil(2.0 * np.pi * R / size)), 3)
+        sectors = max(int(np.ceil(2.0 * np.pi * R / size)), LEAST_SECTORS if solid else 3)
+        sectors += -sectors % 4 if solid else 0
     if axial is None and half_width is not None:
         axial = max(int(np.ceil((tread or width) / (AXIAL_CELL[order] * half_width))), LEAST_AXIAL[order])
-    sectors = require_count(sectors, "roller: sectors", 3)
+    sectors = require_count(sectors, "roller: sectors", LEAST_SECTORS if solid else 3)
+    if solid and sectors % 4:
+        raise InputError(
+            f"roller: sectors of a solid roller must be a multiple of 4, got {sectors}; use {sectors + -sectors % 4}"
+        )
     boundaries = axial is not None and np.ndim(axial) > 0
     cells_along: Any = axial if boundaries else require_count(axial, "roller: axial", 1)
     first = 2.0 * np.pi * R / sectors if size is None else size
     if tread is not None and not boundaries:
         first = min(first, require_number(tread, "roller: tread", positive=True) / cells_along)
-    depth = layer_depths(R - r_i, layers, grading, first)
+    depth = layer_depths(wall, layers, grading, first)
 
-    fractions = refined(1.0 - depth[::-1] / (R - r_i), order)  # of the wall, bore (0) to rim (1)
     lines = axial_lines(-0.5 * width, 0.5 * width, cells_along, tread, "roller")
     y = refined(lines, order)
     if profile is not None:
         rim = profile_radius(profile, y, "roller: profile", above=r_i)
     else:
         rim = np.full(len(y), R) if crown_radius is None else R - crown_drop(y, 1.0 / crown_radius)
-    radius = r_i + fractions[:, None] * (rim[None, :] - r_i)
-    theta = 2.0 * np.pi * np.arange(order * sectors) / (order * sectors)
-
-    cells, facets = revolved_cells(sectors, len(depth) - 1, len(lines) - 1, order)
-    points = revolved_points(radius, theta, y)
+    if solid:
+        section = disc(sectors, 1.0 - depth / R, order)
+        cells, facets = standing_cells(section, len(lines) - 1, order)
+        points, cyclic = standing_points(section.points, rim, y), None
+    else:
+        fractions = refined(1.0 - depth[::-1] / wall, order)  # of the wall, bore (0) to rim (1)
+        radius = r_i + fractions[:, None] * (rim[None, :] - r_i)
+        theta = 2.0 * np.pi * np.arange(order * sectors) / (order * sectors)
+        cells, facets = revolved_cells(sectors, len(depth) - 1, len(lines) - 1, order)
+        points = revolved_points(radius, theta, y)
+        cyclic = Cyclic(sectors, np.zeros(3), np.array([0.0, 1.0, 0.0]))
     if tread is not None:
         facets["tread"] = tread_facets(facets["rim"], points, tread)
-    return Mesh(
-        points=points,
-        cells=cells,
-        facet_sets=facets,
-        cyclic=Cyclic(sectors, np.zeros(3), np.array([0.0, 1.0, 0.0])),
-        name="roller",
-    )
+    return Mesh(points, cells, facets, cyclic, "roller")
 
 
 def _checked_crown(crown_radius: float, wall: float, width: float) -> float:

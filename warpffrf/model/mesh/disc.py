@@ -1,0 +1,258 @@
+r"""A disc of quadrilaterals, fine at its rim and coarse in its middle: the cross section of a solid roller.
+
+Plane coordinates (p, q) in radii of the disc; quadrilaterals run round counter-clockwise. Three parts, from the rim in:
+
+- *Rings* of `sectors` cells, whose layers grow inwards. A layer that has become deep beside the width of its cells
+  takes a *transition*: every four cells outside, p0 to p4, meet two inside, A, M and B,
+
+        p0    p1    p2    p3    p4
+        |      \    |    /      |
+        |  q1 --- q2 --- q3     |          six quadrilaterals in the place of four
+        |  /        |      \    |
+        A --------- M --------- B
+
+  so that the number of cells around halves while their size doubles. Cells that four do not divide go through as they
+  are, spread between the blocks. Every quarter of the disc is meshed alike, and its inertia is that of a round body.
+- A *core* of k x k cells that fills a square with bulging sides, one side for each quarter of the turn,
+
+        p = s u sqrt(1 - B v^2/2),     q = s v sqrt(1 - B u^2/2),       -1 <= u, v <= 1,
+
+  turned by 45 degrees so that its corners lie on the axes p and q. Its lines end at equal angles.
+- A few rings between the core and the circle of radius `CORE`. Three cells meet at a corner of the square; B makes
+  their angles there nearly equal.
+
+Nodes in the middle of edges and cells have the mean radius and angle in the rings, so that all circles are true ones,
+and the mean place in the core.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpffrf.model.mesh.elements import cell_kind
+from warpffrf.model.mesh.facets import FacetSet
+from warpffrf.model.mesh.lattice import KINDS
+
+Array = np.ndarray
+
+CORE = 0.4  # radius of the circle around the core: its cells there are as large as those of layers that grow by 1.4
+SQUARE = 0.55  # s over CORE: the ring between is then as wide as the cells on both sides of it
+BULGE = 0.45  # B: the core's corner has 124 degrees, the two cells outside it 118 each
+DEEP = 1.6  # depth over width of a cell from which a layer takes a transition: its own cells are half as deep
+LEAST_QUARTER = 4  # cells in a quarter that can still be halved
+LEAST_SECTORS = 8  # two core cells a side
+
+
+@dataclass(frozen=True, eq=False)
+class Disc:
+    """`points` (n, 2) in radii; `cells` (m, o + 1, o + 1) node numbers of order o, first axis outwards or along u,
+    second one counter-clockwise. The first `sectors` cells, in the order of their angle, are those at the rim, those
+    from number `core` on lie within the radius `CORE`."""
+
+    points: Array
+    cells: Array
+    sectors: int
+    core: int
+
+
+def disc(sectors: int, radii: Array, order: int) -> Disc:
+    """The disc with `sectors` cells around, a multiple of 4 and at least 8, and layers between `radii` (l + 1,), which
+    fall from 1 to `CORE`."""
+    plan = _Plan()
+    around = plan.ring(radii[0], sectors)
+    for layer, (outer, inner) in enumerate(zip(radii[:-1], radii[1:], strict=True)):
+        steps = _transitions(outer, inner, len(around)) if layer else 0
+        if not steps:
+            around = plan.plain(around, inner)
+            continue
+        # each is twice as deep as the one outside it, as its cells are twice as wide
+        ends = outer + (inner - outer) * (2.0 ** np.arange(steps + 1) - 1.0) / (2.0**steps - 1.0)
+        for above, below in zip(ends[:-1], ends[1:], strict=True):
+            around = plan.transition(around, above, below)
+    return plan.finished(sectors, around, order)
+
+
+def _transitions(outer: float, inner: float, count: int) -> int:
+    """How many transitions a layer takes that has `count` cells at its outer radius."""
+    width = 2.0 * np.pi * outer / count
+    found = 0
+    while outer - inner >= DEEP * (2.0 ** (found + 1) - 1.0) * width and count >= 4 * LEAST_QUARTER:
+        count -= 8 * (count // 16)
+        found += 1
+    return found
+
+
+class _Plan:
+    """Corners and cells as they come; corners of the rings are known by radius and angle."""
+
+    def __init__(self) -> None:
+        self.polar: list[Array] = []  # (m, 2): radius, angle
+        self.count = 0
+        self.cells: list[Array] = []  # (m, 4), counter-clockwise from the inner corner at the smaller angle
+
+    def nodes(self, radius: float, angle: Array) -> Array:
+        self.polar.append(np.stack([np.full(len(angle), radius), angle], axis=1))
+        self.count += len(angle)
+        return np.arange(self.count - len(angle), self.count)
+
+    def ring(self, radius: float, count: int) -> Array:
+        return self.nodes(radius, 2.0 * np.pi * np.arange(count) / count)
+
+    def plain(self, outer: Array, radius: float) -> Array:
+        """One cell inside every cell of the ring `outer`; the ring at `radius`."""
+        inner = self.ring(radius, len(outer))
+        self.cells.append(_between(inner, outer))
+        return inner
+
+    def transition(self, outer: Array, above: float, radius: float) -> Array:
+        """Two cells inside every four of the ring `outer` at radius `above`, up to what is left over; the ring at
+        `radius`."""
+        n = len(outer)
+        quarter = n // 4
+        block = np.array(_spread(quarter // 4, quarter % 4) * 4)  # four and two cells where True, one and one else
+        first_o = np.cumsum(np.where(block, 4, 1)) - np.where(block, 4, 1)
+        first_i = np.cumsum(np.where(block, 2, 1)) - np.where(block, 2, 1)
+        m = n - 2 * int(block.sum())
+        inner = self.ring(radius, m)
+        single = ~block
+        o, i = first_o[single], first_i[single]
+        self.cells.append(np.stack([inner[i], outer[o], outer[(o + 1) % n], inner[(i + 1) % m]], axis=1))
+
+        o, i = first_o[block][:, None], first_i[block][:, None]
+        p = outer[(o + np.arange(5)) % n]
+        A, M, B = inner[(i + np.arange(3)) % m].T
+        # where the layer is deep, as high above A as half a cell is wide: sound angles at A and B
+        middle = radius + min(0.5 * (above - radius), np.pi * radius / m)
+        angle = np.pi * ((o + np.arange(1, 4)) / n + (i + np.array([0.5, 1.0, 1.5])) / m)  # means of both rings
+        q = self.nodes(middle, angle.ravel()).reshape(angle.shape)
+        quads = [
+            (A, p[:, 0], p[:, 1], q[:, 0]),
+            (q[:, 0], p[:, 1], p[:, 2], q[:, 1]),
+            (q[:, 1], p[:, 2], p[:, 3], q[:, 2]),
+            (q[:, 2], p[:, 3], p[:, 4], B),
+            (A, q[:, 0], q[:, 1], M),
+            (M, q[:, 1], q[:, 2], B),
+        ]
+        self.cells += [np.stack(quad, axis=1) for quad in quads]
+        return inner
+
+    def finished(self, sectors: int, circle: Array, order: int) -> Disc:
+        """The disc of the rings so far, the innermost of which is `circle`, and the core."""
+        polar = np.concatenate(self.polar)
+        places = [_plane(polar[:, 0], polar[:, 1])]
+        k, layered = len(circle) // 4, sum(len(c) for c in self.cells)
+        core = _core(k)
+        number = self.count + np.arange((k + 1) ** 2).reshape(k + 1, k + 1)
+        places.append(core.reshape(-1, 2))
+        used = self.count + (k + 1) ** 2
+        side = np.concatenate([number[-1, :-1], number[:0:-1, -1], number[0, :0:-1], number[:-1, 0]])
+        start, end = places[0][circle], core.reshape(-1, 2)[side - self.count]
+        gap = float(np.mean(np.linalg.norm(start - end, axis=1)))
+        rings = max(round(gap / (2.0 * np.pi * CORE / len(circle))), 1)
+        outer = circle
+        for share in np.arange(1, rings) / rings:
+            inner = used + np.arange(len(circle))
+            places.append((1.0 - share) * start + share * end)
+            used += len(circle)
+            self.cells.append(_between(inner, outer))
+            outer = inner
+        self.cells.append(_between(side, outer))
+        corners = [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]]
+        self.cells.append(np.stack([c.ravel() for c in corners], axis=1))
+        points, quads = np.concatenate(places), np.concatenate(self.cells)
+        if order == 1:
+            return Disc(points, quads[:, [[0, 3], [1, 2]]], sectors, layered)
+        return Disc(*_quadratic(points, quads, polar[:, 0]), sectors, layered)
+
+
+def _spread(blocks: int, others: int) -> list[bool]:
+    """`blocks` times True and `others` times False, those spread evenly."""
+    total = blocks + others
+    row = [True] * total
+    for i in range(others):
+        row[(2 * i + 1) * total // (2 * others)] = False
+    return row
+
+
+def _between(inner: Array, outer: Array) -> Array:
+    """Cells (n, 4) between two rings of n nodes."""
+    return np.stack([inner, outer, np.roll(outer, -1), np.roll(inner, -1)], axis=1)
+
+
+def _plane(radius: Array, angle: Array) -> Array:
+    return radius[..., None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def _core(k: int) -> Array:
+    """Corners (k + 1, k + 1, 2) of the core's cells."""
+    slope = np.tan(np.linspace(-0.25 * np.pi, 0.25 * np.pi, k + 1))
+    line = slope / np.sqrt(1.0 - 0.5 * BULGE * (1.0 - slope**2))  # whose ends on the sides lie at these slopes
+    u, v = np.meshgrid(line, line, indexing="ij")
+    s = SQUARE * CORE * np.sqrt(0.5)  # times cos and sin of 45 degrees
+    p, q = u * np.sqrt(1.0 - 0.5 * BULGE * v**2), v * np.sqrt(1.0 - 0.5 * BULGE * u**2)
+    return s * np.stack([p - q, p + q], axis=-1)
+
+
+def _quadratic(corners: Array, quads: Array, radius: Array) -> tuple[Array, Array]:
+    """Points and cells (m, 3, 3) with nodes in the middle of edges and cells; `radius` (n,) of the corners that belong
+    to rings, which are the first ones."""
+    pairs = quads[:, [[0, 1], [1, 2], [2, 3], [3, 0]]]
+    edges, number = np.unique(np.sort(pairs.reshape(-1, 2), axis=1), axis=0, return_inverse=True)
+    number = len(corners) + number.reshape(-1, 4)
+    middles = corners[edges].mean(axis=1)
+    turned = np.all(edges < len(radius), axis=1)
+    middles[turned] = _mean_polar(corners, radius, edges[turned])
+    points = np.concatenate([corners, middles])
+    # the middle of the four edges, which is the mean place of corners where the edges are straight
+    centers = 0.5 * points[number].sum(axis=1) - 0.25 * corners[quads].sum(axis=1)
+    turned = np.all(quads < len(radius), axis=1)
+    centers[turned] = _mean_polar(corners, radius, quads[turned])
+    center = len(points) + np.arange(len(quads))
+    cells = np.empty((len(quads), 3, 3), dtype=np.int64)
+    cells[:, [0, 2, 2, 0], [0, 0, 2, 2]] = quads
+    cells[:, [1, 2, 1, 0], [0, 1, 2, 1]] = number
+    cells[:, 1, 1] = center
+    return np.concatenate([points, centers]), cells
+
+
+def _mean_polar(corners: Array, radius: Array, nodes: Array) -> Array:
+    """Points (m, 2) at the mean radius and, of angles that are close, the mean angle of `nodes` (m, k)."""
+    first = corners[nodes[:, :1]]
+    x = corners[nodes]
+    cross = first[..., 0] * x[..., 1] - first[..., 1] * x[..., 0]
+    turn = np.arctan2(cross, np.sum(first * x, axis=-1)).mean(axis=1)
+    angle = np.arctan2(first[:, 0, 1], first[:, 0, 0]) + turn
+    return _plane(radius[nodes].mean(axis=1), angle)
+
+
+# --- the solid that stands on a disc ---
+
+
+def standing_points(points: Array, radius: Array, y: Array) -> Array:
+    """Points (n * rows, 3) [m] of the disc's `points` (n, 2) at `y` (rows,) [m], where it has `radius` (rows,) [m]."""
+    p, q = np.multiply.outer(points.T, radius)
+    return np.stack([p, np.broadcast_to(y, p.shape), -q], axis=-1).reshape(-1, 3)  # q runs along e_1 = -z
+
+
+def standing_cells(section: Disc, axial: int, order: int) -> tuple[dict[str, Array], dict[str, FacetSet]]:
+    """Cells, and facet sets `rim`, `ends`, `end_low`, `end_high`, `journal_low`, `journal_high`, of nodes numbered by
+    node of the disc and axial row: `axial` cells stand on each of the disc's."""
+    kind = cell_kind(KINDS[order])
+    # reference coordinates -1, 0, 1 become grid offsets 0, (1,) order
+    offset = np.rint(0.5 * order * (kind.nodes + 1.0)).astype(np.int64)
+    row = order * np.arange(axial)[:, None] + offset[:, 2]
+    nodes = section.cells[:, None, offset[:, 0], offset[:, 1]] * (order * axial + 1) + row
+    ((facet, faces),) = kind.faces.items()  # order of faces: xi-, xi+, eta-, eta+, zeta-, zeta+
+    low, high = nodes[:, 0][:, faces[4]], nodes[:, -1][:, faces[5]]
+    sides = {
+        "rim": nodes[: section.sectors][..., faces[1]].reshape(-1, faces.shape[1]),
+        "ends": np.concatenate([low, high]),
+        "end_low": low,
+        "end_high": high,
+        "journal_low": low[section.core :],
+        "journal_high": high[section.core :],
+    }
+    cells = {kind.name: nodes.reshape(-1, nodes.shape[-1])}
+    return cells, {name: FacetSet({facet: side}) for name, side in sides.items()}
