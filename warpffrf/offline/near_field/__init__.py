@@ -1,0 +1,1 @@
+"""Deformation near a contact, below what the mesh resolves: closed forms and tables per unit load."""
