@@ -23,6 +23,8 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.far_field import FarField
+from warpffrf.model.far_splines import FarSplines
 from warpffrf.model.local_mass import LocalMass
 from warpffrf.model.recovery import Recovery
 from warpffrf.model.sampling import Sampling
@@ -43,11 +45,18 @@ class ContactSurface:
     local_mass: LocalMass | None = None  # inertia of the local modes, see `warpffrf.model.local_modes`
     sampling: Sampling | None = None  # few points for all, see `warpffrf.model.sampling`; None: none were chosen
     slope_lags: np.ndarray | None = None  # what D gains where normals lean, `warpffrf.model.slopes`; None: stiff bodies
+    far: FarField | None = None  # for patches finer than the mesh, see `warpffrf.model.far_field`; None: not computed
 
     @property
     def local_modes(self) -> int:
         """Number of normal local modes: one a hat."""
         return self.grid.columns * self.grid.rows
+
+    @cached_property
+    def splines(self) -> FarSplines:
+        """The splines of the far field."""
+        turning = len(self.lags) > 1 or self.grid.periodic
+        return FarSplines(self.grid, self.shape, len(self.lags) * self.grid.columns_per_sector if turning else 0)
 
     @cached_property
     def gram_z(self) -> np.ndarray:

@@ -73,6 +73,8 @@ def _contact_shapes(root: str, s: ContactSurface, m: int) -> Iterator[tuple[str,
     yield f"{root}/mode_normal", (s.local_modes, m)
     if s.slope_lags is not None:
         yield f"{root}/slope_lags", s.lags.shape
+    if s.far is not None:
+        yield f"{root}/far/lags", s.lags.shape
     yield from ((f"{root}/recovery/axes", (3, 3)), (f"{root}/recovery/transfer", (None, None, None)))
     if s.local_mass is not None:
         yield f"{root}/local_mass/lags_mass", s.lags.shape

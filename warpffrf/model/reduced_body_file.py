@@ -20,6 +20,7 @@ from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.cross_compliance import CrossCompliance
 from warpffrf.model.errors import InputError
+from warpffrf.model.far_field import FarField
 from warpffrf.model.inertia import GeometricStiffness, InertiaTerms
 from warpffrf.model.local_mass import LocalMass
 from warpffrf.model.recovery import Recovery
@@ -31,7 +32,7 @@ from warpffrf.model.tangential import Tangential
 
 Body = TypeVar("Body", bound=ReducedBodyData)
 
-SCHEMA = 5  # 5: compliance between contact surfaces; all older ones are read
+SCHEMA = 6  # 6: far fields of contact surfaces; all older ones are read
 MARK = "warpffrf reduced body"
 _COMPRESSED_FROM = 1 << 16  # bytes; below it a compressed chunk costs more than it saves
 _INERTIA = ("first", "second", "gyroscopic")
@@ -89,6 +90,9 @@ def _flatten(body: ReducedBodyData) -> tuple[dict[str, np.ndarray], dict[str, An
         }
         if s.slope_lags is not None:
             arrays[f"{root}/slope_lags"] = s.slope_lags
+        if s.far is not None:
+            arrays[f"{root}/far/lags"] = s.far.lags
+            facts["contact_surfaces"][name]["far"] = s.far.facts()
         if (mass := s.local_mass) is not None:
             arrays[f"{root}/local_mass/lags_mass"] = mass.lags_mass
             arrays[f"{root}/local_mass/overlap"] = mass.overlap
@@ -217,6 +221,7 @@ def _restore(
             _local_mass(arrays, f"{root}/local_mass"),
             _sampling(arrays, f"{root}/sampling/", f.get("sampling")),
             arrays.get(f"{root}/slope_lags"),
+            FarField.restore(arrays[f"{root}/far/lags"], f["far"]) if "far" in f else None,
         )
     stress = {}
     for name, f in facts.get("stress", {}).items():

@@ -37,6 +37,7 @@ from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.general.path import reduce_general
 from warpffrf.offline.inertia.invariants import MODES
 from warpffrf.offline.interfaces.kinds import body_interfaces
+from warpffrf.offline.near_field.far import find_far_field, is_coarse
 from warpffrf.offline.paths import PathChoice, choose_path, resolve_shapes
 from warpffrf.offline.products import PathProduct, SurfaceProduct
 from warpffrf.offline.progress import Progress
@@ -76,6 +77,7 @@ def reduce(
     solver: str | None = None,
     memory_limit: float | None = None,
     sampling_error: float | None = None,
+    patch_grid: bool | None = False,
     cache: bool = True,
     progress: bool = True,
 ) -> ReducedBody:
@@ -119,6 +121,10 @@ def reduce(
     sampling_error: also choose few sampling points on each contact surface for `Contact(evaluation="hyper")`, by which
         the integrals of training patches err by at most this fraction of their size; None: no such points. 0.01 takes
         a third of the points of evaluation "semi", see `warpffrf.offline.contact.cubature`.
+    patch_grid: True: also what contacts need whose pressures stand on a grid that travels with the patch, much finer
+        than the mesh (`warpffrf.model.far_field`); None: for the surfaces whose mesh is too coarse for pressures on a
+        grid of its own. It costs the solution of some hundred to thousand dofs for every few dozen functions of the
+        contact grid (of one sector). The cells near the surface must be of one material.
     cache: look the result up in, and put it into, the user's cache. An interrupted reduction leaves a work file there,
         and goes on from it when called again.
     progress: a bar on a terminal.
@@ -154,6 +160,7 @@ def reduce(
         solver=solver,
         memory_limit=memory_limit,
         sampling_error=sampling_error,
+        patch_grid=patch_grid,
     )
     settings.check_against(mesh)
     assign(mesh, material)
@@ -228,6 +235,7 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
             surfaces[name] = replace(surfaces[name], sampling=points)
             report["contact"][name]["sampling"] = {"points": points.count, **points.facts()}
             report["stage_seconds"] = dict(stages.seconds)
+        surfaces[name] = _with_far_field(surfaces[name], mesh, assignment, settings, checkpoint, stages, report)
     report["notes"] += _between_surfaces(product, settings)
     for cross in product.cross:
         share = coupling(cross, surfaces[cross.target], surfaces[cross.source])
@@ -323,6 +331,34 @@ def _product(
     named = list(choice.shapes.items())
     memory = settings.memory_limit
     return reduce_general(mesh, assignment, joints, named, settings.basis, limits, spacing, memory, stages, **how)
+
+
+def _with_far_field(
+    surface: ContactSurface,
+    mesh: Mesh,
+    assignment: Assignment,
+    settings: Settings,
+    checkpoint: Checkpoint,
+    stages: Progress,
+    report: dict[str, Any],
+) -> ContactSurface:
+    """The surface with its far field, where that is wanted and there is one; the `report` says what came of it."""
+    name, shape, grid = surface.name, surface.shape, surface.grid
+    if settings.patch_grid is False:
+        return surface
+    if settings.patch_grid is None and not is_coarse(mesh, name, shape, grid, settings.expected_half_width):
+        return surface
+    material = facet_material(mesh, mesh.facets(name), assignment)
+    found = find_far_field(mesh, name, shape, grid, surface.lags, material, assignment, checkpoint, stages)
+    report["notes"] += found.notes
+    report["warnings"] += found.warnings
+    report["stage_seconds"] = dict(stages.seconds)
+    if found.far is None:
+        if settings.patch_grid:
+            raise InputError(found.notes[-1])
+        return surface
+    report["contact"][name]["far_field"] = found.facts
+    return replace(surface, far=found.far)
 
 
 @contextmanager

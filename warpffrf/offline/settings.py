@@ -47,6 +47,7 @@ class Settings:
     solver: str | None
     memory_limit: int | None
     sampling_error: float | None = None
+    patch_grid: bool | None = False
 
     @classmethod
     def of(
@@ -72,6 +73,7 @@ class Settings:
         solver: str | None,
         memory_limit: float | None,
         sampling_error: float | None = None,
+        patch_grid: bool | None = False,
     ) -> Settings:
         """The settings behind the arguments of `reduce`, checked as far as they can be without the mesh."""
         options = basis_options(basis)
@@ -101,6 +103,10 @@ class Settings:
             raise InputError(f"reduce: stiffening must be True or False, got {stiffening!r}")
         if not isinstance(centrifugal, bool):
             raise InputError(f"reduce: centrifugal must be True or False, got {centrifugal!r}")
+        if patch_grid not in (None, True, False):
+            raise InputError(
+                f"reduce: patch_grid must be True, False or None (where the mesh is coarse), got {patch_grid!r}"
+            )
         stress_settings(stress or {})  # refuses what is no {name: points}
         if not isinstance(tangential, (bool, type(None))) and str(tangential) not in KINDS:
             raise InputError(
@@ -129,6 +135,7 @@ class Settings:
             solver=None if solver is None else require_solver(solver),
             memory_limit=memory_limit,
             sampling_error=sampling_error,
+            patch_grid=patch_grid,
         )
 
     def check_against(self, mesh: Mesh) -> None:
@@ -193,6 +200,7 @@ class Settings:
             "periodic": self.periodic,
             "memory_limit": self.memory_limit,
             "sampling_error": self.sampling_error,
+            "patch_grid": self.patch_grid,
         }
 
 

@@ -1,1 +1,1 @@
-"""Deformation near a contact, below what the mesh resolves: closed forms and tables per unit load."""
+"""What the half-space does under the functions of a contact grid, as the mesh of the body sees it."""

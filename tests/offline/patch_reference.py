@@ -1,0 +1,119 @@
+"""Contact on a patch of cells by a dense NumPy reference: one body, held at an interface, on a rigid plane.
+
+u = (H + P S P^T + modes) f at the centres of cells, f >= 0 their forces, H by Love's integrals over rectangles, with
+mirror images and the quarter space at the ends; approach delta: gap g_0(x) - delta + u >= 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.offline.near_field.quarter_space import QuarterSpace
+
+Array = np.ndarray
+
+
+def corner(X: Array, Z: Array) -> Array:
+    """Integral of 1/r over the rectangle between the origin and (X, Z), signed."""
+
+    def part(s, t):
+        return s * np.arcsinh(t / np.where(s == 0.0, np.inf, np.abs(s)))
+
+    return part(X, Z) + part(Z, X)
+
+
+def rectangle(x: Array, z: Array, width: float, length: Array) -> Array:
+    """Integral of 1/r over a rectangle centred at the origin, seen from (x, z)."""
+    a, b = 0.5 * width, 0.5 * length
+    return corner(x + a, z + b) - corner(x + a, z - b) - corner(x - a, z + b) + corner(x - a, z - b)
+
+
+def line_edges(width: float, first: float, largest: float) -> Array:
+    """Edges of rows that grow from both ends of a line contact of `width` [m]."""
+    steps = [first]
+    while sum(steps) + steps[-1] * 1.25 < 0.5 * width - largest:
+        steps.append(min(1.25 * steps[-1], largest))
+    rest = 0.5 * width - sum(steps)
+    count = int(np.ceil(rest / largest))
+    half = 0.5 * width - np.concatenate([[0.0], np.cumsum(steps + [rest / count] * count)])
+    return np.concatenate([-half, half[::-1][1:]])
+
+
+@dataclass
+class Patch:
+    """Cells over `columns` strips of `strip` [m] around the angle theta [rad] of a surface, rows between
+    `edges` [m]."""
+
+    body: ReducedBody
+    surface: str
+    interface: str
+    theta: float
+    columns: int
+    strip: float
+    edges: Array
+
+    def __post_init__(self) -> None:
+        s = self.body.contact_surfaces[self.surface]
+        far, splines = s.far, s.splines
+        assert far is not None
+        rows = 0.5 * (self.edges[1:] + self.edges[:-1])
+        lengths = np.diff(self.edges)
+        x = self.strip * (np.arange(self.columns) - 0.5 * (self.columns - 1))
+        self.x, self.z = np.repeat(x, len(rows)), np.tile(rows, self.columns)
+        self.areas = np.tile(self.strip * lengths, self.columns)
+        radius = float(s.shape.radius_at(0.0))
+        theta = self.theta + self.x / radius
+
+        # H, per unit pressure of a cell, by the distance in columns
+        k = self.strip * np.arange(self.columns)[:, None, None]
+        seen, loaded = rows[None, :, None], rows[None, None, :]
+        c = (1.0 - far.poisson_ratio**2) / np.pi
+        H = c * rectangle(k, seen - loaded, self.strip, lengths)
+        for end in far.ends:
+            quarter = QuarterSpace(far.poisson_ratio)
+            a, b = end.side * (end.z - seen), end.side * (end.z - loaded)
+            H = H + c * rectangle(k, a + b, self.strip, lengths)
+            H = H + quarter.surface(k, a, b) * self.strip * lengths
+        H = H / (far.youngs_modulus * self.strip * lengths)
+        j = np.arange(self.columns)
+        H = H[np.abs(j[:, None] - j)].transpose(0, 2, 1, 3).reshape(len(theta), -1)
+
+        P = (splines.around(theta)[:, :, None] * splines.along(self.z)[:, None, :]).reshape(len(theta), -1)
+        used = np.flatnonzero(np.abs(P).sum(axis=0) > 0.0)
+        S = spline_matrix(s, far.lags, used)
+
+        # global modes with the interface held: they move the body so that it stays
+        held = self.body.interfaces[self.interface]
+        places, normals = s.shape.point(theta, self.z), s.shape.normal(theta, self.z)
+        rigid = np.concatenate([normals, np.cross(places - held.point, normals)], axis=1)
+        modes = P @ splines.of_hats(s.mode_normal) - rigid @ held.modes.T
+        omega = 2.0 * np.pi * self.body.frequencies
+        self.near = 0.5 * (H + H.T)
+        self.far = P[:, used] @ S @ P[:, used].T
+        self.modes = (modes / omega**2) @ modes.T
+
+    def press(self, gap: Array, approach: float) -> Array:
+        """Forces (cells,) [N] at the `approach` [m], of the undeformed `gap` (cells,) [m]."""
+        G = self.near + self.far + self.modes
+        open_by = gap - approach
+        active = open_by < 0.0
+        for _ in range(60):
+            f = np.zeros(len(gap))
+            f[active] = cho_solve(cho_factor(G[np.ix_(active, active)]), -open_by[active])
+            now = np.where(active, f > 0.0, open_by + G @ f < -1e-16)
+            if np.array_equal(now, active):
+                return f
+            active = now
+        raise AssertionError("the active set did not settle")
+
+
+def spline_matrix(surface, lags: Array, numbers: Array) -> Array:
+    """Entries of S among the splines `numbers`, of its block-circulant layout."""
+    c, rows = surface.grid.columns_per_sector, surface.grid.rows
+    j, k = numbers // rows, numbers % rows
+    own = (j % c) * rows + k
+    return lags[(j[:, None] // c - j // c) % len(lags), own[:, None], own]

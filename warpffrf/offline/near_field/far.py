@@ -1,0 +1,108 @@
+"""The far field of a contact surface: whether it is wanted, whether it can be had, and how good it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.errors import InputError
+from warpffrf.model.far_field import FarField
+from warpffrf.model.far_splines import FarSplines
+from warpffrf.model.material import Material
+from warpffrf.model.mesh import Mesh
+from warpffrf.model.mesh.elements import facet_kind
+from warpffrf.offline.fe.materials import Assignment
+from warpffrf.offline.general.checkpoint import Checkpoint
+from warpffrf.offline.near_field.compliance import NearFunctions, near_compliance
+from warpffrf.offline.near_field.ends import free_ends
+from warpffrf.offline.near_field.quarter_space import LARGEST_RATIO, QuarterSpace
+from warpffrf.offline.progress import Progress
+
+# Distance of nodes in radii, or extents of a surface where they are smaller, from which a mesh counts as coarse: four
+# nodes in a half-width resolve b = 0.016 R, in steel a line contact of 900 MPa, and no lighter one.
+COARSE = 0.004
+NODES_PER_HALF_WIDTH = 4
+ASYMMETRIC = 0.02  # of the half-space on the mesh: beyond, the mesh's error near a load is no longer alike in both
+
+
+@dataclass(frozen=True, eq=False)
+class FoundField:
+    """A far field, or why there is none; `facts` for the report, `notes`, `warnings`."""
+
+    far: FarField | None
+    facts: dict[str, Any] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+
+def is_coarse(mesh: Mesh, name: str, shape: Any, grid: ContactGrid, half_width: float | None) -> bool:
+    """Whether the nodes of the surface are too far apart for pressures in hats: for the expected `half_width` [m]
+    where that is known, else for all but heavily loaded contacts (`COARSE`)."""
+    facets = mesh.facets(name)
+    edge = NearFunctions(mesh, name, shape, grid).edge
+    spacing = edge / max(facet_kind(kind).degree for kind in facets.blocks)
+    if half_width is not None:
+        return NODES_PER_HALF_WIDTH * spacing > half_width
+    middle = float(np.mean(grid.z))
+    curvature = max(abs(float(k)) for k in shape.curvatures(grid.theta_start, middle))
+    around = grid.pitch * grid.columns * float(shape.radius_at(middle))
+    size = min(around, float(np.ptp(grid.z)), 1.0 / curvature if curvature > 0.0 else np.inf)
+    return spacing > COARSE * size
+
+
+def find_far_field(
+    mesh: Mesh,
+    name: str,
+    shape: Any,
+    grid: ContactGrid,
+    lags: np.ndarray,
+    material: Material | None,
+    assignment: Assignment,
+    checkpoint: Checkpoint,
+    progress: Progress,
+) -> FoundField:
+    """The far field of the surface `name` with its hats' compliance `lags`."""
+    if grid.kind != "hats":
+        return FoundField(None, notes=[_none(name, "its tractions are constant on cells; use traction='hats'")])
+    if material is None or mesh.matrices is not None:
+        return FoundField(None, notes=[_none(name, "a body of matrices has no cells near a load; use a mesh")])
+    functions = NearFunctions(mesh, name, shape, grid)
+    ends, notes = free_ends(mesh, name, shape, grid, functions.edge)
+    quarter = None
+    if ends:
+        with progress.stage("quarter space"):
+            quarter = QuarterSpace(min(material.poisson_ratio, LARGEST_RATIO))
+    sectors = len(lags)
+    try:
+        near = near_compliance(functions, sectors, material, assignment, ends, quarter, checkpoint, progress)
+    except InputError as error:
+        return FoundField(None, notes=[_none(name, str(error))])
+    splines = FarSplines(grid, shape, sectors * grid.columns_per_sector if sectors > 1 or grid.periodic else 0)
+    far = FarField(
+        splines.compliance(lags - near.lags),
+        material.youngs_modulus,
+        material.poisson_ratio,
+        tuple(ends),
+        near.asymmetry,
+    )
+    warnings = []
+    if near.asymmetry > ASYMMETRIC:
+        warnings.append(
+            f"contact {name!r}: the half-space on this mesh is not symmetric ({near.asymmetry:.1%}, "
+            f"from {ASYMMETRIC:.0%} on forces of a patch grid err by more than 1 %); use quadratic cells, or a finer "
+            "mesh at the surface"
+        )
+    facts = {
+        "asymmetry": near.asymmetry,
+        "windows": near.windows,
+        "largest_window_dofs": near.largest,
+        "ends": [end.z for end in ends],
+    }
+    return FoundField(far, facts, notes, warnings)
+
+
+def _none(name: str, reason: str) -> str:
+    return f"contact {name!r}: no patch grid: {reason}"

@@ -1,0 +1,131 @@
+r"""The response of the half-space to loads on a contact surface, as the body's own elements see it.
+
+Around a few neighbouring functions of the contact grid the cells of the body are laid flat (`charts`): a piece of a
+half-space with the mesh of the body. Its surface carries the consistent loads f_j of the functions, on its cut faces
+the displacement is that of the exact half-space under the same loads,
+
+    K v_j = f_j,     v_j = half-space on cut faces,     T_ij = f_i^T v_j,
+
+so that T is the half-space's compliance with the error that this mesh makes near a load. The compliance C of the whole
+body has the same error there, and C - T is smooth however coarse the mesh is. Faces on the surface beside the contact
+facets are free, and so is an end face of the body, where the half-space is a quarter space (`ends`).
+
+Loads and displacements are outward. The loads are those of the body, without the turning of the normal over a facet:
+f_a = int N_a psi_j dA on the flat surface.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.material import Material
+from warpffrf.model.mesh.elements import cell_kind, facet_kind
+from warpffrf.model.mesh.facets import FacetSet, outer_faces, row_numbers
+from warpffrf.offline.fe.assembly import Sparse, assemble
+from warpffrf.offline.fe.materials import Assignment
+from warpffrf.offline.near_field.charts import FlatChart
+from warpffrf.offline.near_field.exact import EndField, PointLoads, half_space_at
+from warpffrf.offline.solvers import factorise
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class FlatCells:
+    """Cells laid flat: `points` (n, 3) [m] in (s, t, -y), their numbers `of_body` (n,) in the body, `cells` {kind:
+    (m, k)} numbered here, and their `numbers` {kind: (m,)} in the body's blocks; `on_surface` (n,)."""
+
+    points: Array
+    of_body: Array
+    cells: dict[str, Array]
+    numbers: dict[str, Array]
+    on_surface: Array
+
+    @classmethod
+    def around(
+        cls,
+        points: Array,
+        cells: Mapping[str, Array],
+        chart: FlatChart,
+        box: Sequence[float],
+        reach: float,
+        depth: float,
+        tolerance: float,
+    ) -> FlatCells:
+        """The body's cells with a corner within `reach` [m] of the `box` (s_low, s_high, t_low, t_high) [m] of the flat
+        surface, and less than `depth` [m] below it; nodes nearer to the surface than the `tolerance` [m] are on it."""
+        s_low, s_high, t_low, t_high = box
+        radius = np.hypot(max(-s_low, s_high) + reach, max(-t_low, t_high) + reach) + depth
+        near = np.flatnonzero(np.sum((points - chart.origin) ** 2, axis=1) < radius**2)
+        near = near[chart.before(points[near])]
+        s, t, y = chart.flat(points[near])
+        inside = (s > s_low - reach) & (s < s_high + reach) & (t > t_low - reach) & (t < t_high + reach) & (y < depth)
+        wanted = np.zeros(len(points), dtype=bool)
+        wanted[near[inside]] = True
+        numbers = {
+            kind: np.flatnonzero(wanted[nodes[:, : cell_kind(kind).corner_count]].any(axis=1))
+            for kind, nodes in cells.items()
+        }
+        numbers = {kind: found for kind, found in numbers.items() if len(found)}
+        used = np.unique(np.concatenate([cells[kind][found].ravel() for kind, found in numbers.items()]))
+        s, t, y = chart.flat(points[used])
+        on = np.abs(y) < tolerance
+        flat = np.stack([s, t, np.where(on, 0.0, -y)], axis=1)
+        own = {kind: np.searchsorted(used, cells[kind][found]) for kind, found in numbers.items()}
+        return cls(flat, used, own, numbers, on)
+
+    def carriers(self, surface: FacetSet) -> Array:
+        """Which facets of `surface` (body numbers; all blocks in order) are faces of these cells (m,)."""
+        keys = [_corners(kind, nodes) for kind, nodes in surface.blocks.items()]
+        count = sum(len(k) for k in keys)
+        outer = [_corners(kind, self.of_body[nodes]) for kind, nodes in outer_faces(self.cells).blocks.items()]
+        number = row_numbers(np.concatenate([*keys, *outer]))
+        return np.isin(number[:count], number[count:])
+
+    def cut(self, end: EndField | None, tolerance: float) -> Array:
+        """Nodes (c,) of all outer faces that are neither on the surface nor on the `end`."""
+        held = []
+        for nodes in outer_faces(self.cells).blocks.values():
+            free = self.on_surface[nodes].all(axis=1)
+            if end is not None:
+                free |= (np.abs(self.points[nodes, 1] - end.t) < tolerance).all(axis=1)
+            held.append(nodes[~free].ravel())
+        return np.unique(np.concatenate(held))
+
+    def reaches(self, end: EndField, tolerance: float) -> bool:
+        """Whether the end face is among the outer faces of the cells."""
+        on = np.abs(self.points[:, 1] - end.t) < tolerance
+        return any(on[nodes].all(axis=1).any() for nodes in outer_faces(self.cells).blocks.values())
+
+    def solve(
+        self, loads: Sparse, points: PointLoads, material: Material, end: EndField | None, tolerance: float
+    ) -> Array:
+        """v (n, m): outward displacement [m] of all nodes under nodal forces `loads` (n, m) [N] along the normal, which
+        the half-space sees as `points`."""
+        n, m = len(self.points), loads.shape[1]
+        one = Assignment((material,), {kind: np.zeros(len(c), dtype=np.int64) for kind, c in self.cells.items()})
+        K, _ = assemble(self.points, self.cells, one)
+        cut = self.cut(end, tolerance)
+        exact = half_space_at(self.points[cut], points, material.poisson_ratio, end) / material.youngs_modulus
+        u = np.zeros((n, 3, m))
+        u[cut] = exact.transpose(1, 0, 2)
+        held = np.zeros((n, 3), dtype=np.bool_)
+        held[cut] = True
+        free, fixed = np.flatnonzero(~held), np.flatnonzero(held)
+        K_free: Any = K[free]
+        force = np.zeros((n, 3, m))
+        force[:, 2] = loads.toarray()
+        u = u.reshape(3 * n, m)
+        right = force.reshape(3 * n, m)[free] - K_free[:, fixed] @ u[fixed]
+        places = np.repeat(self.points, 3, axis=0)[free]
+        u[free] = factorise(K_free[:, free], coordinates=places).solve(right)
+        return u[2::3]
+
+
+def _corners(kind: str, nodes: Array) -> Array:
+    corners = np.sort(nodes[:, : facet_kind(kind).corner_count], axis=1)
+    return np.pad(corners, ((0, 0), (0, 4 - corners.shape[1])), constant_values=-1)
