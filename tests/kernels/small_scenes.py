@@ -45,6 +45,16 @@ def rubbing() -> ReducedBody:
 
 
 @functools.cache
+def patched() -> ReducedBody:
+    """A roller whose mesh is much coarser than its patches."""
+    made = mesh.roller(RADIUS, 0.015, 0.02, sectors=36, layers=2, axial=2, grading=1.6, order=1)
+    return reduce(
+        made, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, max_frequency=12e3,
+        patch_grid=True, cache=False, progress=False,
+    )  # fmt: skip
+
+
+@functools.cache
 def dynamic_roller() -> ReducedBody:
     made = mesh.roller(RADIUS, 0.015, 0.02, sectors=48, layers=2, axial=2, grading=1.6, order=1)
     return reduce(
@@ -173,10 +183,17 @@ def beams() -> Scene:
 
 
 def rollers(
-    first: ReducedBody, second: ReducedBody, *, evaluation: str = "semi", law: Any = None, **more: Any
+    first: ReducedBody,
+    second: ReducedBody,
+    *,
+    evaluation: str = "semi",
+    grid: str = "material",
+    law: Any = None,
+    **more: Any,
 ) -> Scene:
     scene = guided_pair(first, second, **{"load": 60e3, "speed": 60.0, "ramp": 0.02} | more)
     scene.contacts[0].evaluation = evaluation
+    scene.contacts[0].grid = grid
     scene.contacts[0].law = law or scene.contacts[0].law
     return scene
 
@@ -316,6 +333,15 @@ CASES: dict[str, Case] = {
         lambda: rollers(rubbing(), rubbing(), friction=StribeckCoulomb(0.4, 0.2, 1e-2)), options=REST
     ),
     "friction, damped layer": Case(lambda: rollers(rubbing(), rubbing(), friction=0.3, law=DAMPED), options=REST),
+    "rollers, patch": Case(lambda: rollers(patched(), patched(), grid="patch"), options=REST),
+    "rollers, patch with a layer": Case(
+        lambda: rollers(patched(), patched(), grid="patch", law=laws.LinearLayer(1e14)), options=REST
+    ),
+    "ball, patch": Case(lambda: ball_on(patched(), grid="patch"), 2e-6),
+    "rollers, patch with a damped layer": Case(
+        lambda: rollers(patched(), patched(), grid="patch", law=DAMPED), options=REST
+    ),
+    "three rollers, patches": Case(lambda: three_rollers(patched(), grid="patch"), options=REST),
     "three rollers": Case(lambda: three_rollers(roller()), options=REST),
     "three rollers, friction": Case(lambda: three_rollers(rubbing(), friction=0.2), options=REST),
     "ball": Case(lambda: ball_on(roller()), 2e-6),

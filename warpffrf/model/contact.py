@@ -17,6 +17,7 @@ from warpffrf.model.laws import Law, Unilateral, as_law
 
 UNILATERAL = Unilateral()
 EVALUATIONS = ("full", "semi", "hyper")
+GRIDS = ("material", "patch")
 
 
 class Contact:
@@ -26,9 +27,11 @@ class Contact:
     default. friction: the coefficient, or a friction law (`warpffrf.model.friction`); above 0 it needs flexible bodies
     that were reduced with tangential=True. evaluation: where the law is looked at, "semi" at all points of the contact
     grid, "hyper" at the few points chosen when the first body was reduced, "full" at every surface node, the slow
-    reference. capacity: largest number of active hats, None to have it chosen. overlap [m]: how deep the
-    surfaces may lie in one another at the start of a run, None for a small part of their radius. name: default
-    "<first body>-<second body>".
+    reference. grid: "material", pressures on the contact grid of the first body, bound to its material, which wants
+    four nodes in a contact half-width; or "patch", on cells that travel with the patch, for meshes of any size (bodies
+    reduced with patch_grid=True). cells: strips across and rows along of these, None to have them chosen. capacity:
+    largest number of active hats, None to have it chosen. overlap [m]: how deep the surfaces may lie in one another at
+    the start of a run, None for a small part of their radius. name: default "<first body>-<second body>".
     """
 
     scene_list = "contacts"
@@ -42,6 +45,8 @@ class Contact:
         law: Any = UNILATERAL,
         friction: Any = 0.0,
         evaluation: str = "semi",
+        grid: str = "material",
+        cells: tuple[int, int] | None = None,
         capacity: int | None = None,
         overlap: float | None = None,
         name: str | None = None,
@@ -67,6 +72,8 @@ class Contact:
         self.law = law
         self.friction = friction
         self.evaluation = evaluation
+        self.cells = cells
+        self.grid = grid
         self.capacity = capacity
         self.overlap = overlap
 
@@ -80,6 +87,7 @@ class Contact:
     @law.setter
     def law(self, value: Any) -> None:
         self._law = as_law(value, self._label)
+        self._check_patch()
 
     @property
     def friction(self) -> FrictionLaw:
@@ -92,6 +100,7 @@ class Contact:
         if friction.acts:
             self._require_tangential(self._label)
         self._friction = friction
+        self._check_patch()
 
     @property
     def evaluation(self) -> str:
@@ -108,6 +117,38 @@ class Contact:
                 "without them; reduce(..., sampling_error=0.01), or take evaluation='semi'"
             )
         self._evaluation = str(value)
+        self._check_patch()
+
+    @property
+    def grid(self) -> str:
+        """Where pressures stand, one of GRIDS."""
+        return self._grid
+
+    @grid.setter
+    def grid(self, value: Any) -> None:
+        if value not in GRIDS:
+            raise unknown_name(f"{self._label}: grid", value, GRIDS)
+        self._grid = str(value)
+        self._check_patch()
+
+    @property
+    def cells(self) -> tuple[int, int] | None:
+        """Strips across and rows along of a patch of cells; None to have them chosen."""
+        return self._cells
+
+    @cells.setter
+    def cells(self, value: Any) -> None:
+        if value is None:
+            self._cells = None
+            return
+        try:
+            across, along = value
+        except (TypeError, ValueError):
+            raise InputError(f"{self._label}: cells must be (strips across, rows along), got {value!r}") from None
+        self._cells = (
+            require_count(across, f"{self._label}: strips across", 4),
+            require_count(along, f"{self._label}: rows along", 4),
+        )
 
     @property
     def capacity(self) -> int | None:
@@ -140,8 +181,33 @@ class Contact:
         """Plain data for hashing."""
         surfaces = {"a": [self.a.body.name, self.a.name], "b": [self.b.body.name, self.b.name]}
         laws = {"law": self.law.describe(), "friction": self.friction.describe()}
-        options = {"evaluation": self.evaluation, "capacity": self.capacity, "overlap": self.overlap}
+        options: dict[str, Any] = {"evaluation": self.evaluation, "capacity": self.capacity, "overlap": self.overlap}
+        if self.grid != "material":  # scenes of before keep their hash
+            options |= {"grid": self.grid, "cells": None if self.cells is None else list(self.cells)}
         return {"name": self.name, **surfaces, **laws, **options}
+
+    def _check_patch(self) -> None:
+        """Raises `InputError` for what cells that travel with the patch are asked for and cannot do."""
+        if getattr(self, "_grid", "material") != "patch":
+            return
+        for port in self.ports:
+            if not port.rigid and port.surface.far is None:
+                raise InputError(
+                    f"{self._label}: grid='patch' needs the far field of {port.label}, body {port.body.name!r} was "
+                    "reduced without it; reduce(..., patch_grid=True)"
+                )
+        if self.friction.acts:
+            raise InputError(f"{self._label}: a patch of cells has no friction yet; use grid='material'")
+        if self.evaluation != "semi":
+            raise InputError(
+                f"{self._label}: evaluation {self.evaluation!r} belongs to grid='material'; a patch of cells is "
+                "evaluated at their middles, leave evaluation out"
+            )
+        if self.law.curve is not None and self.law.curve.begins < 0.0:
+            raise InputError(
+                f"{self._label}: law {self.law.kind!r} presses before the surfaces meet, over no definite width, and a "
+                "patch of cells has none to follow; use grid='material'"
+            )
 
     def _require_tangential(self, label: str) -> None:
         for port in self.ports:

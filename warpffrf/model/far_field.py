@@ -15,6 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.quarter_surface import QuarterSurface
+
 Array = np.ndarray
 # rad between the normals at two places: the half-space counts in full up to WHOLE, and not at all from NOTHING on.
 # A patch spans less than WHOLE: at a half-width of R/4 Hertz's parabola is off by 2 % of the gap, too.
@@ -49,9 +51,10 @@ class FarField:
     poisson_ratio: float
     ends: tuple[FreeEnd, ...]
     asymmetry: float
+    quarter: QuarterSurface | None = None  # what the ends add at the surface; None without ends
 
     def facts(self) -> dict[str, Any]:
-        """Everything but the array, plain data."""
+        """Everything but the arrays, plain data."""
         return {
             "youngs_modulus": self.youngs_modulus,
             "poisson_ratio": self.poisson_ratio,
@@ -59,9 +62,14 @@ class FarField:
             "asymmetry": self.asymmetry,
         }
 
+    def arrays(self) -> dict[str, Array]:
+        """The arrays."""
+        return {"lags": self.lags} | ({} if self.quarter is None else {"quarter": self.quarter.coefficients})
+
     @classmethod
-    def restore(cls, lags: Array, facts: dict[str, Any]) -> FarField:
-        """The far field of `facts` and its array."""
+    def restore(cls, arrays: dict[str, Array], facts: dict[str, Any]) -> FarField:
+        """The far field of `facts` and `arrays`."""
         ends = tuple(FreeEnd(float(z), int(side)) for z, side in facts["ends"])
-        rest = (facts["youngs_modulus"], facts["poisson_ratio"], ends, facts["asymmetry"])
-        return cls(lags, *rest)
+        quarter = QuarterSurface(arrays["quarter"]) if "quarter" in arrays else None
+        rest = (facts["youngs_modulus"], facts["poisson_ratio"], ends, facts["asymmetry"], quarter)
+        return cls(arrays["lags"], *rest)

@@ -119,20 +119,23 @@ class FarSplines:
 
     def compliance(self, lags: Array) -> Array:
         """Z D Z^T in the layout of `lags` (sectors, c rows, c rows), of D among hats in that layout."""
-        half = _transposed(self._targets(lags))
-        return np.ascontiguousarray(_transposed(self._targets(half)))
+        return self.sources(self.targets(lags))
 
-    def _targets(self, lags: Array) -> Array:
-        """Z times D, target by target."""
-        g = self.grid
-        total = len(lags) * g.columns_per_sector
-        D = lags.reshape(total, g.rows, -1)
-        if self.turn:
+    def targets(self, lags: Array) -> Array:
+        """Z times D (sectors, c rows, lines), of which the targets are hats of this grid."""
+        rows = self.grid.rows
+        total = len(lags) * lags.shape[1] // rows
+        D = lags.reshape(total, rows, -1)
+        if total == self.turn:
             spectrum = np.fft.rfft(self._turn_row)[:, None, None]
             D = np.fft.irfft(np.fft.rfft(D, axis=0) * spectrum, n=total, axis=0)
         else:
             D = (self.theta_transform @ D.reshape(total, -1)).reshape(D.shape)
         return (self.z_transform[None] @ D).reshape(lags.shape)
+
+    def sources(self, lags: Array) -> Array:
+        """D (sectors, lines, c rows) times Z^T, of which the sources are hats of this grid."""
+        return np.ascontiguousarray(_transposed(self.targets(_transposed(lags))))
 
 
 def _transposed(lags: Array) -> Array:

@@ -91,7 +91,7 @@ def _flatten(body: ReducedBodyData) -> tuple[dict[str, np.ndarray], dict[str, An
         if s.slope_lags is not None:
             arrays[f"{root}/slope_lags"] = s.slope_lags
         if s.far is not None:
-            arrays[f"{root}/far/lags"] = s.far.lags
+            arrays.update({f"{root}/far/{key}": array for key, array in s.far.arrays().items()})
             facts["contact_surfaces"][name]["far"] = s.far.facts()
         if (mass := s.local_mass) is not None:
             arrays[f"{root}/local_mass/lags_mass"] = mass.lags_mass
@@ -221,7 +221,7 @@ def _restore(
             _local_mass(arrays, f"{root}/local_mass"),
             _sampling(arrays, f"{root}/sampling/", f.get("sampling")),
             arrays.get(f"{root}/slope_lags"),
-            FarField.restore(arrays[f"{root}/far/lags"], f["far"]) if "far" in f else None,
+            FarField.restore(_under(arrays, f"{root}/far/"), f["far"]) if "far" in f else None,
         )
     stress = {}
     for name, f in facts.get("stress", {}).items():

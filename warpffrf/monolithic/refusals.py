@@ -30,6 +30,11 @@ def refuse_contacts(scene: Any, full: bool) -> None:
         )
     for contact in scene.contacts:
         label = f"contact {contact.name!r}"
+        if contact.grid == "patch":
+            raise InputError(
+                f"{label}: method 'monolithic' has no cells that travel with the patch; use grid='material', or method "
+                "'separated'"
+            )
         beyond = _beyond(contact)
         if not full and beyond is not None and contact.law.bent is None:
             raise InputError(

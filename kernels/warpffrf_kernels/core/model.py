@@ -296,7 +296,9 @@ class Pairs:
     beside: int  # 1: some answer to each other by modes, so that G has blocks between pairs
     first: DeviceArray = integers("pair", note="surface")
     second: DeviceArray = integers("pair", note="surface")
-    family: DeviceArray = integers("pair", note="0: gap along the line of centres, 1: at points, see `at_points`")
+    family: DeviceArray = integers(
+        "pair", note="gaps 0: along the line of centres, 1: at points, 2: at cells of a patch"
+    )
     coupled_count: DeviceArray = integers("pair", note="outer columns the gap of a pair depends on")
     coupled: DeviceArray = integers("pair", "coupled", note="these")
     friction: DeviceArray = reals("pair", note="coefficient mu, the largest of all slip speeds; 0 without")
@@ -425,6 +427,56 @@ class Limits:
 
 
 @topic
+class Patches:
+    """Pairs whose pressures stand on cells that travel with the patch, see the kernels of `patch`: family 2. Far fields
+    are numbered apart from surfaces, `far_of` says which a surface has."""
+
+    count: int
+    far_nodes: int  # splines of a far window, the most
+    touching: int  # bodies' sides that carry several of these patches, counted by pairs of them
+    columns: DeviceArray = integers("pair", note="strips across")
+    first: DeviceArray = integers("pair", note="surface with the mesh; pairs.first is the grid of cells on it")
+    second: DeviceArray = integers("pair", note="likewise, or rigid")
+    curvature: DeviceArray = reals("pair", unit="1/m", note="of one surface relative to the other, across")
+    follows: DeviceArray = integers("pair", note="1: rows lie about the nearest place and grow with the patch")
+    aspect: DeviceArray = reals("pair", note="length over width, where rows follow")
+    middle: DeviceArray = reals("pair", unit="m", note="z where the nearest place is looked for, where they do not")
+    least_width: DeviceArray = reals("pair", unit="m", note="of W")
+    most_width: DeviceArray = reals("pair", unit="m")
+    layer: DeviceArray = reals("pair", unit="m/Pa", note="of a straight layer between the surfaces")
+    row_start: DeviceArray = integers("pair", note="into the next two")
+    row_z: DeviceArray = reals("patch_row_entry", unit="m", note="where rows follow, in W from the middle")
+    row_length: DeviceArray = reals("patch_row_entry", unit="m", note="likewise")
+    near_start: DeviceArray = integers("pair", note="into near: (level, distance in strips, row, row)")
+    near_levels: DeviceArray = integers("pair")
+    near_first: DeviceArray = reals("pair", note="ln W of the first level")
+    near_step: DeviceArray = reals("pair")
+    near_power: DeviceArray = reals("pair", note="of W, which near is divided by")
+    near: DeviceArray = reals("near_entry", note="weak displacement [m3] per pressure [Pa] over W^power")
+    end_start: DeviceArray = integers("pair+1", note="into the next two, of pairs whose rows follow")
+    end_z: DeviceArray = reals("patch_end_entry", unit="m", note="of A's meridian")
+    end_strength: DeviceArray = reals("patch_end_entry", unit="m/N m", note="displacement per force over distance")
+    far_of: DeviceArray = integers("surface", note="far field, -1 without")
+    far_start: DeviceArray = integers("far_surface", note="into far: (lag in sectors, line, line)")
+    far_sectors: DeviceArray = integers("far_surface")
+    far_columns: DeviceArray = integers("far_surface", note="columns a sector")
+    column_knots: DeviceArray = integers("far_surface", note="into knot, of a surface that does not close")
+    row_knots: DeviceArray = integers("far_surface", note="into knot")
+    mode_start: DeviceArray = integers("far_surface", note="into mode")
+    far: DeviceArray = reals("far_entry", unit="m/N", note="S among splines")
+    beside_start: DeviceArray = integers("side+1", note="into the next two: other patches on the body of a side")
+    beside_side: DeviceArray = integers("beside_entry", note="whose loads")
+    beside_table: DeviceArray = integers("beside_entry", note="what they displace")
+    table_start: DeviceArray = integers("beside_table", note="into beside: (lag in sectors, line, line of the source)")
+    table_sectors: DeviceArray = integers("beside_table")
+    table_target: DeviceArray = integers("beside_table", note="columns a sector of the target")
+    table_source: DeviceArray = integers("beside_table", note="columns a sector of the source")
+    beside: DeviceArray = reals("beside_number", unit="m/N", note="among splines, the half-space not taken out")
+    knot: DeviceArray = reals("knot_entry", note="of columns, or of z [m]")
+    mode: DeviceArray = reals("far_mode_entry", unit="kg^-1/2", note="(columns, rows, modes of the body) a surface")
+
+
+@topic
 class Elements:
     """What few scenes have. Every kernel takes a copy of the model, and of one above 8 KiB the compiler of CUDA takes
     minutes: so these are read where they lie."""
@@ -434,6 +486,7 @@ class Elements:
     slip_speeds: SlipSpeeds
     layers: Layers
     lumped: Lumped
+    patches: Patches
 
 
 @topic

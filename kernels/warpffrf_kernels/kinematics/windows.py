@@ -40,7 +40,7 @@ def open_window(
     """
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].recenter == 0:
+    if ctl[w].run == 0 or ctl[w].recenter == 0 or model.pairs.family[pair] == 2:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     H = model.window.half

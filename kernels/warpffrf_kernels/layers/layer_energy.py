@@ -24,7 +24,7 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.impulsive.impulsive_means import has_converged
 from warpffrf_kernels.layers.layer_laws import CHI, CONSTANT, layer_depth, layer_energy, layer_pressure
-from warpffrf_kernels.layers.weak_layer import cell_exists, corner_of, hat_value, linear_yield, rate_of
+from warpffrf_kernels.layers.weak_layer import cell_exists, corner_of, hat_value, linear_yield, point_area, rate_of
 from warpffrf_kernels.normal.pair_forces import mean_of
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -96,10 +96,13 @@ def add_layer_energy(
                 row = model.elements[0].layers.row[point]
                 p = real(0.0)
                 slack = real(0.0)
+                own = int(0)
                 for node in range(4):
                     m = corner_of(model, cell, row, rows, node)
                     if m >= 0:
                         value = hat_value(model, node, point)
+                        if value > real(0.5):
+                            own = m
                         if active[w, pair, m] != 0:
                             p += value * wp.max(pressure[w, pair, m], real(0.0))
                         elif area[w, pair, m] > real(0.0):
@@ -112,7 +115,7 @@ def add_layer_energy(
                         if p <= real(0.0):
                             d = wp.max(d - slack, real(0.0))
                         depth_now[w, pair, q] = d
-                    dA = model.elements[0].layers.area[point]
+                    dA = point_area(model, w, pair, point, own, area)
                     energy += dA * layer_energy(model, pair, d)
                     if rate > real(0.0):
                         elastic = layer_pressure(model, pair, d, real(0.0), real(0.0))

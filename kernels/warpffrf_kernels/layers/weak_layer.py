@@ -6,7 +6,8 @@ p. Tested with the hats psi_i of the first surface, and with p = sum_j s_j psi_j
     0 <= s_i,      r_i = g_i + (G s)_i + int psi_i y(p) dA >= 0,      s_i r_i = 0,
 
 g_i the weak gap. The integral is taken at the points of the pair's evaluation, the Gauss points of the grid's cells or
-the few that were chosen for all of them; their weights are constants of the material, and positive. It is the gradient
+the few that were chosen for all of them, or in the middles of cells that travel with the patch, each the corner of its
+own cell and of no other; their weights are positive. It is the gradient
 of int W*(p) dA, W* the complementary energy of the layer, so that its tangent
 
     E_ij = int psi_i psi_j y'(p) dA,      y' = 1/P',
@@ -81,6 +82,15 @@ def hat_value(model: Model, node: int, point: int) -> real:
 
 
 @wp.func
+def point_area(model: Model, w: int, pair: int, point: int, m: int, area: wp.array3d(dtype=real)) -> real:
+    """Area [m2] that the point with the number `point` in the tables stands for: that of the tables, or, of a patch,
+    whose cells grow with it, that of cell m, in whose middle the point is."""
+    if model.pairs.family[pair] == 2:
+        return area[w, pair, m]
+    return model.elements[0].layers.area[point]
+
+
+@wp.func
 def corner_of(model: Model, cell: int, row: int, rows: int, node: int) -> int:
     """Window index of corner `node` = 2 c + r of the cell (cell, row), cell between the columns cell - 1 and cell of
     the window; -1 beyond the window."""
@@ -126,6 +136,8 @@ def linearise_layer(
     rate = rate_of(model, ctl, clk, w, pair)
     fresh = ctl[w].iteration == 0 or ctl[w].recenter != 0
     moved = center[w, pair, 0] - column_before[w, pair]
+    if model.pairs.family[pair] == 2:  # cells travel with the patch, and what they remember with them
+        moved = int(0)
     turn = model.surfaces.turn[A]
     if turn > 0:
         moved = moved - turn * int(wp.floor(real(moved) / real(turn) + real(0.5)))
@@ -224,6 +236,7 @@ def weigh_layer(
     window: wp.array3d(dtype=int),
     flexibility: wp.array3d(dtype=real),
     beginning: wp.array3d(dtype=real),
+    area: wp.array3d(dtype=real),
     offset: out(wp.array3d(dtype=real)),
     tangent: inout(wp.array4d(dtype=real)),
 ):
@@ -254,7 +267,7 @@ def weigh_layer(
                 end = start + model.elements[0].layers.row_at[row_at + row + 1]
                 q = cell * per_column + point - start
                 while point < end:
-                    weight = hat_value(model, corner, point) * model.elements[0].layers.area[point]
+                    weight = hat_value(model, corner, point) * point_area(model, w, pair, point, m, area)
                     total += weight * beginning[w, pair, q]
                     weight = weight * flexibility[w, pair, q]
                     for node in range(4):

@@ -152,10 +152,11 @@ def assemble(
     slot = ctl[w].fresh
     while slot < ctl[w].slots:
         pair = slot_hat[w, slot, 0]
-        couple(
-            model, w, slot, center[w, pair, 0] - model.window.half, slot_hat, stencil, stencil_at,
-            T, J, receptance, scratch, G,
-        )  # fmt: skip
+        if model.pairs.family[pair] != 2:  # cells of a patch: `patch.system`
+            couple(
+                model, w, slot, center[w, pair, 0] - model.window.half, slot_hat, stencil, stencil_at,
+                T, J, receptance, scratch, G,
+            )  # fmt: skip
         slot += 1
 
 

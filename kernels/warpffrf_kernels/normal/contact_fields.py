@@ -367,7 +367,7 @@ def sum_contact(
                 s = pressure[w, pair, m]
                 for i in range(6):
                     whole = wrench[w, pair, m, i]
-                    if model.pairs.family[pair] == 1:
+                    if model.pairs.family[pair] != 0:
                         whole += more_wrench[w, pair, m, i]
                     pair_wrench[w, pair, i] = pair_wrench[w, pair, i] + s * whole
                 energy += real(0.5) * s * (opened[w, pair, m] - gap[w, pair, m])

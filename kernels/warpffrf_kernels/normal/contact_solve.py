@@ -236,7 +236,7 @@ def accept_set(
                 low = wp.min(low, o)
                 high = wp.max(high, o)
             m += 1
-        if low <= high:
+        if low <= high and model.pairs.family[pair] != 2:  # a patch grows by its width
             if low < window[w, pair, 0] + GUARD and window[w, pair, 0] > -H:
                 window[w, pair, 0] = wp.max(low - GUARD - 1, -H)
                 changes += 1

@@ -87,6 +87,7 @@ def find_far_field(
         material.poisson_ratio,
         tuple(ends),
         near.asymmetry,
+        None if quarter is None else quarter.on_surface,
     )
     warnings = []
     if near.asymmetry > ASYMMETRIC:

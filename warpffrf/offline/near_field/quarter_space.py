@@ -61,6 +61,8 @@ from scipy.ndimage import map_coordinates
 from scipy.special import k0, k1
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.quarter_surface import DEGREE as SURFACE_DEGREE
+from warpffrf.model.quarter_surface import QuarterSurface, require_inside
 from warpffrf.offline.cache import cache_folder
 from warpffrf.offline.solvers import factorise
 
@@ -74,7 +76,7 @@ NEAREST, FARTHEST = 1e-5, 14.0  # loads solved; farther ones leave exp(-14)
 LIMIT = 5e-3  # d / (d + |x|) of the loads from which the limit d = 0, in which w is linear, is extrapolated
 LONGEST = NEAREST / LIMIT  # harmonic below which the limit of long waves is taken
 TAPER = 30.0  # harmonic at which the transform is tapered, for d + |x| = 1
-VOLUME_DEGREE, SURFACE_DEGREE = 2, 3  # of the splines; quadratic ones cost half as much in three dimensions
+VOLUME_DEGREE = 2  # of the splines; quadratic ones cost half as much in three dimensions as cubic ones
 LAST = 2.2 * TAPER  # where the taper has fallen to exp(-23)
 
 Array = np.ndarray
@@ -119,7 +121,7 @@ class QuarterSpace:
                 _store(path, table)
         self._steps = np.array(table.shape[1:]) - 1
         self._volume = [_spline(g, VOLUME_DEGREE) for g in table]
-        self._surface = _spline(table[2][:, :, 0], SURFACE_DEGREE)
+        self.on_surface = QuarterSurface(_spline(table[2][:, :, 0], SURFACE_DEGREE))
 
     def displacement(self, s: ArrayLike, zeta: ArrayLike, y: ArrayLike, d: ArrayLike) -> Array:
         """Correction (3, ...) [1/m] along s, zeta and depth at points `(s, zeta, y)` [m] of loads at `zeta = d` [m].
@@ -129,7 +131,7 @@ class QuarterSpace:
         outside the material.
         """
         x, z, depth, load = np.broadcast_arrays(*(np.asarray(a, float) for a in (s, zeta, y, d)))
-        _require_inside(z, depth, load)
+        require_inside(z, depth, load)
         across = np.hypot(z, depth)
         radius = np.hypot(x, across)
         places = [radius / (radius + load), np.arctan2(across, np.abs(x)) / (np.pi / 2)]
@@ -145,22 +147,7 @@ class QuarterSpace:
         Exactly symmetric in `zeta` and `d` (Maxwell-Betti): the mean of both ways to read the table. Arguments and
         errors as in `displacement`.
         """
-        x, z, load = np.broadcast_arrays(*(np.asarray(a, float) for a in (s, zeta, d)))
-        _require_inside(z, load)
-        return 0.5 * (self._on_surface(x, z, load) + self._on_surface(x, load, z))
-
-    def _on_surface(self, s: Array, zeta: Array, d: Array) -> Array:
-        radius = np.hypot(s, zeta)
-        at = [
-            radius / (radius + d) * self._steps[0] + 1.0,
-            np.arctan2(zeta, np.abs(s)) / (np.pi / 2) * self._steps[1] + 1.0,
-        ]
-        return _read(self._surface, at, SURFACE_DEGREE) / (radius + d)
-
-
-def _require_inside(*distances: Array) -> None:
-    if any(np.any(a < 0.0) for a in distances):
-        raise InputError("quarter space: distance from the end face, depth and place of the load must not be negative")
+        return self.on_surface.displacement(s, zeta, d)
 
 
 # The table: made, kept, interpolated ---------------------------------------------------------------------------------

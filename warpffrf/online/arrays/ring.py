@@ -66,6 +66,7 @@ class SavedContact(Arrays, carried=True):
     saved_pressure: DeviceArray = reals("world", "ring_row", "pair", "hat", unit="Pa")
     saved_active: DeviceArray = integers("world", "ring_row", "pair", note="hats under pressure")
     saved_second_load: DeviceArray = reals("world", "ring_row", "pair", "node", unit="N")
+    saved_patch: DeviceArray = reals("world", "ring_row", "patch_pair", 4, note="as patch_place")
 
 
 class SavedFriction(Arrays, carried=True):

@@ -165,6 +165,24 @@ class ContactGeometry(Arrays):
     stencil_at: DeviceArray = integers("world", "pair", "hat", 2, note="column and row on B")
 
 
+class Patches(Arrays):
+    """Cells that travel with the patch, see the kernels of `patch`."""
+
+    patch_place: DeviceArray = reals("world", "patch_pair", 4, note="column and z [m] of A, W [m], column of B")
+    patch_buffer: DeviceArray = reals("world", "patch_pair", "patch_hat", unit="Pa")
+    patch_held: DeviceArray = structs(Held, "world", "patch_pair", "patch_row", note="contact frames")
+    patch_ball: DeviceArray = matrices("world", "patch_pair")
+    patch_near: DeviceArray = reals("world", "patch_pair", "near_number", unit="m3/Pa", note="see `patch.near`")
+    far_at: DeviceArray = integers("world", "patch_pair", "2*patch_hat", 2, note="first column and row of splines")
+    far_weight: DeviceArray = reals("world", "patch_pair", "2*patch_hat", 9, unit="m2")
+    far_window: DeviceArray = integers("world", "patch_pair", 2, 2, note="first column and columns, by side")
+    far_load: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="N")
+    far_field: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m")
+    far_modes: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m")
+    far_response: DeviceArray = reals("world", "patch_slot", "2*far_node", unit="m/Pa")
+    far_beside: DeviceArray = reals("world", "far_node", unit="m/Pa", note="of a cell on the splines of another patch")
+
+
 class ContactFields(Arrays):
     """Displacements that open gaps, and loads on the second grids."""
 
@@ -375,7 +393,7 @@ class Before(Arrays):
 
 
 class Scratch(
-    RunWords, Motion, Residuals, Outer, ImpulsiveContact, ContactGeometry, ContactFields, ContactSolve, Layers,
+    RunWords, Motion, Residuals, Outer, ImpulsiveContact, ContactGeometry, Patches, ContactFields, ContactSolve, Layers,
     FrictionCells, FrictionSolve, SlipSpeedSolve, LumpedContacts, Before,
 ):  # fmt: skip
     """Scratch arrays of a step."""

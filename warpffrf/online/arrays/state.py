@@ -65,6 +65,9 @@ class ContactState(Arrays, carried=True):
         note="line of centres less the centre column, where the active set was found",
         restored=True,
     )
+    patch_width: DeviceArray = reals(
+        "world", "pair", unit="m", note="half-width W of cells that travel, 0 before the first look", restored=True
+    )
     pair_force: DeviceArray = reals(
         "world", "pair", 2, 12, unit="N, N m", note="accepted, trial: by the pressures, see `impulsive_contact`"
     )

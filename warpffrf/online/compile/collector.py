@@ -18,11 +18,13 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Signal
 from warpffrf.online.compile.constants import Constants
 from warpffrf.online.compile.inertia_plan import InertiaPlan
+from warpffrf.online.compile.patches import PatchSide, patch_plans
 from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.local_dynamics import LocalDynamics, LocalPlan
 from warpffrf.online.settings import Settings
 
 Surface = ContactSurface | RigidSurface
+Compiled = ContactSurface | RigidSurface | PatchSide
 
 
 class OnBody(NamedTuple):
@@ -30,11 +32,12 @@ class OnBody(NamedTuple):
 
     body: Body | Ground
     name: str
-    surface: Surface
+    surface: Compiled
 
 
 class Pair(NamedTuple):
-    """A contact pair and its surfaces as they are compiled, the first flexible."""
+    """A contact pair and its surfaces as they are compiled, the first flexible; of a patch of cells those with the
+    meshes."""
 
     contact: Contact
     body_a: Body | Ground
@@ -92,6 +95,7 @@ class Collector:
         self.elements = Elements()
         self.notes: list[str] = []
         self.cell_room = CellRoom()
+        self.patches = patch_plans(scene.contacts)
         self.surfaces: list[OnBody] = []
         self.sides: list[int] = []  # which of them each side of each pair is on
         self.lumped_sides: list[int] = []  # the same of lumped contacts
@@ -104,6 +108,7 @@ class Collector:
         found = []
         for i, contact in enumerate(self.scene.contacts):
             (body_a, _, a), (body_b, _, b) = (self.surfaces[s] for s in self.sides[2 * i : 2 * i + 2])
+            a, b = (s.real if isinstance(s, PatchSide) else s for s in (a, b))
             if not isinstance(a, ContactSurface):
                 raise TypeError(f"contact {contact.name!r}: its first surface is rigid")
             found.append(Pair(contact, body_a, a, body_b, b))

@@ -28,7 +28,13 @@ def fill_layers(collector: Collector) -> None:
         counts.append(len(table))
         tables.append(table)
         around, along = collector.settings.theta_points, collector.settings.z_points
-        rules.append(None if curve is None else (layer_rule(contact, around, along), contact.a.surface.grid.rows))
+        plan = collector.patches.get(len(kinds) - 1)
+        if curve is None:
+            rules.append(None)
+        elif plan is not None:
+            rules.append((_middles(len(plan.z)), len(plan.z)))
+        else:
+            rules.append((layer_rule(contact, around, along), contact.a.surface.grid.rows))
         if contact.law.remark:
             collector.notes.append(f"contact {contact.name!r}: {contact.law.remark}")
     collector.fill(
@@ -36,6 +42,13 @@ def fill_layers(collector: Collector) -> None:
         number=numbers, table_start=starts, table_count=counts, table=np.concatenate(tables),
     )  # fmt: skip
     _fill_points(collector, rules)
+
+
+def _middles(rows: int) -> PointRule:
+    """The middles of the cells of a strip of a patch, as corners of it; their areas are those of the cells."""
+    k = np.arange(rows)
+    below = np.minimum(k, rows - 2)
+    return PointRule(np.zeros(rows), below, (k - below).astype(float), np.zeros(rows))
 
 
 def _fill_points(collector: Collector, rules: list[tuple[PointRule, int] | None]) -> None:

@@ -29,7 +29,7 @@ from warpffrf.online.compile.windows import (
     second_reach,
 )
 
-LINE_OF_CENTRES, AT_POINTS = 0, 1  # families of geometry: `line_of_centres`, `at_points`
+LINE_OF_CENTRES, AT_POINTS, PATCH = 0, 1, 2  # families of geometry: `line_of_centres`, `at_points`, `patch`
 LEAST_CROWN = 1.0  # radii: below, the crown is no small drop along the width
 SKEW = 0.02  # rad between the axes: the line of centres drops terms of the order of its square, 4e-4
 
@@ -40,13 +40,26 @@ def fill_pairs(collector: Collector, m: Model) -> None:
     pairs = collector.pairs()
     turned = [between_axes(pair.contact) for pair in pairs]
     families = [family_of(collector, pair, angle) for pair, angle in zip(pairs, turned, strict=True)]
-    halves = [_half_window(collector, pair, angle) for pair, angle in zip(pairs, turned, strict=True)]
+    plans = [collector.patches.get(i) for i in range(len(pairs))]
+    halves = [
+        _half_window(collector, pair, angle) if plan is None else plan.columns // 2
+        for pair, angle, plan in zip(pairs, turned, plans, strict=True)
+    ]
     half = max(halves, default=1)
     rows = second_half = second_rows = pair_modes = slots = limit = 1
     stencil = (1, 1)
     coupled: list[list[int]] = []
-    for pair, family, angle, own in zip(pairs, families, turned, halves, strict=True):
+    for pair, family, angle, own, plan in zip(pairs, families, turned, halves, plans, strict=True):
         contact, body_a, a, body_b, b = pair
+        if plan is not None:
+            rows = max(rows, len(plan.z))
+            second_rows = max(second_rows, NO_NODES)
+            pair_modes = max(pair_modes, sum(collector.mode_counts[body.index] for body in _moving(body_a, body_b)))
+            cells = plan.columns * len(plan.z)
+            limit += cells
+            slots += slots_of(contact, cells)
+            coupled.append(_coupled_columns(collector, m, body_a, body_b))
+            continue
         rows = max(rows, a.grid.rows)
         second_rows = max(second_rows, b.grid.rows if isinstance(b, ContactSurface) else NO_NODES)
         # all pairs share the widest window, so each needs what lies opposite that
@@ -87,7 +100,9 @@ def fill_pairs(collector: Collector, m: Model) -> None:
         coupled=[c + [0] * (most_coupled - len(c)) for c in coupled],
     )  # fmt: skip
     rules = [
-        rule_of(pair.contact, family == AT_POINTS, collector.settings.theta_points, collector.settings.z_points)
+        None
+        if family == PATCH
+        else rule_of(pair.contact, family == AT_POINTS, collector.settings.theta_points, collector.settings.z_points)
         for pair, family in zip(pairs, families, strict=True)
     ]
     fill_points(collector, m, [pair.a for pair in pairs], rules)
@@ -96,6 +111,8 @@ def fill_pairs(collector: Collector, m: Model) -> None:
 def family_of(collector: Collector, pair: Pair, turned: float) -> int:
     """LINE_OF_CENTRES for two flexible cylinders or crowned cylinders, the material inside, with axes nearly parallel:
     fast, and exact there; AT_POINTS for all others."""
+    if pair.contact.grid == "patch":
+        return PATCH
     if collector.settings.force_points or isinstance(pair.b, RigidSurface) or turned > SKEW:
         return AT_POINTS
     if not on_stations(pair.contact, collector.settings.theta_points, collector.settings.z_points):

@@ -7,6 +7,7 @@ back.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -26,6 +27,7 @@ from warpffrf.online.compile.joints import JointTable, compile_joints
 from warpffrf.online.compile.layers import LAYER_ITERATIONS, fill_layers
 from warpffrf.online.compile.lumped import fill_lumped
 from warpffrf.online.compile.pairs import fill_pairs
+from warpffrf.online.compile.patches import PatchPlan, PatchSide, fill_patches
 from warpffrf.online.compile.responses import fill_responses
 from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.compile.surfaces import fill_surfaces
@@ -52,6 +54,7 @@ class CompiledScene:
     local: LocalPlan
     inertia: InertiaPlan
     cell_room: CellRoom
+    patches: dict[int, PatchPlan]  # by number of the contact
     notes: list[str]
 
     def enlarge(self, slots: int) -> None:
@@ -94,6 +97,7 @@ def _compiled(collector: Collector) -> CompiledScene:
     fill_responses(collector, m)
     fill_layers(collector)
     fill_lumped(collector)
+    fill_patches(collector, m)
     slow = collector.elements.layers.count or collector.elements.lumped.count
     collector.fill(
         m.limits, residual_tolerance=settings.residual_tolerance, energy_tolerance=settings.energy_tolerance,
@@ -105,7 +109,7 @@ def _compiled(collector: Collector) -> CompiledScene:
     return CompiledScene(
         scene, m, collector.elements, wp.array([m], dtype=Model, device=collector.device), collector.device, joints,
         springs, slips, len(collector.rows), modal_start, modes, stiffened, collector.local, collector.inertia,
-        collector.cell_room, collector.notes,
+        collector.cell_room, collector.patches, collector.notes,
     )  # fmt: skip
 
 
@@ -114,8 +118,11 @@ def _gather_surfaces(collector: Collector) -> None:
     scene = collector.scene
     lean = leanings(scene.contacts)
     known: dict[tuple[int, str], int] = {}
+    patched = {}  # sides of patches of cells
+    for i, plan in collector.patches.items():
+        patched |= {2 * i: len(plan.z), 2 * i + 1: 0}
     for contacts, sides in ((scene.contacts, collector.sides), (scene.lumped_contacts, collector.lumped_sides)):
-        for port in (port for contact in contacts for port in contact.ports):
+        for number, port in enumerate(port for contact in contacts for port in contact.ports):
             place = (port.body.index, port.name)
             if place not in known:
                 known[place] = len(collector.surfaces)
@@ -123,7 +130,12 @@ def _gather_surfaces(collector: Collector) -> None:
                 if surface is port.surface:  # dynamic modes keep the compliance that they were made of
                     surface = leant(surface, lean.get(place, 0.0))
                 collector.surfaces.append(OnBody(port.body, port.name, surface))
-            sides.append(known[place])
+            if sides is collector.sides and number in patched:
+                real: Any = collector.surfaces[known[place]].surface
+                collector.surfaces.append(OnBody(port.body, port.name, PatchSide(real, known[place], patched[number])))
+                sides.append(len(collector.surfaces) - 1)
+            else:
+                sides.append(known[place])
 
 
 def _length(collector: Collector) -> float:

@@ -9,9 +9,11 @@ import numpy as np
 from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.bodies import Ground
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.compliance_tables import columns_of_turn, modal_moments
+from warpffrf.online.compile.patches import PatchSide
 
 NO_NODES = 2  # columns and rows of a rigid surface's empty grid: the fewest between which can be interpolated
 
@@ -30,6 +32,7 @@ def fill_surfaces(collector: Collector, m: Model) -> np.ndarray:
     modal_start = np.cumsum([0, *collector.mode_counts])
     for body, _, surface in collector.surfaces:
         shape, profile = surface.shape, surface.shape.profile()
+        cells = isinstance(surface, PatchSide)
         on_ground = isinstance(body, Ground)
         origin = np.asarray(shape.axis_point) - (0.0 if on_ground else body.center_of_mass)
         modal_count = 0 if on_ground else collector.mode_counts[body.index]
@@ -40,15 +43,21 @@ def fill_surfaces(collector: Collector, m: Model) -> np.ndarray:
             "planar": int(profile.planar), "side": profile.side, "radius": profile.radius,
             "tangent": profile.tangent, "crown": profile.crown,
             "table_start": sum(map(len, breaks)), "table_count": len(profile.coefficients),
-            "rigid": int(isinstance(surface, RigidSurface)),
+            "rigid": int(not isinstance(surface, ContactSurface)),
             "z_start": sum(map(len, z)), "mode_start": sum(map(len, modes)),
         }  # fmt: skip
         if len(profile.coefficients):
             breaks.append(np.asarray(profile.breaks, float))
             coefficients.append(np.concatenate([profile.coefficients, np.zeros((1, 4))]))
-        if isinstance(surface, RigidSurface):
+        if cells:
             values |= {
-                "frame": np.asarray(shape.frame).T, "theta": 0.0, "pitch": 1.0, "columns": NO_NODES, "periodic": 0,
+                "frame": _frame(surface.real), "theta": 0.0, "pitch": 1.0, "columns": 0, "periodic": 1, "turn": 0,
+                "rows": max(surface.rows, NO_NODES),
+            }  # fmt: skip
+            z.append(np.arange(float(max(surface.rows, NO_NODES))))
+        elif isinstance(surface, RigidSurface):
+            values |= {
+                "frame": _frame(surface), "theta": 0.0, "pitch": 1.0, "columns": NO_NODES, "periodic": 0,
                 "turn": 0, "rows": NO_NODES,
             }  # fmt: skip
             z.append(np.arange(float(NO_NODES)))
@@ -56,9 +65,8 @@ def fill_surfaces(collector: Collector, m: Model) -> np.ndarray:
             moments.append(modes[-1])
         else:
             grid = surface.grid
-            e_a = np.asarray(shape.e_a)
             values |= {
-                "frame": np.stack([grid.e_0, np.cross(e_a, grid.e_0), e_a], axis=1),
+                "frame": _frame(surface),
                 "theta": grid.theta_start, "pitch": grid.pitch, "columns": grid.columns,
                 "periodic": int(grid.periodic), "turn": columns_of_turn(surface), "rows": grid.rows,
             }  # fmt: skip
@@ -74,3 +82,11 @@ def fill_surfaces(collector: Collector, m: Model) -> np.ndarray:
         mode_normal=np.concatenate(none + modes), mode_moment=np.concatenate(none + moments),
     )  # fmt: skip
     return np.asarray(lists["z_start"], dtype=int)
+
+
+def _frame(surface: ContactSurface | RigidSurface) -> np.ndarray:
+    """Columns e_0, e_1, e_a, of a grid's own."""
+    if isinstance(surface, RigidSurface):
+        return np.asarray(surface.shape.frame).T
+    e_a, e_0 = np.asarray(surface.shape.e_a), surface.grid.e_0
+    return np.stack([e_0, np.cross(e_a, e_0), e_a], axis=1)

@@ -23,6 +23,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.slopes import leanings
 from warpffrf.online.compile.pairs import SKEW
 from warpffrf.online.diagnosis.border_notes import border_notes
+from warpffrf.online.diagnosis.cell_notes import cell_notes
 from warpffrf.online.diagnosis.undeformed_normal import normal_notes
 from warpffrf.online.history.history import ContactHistory, History
 from warpffrf.online.history.sensors import turned
@@ -50,6 +51,9 @@ def contact_notes(scene: Scene, history: History, on_axes: Collection[str] = ())
             untouched.append(contact)
             continue
         columns = _widest(found)
+        if found.cells is not None:
+            notes += cell_notes(contact, found)
+            continue
         notes += _coarse(contact, columns) + _cut(contact, found) + border_notes(contact, found, history.time)
         notes += normal_notes(contact, columns, taken)
         if contact.name in on_axes:

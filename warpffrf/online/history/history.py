@@ -112,6 +112,17 @@ class SensorHistory:
 
 
 @dataclass
+class CellHistory:
+    """Where the cells were that travel with the patch of a pair: equal strips across, over `half_width` W on each side
+    of the place `column` of the first surface's grid; rows on its meridian."""
+
+    column: np.ndarray  # (T,) of the first surface's contact grid, a real number
+    half_width: np.ndarray  # (T,) m
+    z: np.ndarray  # (T, rows) m, middles of the rows
+    length: np.ndarray  # (T, rows) m, along z
+
+
+@dataclass
 class FrictionHistory:
     """Friction of one contact pair, in the window of `ContactHistory.pressure`, along (e_theta, t_z) of the first
     surface: around it, and along its meridian."""
@@ -144,6 +155,7 @@ class ContactHistory:
     # ... or minus the smallest undeformed gap of a pair whose gaps are taken at points
     active_hats: np.ndarray  # (T,) int
     friction: FrictionHistory | None = None  # None of a frictionless pair
+    cells: CellHistory | None = None  # where `pressure` is constant on cells that travel with the patch
 
 
 @dataclass

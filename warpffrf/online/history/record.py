@@ -6,10 +6,12 @@ import numpy as np
 
 from warpffrf.model.forces.notes import characteristic_notes
 from warpffrf.online.arrays.ring import SavedContact, SavedRows
+from warpffrf.online.compile.patches import PatchPlan
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.history.history import (
     ENERGY_LINES,
     BodyHistory,
+    CellHistory,
     ContactHistory,
     FrictionHistory,
     History,
@@ -68,7 +70,7 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
 def _contact(compiled: CompiledScene, i: int, rows: SavedRows, bodies: dict[str, BodyHistory]) -> ContactHistory:
     m, contact = compiled.model, compiled.scene.contacts[i]
     a, b = contact.a.surface, contact.b.surface
-    x = {name: array[:, i] for name, array in rows.items() if name in SavedContact.declarations}
+    x = {name: rows[name][:, i] for name in SavedContact.declarations if name != "saved_patch"}
     T = len(x["saved_active"])
     first, second = contact.a.body, contact.b.body
     r_a = bodies[first.name].position + turned(bodies[first.name].rotation, first.center_of_mass)
@@ -77,20 +79,33 @@ def _contact(compiled: CompiledScene, i: int, rows: SavedRows, bodies: dict[str,
     torque = about_r_a + np.cross(r_a - bodies[first.name].position, force)
     about = bodies[second.name].position if second.name in bodies else np.zeros(3)  # of the ground the world's origin
     torque_second = second_about_r_a + np.cross(r_a - about, force_second)
-    pressure = x["saved_pressure"][:, : m.window.columns * a.grid.rows].reshape(T, m.window.columns, a.grid.rows)
-    load = np.zeros((T, 0, 0))  # a rigid second surface has no grid
-    if b.grid is not None:
+    plan = compiled.patches.get(i)
+    columns, lines = (m.window.columns, a.grid.rows) if plan is None else (plan.columns, len(plan.z))
+    pressure = x["saved_pressure"][:, : columns * lines].reshape(T, columns, lines)
+    load = np.zeros((T, 0, 0))  # a rigid second surface has no grid, and cells that travel load none
+    if plan is None and b.grid is not None:
         load = x["saved_second_load"][:, : m.window.second_columns * b.grid.rows]
         load = load.reshape(T, m.window.second_columns, b.grid.rows)
     # distance of the axes at mid-width, or the smallest gap of a pair whose gaps are taken at points
     distance, family = x["saved_distance"], m.pairs.family.numpy()[i]
-    approach = -distance if family == 1 else a.shape.radius + b.shape.radius - distance
+    approach = -distance if family != 0 else a.shape.radius + b.shape.radius - distance
     return ContactHistory(
         force=force.copy(), torque=torque, force_second=force_second.copy(), torque_second=torque_second,
         first_column=x["saved_center"][:, 0] - m.window.half, center_column=x["saved_column"].copy(),
         pressure=pressure.copy(), first_column_second=x["saved_center"][:, 1] - m.window.second_half,
         load_second=load.copy(), approach=approach, active_hats=x["saved_active"].astype(int),
+        cells=None if plan is None else _cells(plan, rows["saved_patch"][:, i]),
     )  # fmt: skip
+
+
+def _cells(plan: PatchPlan, place: np.ndarray) -> CellHistory:
+    """Where the cells of a pair were, of its `saved_patch` (T, 4)."""
+    width = place[:, 2]
+    scale = (width if plan.follows else np.ones(len(width)))[:, None]
+    middle = (place[:, 1] if plan.follows else np.zeros(len(width)))[:, None]
+    return CellHistory(
+        column=place[:, 0].copy(), half_width=width.copy(), z=middle + scale * plan.z, length=scale * plan.length
+    )
 
 
 def _friction(compiled: CompiledScene, i: int, rows: SavedRows) -> FrictionHistory:

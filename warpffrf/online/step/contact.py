@@ -21,6 +21,7 @@ from warpffrf_kernels.normal import (
     contact_solve,
     pair_elimination,
 )
+from warpffrf_kernels.patch import cells, fields, near, place, system
 
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.outer import FACTOR
@@ -28,6 +29,7 @@ from warpffrf.online.step.phases import Participant
 
 BESIDE = "pair_beside"  # bodies that several pairs load
 LINE, POINT, FEW = "line_pair", "point_pair", "few_pair"  # families of geometry
+PATCH = "patch_pair"  # pressures on cells that travel with the patch
 STEP = {"amplitude": "modal_step", "of_state": 0, "first_field": "first_step", "second_field": "second_step"}
 
 CONTACT = Participant(
@@ -37,12 +39,17 @@ CONTACT = Participant(
     locate=[
         threads(line_of_centres.locate, "pair", when=LINE),
         threads(closest_point.locate_points, "pair", when=POINT),
+        threads(place.locate_patches, "pair", when=PATCH),
         threads(windows.open_window, "pair"),
         blocks(line_of_centres.sample, "pair", when=LINE),
         blocks(line_of_centres_weights.weigh, "pair", when=LINE),
         blocks(contact_wrench.hold_contact_frame, "pair", when=POINT),
         blocks(at_points.sample_points, "pair", when=POINT),
         blocks(at_points.weigh_points, "pair", when=POINT),
+        blocks(cells.hold_rows, "pair", when=PATCH),
+        blocks(cells.sample_cells, "pair", when=PATCH),
+        threads(cells.open_far_windows, "pair", when=PATCH),
+        blocks(near.lay_near, "pair", when=PATCH),
     ],
     few=[
         blocks(line_of_centres_sampled.sample_few, "pair", when=FEW),
@@ -53,13 +60,20 @@ CONTACT = Participant(
         blocks(line_of_centres_weights.shift, "pair"),
         threads(contact_fields.set_second_window, "pair"),
         blocks(contact_fields.modal_fields, "pair", amplitude="q1", of_state=1),
+        blocks(fields.modal_cells, "pair", when=PATCH, amplitude="q1", of_state=1),
     ],
-    displace=[blocks(contact_fields.load_second, "pair"), blocks(contact_fields.local_fields, "pair")],
+    displace=[
+        blocks(contact_fields.load_second, "pair"),
+        blocks(contact_fields.local_fields, "pair"),
+        blocks(fields.load_splines, "pair", when=PATCH),
+        blocks(fields.local_cells, "pair", when=PATCH),
+    ],
     close=[
         blocks(contact_fields.close_gaps, "pair", weak_gap="shifted_gap"),
         blocks(contact_fields.load_modes, "pair"),
+        blocks(fields.load_modes, "pair", when=PATCH),
     ],
-    sum=[threads(contact_fields.sum_contact)],
+    sum=[threads(contact_fields.sum_contact), threads(fields.guard_patches, when=PATCH)],
     push=[blocks(impulsive_contact.push_bodies)],
     mean=[threads(impulsive_means.balance_means)],
     respond=[
@@ -67,8 +81,11 @@ CONTACT = Participant(
         threads(contact_compliance.take_slots),
         blocks(contact_compliance.respond),
         blocks(contact_compliance.modal_rows),
+        blocks(system.respond_cells, when=PATCH),
         blocks(contact_assembly.assemble, scratch="scaled_modes", receptance="contact_receptance"),
+        blocks(system.assemble_cells, when=PATCH, receptance="contact_receptance"),
         blocks(contact_assembly.assemble_between, when=BESIDE, receptance="contact_receptance", field="field_beside"),
+        blocks(system.assemble_patches_beside, when="patch_beside"),
     ],
     condense=[blocks(contact_compliance.outer_rows)],
     press=[
@@ -78,7 +95,10 @@ CONTACT = Participant(
         blocks(pair_elimination.solve_pressures, U="factor", **FACTOR),
         blocks(between_pairs.solve_between, when=BESIDE, G="soft", U="factor", **FACTOR),
     ],
-    follow=[blocks(contact_fields.modal_fields, "pair", **STEP)],
+    follow=[
+        blocks(contact_fields.modal_fields, "pair", **STEP),
+        blocks(fields.modal_cells, "pair", when=PATCH, amplitude="modal_step", of_state=0, first_field="first_step"),
+    ],
     correct=[blocks(contact_solve.correct_set, "pair"), threads(contact_solve.accept_set)],
     finish=[blocks(impulsive_memory.finish_rates)],
     judge=[
@@ -92,6 +112,11 @@ CONTACT = Participant(
         threads(contact_record.sum_second, "pair"),
         threads(at_points.sum_points_second, "pair", when=POINT),
         threads(closest_point.measure_approach, "pair", when=POINT),
+        threads(fields.sum_patches_second, "pair", when=PATCH),
+        threads(fields.measure_patches, "pair", when=PATCH),
     ],
-    record=[blocks(contact_record.record_pairs, "pair")],
+    record=[
+        blocks(contact_record.record_pairs, "pair"),
+        threads(fields.record_patches, "pair", when=PATCH),
+    ],
 )

@@ -12,7 +12,6 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.offline.near_field.quarter_space import QuarterSpace
 
 Array = np.ndarray
 
@@ -74,10 +73,11 @@ class Patch:
         c = (1.0 - far.poisson_ratio**2) / np.pi
         H = c * rectangle(k, seen - loaded, self.strip, lengths)
         for end in far.ends:
-            quarter = QuarterSpace(far.poisson_ratio)
+            assert far.quarter is not None
+            quarter = far.quarter
             a, b = end.side * (end.z - seen), end.side * (end.z - loaded)
             H = H + c * rectangle(k, a + b, self.strip, lengths)
-            H = H + quarter.surface(k, a, b) * self.strip * lengths
+            H = H + quarter.displacement(k, a, b) * self.strip * lengths
         H = H / (far.youngs_modulus * self.strip * lengths)
         j = np.arange(self.columns)
         H = H[np.abs(j[:, None] - j)].transpose(0, 2, 1, 3).reshape(len(theta), -1)

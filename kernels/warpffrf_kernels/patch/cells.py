@@ -1,0 +1,235 @@
+"""The cells of a patch: gaps and wrenches at their centres, and what of both bodies' splines lies there.
+
+A cell is equal to a hat for all that follows: with the area A_i of the true surface and its centre x_i
+
+    weak gap A_i d_B(x_i),    wrench of a unit pressure A_i f(x_i),    load of spline b of side s: A_i P^s_b(x_i),
+
+f that of `contact_wrench`, d_B the signed distance from B's true surface. Pressures and gaps at centres converge with
+the second power of the size of a cell, as constant pressures do.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.kinematics.closest_point import TWO_PI, view_of
+from warpffrf_kernels.kinematics.contact_wrench import Held, held_section, held_sphere, is_sphere, point_wrench
+from warpffrf_kernels.kinematics.line_of_centres import wrap
+from warpffrf_kernels.patch.far_splines import TAPS, column_taps, row_taps
+from warpffrf_kernels.patch.place import PATCH
+from warpffrf_kernels.surfaces.surface import (
+    axes_of,
+    chart_of,
+    gradient_of,
+    local_point,
+    radius_of,
+    slope_of,
+)
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.func
+def row_place(elements: Elements, pair: int, row: int, patch_place: wp.array3d(dtype=real), w: int) -> wp.vec2d:
+    """z [m] and length along z [m] of a row."""
+    at = elements.patches.row_start[pair] + row
+    z = elements.patches.row_z[at]
+    length = elements.patches.row_length[at]
+    if elements.patches.follows[pair] != 0:
+        width = patch_place[w, pair, 2]
+        z = patch_place[w, pair, 1] + width * z
+        length = width * length
+    return wp.vec2d(z, length)
+
+
+@wp.kernel
+def hold_rows(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    patch_place: wp.array3d(dtype=real),
+    patch_held: out(wp.array3d(dtype=Held)),
+    patch_ball: out(wp.array2d(dtype=mat33)),
+):
+    """Per (world, pair of family 2), lanes over rows: the frame of the contact in each one's section
+    (`contact_wrench`)."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+        return
+    elements = model.elements[0]
+    A = elements.patches.first[pair]
+    B = elements.patches.second[pair]
+    if model.surfaces.planar[A] != 0:
+        return
+    view = view_of(model, w, pair, r1, axes)
+    if is_sphere(model, A):
+        if lane == 0:
+            patch_ball[w, pair] = held_sphere(model, B, view.at, view.turn)
+        return
+    row = lane
+    while row < model.surfaces.rows[model.pairs.first[pair]]:
+        z = row_place(elements, pair, row, patch_place, w)[0]
+        patch_held[w, pair, row] = held_section(model, A, B, view.at, view.turn, patch_place[w, pair, 0], z)
+        row += wp.block_dim()
+
+
+@wp.func
+def place_splines(
+    model: Model,
+    elements: Elements,
+    s: int,
+    column: real,
+    z: real,
+    area: real,
+    w: int,
+    pair: int,
+    at: int,
+    far_at: wp.array4d(dtype=int),
+    far_weight: wp.array4d(dtype=real),
+):
+    """Loads of the splines of surface `s` under a unit pressure on a cell; entry `at` of the pair."""
+    around = column_taps(model, elements, s, column)
+    along = row_taps(model, elements, s, z)
+    far_at[w, pair, at, 0] = around.first
+    far_at[w, pair, at, 1] = along.first
+    for i in range(3):
+        for j in range(3):
+            far_weight[w, pair, at, 3 * i + j] = area * around.value[i] * along.value[j]
+
+
+@wp.kernel
+def sample_cells(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    patch_place: wp.array3d(dtype=real),
+    patch_held: wp.array3d(dtype=Held),
+    patch_ball: wp.array2d(dtype=mat33),
+    weak_gap: out(wp.array3d(dtype=real)),
+    area: out(wp.array3d(dtype=real)),
+    wrench: out(wp.array4d(dtype=real)),
+    more_wrench: out(wp.array4d(dtype=real)),
+    stencil: out(wp.array4d(dtype=real)),
+    stencil_at: out(wp.array4d(dtype=int)),
+    far_at: out(wp.array4d(dtype=int)),
+    far_weight: out(wp.array4d(dtype=real)),
+):
+    """Per (world, pair of family 2), lanes over cells: weak gap, area (0 where nothing is opposite), wrench, loads of
+    splines. The stencils on hats of the second surface are empty."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+        return
+    elements = model.elements[0]
+    A = elements.patches.first[pair]
+    B = elements.patches.second[pair]
+    view = view_of(model, w, pair, r1, axes)
+    back = wp.transpose(view.turn)
+    arm_a = wp.transpose(model.surfaces.frame[A]) * model.surfaces.origin[A]
+    turn = axes_of(axes, w, model.surfaces.body[A]) * model.surfaces.frame[A]
+    columns = elements.patches.columns[pair]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    radius = radius_of(model, A, patch_place[w, pair, 1])
+    strip = real(2.0) * patch_place[w, pair, 2] / (real(columns) * radius * model.surfaces.pitch[A])  # columns of A
+    last_a = model.surfaces.z_start[A] + model.surfaces.rows[A] - 1
+    last_b = model.surfaces.z_start[B] + model.surfaces.rows[B] - 1
+    m = lane
+    while m < columns * rows:
+        column = m / rows
+        row = m % rows
+        x_a = patch_place[w, pair, 0] + (real(column) - real(0.5) * real(columns - 1)) * strip
+        along = row_place(elements, pair, row, patch_place, w)
+        z = along[0]
+        theta = model.surfaces.theta[A] + x_a * model.surfaces.pitch[A]
+        slope = slope_of(model, A, z)
+        size = strip * model.surfaces.pitch[A] * radius_of(model, A, z) * along[1] * wp.sqrt(real(1.0) + slope * slope)
+        x = local_point(model, A, theta, z)
+        y = view.at + view.turn * x
+        foot = chart_of(model, B, y)
+        x_b = (foot[0] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+        if model.surfaces.planar[B] == 0:
+            x_b = wrap(x_b, TWO_PI / model.surfaces.pitch[B], patch_place[w, pair, 3])
+        if z < model.surfaces.z[model.surfaces.z_start[A]] or z > model.surfaces.z[last_a]:
+            size = real(0.0)
+        if model.surfaces.periodic[A] == 0 and (x_a < real(0.0) or x_a > real(model.surfaces.columns[A] - 1)):
+            size = real(0.0)
+        if model.surfaces.rigid[B] == 0:
+            if foot[1] < model.surfaces.z[model.surfaces.z_start[B]] or foot[1] > model.surfaces.z[last_b]:
+                size = real(0.0)
+            if model.surfaces.periodic[B] == 0 and (x_b < real(0.0) or x_b > real(model.surfaces.columns[B] - 1)):
+                size = real(0.0)
+        n = back * gradient_of(model, B, y)
+        unit = point_wrench(model, A, x, n, patch_held[w, pair, row], patch_ball[w, pair])
+        force = turn * unit.force
+        moment = turn * (unit.moment + wp.cross(arm_a, unit.force))
+        more_force = turn * unit.more_force
+        more_moment = turn * (unit.more_moment + wp.cross(arm_a, unit.more_force))
+        weak_gap[w, pair, m] = size * foot[2]
+        area[w, pair, m] = size
+        for i in range(3):
+            wrench[w, pair, m, i] = size * force[i]
+            wrench[w, pair, m, 3 + i] = size * moment[i]
+            more_wrench[w, pair, m, i] = size * more_force[i]
+            more_wrench[w, pair, m, 3 + i] = size * more_moment[i]
+        e = int(0)
+        while e < model.window.stencil_columns * model.window.stencil_rows:
+            stencil[w, pair, m, e] = real(0.0)
+            e += 1
+        stencil_at[w, pair, m, 0] = model.window.second_half
+        stencil_at[w, pair, m, 1] = 0
+        if elements.patches.far_of[A] >= 0:
+            place_splines(model, elements, A, x_a, z, size, w, pair, m, far_at, far_weight)
+        if elements.patches.far_of[B] >= 0:
+            at = model.window.hats + m
+            place_splines(model, elements, B, x_b, foot[1], size, w, pair, at, far_at, far_weight)
+        m += wp.block_dim()
+
+
+@wp.kernel
+def open_far_windows(
+    models: wp.array(dtype=Model),
+    ctl: inout(wp.array(dtype=Control)),
+    far_at: inout(wp.array4d(dtype=int)),
+    far_window: out(wp.array4d(dtype=int)),
+):
+    """Per (world, pair of family 2): first column and number of columns of the splines under the cells, by side. A
+    patch that lies over more of them than there is room for ends the attempt."""
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+        return
+    elements = model.elements[0]
+    cells = elements.patches.columns[pair] * model.surfaces.rows[model.pairs.first[pair]]
+    for side in range(2):
+        s = elements.patches.first[pair]
+        if side == 1:
+            s = elements.patches.second[pair]
+        low = int(0)
+        high = int(-1)
+        if elements.patches.far_of[s] >= 0:
+            low = far_at[w, pair, side * model.window.hats, 0]
+            high = low
+            m = int(0)
+            while m < cells:
+                at = far_at[w, pair, side * model.window.hats + m, 0]
+                low = wp.min(low, at)
+                high = wp.max(high, at)
+                m += 1
+            high += TAPS - 1
+            most = elements.patches.far_nodes / model.surfaces.rows[s]
+            if high - low + 1 > most:
+                ctl[w].failure = ctl[w].failure | k.CAPACITY
+                high = low + most - 1
+                m = int(0)
+                while m < cells:
+                    at = side * model.window.hats + m
+                    far_at[w, pair, at, 0] = wp.min(far_at[w, pair, at, 0], high - TAPS + 1)
+                    m += 1
+        far_window[w, pair, side, 0] = low
+        far_window[w, pair, side, 1] = high - low + 1

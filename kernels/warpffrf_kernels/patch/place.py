@@ -1,0 +1,333 @@
+"""Where the patch of a pair lies, how wide it is, and which of its cells were under pressure.
+
+Cells are `columns` equal strips across, over the width 2 W around the place where the surfaces are nearest, by rows
+along the meridian of the first surface. Rows of a *line* contact stay where they are; rows of a contact that is short
+(`follows`) lie about the nearest place and grow with W, so that the cells keep their shape.
+
+W follows the pressures of the state that the attempt begins from: SPAN times the half-width b, twice the root of the
+second moment of a strip's pressure, sqrt(5) times that of a whole ellipse. (The extent of the active set would jump
+from cell to cell, and the force with it.) What has no pressure yet is as wide as the surfaces overlap. Within an
+attempt W only changes where the patch reaches the outermost strips, or fills less than half of them. Pressures go from
+old cells to new ones by linear interpolation.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.kinematics.closest_point import (
+    TWO_PI,
+    View,
+    gap_at,
+    scan,
+    settle,
+    view_of,
+)
+from warpffrf_kernels.kinematics.line_of_centres import FARTHEST, PHASE_TOLERANCE, wrap
+from warpffrf_kernels.surfaces.surface import chart_of, local_point, radius_of
+
+wp.set_module_options(MODULE_OPTIONS)
+
+PATCH = wp.constant(2)  # the family of these pairs
+SPAN = wp.constant(wp.float64(1.3))  # half-widths b in W: Hertz's patch ends at 1/1.3 of it
+LINE_MOMENT = wp.constant(wp.float64(2.0))  # b over the root of the second moment of a strip's pressure
+POINT_MOMENT = wp.constant(wp.float64(2.2360679774997896))  # sqrt 5, of an ellipse's
+COUNTED = wp.constant(wp.float64(0.05))  # of the largest line load: rows with less do not count for b
+# Of the peak: less in the outermost strips is a tail that layers have, of asperities without an end, and may be cut.
+FELT = wp.constant(wp.float64(1.0e-3))
+CONTENT = wp.constant(wp.float64(0.99))  # of the wanted W: pressures in the outermost strips are then what is cut off
+SETTLING = wp.constant(3)  # iterations in which W may shrink
+FASTEST = wp.constant(wp.float64(1.6))  # change of W from one attempt to the next
+GROWTH = wp.constant(wp.float64(1.5))  # of W where the outermost strips are under pressure
+# of W: what it may be off while a static state is looked for by its energy, which other cells would change by 1e-3
+LOOSE = wp.constant(wp.float64(0.2))
+SPARSE = wp.constant(wp.float64(0.5))  # of the strips: a patch on fewer is laid anew within an attempt
+STEADY = wp.constant(wp.float64(1.0e-9))  # relative change of W that is none
+
+
+@wp.struct
+class Extent:
+    """Of the cells under pressure: how many there are, half-width b [m] by its moments, W that is wanted for them [m],
+    strips from the first to the last, and whether the patch reaches the outermost ones and wants more."""
+
+    count: int
+    half_width: real
+    wanted: real
+    strips: int
+    reaches: int
+
+
+@wp.func
+def peak_of(
+    elements: Elements,
+    w: int,
+    pair: int,
+    rows: int,
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+) -> real:
+    """Largest pressure of the cells of a pair [Pa]."""
+    peak = real(0.0)
+    m = int(0)
+    while m < elements.patches.columns[pair] * rows:
+        if active[w, pair, m] != 0:
+            peak = wp.max(peak, pressure[w, pair, m])
+        m += 1
+    return peak
+
+
+@wp.func
+def extent_of(
+    elements: Elements,
+    w: int,
+    pair: int,
+    rows: int,
+    width: real,
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+) -> Extent:
+    """Of the cells of a pair, whose strips are 2 `width`/columns wide."""
+    columns = elements.patches.columns[pair]
+    strip = real(2.0) * width / real(columns)
+    found = Extent()
+    low = columns
+    high = int(-1)
+    bottom = rows
+    top = int(-1)
+    most = real(0.0)
+    felt = FELT * peak_of(elements, w, pair, rows, active, pressure)
+    row = int(0)
+    while row < rows:
+        load = real(0.0)
+        column = int(0)
+        while column < columns:
+            m = column * rows + row
+            if active[w, pair, m] != 0 and pressure[w, pair, m] > real(0.0):
+                found.count += 1
+                load += pressure[w, pair, m]
+                if pressure[w, pair, m] > felt:
+                    low = wp.min(low, column)
+                    high = wp.max(high, column)
+                    bottom = wp.min(bottom, row)
+                    top = wp.max(top, row)
+            column += 1
+        most = wp.max(most, load)
+        row += 1
+    if found.count == 0:
+        return found
+    found.strips = high - low + 1
+    if low == 0 or high == columns - 1:
+        found.reaches = 1
+    total = real(0.0)
+    first = real(0.0)
+    second = real(0.0)
+    along = real(0.0)
+    along_second = real(0.0)
+    row = int(0)
+    while row < rows:
+        sum0 = real(0.0)
+        sum1 = real(0.0)
+        sum2 = real(0.0)
+        column = int(0)
+        while column < columns:
+            m = column * rows + row
+            if active[w, pair, m] != 0 and pressure[w, pair, m] > real(0.0):
+                p = pressure[w, pair, m]
+                x = (real(column) - real(0.5) * real(columns - 1)) * strip
+                sum0 += p
+                sum1 += p * x
+                sum2 += p * x * x
+            column += 1
+        if elements.patches.follows[pair] != 0:
+            weight = elements.patches.row_length[elements.patches.row_start[pair] + row]
+            z = elements.patches.row_z[elements.patches.row_start[pair] + row]
+            total += weight * sum0
+            first += weight * sum1
+            second += weight * sum2
+            along += weight * sum0 * z
+            along_second += weight * sum0 * z * z
+        elif sum0 > COUNTED * most:
+            mean = sum1 / sum0
+            spread = wp.sqrt(wp.max(sum2 / sum0 - mean * mean, real(0.0)))
+            # a strip's own extent, which a patch of one strip has
+            b = wp.abs(mean) + wp.max(LINE_MOMENT * spread, real(0.5) * strip)
+            found.half_width = wp.max(found.half_width, b)
+        row += 1
+    if elements.patches.follows[pair] != 0:
+        mean = first / total
+        spread = wp.sqrt(wp.max(second / total - mean * mean, real(0.0)))
+        found.half_width = wp.abs(mean) + wp.max(POINT_MOMENT * spread, real(0.5) * strip)
+        mean = along / total
+        spread = wp.sqrt(wp.max(along_second / total - mean * mean, real(0.0)))
+        aspect = elements.patches.aspect[pair]
+        found.half_width = wp.max(found.half_width, width * (wp.abs(mean) + POINT_MOMENT * spread) / aspect)
+        if bottom == 0 or top == rows - 1:
+            found.reaches = 1
+    found.wanted = SPAN * found.half_width
+    if found.reaches != 0 and width > CONTENT * found.wanted:
+        found.reaches = 0
+    return found
+
+
+@wp.func
+def overlap_width(
+    model: Model, elements: Elements, pair: int, A: int, B: int, view: View, column: real, z: real
+) -> real:
+    """Half-width [m] over which the undeformed surfaces lie in one another; 0 where they do not."""
+    g = gap_at(model, A, B, view, model.surfaces.theta[A] + column * model.surfaces.pitch[A], z)
+    if not g < real(0.0):
+        return real(0.0)
+    return wp.sqrt(-real(2.0) * g / elements.patches.curvature[pair])
+
+
+@wp.func
+def move_pressures(
+    elements: Elements,
+    w: int,
+    pair: int,
+    rows: int,
+    ratio: real,
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    patch_buffer: wp.array3d(dtype=real),
+):
+    """Pressures on strips that are `ratio` times as wide as those they were found on; with them rows that follow."""
+    columns = elements.patches.columns[pair]
+    passes = 1 + elements.patches.follows[pair]
+    turn = int(0)
+    while turn < passes:
+        count = columns
+        stride = rows
+        if turn == 1:
+            count = rows
+            stride = int(1)
+        m = int(0)
+        while m < columns * rows:
+            patch_buffer[w, pair, m] = real(0.0)
+            if active[w, pair, m] != 0:
+                patch_buffer[w, pair, m] = pressure[w, pair, m]
+            m += 1
+        m = int(0)
+        while m < columns * rows:
+            i = (m / stride) % count
+            from_line = m - i * stride
+            middle = real(0.5) * real(count - 1)
+            f = middle + (real(i) - middle) * ratio
+            j = int(wp.floor(f))
+            u = f - real(j)
+            value = real(0.0)
+            if j >= 0 and j < count:
+                value += (real(1.0) - u) * patch_buffer[w, pair, from_line + j * stride]
+            if j + 1 >= 0 and j + 1 < count:
+                value += u * patch_buffer[w, pair, from_line + (j + 1) * stride]
+            pressure[w, pair, m] = value
+            active[w, pair, m] = 0
+            if value > real(0.0):
+                active[w, pair, m] = 1
+            m += 1
+        turn += 1
+
+
+@wp.kernel
+def locate_patches(
+    models: wp.array(dtype=Model),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    ctl: inout(wp.array(dtype=Control)),
+    phase: inout(wp.array3d(dtype=real)),
+    nearest: inout(wp.array3d(dtype=real)),
+    active: inout(wp.array3d(dtype=int)),
+    pressure: inout(wp.array3d(dtype=real)),
+    patch_width: inout(wp.array2d(dtype=real)),
+    touched: out(wp.array3d(dtype=int)),
+    center: out(wp.array3d(dtype=int)),
+    patch_buffer: out(wp.array3d(dtype=real)),
+    patch_place: out(wp.array3d(dtype=real)),
+    window: out(wp.array3d(dtype=int)),
+):
+    """Per (world, pair of family 2): nearest place, phases, W, and the pressures moved with it.
+
+    patch_place: column of A in the middle, z there [m], W [m], column of B opposite.
+    """
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+        return
+    elements = model.elements[0]
+    A = elements.patches.first[pair]
+    B = elements.patches.second[pair]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    view = view_of(model, w, pair, r1, axes)
+    if ctl[w].iteration == 0:
+        scan(model, w, pair, A, B, view, nearest, touched)
+    z = elements.patches.middle[pair]
+    if elements.patches.follows[pair] != 0:
+        z = nearest[w, pair, 1]
+    x = settle(model, A, B, view, nearest[w, pair, 0], z)
+    nearest[w, pair, 0] = x
+    theta = model.surfaces.theta[A] + x * model.surfaces.pitch[A]
+    foot = chart_of(model, B, view.at + view.turn * local_point(model, A, theta, z))
+    x_b = (foot[0] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+    if model.surfaces.planar[B] == 0 and model.surfaces.rigid[B] == 0:
+        x_b = wrap(x_b, TWO_PI / model.surfaces.pitch[B], real(0.5) * real(model.surfaces.columns[B] - 1))
+    if not (wp.abs(x) < FARTHEST and wp.abs(x_b) < FARTHEST):
+        ctl[w].failure = ctl[w].failure | k.NOT_FINITE
+        ctl[w].run = 0
+        return
+
+    old = patch_width[w, pair]
+    least = elements.patches.least_width[pair]
+    most = elements.patches.most_width[pair]
+    m = int(0)
+    while m < model.window.hats:  # left by a rejected attempt
+        if active[w, pair, m] != 0 and not wp.isfinite(pressure[w, pair, m]):
+            active[w, pair, m] = 0
+            pressure[w, pair, m] = real(0.0)
+        m += 1
+    new = old
+    if not old > real(0.0):
+        new = least
+    found = extent_of(elements, w, pair, rows, new, active, pressure)
+    if found.count == 0:
+        overlap = overlap_width(model, elements, pair, A, B, view, x, z)
+        if overlap > new or overlap > real(0.0) and overlap < SPARSE * new:
+            new = overlap
+    elif ctl[w].iteration == 0:
+        wanted = wp.clamp(found.wanted, new / FASTEST, new * FASTEST)
+        if ctl[w].downhill == 0 or wp.abs(wanted - new) > LOOSE * new:
+            new = wanted
+    elif found.reaches != 0:
+        new = wp.min(GROWTH * new, found.wanted)
+    elif real(found.strips) < SPARSE * real(elements.patches.columns[pair]) and ctl[w].iteration <= SETTLING:
+        new = found.wanted
+    new = wp.clamp(new, least, most)
+    if wp.abs(new - old) > STEADY * new:
+        if found.count > 0:
+            move_pressures(elements, w, pair, rows, new / old, active, pressure, patch_buffer)
+        patch_width[w, pair] = new
+        ctl[w].reassemble = 1
+
+    phase[w, pair, 4] = x
+    phase[w, pair, 5] = x_b
+    phase[w, pair, 6] = x
+    phase[w, pair, 7] = x_b
+    phase[w, pair, 10] = z / radius_of(model, A, z)
+    phase[w, pair, 11] = foot[1] / radius_of(model, A, z)
+    largest = real(0.0)
+    for i in range(2):
+        largest = wp.max(largest, wp.abs(phase[w, pair, 4 + i] - phase[w, pair, i]))
+        largest = wp.max(largest, wp.abs(phase[w, pair, 10 + i] - phase[w, pair, 8 + i]))
+    if largest > PHASE_TOLERANCE or ctl[w].iteration == 0:
+        ctl[w].reassemble = 1
+    patch_place[w, pair, 0] = x
+    patch_place[w, pair, 1] = z
+    patch_place[w, pair, 2] = new
+    patch_place[w, pair, 3] = x_b
+    center[w, pair, 0] = int(wp.floor(x + real(0.5)))
+    center[w, pair, 1] = int(wp.floor(x_b + real(0.5)))
+    center[w, pair, 2] = 0
+    window[w, pair, 0] = -model.window.half
+    window[w, pair, 1] = elements.patches.columns[pair] - 1 - model.window.half

@@ -1,0 +1,184 @@
+"""Pressures on cells that travel with the patch: against a dense NumPy reference, Hertz, and what must not change."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from patch_reference import Patch
+
+import warpffrf as wf
+from warpffrf.model.errors import InputError
+from warpffrf.online import run
+from warpffrf.online.run import find_equilibrium
+from warpffrf.verification.closed_forms import PointContact, contact_modulus
+
+STEEL = wf.Material(210e9, 0.3, 7800.0)
+RADIUS, WIDTH = 0.05, 0.02
+NAME = "lower-upper"
+# Forces of the run and of the reference on the same cells; tables between levels of W err by 5e-5.
+SAME = 2e-4
+RIPPLE = 5e-4  # of a force at constant approach over two elements, from one saved step to another; 6e-5 measured
+POINT = 0.01  # half-widths and peaks of a ball on eight cells, against Hertz at the load
+ENERGY = 5e-3  # of the energy of an impact, that cells which grow and shrink with it make or take: 3e-3 measured
+MOVING = 1e-3  # of the contact's energy, that a patch makes which travels over elements of 8 mm: 4.4e-4 measured
+
+
+@pytest.fixture(scope="module")
+def roller():
+    mesh = wf.mesh.roller(RADIUS, 0.015, WIDTH, sectors=40, layers=4, axial=3, order=1)
+    return wf.reduce(
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3,
+        patch_grid=True, tangential=True, cache=False, progress=False,
+    )  # fmt: skip
+
+
+def pair(roller, approach, *, turning: float | None = None, tilt: float = 0.0, **contact):
+    """Two rollers whose bores are held at an `approach` [m], or turn at a speed [rad/s]."""
+    scene = wf.Scene(gravity=(0, 0, 0))
+    lower = scene.add_body(roller, name="lower")
+    half = 0.5 * tilt
+    upper = scene.add_body(
+        roller, name="upper", position=(0, 0, 2 * RADIUS - approach), rotation=(np.sin(half), 0, 0, np.cos(half))
+    )
+    for body, sense in ((lower, 1.0), (upper, -1.0)):
+        if turning is None:
+            scene.add(wf.joints.Fixed(scene.ground, body["bore"]))
+            continue
+        axle = scene.add(wf.joints.Revolute(scene.ground, body["bore"], axis=(0, 1, 0)))
+        scene.add(wf.joints.Drive(axle, wf.signals.Ramp(0.0, sense * turning, duration=1e-3), quantity="velocity"))
+    scene.add(wf.Contact(lower["rim"], upper["rim"], **{"grid": "patch", **contact}))
+    return scene
+
+
+def pressed(roller, found, gap, approach, layer: float = 0.0) -> np.ndarray:
+    """Forces (cells,) of the reference on the cells that a run has `found`: half of a pair is a roller on a plane."""
+    cells, length = found.cells, found.cells.length[-1]
+    edges = np.append(cells.z[-1] - 0.5 * length, cells.z[-1][-1] + 0.5 * length[-1])
+    grid = roller.contact_surfaces["rim"].grid
+    strips = found.pressure.shape[1]
+    patch = Patch(
+        roller, "rim", "bore", grid.theta_start + grid.pitch * cells.column[-1], strips,
+        2.0 * cells.half_width[-1] / strips, edges,
+    )  # fmt: skip
+    patch.near = patch.near + np.diag(0.5 * layer / patch.areas)
+    return patch.press(gap(patch), 0.5 * approach)
+
+
+def round_gap(patch):
+    return RADIUS - np.sqrt(RADIUS**2 - patch.x**2)
+
+
+@pytest.mark.parametrize("cells", [None, (8, 9)])
+@pytest.mark.parametrize("approach", [5e-6, 20e-6])
+def test_two_rollers_beside_the_reference(roller, approach, cells) -> None:
+    """A mesh of 8 mm elements and half-widths of 0.2 and 0.43 mm."""
+    found = find_equilibrium(pair(roller, approach, cells=cells)).contacts[NAME]
+    reference = pressed(roller, found, round_gap, approach)
+    assert np.linalg.norm(found.force[-1]) == pytest.approx(reference.sum(), rel=SAME)
+    p = reference.reshape(found.pressure[-1].shape)
+    area = found.pressure[-1] > 0.0
+    assert np.array_equal(area, p > 0.0)
+    assert np.allclose(found.force_second, -found.force, rtol=1e-9, atol=1e-6)
+
+
+def test_tilted(roller) -> None:
+    """0.3 mrad about the rolling direction: the gap opens along the rollers, and the pressure moves to one end."""
+    tilt, approach = 3e-4, 20e-6
+    found = find_equilibrium(pair(roller, approach, tilt=tilt)).contacts[NAME]
+    # half of the tilt on each side of the plane between the rollers
+    reference = pressed(roller, found, lambda p: round_gap(p) + 0.5 * tilt * p.z, approach)
+    assert np.linalg.norm(found.force[-1]) == pytest.approx(reference.sum(), rel=1e-3)  # z of the tilted one: 1e-4
+
+
+def test_with_a_layer(roller) -> None:
+    """A straight layer yields by p/k in series with the bodies."""
+    stiffness, approach = 3e14, 20e-6
+    law = wf.laws.LinearLayer(stiffness)
+    found = find_equilibrium(pair(roller, approach, law=law)).contacts[NAME]
+    reference = pressed(roller, found, round_gap, approach, layer=1.0 / stiffness)
+    assert np.linalg.norm(found.force[-1]) == pytest.approx(reference.sum(), rel=SAME)
+
+
+def test_rolling(roller) -> None:
+    """Two elements long: the force does not know them, nor does frictionless contact turn an axle."""
+    step = 1e-4
+    turn = 2.0 * 2.0 * np.pi / 40  # rad
+    history = run(pair(roller, 20e-6, turning=turn / 60e-4), 60 * step, step=step, start="equilibrium", progress=False)
+    assert history.status == "completed"
+    found = history.contacts[NAME]
+    force = np.linalg.norm(found.force, axis=1)
+    assert np.ptp(force) < RIPPLE * force.mean()
+    assert np.max(np.abs(found.torque[:, 1])) < 1e-9 * force.mean() * RADIUS
+    assert found.cells is not None and np.ptp(found.cells.column) > 1.5  # it has moved over the mesh
+    assert np.max(np.abs(history.energy["contact_grid"])) < MOVING * history.energy["contact"][-1]
+
+
+@pytest.fixture(scope="module")
+def ball():
+    mesh = wf.mesh.ball(0.01, patch_half_width=0.0039, cell=0.0026, order=1, growth=2.0)
+    return wf.reduce(
+        mesh, STEEL, interfaces={"outside": "average"}, contact={"patch": wf.surfaces.Sphere()}, modes=0,
+        patch_grid=True, cache=False, progress=False,
+    )  # fmt: skip
+
+
+DOWN = (0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5))  # turns the patch of the mesh, around +x, to -z
+
+
+def on_floor(ball, height, velocity=(0.0, 0.0, 0.0), **contact):
+    scene = wf.Scene(gravity=(0, 0, 0))
+    floor = scene.ground.surface(wf.surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1)), name="floor")
+    body = scene.add_body(ball, name="ball", position=(0, 0, 0.01 + height), rotation=DOWN, velocity=velocity)
+    scene.add(wf.Contact(body["patch"], floor, grid="patch", name="pair", **contact))
+    return scene, body
+
+
+def test_ball_on_a_plane(ball) -> None:
+    """Four elements on the radius, a contact of 0.015 radii: half-widths and peak against Hertz at the force found."""
+    scene, body = on_floor(ball, -2e-6)
+    scene.add(wf.joints.Fixed(scene.ground, body["outside"]))
+    found = find_equilibrium(scene).contacts["pair"]
+    hertz = PointContact(abs(found.force[-1, 2]), 0.01, contact_modulus(STEEL))
+    cells, p = found.cells, found.pressure[-1]
+    assert cells is not None
+    strip = 2.0 * cells.half_width[-1] / len(p)
+    x = strip * (np.arange(len(p)) - 0.5 * (len(p) - 1))
+    across = (p.sum(axis=1) * (x**2 + strip**2 / 12.0)).sum() / p.sum()
+    z, length = cells.z[-1] - cells.z[-1].mean(), cells.length[-1]
+    along = (p.sum(axis=0) * (z**2 + length**2 / 12.0)).sum() / p.sum()
+    for second in (across, along):
+        assert np.sqrt(5.0 * second) == pytest.approx(hertz.half_width, rel=POINT)
+    assert p.max() == pytest.approx(hertz.peak_pressure, rel=POINT)
+
+
+def test_impact_gives_back_its_energy(ball) -> None:
+    """A ball falls on the floor and leaves: what cells that grow and shrink make of energy is small."""
+    scene, _ = on_floor(ball, 1e-7, velocity=(0.0, 0.0, -0.1))
+    history = run(scene, 2e-4, step=2e-6, progress=False)
+    assert history.status == "completed"
+    force = history.contacts["pair"].force[:, 2]
+    assert force.max() > 50.0 and force[-1] == 0.0
+    made = history.energy["contact_grid"] + history.energy["numerical"]
+    assert np.max(np.abs(made)) < ENERGY * history.energy["kinetic"][0]
+
+
+def test_what_a_patch_cannot_is_refused(roller) -> None:
+    plain = wf.reduce(
+        wf.mesh.roller(RADIUS, 0.015, WIDTH, sectors=24, layers=2, axial=2, order=1), STEEL,
+        interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, cache=False, progress=False,
+    )  # fmt: skip
+    with pytest.raises(InputError, match="grid='patch' needs the far field of .*reduce\\(..., patch_grid=True\\)"):
+        pair(plain, 1e-5)
+    with pytest.raises(InputError, match="grid 'mesh' does not exist; known: 'material', 'patch'"):
+        pair(roller, 1e-5, grid="mesh")
+    with pytest.raises(InputError, match="no friction yet; use grid='material'"):
+        pair(roller, 1e-5, friction=0.1)
+    with pytest.raises(InputError, match="'exponential_asperities' presses before the surfaces meet.*use grid='mat"):
+        pair(roller, 1e-5, law=wf.laws.ExponentialAsperities(2e8, 5e-6))
+    with pytest.raises(InputError, match="cells must be \\(strips across, rows along\\), got 12"):
+        pair(roller, 1e-5, cells=12)
+    scene = pair(roller, 1e-5)
+    third = scene.add_body(roller, name="third", position=(2 * RADIUS - 1e-5, 0, 0))
+    scene.add(wf.Contact(third["rim"], scene.bodies[0]["rim"]))
+    with pytest.raises(InputError, match="body 'lower' is loaded by 'third-lower' too, .*give both the same grid="):
+        find_equilibrium(scene)
