@@ -169,7 +169,7 @@ def test_what_a_patch_cannot_is_refused(roller) -> None:
     )  # fmt: skip
     with pytest.raises(InputError, match="grid='patch' needs the far field of .*reduce\\(..., patch_grid=True\\)"):
         pair(plain, 1e-5)
-    with pytest.raises(InputError, match="grid 'mesh' does not exist; known: 'material', 'patch'"):
+    with pytest.raises(InputError, match="grid 'mesh' does not exist; known: 'auto', 'material', 'patch'"):
         pair(roller, 1e-5, grid="mesh")
     with pytest.raises(InputError, match="no friction yet; use grid='material'"):
         pair(roller, 1e-5, friction=0.1)
@@ -179,6 +179,22 @@ def test_what_a_patch_cannot_is_refused(roller) -> None:
         pair(roller, 1e-5, cells=12)
     scene = pair(roller, 1e-5)
     third = scene.add_body(roller, name="third", position=(2 * RADIUS - 1e-5, 0, 0))
-    scene.add(wf.Contact(third["rim"], scene.bodies[0]["rim"]))
+    scene.add(wf.Contact(third["rim"], scene.bodies[0]["rim"], grid="material"))
     with pytest.raises(InputError, match="body 'lower' is loaded by 'third-lower' too, .*give both the same grid="):
         find_equilibrium(scene)
+
+
+def test_the_grid_is_chosen(roller) -> None:
+    """Patches where the bodies have what they need, the material grid where something is asked that they cannot do; and
+    a run says so."""
+    history = find_equilibrium(pair(roller, 10e-6, grid="auto"))
+    assert history.contacts[NAME].cells is not None
+    assert any("cells that travel with the patch, for which its bodies were reduced" in note for note in history.notes)
+    assert find_equilibrium(pair(roller, 10e-6, grid="material")).contacts[NAME].cells is None
+    scene = pair(roller, 10e-6, grid="auto")
+    third = scene.add_body(roller, name="third", position=(2 * RADIUS - 1e-5, 0, 0))
+    scene.add(wf.joints.Fixed(scene.ground, third["bore"]))
+    scene.add(wf.Contact(third["rim"], scene.bodies[0]["rim"], friction=0.1))
+    history = find_equilibrium(scene)
+    assert history.contacts[NAME].cells is None
+    assert any("material grid, as those of 'third-lower' on body 'lower' are" in note for note in history.notes)

@@ -17,7 +17,7 @@ from warpffrf.model.laws import Law, Unilateral, as_law
 
 UNILATERAL = Unilateral()
 EVALUATIONS = ("full", "semi", "hyper")
-GRIDS = ("material", "patch")
+GRIDS = ("auto", "material", "patch")
 
 
 class Contact:
@@ -28,8 +28,9 @@ class Contact:
     that were reduced with tangential=True. evaluation: where the law is looked at, "semi" at all points of the contact
     grid, "hyper" at the few points chosen when the first body was reduced, "full" at every surface node, the slow
     reference. grid: "material", pressures on the contact grid of the first body, bound to its material, which wants
-    four nodes in a contact half-width; or "patch", on cells that travel with the patch, for meshes of any size (bodies
-    reduced with patch_grid=True). cells: strips across and rows along of these, None to have them chosen. capacity:
+    four nodes in a contact half-width; "patch", on cells that travel with the patch, for meshes of any size (bodies
+    reduced with patch_grid=True); "auto", the latter where the bodies have what it needs and nothing is asked that it
+    cannot do, which a run's notes say. cells: strips across and rows along, None to have them chosen. capacity:
     largest number of active hats, None to have it chosen. overlap [m]: how deep the surfaces may lie in one another at
     the start of a run, None for a small part of their radius. name: default "<first body>-<second body>".
     """
@@ -45,7 +46,7 @@ class Contact:
         law: Any = UNILATERAL,
         friction: Any = 0.0,
         evaluation: str = "semi",
-        grid: str = "material",
+        grid: str = "auto",
         cells: tuple[int, int] | None = None,
         capacity: int | None = None,
         overlap: float | None = None,
@@ -182,32 +183,36 @@ class Contact:
         surfaces = {"a": [self.a.body.name, self.a.name], "b": [self.b.body.name, self.b.name]}
         laws = {"law": self.law.describe(), "friction": self.friction.describe()}
         options: dict[str, Any] = {"evaluation": self.evaluation, "capacity": self.capacity, "overlap": self.overlap}
-        if self.grid != "material":  # scenes of before keep their hash
+        if self.grid != "auto":  # scenes of before keep their hash
             options |= {"grid": self.grid, "cells": None if self.cells is None else list(self.cells)}
         return {"name": self.name, **surfaces, **laws, **options}
 
-    def _check_patch(self) -> None:
-        """Raises `InputError` for what cells that travel with the patch are asked for and cannot do."""
-        if getattr(self, "_grid", "material") != "patch":
-            return
+    def without_patch(self) -> str | None:
+        """Why pressures cannot stand on cells that travel with the patch, and the cure; None where they can."""
         for port in self.ports:
             if not port.rigid and port.surface.far is None:
-                raise InputError(
-                    f"{self._label}: grid='patch' needs the far field of {port.label}, body {port.body.name!r} was "
-                    "reduced without it; reduce(..., patch_grid=True)"
+                return (
+                    f"grid='patch' needs the far field of {port.label}, body {port.body.name!r} was reduced without "
+                    "it; reduce(..., patch_grid=True)"
                 )
         if self.friction.acts:
-            raise InputError(f"{self._label}: a patch of cells has no friction yet; use grid='material'")
+            return "a patch of cells has no friction yet; use grid='material'"
         if self.evaluation != "semi":
-            raise InputError(
-                f"{self._label}: evaluation {self.evaluation!r} belongs to grid='material'; a patch of cells is "
-                "evaluated at their middles, leave evaluation out"
+            return (
+                f"evaluation {self.evaluation!r} belongs to grid='material'; a patch of cells is evaluated at their "
+                "middles, leave evaluation out"
             )
         if self.law.curve is not None and self.law.curve.begins < 0.0:
-            raise InputError(
-                f"{self._label}: law {self.law.kind!r} presses before the surfaces meet, over no definite width, and a "
-                "patch of cells has none to follow; use grid='material'"
+            return (
+                f"law {self.law.kind!r} presses before the surfaces meet, over no definite width, and a patch of cells "
+                "has none to follow; use grid='material'"
             )
+        return None
+
+    def _check_patch(self) -> None:
+        """Raises `InputError` for what a patch of cells is asked for and cannot do."""
+        if getattr(self, "_grid", "auto") == "patch" and (reason := self.without_patch()):
+            raise InputError(f"{self._label}: {reason}")
 
     def _require_tangential(self, label: str) -> None:
         for port in self.ports:

@@ -95,12 +95,14 @@ class Collector:
         self.elements = Elements()
         self.notes: list[str] = []
         self.cell_room = CellRoom()
-        self.patches = patch_plans(scene.contacts)
         self.surfaces: list[OnBody] = []
         self.sides: list[int] = []  # which of them each side of each pair is on
         self.lumped_sides: list[int] = []  # the same of lumped contacts
         self.inertia = InertiaPlan.of(scene)
         self.local = LocalPlan.of(scene, local)
+        dynamic = {body.index for body in scene.bodies if self.local.count(body.index)}
+        self.patches, chosen = patch_plans(scene.contacts, dynamic)
+        self.notes += chosen
         self.mode_counts = [b.mode_count + self.local.count(b.index) for b in scene.bodies]
 
     def pairs(self) -> list[Pair]:

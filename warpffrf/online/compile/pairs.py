@@ -39,7 +39,10 @@ def fill_pairs(collector: Collector, m: Model) -> None:
     _fill_quadrature(collector, m)
     pairs = collector.pairs()
     turned = [between_axes(pair.contact) for pair in pairs]
-    families = [family_of(collector, pair, angle) for pair, angle in zip(pairs, turned, strict=True)]
+    families = [
+        PATCH if i in collector.patches else family_of(collector, pair, angle)
+        for i, (pair, angle) in enumerate(zip(pairs, turned, strict=True))
+    ]
     plans = [collector.patches.get(i) for i in range(len(pairs))]
     halves = [
         _half_window(collector, pair, angle) if plan is None else plan.columns // 2
@@ -111,8 +114,6 @@ def fill_pairs(collector: Collector, m: Model) -> None:
 def family_of(collector: Collector, pair: Pair, turned: float) -> int:
     """LINE_OF_CENTRES for two flexible cylinders or crowned cylinders, the material inside, with axes nearly parallel:
     fast, and exact there; AT_POINTS for all others."""
-    if pair.contact.grid == "patch":
-        return PATCH
     if collector.settings.force_points or isinstance(pair.b, RigidSurface) or turned > SKEW:
         return AT_POINTS
     if not on_stations(pair.contact, collector.settings.theta_points, collector.settings.z_points):

@@ -15,6 +15,7 @@ Mechanics", 3.4), of both bodies with E and nu of their own, times the area of t
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,6 +36,7 @@ ELLIPSE = 0.636  # aspect of Hertz's ellipse: the ratio of curvatures to this po
 # strips, of which the patch takes eight; rows. Odd numbers have a cell where Hertz's pressure is largest.
 COLUMNS, LINE_ROWS, POINT_ROWS = 11, 21, 11
 FIRST_ROW, ROW_GROWTH = 0.004, 1.6  # of the width: rows at ends under pressure; their growth from there
+HUGGING = 0.2  # of the larger curvature: below it patches are wide beside the radius, and belong to material grids
 NARROWEST = 1e-4  # W times the relative curvature
 WIDEST = 0.5 * WHOLE * 0.95  # W over a radius of curvature: a patch keeps within WHOLE
 STEP = 0.3  # of ln W between levels: cubic interpolation errs by 1e-5
@@ -245,20 +247,54 @@ def _radius(surface: Surface) -> float:
     return 1.0 / k if k > 0.0 else 0.0
 
 
-def patch_plans(contacts: list[Contact]) -> dict[int, PatchPlan]:
-    """Plans by number of the contact, of those on patches. Raises `InputError` where one of their bodies is loaded by a
-    contact on a material grid too."""
-    plans = {i: PatchPlan.of(contact) for i, contact in enumerate(contacts) if contact.grid == "patch"}
-    for i in plans:
+def patch_plans(contacts: list[Contact], dynamic: Collection[int]) -> tuple[dict[int, PatchPlan], list[str]]:
+    """Plans by number of the contact, of those on patches, and notes on what grid="auto" has chosen. Raises
+    `InputError` where one of their bodies is loaded by a contact on a material grid too. dynamic: indices of bodies
+    whose local modes have inertia."""
+    taken = {
+        i
+        for i, contact in enumerate(contacts)
+        if contact.grid == "patch" or (contact.grid == "auto" and _fits(contact, dynamic))
+    }
+    notes: list[str] = []
+    while beside := next(_beside_a_grid(contacts, taken), None):  # one that goes may take others along
+        i, port, other = beside
+        if contacts[i].grid == "patch":
+            raise InputError(
+                f"contact {contacts[i].name!r}: body {port.body.name!r} is loaded by {other.name!r} too, whose hats "
+                "and the cells of a patch do not feel each other by its local modes; give both the same grid="
+            )
+        taken.remove(i)
+        notes.append(
+            f"contact {contacts[i].name!r}: pressures on the material grid, as those of {other.name!r} on body "
+            f"{port.body.name!r} are"
+        )
+    notes += [
+        f"contact {contacts[i].name!r}: pressures on cells that travel with the patch, for which its bodies were "
+        'reduced (patch_grid); grid="material" takes the contact grid instead'
+        for i in sorted(taken)
+        if contacts[i].grid == "auto"
+    ]
+    return {i: PatchPlan.of(contacts[i]) for i in sorted(taken)}, notes
+
+
+def _fits(contact: Contact, dynamic: Collection[int]) -> bool:
+    """Whether grid="auto" takes a patch of cells: the contact is none of what they cannot do, and no conformal one."""
+    if contact.without_patch() is not None or any(port.body.index in dynamic for port in contact.ports):
+        return False
+    across, _ = relative_curvatures(contact)
+    sharpest = max(1.0 / radius for radius in (_radius(p.surface) for p in contact.ports) if radius > 0.0)
+    return across > HUGGING * sharpest
+
+
+def _beside_a_grid(contacts: list[Contact], taken: set[int]) -> Any:
+    """Of those `taken` for patches the ones on a body that another contact loads on a material grid: number, port, and
+    the other."""
+    for i in sorted(taken):
         for port in (port for port in contacts[i].ports if not port.rigid):
             for j, other in enumerate(contacts):
-                if j not in plans and any(q.body is port.body for q in other.ports):
-                    raise InputError(
-                        f"contact {contacts[i].name!r}: body {port.body.name!r} is loaded by {other.name!r} too, whose "
-                        "hats and the cells of a patch do not feel each other by its local modes; give both the same "
-                        "grid="
-                    )
-    return plans
+                if j not in taken and any(q.body is port.body for q in other.ports):
+                    yield i, port, other
 
 
 def fill_patches(collector: Any, m: Model) -> None:

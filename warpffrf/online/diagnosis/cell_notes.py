@@ -7,9 +7,11 @@ import numpy as np
 
 from warpffrf.model.contact import Contact
 from warpffrf.model.far_field import WHOLE
-from warpffrf.online.history.history import ContactHistory
+from warpffrf.model.scene import Scene
+from warpffrf.online.history.history import ContactHistory, History
 
 FEWEST = 6  # strips, or rows of a point contact, under pressure: with 8 forces err by 0.1 %, peaks by 0.9 %
+APART = 6.0  # longest facet edges between two patches: nearer, what one does to the other errs by 2 % and more
 ROLLED = 0.1  # of W: less is a contact that does not roll
 WIDE = 0.9  # of WHOLE that a patch may span without a word
 
@@ -43,6 +45,43 @@ def cell_notes(contact: Contact, found: ContactHistory) -> list[str]:
             f'flat; beyond {WHOLE:g} rad pressures err by more than 2 %: use grid="material", with a finer mesh'
         )
     return notes
+
+
+def near_patches(scene: Scene, history: History) -> list[str]:
+    """Notes on patches of one surface that come so near to each other that the mesh errs between them."""
+    sides = [
+        (contact, port, side)
+        for contact in scene.contacts
+        if contact.name in history.contacts and history.contacts[contact.name].cells is not None
+        for side, port in enumerate(contact.ports)
+        if not port.rigid
+    ]
+    notes = []
+    for i, (contact, port, side) in enumerate(sides):
+        for other, its, there in sides[i + 1 :]:
+            if its.body is not port.body or its.name != port.name or other is contact:
+                continue
+            away = np.abs(_column(history, contact, side) - _column(history, other, there))
+            grid = port.surface.grid
+            if grid.periodic:
+                away = np.minimum(away % grid.columns, grid.columns - away % grid.columns)
+            metres = float(away.min()) * grid.pitch * float(port.surface.shape.radius_at(float(np.mean(grid.z))))
+            edge = float(port.body.reduced.report["contact"][port.name]["longest_facet_edge"])
+            if metres < APART * edge:
+                notes.append(
+                    f"contacts {contact.name!r} and {other.name!r}: their patches come within {metres:.2g} m of each "
+                    f"other on {port.label}, {metres / edge:.2g} facet edges; nearer than {APART:g} what one does to "
+                    "the other errs by 2 % and more, at two by a tenth: use a finer mesh there"
+                )
+    return notes
+
+
+def _column(history: History, contact: Contact, side: int) -> np.ndarray:
+    """Column (T,) of the grid on a side at which the patch lies."""
+    cells = history.contacts[contact.name].cells
+    if cells is None:
+        raise TypeError(f"contact {contact.name!r} has no cells")
+    return cells.column_second if side else cells.column
 
 
 def _metric(contact: Contact) -> float:

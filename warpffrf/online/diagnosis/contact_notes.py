@@ -23,7 +23,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.slopes import leanings
 from warpffrf.online.compile.pairs import SKEW
 from warpffrf.online.diagnosis.border_notes import border_notes
-from warpffrf.online.diagnosis.cell_notes import cell_notes
+from warpffrf.online.diagnosis.cell_notes import cell_notes, near_patches
 from warpffrf.online.diagnosis.undeformed_normal import normal_notes
 from warpffrf.online.history.history import ContactHistory, History
 from warpffrf.online.history.sensors import turned
@@ -58,7 +58,7 @@ def contact_notes(scene: Scene, history: History, on_axes: Collection[str] = ())
         notes += normal_notes(contact, columns, taken)
         if contact.name in on_axes:
             notes += _skewed(contact, found, history)
-    return notes + _untouched(scene, history, untouched)
+    return notes + near_patches(scene, history) + _untouched(scene, history, untouched)
 
 
 def _largest(found: ContactHistory) -> float:

@@ -120,6 +120,7 @@ class CellHistory:
     half_width: np.ndarray  # (T,) m
     z: np.ndarray  # (T, rows) m, middles of the rows
     length: np.ndarray  # (T, rows) m, along z
+    column_second: np.ndarray  # (T,) opposite, of the second surface's grid, 0 where it is rigid
 
 
 @dataclass

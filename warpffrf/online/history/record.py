@@ -104,7 +104,11 @@ def _cells(plan: PatchPlan, place: np.ndarray) -> CellHistory:
     scale = (width if plan.follows else np.ones(len(width)))[:, None]
     middle = (place[:, 1] if plan.follows else np.zeros(len(width)))[:, None]
     return CellHistory(
-        column=place[:, 0].copy(), half_width=width.copy(), z=middle + scale * plan.z, length=scale * plan.length
+        column=place[:, 0].copy(),
+        half_width=width.copy(),
+        z=middle + scale * plan.z,
+        length=scale * plan.length,
+        column_second=place[:, 3].copy(),
     )
 
 
