@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
+from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.result import ContactResult, HertzLine, PatchPressure
 from warpffrf.output.result import Result
 
-__all__ = ["ContactResult", "HertzLine", "PatchPressure", "Result"]
+__all__ = ["CellContactResult", "ContactResult", "HertzLine", "PatchPressure", "Result"]

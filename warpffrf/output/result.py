@@ -20,6 +20,8 @@ from warpffrf.online.history.history import (
     SensorHistory,
 )
 from warpffrf.output.bodies.skin import Skin
+from warpffrf.output.contact.cell_result import CellContactResult
+from warpffrf.output.contact.pair_result import PairResult
 from warpffrf.output.contact.result import ContactResult
 from warpffrf.output.geometry.scene_view import SceneView, scene_view
 
@@ -107,15 +109,16 @@ class Result:
         sensors = getattr(self.history.scene, "sensors", [])
         return {s.name: s for s in sensors if s.name not in self.history.sensors and s.kind == "stress"}
 
-    def contact(self, name: str) -> ContactResult:
+    def contact(self, name: str) -> PairResult:
         """The contact pair called `name`; raises InputError when there is none."""
         return _named(self._contacts, "contact", name)
 
     @cached_property
-    def _contacts(self) -> dict[str, ContactResult]:
-        bodies = self.history.bodies
+    def _contacts(self) -> dict[str, PairResult]:
         return {
-            name: ContactResult(history, self.view.pairs[name], bodies)
+            name: (ContactResult if history.cells is None else CellContactResult)(
+                history, self.view.pairs[name], self.history.bodies
+            )
             for name, history in self.history.contacts.items()
         }
 

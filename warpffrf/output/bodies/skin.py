@@ -2,16 +2,8 @@ r"""The deformed skin of a body at a saved step, and the pressure on it.
 
     x_user = X + Phi_g(X) q + recover(f)
 
-`recover` is the local modes' response to outward hat forces `f_i = int psi_i p dA`. On a pair's first surface the
-pressure is known by its hat coefficients, pushes inwards, and `f = -M p` with the hat Gram matrix `M = M_theta (x)
-M_z` on the true surface,
-
-    M_theta = pitch/6 [1 4 1],     M_z[k, l] = int zeta_k zeta_l R(z) sqrt(1 + R'(z)^2) dz;
-
-on the second surface the run recorded hat forces, positive inwards, and `f = -load_second`.
-For colours the second surface's pressure is `load_i / int psi_i dA` (the row-summed Gram matrix: positive, and exact
-for a constant). With friction the tangential forces of `patch_on_skin` are recovered in the same way, of bodies that
-were reduced with tangential modes.
+`recover` is the local modes' response to outward hat forces, those of `normal_loads`; with friction the tangential
+forces of `patch_on_skin` are recovered in the same way, of bodies that were reduced with tangential modes.
 """
 
 from __future__ import annotations
@@ -22,29 +14,15 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import unknown_name
+from warpffrf.output.bodies.normal_loads import hat_areas as hat_areas  # where they used to be
+from warpffrf.output.bodies.normal_loads import hat_forces as hat_forces
+from warpffrf.output.bodies.normal_loads import normal_loads
 from warpffrf.output.bodies.patch_on_skin import PatchOnSkin, tangential_forces
-from warpffrf.output.geometry.grid_places import SkinSurface, spread
+from warpffrf.output.geometry.grid_places import SkinSurface
 from warpffrf.output.geometry.grid_places import rotate as rotate  # where it used to be
 from warpffrf.output.geometry.scene_view import BodyView, PairView, SceneView
 
 CONTACT_FIELDS = ("pressure", "traction", "slip", "state", "wear")  # what a skin can show of its contacts
-
-
-def hat_forces(surface: Any, values: np.ndarray) -> np.ndarray:
-    """`M values`: hat forces (columns, rows) [N] of hat coefficients (columns, rows) [Pa] on the surface's whole
-    grid."""
-    pitch = surface.grid.pitch
-    if surface.grid.periodic:
-        around = pitch / 6.0 * (np.roll(values, 1, axis=0) + 4.0 * values + np.roll(values, -1, axis=0))
-    else:
-        padded = np.pad(values, ((1, 1), (0, 0)))
-        around = pitch / 6.0 * (padded[:-2] + 4.0 * padded[1:-1] + padded[2:])
-    return around @ surface.gram_z.T
-
-
-def hat_areas(surface: Any) -> np.ndarray:
-    """int psi_i dA of one column's hats (rows,) [m^2]; the hats of all columns inside the surface are alike."""
-    return surface.grid.pitch * surface.gram_z.sum(axis=1)
 
 
 class Skin:
@@ -58,6 +36,7 @@ class Skin:
         self._modes = body.reduced.surface.modes  # (m, n, 3)
         self._pairs = [p for p in view.pairs.values() if body.name in (p.first_body.name, p.second_body.name)]
         self._on = {p.name: SkinSurface(self._surface(p), self.points) for p in self._pairs}
+        self._loads = {p.name: normal_loads(p, history, first=self._is_first(p)) for p in self._pairs}
         self._rubbing = {
             p.name: PatchOnSkin(p, history, self._on[p.name], self.points, first=self._is_first(p))
             for p in self._pairs
@@ -70,22 +49,12 @@ class Skin:
     def _surface(self, pair: PairView) -> Any:
         return pair.first if self._is_first(pair) else pair.second
 
-    def _loads(self, pair: Any, i: int) -> tuple[np.ndarray, np.ndarray]:
-        """Outward hat forces [N] and pressure coefficients [Pa], both (columns, rows), of one pair on this body."""
-        contact = self.history.contacts[pair.name]
-        surface = self._surface(pair)
-        if self._is_first(pair):
-            pressure = spread(surface, contact.first_column[i], contact.pressure[i])
-            return -hat_forces(surface, pressure), pressure
-        load = spread(surface, contact.first_column_second[i], contact.load_second[i])
-        return -load, load / hat_areas(surface)
-
     def displacement(self, i: int) -> np.ndarray:
         """Elastic displacement (n, 3) [m] in user axes at saved step `i`."""
         q = self.history.bodies[self.body.name].modal[i]
         u = np.einsum("m,mnd->nd", q, self._modes) if len(q) else np.zeros_like(self.points)
         for pair in self._pairs:
-            forces, _ = self._loads(pair, i)
+            forces = self._loads[pair.name].forces(i)
             if np.any(forces):
                 u = u + self._surface(pair).recover(forces)
             tangential = self._surface(pair).tangential
@@ -99,7 +68,7 @@ class Skin:
         p = np.zeros(len(self.points))
         for pair in self._pairs:
             on = self._on[pair.name]
-            p[on.nodes] += on.interpolate(self._loads(pair, i)[1])
+            p[on.nodes] += self._loads[pair.name].pressure(i, on, self.points)
         return p
 
     @property

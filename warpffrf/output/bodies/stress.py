@@ -9,6 +9,9 @@ of the body's user frame, which turns with the body; von Mises and principal str
 On a pair's first body the traction is the pressure that the contact found, hat by hat; on the second it is that
 pressure projected on its own hats. Both swing a little from node to node about their mean over a hat, which is what
 contact results show as pressure; a few elements below the surface nothing of that is left.
+
+A pressure on cells that travel with the patch, finer than the mesh, reaches the body through equivalent hat forces, and
+what is near the patch is put right by the half-space under it (`patch_stress`).
 """
 
 from __future__ import annotations
@@ -22,10 +25,10 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.stress_field import StressField, max_shear, principal, von_mises
 from warpffrf.online.history.history import History
+from warpffrf.output.bodies.normal_loads import CellLoads, NormalLoads, normal_loads
 from warpffrf.output.bodies.patch_on_skin import tangential_forces
-from warpffrf.output.bodies.skin import hat_forces
-from warpffrf.output.geometry.grid_places import spread
-from warpffrf.output.geometry.scene_view import PairView, SceneView
+from warpffrf.output.bodies.patch_stress import PatchStress
+from warpffrf.output.geometry.scene_view import SceneView
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,26 +56,12 @@ class StressResult:
         return max_shear(self.tensor)
 
 
-def outward_forces(history: History, pair: PairView, body: str, i: int) -> np.ndarray:
-    """Outward hat forces (columns, rows) [N] of one pair on its surface of `body` at saved step `i`.
-
-    Pressure pushes inwards: `f = -M p` on the first body; on the second the run recorded the loads themselves.
-    """
-    contact = history.contacts[pair.name]
-    if pair.first_body.name == body:
-        return -hat_forces(pair.first, spread(pair.first, contact.first_column[i], contact.pressure[i]))
-    return -spread(pair.second, contact.first_column_second[i], contact.load_second[i])
-
-
-def surface_forces(history: History, view: SceneView, body: str, i: int) -> dict[str, np.ndarray]:
-    """Outward hat forces [N] on each loaded contact surface of `body`, summed over its pairs, at saved step `i`."""
+def surface_forces(loads: list[NormalLoads | PatchStress], i: int) -> dict[str, np.ndarray]:
+    """Outward hat forces [N] on each loaded contact surface of a body, by name, summed over its pairs' `loads` at saved
+    step `i`."""
     found: dict[str, np.ndarray] = {}
-    for pair in view.pairs.values():
-        if body not in (pair.first_body.name, pair.second_body.name):
-            continue
-        first = pair.first_body.name == body
-        name = pair.first_surface_name if first else pair.second_surface_name
-        forces = outward_forces(history, pair, body, i)
+    for load in loads:
+        forces, name = load.forces(i), load.surface.name
         found[name] = found[name] + forces if name in found else forces
     return found
 
@@ -114,9 +103,19 @@ def stress_result(result: Any, body: str, points: str) -> StressResult:
     history, view = result.history, result.view
     field = stress_field(view, body, points)
     modal = history.bodies[body].modal
+    reduced = view.bodies[body].reduced
+    walls = reduced.provenance.get("contact_walls", {})
+    loads: list[NormalLoads | PatchStress] = []
+    for pair in view.pairs.values():
+        if body in (pair.first_body.name, pair.second_body.name):
+            load = normal_loads(pair, history, first=pair.first_body.name == body)
+            is_fine = isinstance(load, CellLoads)
+            loads.append(PatchStress(load, field, walls.get(load.surface.name)) if is_fine else load)
     tensor = np.empty((len(history.time), len(field.points), 6))
     for i in range(len(tensor)):
-        tensor[i] = field.evaluate(
-            modal[i], surface_forces(history, view, body, i), tangential_surface_forces(history, view, body, i)
-        )
+        rubbing = tangential_surface_forces(history, view, body, i)
+        tensor[i] = field.evaluate(modal[i], surface_forces(loads, i), rubbing)
+        for load in loads:
+            if isinstance(load, PatchStress):
+                tensor[i] += load.at(i, load.forces(i))
     return StressResult(history.time, field.points, tensor)

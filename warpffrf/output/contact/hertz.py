@@ -53,14 +53,7 @@ def patch_kind(contact: Any) -> str:
     squares = 4.0 * np.diagonal(contact.moments.covariance[i])
     if along * (0.5 * width) ** 2 <= across * squares[0]:
         return "line"
-    return "line_around" if _ends_to_ends(contact, i) else "point"
-
-
-def _ends_to_ends(contact: Any, i: int) -> bool:
-    """True where the patch reaches both ends of an arc, to a column (the outermost hats may be inactive)."""
-    grid, history = contact.view.first.grid, contact.history
-    columns = history.first_column[i] + np.flatnonzero(np.any(history.pressure[i] > 0.0, axis=1))
-    return not grid.periodic and len(columns) > 0 and columns[0] <= 1 and columns[-1] >= grid.columns - 2
+    return "line_around" if contact.reaches_ends(i) else "point"
 
 
 def effective_radius(contact: Any) -> float:

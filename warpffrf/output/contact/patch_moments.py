@@ -6,8 +6,10 @@ The pressure is `p(theta, z) = sum_jk p_jk psi_j(theta) zeta_k(z)` on the first 
     P = h sum_jk p_jk I^0_k,       P theta_c = h sum_jk p_jk theta_j I^0_k,       P z_c = h sum_jk p_jk I^1_k,
     P m_theta = h sum_jk p_jk ((theta_j - theta_c)^2 + h^2/6) I^0_k,              P m_z = h sum_jk p_jk I^2_k - P z_c^2,
 
-since the second moment of a hat about its node is h^3/6. Lengths along the surface at the centre of pressure are
-`R(z_c) theta` and `sqrt(1 + R'(z_c)^2) z`; the covariance in metres is that of the angles times these factors.
+since the second moment of a hat about its node is h^3/6. Of pressures that are constant on cells zeta_k is 1 on the
+row k, h is the angle of a strip, and h^2/6 becomes h^2/12 (`geometry.cell_places`). Lengths along the surface at the
+centre of pressure are `R(z_c) theta` and `sqrt(1 + R'(z_c)^2) z`; the covariance in metres is that of the angles times
+these factors.
 
 What a second moment says of a half-width depends on how the pressure is spread. In one direction, with half-width a:
 
@@ -26,6 +28,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.contact_grid import GAUSS_PER_ROW, meridian_gram
+from warpffrf.output.geometry.cell_places import CellPlaces
 
 # square of the half-width over the second moment, (across, along), by kind of patch
 SPREAD = {"line": (4.0, 3.0), "line_around": (3.0, 4.0), "point": (5.0, 5.0), "flat": (3.0, 3.0)}
@@ -67,22 +70,25 @@ class PatchMeasure:
         return np.stack([self.shape.radius_at(z), np.sqrt(1.0 + self.shape.slope_at(z) ** 2)], axis=-1)
 
 
-class PatchMoments:
+class Moments:
     """Load, centre and covariance of the pressure, one row a saved step; zero where nothing touches."""
 
-    def __init__(self, measure: PatchMeasure, pressure: np.ndarray, theta: np.ndarray) -> None:
-        """pressure (T, columns, rows) Pa, hat coefficients; theta (T, columns), about the line of centres."""
-        columns = pressure @ measure.axial.T  # (T, columns, 3)
-        total = columns[..., 0].sum(axis=1)
+    def __init__(
+        self, measure: PatchMeasure, axial: np.ndarray, theta: np.ndarray, widths: tuple[np.ndarray, float]
+    ) -> None:
+        """axial (T, columns, 3): sum_k p_jk I^n_k of each column; theta (T, columns), about the line of centres;
+        widths: int psi_j dtheta (T,) of the functions around, and their second moment about their own middle over its
+        square."""
+        h, own = widths
+        total = axial[..., 0].sum(axis=1)
         touching = total > 0.0
         safe = np.where(touching, total, 1.0)
-        middle = np.where(touching, (columns[..., 0] * theta).sum(axis=1) / safe, 0.0)
-        z = np.where(touching, columns[..., 1].sum(axis=1) / safe, 0.5 * (measure.z[0] + measure.z[-1]))
+        middle = np.where(touching, (axial[..., 0] * theta).sum(axis=1) / safe, 0.0)
+        z = np.where(touching, axial[..., 1].sum(axis=1) / safe, 0.5 * (measure.z[0] + measure.z[-1]))
         away = theta - middle[:, None]
-        h = measure.pitch
-        around = (columns[..., 0] * (away**2 + h * h / 6.0)).sum(axis=1) / safe
-        along = columns[..., 2].sum(axis=1) / safe - z * z
-        mixed = (columns[..., 1] * away).sum(axis=1) / safe
+        around = (axial[..., 0] * (away**2 + own * (h * h)[:, None])).sum(axis=1) / safe
+        along = axial[..., 2].sum(axis=1) / safe - z * z
+        mixed = (axial[..., 1] * away).sum(axis=1) / safe
         metric = measure.metric(z)
         covariance = np.stack([np.stack([around, mixed], axis=1), np.stack([mixed, along], axis=1)], axis=1)
         covariance = covariance * metric[:, :, None] * metric[:, None, :]
@@ -102,3 +108,20 @@ class PatchMoments:
         angle = np.arctan2(axes[:, 1, 1], axes[:, 0, 1])
         angle = angle - np.pi * np.ceil(angle / np.pi - 0.5)
         return np.sqrt(np.maximum(5.0 * values[:, ::-1], 0.0)), angle
+
+
+class PatchMoments(Moments):
+    """Of hat coefficients."""
+
+    def __init__(self, measure: PatchMeasure, pressure: np.ndarray, theta: np.ndarray) -> None:
+        """pressure (T, columns, rows) Pa, hat coefficients; theta (T, columns), about the line of centres."""
+        super().__init__(measure, pressure @ measure.axial.T, theta, (np.full(len(pressure), measure.pitch), 1.0 / 6.0))
+
+
+class CellMoments(Moments):
+    """Of pressures that are constant on cells that travel with the patch."""
+
+    def __init__(self, measure: PatchMeasure, places: CellPlaces, pressure: np.ndarray, theta: np.ndarray) -> None:
+        """pressure (T, columns, rows) Pa; theta (T, columns), about the line of centres."""
+        axial = np.einsum("tjk,tnk->tjn", pressure, places.axial)
+        super().__init__(measure, axial, theta, (places.pitch, 1.0 / 12.0))

@@ -12,6 +12,8 @@ and T_c has no component along the axis: pressure alone cannot drive a surface o
 
     F = -n h sum_jk p_jk int zeta_k dz,      T_c = -h sum_jk p_jk (theta_j e_1 int zeta_k dz + e_a int zeta_k z dz) x n.
 
+On cells that travel with the patch, which span h, 2 (1 - cos h)/h becomes 2 sin(h/2), and zeta_k is 1 on its row.
+
 Tractions are constant per cell of area A, and their forces act at its node:
 
     F = sum_jk A_k (tau_1 e_theta + tau_2 t_z),      T = sum_jk x_jk x A_k (tau_1 e_theta + tau_2 t_z).
@@ -51,29 +53,30 @@ def pressure_wrench(result: Any, name: str) -> tuple[np.ndarray, np.ndarray]:
     its user origin."""
     contact = result.contact(name)
     surface = contact.view.first
-    shape, z, p = surface.shape, np.asarray(surface.grid.z), contact.history.pressure
+    shape = surface.shape
     theta = contact.theta + grid_theta_offset(surface)  # (T, columns)
-    force, torque = (_plane if shape.kind == "plane" else _revolution)(shape, z, p, theta, float(surface.grid.pitch))
+    force, torque = (_plane if shape.kind == "plane" else _revolution)(contact, shape, theta)
     torque = torque + np.cross(shape.axis_point, force)  # from the point on the axis to the user origin
     return _to_world(result, contact, force, torque)
 
 
-def _revolution(shape: Any, z: np.ndarray, p: np.ndarray, theta: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
-    """Force and torque (T, 3) about the point on the axis, user axes, of hats p (T, columns, rows) at theta."""
-    radial_sum, axial_sum, moment_sum = axial_integrals(shape, z)
-    hat = 2.0 * (1.0 - np.cos(h)) / h
+def _revolution(contact: Any, shape: Any, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Force and torque (T, 3) about the point on the axis, user axes, of pressures at theta (T, columns)."""
+    radial, around, rings = contact.pressure_resultants()
+    sums = np.einsum("tjk,tnk->ntj", contact.history.pressure, rings)
     e_r = shape.radial(theta)  # (T, columns, 3)
-    force = -hat * np.einsum("tj,tjd->td", p @ radial_sum, e_r) + h * (p @ axial_sum).sum(axis=1)[:, None] * shape.e_a
-    torque = -hat * np.einsum("tj,tjd->td", p @ moment_sum, np.cross(shape.e_a, e_r))
+    force = -radial[:, None] * np.einsum("tj,tjd->td", sums[0], e_r)
+    force = force + (around * sums[1].sum(axis=1))[:, None] * shape.e_a
+    torque = -radial[:, None] * np.einsum("tj,tjd->td", sums[2], np.cross(shape.e_a, e_r))
     return shape.side * force, shape.side * torque
 
 
-def _plane(shape: Any, z: np.ndarray, p: np.ndarray, theta: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
+def _plane(contact: Any, shape: Any, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The same of a plane, about its origin; theta (T, columns) m."""
-    length, _, first = axial_integrals(shape, z)
-    loads = h * (p @ length)
+    _, around, rings = contact.pressure_resultants()
+    loads, _, first = around[:, None] * np.einsum("tjk,tnk->ntj", contact.history.pressure, rings)
     force = -loads.sum(axis=1)[:, None] * shape.e_0
-    lever = (loads * theta).sum(axis=1)[:, None] * shape.e_1 + h * (p @ first).sum(axis=1)[:, None] * shape.e_a
+    lever = (loads * theta).sum(axis=1)[:, None] * shape.e_1 + first.sum(axis=1)[:, None] * shape.e_a
     return force, -np.cross(lever, shape.e_0)
 
 

@@ -25,25 +25,18 @@ those of the hats, which the mean does not change.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, NamedTuple
 
 import numpy as np
 
-from warpffrf.output.contact.friction import FrictionResult
-from warpffrf.output.contact.hertz import effective_modulus, effective_radius, hertz, pair_curvature, patch_kind
-from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
+from warpffrf.model.contact_grid import cell_edges
+from warpffrf.output.contact.hertz_patch import HertzLine
+from warpffrf.output.contact.pair_result import LineMoments, PairResult, PatchPressure, section_moments
 from warpffrf.output.contact.patch_moments import PatchMeasure, PatchMoments
+from warpffrf.output.contact.pressure_wrench import axial_integrals
 from warpffrf.output.contact.stress_error import StressError, stress_errors
-from warpffrf.output.geometry.scene_view import PairView
 
-
-class PatchPressure(NamedTuple):
-    """Pressure in the window of one saved step on the first body's contact grid."""
-
-    theta: np.ndarray  # (columns,) rad (m on a plane), grid angle on the first surface, increasing, not wrapped
-    arc: np.ndarray  # (columns,) m, along the mid-width circle, from the line of centres
-    z: np.ndarray  # (rows,) m, along the axis of the first surface
-    pressure: np.ndarray  # (columns, rows) Pa
+__all__ = ["ContactResult", "HertzLine", "PatchPressure"]
+OWN = 1.0 / 6.0  # second moment of a hat about its node, over the square of the spacing
 
 
 def mid_width(z: np.ndarray) -> tuple[int, int, float]:
@@ -55,19 +48,10 @@ def mid_width(z: np.ndarray) -> tuple[int, int, float]:
     return k, k + 1, float((middle - z[k]) / (z[k + 1] - z[k]))
 
 
-def line_moments(x: np.ndarray, p: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Line load, centre and half-width of piecewise linear pressures.
-
-    x: (T, n) m or (n,); p: (T, n) Pa; h: hat spacing m. Returns P' [N/m], centre [m] and `2 sqrt(second moment)` [m],
-    each (T,); all zero where nothing touches.
-    """
-    total = p.sum(axis=-1)
-    touching = total > 0.0
-    safe = np.where(touching, total, 1.0)
-    center = np.where(touching, (p * x).sum(axis=-1) / safe, 0.0)
-    second = (p * ((x - center[..., None]) ** 2 + h * h / 6.0)).sum(axis=-1) / safe
-    half_width = np.where(touching, 2.0 * np.sqrt(np.maximum(second, 0.0)), 0.0)
-    return h * total, center, half_width
+def line_moments(x: np.ndarray, p: np.ndarray, h: float) -> LineMoments:
+    """Line load, centre and half-width of piecewise linear pressures p (T, n) [Pa] at x (T, n) or (n,) [m]; h: hat
+    spacing [m]."""
+    return section_moments(x, p, h, OWN)
 
 
 def hat_means(p: np.ndarray) -> np.ndarray:
@@ -76,43 +60,9 @@ def hat_means(p: np.ndarray) -> np.ndarray:
     return (padded[:, :-2] + 4.0 * padded[:, 1:-1] + padded[:, 2:]) / 6.0
 
 
-class ContactResult:
-    """One contact pair of a run; arrays have one row per saved step.
-
-    Forces act on the pair's first body in world axes, torques about that body's user origin. `friction` holds
-    tractions, slip and creepage of a pair with friction.
-    """
-
-    def __init__(self, history: Any, view: PairView, bodies: dict[str, Any] | None = None) -> None:
-        """bodies: motions by name, `History.bodies`; without them both user frames are taken at the world's origin."""
-        self.history = history
-        self.view = view
-        self.name = view.name
-        self.bodies = bodies or {}
-        self.force = history.force  # (T, 3) N, on the first body
-        self.torque = history.torque  # (T, 3) N m
-        self.force_second = history.force_second  # (T, 3) N, on the second body, integrated on its own surface
-        self.torque_second = history.torque_second  # (T, 3) N m
-        self.approach = history.approach  # (T,) m
-        self.active_hats = history.active_hats  # (T,)
-
-    @property
-    def force_magnitude(self) -> np.ndarray:
-        """(T,) N."""
-        return np.linalg.norm(self.force, axis=1)
-
-    @property
-    def has_friction(self) -> bool:
-        """True where the pair was run with friction, so that `friction` answers."""
-        return getattr(self.history, "friction", None) is not None
-
-    @cached_property
-    def friction(self) -> FrictionResult:
-        """Tractions, slip, stick and slip areas, creepage, power and wear index; raises `InputError` for a pair without
-        friction."""
-        return FrictionResult(self)
-
-    # --- the grid on the first surface ---
+class ContactResult(PairResult):
+    """One contact pair whose pressure stands on the hats of the first body's contact grid, see `PairResult`; arrays
+    have one row per saved step."""
 
     @cached_property
     def z(self) -> np.ndarray:
@@ -130,10 +80,14 @@ class ContactResult:
         return float(self.view.first.shape.radius_at(0.5 * (self.z[0] + self.z[-1])))
 
     @property
-    def side(self) -> float:
-        """+1 where e_theta of the first surface, direction 0 of tractions, points to growing arc, -1 on an inside form,
-        where it points against it."""
-        return float(self.view.first.shape.side)
+    def rows(self) -> np.ndarray:
+        """(T, rows) m, `z` in every saved step."""
+        return np.broadcast_to(self.z, (len(self.history.pressure), len(self.z)))
+
+    @property
+    def window(self) -> float:
+        """Half the arc [m] of the window of hats."""
+        return 0.5 * self.spacing * self.history.pressure.shape[1]
 
     @property
     def spacing(self) -> float:
@@ -162,12 +116,19 @@ class ContactResult:
             self.history.first_column[:, None] + np.arange(self.history.pressure.shape[1])
         )
 
-    # --- pressure ---
+    def cell_lines(self, i: int) -> tuple[np.ndarray, np.ndarray]:
+        """Lines arc (columns + 1,) and z (rows + 1,) [m] between the cells around the nodes in saved step `i`."""
+        arc, half = self.arc[i], 0.5 * self.spacing
+        return np.append(arc - half, arc[-1:] + half), cell_edges(self.z)
 
-    @cached_property
-    def touching(self) -> np.ndarray:
-        """(T,) bool, whether anything presses."""
-        return np.any(self.history.pressure > 0.0, axis=(1, 2))
+    def reaches_ends(self, i: int) -> bool:
+        """True where the patch of saved step `i` reaches both ends of an arc, to a column (the outermost hats may be
+        inactive)."""
+        grid = self.view.first.grid
+        columns = self.history.first_column[i] + np.flatnonzero(np.any(self.history.pressure[i] > 0.0, axis=1))
+        return not grid.periodic and len(columns) > 0 and columns[0] <= 1 and columns[-1] >= grid.columns - 2
+
+    # --- pressure ---
 
     @cached_property
     def mean_pressure(self) -> np.ndarray:
@@ -175,88 +136,13 @@ class ContactResult:
         return hat_means(self.history.pressure)
 
     @cached_property
-    def _section(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Rows (T,) beside the section of each saved step and the weight of the second: mid-width, of a point contact
-        the centre of pressure."""
-        k, k1, w = mid_width(self.z)
-        steps = np.ones(len(self.touching))
-        if self.patch_kind != "point" or len(self.z) == 1:
-            return (k * steps).astype(int), (k1 * steps).astype(int), w * steps
-        z = np.where(self.touching, self.moments.center[:, 1], 0.5 * (self.z[0] + self.z[-1]))
-        at = np.clip(np.searchsorted(self.z, z, side="right") - 1, 0, len(self.z) - 2)
-        return at, at + 1, (z - self.z[at]) / (self.z[at + 1] - self.z[at])
-
-    def in_section(self, values: np.ndarray, steps: slice = slice(None)) -> np.ndarray:
-        """(n, columns) of values (n, columns, rows) at the saved `steps`: along the arc at mid-width, of a point
-        contact through the centre of pressure."""
-        k, k1, w = (part[steps] for part in self._section)
-        i = np.arange(len(values))
-        return (1.0 - w)[:, None] * values[i, :, k] + w[:, None] * values[i, :, k1]
-
-    def section_row(self, i: int) -> int:
-        """The grid row nearest to the section at saved step `i`."""
-        k, k1, w = (part[i] for part in self._section)
-        return int(k1 if w > 0.5 else k)
-
-    @cached_property
-    def mid_pressure(self) -> np.ndarray:
-        """(T, columns) Pa, pressure of the nodes at mid-width, of a point contact through the centre of pressure."""
-        return self.in_section(self.mean_pressure)
-
-    @cached_property
     def moments(self) -> PatchMoments:
         """Load, centre and covariance of the whole patch."""
         return PatchMoments(self.measure, self.history.pressure, self.view.first.grid.pitch * self._offset)
 
     @cached_property
-    def _line(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _line(self) -> LineMoments:
         return line_moments(self.arc, self.in_section(self.history.pressure), self.spacing)
-
-    @property
-    def normal_load(self) -> np.ndarray:
-        """(T,) N, integral of the pressure over the surface."""
-        return self.moments.load
-
-    @property
-    def line_load(self) -> np.ndarray:
-        """(T,) N/m, integral of the pressure across the patch at mid-width, of a point contact through its centre."""
-        return self._line[0]
-
-    @property
-    def center(self) -> np.ndarray:
-        """(T,) m of arc, centre of the pressure at mid-width, of a point contact of the whole patch, from the line of
-        centres."""
-        return self.moments.center[:, 0] if self.patch_kind == "point" else self._line[1]
-
-    @property
-    def center_of_pressure(self) -> np.ndarray:
-        """(T, 2) m, of the whole patch: arc from the line of centres, and z; (0, mid-width) where nothing touches."""
-        return self.moments.center
-
-    @property
-    def half_width(self) -> np.ndarray:
-        """(T,) m, along the arc: twice the root of the second moment of the mid-width pressure; of a point contact or
-        a flat one that of the whole patch, `half_widths[:, 0]`; of a line along the arc `half_widths[:, 1]`; 0 where
-        nothing touches."""
-        if self.patch_kind == "line":
-            return self._line[2]
-        return self.half_widths[:, 1 if self.patch_kind == "line_around" else 0]
-
-    @cached_property
-    def half_widths(self) -> np.ndarray:
-        """(T, 2) m, along e_theta and t_z, from the second moments of the whole patch; 0 where nothing touches. Of a
-        skewed ellipse these are the sides of its bounding rectangle; see `semi_axes`."""
-        return self.moments.half_widths(self.patch_kind)
-
-    @property
-    def semi_axes(self) -> np.ndarray:
-        """(T, 2) m, the larger first, of the ellipse of a point contact with the patch's second moments."""
-        return self.moments.principal()[0]
-
-    @property
-    def patch_angle(self) -> np.ndarray:
-        """(T,) rad, of the larger of `semi_axes`, from e_theta towards t_z."""
-        return self.moments.principal()[1]
 
     @cached_property
     def patch_area(self) -> np.ndarray:
@@ -273,40 +159,11 @@ class ContactResult:
         """(T,) Pa, largest pressure of a node in `mid_pressure`: the number to hold against Hertz."""
         return self.mid_pressure.max(axis=1, initial=0.0)
 
-    def pressure(self, i: int) -> PatchPressure:
-        """Pressure of the nodes in the window of saved step `i`, with positions."""
-        return PatchPressure(self.theta[i], self.arc[i], self.z, self.mean_pressure[i])
-
-    # --- against Hertz ---
-
-    def curvature(self, i: int) -> np.ndarray:
-        """(2, 2) 1/m, relative curvature of the true surfaces along (e_theta, t_z) under the patch of saved step `i`:
-        the gap is 1/2 x.K.x."""
-        return pair_curvature(self, i)
-
-    @cached_property
-    def patch_kind(self) -> str:
-        """ "line", "line_around" (the line lies along the arc), "point" or "flat", see `hertz`; at the largest
-        load of the run."""
-        return patch_kind(self)
-
-    @cached_property
-    def effective_radius(self) -> float:
-        """1/(1/R1 + 1/R2) across the patch [m], of inside forms with their sign, at the largest load of the run."""
-        return effective_radius(self)
-
-    @cached_property
-    def effective_modulus(self) -> float:
-        """E* [Pa] of the pair, from the materials in the reduced bodies' provenance; a rigid partner adds nothing."""
-        return effective_modulus(self.view)
-
-    def hertz(self, i: int) -> HertzLine | HertzPoint:
-        """Hertz's contact in saved step `i`: of a line at the line load found at mid-width, of a point at the load.
-
-        Raises `InputError` where nothing touches, and where Hertz's theory does not apply: flat faces, surfaces that
-        conform, a line that lies along the arc, a cover that is thin beside the patch.
-        """
-        return hertz(self, i)
+    def pressure_resultants(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Of the hats; see `PairResult` and `pressure_wrench`."""
+        h, steps = float(self.view.first.grid.pitch), np.ones(len(self.history.pressure))
+        rings = np.stack(axial_integrals(self.view.first.shape, self.z))
+        return 2.0 * (1.0 - np.cos(h)) / h * steps, h * steps, np.broadcast_to(rings, (len(steps), *rings.shape))
 
     def stress_errors(self, i: int) -> dict[str, StressError]:
         """How right the von Mises stress below the line is in saved step `i`, and the depth of its maximum, by flexible
@@ -316,10 +173,3 @@ class ContactResult:
         tell.
         """
         return stress_errors(self, i)
-
-    def hertz_pressure(self, i: int, x: np.ndarray) -> np.ndarray:
-        """Hertz's pressure [Pa] at arc positions `x` [m] in the section of `mid_pressure`, about the centre found in
-        step `i`."""
-        found = self.hertz(i)
-        reach = found.section if isinstance(found, HertzPoint) else found.half_width
-        return found.peak_pressure * np.sqrt(np.maximum(0.0, 1.0 - ((x - self.center[i]) / reach) ** 2))

@@ -8,6 +8,7 @@ import numpy as np
 
 from warpffrf.output.files.fields import (
     BODY_FIELDS,
+    CELL_FIELDS,
     CONTACT_FIELDS,
     DERIVED_FIELDS,
     ENERGY_UNITS,
@@ -20,6 +21,7 @@ from warpffrf.output.files.fields import (
     RUN_FIELDS,
     SIZES,
     Field,
+    of_owner,
 )
 
 
@@ -47,6 +49,7 @@ def to_xarray(result: Any) -> Any:
         (coords if field.name == "time" else data)[field.name] = entry
     contacts = {name: result.contact(name) for name in history.contacts}
     rubbing = {name: contact.friction for name, contact in contacts.items() if contact.has_friction}
+    cells = {name: contact.cells for name, contact in history.contacts.items() if contact.cells is not None}
     stuck = {name: force.friction for name, force in history.forces.items() if force.friction is not None}
     if stuck:
         coords["slip"] = ["along", "around"]
@@ -58,6 +61,7 @@ def to_xarray(result: Any) -> Any:
         ("pair", DERIVED_FIELDS, contacts),
         *([("joint_friction", JOINT_FRICTION_FIELDS, stuck)] if stuck else []),
         *([("lumped_contact", LUMPED_FIELDS, history.lumped_contacts)] if history.lumped_contacts else []),
+        *([("cell_pair", CELL_FIELDS, cells)] if cells else []),
         *([("friction_pair", (*FRICTION_FIELDS, *FRICTION_DERIVED), rubbing)] if rubbing else []),
     )
     for dim, fields, owners in groups:
@@ -73,13 +77,16 @@ def to_xarray(result: Any) -> Any:
             for name, owner in owners.items():
                 second = "_second" if field.name.endswith("_second") else ""
                 dims = tuple(d if d in SIZES else f"{d}{second}_{name}" for d in field.dims)
-                data[f"{field.name}_{name}"] = (("time", *dims), getattr(owner, field.attribute), _attributes(field))
+                about = _attributes(of_owner(field, owner))
+                data[f"{field.name}_{name}"] = (("time", *dims), getattr(owner, field.attribute), about)
     for place, prefix in enumerate(("joint_coordinate", "joint_second_coordinate")):
         names = [joint.names[place] if place < len(joint.names) else "" for joint in history.joints.values()]
         coords[f"{prefix}_name"] = (("joint",), np.array(names, dtype=object if names else str))
     for name, contact in contacts.items():
-        z = np.asarray(contact.view.first.grid.z)
-        coords[f"row_{name}"] = ((f"row_{name}",), z, {"units": "m", "frame": "along the axis of the first surface"})
+        if name not in cells:  # whose rows move, see contact_cell_z
+            z = np.asarray(contact.view.first.grid.z)
+            about = {"units": "m", "frame": "along the axis of the first surface"}
+            coords[f"row_{name}"] = ((f"row_{name}",), z, about)
         arc = {"units": "m", "frame": "first surface, from the line of centres"}
         coords[f"arc_{name}"] = (("time", f"column_{name}"), contact.arc, arc)
     for name in result.sensor_names:

@@ -6,7 +6,8 @@ and kept one array per owner (`contact_pressure/<pair> (time, column, row)`) whe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -91,6 +92,16 @@ CONTACT_FIELDS = (
     ),
 )
 
+# Of the pairs whose pressure stands on cells that travel with the patch: their own owners, `cell_pair`.
+CELL_FRAME = "first surface, along its axis"
+TRAVELLING = "cells that travel with the patch: equal strips across, rows along the axis of the first surface"
+CELL_FIELDS = (
+    Field("contact_cell_column", "column", "1", "contact grid of the first surface, middle of the patch"),
+    Field("contact_cell_half_width", "half_width", "m", "first surface, arc over which strips are to either side"),
+    Field("contact_cell_z", "z", "m", f"{CELL_FRAME}, middles of the rows", ("row",), stacked=False),
+    Field("contact_cell_length", "length", "m", f"{CELL_FRAME}, lengths of the rows", ("row",), stacked=False),
+)
+
 LUMPED_FIELDS = (
     Field("lumped_force", "force", "N", "world, on the first body", AXIS),
     Field("lumped_torque", "torque", "N m", f"{USER_ORIGIN}, on the first body", AXIS),
@@ -153,3 +164,10 @@ DERIVED_POSITIONS = (
     Field("contact_pressure_arc", "arc", "m", "first surface, from the line of centres", ("column",), stacked=False),
 )
 ENERGY_UNITS = "J"
+
+
+def of_owner(field: Field, owner: Any) -> Field:
+    """The quantity as this owner has it: the pressure of a contact pair may stand on cells of its own."""
+    if field.name == "contact_pressure" and getattr(owner, "cells", None) is not None:
+        return replace(field, frame=TRAVELLING)
+    return field

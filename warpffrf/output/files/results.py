@@ -4,6 +4,8 @@
     /body_position (time, body, axis), /contact_force (time, pair, axis), ...   stacked over the owners
     /lumped_force (time, lumped_contact, axis), ...   over the lumped contacts, where there are any
     /contact_friction_power (time, friction_pair), ...   over the pairs with friction, where there are any
+    /contact_cell_half_width (time, cell_pair), /contact_cell_z/<pair> (time, row), ...   over the pairs whose pressure
+                             stands on cells that travel with the patch, where there are any
     /contact_pressure/<pair> (time, column, row), /body_modal/<body>, ...       one dataset an owner
     /sensor/<name> (time, component)
     /energy (time, line)
@@ -34,6 +36,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.surfaces import from_description
 from warpffrf.online.history.history import (
     BodyHistory,
+    CellHistory,
     ContactHistory,
     ForceHistory,
     FrictionHistory,
@@ -46,6 +49,7 @@ from warpffrf.online.history.history import (
 from warpffrf.output.files.dataset import stacked
 from warpffrf.output.files.fields import (
     BODY_FIELDS,
+    CELL_FIELDS,
     CONTACT_FIELDS,
     DERIVED_FIELDS,
     DERIVED_POSITIONS,
@@ -58,6 +62,7 @@ from warpffrf.output.files.fields import (
     LUMPED_FIELDS,
     RUN_FIELDS,
     Field,
+    of_owner,
 )
 from warpffrf.output.geometry.anchors import Anchor
 from warpffrf.output.geometry.scene_view import GROUND, BodyView, PairView, SceneView, ground_view
@@ -99,6 +104,10 @@ def write_results(result: Any, path: str | os.PathLike[str]) -> Path:
         file.attrs["joint_coordinates"] = json.dumps({name: j.names for name, j in history.joints.items()})
         contacts = {name: result.contact(name) for name in history.contacts}
         _put_group(file, "pair", (*DERIVED_FIELDS, *DERIVED_POSITIONS), contacts, steps)
+        cells = {name: c.cells for name, c in history.contacts.items() if c.cells is not None}
+        file.attrs["cell_names"] = json.dumps(list(cells))
+        if cells:
+            _put_group(file, "cell_pair", CELL_FIELDS, cells, steps)
         rubbing = {name: c.friction for name, c in contacts.items() if c.has_friction}
         file.attrs["friction_names"] = json.dumps(list(rubbing))
         if rubbing:
@@ -151,6 +160,8 @@ def _read(file: Any) -> History:
         groups[attribute] = {name: record(**_fields_of(file, fields, name, n)) for n, name in enumerate(names)}
     for name, named in json.loads(file.attrs.get("joint_coordinates", "{}")).items():
         groups["joints"][name].names = tuple(named)
+    for n, name in enumerate(json.loads(file.attrs.get("cell_names", "[]"))):  # older files have none
+        groups["contacts"][name].cells = CellHistory(**_fields_of(file, CELL_FIELDS, name, n))
     for n, name in enumerate(json.loads(file.attrs.get("friction_names", "[]"))):
         groups["contacts"][name].friction = FrictionHistory(**_fields_of(file, FRICTION_FIELDS, name, n))
     for n, name in enumerate(json.loads(file.attrs.get("joint_friction_names", "[]"))):
@@ -202,7 +213,7 @@ def _put_group(file: Any, dim: str, fields: tuple[Field, ...], owners: dict[str,
             continue
         group = file.create_group(field.name)
         for name, owner in owners.items():
-            _put(group, field, getattr(owner, field.attribute), (), key=_key(name))
+            _put(group, of_owner(field, owner), getattr(owner, field.attribute), (), key=_key(name))
 
 
 def _get(file: Any, field: Field, name: str, n: int) -> np.ndarray:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
 from warpffrf.output.paths import checked_output_path
 from warpffrf.output.plots.colors import largest
@@ -77,12 +78,21 @@ def force(result: Any, ax: Any) -> None:
         ax.legend(frameon=False)
 
 
+def _profile(ax: Any, contact: Any, x: np.ndarray, p: np.ndarray, lines: np.ndarray) -> None:
+    """Pressures p (n,) at x (n,) along a section: joined between nodes, constant on cells between `lines` (n + 1,)."""
+    if isinstance(contact, CellContactResult):
+        ax.stairs(p, lines, lw=1.0, color=PROFILE, label="computed, on the cells")
+        ax.plot(x, p, "o", ms=3.0, color=PROFILE)
+    else:
+        ax.plot(x, p, "o-", ms=3.5, lw=1.0, color=PROFILE, label="computed, at the hats")
+
+
 def across(result: Any, ax: Any) -> None:
     """Pressure across the patch at mid-width, of a point contact through its centre, beside Hertz at the load found."""
     contact = _contact(result)
     i = _last_touching(contact)
-    x, p = contact.arc[i] * 1e3, contact.mid_pressure[i] * 1e-6
-    ax.plot(x, p, "o-", ms=3.5, lw=1.0, color=PROFILE, label="computed, at the hats")
+    p = contact.mid_pressure[i] * 1e-6
+    _profile(ax, contact, contact.arc[i] * 1e3, p, contact.cell_lines(i)[0] * 1e3)
     title = f"{SECTIONS.get(contact.patch_kind, 'Across the patch at mid-width')}, {_at(result, i)}"
     line = hertz_of(contact, i)
     if line is not None:
@@ -108,7 +118,7 @@ def along(result: Any, ax: Any) -> None:
     i = _last_touching(contact)
     patch = contact.pressure(i)
     column = int(np.argmax(contact.mid_pressure[i]))
-    ax.plot(patch.z * 1e3, patch.pressure[column] * 1e-6, "o-", ms=3.5, lw=1.0, color=PROFILE, label="computed")
+    _profile(ax, contact, patch.z * 1e3, patch.pressure[column] * 1e-6, contact.cell_lines(i)[1] * 1e3)
     found = hertz_of(contact, i)
     if isinstance(found, HertzPoint):
         width, middle = found.half_width_along, contact.center_of_pressure[i, 1]
@@ -123,21 +133,22 @@ def along(result: Any, ax: Any) -> None:
 
 
 def patch(result: Any, ax: Any) -> None:
-    """Pressure on the unwrapped patch, bilinear between the hats."""
+    """Pressure on the unwrapped patch, bilinear between hats and constant on cells that travel with it."""
     contact = _contact(result)
     i = _last_touching(contact)
     field = contact.pressure(i)
-    image = ax.pcolormesh(
-        field.arc * 1e3, field.z * 1e3, field.pressure.T * 1e-6, shading="gouraud", cmap="magma_r", vmin=0.0
-    )
+    on_cells = isinstance(contact, CellContactResult)
+    arc, z = contact.cell_lines(i) if on_cells else (field.arc, field.z)
+    shading = "flat" if on_cells else "gouraud"
+    image = ax.pcolormesh(arc * 1e3, z * 1e3, field.pressure.T * 1e-6, shading=shading, cmap="magma_r", vmin=0.0)
     ax.figure.colorbar(image, ax=ax, label="pressure [MPa]")
     reach = contact.half_width[i] * SHOWN_WIDTHS * 1e3
     if reach > 0.0:
         middle = contact.center[i] * 1e3
-        ax.set_xlim(max(middle - reach, field.arc[0] * 1e3), min(middle + reach, field.arc[-1] * 1e3))
+        ax.set_xlim(max(middle - reach, arc[0] * 1e3), min(middle + reach, arc[-1] * 1e3))
     if contact.patch_kind == "point" and reach > 0.0:
         reach, middle = contact.half_widths[i, 1] * SHOWN_WIDTHS * 1e3, contact.center_of_pressure[i, 1] * 1e3
-        ax.set_ylim(max(middle - reach, field.z[0] * 1e3), min(middle + reach, field.z[-1] * 1e3))
+        ax.set_ylim(max(middle - reach, z[0] * 1e3), min(middle + reach, z[-1] * 1e3))
     ax.set(xlabel="arc from the line of centres [mm]", ylabel="along the axis [mm]")
     ax.set_title(f"Patch, unwrapped, {_at(result, i)}", fontsize=10)
 

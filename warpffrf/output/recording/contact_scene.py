@@ -24,7 +24,7 @@ from warpffrf.output.plots.colors import (
     map_axes_picture,
 )
 from warpffrf.output.recording import frames as fr
-from warpffrf.output.recording.patch_map import cell_map, hat_map, map_window, pixels
+from warpffrf.output.recording.patch_map import cell_map, map_window, pixels, pressure_map
 
 MAP_SHAPE = (220, 480)  # pixels (height, width) of the patch map
 COARSER = 2  # pixels of a map to one of the pictures of friction: constant cells need no more
@@ -111,7 +111,8 @@ class ContactScene:
     def static(self) -> None:
         """Topology of the reliefs, and the map's axes as a still picture that the fields' pictures are laid into."""
         rr, log = self.recorder.rr, self.recorder.log_static
-        triangles = fr.grid_triangles(*self.contact.history.pressure.shape[1:]).astype(np.uint32)
+        shape = fr.relief_values(self.contact, self.contact.history.pressure[0]).shape
+        triangles = fr.grid_triangles(*shape).astype(np.uint32)
         for field in self.fields:
             log(self.world(relief_name(field)), rr.Mesh3D.from_fields(triangle_indices=triangles))
         window = self.window
@@ -131,12 +132,11 @@ class ContactScene:
         vertices = fr.relief(contact, i, colors.top_pressure, self.height).astype(np.float32)
         for field in self.fields:
             values, scale = field_window(contact, field, i), colors.scale(field)
-            mesh = rr.Mesh3D.from_fields(
-                vertex_positions=vertices.copy(), vertex_colors=scale.packed(values.reshape(-1))
-            )
+            colored = scale.packed(fr.relief_values(contact, values).reshape(-1))
+            mesh = rr.Mesh3D.from_fields(vertex_positions=vertices.copy(), vertex_colors=colored)
             log(self.world(relief_name(field)), mesh)
             if field == "pressure":
-                picture = hat_map(contact, i, values, self.window, MAP_SHAPE)
+                picture = pressure_map(contact, i, values, self.window, MAP_SHAPE)
             else:
                 coarse = MAP_SHAPE[0] // COARSER, MAP_SHAPE[1] // COARSER
                 picture = cell_map(contact, i, values, self.window, coarse)
@@ -164,8 +164,8 @@ class ContactScene:
     def _forces(self, frame: fr.PatchFrame, i: int) -> None:
         """Both forces, drawn beside the bodies' end so that no body hides them."""
         recorder, contact = self.recorder, self.contact
-        z = contact.z
-        origin = frame.origin - frame.axes[:, 1] * 0.75 * (z[-1] - z[0])
+        low, high = contact.ends
+        origin = frame.origin - frame.axes[:, 1] * 0.75 * (high - low)
         scale = ARROW_LENGTH * recorder.size / recorder.top_force if recorder.top_force > 0.0 else 0.0
         vectors = np.stack([contact.force[i], contact.force_second[i]]) * scale
         newton = [float(np.linalg.norm(contact.force[i])), float(np.linalg.norm(contact.force_second[i]))]

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.geometry.grid_places import grid_theta_offset, rotate
 from warpffrf.output.geometry.poses import tangents
 from warpffrf.output.geometry.thinning import thinned
@@ -76,20 +77,20 @@ class PatchFrame:
     axes: np.ndarray  # (3, 3), columns: e_theta, t_z, outward normal; world
 
 
-def _local_frame(contact: Any, i: int) -> tuple[np.ndarray, np.ndarray, float]:
-    """Origin (3,) [m] and axes (3, 3), in rows, of the patch frame in the first body's user frame, and its theta."""
+def _local_frame(contact: Any, i: int) -> tuple[np.ndarray, np.ndarray]:
+    """Origin (3,) [m] and axes (3, 3), in rows, of the patch frame in the first body's user frame."""
     surface = contact.view.first
     grid, shape = surface.grid, surface.shape
     theta = grid.theta_start + grid_theta_offset(surface) + grid.pitch * float(contact.history.center_column[i])
     middle = 0.5 * (float(grid.z[0]) + float(grid.z[-1]))
     e_theta, t_z = tangents(shape, theta, middle)[:, 0]
-    return np.ravel(shape.point(theta, middle)), np.stack([e_theta, t_z, np.cross(e_theta, t_z)]), theta
+    return np.ravel(shape.point(theta, middle)), np.stack([e_theta, t_z, np.cross(e_theta, t_z)])
 
 
 def patch_frame(result: Any, contact: Any, i: int) -> PatchFrame:
     """The frame that the close-up looks from at saved step `i`."""
     motion = result.history.bodies[contact.view.first_body.name]
-    point, local, _ = _local_frame(contact, i)
+    point, local = _local_frame(contact, i)
     origin = np.asarray(motion.position[i]) + rotate(motion.rotation[i], point[None])[0]
     return PatchFrame(origin, rotate(motion.rotation[i], local).T)
 
@@ -108,22 +109,36 @@ def _beside(loaded: np.ndarray, count: int) -> tuple[int, int]:
     return (max(int(loaded[0]) - 1, 0), min(int(loaded[-1]) + 1, count - 1)) if len(loaded) else (0, 0)
 
 
+def relief_values(contact: Any, values: np.ndarray) -> np.ndarray:
+    """`values` (columns, rows) at the vertices of the pair's relief: those of the nodes, or each cell's at its four
+    corners (2 columns, 2 rows), so that walls stand between the cells."""
+    return values.repeat(2, axis=0).repeat(2, axis=1) if isinstance(contact, CellContactResult) else values
+
+
+def _relief_lines(contact: Any, i: int) -> tuple[np.ndarray, np.ndarray]:
+    """theta of the first surface's shape and z of the vertices of the relief at saved step `i`."""
+    offset = grid_theta_offset(contact.view.first)
+    if isinstance(contact, CellContactResult):
+        lines = contact.places.theta_edges[i] + offset, contact.places.z_edges[i]
+        return lines[0].repeat(2)[1:-1], lines[1].repeat(2)[1:-1]
+    return contact.theta[i] + offset, contact.z
+
+
 def relief(contact: Any, i: int, top: float, height: float) -> np.ndarray:
-    """Vertices (columns * rows, 3) [m] of the pressure relief in the patch frame, p/top * height above the true
-    surface.
+    """Vertices (vertices, 3) [m] of the pressure relief in the patch frame, p/top * height above the true surface, in
+    the order of `relief_values`.
 
     Columns and rows beyond the first without pressure fall together with it, so that only the patch is seen.
     """
-    patch = contact.pressure(i)
     shape = contact.view.first.shape
-    first, last = _beside(np.flatnonzero(np.any(patch.pressure > 0.0, axis=1)), len(patch.arc))
-    low, high = _beside(np.flatnonzero(np.any(patch.pressure > 0.0, axis=0)), len(patch.z))
-    origin, axes, center = _local_frame(contact, i)
+    pressure = relief_values(contact, contact.mean_pressure[i])
+    around, along = _relief_lines(contact, i)
+    first, last = _beside(np.flatnonzero(np.any(pressure > 0.0, axis=1)), len(around))
+    low, high = _beside(np.flatnonzero(np.any(pressure > 0.0, axis=0)), len(along))
     theta, z = np.meshgrid(
-        center + np.clip(patch.arc, patch.arc[first], patch.arc[last]) / contact.mid_radius,
-        np.clip(patch.z, patch.z[low], patch.z[high]),
-        indexing="ij",
+        np.clip(around, around[first], around[last]), np.clip(along, along[low], along[high]), indexing="ij"
     )
-    lift = np.maximum(patch.pressure, 0.0) / top * height if top > 0.0 else np.zeros_like(patch.pressure)
+    lift = np.maximum(pressure, 0.0) / top * height if top > 0.0 else np.zeros_like(pressure)
     points = shape.point(theta, z) + lift[..., None] * shape.normal(theta, z)
+    origin, axes = _local_frame(contact, i)
     return ((points - origin) @ axes.T).reshape(-1, 3)

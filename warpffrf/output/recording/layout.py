@@ -56,7 +56,7 @@ def blueprint(recorder: Any) -> Any:
         rrb.TimeSeriesView(
             origin="/solver/iterations", contents=["/solver/iterations", "/solver/factorisations"], name="Newton"
         ),
-        rrb.TimeSeriesView(origin="/solver/active_hats", name="Active hats"),
+        rrb.TimeSeriesView(origin="/solver/active_hats", name="Active hats or cells"),
         rrb.TimeSeriesView(origin="/solver/energy_residual", name="Energy residual [-]"),
         rrb.TimeSeriesView(origin="/solver/step_size", name="Step size [s]"),
         name="Solver",

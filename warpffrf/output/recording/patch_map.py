@@ -1,6 +1,7 @@
 """The unwrapped patch as a picture: e_theta of the first surface to the right, its axis upwards, one window for a run.
 
-Pressure is bilinear between the hats, fields of friction are constant on cells, as they were computed.
+Pressure is bilinear between the hats, fields of friction and pressures on cells are constant on those, as they were
+computed.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_grid import cell_edges
+from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.plots.colors import largest
 
 PATCH_VIEW = 3.0  # this many half-widths (largest of the run) are shown to either side
@@ -37,13 +38,12 @@ class MapWindow:
 def map_window(contact: Any, rows: np.ndarray) -> MapWindow:
     """The window that holds the patch in all saved `rows`: the whole width of a line, of a point contact as many
     half-widths along the axis as across."""
-    z = contact.z
-    low, high = float(z[0]), float(z[-1])
+    low, high = contact.ends
     rows = np.asarray(rows)[contact.touching[rows]]
     width = contact.half_widths[rows]
     width = width[np.all(np.isfinite(width), axis=1)]
     if not len(width):
-        return MapWindow(0.5 * contact.spacing * contact.history.pressure.shape[1], low, high)
+        return MapWindow(contact.window, low, high)
     reach = PATCH_VIEW * largest([contact.half_width[rows] if contact.patch_kind == "line" else width[:, 0]])
     if contact.patch_kind == "point":
         middle = contact.center_of_pressure[rows][:, 1]
@@ -66,13 +66,27 @@ def hat_map(contact: Any, i: int, values: np.ndarray, window: MapWindow, shape: 
 
 def cell_map(contact: Any, i: int, values: np.ndarray, window: MapWindow, shape: tuple[int, int]) -> np.ndarray:
     """(height, width) of `values` (columns, rows) that are constant on the cells at saved step `i`, zero off them."""
-    arc, values = _rightwards(contact, i, values)
-    column = np.rint((window.x(shape[1]) - arc[0]) / contact.spacing).astype(int)
-    edges = cell_edges(contact.z)
-    row = np.clip(np.searchsorted(edges, window.z(shape[0]), side="right") - 1, 0, len(contact.z) - 1)
-    inside = (column >= 0) & (column < len(arc))
-    picture = values[np.clip(column, 0, len(arc) - 1)[None, :], row[:, None]]
-    return np.where(inside[None, :], picture, np.zeros((), values.dtype))
+    values = _rightwards(contact, i, values)[1]
+    arc, z = contact.cell_lines(i)
+    x = np.sort(contact.side * arc)
+    column, inside = _lying_in(x, window.x(shape[1]))
+    row, beside = _lying_in(z, window.z(shape[0]))
+    picture = values[column[None, :], row[:, None]]
+    return np.where(inside[None, :] & beside[:, None], picture, np.zeros((), values.dtype))
+
+
+def pressure_map(contact: Any, i: int, values: np.ndarray, window: MapWindow, shape: tuple[int, int]) -> np.ndarray:
+    """(height, width) of the pressure `values` (columns, rows) as it stands on the pair's own grid at saved step
+    `i`."""
+    on_cells = isinstance(contact, CellContactResult)
+    return (cell_map if on_cells else hat_map)(contact, i, values, window, shape)
+
+
+def _lying_in(lines: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers of the cells between the ascending `lines` in which the places `at` lie, the nearest for those in none,
+    and which lie in one."""
+    cell = np.searchsorted(lines, at, side="right") - 1
+    return np.clip(cell, 0, len(lines) - 2), (at >= lines[0]) & (at <= lines[-1])
 
 
 def pixels(contact: Any, i: int, window: MapWindow, shape: tuple[int, int]) -> np.ndarray:

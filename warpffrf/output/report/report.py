@@ -72,7 +72,7 @@ def _contact_lines(contact: Any) -> list[str]:
         f"  peak pressure   {contact.mid_peak_pressure[-1] / 1e6:.5g} MPa {_section(contact)}, "
         f"{contact.peak_pressure[-1] / 1e6:.5g} MPa anywhere",
         f"  approach        {contact.approach[-1] * 1e6:.5g} um",
-        f"  active hats     {int(contact.active_hats[-1])}",
+        f"  {'active ' + contact.loaded:<15} {int(contact.active_hats[-1])}",
     ]
     try:
         found = contact.hertz(-1)

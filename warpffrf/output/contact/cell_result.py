@@ -1,0 +1,165 @@
+r"""One contact pair whose pressure is constant on cells that travel with the patch, `CellHistory`.
+
+With strips of width w at x_j along the arc the sums over the section are, as of any function that is constant on
+strips, exactly
+
+    P' = w sum_j p_j,      c = sum_j p_j x_j / sum_j p_j,      m2 = sum_j p_j ((x_j - c)^2 + w^2/12) / sum_j p_j,
+
+and half-widths follow from second moments as on hats (`result`). The gap, and with it the pressure, is looked at in the
+middle of each cell. The largest pressure is therefore a sample of a smooth one, up to half a strip from its peak, and
+would depend on where the strips lie: between two of eight strips Hertz's is 0.8 % below his peak. What is reported as a
+peak is that of the parabola through the largest cell and its neighbours across, of a point contact with that along the
+meridian. A line contact, whose pressure rises towards free ends, has no parabola along its rows. Fields are those of
+the cells.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.output.contact.pair_result import LineMoments, PairResult, section_moments
+from warpffrf.output.contact.patch_moments import CellMoments, PatchMeasure
+from warpffrf.output.contact.stress_error import StressError
+from warpffrf.output.geometry.cell_places import CellPlaces
+
+OWN = 1.0 / 12.0  # second moment of a strip about its middle, over the square of its width
+REACHED = 0.5  # of a column of the grid: what reaches an end of an arc to within it ends there
+
+
+def peak_above(before: np.ndarray, largest: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """How much the parabola through three samples, equally far apart, rises above the largest, the one in the middle
+    [its unit]; 0 where a neighbour has none (the pressure ends there, with no parabola)."""
+    bend = 2.0 * largest - before - after
+    inside = (before > 0.0) & (after > 0.0) & (bend > 0.0)
+    return np.where(inside, (after - before) ** 2 / (8.0 * np.where(inside, bend, 1.0)), 0.0)
+
+
+def _beside(values: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Samples (T,) of values (T, n) before, at and after the places `at` (T,); 0 beyond the ends."""
+    padded, steps = np.pad(values, ((0, 0), (1, 1))), np.arange(len(values))
+    return padded[steps, at], padded[steps, at + 1], padded[steps, at + 2]
+
+
+class CellContactResult(PairResult):
+    """One contact pair whose pressure stands on cells that travel with the patch, see `PairResult`; arrays have one row
+    per saved step."""
+
+    loaded = "cells"
+
+    @cached_property
+    def places(self) -> CellPlaces:
+        """Where the cells are, in the chart of the first surface."""
+        return CellPlaces(self.view.first, self.history.cells, self.history.pressure.shape[1])
+
+    @property
+    def z(self) -> np.ndarray:
+        """(T, rows) m, middles of the rows along the axis of the first surface."""
+        return self.places.z
+
+    @property
+    def rows(self) -> np.ndarray:
+        """(T, rows) m, `z`."""
+        return self.places.z
+
+    @property
+    def spacing(self) -> np.ndarray:
+        """(T,) m of arc, width of a strip."""
+        return self.places.width
+
+    @property
+    def window(self) -> float:
+        """Half the arc [m] that the strips cover, the longest of the run."""
+        return 0.5 * self.history.pressure.shape[1] * float(np.max(self.spacing, initial=0.0))
+
+    @cached_property
+    def _beside_center(self) -> np.ndarray:
+        """(T,) rad, the middle of the patch from the line of centres."""
+        grid = self.view.first.grid
+        column = self.history.cells.column - self.history.center_column
+        if self.view.first.shape.kind != "plane":  # counted modulo the columns of the full turn: the near way round
+            turn = 2.0 * np.pi / grid.pitch
+            column = (column + 0.5 * turn) % turn - 0.5 * turn
+        return grid.pitch * column
+
+    @cached_property
+    def arc(self) -> np.ndarray:
+        """(T, columns) m, middles of the strips along the circle through the middle of the rows, from the line of
+        centres."""
+        middle = self.places.radius * self._beside_center
+        return middle[:, None] + self.spacing[:, None] * self.places.offset
+
+    def cell_lines(self, i: int) -> tuple[np.ndarray, np.ndarray]:
+        """Lines arc (columns + 1,) and z (rows + 1,) [m] between the cells of saved step `i`."""
+        arc, half = self.arc[i], 0.5 * self.spacing[i]
+        return np.append(arc - half, arc[-1:] + half), self.places.z_edges[i]
+
+    @property
+    def theta(self) -> np.ndarray:
+        """(T, columns) rad (m on a plane), middles of the strips on the first surface's grid."""
+        return self.places.theta
+
+    def reaches_ends(self, i: int) -> bool:
+        """True where the patch of saved step `i` reaches both ends of an arc, to half a column of its grid."""
+        grid = self.view.first.grid
+        columns = np.flatnonzero(np.any(self.history.pressure[i] > 0.0, axis=1))
+        if grid.periodic or not len(columns):
+            return False
+        edges, slack = self.places.theta_edges[i], REACHED * grid.pitch
+        return bool(edges[columns[0]] < grid.theta[0] + slack and edges[columns[-1] + 1] > grid.theta[-1] - slack)
+
+    # --- pressure ---
+
+    @property
+    def mean_pressure(self) -> np.ndarray:
+        """(T, columns, rows) Pa, pressure of each cell."""
+        return self.history.pressure
+
+    @cached_property
+    def moments(self) -> CellMoments:
+        """Load, centre and covariance of the whole patch."""
+        theta = self._beside_center[:, None] + self.places.pitch[:, None] * self.places.offset
+        return CellMoments(PatchMeasure(self.view.first), self.places, self.history.pressure, theta)
+
+    @cached_property
+    def _line(self) -> LineMoments:
+        return section_moments(self.arc, self.mid_pressure, self.spacing, OWN)
+
+    @cached_property
+    def patch_area(self) -> np.ndarray:
+        """(T,) m2, area of the cells whose pressure is positive: to within half a cell along the rim of the patch."""
+        return ((self.history.pressure > 0.0).sum(axis=1) * self.places.areas).sum(axis=1)
+
+    @cached_property
+    def peak_pressure(self) -> np.ndarray:
+        """(T,) Pa, largest pressure anywhere in the patch, by parabolas through the largest cell (see the module)."""
+        p = self.history.pressure
+        flat = p.reshape(len(p), -1)
+        steps, (j, k) = np.arange(len(p)), np.unravel_index(np.argmax(flat, axis=1), p.shape[1:])
+        around = _beside(p[steps, :, k], j)
+        found = around[1] + peak_above(*around)
+        if self.patch_kind == "point":
+            found = found + peak_above(*_beside(p[steps, j], k))
+        return np.maximum(found, 0.0)
+
+    @cached_property
+    def mid_peak_pressure(self) -> np.ndarray:
+        """(T,) Pa, largest pressure in the section of `mid_pressure`, by the parabola through its largest cell: the
+        number to hold against Hertz."""
+        found = _beside(self.mid_pressure, np.argmax(self.mid_pressure, axis=1))
+        return np.maximum(found[1] + peak_above(*found), 0.0)
+
+    def pressure_resultants(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Of the cells; see `PairResult` and `pressure_wrench`."""
+        return 2.0 * np.sin(0.5 * self.places.pitch), self.places.pitch, self.places.rings
+
+    def stress_errors(self, i: int) -> dict[str, StressError]:
+        """Raises `InputError`: the rule counts nodes in the half-width, and the cells of such a pair are finer than the
+        mesh, whose stress is corrected by the half-space under them."""
+        raise InputError(
+            f"contact '{self.name}': the error of the stress is not known, its rule is that of a pressure on the "
+            "contact grid, and this one stands on cells that travel with the patch; compare with Contact(..., "
+            'grid="material") on a fine mesh'
+        )

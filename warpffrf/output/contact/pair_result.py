@@ -1,0 +1,302 @@
+r"""What is said of every contact pair of a run, on whatever grid its pressure stands: forces, moments of the patch, and
+Hertz's contact beside them.
+
+The classes for the grids are `result.ContactResult`, hats of the first body's contact grid, and
+`cell_result.CellContactResult`, constants on cells that travel with the patch. A grid says where its columns and rows
+are, what its pressures are, and integrates them; everything else is here.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from warpffrf.output.contact.friction import FrictionResult
+from warpffrf.output.contact.hertz import effective_modulus, effective_radius, hertz, pair_curvature, patch_kind
+from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
+from warpffrf.output.contact.patch_moments import Moments
+from warpffrf.output.contact.stress_error import StressError
+from warpffrf.output.geometry.scene_view import PairView
+
+
+class PatchPressure(NamedTuple):
+    """Pressure of one saved step, at the nodes of the first body's contact grid or at the middles of cells."""
+
+    theta: np.ndarray  # (columns,) rad (m on a plane), grid angle on the first surface, increasing, not wrapped
+    arc: np.ndarray  # (columns,) m, along the mid-width circle, from the line of centres
+    z: np.ndarray  # (rows,) m, along the axis of the first surface
+    pressure: np.ndarray  # (columns, rows) Pa
+
+
+class LineMoments(NamedTuple):
+    """Line load, centre and half-width of the pressures in one section, each (T,); zero where nothing touches."""
+
+    load: np.ndarray  # N/m
+    center: np.ndarray  # m
+    half_width: np.ndarray  # m, twice the root of the second moment
+
+
+def section_moments(x: np.ndarray, p: np.ndarray, h: Any, own: float) -> LineMoments:
+    """Of pressures p (T, n) [Pa] at x (T, n) or (n,) [m], on functions of the spacing h [m], a number or (T,), which
+    have the second moment `own` h^2 about their own middle."""
+    h = np.asarray(h, dtype=float)
+    total = p.sum(axis=-1)
+    touching = total > 0.0
+    safe = np.where(touching, total, 1.0)
+    center = np.where(touching, (p * x).sum(axis=-1) / safe, 0.0)
+    second = (p * ((x - center[..., None]) ** 2 + own * (h * h)[..., None])).sum(axis=-1) / safe
+    half_width = np.where(touching, 2.0 * np.sqrt(np.maximum(second, 0.0)), 0.0)
+    return LineMoments(h * total, center, half_width)
+
+
+class PairResult(ABC):
+    """One contact pair of a run; arrays have one row per saved step.
+
+    Forces act on the pair's first body in world axes, torques about that body's user origin. `friction` holds
+    tractions, slip and creepage of a pair with friction.
+    """
+
+    loaded = "hats"  # what carries the pressure, in words
+
+    def __init__(self, history: Any, view: PairView, bodies: dict[str, Any] | None = None) -> None:
+        """bodies: motions by name, `History.bodies`; without them both user frames are taken at the world's origin."""
+        self.history = history
+        self.view = view
+        self.name = view.name
+        self.bodies = bodies or {}
+        self.force = history.force  # (T, 3) N, on the first body
+        self.torque = history.torque  # (T, 3) N m
+        self.force_second = history.force_second  # (T, 3) N, on the second body, integrated on its own surface
+        self.torque_second = history.torque_second  # (T, 3) N m
+        self.approach = history.approach  # (T,) m
+        self.active_hats = history.active_hats  # (T,)
+
+    @property
+    def force_magnitude(self) -> np.ndarray:
+        """(T,) N."""
+        return np.linalg.norm(self.force, axis=1)
+
+    @property
+    def has_friction(self) -> bool:
+        """True where the pair was run with friction, so that `friction` answers."""
+        return getattr(self.history, "friction", None) is not None
+
+    @cached_property
+    def friction(self) -> FrictionResult:
+        """Tractions, slip, stick and slip areas, creepage, power and wear index; raises `InputError` for a pair without
+        friction."""
+        return FrictionResult(self)
+
+    # --- the grid on the first surface ---
+
+    @property
+    @abstractmethod
+    def rows(self) -> np.ndarray:
+        """(T, rows) m along the axis of the first surface, where the rows of pressures are."""
+
+    @property
+    @abstractmethod
+    def arc(self) -> np.ndarray:
+        """(T, columns) m, positions of the columns of pressures along the mid-width circle, from the line of
+        centres."""
+
+    @property
+    @abstractmethod
+    def theta(self) -> np.ndarray:
+        """(T, columns) rad (m on a plane), positions of the columns of pressures on the first surface's grid."""
+
+    @property
+    @abstractmethod
+    def window(self) -> float:
+        """Half the arc [m] over which there are pressures, the longest of the run."""
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Ends [m] of the first surface's contact grid along its axis."""
+        z = self.view.first.grid.z
+        return float(z[0]), float(z[-1])
+
+    @abstractmethod
+    def cell_lines(self, i: int) -> tuple[np.ndarray, np.ndarray]:
+        """Lines between the cells of saved step `i`, and the outermost ones: arc (columns + 1,) [m] from the line of
+        centres, and z (rows + 1,) [m]."""
+
+    @abstractmethod
+    def reaches_ends(self, i: int) -> bool:
+        """True where the patch of saved step `i` reaches both ends of an arc, to a column."""
+
+    @property
+    def side(self) -> float:
+        """+1 where e_theta of the first surface, direction 0 of tractions, points to growing arc, -1 on an inside form,
+        where it points against it."""
+        return float(self.view.first.shape.side)
+
+    # --- pressure ---
+
+    @cached_property
+    def touching(self) -> np.ndarray:
+        """(T,) bool, whether anything presses."""
+        return np.any(self.history.pressure > 0.0, axis=(1, 2))
+
+    @property
+    @abstractmethod
+    def mean_pressure(self) -> np.ndarray:
+        """(T, columns, rows) Pa, pressure of each node or cell."""
+
+    @property
+    @abstractmethod
+    def moments(self) -> Moments:
+        """Load, centre and covariance of the whole patch."""
+
+    @property
+    @abstractmethod
+    def _line(self) -> LineMoments:
+        """Moments of the section."""
+
+    @property
+    @abstractmethod
+    def patch_area(self) -> np.ndarray:
+        """(T,) m2, area of the cells whose pressure is positive: to within half a cell along the rim of the patch."""
+
+    @property
+    @abstractmethod
+    def peak_pressure(self) -> np.ndarray:
+        """(T,) Pa, largest pressure anywhere in the patch."""
+
+    @property
+    @abstractmethod
+    def mid_peak_pressure(self) -> np.ndarray:
+        """(T,) Pa, largest pressure in the section of `mid_pressure`: the number to hold against Hertz."""
+
+    @abstractmethod
+    def pressure_resultants(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """What force and torque of the pressure are summed from, with functions psi_j of theta and zeta_k of z: the
+        length (T,) [-] of int psi_j e_r dtheta, int psi_j dtheta (T,) [rad], and (T, 3, rows) of each zeta_k the
+        integrals of R, R R' and (z + R R') R [m2, m2, m3]."""
+
+    @cached_property
+    def _section(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Rows (T,) beside the section of each saved step and the weight of the second: mid-width, of a point contact
+        the centre of pressure."""
+        z = self.rows
+        steps = np.arange(len(z))
+        if z.shape[1] == 1:
+            return 0 * steps, 0 * steps, 0.0 * steps
+        at = 0.5 * (z[:, 0] + z[:, -1])
+        if self.patch_kind == "point":
+            at = np.where(self.touching, self.moments.center[:, 1], at)
+        k = np.clip((z <= at[:, None]).sum(axis=1) - 1, 0, z.shape[1] - 2)
+        return k, k + 1, (at - z[steps, k]) / (z[steps, k + 1] - z[steps, k])
+
+    def in_section(self, values: np.ndarray, steps: slice = slice(None)) -> np.ndarray:
+        """(n, columns) of values (n, columns, rows) at the saved `steps`: along the arc at mid-width, of a point
+        contact through the centre of pressure."""
+        k, k1, w = (part[steps] for part in self._section)
+        i = np.arange(len(values))
+        return (1.0 - w)[:, None] * values[i, :, k] + w[:, None] * values[i, :, k1]
+
+    def section_row(self, i: int) -> int:
+        """The grid row nearest to the section at saved step `i`."""
+        k, k1, w = (part[i] for part in self._section)
+        return int(k1 if w > 0.5 else k)
+
+    @cached_property
+    def mid_pressure(self) -> np.ndarray:
+        """(T, columns) Pa, `mean_pressure` at mid-width, of a point contact through the centre of pressure."""
+        return self.in_section(self.mean_pressure)
+
+    @property
+    def normal_load(self) -> np.ndarray:
+        """(T,) N, integral of the pressure over the surface."""
+        return self.moments.load
+
+    @property
+    def line_load(self) -> np.ndarray:
+        """(T,) N/m, integral of the pressure across the patch at mid-width, of a point contact through its centre."""
+        return self._line.load
+
+    @property
+    def center(self) -> np.ndarray:
+        """(T,) m of arc, centre of the pressure at mid-width, of a point contact of the whole patch, from the line of
+        centres."""
+        return self.moments.center[:, 0] if self.patch_kind == "point" else self._line.center
+
+    @property
+    def center_of_pressure(self) -> np.ndarray:
+        """(T, 2) m, of the whole patch: arc from the line of centres, and z; (0, mid-width) where nothing touches."""
+        return self.moments.center
+
+    @property
+    def half_width(self) -> np.ndarray:
+        """(T,) m, along the arc: twice the root of the second moment of the mid-width pressure; of a point contact or
+        a flat one that of the whole patch, `half_widths[:, 0]`; of a line along the arc `half_widths[:, 1]`; 0 where
+        nothing touches."""
+        if self.patch_kind == "line":
+            return self._line.half_width
+        return self.half_widths[:, 1 if self.patch_kind == "line_around" else 0]
+
+    @cached_property
+    def half_widths(self) -> np.ndarray:
+        """(T, 2) m, along e_theta and t_z, from the second moments of the whole patch; 0 where nothing touches. Of a
+        skewed ellipse these are the sides of its bounding rectangle; see `semi_axes`."""
+        return self.moments.half_widths(self.patch_kind)
+
+    @property
+    def semi_axes(self) -> np.ndarray:
+        """(T, 2) m, the larger first, of the ellipse of a point contact with the patch's second moments."""
+        return self.moments.principal()[0]
+
+    @property
+    def patch_angle(self) -> np.ndarray:
+        """(T,) rad, of the larger of `semi_axes`, from e_theta towards t_z."""
+        return self.moments.principal()[1]
+
+    def pressure(self, i: int) -> PatchPressure:
+        """Pressure of the nodes or cells of saved step `i`, with positions."""
+        return PatchPressure(self.theta[i], self.arc[i], self.rows[i], self.mean_pressure[i])
+
+    # --- against Hertz ---
+
+    def curvature(self, i: int) -> np.ndarray:
+        """(2, 2) 1/m, relative curvature of the true surfaces along (e_theta, t_z) under the patch of saved step `i`:
+        the gap is 1/2 x.K.x."""
+        return pair_curvature(self, i)
+
+    @cached_property
+    def patch_kind(self) -> str:
+        """ "line", "line_around" (the line lies along the arc), "point" or "flat", see `hertz`; at the largest
+        load of the run."""
+        return patch_kind(self)
+
+    @cached_property
+    def effective_radius(self) -> float:
+        """1/(1/R1 + 1/R2) across the patch [m], of inside forms with their sign, at the largest load of the run."""
+        return effective_radius(self)
+
+    @cached_property
+    def effective_modulus(self) -> float:
+        """E* [Pa] of the pair, from the materials in the reduced bodies' provenance; a rigid partner adds nothing."""
+        return effective_modulus(self.view)
+
+    def hertz(self, i: int) -> HertzLine | HertzPoint:
+        """Hertz's contact in saved step `i`: of a line at the line load found at mid-width, of a point at the load.
+
+        Raises `InputError` where nothing touches, and where Hertz's theory does not apply: flat faces, surfaces that
+        conform, a line that lies along the arc, a cover that is thin beside the patch.
+        """
+        return hertz(self, i)
+
+    @abstractmethod
+    def stress_errors(self, i: int) -> dict[str, StressError]:
+        """How right the von Mises stress below the line is in saved step `i`, and the depth of its maximum, by flexible
+        body; raises `InputError` where that is not known."""
+
+    def hertz_pressure(self, i: int, x: np.ndarray) -> np.ndarray:
+        """Hertz's pressure [Pa] at arc positions `x` [m] in the section of `mid_pressure`, about the centre found in
+        step `i`."""
+        found = self.hertz(i)
+        reach = found.section if isinstance(found, HertzPoint) else found.half_width
+        return found.peak_pressure * np.sqrt(np.maximum(0.0, 1.0 - ((x - self.center[i]) / reach) ** 2))
