@@ -15,14 +15,14 @@ out.
 On rollers of R = 50 mm, 20 mm wide, under a patch of 0.44 mm half-width, sigma across the patch and into the depth is
 that of Hertz's plane strain to 1.2 % of p0 with nodes 4 mm apart (hex8), to 0.5 % with 2 mm (hex27), from 0.02 to 3
 half-widths below it; von Mises stress to 1.5 and 0.8 %, the depth of its maximum to 1.2 %. Half of these is that the
-free ends let sigma along the axis go by 1.7 % of p0, which Hertz does not know; the rest on the coarser mesh is its own
+free ends let sigma along the axis go by 2 % of p0, which Hertz does not know; the rest on the coarser mesh is its own
 error under the spread load. Without the spread it was 7 %.
 
 The half-space lies flat: a point has the arcs s along e_theta and t along the meridian of its foot from the middle of
 the patch, and its depth below the surface. On the second body the cells lie as they do in the first one's chart, turned
 by the angle between the tangents of both. At a free end, at right angles to the surface, loads have their images behind
-it, which take the shear off the end plane; its normal stress stays: beside an end, within its distance from the patch,
-sigma along the meridian is that of plane strain.
+it, which take the shear off the end plane; its normal stress stays: within the reach of the spread load from an end
+sigma along the meridian is that of plane strain in part, wrong by 0.6 % of p0 in the middle of those rollers.
 """
 
 from __future__ import annotations
