@@ -23,6 +23,7 @@ from warpffrf.model.surfaces import Bore, Cylinder
 from warpffrf.online.history.history import FrictionHistory
 from warpffrf.output.contact.friction import OPEN, SLIP
 from warpffrf.output.contact.friction import STICK as STICKS
+from warpffrf.output.contact.pair_result import PairResult
 from warpffrf.output.contact.result import ContactResult
 from warpffrf.output.result import Result
 
@@ -35,7 +36,7 @@ def rubbing(body) -> Result:
 
 
 @pytest.fixture
-def contact(rubbing: Result) -> ContactResult:
+def contact(rubbing: Result) -> PairResult:
     return rubbing.contact("lower-upper")
 
 

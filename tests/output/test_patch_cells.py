@@ -6,8 +6,9 @@ The run is two equal rollers that roll on each other, with a patch of 0.44 mm ha
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import fields
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -22,10 +23,9 @@ from warpffrf.model.surfaces import Cylinder, Sphere
 from warpffrf.offline import reduce
 from warpffrf.online.history.history import CellHistory
 from warpffrf.output.bodies.half_space_stress import under_cells, under_hats
-from warpffrf.output.bodies.normal_loads import normal_loads
+from warpffrf.output.bodies.normal_loads import CellLoads, normal_loads
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.pressure_wrench import pressure_wrench
-from warpffrf.output.geometry.cell_places import CellPlaces
 from warpffrf.output.recording import frames as fr
 from warpffrf.output.recording.patch_map import map_window, pressure_map
 from warpffrf.output.recording.recorder import record
@@ -68,37 +68,25 @@ def result(body: Any) -> Result:
 # --- moments of a pressure made by hand ---
 
 
-@dataclass
-class Surface:
-    """As much of a contact surface as the places of cells need."""
-
-    shape: Any
-    grid: ContactGrid
-
-
-def made(shape: Any, *, rows: int = 41, strips: int = 61, z0: float = 0.0, follows: bool = True) -> CellContactResult:
+def made(shape: Any, *, rows: int = 41, strips: int = 61, z0: float = 0.0) -> CellContactResult:
     """A pair with Hertz's elliptical pressure, half-widths 0.4 across and 0.7 mm along, around theta 0.3 and z0."""
     a, b, W = 0.4e-3, 0.7e-3, 0.6e-3
     grid = ContactGrid(shape.e_0, 0.0, 0.01, 63, False, np.linspace(-4e-3, 4e-3, 9), 63)
-    edges = z0 + (1e-3 if follows else 4e-3) * np.linspace(-1.0, 1.0, rows + 1)
+    edges = z0 + 1e-3 * np.linspace(-1.0, 1.0, rows + 1)
     z, length = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
     cells = CellHistory(np.array([30.0]), np.array([W]), z[None], length[None])
     x = 2.0 * W / strips * (np.arange(strips) - 0.5 * (strips - 1))
     bowl = 1.0 - (x[:, None] / a) ** 2 - ((z - z0) / b) ** 2
     pressure = 1e9 * np.sqrt(np.maximum(bowl, 0.0))
 
-    class History:
-        force = torque = force_second = torque_second = np.zeros((1, 3))
-        approach = active_hats = np.zeros(1)
-        center_column, first_column = np.array([29.9]), np.array([0])
-        friction = None
-
-    History.pressure, History.cells = pressure[None], cells
-
-    class View:
-        name, first, second = "a-b", Surface(shape, grid), Surface(shape, grid)
-
-    contact = CellContactResult(History, View)  # pyright: ignore[reportArgumentType]
+    nothing = np.zeros((1, 3))
+    history = SimpleNamespace(
+        force=nothing, torque=nothing, force_second=nothing, torque_second=nothing, approach=np.zeros(1),
+        active_hats=np.zeros(1), center_column=np.array([29.9]), pressure=pressure[None], cells=cells, friction=None,
+    )  # fmt: skip
+    surface: Any = SimpleNamespace(shape=shape, grid=grid)
+    view: Any = SimpleNamespace(name="a-b", first=surface, second=surface)
+    contact = CellContactResult(history, view)
     contact.patch_kind = "point"  # the second surface of the fixture is only a stand-in
     return contact
 
@@ -175,7 +163,8 @@ def test_hat_forces_carry_the_force(result: Result) -> None:
     pair = result.view.pairs[PAIR]
     load = result.contact(PAIR).normal_load[-1]
     for first in (True, False):
-        loads = normal_loads(pair, result.history, first=first)
+        loads = CellLoads(pair, result.history, first=first)
+        assert isinstance(normal_loads(pair, result.history, first=first), CellLoads)
         forces = loads.forces(-1)
         assert forces.sum() == pytest.approx(-load, rel=1e-9)
         grid = loads.surface.grid
@@ -199,15 +188,14 @@ def test_skins_are_pressed_in(result: Result) -> None:
     skin = skins["lower"]
     angle = 2.0 * np.pi / SECTORS
     at = np.flatnonzero(np.hypot(skin.points[:, 0], skin.points[:, 2]) > R * (1.0 - 1e-9))
-    places = result.contact(PAIR).places
-    assert isinstance(places, CellPlaces)
-    history = result.history.contacts[PAIR]
-    before = history.cells.column[-1]
-    history.cells.column[-1] = np.rint(before)  # over a column of nodes
+    cells = result.history.contacts[PAIR].cells
+    assert cells is not None
+    before = cells.column[-1]
+    cells.column[-1] = np.rint(before)  # over a column of nodes
     try:
         pressure = result.skins()["lower"].pressure(-1)
     finally:
-        history.cells.column[-1] = before
+        cells.column[-1] = before
     loaded = at[pressure[at] > 0.0]
     theta = np.arctan2(skin.points[loaded, 2], skin.points[loaded, 0])
     assert len(loaded) == 6 and np.ptp(theta) < 1e-6 * angle
@@ -293,6 +281,30 @@ def test_files_keep_the_cells(result: Result, tmp_path: Path) -> None:
     assert pressure.shape == result.history.contacts[PAIR].pressure.shape and "travel" in pressure.frame
     assert data[f"arc_{PAIR}"].shape == pressure.shape[:2]
     assert result.to_vtu(tmp_path / "skin.pvd", stride=10).exists()
+
+
+def test_a_run_that_never_touches_and_one_without_rows(result: Result, tmp_path: Path) -> None:
+    open_run = Result.load(result.save(tmp_path / "run.h5"))
+    contact = open_run.history.contacts[PAIR]
+    contact.pressure = np.zeros_like(contact.pressure)
+    found = open_run.contact(PAIR)
+    assert not found.touching.any() and not found.half_width.any() and not found.peak_pressure.any()
+    assert not open_run.skins()["upper"].pressure(0).any() and "open in the last row" in open_run.report()
+    assert np.all(np.isfinite(open_run.stress("lower", "top").tensor))
+    open_run.plot("summary")
+    assert record(open_run, tmp_path / "open.rrd", max_frames=1).frames == 1
+    empty = Result.load(tmp_path / "run.h5")
+    history, contact = empty.history, empty.history.contacts[PAIR]
+    assert contact.cells is not None
+    for array in ("time", "step_size", "iterations", "factorisations"):
+        setattr(history, array, getattr(history, array)[:0])
+    history.energy = {line: values[:0] for line, values in history.energy.items()}
+    for owner in (contact, contact.cells, *history.bodies.values(), *history.joints.values()):
+        for entry in fields(owner):
+            if isinstance(getattr(owner, entry.name), np.ndarray):
+                setattr(owner, entry.name, getattr(owner, entry.name)[:0])
+    history.sensors = {}
+    assert Result.load(empty.save(tmp_path / "empty.h5")).contact(PAIR).peak_pressure.shape == (0,)
 
 
 def test_plots_and_report(result: Result, tmp_path: Path) -> None:

@@ -136,7 +136,7 @@ class CellContactResult(PairResult):
     def peak_pressure(self) -> np.ndarray:
         """(T,) Pa, largest pressure anywhere in the patch, by parabolas through the largest cell (see the module)."""
         p = self.history.pressure
-        flat = p.reshape(len(p), -1)
+        flat = p.reshape(len(p), p.shape[1] * p.shape[2])
         steps, (j, k) = np.arange(len(p)), np.unravel_index(np.argmax(flat, axis=1), p.shape[1:])
         around = _beside(p[steps, :, k], j)
         found = around[1] + peak_above(*around)

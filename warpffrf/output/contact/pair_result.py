@@ -94,6 +94,17 @@ class PairResult(ABC):
 
     @property
     @abstractmethod
+    def z(self) -> np.ndarray:
+        """m along the axis of the first surface, where the rows of pressures are: (rows,) of hats, which stay, (T,
+        rows) of cells; `rows` has the second form of both."""
+
+    @property
+    @abstractmethod
+    def spacing(self) -> Any:
+        """Arc [m] from one column of pressures to the next: a number of hats, (T,) of cells."""
+
+    @property
+    @abstractmethod
     def rows(self) -> np.ndarray:
         """(T, rows) m along the axis of the first surface, where the rows of pressures are."""
 
