@@ -80,7 +80,9 @@ def device_model() -> tuple[wp.array, Any]:
     contacts = [SimpleNamespace(name="pair", law=law, a=port, evaluation="semi") for law in LAWS]
     scene, fill = SimpleNamespace(contacts=contacts), Constants("cpu").fill
     elements = Elements()
-    collector: Any = SimpleNamespace(scene=scene, settings=Settings(), notes=[], fill=fill, elements=elements)
+    collector: Any = SimpleNamespace(
+        scene=scene, settings=Settings(), notes=[], fill=fill, elements=elements, patches={}
+    )
     model = Model()
     fill_layers(collector)
     model.elements = wp.array([elements], dtype=Elements, device="cpu")

@@ -85,6 +85,11 @@ def build(size: Size = FULL, *, load: float = LOAD, load_after: float = LOAD_AFT
         cache=False,
         progress=progress,
     )
+    return machine(roller, load=load, load_after=load_after)
+
+
+def machine(roller: wf.ReducedBody, *, load: float = LOAD, load_after: float = LOAD_AFTER) -> wf.Scene:
+    """The scene of `build` around a roller that is reduced already, with interface `bore` and contact surface `rim`."""
     scene = wf.Scene(gravity=(0, 0, -GRAVITY))
     lower = scene.add_body(roller, name="lower")
     upper = scene.add_body(roller, name="upper", position=(0, 0, 2 * OUTER_RADIUS))
