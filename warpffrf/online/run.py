@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError, require_count, require_number
@@ -28,7 +29,6 @@ from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.model.wedge import find_wedge
 from warpffrf.online.checkpoint import is_dynamic, restore, time_of
-from warpffrf.online.compile.pairs import LINE_OF_CENTRES
 from warpffrf.online.diagnosis.contact_notes import contact_notes, energy_notes, overlap_notes
 from warpffrf.online.diagnosis.energy_watch import EnergyWatch, round_off_energy
 from warpffrf.online.diagnosis.failure_report import failure_owner

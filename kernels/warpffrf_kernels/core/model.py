@@ -9,6 +9,11 @@ import warp as wp
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, reals, topic, vectors
 from warpffrf_kernels.core.scalars import real, vec3
 
+# --- families of pairs, values of `Pairs.family`: where gaps are taken, and how
+LINE_OF_CENTRES = wp.constant(0)
+AT_POINTS = wp.constant(1)
+PATCH = wp.constant(2)  # cells that travel with the patch
+
 
 @topic
 class Bodies:
@@ -296,9 +301,7 @@ class Pairs:
     beside: int  # 1: some answer to each other by modes, so that G has blocks between pairs
     first: DeviceArray = integers("pair", note="surface")
     second: DeviceArray = integers("pair", note="surface")
-    family: DeviceArray = integers(
-        "pair", note="gaps 0: along the line of centres, 1: at points, 2: at cells of a patch"
-    )
+    family: DeviceArray = integers("pair", note="0 LINE_OF_CENTRES, 1 AT_POINTS, 2 PATCH")
     coupled_count: DeviceArray = integers("pair", note="outer columns the gap of a pair depends on")
     coupled: DeviceArray = integers("pair", "coupled", note="these")
     friction: DeviceArray = reals("pair", note="coefficient mu, the largest of all slip speeds; 0 without")

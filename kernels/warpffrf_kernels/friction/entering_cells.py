@@ -27,7 +27,7 @@ import warp as wp
 
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import AT_POINTS, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.friction.cell_forces import before_at
 from warpffrf_kernels.friction.traction_bounds import pressed
@@ -55,7 +55,7 @@ def advanced_columns(
 ) -> real:
     """Columns of the first grid by which the patch has advanced since the end of the last step."""
     at = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6])
-    if model.pairs.family[pair] == 1:
+    if model.pairs.family[pair] == AT_POINTS:
         at = nearest[w, pair, 0]
     advanced = at - history_phase[w, pair]
     A = model.pairs.first[pair]

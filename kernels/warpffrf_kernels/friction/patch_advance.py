@@ -15,7 +15,7 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import AT_POINTS, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.kinematics.closest_point import settle, view_of
 from warpffrf_kernels.kinematics.line_of_centres import wrap
@@ -46,7 +46,7 @@ def follow_patch(
     before = history_phase[w, pair]
     at = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6])
     now = at
-    if model.pairs.family[pair] == 1:
+    if model.pairs.family[pair] == AT_POINTS:
         at = nearest[w, pair, 0]
         B = model.pairs.second[pair]
         now = settle(model, A, B, view_of(model, w, pair, r1, axes), before, history_z[w, pair])

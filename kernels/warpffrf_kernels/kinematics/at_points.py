@@ -24,7 +24,7 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import AT_POINTS, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.kinematics.closest_point import TWO_PI, view_of
 from warpffrf_kernels.kinematics.contact_wrench import Held, point_wrench
@@ -54,7 +54,7 @@ def sample_points(
     and the wrench of a unit pressure."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != 1:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
@@ -238,7 +238,7 @@ def weigh_points(
     others."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != 1:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
@@ -294,7 +294,7 @@ def sum_points_second(
     point."""
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w].record == 0 or model.pairs.family[pair] != 1:
+    if ctl[w].record == 0 or model.pairs.family[pair] != AT_POINTS:
         return
     A = model.pairs.first[pair]
     rows = model.surfaces.rows[A]

@@ -47,7 +47,7 @@ import warp as wp
 
 from warpffrf_kernels.core.access import out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import AT_POINTS, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.kinematics.closest_point import BEYOND, view_of
 from warpffrf_kernels.surfaces.surface import gradient_of, gradient_slope_of, local_point
@@ -128,7 +128,7 @@ def hold_contact_frame(
     and that of a sphere."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != 1:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]

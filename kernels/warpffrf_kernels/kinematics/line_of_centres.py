@@ -35,7 +35,7 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import LINE_OF_CENTRES, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -89,7 +89,7 @@ def locate(
     """
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != LINE_OF_CENTRES:
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
@@ -225,7 +225,7 @@ def sample(
     """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or center[w, pair, 2] != 0 or model.pairs.family[pair] != 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or center[w, pair, 2] != 0 or model.pairs.family[pair] != LINE_OF_CENTRES:
         return
     if model.points.count[pair] != 0:  # few points: `line_of_centres_sampled`
         return

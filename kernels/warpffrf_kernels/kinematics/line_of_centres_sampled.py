@@ -18,7 +18,7 @@ import warp as wp
 
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import LINE_OF_CENTRES, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.kinematics.line_of_centres import SERIES
 from warpffrf_kernels.kinematics.line_of_centres_weights import keep_hat
@@ -31,7 +31,7 @@ SMALL = wp.constant(wp.float64(0.02))  # sine of an angle: its ninth power times
 @wp.func
 def looks_at_few(model: Model, pair: int) -> bool:
     """Whether the pair is measured along the line of centres at a list of points."""
-    return model.pairs.family[pair] == 0 and model.points.count[pair] != 0
+    return model.pairs.family[pair] == LINE_OF_CENTRES and model.points.count[pair] != 0
 
 
 # Gaps and places opposite of the points of one strip, whose column is turned by xi from the first station's line of

@@ -15,7 +15,7 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import LINE_OF_CENTRES, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -145,7 +145,7 @@ def weigh(
     """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or center[w, pair, 2] != 0 or model.pairs.family[pair] != 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or center[w, pair, 2] != 0 or model.pairs.family[pair] != LINE_OF_CENTRES:
         return
     if model.points.count[pair] != 0:
         return
@@ -184,7 +184,7 @@ def shift(
     model = models[0]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
-    if model.pairs.family[pair] == 0 and model.points.count[pair] != 0:
+    if model.pairs.family[pair] == LINE_OF_CENTRES and model.points.count[pair] != 0:
         return
     A = model.pairs.first[pair]
     rows = model.surfaces.rows[A]

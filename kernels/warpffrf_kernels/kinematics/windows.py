@@ -8,7 +8,7 @@ import warp as wp
 
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import AT_POINTS, PATCH, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.kinematics.closest_point import NOWHERE
 
@@ -40,7 +40,7 @@ def open_window(
     """
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].recenter == 0 or model.pairs.family[pair] == 2:
+    if ctl[w].run == 0 or ctl[w].recenter == 0 or model.pairs.family[pair] == PATCH:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     H = model.window.half
@@ -83,12 +83,12 @@ def open_window(
         m += 1
     one = phase[w, pair, 4]
     other = phase[w, pair, 6]
-    if model.pairs.family[pair] == 1:
+    if model.pairs.family[pair] == AT_POINTS:
         one = nearest[w, pair, 0]
         other = one
     first = int(wp.floor(wp.min(one, other) + real(0.5)))
     last = int(wp.floor(wp.max(one, other) + real(0.5)))
-    if model.pairs.family[pair] == 1 and touched[w, pair, 0] != NOWHERE:
+    if model.pairs.family[pair] == AT_POINTS and touched[w, pair, 0] != NOWHERE:
         first = wp.min(first, touched[w, pair, 0])
         last = wp.max(last, touched[w, pair, 1])
     first = wp.clamp(first - center[w, pair, 0], -H, H)

@@ -41,7 +41,7 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.layers.layer_laws import CHI, CONSTANT, layer_depth, layer_pressure, least_depth
 from warpffrf_kernels.linear.outer_solve import held_motions, solve
@@ -85,7 +85,7 @@ def hat_value(model: Model, node: int, point: int) -> real:
 def point_area(model: Model, w: int, pair: int, point: int, m: int, area: wp.array3d(dtype=real)) -> real:
     """Area [m2] that the point with the number `point` in the tables stands for: that of the tables, or, of a patch,
     whose cells grow with it, that of cell m, in whose middle the point is."""
-    if model.pairs.family[pair] == 2:
+    if model.pairs.family[pair] == PATCH:
         return area[w, pair, m]
     return model.elements[0].layers.area[point]
 
@@ -136,7 +136,7 @@ def linearise_layer(
     rate = rate_of(model, ctl, clk, w, pair)
     fresh = ctl[w].iteration == 0 or ctl[w].recenter != 0
     moved = center[w, pair, 0] - column_before[w, pair]
-    if model.pairs.family[pair] == 2:  # cells travel with the patch, and what they remember with them
+    if model.pairs.family[pair] == PATCH:  # cells travel with the patch, and what they remember with them
         moved = int(0)
     turn = model.surfaces.turn[A]
     if turn > 0:

@@ -15,7 +15,7 @@ import warp as wp
 
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
 from warpffrf_kernels.normal.pair_forces import surface_of
 from warpffrf_kernels.surfaces.responses import first_column, load_of, place_of_load
@@ -152,7 +152,7 @@ def assemble(
     slot = ctl[w].fresh
     while slot < ctl[w].slots:
         pair = slot_hat[w, slot, 0]
-        if model.pairs.family[pair] != 2:  # cells of a patch: `patch.system`
+        if model.pairs.family[pair] != PATCH:  # cells of a patch: `patch.system`
             couple(
                 model, w, slot, center[w, pair, 0] - model.window.half, slot_hat, stencil, stencil_at,
                 T, J, receptance, scratch, G,

@@ -9,7 +9,7 @@ import warp as wp
 
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import LINE_OF_CENTRES, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync
 from warpffrf_kernels.normal.contact_compliance import node_of
 from warpffrf_kernels.normal.pair_forces import modal_line
@@ -367,7 +367,7 @@ def sum_contact(
                 s = pressure[w, pair, m]
                 for i in range(6):
                     whole = wrench[w, pair, m, i]
-                    if model.pairs.family[pair] != 0:
+                    if model.pairs.family[pair] != LINE_OF_CENTRES:
                         whole += more_wrench[w, pair, m, i]
                     pair_wrench[w, pair, i] = pair_wrench[w, pair, i] + s * whole
                 energy += real(0.5) * s * (opened[w, pair, m] - gap[w, pair, m])

@@ -4,7 +4,7 @@ import warp as wp
 
 from warpffrf_kernels.core.access import out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import LINE_OF_CENTRES, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.kinematics.line_of_centres import slope_at
 
@@ -31,7 +31,7 @@ def sum_second(
     """
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w].record == 0 or model.pairs.family[pair] != 0:
+    if ctl[w].record == 0 or model.pairs.family[pair] != LINE_OF_CENTRES:
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]

@@ -32,7 +32,7 @@ from warpffrf_kernels.bodies.interfaces import modal_line, side_of
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
 from warpffrf_kernels.kinematics.line_of_centres import GUARD
 from warpffrf_kernels.normal.contact_fields import local_gap, on_stencil
@@ -236,7 +236,7 @@ def accept_set(
                 low = wp.min(low, o)
                 high = wp.max(high, o)
             m += 1
-        if low <= high and model.pairs.family[pair] != 2:  # a patch grows by its width
+        if low <= high and model.pairs.family[pair] != PATCH:  # a patch grows by its width
             if low < window[w, pair, 0] + GUARD and window[w, pair, 0] > -H:
                 window[w, pair, 0] = wp.max(low - GUARD - 1, -H)
                 changes += 1

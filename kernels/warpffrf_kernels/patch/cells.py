@@ -13,13 +13,12 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.kinematics.closest_point import TWO_PI, view_of
 from warpffrf_kernels.kinematics.contact_wrench import Held, held_section, held_sphere, is_sphere, point_wrench
 from warpffrf_kernels.kinematics.line_of_centres import wrap
 from warpffrf_kernels.patch.far_splines import TAPS, column_taps, row_taps
-from warpffrf_kernels.patch.place import PATCH
 from warpffrf_kernels.surfaces.surface import (
     axes_of,
     chart_of,

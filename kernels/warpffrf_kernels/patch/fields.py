@@ -8,13 +8,13 @@ import warp as wp
 
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, sync, vec3
 from warpffrf_kernels.kinematics.closest_point import least_place, view_of
 from warpffrf_kernels.normal.pair_forces import modal_line
 from warpffrf_kernels.patch.far_splines import beside_block, far_block, turned_column
 from warpffrf_kernels.patch.near import near_sum
-from warpffrf_kernels.patch.place import PATCH, extent_of
+from warpffrf_kernels.patch.place import extent_of
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -13,9 +13,8 @@ import warp as wp
 
 from warpffrf_kernels.core.access import out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
-from warpffrf_kernels.patch.place import PATCH
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -16,7 +16,7 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.kinematics.closest_point import (
     TWO_PI,
@@ -31,7 +31,6 @@ from warpffrf_kernels.surfaces.surface import chart_of, local_point, radius_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
-PATCH = wp.constant(2)  # the family of these pairs
 SPAN = wp.constant(wp.float64(1.3))  # half-widths b in W: Hertz's patch ends at 1/1.3 of it
 LINE_MOMENT = wp.constant(wp.float64(2.0))  # b over the root of the second moment of a strip's pressure
 POINT_MOMENT = wp.constant(wp.float64(2.2360679774997896))  # sqrt 5, of an ellipse's

@@ -13,11 +13,10 @@ import warp as wp
 
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.patch.far_splines import beside_block, turned_column
 from warpffrf_kernels.patch.fields import real_side
-from warpffrf_kernels.patch.place import PATCH
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import AT_POINTS, LINE_OF_CENTRES, Model
 from warpffrf_kernels.core.scalars import BLOCK
 from warpffrf_kernels.kinematics.at_points import LINE
 
@@ -208,8 +208,8 @@ def sizes_of(
         "layer_slot": S if layered else 0, "layer_outer": outer if layered else 0,
         "slot_beside": S if beside else 0, "outer_beside": outer if beside else 0,
         "friction_outer": outer if rubbing else 0, "adaptive_world": worlds if adaptive else 0,
-        "line_pair": int((families == 0).sum()), "point_pair": int((families == 1).sum()),
-        "few_pair": int(((families == 0) & (counts > 0)).sum()), "pair_beside": P if beside else 0,
+        "line_pair": int((families == LINE_OF_CENTRES).sum()), "point_pair": int((families == AT_POINTS).sum()),
+        "few_pair": int(((families == LINE_OF_CENTRES) & (counts > 0)).sum()), "pair_beside": P if beside else 0,
     }  # fmt: skip
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import AT_POINTS, LINE_OF_CENTRES, PATCH, Model
 from warpffrf_kernels.kinematics.line_of_centres import GUARD
 
 from warpffrf.model.bodies import Body, Ground
@@ -29,7 +29,6 @@ from warpffrf.online.compile.windows import (
     second_reach,
 )
 
-LINE_OF_CENTRES, AT_POINTS, PATCH = 0, 1, 2  # families of geometry: `line_of_centres`, `at_points`, `patch`
 LEAST_CROWN = 1.0  # radii: below, the crown is no small drop along the width
 SKEW = 0.02  # rad between the axes: the line of centres drops terms of the order of its square, 4e-4
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
 from warpffrf.model.forces.notes import characteristic_notes
 from warpffrf.online.arrays.ring import SavedContact, SavedRows
@@ -88,7 +89,7 @@ def _contact(compiled: CompiledScene, i: int, rows: SavedRows, bodies: dict[str,
         load = load.reshape(T, m.window.second_columns, b.grid.rows)
     # distance of the axes at mid-width, or the smallest gap of a pair whose gaps are taken at points
     distance, family = x["saved_distance"], m.pairs.family.numpy()[i]
-    approach = -distance if family != 0 else a.shape.radius + b.shape.radius - distance
+    approach = -distance if family != LINE_OF_CENTRES else a.shape.radius + b.shape.radius - distance
     return ContactHistory(
         force=force.copy(), torque=torque, force_second=force_second.copy(), torque_second=torque_second,
         first_column=x["saved_center"][:, 0] - m.window.half, center_column=x["saved_column"].copy(),

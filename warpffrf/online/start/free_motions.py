@@ -15,6 +15,7 @@ equilibrium, and is not held.
 from __future__ import annotations
 
 import numpy as np
+from warpffrf_kernels.core.model import AT_POINTS
 
 from warpffrf.model.bodies import Body
 from warpffrf.model.contact import Contact
@@ -232,7 +233,7 @@ def _gap_gradients(engine: Engine, world: int, size: int) -> np.ndarray:
     for pair in range(m.pairs.count):
         at = active[pair, : wrench.shape[1]]
         own = wrench[pair][at]
-        if families[pair] == 1:
+        if families[pair] == AT_POINTS:
             own = own + scratch.more_wrench.numpy()[world, pair][at]
         line = np.zeros((len(own), size))
         A, B = (int(m.surfaces.body.numpy()[s.numpy()[pair]]) for s in (m.pairs.first, m.pairs.second))
