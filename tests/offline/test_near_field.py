@@ -21,6 +21,7 @@ NU = 0.3
 # The far fields of a roller from two meshes on the same hats, over the largest entry of the whole compliance. Linear
 # cells of 4 mm leave 0.6 % of it at the load itself; quadratic ones 0.1 %.
 SAME_FIELD = {1: 8e-3, 2: 2e-3}
+CROWNED = 2e-3  # of the compliance: far fields of a rim with a crown of 2 m and of a straight one
 BOTH_PATHS = 2e-3  # windows of one sector or of some: other cut faces
 RIPPLE = 2e-4  # of the force, over an element: 5e-5 measured with hex8
 # Fine finite elements of the roller pressed on a plane: 0.1 % themselves, 0.15 % from cells of 4 mm, and of the peak
@@ -229,6 +230,26 @@ def test_saved_and_loaded(hex8, tmp_path) -> None:
     assert np.array_equal(far.lags, mine.lags)
     assert far.facts() == mine.facts()
     assert [end.z for end in far.ends] == pytest.approx([-0.01, 0.01])
+
+
+def test_ends_of_a_crowned_rim(hex8) -> None:
+    """A crown that drops by 25 um leaves the edges square and the far field that of the straight rim, but for how the
+    loads are spread: 1e-3 of the compliance. At a slope of 0.07 the edge is none, and a note says so."""
+    crowned = reduced(
+        roller(crown_radius=2.0), contact={"rim": wf.surfaces.CrownedCylinder(crown_radius=2.0)}, max_frequency=20e3,
+        patch_grid=True,
+    )  # fmt: skip
+    assert [end.z for end in far_of(crowned).ends] == pytest.approx([-0.01, 0.01])
+    a, b = (_along_middle(body, body.contact_surfaces["rim"]) for body in (hex8, crowned))
+    s = hex8.contact_surfaces["rim"]
+    whole = np.max(np.abs(means(hex8, s.lags)))
+    assert np.max(np.abs(a - b)) < CROWNED * whole
+    steep = reduced(
+        roller(sectors=40, layers=3, axial=3, crown_radius=0.14),
+        contact={"rim": wf.surfaces.CrownedCylinder(crown_radius=0.14)}, patch_grid=True,
+    )  # fmt: skip
+    assert far_of(steep).ends == ()
+    assert any("is no right angle" in note for note in steep.report["notes"])
 
 
 def test_what_cannot_have_a_patch_is_refused() -> None:

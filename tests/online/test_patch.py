@@ -9,6 +9,7 @@ from patch_reference import Patch
 import warpffrf as wf
 from warpffrf.model.errors import InputError
 from warpffrf.online import run
+from warpffrf.online.compile.patches import MIDDLE_ROW, crowned_edges
 from warpffrf.online.run import find_equilibrium
 from warpffrf.verification.closed_forms import PointContact, contact_modulus
 
@@ -97,6 +98,31 @@ def test_with_a_layer(roller) -> None:
     found = find_equilibrium(pair(roller, approach, law=law)).contacts[NAME]
     reference = pressed(roller, found, round_gap, approach, layer=1.0 / stiffness)
     assert np.linalg.norm(found.force[-1]) == pytest.approx(reference.sum(), rel=SAME)
+
+
+@pytest.mark.parametrize("middle", [0.0, 3e-3])
+def test_rows_under_a_crown(middle) -> None:
+    """They fill the width, are finest where the crown carries, and grow evenly from there."""
+    edges = crowned_edges(-0.01, 0.01, middle, 27)
+    length = np.diff(edges)
+    assert edges[[0, -1]] == pytest.approx([-0.01, 0.01], rel=1e-12)
+    assert length.min() == pytest.approx(MIDDLE_ROW * 0.02, rel=1e-6)
+    assert abs(0.5 * (edges[1:] + edges[:-1])[np.argmin(length)] - middle) < length.min()
+    assert np.max(np.abs(np.log(length[1:] / length[:-1]))) < 0.25
+
+
+def test_partner_that_travels_along_the_axis(roller) -> None:
+    """Its free ends stay where they were for the near field, and the run says so."""
+    scene = wf.Scene(gravity=(0, 0, 0))
+    lower = scene.add_body(roller, name="lower")
+    upper = scene.add_body(roller, name="upper", position=(0, 0, 2 * RADIUS - 1e-5))
+    scene.add(wf.joints.Fixed(scene.ground, lower["bore"]))
+    slide = scene.add(wf.joints.Prismatic(scene.ground, upper["bore"], axis=(0, 1, 0)))
+    scene.add(wf.joints.Drive(slide, wf.signals.Ramp(0.0, 1.0, duration=1e-3), quantity="velocity"))
+    scene.add(wf.Contact(lower["rim"], upper["rim"], grid="patch"))
+    history = run(scene, 1e-3, step=1e-4, start="equilibrium", progress=False)
+    assert history.status == "completed"
+    assert any("moved 0.0005 m along the axis" in note for note in history.notes)
 
 
 def test_rolling(roller) -> None:

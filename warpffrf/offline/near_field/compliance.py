@@ -28,7 +28,7 @@ from warpffrf.offline.contact.traction_fields import ContactFacets
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.near_field.charts import FlatChart
-from warpffrf.offline.near_field.ends import ON_SURFACE
+from warpffrf.offline.near_field.ends import ON_SURFACE, on_end
 from warpffrf.offline.near_field.exact import EndField, PointLoads
 from warpffrf.offline.near_field.half_space import mean_between
 from warpffrf.offline.near_field.window import FlatCells
@@ -172,6 +172,8 @@ class _Window:
         self.chart = FlatChart(f.shape, float(theta), float(0.5 * (g.z[rows[0]] + g.z[rows[-1]])))
         self.loads = f.point_loads(self.chart, columns, rows)
         self.tolerance = ON_SURFACE * f.edge
+        self.ends = [self._end(end, quarter) for end in ends]
+        faces = [on_end(f.shape, f.mesh.points, end, f.edge) for end in ends]
         self.flat = FlatCells.around(
             f.mesh.points,
             f.mesh.cells,
@@ -180,10 +182,10 @@ class _Window:
             REACH * f.spacing,
             REACH * f.edge,
             max(self.tolerance, _deviation(f.shape)),
+            [(face, end.t) for face, end in zip(faces, self.ends, strict=True)],
         )
         _require_one_material(f, self.flat, material, assignment)
         self.nodes = len(self.flat.points)
-        self.ends = [self._end(end, quarter) for end in ends]
         near = [e for e in self.ends if self.flat.reaches(e, self.tolerance)]
         middle = float(np.mean(self.loads.t))
         self.free = min(near, key=lambda e: e.inward(np.asarray(middle)), default=None)

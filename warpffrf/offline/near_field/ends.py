@@ -4,6 +4,9 @@ Of a load at the distance d from a plane end face at right angles to the surface
 the end, and `QuarterSpace` releases what the mirror image leaves on the face. Ends of other angles, fillets and
 chamfers have no table: there the half-space is taken to go on, and what they change is left to the difference between
 the body and the half-space, which is then not smooth within about a spacing of the grid.
+
+Where a crown meets a plane face the edge is nearly square; up to the slope `SQUARE` it is taken as such, and its face
+stands upright on the flat surface (`on_end`).
 """
 
 from __future__ import annotations
@@ -46,8 +49,11 @@ def free_ends(mesh: Mesh, name: str, shape: Any, grid: ContactGrid, edge: float)
         if not beside[side]:
             continue
         touching = np.unique(np.concatenate(beside[side]))
-        _, z, distance = shape.chart(mesh.points[touching])
-        if np.all(np.abs(z - end) < reach) and abs(float(shape.slope_at(end))) <= SQUARE:
+        _, _, distance = shape.chart(mesh.points[touching])
+        if (
+            np.all(np.abs(along_axis(shape, mesh.points[touching]) - end) < reach)
+            and abs(float(shape.slope_at(end))) <= SQUARE
+        ):
             found.append(FreeEnd(float(end), side))
         elif np.max(np.abs(distance)) >= reach:
             where = "lower" if side < 0 else "upper"
@@ -56,3 +62,13 @@ def free_ends(mesh: Mesh, name: str, shape: Any, grid: ContactGrid, edge: float)
                 "surface and a plane face; within about a spacing of the grid from it a patch grid is less accurate"
             )
     return found, notes
+
+
+def along_axis(shape: Any, points: Array) -> Array:
+    """z [m] of `points` (n, 3) [m], user frame, along the axis."""
+    return (points - shape.axis_point) @ shape.e_a
+
+
+def on_end(shape: Any, points: Array, end: FreeEnd, edge: float) -> Array:
+    """Which of `points` (n, 3) [m] lie on the plane of the end face (n,)."""
+    return np.abs(along_axis(shape, points) - end.z) < ON_SURFACE * edge

@@ -55,9 +55,11 @@ class FlatCells:
         reach: float,
         depth: float,
         tolerance: float,
+        ends: Sequence[tuple[Array, float]] = (),
     ) -> FlatCells:
         """The body's cells with a corner within `reach` [m] of the `box` (s_low, s_high, t_low, t_high) [m] of the flat
-        surface, and less than `depth` [m] below it; nodes nearer to the surface than the `tolerance` [m] are on it."""
+        surface, and less than `depth` [m] below it; nodes nearer to the surface than the `tolerance` [m] are on it.
+        `ends`: of each end face which `points` lie on it (n,), and the t [m] at which it stands upright."""
         s_low, s_high, t_low, t_high = box
         radius = np.hypot(max(-s_low, s_high) + reach, max(-t_low, t_high) + reach) + depth
         near = np.flatnonzero(np.sum((points - chart.origin) ** 2, axis=1) < radius**2)
@@ -73,6 +75,8 @@ class FlatCells:
         numbers = {kind: found for kind, found in numbers.items() if len(found)}
         used = np.unique(np.concatenate([cells[kind][found].ravel() for kind, found in numbers.items()]))
         s, t, y = chart.flat(points[used])
+        for face, at in ends:
+            t[face[used]] = at
         on = np.abs(y) < tolerance
         flat = np.stack([s, t, np.where(on, 0.0, -y)], axis=1)
         own = {kind: np.searchsorted(used, cells[kind][found]) for kind, found in numbers.items()}

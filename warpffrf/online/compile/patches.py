@@ -34,8 +34,9 @@ Surface = ContactSurface | RigidSurface
 LINE_ASPECT = 8.0  # of Hertz's ellipse, from which rows stay where they are
 ELLIPSE = 0.636  # aspect of Hertz's ellipse: the ratio of curvatures to this power (Hamrock and Brewe 1983)
 # strips, of which the patch takes eight; rows. Odd numbers have a cell where Hertz's pressure is largest.
-COLUMNS, LINE_ROWS, POINT_ROWS = 11, 21, 11
+COLUMNS, LINE_ROWS, CROWNED_ROWS, POINT_ROWS = 11, 21, 27, 11
 FIRST_ROW, ROW_GROWTH = 0.004, 1.6  # of the width: rows at ends under pressure; their growth from there
+MIDDLE_ROW = 0.015  # of the width: rows where a crown carries; an ellipse of a third of the width takes a dozen
 HUGGING = 0.2  # of the larger curvature: below it patches are wide beside the radius, and belong to material grids
 NARROWEST = 1e-4  # W times the relative curvature
 WIDEST = 0.5 * WHOLE * 0.95  # W over a radius of curvature: a patch keeps within WHOLE
@@ -89,17 +90,21 @@ class PatchPlan:
             )
         least = NARROWEST / across
         most = WIDEST * min(radius for radius in (_radius(a), _radius(b)) if radius > 0.0)
-        aspect = (across / along) ** ELLIPSE if along > 0.0 else np.inf
-        follows = aspect < LINE_ASPECT
-        given = contact.cells or (COLUMNS, POINT_ROWS if follows else LINE_ROWS)
-        columns, rows = given
+        aspect, follows = _aspect(across, along), rows_follow(contact)
+        columns, rows = contact.cells or (
+            COLUMNS,
+            POINT_ROWS if follows else CROWNED_ROWS if along > 0.0 else LINE_ROWS,
+        )
         bodies = [_OnMeridian.of(contact, port) for port in contact.ports if port.surface.grid is not None]
         if follows:
             edges = aspect * np.linspace(-1.0, 1.0, rows + 1)
             most = min(most, most / aspect)
             first, step, power, levels = 0.0, 1.0, 3.0, np.array([0.0])
         else:
-            edges = line_edges(*common_width(contact), rows, crowned=along > 0.0)
+            low, high = common_width(contact)
+            edges = crowned_edges(low, high, _nearest(contact, low, high), rows)
+            if not along > 0.0:
+                edges = line_edges(low, high, rows)
             count = int(np.ceil(np.log(most / least) / STEP)) + 1
             first, step, power = float(np.log(least)), STEP, 2.0
             levels = first + step * np.arange(max(count, 4))
@@ -122,13 +127,7 @@ class _OnMeridian:
 
     @classmethod
     def of(cls, contact: Contact, port: Any) -> _OnMeridian:
-        first = contact.a
-        shape = first.surface.shape
-        places = [port.body.to_user(first.body.to_world(shape.axis_point + z * shape.e_a)) for z in (0.0, 1.0)]
-        own = port.surface.shape
-        z = [float((place - own.axis_point) @ own.e_a) for place in places]
-        sign = 1.0 if z[1] >= z[0] else -1.0
-        return cls(port.surface.far, sign, z[0])
+        return cls(port.surface.far, *_meridian(contact, port))
 
     def seen(self, z: Array) -> Array:
         """z of this body at z of the first surface."""
@@ -143,6 +142,30 @@ class _OnMeridian:
         image = (1.0 - far.poisson_ratio**2) / (2.0 * np.pi)
         correction = float(far.quarter.displacement(0.0, 1.0, 1.0))
         return [((end.z - self.offset) / self.sign, (image + correction) / far.youngs_modulus) for end in far.ends]
+
+
+def _meridian(contact: Contact, port: Any) -> tuple[float, float]:
+    """Sign and offset [m] of the z that the surface of `port` counts at z of the first surface, at the start."""
+    shape, own = contact.a.surface.shape, port.surface.shape
+    places = [port.body.to_user(contact.a.body.to_world(shape.axis_point + z * shape.e_a)) for z in (0.0, 1.0)]
+    z = [float((place - own.axis_point) @ own.e_a) for place in places]
+    return (1.0 if z[1] >= z[0] else -1.0), z[0]
+
+
+def rows_follow(contact: Contact) -> bool:
+    """Whether the rows of a contact lie about the nearest place: its patch is short."""
+    return _aspect(*relative_curvatures(contact)) < LINE_ASPECT
+
+
+def _aspect(across: float, along: float) -> float:
+    """Length over width of Hertz's ellipse of the two relative curvatures."""
+    return (across / along) ** ELLIPSE if along > 0.0 else np.inf
+
+
+def end_places(contact: Contact) -> list[float]:
+    """Where the free ends of both bodies lie on the first surface's meridian at the start, z [m]."""
+    bodies = [_OnMeridian.of(contact, port) for port in contact.ports if not port.rigid]
+    return [(end.z - body.offset) / body.sign for body in bodies if body.far is not None for end in body.far.ends]
 
 
 def relative_curvatures(contact: Contact) -> tuple[float, float]:
@@ -176,12 +199,40 @@ def common_width(contact: Contact) -> tuple[float, float]:
     return low, high
 
 
-def line_edges(low: float, high: float, rows: int, *, crowned: bool) -> Array:
-    """Edges (rows + 1,) [m] of the rows between two ends: equal where the ends carry little, else growing from both of
-    them."""
+def _nearest(contact: Contact, low: float, high: float) -> float:
+    """Where between `low` and `high` [m] on the first meridian the second surface, its axis parallel, is nearest."""
+    z = np.linspace(low, high, 401)
+    near = np.zeros(len(z))
+    for port in contact.ports:
+        shape = port.surface.shape
+        if not shape.profile().planar:
+            sign, offset = _meridian(contact, port)
+            near += shape.side * shape.radius_at(sign * z + offset)
+    return float(np.mean(z[near >= near.max() - 1e-9 * (high - low)]))
+
+
+def crowned_edges(low: float, high: float, middle: float, rows: int) -> Array:
+    """Edges (rows + 1,) [m] of the rows between two ends that carry little: `MIDDLE_ROW` of the width around the
+    `middle` [m], and growing from there, by x = c sinh(a y), y even."""
     width = high - low
-    if crowned:
-        return np.linspace(low, high, rows + 1)
+    first = min(MIDDLE_ROW, 0.999 / rows) * width
+
+    def edges(c: float) -> Array:
+        y = np.linspace(np.arcsinh((low - middle) / c), np.arcsinh((high - middle) / c), rows + 1)
+        return middle + c * np.sinh(y)
+
+    from scipy.optimize import brentq
+
+    def excess(log_c: float) -> float:
+        return float(np.diff(edges(np.exp(log_c))).min() - first)
+
+    root: Any = brentq(excess, float(np.log(1e-4 * width)), float(np.log(1e3 * width)))
+    return edges(float(np.exp(root)))
+
+
+def line_edges(low: float, high: float, rows: int) -> Array:
+    """Edges (rows + 1,) [m] of the rows between two ends under pressure: growing from both of them."""
+    width = high - low
     half = rows // 2
     steps = FIRST_ROW * ROW_GROWTH ** np.arange(half)
     steps = np.minimum(steps, _largest_row(steps, rows))

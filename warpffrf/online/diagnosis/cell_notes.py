@@ -5,19 +5,23 @@ from __future__ import annotations
 
 import numpy as np
 
+from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
 from warpffrf.model.far_field import WHOLE
 from warpffrf.model.scene import Scene
+from warpffrf.online.compile.patches import end_places, rows_follow
+from warpffrf.online.diagnosis.undeformed_normal import normal_notes
 from warpffrf.online.history.history import ContactHistory, History
 
 FEWEST = 6  # strips, or rows of a point contact, under pressure: with 8 forces err by 0.1 %, peaks by 0.9 %
 APART = 6.0  # longest facet edges between two patches: nearer, what one does to the other errs by 2 % and more
 ROLLED = 0.1  # of W: less is a contact that does not roll
 WIDE = 0.9  # of WHOLE that a patch may span without a word
+CLEAR = 2.0  # half-lengths of the patch of a point contact from an end: nearer, what the end adds varies over the patch
 
 
-def cell_notes(contact: Contact, found: ContactHistory) -> list[str]:
-    """Notes on the cells of a pair in a run."""
+def cell_notes(contact: Contact, found: ContactHistory, history: History) -> list[str]:
+    """Notes on the cells of a pair in a run, `found` in its `history`."""
     cells = found.cells
     if cells is None:
         return []
@@ -30,7 +34,7 @@ def cell_notes(contact: Contact, found: ContactHistory) -> list[str]:
             "forces may be off by 1 %, peak pressures by 3 %; use cells= with more strips across"
         )
     travelled = np.abs(cells.column - cells.column[0]).max() * contact.a.surface.grid.pitch
-    if contact.law.chi > 0.0 and travelled * _metric(contact) > ROLLED * float(np.max(cells.half_width)):
+    if contact.law.chi > 0.0 and travelled * arc_per_theta(contact) > ROLLED * float(np.max(cells.half_width)):
         notes.append(
             f"contact {contact.name!r}: the patch rolled over the first body, and its layer is damped by how fast its "
             "depth changes in each cell of the patch, not at each place of the material; damping in a rolling contact "
@@ -44,7 +48,53 @@ def cell_notes(contact: Contact, found: ContactHistory) -> list[str]:
             f"contact {contact.name!r}: the patch spans {widest:.2g} rad of a surface, and the half-space under it is "
             f'flat; beyond {WHOLE:g} rad pressures err by more than 2 %: use grid="material", with a finer mesh'
         )
-    return notes
+    half_width = strips * float(cells.half_width[last]) / found.pressure.shape[1]
+    notes += normal_notes(contact, half_width, {})
+    return notes + (_near_end(contact, found) if rows_follow(contact) else _travelled(contact, found, history))
+
+
+def _near_end(contact: Contact, found: ContactHistory) -> list[str]:
+    """A point contact so close to an end that what the end adds is not the same all over the patch."""
+    cells, under = found.cells, np.any(found.pressure > 0.0, axis=1)
+    ends = end_places(contact)
+    if cells is None or not ends or not under.any():
+        return []
+    half = 0.5 * np.sum(cells.length * under, axis=1)
+    middle = np.sum(cells.z * under, axis=1) / np.maximum(under.sum(axis=1), 1)
+    away = np.min([np.abs(middle - end) for end in ends], axis=0)
+    near = (half > 0.0) & (away < CLEAR * half)
+    if not near.any():
+        return []
+    closest = float(np.min(away[near]))
+    return [
+        f"contact {contact.name!r}: the patch comes within {closest:.2g} m of a free end, {CLEAR:g} of its "
+        "half-lengths or less; what the end adds to its displacement is taken in the middle of the patch only: use "
+        'grid="material" where the pressure at the end matters'
+    ]
+
+
+def _travelled(contact: Contact, found: ContactHistory, history: History) -> list[str]:
+    """A line contact whose partner has moved along the axis: its ends are where they were at the start."""
+    a, b = contact.a, contact.b
+    if found.cells is None or b.rigid or getattr(b.surface.far, "ends", ()) == ():
+        return []
+    own, other = history.bodies[a.body.name], history.bodies[b.body.name]
+    place = other.position + np.einsum("tij,j->ti", _turns(other.rotation), b.surface.shape.axis_point)
+    seen = np.einsum("tji,tj->ti", _turns(own.rotation), place - own.position)
+    at_start = a.body.to_user(b.body.to_world(b.surface.shape.axis_point))
+    way = float(np.abs((seen - at_start) @ a.surface.shape.e_a).max())
+    if way <= float(found.cells.length.min()):
+        return []
+    return [
+        f"contact {contact.name!r}: body {b.body.name!r} moved {way:.2g} m along the axis, and its free ends are where "
+        "they were at the start for the displacement of the cells: pressures near them are off; let the body with the "
+        'ends that matter come first in the contact, or use grid="material"'
+    ]
+
+
+def _turns(rotation: np.ndarray) -> np.ndarray:
+    """(T, 3, 3) of quaternions (T, 4)."""
+    return np.stack([rot.matrix(q) for q in rotation])
 
 
 def near_patches(scene: Scene, history: History) -> list[str]:
@@ -84,7 +134,7 @@ def _column(history: History, contact: Contact, side: int) -> np.ndarray:
     return cells.column_second if side else cells.column
 
 
-def _metric(contact: Contact) -> float:
+def arc_per_theta(contact: Contact) -> float:
     """Metres of arc per unit of theta on the first surface."""
     surface = contact.a.surface
     return float(surface.shape.radius_at(float(np.mean(np.asarray(surface.grid.z)[[0, -1]]))))

@@ -23,7 +23,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.slopes import leanings
 from warpffrf.online.compile.pairs import SKEW
 from warpffrf.online.diagnosis.border_notes import border_notes
-from warpffrf.online.diagnosis.cell_notes import cell_notes, near_patches
+from warpffrf.online.diagnosis.cell_notes import arc_per_theta, cell_notes, near_patches
 from warpffrf.online.diagnosis.undeformed_normal import normal_notes
 from warpffrf.online.history.history import ContactHistory, History
 from warpffrf.online.history.sensors import turned
@@ -52,10 +52,10 @@ def contact_notes(scene: Scene, history: History, on_axes: Collection[str] = ())
             continue
         columns = _widest(found)
         if found.cells is not None:
-            notes += cell_notes(contact, found)
+            notes += cell_notes(contact, found, history)
             continue
         notes += _coarse(contact, columns) + _cut(contact, found) + border_notes(contact, found, history.time)
-        notes += normal_notes(contact, columns, taken)
+        notes += normal_notes(contact, 0.5 * columns * contact.a.surface.grid.pitch * arc_per_theta(contact), taken)
         if contact.name in on_axes:
             notes += _skewed(contact, found, history)
     return notes + near_patches(scene, history) + _untouched(scene, history, untouched)

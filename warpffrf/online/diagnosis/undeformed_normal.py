@@ -22,8 +22,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from warpffrf.model.contact import Contact
 from warpffrf.model.slopes import compliance, curvature, leaning
 
@@ -38,15 +36,12 @@ def line_load_error(half_width: float, radius: float, wall: float, poisson_ratio
     return half_width**2 / (radius * wall) * (0.45 + 0.5 * half_width / wall) * squeezed
 
 
-def normal_notes(contact: Contact, columns: int, taken: Mapping[tuple[int, str], float]) -> list[str]:
-    """A note where the error is noticeable in the largest patch of `contact`, of so many columns; `taken`: the slope
-    that each surface has taken into its compliance, by (index of the body, surface)."""
-    first = contact.a.surface
+def normal_notes(contact: Contact, half_width: float, taken: Mapping[tuple[int, str], float]) -> list[str]:
+    """A note where the error is noticeable in the largest patch of `contact`, of that `half_width` [m]; `taken`: the
+    slope that each surface has taken into its compliance, by (index of the body, surface)."""
     relative = sum(curvature(port.surface) for port in contact.ports)
     if not relative > 0.0 or any(port.surface.shape.profile().crown for port in contact.ports):
         return []  # conformal, or touched in a point
-    radius = 1.0 if first.shape.profile().planar else float(first.shape.radius_at(np.mean(first.grid.z[[0, -1]])))
-    half_width = 0.5 * columns * first.grid.pitch * radius
     error = weight = 0.0
     for port in contact.ports:
         if (share := compliance(port)) == 0.0:

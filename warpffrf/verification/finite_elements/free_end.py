@@ -93,7 +93,7 @@ class EndPressure:
 def press_roller(roller: Roller, load: float, half_width: float, cells: float, end_cell: float) -> EndPressure:
     """The roller under the load [N] on a rigid plane; half_width a [m] expected, `cells` in it, first cell at the end
     `end_cell` a wide: for the mesh only."""
-    return _pressed([roller], load, half_width, cells, end_cell)
+    return _pressed([roller], load, half_width, cells, _from_the_end(roller, end_cell * half_width))
 
 
 def press_pair(
@@ -103,30 +103,64 @@ def press_pair(
     `InputError` where the second is not longer, or not as large."""
     if not long.width > short.width or long.outer_radius != short.outer_radius:
         raise InputError("roller end: the second roller must be wider than the first, and of the same radius")
-    return _pressed([short, long], load, half_width, cells, end_cell)
+    return _pressed([short, long], load, half_width, cells, _from_the_end(short, end_cell * half_width))
 
 
-def _pressed(rollers: list[Roller], load: float, half_width: float, cells: float, end_cell: float) -> EndPressure:
-    """One roller on a plane, or two; the first carries the hats."""
+def press_crowned(
+    roller: Roller, crown_radius: float, load: float, half_axes: tuple[float, float], cells: float
+) -> EndPressure:
+    """As `press_roller`, the rim with a crown of `crown_radius` [m], whose middle carries the load on an ellipse of
+    about the `half_axes` [m] across and along, with `cells` in each of them: for the mesh only. The crown is in the
+    gap, not in the mesh: a drop over the patch of 1e-4 of the radius. Raises `InputError` where the ellipse comes to
+    the end."""
+    w, along = 0.5 * roller.width, half_axes[1]
+    carries = MARGIN * along
+    if not carries < w:
+        raise InputError("crowned roller: the patch reaches the ends")
+    step = carries / np.ceil(MARGIN * cells)
+    fine = step * np.arange(int(np.ceil(MARGIN * cells)) + 1)
+    z = np.append(fine, fine[-1] + graded(GROWTH_FROM_PATCH * step, w - fine[-1], growth=GROWTH_FROM_PATCH)[1:])
+    return _pressed([roller], load, half_axes[0], cells, z, (fine[-1], crown_radius))
+
+
+def _from_the_end(roller: Roller, end_cell: float) -> Array:
+    """z (m,) [m] of lines from the middle to the end, the last cell `end_cell` [m] wide."""
+    w = 0.5 * roller.width
+    return np.sort(w - graded(end_cell, w, growth=GROWTH_FROM_PATCH))
+
+
+def _pressed(
+    rollers: list[Roller],
+    load: float,
+    half_width: float,
+    cells: float,
+    z: Array,
+    crown: tuple[float, float] | None = None,
+) -> EndPressure:
+    """One roller on a plane, or two; the first carries the hats, on lines z (m,) [m]: all, or up to the first of
+    `crown`, whose second is the radius."""
     require_number(load, "load", positive=True)
     R, w = rollers[0].outer_radius, 0.5 * rollers[0].width
+    carries, arc = (w, np.inf) if crown is None else crown
     h = half_width / R / cells
     fine = h * np.arange(int(np.ceil(MARGIN * cells)) + 1)
     angles = np.append(fine, fine[-1] + graded(GROWTH_FROM_PATCH * h, np.pi - fine[-1], growth=GROWTH_FROM_PATCH)[1:])
-    z = np.sort(w - graded(end_cell * half_width, w, growth=GROWTH_FROM_PATCH))
     parts = []
     for roller in rollers:
         beyond = 0.5 * roller.width - w
         lines = z
         if beyond > 0.0:
-            lines = np.append(z, w + graded(end_cell * half_width, beyond, growth=GROWTH_FROM_PATCH)[1:])
-        parts.append(_rim(roller, angles, lines, h, fine[-1], w))
+            lines = np.append(z, w + graded(z[-1] - z[-2], beyond, growth=GROWTH_FROM_PATCH)[1:])
+        parts.append(_rim(roller, angles, lines, h, fine[-1], carries))
     turn, wide = parts[0][:2]
     A = np.sum([part[2] for part in parts], axis=0)
     drop = 1.0 - np.cos(np.repeat(turn, len(wide)))
-    gap = drop * sum(roller.outer_radius for roller in rollers)
+    gap = drop * sum(roller.outer_radius for roller in rollers) + np.tile(0.5 * wide**2 / arc, len(turn))
     B = np.kron(pressure_rows(turn, R), pressure_rows(wide, 1.0))
-    last = range((len(fine) - 1) * len(z), len(fine) * len(z))
+    z = z[z < carries + SAME_PLACE * R]
+    last = list(range((len(fine) - 1) * len(z), len(fine) * len(z)))
+    if crown is not None:
+        last += range(len(z) - 1, len(fine) * len(z), len(z))
     s, _, delta, _ = active_set(A, gap, np.ones(len(gap)), B, 0.25 * load, last)
     return EndPressure(R, fine, z, s.reshape(len(fine), len(z)), delta, sum(part[3] for part in parts))
 

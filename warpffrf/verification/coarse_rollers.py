@@ -1,0 +1,144 @@
+r"""Rollers on meshes far coarser than their contact, pressures on cells that travel with the patch.
+
+Two hollow steel rollers (R 50, bore 15, width 20 mm) whose bores are held at an approach. References are full finite
+elements of one roller on the plane of symmetry between the two (`free_end`): quadratic cells, six in a half-width, no
+modes, no half-space; none of it is the package's. Where rollers are tilted, skewed, or several, nothing is symmetric,
+and the reference is the package's own material grid on a mesh made for the contact, three quadratic cells in a
+half-width.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import warpffrf as wf
+from warpffrf.model import rotation as rot
+from warpffrf.model.mesh import Mesh
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.verification.closed_forms import LineContact, contact_modulus
+from warpffrf.verification.closed_forms.elliptic import EllipticContact
+from warpffrf.verification.finite_elements.free_end import STEEL_ROLLER, EndPressure, press_crowned, press_roller
+from warpffrf.verification.user_meshes import cut_into_tets, gmsh_roller, serendipity, straight
+
+Array = np.ndarray
+STEEL = STEEL_ROLLER.material
+R, BORE, WIDTH = STEEL_ROLLER.outer_radius, STEEL_ROLLER.inner_radius, STEEL_ROLLER.width
+PAIR = "pair"
+LOADS = (3e3, 9e3)  # N: approaches of 5 and 15 um
+LEVEL = (6.0, 0.125)  # cells in a, end cell over a
+CROWNS = ((0.14, 1e3), (0.5, 1e3), (2.0, 300.0), (2.0, 1500.0))  # m, N
+CROWNED_LEVEL = 6.0
+INSIDE = (2e-4, 6e-5)  # m from the end
+LAYER = 0.8  # of the size of the cells at the rim over that of the layers
+ROLLED, TURNS = 3.0, 60  # elements of 4 mm, saved places
+
+
+def hexahedra(size: float, order: int = 2, crown_radius: float | None = None) -> Mesh:
+    """The roller in cells of `size` [m] at the rim."""
+    return wf.mesh.roller(
+        R, BORE, WIDTH, sectors=4 * round(0.5 * np.pi * R / size), layers=round(LAYER * (R - BORE) / size),
+        axial=round(WIDTH / size), order=order, crown_radius=crown_radius,
+    )  # fmt: skip
+
+
+MESHES: dict[str, Callable[[], Mesh]] = {
+    "hex8, 4 mm": lambda: hexahedra(4e-3, 1),
+    "hex8, 2 mm": lambda: hexahedra(2e-3, 1),
+    "hex8, 1 mm": lambda: hexahedra(1e-3, 1),
+    "hex20, 8 mm": lambda: serendipity(hexahedra(8e-3)),
+    "hex20, 4 mm": lambda: serendipity(hexahedra(4e-3)),
+    "hex20, 2 mm": lambda: serendipity(hexahedra(2e-3)),
+    "hex27, 4 mm": lambda: hexahedra(4e-3),
+    "tet10, 4 mm": lambda: cut_into_tets(hexahedra(4e-3)),
+    "tet10, 2 mm": lambda: cut_into_tets(hexahedra(2e-3)),
+    "tet10, 4 mm, Gmsh": gmsh_roller,
+    "tet4, 4 mm": lambda: straight(cut_into_tets(hexahedra(4e-3))),
+    "tet4, 2 mm": lambda: straight(cut_into_tets(hexahedra(2e-3))),
+    "tet4, 4 mm, Gmsh": lambda: straight(gmsh_roller()),
+}
+
+
+def reduced(mesh: Mesh, crown_radius: float | None = None, **options: Any) -> ReducedBody:
+    """The roller for contact on cells, its bore rigid."""
+    shape = wf.surfaces.Cylinder() if crown_radius is None else wf.surfaces.CrownedCylinder(crown_radius=crown_radius)
+    given = {"modes": 0, "patch_grid": True, "cache": False, "progress": False, **options}
+    return wf.reduce(mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": shape}, **given)
+
+
+def held(
+    lower: ReducedBody, upper: ReducedBody, approach: float, *, tilt: float = 0.0, skew: float = 0.0,
+    shift: float = 0.0, turning: float = 0.0, **contact: Any,
+) -> wf.Scene:  # fmt: skip
+    """Two rollers with axes along y, the upper one `approach` [m] too near above the lower, tilted about x and skewed
+    about z [rad], shifted along y [m]; bores held, or turning [rad/s] against each other."""
+    scene = wf.Scene(gravity=(0, 0, 0))
+    first = scene.add_body(lower, name="lower")
+    about_x = np.array([np.sin(0.5 * tilt), 0.0, 0.0, np.cos(0.5 * tilt)])
+    about_z = np.array([0.0, 0.0, np.sin(0.5 * skew), np.cos(0.5 * skew)])
+    turn = rot.quaternion(rot.matrix(about_z) @ rot.matrix(about_x))
+    second = scene.add_body(upper, name="upper", position=(0, shift, 2 * R - approach), rotation=turn)
+    for body, sense in ((first, 1.0), (second, -1.0)):
+        if not turning:
+            scene.add(wf.joints.Fixed(scene.ground, body["bore"]))
+            continue
+        axle = scene.add(wf.joints.Revolute(scene.ground, body["bore"], axis=(0, 1, 0)))
+        scene.add(wf.joints.Drive(axle, wf.signals.Ramp(0.0, sense * turning, duration=1e-3), quantity="velocity"))
+    scene.add(wf.Contact(first["rim"], second["rim"], **{"grid": "patch", "name": PAIR, **contact}))
+    return scene
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Of a state at rest: force [N], peak pressure at mid-width [Pa], and largest pressures across (m,) at z (m,)
+    [m]."""
+
+    force: float
+    peak: float
+    z: Array
+    along: Array
+
+    @classmethod
+    def of(cls, scene: wf.Scene) -> Found:
+        """The static state of a scene of `held`."""
+        result = wf.equilibrium(scene)
+        if result.status != "completed":
+            raise RuntimeError(result.message)
+        pair = result.contact(PAIR)
+        p = pair.mean_pressure[-1]
+        return cls(
+            float(pair.force_magnitude[-1]), float(pair.mid_peak_pressure[-1]), np.atleast_2d(pair.rows)[-1],
+            p[p.shape[0] // 2],
+        )  # fmt: skip
+
+    def near_end(self, inside: float) -> float:
+        """Pressure [Pa] on the line of contact, `inside` [m] from the end; the mean of both ends."""
+        half = 0.5 * WIDTH - inside
+        return float(np.mean(np.interp([-half, half], self.z, self.along)))
+
+
+def ripple(body: ReducedBody, approach: float) -> float:
+    """How far the force goes up and down while the rollers turn by three elements at constant approach, of its mean
+    [-]."""
+    angle, step = ROLLED * 4e-3 / R, 1e-4
+    scene = held(body, body, approach, turning=angle / (TURNS * step))
+    result = wf.simulate(scene, TURNS * step, step=step, start="equilibrium", progress=False)
+    if result.status != "completed":
+        raise RuntimeError(result.message)
+    force = result.contact(PAIR).force_magnitude
+    return float(np.ptp(force) / force.mean())
+
+
+def straight_reference(load: float) -> EndPressure:
+    """Finite elements of a straight roller under the load [N]."""
+    half_width = LineContact(load / WIDTH, R, contact_modulus(STEEL)).half_width
+    return press_roller(STEEL_ROLLER, load, half_width, *LEVEL)
+
+
+def crowned_reference(crown_radius: float, load: float) -> EndPressure:
+    """Finite elements of a crowned roller under the load [N]."""
+    axes = EllipticContact(load, R, crown_radius, contact_modulus(STEEL)).half_axes
+    return press_crowned(STEEL_ROLLER, crown_radius, load, axes, CROWNED_LEVEL)
