@@ -108,14 +108,37 @@ def test_moments_of_an_ellipse(shape: Any) -> None:
     assert contact.line_load[0] == pytest.approx(0.5 * np.pi * 0.4e-3 * 1e9, rel=3e-3)
 
 
-def test_one_cell_has_the_moments_of_a_rectangle() -> None:
+def test_half_width_on_strips() -> None:
+    """Hertz's line contact solved on strips of a half-plane, as the cells of a pair are, at the default eleven over 2.6
+    half-widths: p > 0 or gap > 0 in their middles."""
+    strips, a, load = 11, 1.0, np.pi / 4.0  # E* = R = 1: P' = pi a^2/4
+    w = 2.6 * a / strips
+    x = w * (np.arange(strips) - 0.5 * (strips - 1))
+    d = x[:, None] - x
+    G = sum(sign * (d - sign * 0.5 * w) * np.log(np.abs(d - sign * 0.5 * w)) for sign in (1.0, -1.0)) * 2.0 / np.pi
+    active = np.ones(strips, dtype=bool)
+    for _ in range(20):
+        n = int(active.sum())
+        system = np.block([[G[np.ix_(active, active)], -np.ones((n, 1))], [w * np.ones((1, n)), np.zeros((1, 1))]])
+        found = np.linalg.solve(system, np.append(-0.5 * x[active] ** 2, load))
+        p = np.zeros(strips)
+        p[active] = found[:-1]
+        active = np.where(active, p > 0.0, 0.5 * x**2 + G @ p < found[-1])
+    assert (p >= 0.0).all()
+    second = (p * x**2).sum() / p.sum()
+    assert 2.0 * np.sqrt(second) == pytest.approx(a, rel=0.008)
+    assert 2.0 * np.sqrt(second + w**2 / 12.0) > 1.012 * a  # as if it were constant on strips
+
+
+def test_one_cell_has_the_moments_of_a_line() -> None:
     contact = made(Cylinder(radius=0.02, axis_point=(0, 0, 0), axis_direction=(0, 1, 0)), strips=5, rows=4)
     p = np.zeros_like(contact.history.pressure)
     p[0, 3, 1] = 2e8
     contact.history.pressure = p
     width, length = 1.2e-3 / 5, 0.5e-3
     assert contact.normal_load[0] == pytest.approx(2e8 * width * length, rel=1e-12)
-    assert np.diag(contact.moments.covariance[0]) == pytest.approx([width**2 / 12, length**2 / 12], rel=1e-9)
+    assert np.diag(contact.moments.covariance[0]) == pytest.approx([0.0, length**2 / 12], rel=1e-9, abs=1e-25)
+    assert contact._line.half_width[0] == pytest.approx(0.5 * width, rel=1e-9)  # no patch is narrower than its strip
     assert contact.center[0] == pytest.approx(width + 0.1 * 0.01 * 0.02, rel=1e-9)
     assert contact.patch_area[0] == pytest.approx(width * length, rel=1e-12)
     assert contact.peak_pressure[0] == 2e8  # its neighbours have none: no parabola

@@ -6,8 +6,8 @@ The pressure is `p(theta, z) = sum_jk p_jk psi_j(theta) zeta_k(z)` on the first 
     P = h sum_jk p_jk I^0_k,       P theta_c = h sum_jk p_jk theta_j I^0_k,       P z_c = h sum_jk p_jk I^1_k,
     P m_theta = h sum_jk p_jk ((theta_j - theta_c)^2 + h^2/6) I^0_k,              P m_z = h sum_jk p_jk I^2_k - P z_c^2,
 
-since the second moment of a hat about its node is h^3/6. Of pressures that are constant on cells zeta_k is 1 on the
-row k, h is the angle of a strip, and h^2/6 becomes h^2/12 (`geometry.cell_places`). Lengths along the surface at the
+since the second moment of a hat about its node is h^3/6. Of pressures on cells that travel zeta_k is 1 on the row k, h
+is the angle of a strip, and the pressure in its middle is a sample of a smooth one: without h^2/6 (`cell_result`). Lengths along the surface at the
 centre of pressure are `R(z_c) theta` and `sqrt(1 + R'(z_c)^2) z`; the covariance in metres is that of the angles times
 these factors.
 
@@ -119,9 +119,9 @@ class PatchMoments(Moments):
 
 
 class CellMoments(Moments):
-    """Of pressures that are constant on cells that travel with the patch."""
+    """Of pressures on cells that travel with the patch."""
 
     def __init__(self, measure: PatchMeasure, places: CellPlaces, pressure: np.ndarray, theta: np.ndarray) -> None:
         """pressure (T, columns, rows) Pa; theta (T, columns), about the line of centres."""
         axial = np.einsum("tjk,tnk->tjn", pressure, places.axial)
-        super().__init__(measure, axial, theta, (places.pitch, 1.0 / 12.0))
+        super().__init__(measure, axial, theta, (places.pitch, 0.0))
