@@ -7,9 +7,11 @@ A solid steel roller (R 7.5 mm, 15 mm long, crown of 1 m) is pressed on the inne
 
 What to expect. At 300 N the crown carries on an ellipse in the middle of the roller: Hertz's, with the relative radii
 1/(1/R1 + 1/R2) across and the crown's along. At 6 kN the crown is pressed flat nearly to the ends, the contact is a
-line, and its pressure across is Hertz's of a cylinder at the line load found there. At the ends, where a roller without
-a crown has its largest pressure - they press edges into a ring that goes on beside them -, it carries next to nothing.
-The same machine with a straight roller shows the edges. While the ring turns neither force nor pressure knows the mesh.
+line, and its pressure across is Hertz's of a cylinder at the line load found there. At the ends the crown
+carries next to nothing. The same machine with a straight roller shows what that is for: its ends are edges that press
+into a ring which goes on beside them, where the pressure of a corner is infinite (docs/studies/roller_end.md), and in a
+row of cells at the end a third larger than in the middle. While the ring turns, neither force nor pressure knows the
+mesh.
 """
 
 from __future__ import annotations

@@ -6,12 +6,11 @@ With strips of width w at x_j along the arc the sums over the section are
 
 and half-widths follow from second moments as on hats (`result`). The gap is looked at in the middle of each cell, and
 the pressure there is that of a smooth one: with a strip's own w^2/12 in m2, which a pressure that is constant on strips
-would have, Hertz's half-width on nine strips is 1.5 % too large, without it 0.6 % (tests/output, `test_half_width_on_strips`). The largest pressure is a sample up to half a strip from the peak, and
-would depend on where the strips lie: between two of eight strips Hertz's is 0.8 % below his peak. What is reported as a
-peak is that of the parabola through the largest cell and its neighbours across, of a point contact with that along the
-meridian. A line contact, whose pressure rises towards free ends, has no parabola along its rows. Fields are those of
-the cells.
-"""
+would have, Hertz's half-width on nine strips is 1.5 % too large, without it 0.6 % (tests/output,
+`test_half_width_on_strips`). The largest pressure is a sample up to half a strip from the peak, and would depend on
+where the strips lie: between two of eight strips Hertz's is 0.8 % below his peak. What is reported as a peak is that of
+the parabola through the largest cell and its neighbours across, of a point contact with that along the meridian. A line
+contact, whose pressure rises towards free ends, has no parabola along its rows. Fields are those of the cells. """
 
 from __future__ import annotations
 

@@ -7,9 +7,9 @@ The pressure is `p(theta, z) = sum_jk p_jk psi_j(theta) zeta_k(z)` on the first 
     P m_theta = h sum_jk p_jk ((theta_j - theta_c)^2 + h^2/6) I^0_k,              P m_z = h sum_jk p_jk I^2_k - P z_c^2,
 
 since the second moment of a hat about its node is h^3/6. Of pressures on cells that travel zeta_k is 1 on the row k, h
-is the angle of a strip, and the pressure in its middle is a sample of a smooth one: without h^2/6 (`cell_result`). Lengths along the surface at the
-centre of pressure are `R(z_c) theta` and `sqrt(1 + R'(z_c)^2) z`; the covariance in metres is that of the angles times
-these factors.
+is the angle of a strip, and the pressure in its middle is a sample of a smooth one: without h^2/6 (`cell_result`).
+Lengths along the surface at the centre of pressure are `R(z_c) theta` and `sqrt(1 + R'(z_c)^2) z`; the covariance in
+metres is that of the angles times these factors.
 
 What a second moment says of a half-width depends on how the pressure is spread. In one direction, with half-width a:
 
