@@ -33,6 +33,7 @@ LEVEL = (6.0, 0.125)  # cells in a, end cell over a
 CROWNS = ((0.14, 1e3), (0.5, 1e3), (2.0, 300.0), (2.0, 1500.0))  # m, N
 CROWNED_LEVEL = 6.0
 INSIDE = (2e-4, 6e-5)  # m from the end
+FINE_SECTORS = 1600
 LAYER = 0.8  # of the size of the cells at the rim over that of the layers
 ROLLED, TURNS = 3.0, 60  # elements of 4 mm, saved places
 
@@ -142,3 +143,28 @@ def crowned_reference(crown_radius: float, load: float) -> EndPressure:
     """Finite elements of a crowned roller under the load [N]."""
     axes = EllipticContact(load, R, crown_radius, contact_modulus(STEEL)).half_axes
     return press_crowned(STEEL_ROLLER, crown_radius, load, axes, CROWNED_LEVEL)
+
+
+def fine_roller() -> ReducedBody:
+    """The roller on a mesh for hats of 0.1 mm around, twelve cells below the rim and twenty along the axis."""
+    mesh = wf.mesh.roller(
+        R, BORE, WIDTH, sectors=FINE_SECTORS, layers=12, axial=20, grading=1.6, order=2
+    )  # fmt: skip
+    return wf.reduce(
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, progress=False
+    )
+
+
+def between_rigid(body: ReducedBody, apart: float, approach: float, **contact: Any) -> wf.Scene:
+    """The roller, its bore held, with two rigid rollers of R/10 on it, `apart` [rad] from each other, each `approach`
+    [m] too near."""
+    scene = wf.Scene(gravity=(0, 0, 0))
+    middle = scene.add_body(body, name="lower")
+    scene.add(wf.joints.Fixed(scene.ground, middle["bore"]))
+    small = 0.1 * R
+    for n, angle in enumerate((-0.5 * apart, 0.5 * apart)):
+        place = (R + small - approach) * np.array([np.sin(angle), 0.0, np.cos(angle)])
+        shape = wf.surfaces.Cylinder(radius=small, axis_point=place, axis_direction=(0, 1, 0))
+        partner = scene.ground.surface(shape, name=f"small {n}")
+        scene.add(wf.Contact(middle["rim"], partner, **{"grid": "patch", "name": f"{PAIR} {n}", **contact}))
+    return scene

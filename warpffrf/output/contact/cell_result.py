@@ -10,7 +10,8 @@ would have, Hertz's half-width on nine strips is 1.5 % too large, without it 0.6
 `test_half_width_on_strips`). The largest pressure is a sample up to half a strip from the peak, and would depend on
 where the strips lie: between two of eight strips Hertz's is 0.8 % below his peak. What is reported as a peak is that of
 the parabola through the largest cell and its neighbours across, of a point contact with that along the meridian. A line
-contact, whose pressure rises towards free ends, has no parabola along its rows. Fields are those of the cells. """
+contact, whose pressure rises towards free ends, has no parabola along its rows. Fields are those of the cells.
+"""
 
 from __future__ import annotations
 
