@@ -234,7 +234,7 @@ def load_modes(
     ctl: wp.array(dtype=Control),
     far_window: wp.array4d(dtype=int),
     far_load: wp.array(dtype=real),
-    pair_modal: changed(wp.array(dtype=real)),
+    pair_modal: inout(wp.array(dtype=real)),
 ):
     """Per (world, pair of family 2): load of the contact pressures on the modes of A, then of B."""
     w, pair, lane = wp.tid()

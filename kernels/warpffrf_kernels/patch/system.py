@@ -98,7 +98,7 @@ def respond_cells(
     far_window: wp.array4d(dtype=int),
     weight: wp.array2d(dtype=real),
     far_response: inout(wp.array(dtype=real)),
-    J: changed(wp.array(dtype=real)),
+    J: inout(wp.array(dtype=real)),
 ):
     """Per world: of the fresh slots of patches the displacement of the splines under a unit pressure, side by side, and
     the gradient of the weak gap by the modes of A, then of B, times the weight of the pair."""

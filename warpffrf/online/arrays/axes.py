@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.model import AT_POINTS, LINE_OF_CENTRES, Model
+from warpffrf_kernels.core.model import AT_POINTS, LINE_OF_CENTRES, PATCH, Model
 from warpffrf_kernels.core.scalars import BLOCK
 from warpffrf_kernels.kinematics.at_points import LINE
 
@@ -138,6 +138,7 @@ NAMES = {
     "line_pair": "pairs whose gaps are taken along the line of centres",
     "point_pair": "pairs whose gaps are taken at points",
     "few_pair": "pairs of the line of centres with a list of points",
+    "hat_pair": "pairs whose pressures stand on hats of the first grid",
     "patch_beside": "cells in play, where several patches lie on a body",
     "pair_beside": "pairs, where bodies are loaded by several",
 }
@@ -209,6 +210,7 @@ def sizes_of(
         "slot_beside": S if beside else 0, "outer_beside": outer if beside else 0,
         "friction_outer": outer if rubbing else 0, "adaptive_world": worlds if adaptive else 0,
         "line_pair": int((families == LINE_OF_CENTRES).sum()), "point_pair": int((families == AT_POINTS).sum()),
+        "hat_pair": int((families != PATCH).sum()),
         "few_pair": int(((families == LINE_OF_CENTRES) & (counts > 0)).sum()), "pair_beside": P if beside else 0,
     }  # fmt: skip
 

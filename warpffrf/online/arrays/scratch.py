@@ -161,8 +161,8 @@ class ContactGeometry(Arrays):
     more_wrench: DeviceArray = reals(
         "world", "pair", "held_hat", 6, note="what the true one has beside", zero_without=True
     )
-    stencil: DeviceArray = reals("world", "pair", "hat", "stencil", unit="m2")
-    stencil_at: DeviceArray = integers("world", "pair", "hat", 2, note="column and row on B")
+    stencil: DeviceArray = reals("world", "pair", "hat", "stencil", unit="m2", zero_without=True)
+    stencil_at: DeviceArray = integers("world", "pair", "hat", 2, note="column and row on B", zero_without=True)
 
 
 class Patches(Arrays):
@@ -190,12 +190,16 @@ class ContactFields(Arrays):
     opened: DeviceArray = reals("world", "pair", "hat", unit="m", note="the gap without the pressures")
     base: DeviceArray = reals("world", "pair", "hat", unit="Pa", note="pressures of the evaluation")
     first_field: DeviceArray = reals("world", "pair", "hat", unit="m", note="by the modes of A")
-    second_field: DeviceArray = reals("world", "pair", "node", unit="m", note="by those of B", run=True)
+    second_field: DeviceArray = reals(
+        "world", "pair", "node", unit="m", note="by those of B", run=True, zero_without=True
+    )
     first_step: DeviceArray = reals("world", "pair", "hat", unit="m", note="the same, of increments")
-    second_step: DeviceArray = reals("world", "pair", "node", unit="m", run=True)
+    second_step: DeviceArray = reals("world", "pair", "node", unit="m", run=True, zero_without=True)
     first_local: DeviceArray = reals("world", "pair", "hat", unit="m", note="by the local modes of A", run=True)
-    second_local: DeviceArray = reals("world", "pair", "node", unit="m", note="by those of B", run=True)
-    second_load: DeviceArray = reals("world", "pair", "node", unit="N")
+    second_local: DeviceArray = reals(
+        "world", "pair", "node", unit="m", note="by those of B", run=True, zero_without=True
+    )
+    second_load: DeviceArray = reals("world", "pair", "node", unit="N", zero_without=True)
     second_wrench: DeviceArray = reals("world", "pair", 6, unit=FORCE)
     proposed: DeviceArray = integers("world", "pair", "hat", note="active set after a solve")
 
