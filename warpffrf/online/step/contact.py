@@ -21,7 +21,7 @@ from warpffrf_kernels.normal import (
     contact_solve,
     pair_elimination,
 )
-from warpffrf_kernels.patch import cells, fields, near, place, system
+from warpffrf_kernels.patch import cells, fields, near, place, spline_tables, system
 
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.outer import FACTOR
@@ -51,6 +51,7 @@ CONTACT = Participant(
         blocks(cells.sample_cells, "pair", when=PATCH, weak_gap="shifted_gap"),
         threads(cells.open_far_windows, "pair", when=PATCH),
         blocks(near.lay_near, "pair", when=PATCH),
+        blocks(spline_tables.lay_splines, "pair", when=PATCH),
     ],
     few=[
         blocks(line_of_centres_sampled.sample_few, "pair", when=FEW),
@@ -82,7 +83,6 @@ CONTACT = Participant(
         threads(contact_compliance.take_slots),
         blocks(contact_compliance.respond, when=HATS),
         blocks(contact_compliance.modal_rows, when=HATS),
-        blocks(system.respond_cells, when=PATCH),
         blocks(contact_assembly.assemble, when=HATS, scratch="scaled_modes", receptance="contact_receptance"),
         blocks(system.assemble_cells, when=PATCH, receptance="contact_receptance"),
         blocks(contact_assembly.assemble_between, when=BESIDE, receptance="contact_receptance", field="field_beside"),
