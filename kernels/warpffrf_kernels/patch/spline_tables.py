@@ -12,7 +12,7 @@ so that sums over splines run along places or along splines, LINE numbers at a t
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout
+from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
@@ -151,6 +151,7 @@ def lay_splines(
     far_window: wp.array4d(dtype=int),
     far_strip: inout(wp.array4d(dtype=int)),
     far_share: inout(wp.array(dtype=real)),
+    far_answered: out(wp.array2d(dtype=int)),
     far_laid: inout(wp.array4d(dtype=int)),
     far_table: inout(wp.array(dtype=real)),
     far_trace: inout(wp.array(dtype=real)),
@@ -162,6 +163,8 @@ def lay_splines(
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
+    if lane == 0:
+        far_answered[w, pair] = 0
     lines = model.surfaces.rows[model.pairs.first[pair]]
     for side in range(2):
         s = real_side(elements, pair, side)

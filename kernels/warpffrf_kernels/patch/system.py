@@ -21,99 +21,165 @@ from warpffrf_kernels.patch.spline_tables import line_of, real_side, trace_at
 wp.set_module_options(MODULE_OPTIONS)
 
 
-# Of one side, minus `weight` times the load of cell `m` on the modes, to J from `line` on; and what a unit pressure on
-# it displaces of the splines, by S and by the condensed modes, to `far_response`. Native for contiguous inner loops, as
-# `lay_row`.
+# S + Phi sigma^-1 Phi^T on the splines of one side, what a unit pressure on each place displaces of them by it, and the
+# loads of all places on the modes. Strips that load the same columns of splines are taken at once. Native for
+# contiguous inner loops along places.
 @wp.func_native("""
-    const int B = WP_TILE_BLOCK_DIM > 1 ? 1 : 8, nodes = elements.patches.far_nodes;
-    const int rows = model.surfaces.rows.data[s], taps = rows < 3 ? rows : 3;
-    const int modes = model.surfaces.modal_count.data[s];
-    const size_t p = ((size_t)w * model.pairs.count + pair) * 2 + side, at = p * model.window.hats + m;
-    const int used = (far_window.data[2 * p + 1] * rows + 7) / 8 * 8;
-    const int first = (far_at.data[2 * at] - far_window.data[2 * p]) * rows + far_at.data[2 * at + 1];
-    const double* const q = far_weight.data + 9 * at;
-    const double* const table = far_table.data + p * nodes * nodes + (size_t)first * nodes;
+    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM, nodes = elements.patches.far_nodes;
+    const int columns = elements.patches.columns.data[pair], stride = elements.patches.places;
+    const int rows = model.surfaces.rows.data[s], modes = model.surfaces.modal_count.data[s];
+    const size_t p = ((size_t)w * model.pairs.count + pair) * 2 + side;
+    const int count = far_window.data[2 * p + 1] * rows;
+    const int* const strip = far_strip.data + 2 * p * model.window.columns;
+    const double* const table = far_table.data + p * nodes * nodes;
     const double* const trace = far_trace.data + trace_start;
-    const double* const s0 = receptance.data + (size_t)w * model.modes.count + model.surfaces.modal_start.data[s];
-    double* const u = far_response.data + (size_t)(2 * w + side) * nodes;
-    double* const j = J.data + line;
-    for (int k = WP_TILE_THREAD_IDX; k < modes; k += WP_TILE_BLOCK_DIM) {
-        const double* const t = trace + (size_t)k * nodes + first;
-        double sum = 0.0;
-        for (int a = 0; a < 3; ++a)
-            for (int b = 0; b < taps; ++b) sum += q[3 * a + b] * t[a * rows + b];
-        j[k] = -weight * sum;
-    }
-    WP_TILE_SYNC();
-    for (int e = B * WP_TILE_THREAD_IDX; e < used; e += B * WP_TILE_BLOCK_DIM) {
-        double sum[8] = {0.0};
-        for (int a = 0; a < 3; ++a)
-            for (int b = 0; b < taps; ++b) {
-                const double* const t = table + (size_t)(a * rows + b) * nodes + e;
-                for (int i = 0; i < B; ++i) sum[i] += q[3 * a + b] * t[i];
-            }
-        for (int k = 0; k < modes; ++k) {
-            const double f = weight * s0[k] * j[k];
-            const double* const t = trace + (size_t)k * nodes + e;
-            for (int i = 0; i < B; ++i) sum[i] -= f * t[i];
+    const double* const share = far_share.data + p * nodes * stride;
+    const double* const own = receptance.data + (size_t)w * model.modes.count + model.surfaces.modal_start.data[s];
+    double* const soft = far_soft.data + p * nodes * nodes;
+    double* const answer = far_answer.data + p * nodes * stride;
+    double* const gradient = far_gradient.data + (p / 2 * model.pairs.most_modes + first_mode) * stride;
+    for (int n = lane; n < count; n += lanes) {
+        double* const x = soft + (size_t)n * nodes;
+        for (int k = 0; k < count; ++k) x[k] = table[(size_t)n * nodes + k];
+        for (int m = 0; m < modes; ++m) {
+            const double* const t = trace + (size_t)m * nodes;
+            const double f = weight * weight * own[m] * t[n];
+            for (int k = 0; k < count; ++k) x[k] += f * t[k];
         }
-        for (int i = 0; i < B; ++i) u[e + i] = sum[i];
     }
     WP_TILE_SYNC();
+    for (int c = 0, end = 1; c < columns; c = end) {
+        const int* const here = strip + 2 * c;
+        for (end = c + 1; end < columns && strip[2 * end] == here[0] && strip[2 * end + 1] == here[1];) ++end;
+        const int low = strip[2 * c] * rows, high = low + strip[2 * c + 1] * rows;
+        for (int n = 0; n < count + modes; ++n) {
+            const double* const f = n < count ? soft + (size_t)n * nodes : trace + (size_t)(n - count) * nodes;
+            double* const out = n < count ? answer + (size_t)n * stride : gradient + (size_t)(n - count) * stride;
+            for (int e = c * line + lane; e < end * line; e += lanes) out[e] = 0.0;
+            int k = low;
+            for (; k + 3 < high; k += 4) {
+                const double f0 = f[k], f1 = f[k + 1], f2 = f[k + 2], f3 = f[k + 3];
+                const double* const x = share + (size_t)k * stride;
+                for (int e = c * line + lane; e < end * line; e += lanes)
+                    out[e] += f0 * x[e] + f1 * x[stride + e] + f2 * x[2 * stride + e] + f3 * x[3 * stride + e];
+            }
+            for (; k < high; ++k)
+                for (int e = c * line + lane; e < end * line; e += lanes)
+                    out[e] += f[k] * share[(size_t)k * stride + e];
+        }
+    }
 """)
-def respond_cell(
+def answer_side(
     model: Model,
     elements: Elements,
     w: int,
     pair: int,
     side: int,
-    m: int,
     s: int,
-    weight: real,
     line: int,
+    weight: real,
     trace_start: int,
-    far_at: wp.array4d(dtype=int),
-    far_weight: wp.array4d(dtype=real),
+    first_mode: int,
     far_window: wp.array4d(dtype=int),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
     far_table: wp.array(dtype=real),
     far_trace: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
-    far_response: wp.array(dtype=real),
-    J: wp.array(dtype=real),
+    far_soft: wp.array(dtype=real),
+    far_answer: wp.array(dtype=real),
+    far_gradient: wp.array(dtype=real),
 ): ...
 
 
-# Row `slot` of G, of cell `m`, against the slots of its pair up to itself: laid out over the places of all strips that
-# these have cells in, then picked.
+@wp.kernel
+def answer_splines(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    far_window: wp.array4d(dtype=int),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
+    far_table: wp.array(dtype=real),
+    far_trace: wp.array(dtype=real),
+    weight: wp.array2d(dtype=real),
+    receptance: wp.array2d(dtype=real),
+    far_answered: changed(wp.array2d(dtype=int)),
+    far_soft: inout(wp.array(dtype=real)),
+    far_answer: inout(wp.array(dtype=real)),
+    far_gradient: inout(wp.array(dtype=real)),
+):
+    """Per (world, pair of family 2), where slots are fresh and the splines have been laid out anew: what unit pressures
+    displace of the splines of both sides, and load of the modes."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].fresh == ctl[w].slots or model.pairs.family[pair] != PATCH:
+        return
+    if far_answered[w, pair] != 0:
+        return
+    elements = model.elements[0]
+    first_mode = int(0)
+    for side in range(2):
+        s = real_side(elements, pair, side)
+        if s >= 0:
+            answer_side(
+                model, elements, w, pair, side, s, line_of(model.surfaces.rows[model.pairs.first[pair]]),
+                weight[w, pair], trace_at(model, elements, w, pair, side), first_mode, far_window, far_strip, far_share,
+                far_table, far_trace, receptance, far_soft, far_answer, far_gradient,
+            )  # fmt: skip
+        first_mode += model.surfaces.modal_count[model.pairs.first[pair]]
+    sync()
+    if lane == 0:
+        far_answered[w, pair] = 1
+
+
+# Row `slot` of G, of the cell at place `at`, against the slots of its pair up to itself: laid out over the places of
+# all strips that these have cells in, then picked; and its line of J, minus `weight` times its loads on the modes.
 @wp.func_native("""
-    const int B = WP_TILE_BLOCK_DIM > 1 ? 1 : 8, line = (rows + 7) / 8 * 8, column = m / rows, row = m % rows;
+    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM, line = (rows + 7) / 8 * 8;
+    const int column = at / line, row = at % line, modes = model.pairs.most_modes;
     const int stride = elements.patches.places, nodes = elements.patches.far_nodes, cap = model.capacity.slots;
     const size_t p = ((size_t)w * model.pairs.count + pair) * 2;
     const int* const slots = slot_hat.data + (size_t)w * cap * 2;
     const int* const place = slot_place.data + (size_t)w * cap;
     const double* const near = patch_near.data + p / 2 * patch_near.shape[2] + (size_t)row * line;
+    const double* const gradient = far_gradient.data + p / 2 * modes * stride + at;
     double* const g = far_line.data + (size_t)w * stride;
     double* const out = G.data + ((size_t)w * cap + slot) * cap;
+    double* const j = J.data + ((size_t)w * cap + slot) * modes;
+    for (int m = lane; m < modes; m += lanes) j[m] = -weight * gradient[(size_t)m * stride];
     int last = 0;
-    for (int j = 0; j <= slot; ++j) if (slots[2 * j] == pair && place[j] > last) last = place[j];
-    for (int e = B * WP_TILE_THREAD_IDX; e <= last; e += B * WP_TILE_BLOCK_DIM) {
-        const int c = e / line;
-        const double* const t = near + (size_t)(c < column ? column - c : c - column) * rows * line + e % line;
-        double sum[8] = {0.0};
-        for (int i = 0; i < B; ++i) sum[i] = t[i];
-        for (int side = 0; side < 2; ++side) {
-            const int lines = side ? second_rows : first_rows;
-            const int* const strip = far_strip.data + 2 * ((p + side) * model.window.columns + c);
-            const double* const u = far_response.data + (size_t)(2 * w + side) * nodes;
-            const double* const share = far_share.data + (p + side) * nodes * stride + e;
-            for (int n = lines ? strip[0] * lines : 0; n < (lines ? strip[0] + strip[1] : 0) * lines; ++n)
-                for (int i = 0; i < B; ++i) sum[i] += u[n] * share[(size_t)n * stride + i];
-        }
-        for (int i = 0; i < B; ++i) g[e + i] = sum[i];
+    for (int i = 0; i <= slot; ++i) if (slots[2 * i] == pair && place[i] > last) last = place[i];
+    last = last / line + 1;
+    for (int c = 0; c < last; ++c) {
+        const double* const t = near + (size_t)(c < column ? column - c : c - column) * rows * line;
+        for (int e = lane; e < line; e += lanes) g[c * line + e] = t[e];
     }
     WP_TILE_SYNC();
-    for (int j = WP_TILE_THREAD_IDX; j <= slot; j += WP_TILE_BLOCK_DIM)
-        if (slots[2 * j] == pair) out[j] = g[place[j]] + (j == slot ? yielded : 0.0);
+    for (int side = 0; side < 2; ++side) {
+        const int lines = side ? second_rows : first_rows;
+        const int* const strip = far_strip.data + 2 * (p + side) * model.window.columns;
+        const double* const u = far_answer.data + (p + side) * nodes * stride + at;
+        const double* const share = far_share.data + (p + side) * nodes * stride;
+        for (int c = 0, end = 1; lines && c < last; c = end) {
+            const int* const here = strip + 2 * c;
+            for (end = c + 1; end < last && strip[2 * end] == here[0] && strip[2 * end + 1] == here[1];) ++end;
+            const int high = (strip[2 * c] + strip[2 * c + 1]) * lines;
+            int k = strip[2 * c] * lines;
+            for (; k + 3 < high; k += 4) {
+                const double* const f = u + (size_t)k * stride;
+                const double* const x = share + (size_t)k * stride;
+                const double f0 = f[0], f1 = f[stride], f2 = f[2 * stride], f3 = f[3 * stride];
+                for (int e = c * line + lane; e < end * line; e += lanes)
+                    g[e] += f0 * x[e] + f1 * x[stride + e] + f2 * x[2 * stride + e] + f3 * x[3 * stride + e];
+            }
+            for (; k < high; ++k)
+                for (int e = c * line + lane; e < end * line; e += lanes)
+                    g[e] += u[(size_t)k * stride] * share[(size_t)k * stride + e];
+        }
+        WP_TILE_SYNC();
+    }
+    for (int i = lane; i <= slot; i += lanes)
+        if (slots[2 * i] == pair) out[i] = g[place[i]] + (i == slot ? yielded : 0.0);
     WP_TILE_SYNC();
 """)
 def lay_row(
@@ -122,18 +188,21 @@ def lay_row(
     w: int,
     pair: int,
     slot: int,
-    m: int,
+    at: int,
     rows: int,
     first_rows: int,
     second_rows: int,
+    weight: real,
     yielded: real,
     slot_hat: wp.array3d(dtype=int),
     slot_place: wp.array2d(dtype=int),
     patch_near: wp.array3d(dtype=real),
     far_strip: wp.array4d(dtype=int),
     far_share: wp.array(dtype=real),
-    far_response: wp.array(dtype=real),
+    far_answer: wp.array(dtype=real),
+    far_gradient: wp.array(dtype=real),
     far_line: wp.array2d(dtype=real),
+    J: wp.array(dtype=real),
     G: wp.array3d(dtype=real),
 ): ...
 
@@ -166,17 +235,12 @@ def assemble_cells(
     slot_hat: wp.array3d(dtype=int),
     area: wp.array3d(dtype=real),
     patch_near: wp.array3d(dtype=real),
-    far_at: wp.array4d(dtype=int),
-    far_weight: wp.array4d(dtype=real),
-    far_window: wp.array4d(dtype=int),
     far_strip: wp.array4d(dtype=int),
     far_share: wp.array(dtype=real),
-    far_table: wp.array(dtype=real),
-    far_trace: wp.array(dtype=real),
+    far_answer: wp.array(dtype=real),
+    far_gradient: wp.array(dtype=real),
     weight: wp.array2d(dtype=real),
-    receptance: wp.array2d(dtype=real),
     slot_place: inout(wp.array2d(dtype=int)),
-    far_response: inout(wp.array(dtype=real)),
     far_line: inout(wp.array2d(dtype=real)),
     J: inout(wp.array(dtype=real)),
     G: inout(wp.array3d(dtype=real)),
@@ -200,28 +264,12 @@ def assemble_cells(
     slot = ctl[w].fresh
     while slot < ctl[w].slots:
         pair = slot_hat[w, slot, 0]
-        m = slot_hat[w, slot, 1]
         if model.pairs.family[pair] == PATCH:
-            line = (w * model.capacity.slots + slot) * model.pairs.most_modes
-            i = lane
-            while i < model.pairs.most_modes:
-                J[line + i] = real(0.0)
-                i += wp.block_dim()
-            sync()
-            for side in range(2):
-                s = real_side(elements, pair, side)
-                if s >= 0:
-                    respond_cell(
-                        model, elements, w, pair, side, m, s, weight[w, pair], line,
-                        trace_at(model, elements, w, pair, side), far_at, far_weight, far_window, far_table, far_trace,
-                        receptance, far_response, J,
-                    )  # fmt: skip
-                line += model.surfaces.modal_count[model.pairs.first[pair]]
             lay_row(
-                model, elements, w, pair, slot, m, model.surfaces.rows[model.pairs.first[pair]],
-                rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
-                elements.patches.layer[pair] * area[w, pair, m], slot_hat, slot_place, patch_near, far_strip,
-                far_share, far_response, far_line, G,
+                model, elements, w, pair, slot, slot_place[w, slot], model.surfaces.rows[model.pairs.first[pair]],
+                rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1), weight[w, pair],
+                elements.patches.layer[pair] * area[w, pair, slot_hat[w, slot, 1]], slot_hat, slot_place, patch_near,
+                far_strip, far_share, far_answer, far_gradient, far_line, J, G,
             )  # fmt: skip
         slot += 1
     mirror_within(model, w, ctl[w].fresh, ctl[w].slots, PATCH, slot_hat, G)
