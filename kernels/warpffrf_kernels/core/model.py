@@ -435,7 +435,8 @@ class Patches:
     are numbered apart from surfaces, `far_of` says which a surface has."""
 
     count: int
-    far_nodes: int  # splines of a far window, the most
+    far_nodes: int  # splines of a far window, the most, filled up to eights
+    places: int  # of the cells of a pair, the most: strips whose rows are filled up to eights
     touching: int  # bodies' sides that carry several of these patches, counted by pairs of them
     columns: DeviceArray = integers("pair", note="strips across")
     first: DeviceArray = integers("pair", note="surface with the mesh; pairs.first is the grid of cells on it")

@@ -15,7 +15,7 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import LINE_OF_CENTRES, Model
+from warpffrf_kernels.core.model import LINE_OF_CENTRES, PATCH, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -185,6 +185,8 @@ def shift(
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     if model.pairs.family[pair] == LINE_OF_CENTRES and model.points.count[pair] != 0:
+        return
+    if model.pairs.family[pair] == PATCH:
         return
     A = model.pairs.first[pair]
     rows = model.surfaces.rows[A]

@@ -16,7 +16,7 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, sync, vec3
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
@@ -146,6 +146,9 @@ def respond(
     slot = ctl[w].fresh
     while slot < ctl[w].slots:
         pair = slot_hat[w, slot, 0]
+        if model.pairs.family[pair] == PATCH:
+            slot += 1
+            continue
         m = slot_hat[w, slot, 1]
         B = model.pairs.second[pair]
         rows = model.surfaces.rows[B]
@@ -193,6 +196,9 @@ def modal_rows(
     slot = ctl[w].fresh
     while slot < ctl[w].slots:
         pair = slot_hat[w, slot, 0]
+        if model.pairs.family[pair] == PATCH:
+            slot += 1
+            continue
         m = slot_hat[w, slot, 1]
         A = model.pairs.first[pair]
         B = model.pairs.second[pair]

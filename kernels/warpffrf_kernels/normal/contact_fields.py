@@ -9,7 +9,7 @@ import warp as wp
 
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import LINE_OF_CENTRES, Model
+from warpffrf_kernels.core.model import LINE_OF_CENTRES, PATCH, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync
 from warpffrf_kernels.normal.contact_compliance import node_of
 from warpffrf_kernels.normal.pair_forces import modal_line
@@ -39,13 +39,15 @@ def set_second_window(
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
+    on_hats = int(model.pairs.family[pair] != PATCH)
     low = model.window.second_columns - 1
     high = int(0)
     m = (window[w, pair, 0] + model.window.half) * rows
     while m < (window[w, pair, 1] + model.window.half + 1) * rows:
         if area[w, pair, m] > real(0.0):
-            low = wp.min(low, stencil_at[w, pair, m, 0])
-            high = wp.max(high, stencil_at[w, pair, m, 0] + model.window.stencil_columns - 1)
+            if on_hats != 0:
+                low = wp.min(low, stencil_at[w, pair, m, 0])
+                high = wp.max(high, stencil_at[w, pair, m, 0] + model.window.stencil_columns - 1)
         else:
             active[w, pair, m] = 0
             pressure[w, pair, m] = real(0.0)
@@ -71,7 +73,7 @@ def modal_fields(
     """
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or (of_state != 0 and ctl[w].moved == 0):
+    if ctl[w].run == 0 or (of_state != 0 and ctl[w].moved == 0) or model.pairs.family[pair] == PATCH:
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
@@ -147,8 +149,10 @@ def local_gap(
 ) -> real:
     """Opening of a weak gap by the local modes of both bodies."""
     at = w * model.pairs.count + pair
-    rows_b = model.surfaces.rows[model.pairs.second[pair]]
     value = first_local[at * model.window.hats + m]
+    if model.pairs.family[pair] == PATCH:
+        return value
+    rows_b = model.surfaces.rows[model.pairs.second[pair]]
     return value + on_stencil(model, w, pair, m, rows_b, stencil, stencil_at, second_local)
 
 
@@ -193,7 +197,8 @@ def close_gaps(
         value = weak_gap[w, pair, m]
         if area[w, pair, m] > real(0.0):
             value -= first_field[w, pair, m]
-            value -= on_stencil(model, w, pair, m, rows_b, stencil, stencil_at, second_field)
+            if model.pairs.family[pair] != PATCH:
+                value -= on_stencil(model, w, pair, m, rows_b, stencil, stencil_at, second_field)
         gap[w, pair, m] = value
         opened[w, pair, m] = value + local_gap(model, w, pair, m, stencil, stencil_at, first_local, second_local)
         m += wp.block_dim()
@@ -223,7 +228,7 @@ def load_second(
         second_load[base_b + i] = real(0.0)
         i += wp.block_dim()
     sync()
-    if lane != 0:
+    if lane != 0 or model.pairs.family[pair] == PATCH:
         return
     m = (window[w, pair, 0] + model.window.half) * rows
     while m < (window[w, pair, 1] + model.window.half + 1) * rows:
@@ -257,7 +262,7 @@ def local_fields(
     A's hats, nodal ones on B, both opening the gap. pressure: 0 where inactive."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0:
+    if ctl[w].run == 0 or model.pairs.family[pair] == PATCH:
         return
     base = (w * model.pairs.count + pair) * model.window.hats
     base_b = (w * model.pairs.count + pair) * model.window.nodes
@@ -295,7 +300,7 @@ def load_modes(
     grids."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] == PATCH:
         return
     trial = modal_line(model, w, pair)
     i = lane

@@ -186,7 +186,8 @@ def correct_set(
             f = vec3(wrench[w, pair, m, 0], wrench[w, pair, m, 1], wrench[w, pair, m, 2])
             t = vec3(wrench[w, pair, m, 3], wrench[w, pair, m, 4], wrench[w, pair, m, 5])
             value = gap[w, pair, m] + wp.dot(f, move) + wp.dot(t, spin) - first_step[w, pair, m]
-            value -= on_stencil(model, w, pair, m, rows_b, stencil, stencil_at, second_step)
+            if model.pairs.family[pair] != PATCH:
+                value -= on_stencil(model, w, pair, m, rows_b, stencil, stencil_at, second_step)
             value += local_gap(model, w, pair, m, stencil, stencil_at, first_local, second_local)
             if value < -GAP_TOLERANCE * model.length * area[w, pair, m]:
                 new = int(1)

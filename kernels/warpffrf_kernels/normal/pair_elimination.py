@@ -22,6 +22,10 @@ COUNT = wp.constant(1)  # how many they are
 LEFT_START = wp.constant(2)  # the same of those that have left the set
 LEFT_COUNT = wp.constant(3)
 
+NOTHING = wp.constant(0)  # of an elimination that is kept
+FACTOR = wp.constant(1)
+LINES = wp.constant(2)
+
 
 @wp.kernel
 def order_slots(
@@ -30,14 +34,24 @@ def order_slots(
     active: wp.array3d(dtype=int),
     base: wp.array3d(dtype=real),
     slot_hat: wp.array3d(dtype=int),
-    order: out(wp.array2d(dtype=int)),
-    block: out(wp.array3d(dtype=int)),
+    order: inout(wp.array2d(dtype=int)),
+    block: inout(wp.array3d(dtype=int)),
+    kept: out(wp.array(dtype=int)),
 ):
-    """Per world: the active slots, pair by pair, then those that have left the set."""
+    """Per world: the active slots, pair by pair, then those that have left the set; and what of the elimination is that
+    of the solve before, of the same rows of G: U (FACTOR), with L also W and W^T W (LINES)."""
     w = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
         return
+    same = int(NOTHING)
+    if ctl[w].fresh == ctl[w].slots and model.elements[0].layers.count == 0:
+        same = int(FACTOR)
+        if ctl[w].refresh == 0 or ctl[w].moved == 0:
+            same = int(LINES)
+    count = int(0)
+    if same != NOTHING:
+        count = block[w, 0, LEFT_START]
     pair = int(0)
     while pair < model.pairs.count:
         block[w, pair, COUNT] = 0
@@ -60,6 +74,8 @@ def order_slots(
             at += block[w, pair, 2 * kind + COUNT]
             block[w, pair, 2 * kind + COUNT] = 0
             pair += 1
+        if kind == 0 and at != count:
+            same = int(NOTHING)
     slot = int(0)
     while slot < ctl[w].slots:
         pair = slot_hat[w, slot, 0]
@@ -71,9 +87,13 @@ def order_slots(
             kind = int(1)
         if kind >= 0:
             n = block[w, pair, 2 * kind + COUNT]
-            order[w, block[w, pair, 2 * kind + START] + n] = slot
+            place = block[w, pair, 2 * kind + START] + n
+            if kind == 0 and same != NOTHING and order[w, place] != slot:
+                same = int(NOTHING)
+            order[w, place] = slot
             block[w, pair, 2 * kind + COUNT] = n + 1
         slot += 1
+    kept[w] = same
 
 
 # Gathers the block of G of n slots from place `start` of `order` on, in the lines and columns of these places.
@@ -141,16 +161,17 @@ def eliminate_pairs(
     L: wp.array3d(dtype=real),
     order: wp.array2d(dtype=int),
     block: wp.array3d(dtype=int),
+    kept: wp.array(dtype=int),
     ctl: inout(wp.array(dtype=Control)),
     factor: inout(wp.array(dtype=real)),
     W: inout(wp.array(dtype=real)),
     square: inout(wp.array(dtype=real)),
 ):
-    """Per (world, pair): U, W and W^T W of the active hats."""
+    """Per (world, pair): U, W and W^T W of the active hats, as far as they are not `kept`."""
     w, pair, lane = wp.tid()
     model = models[0]
     n = block[w, pair, COUNT]
-    if ctl[w].run == 0 or n == 0:
+    if ctl[w].run == 0 or n == 0 or kept[w] == LINES:
         return
     start = block[w, pair, START]
     cap = model.capacity.slots
@@ -158,9 +179,10 @@ def eliminate_pairs(
     coupled = model.pairs.coupled_count[pair]
     at = block_at(model, w, start)
     line = lines_at(model, w, start)
-    gather_block(model, w, start, n, G, order, factor)
-    if block_elimination.factor(factor, at, cap, n) != 0 and lane == 0:
-        ctl[w].failure = ctl[w].failure | k.INDEFINITE
+    if kept[w] == NOTHING:
+        gather_block(model, w, start, n, G, order, factor)
+        if block_elimination.factor(factor, at, cap, n) != 0 and lane == 0:
+            ctl[w].failure = ctl[w].failure | k.INDEFINITE
     gather_lines(model, w, pair, start, n, L, order, W)
     block_elimination.forward_lines(factor, at, cap, n, W, line, width, coupled)
     block_elimination.square_of(n, W, line, width, coupled, square, (w * model.pairs.count + pair) * width * width)

@@ -114,13 +114,11 @@ def sample_cells(
     area: out(wp.array3d(dtype=real)),
     wrench: out(wp.array4d(dtype=real)),
     more_wrench: out(wp.array4d(dtype=real)),
-    stencil: out(wp.array4d(dtype=real)),
-    stencil_at: out(wp.array4d(dtype=int)),
     far_at: out(wp.array4d(dtype=int)),
     far_weight: out(wp.array4d(dtype=real)),
 ):
     """Per (world, pair of family 2), lanes over cells: weak gap, area (0 where nothing is opposite), wrench, loads of
-    splines. The stencils on hats of the second surface are empty."""
+    splines."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
@@ -176,12 +174,6 @@ def sample_cells(
             wrench[w, pair, m, 3 + i] = size * moment[i]
             more_wrench[w, pair, m, i] = size * more_force[i]
             more_wrench[w, pair, m, 3 + i] = size * more_moment[i]
-        e = int(0)
-        while e < model.window.stencil_columns * model.window.stencil_rows:
-            stencil[w, pair, m, e] = real(0.0)
-            e += 1
-        stencil_at[w, pair, m, 0] = model.window.second_half
-        stencil_at[w, pair, m, 1] = 0
         if elements.patches.far_of[A] >= 0:
             place_splines(model, elements, A, x_a, z, size, w, pair, m, far_at, far_weight)
         if elements.patches.far_of[B] >= 0:

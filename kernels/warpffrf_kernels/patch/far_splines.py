@@ -90,24 +90,11 @@ def turned_column(model: Model, s: int, column: int) -> int:
 def beside_block(
     model: Model, elements: Elements, table: int, rows: int, source_rows: int, target: int, source: int
 ) -> int:
-    """Where a table between two columns of the grids of two patches begins in `beside`, as `far_block`; the stride from
-    row to row of the target is `beside_stride`."""
+    """Where a table between two columns of the grids of two patches begins in `beside`, (row of the target, row of the
+    source) with a stride of the source's sector from row to row."""
     c = elements.patches.table_target[table]
     c_source = elements.patches.table_source[table]
     sectors = elements.patches.table_sectors[table]
     lag = (target / c - source / c_source + sectors) % sectors
     line = lag * c * rows + (target % c) * rows
     return elements.patches.table_start[table] + line * c_source * source_rows + (source % c_source) * source_rows
-
-
-@wp.func
-def far_block(model: Model, elements: Elements, s: int, target: int, source: int) -> int:
-    """Where S between two columns of the grid begins in `far`, (row of the target, row of the source) with a stride of
-    `far_width` from row to row."""
-    f = elements.patches.far_of[s]
-    c = elements.patches.far_columns[f]
-    rows = model.surfaces.rows[s]
-    sectors = elements.patches.far_sectors[f]
-    lag = (target / c - source / c + sectors) % sectors
-    width = c * rows
-    return elements.patches.far_start[f] + (lag * width + (target % c) * rows) * width + (source % c) * rows

@@ -1,7 +1,8 @@
 """What opens the gaps of cells: global modes and local displacement of both bodies, and what the cells load.
 
 Spline numbers of a pair stand in two halves, one a side, (columns of the far window, rows): loads P^T A p [N], their
-displacement S times the loads, and that of the modes. A cell reads what it loads, with the same weights.
+displacement S times the loads, and that of the modes. A cell reads what it loads, with the same weights
+(`spline_tables`).
 """
 
 import warp as wp
@@ -9,25 +10,15 @@ import warp as wp
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import PATCH, Elements, Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, sync, vec3
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, real, sync, vec3
 from warpffrf_kernels.kinematics.closest_point import least_place, view_of
 from warpffrf_kernels.normal.pair_forces import modal_line
-from warpffrf_kernels.patch.far_splines import beside_block, far_block, turned_column
-from warpffrf_kernels.patch.near import near_sum
+from warpffrf_kernels.patch.far_splines import beside_block, turned_column
 from warpffrf_kernels.patch.place import extent_of
+from warpffrf_kernels.patch.spline_tables import line_of, real_side, table_at, trace_at
+from warpffrf_kernels.surfaces.fields import clear_field
 
 wp.set_module_options(MODULE_OPTIONS)
-
-
-@wp.func
-def real_side(elements: Elements, pair: int, side: int) -> int:
-    """The surface with a mesh that a side of a pair loads; -1 where it is rigid."""
-    s = elements.patches.first[pair]
-    if side == 1:
-        s = elements.patches.second[pair]
-    if elements.patches.far_of[s] < 0:
-        return -1
-    return s
 
 
 @wp.func
@@ -37,46 +28,90 @@ def half_of(model: Model, elements: Elements, w: int, pair: int, side: int) -> i
 
 
 @wp.func
-def read_splines(
+def rows_of(model: Model, elements: Elements, pair: int, side: int) -> int:
+    """Rows of splines of a side; 0 where it is rigid."""
+    s = real_side(elements, pair, side)
+    if s < 0:
+        return 0
+    return model.surfaces.rows[s]
+
+
+# out += sum of the numbers `field` of the splines of both sides at each cell of the pair; of `lines` cells a strip,
+# first_rows and second_rows splines a column. Native for contiguous inner loops, as all sums here.
+@wp.func_native("""
+    const int B = WP_TILE_BLOCK_DIM > 1 ? 1 : 8, line = (lines + 7) / 8 * 8;
+    const int columns = elements.patches.columns.data[pair];
+    const int stride = elements.patches.places, nodes = elements.patches.far_nodes;
+    const size_t p = ((size_t)w * model.pairs.count + pair) * 2;
+    double* const x = value.data + p / 2 * model.window.hats;
+    for (int e = B * WP_TILE_THREAD_IDX; e < columns * line; e += B * WP_TILE_BLOCK_DIM) {
+        const int c = e / line, r = e % line;
+        double sum[8] = {0.0};
+        for (int side = 0; side < 2; ++side) {
+            const int rows = side ? second_rows : first_rows;
+            const int* const strip = far_strip.data + 2 * ((p + side) * model.window.columns + c);
+            const double* const u = field.data + (p + side) * nodes;
+            const double* const share = far_share.data + (p + side) * nodes * stride + e;
+            for (int n = rows ? strip[0] * rows : 0; n < (rows ? strip[0] + strip[1] : 0) * rows; ++n)
+                for (int i = 0; i < B; ++i) sum[i] += u[n] * share[(size_t)n * stride + i];
+        }
+        for (int i = 0; i < B && r + i < lines; ++i) x[c * lines + r + i] += sum[i];
+    }
+    WP_TILE_SYNC();
+""")
+def add_splines(
     model: Model,
     elements: Elements,
     w: int,
     pair: int,
-    m: int,
-    far_at: wp.array4d(dtype=int),
-    far_weight: wp.array4d(dtype=real),
-    far_window: wp.array4d(dtype=int),
+    lines: int,
+    first_rows: int,
+    second_rows: int,
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
     field: wp.array(dtype=real),
-) -> real:
-    """A_i P u of a cell, both sides."""
-    total = real(0.0)
-    for side in range(2):
-        s = real_side(elements, pair, side)
-        if s >= 0:
-            rows = model.surfaces.rows[s]
-            at = side * model.window.hats + m
-            start = half_of(model, elements, w, pair, side)
-            start += (far_at[w, pair, at, 0] - far_window[w, pair, side, 0]) * rows + far_at[w, pair, at, 1]
-            taps = wp.min(rows, 3)
-            for i in range(3):
-                j = int(0)
-                while j < taps:
-                    total += far_weight[w, pair, at, 3 * i + j] * field[start + i * rows + j]
-                    j += 1
-    return total
+    value: wp.array(dtype=real),
+): ...
+
+
+# out[at : at + n] = sum of `count` lines of x, each times its number of f, LINE numbers at a time.
+@wp.func_native("""
+    const int B = WP_TILE_BLOCK_DIM > 1 ? 1 : 8;
+    const double* const factor = f.data + at_f;
+    for (int e = B * WP_TILE_THREAD_IDX; e < n; e += B * WP_TILE_BLOCK_DIM) {
+        const double* const from = x.data + start + e;
+        double sum[8] = {0.0};
+        for (int k = 0; k < count; ++k)
+            for (int i = 0; i < B; ++i) sum[i] += factor[k] * from[(size_t)k * stride + i];
+        for (int i = 0; i < B; ++i) out.data[at + e + i] = sum[i];
+    }
+    WP_TILE_SYNC();
+""")
+def sum_lines(
+    n: int,
+    count: int,
+    f: wp.array(dtype=real),
+    at_f: int,
+    x: wp.array(dtype=real),
+    start: int,
+    stride: int,
+    out: wp.array(dtype=real),
+    at: int,
+): ...
 
 
 @wp.kernel
 def modal_cells(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
-    far_at: wp.array4d(dtype=int),
-    far_weight: wp.array4d(dtype=real),
     far_window: wp.array4d(dtype=int),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
+    far_trace: wp.array(dtype=real),
     amplitude: wp.array(dtype=real),
     of_state: int,
     far_modes: inout(wp.array(dtype=real)),
-    first_field: out(wp.array3d(dtype=real)),
+    first_field: inout(wp.array(dtype=real)),
 ):
     """Per (world, pair of family 2), lanes over splines, then cells: weak displacement by the global modes of both
     bodies."""
@@ -88,25 +123,68 @@ def modal_cells(
     for side in range(2):
         s = real_side(elements, pair, side)
         if s >= 0:
-            rows = model.surfaces.rows[s]
-            modes = model.surfaces.modal_count[s]
-            first = w * model.modes.count + model.surfaces.modal_start[s]
-            start = half_of(model, elements, w, pair, side)
-            n = lane
-            while n < far_window[w, pair, side, 1] * rows:
-                column = turned_column(model, s, far_window[w, pair, side, 0] + n / rows)
-                value = real(0.0)
-                if column >= 0:
-                    at = elements.patches.mode_start[elements.patches.far_of[s]] + (column * rows + n % rows) * modes
-                    value = dot(modes, elements.patches.mode, at, amplitude, first)
-                far_modes[start + n] = value
-                n += wp.block_dim()
-    sync()
-    cells = elements.patches.columns[pair] * model.surfaces.rows[model.pairs.first[pair]]
-    m = lane
-    while m < cells:
-        first_field[w, pair, m] = read_splines(model, elements, w, pair, m, far_at, far_weight, far_window, far_modes)
-        m += wp.block_dim()
+            sum_lines(
+                line_of(far_window[w, pair, side, 1] * model.surfaces.rows[s]), model.surfaces.modal_count[s],
+                amplitude, w * model.modes.count + model.surfaces.modal_start[s], far_trace,
+                trace_at(model, elements, w, pair, side), elements.patches.far_nodes, far_modes,
+                half_of(model, elements, w, pair, side),
+            )  # fmt: skip
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    clear_field(
+        lane, elements.patches.columns[pair] * rows, (w * model.pairs.count + pair) * model.window.hats, first_field
+    )
+    add_splines(
+        model, elements, w, pair, rows, rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
+        far_strip, far_share, far_modes, first_field,
+    )  # fmt: skip
+
+
+# Pressures at places, 0 where there is no active cell; then the loads of the splines of both sides under them.
+@wp.func_native("""
+    const int line = (lines + 7) / 8 * 8, columns = elements.patches.columns.data[pair], hats = model.window.hats;
+    const int stride = elements.patches.places, nodes = elements.patches.far_nodes;
+    const size_t p = ((size_t)w * model.pairs.count + pair) * 2;
+    const double* const given = pressure.data + p / 2 * hats;
+    const int* const on = active.data + p / 2 * hats;
+    double* const q = patch_pressure.data + p / 2 * stride;
+    for (int e = WP_TILE_THREAD_IDX; e < columns * line; e += WP_TILE_BLOCK_DIM) {
+        const int m = e / line * lines + e % line;
+        q[e] = e % line < lines && on[m] != 0 ? given[m] : 0.0;
+    }
+    WP_TILE_SYNC();
+    for (int side = 0; side < 2; ++side) {
+        const int rows = side ? second_rows : first_rows;
+        const int* const strip = far_strip.data + 2 * (p + side) * model.window.columns;
+        double* const load = far_load.data + (p + side) * nodes;
+        for (int n = WP_TILE_THREAD_IDX; n < far_window.data[2 * (p + side) + 1] * rows; n += WP_TILE_BLOCK_DIM) {
+            const double* const x = far_share.data + ((p + side) * nodes + n) * stride;
+            double sum[8] = {0.0};
+            for (int c = 0; c < columns; ++c) {
+                const int column = n / rows - strip[2 * c];
+                if (column < 0 || column >= strip[2 * c + 1]) continue;
+                for (int e = c * line; e < (c + 1) * line; e += 8)
+                    for (int i = 0; i < 8; ++i) sum[i] += x[e + i] * q[e + i];
+            }
+            load[n] = ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
+        }
+    }
+""")
+def sum_loads(
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    lines: int,
+    first_rows: int,
+    second_rows: int,
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    far_window: wp.array4d(dtype=int),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
+    patch_pressure: wp.array3d(dtype=real),
+    far_load: wp.array(dtype=real),
+): ...
 
 
 @wp.kernel
@@ -115,64 +193,81 @@ def load_splines(
     ctl: wp.array(dtype=Control),
     active: wp.array3d(dtype=int),
     pressure: wp.array3d(dtype=real),
-    far_at: wp.array4d(dtype=int),
-    far_weight: wp.array4d(dtype=real),
     far_window: wp.array4d(dtype=int),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
+    patch_pressure: inout(wp.array3d(dtype=real)),
     far_load: inout(wp.array(dtype=real)),
 ):
-    """Per (world, pair of family 2): loads of the splines of both sides under the present pressures [N]."""
+    """Per (world, pair of family 2): the present pressures at places, and loads of the splines of both sides [N]."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
-    for side in range(2):
-        start = half_of(model, elements, w, pair, side)
-        n = lane
-        while n < elements.patches.far_nodes:
-            far_load[start + n] = real(0.0)
-            n += wp.block_dim()
-    sync()
-    if lane != 0:
-        return
-    cells = elements.patches.columns[pair] * model.surfaces.rows[model.pairs.first[pair]]
-    for side in range(2):
-        s = real_side(elements, pair, side)
-        if s >= 0:
-            rows = model.surfaces.rows[s]
-            start = half_of(model, elements, w, pair, side)
-            m = int(0)
-            while m < cells:
-                if active[w, pair, m] != 0:
-                    p = pressure[w, pair, m]
-                    at = side * model.window.hats + m
-                    place = start + (far_at[w, pair, at, 0] - far_window[w, pair, side, 0]) * rows
-                    place += far_at[w, pair, at, 1]
-                    for i in range(3):
-                        j = int(0)
-                        while j < wp.min(rows, 3):
-                            q = place + i * rows + j
-                            far_load[q] = far_load[q] + p * far_weight[w, pair, at, 3 * i + j]
-                            j += 1
-                m += 1
+    sum_loads(
+        model, elements, w, pair, model.surfaces.rows[model.pairs.first[pair]], rows_of(model, elements, pair, 0),
+        rows_of(model, elements, pair, 1), active, pressure, far_window, far_strip, far_share, patch_pressure,
+        far_load,
+    )  # fmt: skip
+
+
+# Weak displacement of the cells of a pair by the half-spaces and the layer.
+@wp.func_native("""
+    const int B = WP_TILE_BLOCK_DIM > 1 ? 1 : 8, line = (rows + 7) / 8 * 8;
+    const int columns = elements.patches.columns.data[pair];
+    const size_t p = (size_t)w * model.pairs.count + pair;
+    const double yielded = elements.patches.layer.data[pair];
+    const double* const near = patch_near.data + p * patch_near.shape[2];
+    const double* const q = patch_pressure.data + p * elements.patches.places;
+    const double* const size = area.data + p * model.window.hats;
+    double* const u = value.data + p * model.window.hats;
+    for (int e = B * WP_TILE_THREAD_IDX; e < columns * line; e += B * WP_TILE_BLOCK_DIM) {
+        const int c = e / line, r = e % line;
+        double sum[8] = {0.0};
+        for (int d = 0; d < columns; ++d) {
+            const double* const table = near + (size_t)(d < c ? c - d : d - c) * rows * line + r;
+            for (int k = 0; k < rows; ++k) {
+                const double f = q[d * line + k];
+                if (f != 0.0) for (int i = 0; i < B; ++i) sum[i] += f * table[k * line + i];
+            }
+        }
+        for (int i = 0; i < B && r + i < rows; ++i) {
+            const int m = c * rows + r + i;
+            u[m] = sum[i] + yielded * size[m] * q[e + i];
+        }
+    }
+""")
+def near_field(
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    rows: int,
+    patch_near: wp.array3d(dtype=real),
+    patch_pressure: wp.array3d(dtype=real),
+    area: wp.array3d(dtype=real),
+    value: wp.array(dtype=real),
+): ...
 
 
 @wp.kernel
 def local_cells(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
-    pressure: wp.array3d(dtype=real),
-    far_at: wp.array4d(dtype=int),
-    far_weight: wp.array4d(dtype=real),
+    patch_pressure: wp.array3d(dtype=real),
     far_window: wp.array4d(dtype=int),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
+    far_table: wp.array(dtype=real),
     far_load: wp.array(dtype=real),
     patch_near: wp.array3d(dtype=real),
     area: wp.array3d(dtype=real),
     far_field: inout(wp.array(dtype=real)),
-    first_local: out(wp.array(dtype=real)),
+    first_local: inout(wp.array(dtype=real)),
 ):
     """Per (world, pair of family 2), lanes over splines, then cells: weak displacement of both bodies, near field and
-    far field, under the present pressures. pressure: 0 where inactive."""
+    far field, under the present pressures."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
@@ -182,19 +277,16 @@ def local_cells(
         s = real_side(elements, pair, side)
         if s >= 0:
             rows = model.surfaces.rows[s]
-            width = elements.patches.far_columns[elements.patches.far_of[s]] * rows
             start = half_of(model, elements, w, pair, side)
+            count = far_window[w, pair, side, 1] * rows
+            sum_lines(
+                line_of(count), count, far_load, start, far_table, table_at(model, elements, w, pair, side),
+                elements.patches.far_nodes, far_field, start,
+            )  # fmt: skip
             n = lane
-            while n < far_window[w, pair, side, 1] * rows:
+            while n < count and elements.patches.touching > 0:
                 target = turned_column(model, s, far_window[w, pair, side, 0] + n / rows)
                 value = real(0.0)
-                c = int(0)
-                while target >= 0 and c < far_window[w, pair, side, 1]:
-                    source = turned_column(model, s, far_window[w, pair, side, 0] + c)
-                    if source >= 0:
-                        at = far_block(model, elements, s, target, source) + (n % rows) * width
-                        value += dot(rows, elements.patches.far, at, far_load, start + c * rows)
-                    c += 1
                 e = elements.patches.beside_start[2 * pair + side]
                 while target >= 0 and e < elements.patches.beside_start[2 * pair + side + 1]:
                     other = elements.patches.beside_side[e] / 2
@@ -214,18 +306,15 @@ def local_cells(
                             )
                         c += 1
                     e += 1
-                far_field[start + n] = value
+                far_field[start + n] = far_field[start + n] + value
                 n += wp.block_dim()
-    sync()
     rows = model.surfaces.rows[model.pairs.first[pair]]
-    columns = elements.patches.columns[pair]
-    m = lane
-    while m < columns * rows:
-        value = near_sum(model, w, pair, m, rows, columns, model.window.hats, patch_near.shape[2], patch_near, pressure)
-        value += elements.patches.layer[pair] * area[w, pair, m] * pressure[w, pair, m]
-        value += read_splines(model, elements, w, pair, m, far_at, far_weight, far_window, far_field)
-        first_local[(w * model.pairs.count + pair) * model.window.hats + m] = value
-        m += wp.block_dim()
+    near_field(model, elements, w, pair, rows, patch_near, patch_pressure, area, first_local)
+    sync()
+    add_splines(
+        model, elements, w, pair, rows, rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
+        far_strip, far_share, far_field, first_local,
+    )  # fmt: skip
 
 
 @wp.kernel
@@ -234,35 +323,32 @@ def load_modes(
     ctl: wp.array(dtype=Control),
     far_window: wp.array4d(dtype=int),
     far_load: wp.array(dtype=real),
-    pair_modal: changed(wp.array(dtype=real)),
+    far_trace: wp.array(dtype=real),
+    pair_modal: out(wp.array(dtype=real)),
 ):
-    """Per (world, pair of family 2): load of the contact pressures on the modes of A, then of B."""
+    """Per (world, pair of family 2), lanes over modes: load of the contact pressures on the modes of A, then of B."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
     trial = modal_line(model, w, pair)
+    count_a = model.surfaces.modal_count[model.pairs.first[pair]]
     i = lane
     while i < model.pairs.most_modes:
-        pair_modal[trial + i] = real(0.0)
-        i += wp.block_dim()
-    sync()
-    for side in range(2):
+        side = int(0)
+        n = i
+        if i >= count_a:
+            side = int(1)
+            n = i - count_a
         s = real_side(elements, pair, side)
-        if s >= 0:
-            rows = model.surfaces.rows[s]
-            modes = model.surfaces.modal_count[s]
-            start = half_of(model, elements, w, pair, side)
-            n = int(0)
-            while n < far_window[w, pair, side, 1] * rows:
-                f = far_load[start + n]
-                column = turned_column(model, s, far_window[w, pair, side, 0] + n / rows)
-                if f != real(0.0) and column >= 0:
-                    at = elements.patches.mode_start[elements.patches.far_of[s]] + (column * rows + n % rows) * modes
-                    axpy(modes, -f, elements.patches.mode, at, pair_modal, trial)
-                n += 1
-        trial += model.surfaces.modal_count[model.pairs.first[pair]]
+        value = real(0.0)
+        if s >= 0 and n < model.surfaces.modal_count[s]:
+            line = trace_at(model, elements, w, pair, side) + n * elements.patches.far_nodes
+            count = far_window[w, pair, side, 1] * model.surfaces.rows[s]
+            value = -dot(count, far_load, half_of(model, elements, w, pair, side), far_trace, line)
+        pair_modal[trial + i] = value
+        i += wp.block_dim()
 
 
 @wp.kernel

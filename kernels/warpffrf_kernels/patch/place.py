@@ -193,7 +193,9 @@ def move_pressures(
     pressure: wp.array3d(dtype=real),
     patch_buffer: wp.array3d(dtype=real),
 ):
-    """Pressures on strips that are `ratio` times as wide as those they were found on; with them rows that follow."""
+    """Pressures on strips that are `ratio` times as wide as those they were found on; with them rows that follow. A
+    cell is active where the old one nearest to it was: what more would be under pressure, next to the old patch, leaves
+    it again."""
     columns = elements.patches.columns[pair]
     passes = 1 + elements.patches.follows[pair]
     turn = int(0)
@@ -217,15 +219,17 @@ def move_pressures(
             f = middle + (real(i) - middle) * ratio
             j = int(wp.floor(f))
             u = f - real(j)
-            value = real(0.0)
+            low = real(0.0)
+            high = real(0.0)
             if j >= 0 and j < count:
-                value += (real(1.0) - u) * patch_buffer[w, pair, from_line + j * stride]
+                low = patch_buffer[w, pair, from_line + j * stride]
             if j + 1 >= 0 and j + 1 < count:
-                value += u * patch_buffer[w, pair, from_line + (j + 1) * stride]
-            pressure[w, pair, m] = value
+                high = patch_buffer[w, pair, from_line + (j + 1) * stride]
             active[w, pair, m] = 0
-            if value > real(0.0):
+            pressure[w, pair, m] = real(0.0)
+            if (u < real(0.5) and low > real(0.0)) or (u >= real(0.5) and high > real(0.0)):
                 active[w, pair, m] = 1
+                pressure[w, pair, m] = (real(1.0) - u) * low + u * high
             m += 1
         turn += 1
 

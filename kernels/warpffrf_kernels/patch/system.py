@@ -1,204 +1,230 @@
 """Rows of the local compliance G on the cells of patches, and how the modes open them.
 
-    G_ij = near_ij + sum over sides of (A P)_i S (A P)_j^T + layer A_i delta_ij + J_i sigma^-1 J_j^T,
+    G_ij = near_ij + sum over sides of (A P)_i (S + Phi sigma^-1 Phi^T) (A P)_j^T + layer A_i delta_ij,
 
-J_i = -(A P Phi)_i of both bodies; as `contact_compliance` and `contact_assembly` do for hats. The response S (A P)_j^T
-of a cell on the splines under the patch is kept for the rows that follow.
+as `contact_compliance` and `contact_assembly` do for hats; Phi, the modes on the splines, times the weight of the pair.
+What a cell displaces of the splines is read by all cells before it at once, place by place (`spline_tables`).
 
-Residuals are never read off G (`fields`), so that rows may be those of a patch that has moved a little since: they are
-made anew when it has moved by `place.MOVED`, and when an iteration has not settled.
+Residuals are never read off G (`fields`). Rows are made anew in every attempt, and when W has changed in one.
 """
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout, out
+from warpffrf_kernels.core.access import changed, inout
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.patch.far_splines import beside_block, turned_column
-from warpffrf_kernels.patch.fields import real_side
+from warpffrf_kernels.patch.fields import rows_of
+from warpffrf_kernels.patch.spline_tables import line_of, real_side, trace_at
 
 wp.set_module_options(MODULE_OPTIONS)
 
 
-# What a unit pressure on cell `m` displaces of the splines under one side of the patch, `columns` of them from `first`
-# on, into `far_response` from `start` on; and minus `weight` times its load on the modes, added to J from `line` on.
-# Native for contiguous inner loops over rows and modes. S is symmetric: the lines of the loaded splines are read.
+# S + Phi sigma^-1 Phi^T on the splines of one side, what a unit pressure on each place displaces of them by it, and the
+# loads of all places on the modes. Strips that load the same columns of splines are taken at once. Native for
+# contiguous inner loops along places.
 @wp.func_native("""
-    const size_t p0 = (size_t)w * model.pairs.count + pair;
-    const size_t at = p0 * 2 * model.window.hats + (size_t)side * model.window.hats + m;
-    const double* const q = far_weight.data + at * 9;
-    const int rows = model.surfaces.rows.data[s], turn = model.surfaces.turn.data[s];
-    const int all = model.surfaces.columns.data[s], modes = model.surfaces.modal_count.data[s];
-    const int block = elements.patches.far_columns.data[f], sectors = elements.patches.far_sectors.data[f];
-    const int lines = block * rows, taps = rows < 3 ? rows : 3, row = far_at.data[2 * at + 1];
-    const double* const S = elements.patches.far.data + elements.patches.far_start.data[f];
-    const double* const phi = elements.patches.mode.data + elements.patches.mode_start.data[f];
-    double* const u = far_response.data + start;
-    double* const j = J.data + line;
-    for (int n = WP_TILE_THREAD_IDX; n < columns * rows; n += WP_TILE_BLOCK_DIM) u[n] = 0.0;
-    WP_TILE_SYNC();
-    for (int a = 0; a < 3; ++a) {
-        int source = far_at.data[2 * at] + a;
-        if (turn > 0) source = ((source % turn) + turn) % turn;
-        if (source < 0 || source >= all) continue;
-        const double* const value = q + 3 * a;
-        for (int b = 0; b < taps; ++b) {
-            const double load = weight * value[b];
-            const double* const line_of = phi + (size_t)(source * rows + row + b) * modes;
-            for (int n = WP_TILE_THREAD_IDX; n < modes; n += WP_TILE_BLOCK_DIM) j[n] -= load * line_of[n];
-        }
-        for (int c = 0; c < columns; ++c) {
-            int target = first + c;
-            if (turn > 0) target = ((target % turn) + turn) % turn;
-            if (target < 0 || target >= all) continue;
-            const int lag = (source / block - target / block + sectors) % sectors;
-            const double* const line_of =
-                S + ((size_t)lag * lines + (source % block) * rows + row) * lines + (target % block) * rows;
-            double* const v = u + c * rows;
-            if (taps == 3) {
-                for (int n = WP_TILE_THREAD_IDX; n < rows; n += WP_TILE_BLOCK_DIM)
-                    v[n] += value[0] * line_of[n] + value[1] * line_of[lines + n] + value[2] * line_of[2 * lines + n];
-            } else {
-                for (int n = WP_TILE_THREAD_IDX; n < rows; n += WP_TILE_BLOCK_DIM)
-                    v[n] += value[0] * line_of[n] + value[1] * line_of[lines + n];
-            }
+    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM, nodes = elements.patches.far_nodes;
+    const int columns = elements.patches.columns.data[pair], stride = elements.patches.places;
+    const int rows = model.surfaces.rows.data[s], modes = model.surfaces.modal_count.data[s];
+    const size_t p = ((size_t)w * model.pairs.count + pair) * 2 + side;
+    const int count = far_window.data[2 * p + 1] * rows;
+    const int* const strip = far_strip.data + 2 * p * model.window.columns;
+    const double* const table = far_table.data + p * nodes * nodes;
+    const double* const trace = far_trace.data + trace_start;
+    const double* const share = far_share.data + p * nodes * stride;
+    const double* const own = receptance.data + (size_t)w * model.modes.count + model.surfaces.modal_start.data[s];
+    double* const soft = far_soft.data + p * nodes * nodes;
+    double* const answer = far_answer.data + p * nodes * stride;
+    double* const gradient = far_gradient.data + (p / 2 * model.pairs.most_modes + first_mode) * stride;
+    for (int n = lane; n < count; n += lanes) {
+        double* const x = soft + (size_t)n * nodes;
+        for (int k = 0; k < count; ++k) x[k] = table[(size_t)n * nodes + k];
+        for (int m = 0; m < modes; ++m) {
+            const double* const t = trace + (size_t)m * nodes;
+            const double f = weight * weight * own[m] * t[n];
+            for (int k = 0; k < count; ++k) x[k] += f * t[k];
         }
     }
     WP_TILE_SYNC();
+    for (int c = 0, end = 1; c < columns; c = end) {
+        const int* const here = strip + 2 * c;
+        for (end = c + 1; end < columns && strip[2 * end] == here[0] && strip[2 * end + 1] == here[1];) ++end;
+        const int low = strip[2 * c] * rows, high = low + strip[2 * c + 1] * rows;
+        for (int n = 0; n < count + modes; ++n) {
+            const double* const f = n < count ? soft + (size_t)n * nodes : trace + (size_t)(n - count) * nodes;
+            double* const out = n < count ? answer + (size_t)n * stride : gradient + (size_t)(n - count) * stride;
+            for (int e = c * line + lane; e < end * line; e += lanes) out[e] = 0.0;
+            int k = low;
+            for (; k + 3 < high; k += 4) {
+                const double f0 = f[k], f1 = f[k + 1], f2 = f[k + 2], f3 = f[k + 3];
+                const double* const x = share + (size_t)k * stride;
+                for (int e = c * line + lane; e < end * line; e += lanes)
+                    out[e] += f0 * x[e] + f1 * x[stride + e] + f2 * x[2 * stride + e] + f3 * x[3 * stride + e];
+            }
+            for (; k < high; ++k)
+                for (int e = c * line + lane; e < end * line; e += lanes)
+                    out[e] += f[k] * share[(size_t)k * stride + e];
+        }
+    }
 """)
-def respond_cell(
+def answer_side(
     model: Model,
     elements: Elements,
     w: int,
     pair: int,
     side: int,
-    m: int,
     s: int,
-    f: int,
-    first: int,
-    columns: int,
-    weight: real,
-    start: int,
     line: int,
-    far_at: wp.array4d(dtype=int),
-    far_weight: wp.array4d(dtype=real),
-    far_response: wp.array(dtype=real),
-    J: wp.array(dtype=real),
+    weight: real,
+    trace_start: int,
+    first_mode: int,
+    far_window: wp.array4d(dtype=int),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
+    far_table: wp.array(dtype=real),
+    far_trace: wp.array(dtype=real),
+    receptance: wp.array2d(dtype=real),
+    far_soft: wp.array(dtype=real),
+    far_answer: wp.array(dtype=real),
+    far_gradient: wp.array(dtype=real),
 ): ...
 
 
 @wp.kernel
-def respond_cells(
+def answer_splines(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
-    slot_hat: wp.array3d(dtype=int),
-    far_at: wp.array4d(dtype=int),
-    far_weight: wp.array4d(dtype=real),
     far_window: wp.array4d(dtype=int),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
+    far_table: wp.array(dtype=real),
+    far_trace: wp.array(dtype=real),
     weight: wp.array2d(dtype=real),
-    far_response: inout(wp.array(dtype=real)),
-    J: changed(wp.array(dtype=real)),
+    receptance: wp.array2d(dtype=real),
+    far_answered: changed(wp.array2d(dtype=int)),
+    far_soft: inout(wp.array(dtype=real)),
+    far_answer: inout(wp.array(dtype=real)),
+    far_gradient: inout(wp.array(dtype=real)),
 ):
-    """Per world: of the fresh slots of patches the displacement of the splines under a unit pressure, side by side, and
-    the gradient of the weak gap by the modes of A, then of B, times the weight of the pair."""
-    w, lane = wp.tid()
+    """Per (world, pair of family 2), where slots are fresh and the splines have been laid out anew: what unit pressures
+    displace of the splines of both sides, and load of the modes."""
+    w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0:
+    if ctl[w].run == 0 or ctl[w].fresh == ctl[w].slots or model.pairs.family[pair] != PATCH:
+        return
+    if far_answered[w, pair] != 0:
         return
     elements = model.elements[0]
-    slot = ctl[w].fresh
-    while slot < ctl[w].slots:
-        pair = slot_hat[w, slot, 0]
-        if model.pairs.family[pair] == PATCH:
-            line = (w * model.capacity.slots + slot) * model.pairs.most_modes
-            i = lane
-            while i < model.pairs.most_modes:
-                J[line + i] = real(0.0)
-                i += wp.block_dim()
-            sync()
-            for side in range(2):
-                s = real_side(elements, pair, side)
-                if s >= 0:
-                    start = ((w * model.capacity.slots + slot) * 2 + side) * elements.patches.far_nodes
-                    respond_cell(
-                        model, elements, w, pair, side, slot_hat[w, slot, 1], s, elements.patches.far_of[s],
-                        far_window[w, pair, side, 0], far_window[w, pair, side, 1], weight[w, pair], start, line,
-                        far_at, far_weight, far_response, J,
-                    )  # fmt: skip
-                line += model.surfaces.modal_count[model.pairs.first[pair]]
-        slot += 1
+    first_mode = int(0)
+    for side in range(2):
+        s = real_side(elements, pair, side)
+        if s >= 0:
+            answer_side(
+                model, elements, w, pair, side, s, line_of(model.surfaces.rows[model.pairs.first[pair]]),
+                weight[w, pair], trace_at(model, elements, w, pair, side), first_mode, far_window, far_strip, far_share,
+                far_table, far_trace, receptance, far_soft, far_answer, far_gradient,
+            )  # fmt: skip
+        first_mode += model.surfaces.modal_count[model.pairs.first[pair]]
+    sync()
+    if lane == 0:
+        far_answered[w, pair] = 1
 
 
-# Row `slot` of G against the slots of its pair up to itself, and its mirror, lanes over columns. Native like
-# `contact_assembly.couple`.
+# Row `slot` of G, of the cell at place `at`, against the slots of its pair up to itself: laid out over the places of
+# all strips that these have cells in, then picked; and its line of J, minus `weight` times its loads on the modes.
 @wp.func_native("""
-    const size_t p0 = (size_t)w * model.pairs.count + pair;
-    const int cap = model.capacity.slots, width = model.pairs.most_modes, hats = model.window.hats;
+    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM, line = (rows + 7) / 8 * 8;
+    const int column = at / line, row = at % line, modes = model.pairs.most_modes;
+    const int stride = elements.patches.places, nodes = elements.patches.far_nodes, cap = model.capacity.slots;
+    const size_t p = ((size_t)w * model.pairs.count + pair) * 2;
     const int* const slots = slot_hat.data + (size_t)w * cap * 2;
-    const int m = slots[2 * slot + 1], column = m / rows, row = m % rows;
-    const double* const near = patch_near.data + p0 * numbers + (size_t)row * rows;
-    const double* const own = J.data + ((size_t)w * cap + slot) * width;
-    const double* const s = receptance.data + (size_t)w * model.modes.count;
-    const double* const u = far_response.data + ((size_t)w * cap + slot) * 2 * nodes;
-    for (int j = WP_TILE_THREAD_IDX; j <= slot; j += WP_TILE_BLOCK_DIM) {
-        if (slots[2 * j] != pair) continue;
-        const int other = slots[2 * j + 1], c = other / rows, d = c < column ? column - c : c - column;
-        double g = near[(size_t)d * rows * rows + other - c * rows];
-        if (other == m) g += yielded;
-        for (int side = 0; side < 2; ++side) {
-            const int lines = side ? second_rows : first_rows;
-            if (lines == 0) continue;
-            const size_t at = p0 * 2 * hats + (size_t)side * hats + other;
-            const int first = far_window.data[(p0 * 2 + side) * 2];
-            const int* const start = far_at.data + 2 * at;
-            const double* v = u + (size_t)side * nodes + (start[0] - first) * lines + start[1];
-            const double* q = far_weight.data + at * 9;
-            if (lines > 2) {
-                for (int a = 0; a < 3; ++a, q += 3, v += lines) g += q[0] * v[0] + q[1] * v[1] + q[2] * v[2];
-            } else {
-                for (int a = 0; a < 3; ++a, q += 3, v += lines) g += q[0] * v[0] + q[1] * v[1];
-            }
-        }
-        const double* const there = J.data + ((size_t)w * cap + j) * width;
-        double even = 0.0, odd = 0.0; int n = 0;
-        for (; n + 1 < modes_a; n += 2) {
-            even += own[n] * s[first_a + n] * there[n]; odd += own[n + 1] * s[first_a + n + 1] * there[n + 1];
-        }
-        if (n < modes_a) even += own[n] * s[first_a + n] * there[n];
-        for (n = 0; n + 1 < modes_b; n += 2) {
-            even += own[modes_a + n] * s[first_b + n] * there[modes_a + n];
-            odd += own[modes_a + n + 1] * s[first_b + n + 1] * there[modes_a + n + 1];
-        }
-        if (n < modes_b) even += own[modes_a + n] * s[first_b + n] * there[modes_a + n];
-        g += even + odd;
-        G.data[((size_t)w * cap + slot) * cap + j] = g; G.data[((size_t)w * cap + j) * cap + slot] = g;
+    const int* const place = slot_place.data + (size_t)w * cap;
+    const double* const near = patch_near.data + p / 2 * patch_near.shape[2] + (size_t)row * line;
+    const double* const gradient = far_gradient.data + p / 2 * modes * stride + at;
+    double* const g = far_line.data + (size_t)w * stride;
+    double* const out = G.data + ((size_t)w * cap + slot) * cap;
+    double* const j = J.data + ((size_t)w * cap + slot) * modes;
+    for (int m = lane; m < modes; m += lanes) j[m] = -weight * gradient[(size_t)m * stride];
+    int last = 0;
+    for (int i = 0; i <= slot; ++i) if (slots[2 * i] == pair && place[i] > last) last = place[i];
+    last = last / line + 1;
+    for (int c = 0; c < last; ++c) {
+        const double* const t = near + (size_t)(c < column ? column - c : c - column) * rows * line;
+        for (int e = lane; e < line; e += lanes) g[c * line + e] = t[e];
     }
+    WP_TILE_SYNC();
+    for (int side = 0; side < 2; ++side) {
+        const int lines = side ? second_rows : first_rows;
+        const int* const strip = far_strip.data + 2 * (p + side) * model.window.columns;
+        const double* const u = far_answer.data + (p + side) * nodes * stride + at;
+        const double* const share = far_share.data + (p + side) * nodes * stride;
+        for (int c = 0, end = 1; lines && c < last; c = end) {
+            const int* const here = strip + 2 * c;
+            for (end = c + 1; end < last && strip[2 * end] == here[0] && strip[2 * end + 1] == here[1];) ++end;
+            const int high = (strip[2 * c] + strip[2 * c + 1]) * lines;
+            int k = strip[2 * c] * lines;
+            for (; k + 3 < high; k += 4) {
+                const double* const f = u + (size_t)k * stride;
+                const double* const x = share + (size_t)k * stride;
+                const double f0 = f[0], f1 = f[stride], f2 = f[2 * stride], f3 = f[3 * stride];
+                for (int e = c * line + lane; e < end * line; e += lanes)
+                    g[e] += f0 * x[e] + f1 * x[stride + e] + f2 * x[2 * stride + e] + f3 * x[3 * stride + e];
+            }
+            for (; k < high; ++k)
+                for (int e = c * line + lane; e < end * line; e += lanes)
+                    g[e] += u[(size_t)k * stride] * share[(size_t)k * stride + e];
+        }
+        WP_TILE_SYNC();
+    }
+    for (int i = lane; i <= slot; i += lanes)
+        if (slots[2 * i] == pair) out[i] = g[place[i]] + (i == slot ? yielded : 0.0);
+    WP_TILE_SYNC();
 """)
-def couple_cells(
+def lay_row(
     model: Model,
+    elements: Elements,
     w: int,
     pair: int,
     slot: int,
+    at: int,
     rows: int,
     first_rows: int,
     second_rows: int,
-    nodes: int,
-    numbers: int,
-    modes_a: int,
-    modes_b: int,
-    first_a: int,
-    first_b: int,
+    weight: real,
     yielded: real,
     slot_hat: wp.array3d(dtype=int),
+    slot_place: wp.array2d(dtype=int),
     patch_near: wp.array3d(dtype=real),
-    far_at: wp.array4d(dtype=int),
-    far_weight: wp.array4d(dtype=real),
-    far_window: wp.array4d(dtype=int),
-    far_response: wp.array(dtype=real),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
+    far_answer: wp.array(dtype=real),
+    far_gradient: wp.array(dtype=real),
+    far_line: wp.array2d(dtype=real),
     J: wp.array(dtype=real),
-    receptance: wp.array2d(dtype=real),
     G: wp.array3d(dtype=real),
+): ...
+
+
+# The mirror of rows `fresh` to `slots` of G within patches, eight at a time, as columns are far apart. Lanes over the
+# columns of these rows.
+@wp.func_native("""
+    const int cap = model.capacity.slots;
+    const int* const pair = slot_hat.data + (size_t)w * cap * 2;
+    const int* const family = model.pairs.family.data;
+    double* const g = G.data + (size_t)w * cap * cap;
+    for (int s = fresh; s < slots; s += 8) {
+        const int end = s + 8 < slots ? s + 8 : slots;
+        for (int j = WP_TILE_THREAD_IDX; j < end - 1; j += WP_TILE_BLOCK_DIM) {
+            if (family[pair[2 * j]] != patch) continue;
+            for (int i = j < s ? s : j + 1; i < end; ++i)
+                if (pair[2 * i] == pair[2 * j]) g[(size_t)j * cap + i] = g[(size_t)i * cap + j];
+        }
+    }
+""")
+def mirror_within(
+    model: Model, w: int, fresh: int, slots: int, patch: int, slot_hat: wp.array3d(dtype=int), G: wp.array3d(dtype=real)
 ): ...
 
 
@@ -209,40 +235,44 @@ def assemble_cells(
     slot_hat: wp.array3d(dtype=int),
     area: wp.array3d(dtype=real),
     patch_near: wp.array3d(dtype=real),
-    far_at: wp.array4d(dtype=int),
-    far_weight: wp.array4d(dtype=real),
-    far_window: wp.array4d(dtype=int),
-    far_response: wp.array(dtype=real),
-    J: wp.array(dtype=real),
-    receptance: wp.array2d(dtype=real),
-    G: out(wp.array3d(dtype=real)),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
+    far_answer: wp.array(dtype=real),
+    far_gradient: wp.array(dtype=real),
+    weight: wp.array2d(dtype=real),
+    slot_place: inout(wp.array2d(dtype=int)),
+    far_line: inout(wp.array2d(dtype=real)),
+    J: inout(wp.array(dtype=real)),
+    G: inout(wp.array3d(dtype=real)),
 ):
-    """Per world: rows of G of the fresh slots of patches, within their pairs."""
-    w, _lane = wp.tid()
+    """Per world: of the fresh slots of patches the gradient of the weak gap by the modes of A, then of B, times the
+    weight of the pair; and rows of G within their pairs."""
+    w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
         return
     elements = model.elements[0]
+    slot = ctl[w].fresh + lane
+    while slot < ctl[w].slots:
+        pair = slot_hat[w, slot, 0]
+        if model.pairs.family[pair] == PATCH:
+            rows = model.surfaces.rows[model.pairs.first[pair]]
+            m = slot_hat[w, slot, 1]
+            slot_place[w, slot] = m / rows * line_of(rows) + m % rows
+        slot += wp.block_dim()
+    sync()
     slot = ctl[w].fresh
     while slot < ctl[w].slots:
         pair = slot_hat[w, slot, 0]
         if model.pairs.family[pair] == PATCH:
-            P = model.pairs.first[pair]
-            Q = model.pairs.second[pair]
-            first_rows = int(0)
-            second_rows = int(0)
-            if real_side(elements, pair, 0) >= 0:
-                first_rows = model.surfaces.rows[elements.patches.first[pair]]
-            if real_side(elements, pair, 1) >= 0:
-                second_rows = model.surfaces.rows[elements.patches.second[pair]]
-            yielded = elements.patches.layer[pair] * area[w, pair, slot_hat[w, slot, 1]]
-            couple_cells(
-                model, w, pair, slot, model.surfaces.rows[P], first_rows, second_rows, elements.patches.far_nodes,
-                patch_near.shape[2], model.surfaces.modal_count[P], model.surfaces.modal_count[Q],
-                model.surfaces.modal_start[P], model.surfaces.modal_start[Q], yielded, slot_hat, patch_near, far_at,
-                far_weight, far_window, far_response, J, receptance, G,
+            lay_row(
+                model, elements, w, pair, slot, slot_place[w, slot], model.surfaces.rows[model.pairs.first[pair]],
+                rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1), weight[w, pair],
+                elements.patches.layer[pair] * area[w, pair, slot_hat[w, slot, 1]], slot_hat, slot_place, patch_near,
+                far_strip, far_share, far_answer, far_gradient, far_line, J, G,
             )  # fmt: skip
         slot += 1
+    mirror_within(model, w, ctl[w].fresh, ctl[w].slots, PATCH, slot_hat, G)
 
 
 @wp.kernel

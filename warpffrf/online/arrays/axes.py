@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.model import AT_POINTS, LINE_OF_CENTRES, Model
+from warpffrf_kernels.core.model import AT_POINTS, LINE_OF_CENTRES, PATCH, Model
 from warpffrf_kernels.core.scalars import BLOCK
 from warpffrf_kernels.kinematics.at_points import LINE
 
@@ -67,6 +67,9 @@ NAMES = {
     "patch_slot": "cells in play",
     "far_node": "splines of a far window",
     "near_number": "numbers of the near field of a patch",
+    "patch_column": "strips of a patch, the most",
+    "patch_place": "places of the cells of a patch, see `spline_tables`",
+    "patch_mode": "modes of both bodies of a pair, in scenes with patches",
     "lumped": "lumped contacts",
     "lumped_place": "places of lumped contacts: a point, or laminae",
     "factor_number": "numbers of the sparse factor",
@@ -138,6 +141,7 @@ NAMES = {
     "line_pair": "pairs whose gaps are taken along the line of centres",
     "point_pair": "pairs whose gaps are taken at points",
     "few_pair": "pairs of the line of centres with a list of points",
+    "hat_pair": "pairs whose pressures stand on hats of the first grid",
     "patch_beside": "cells in play, where several patches lie on a body",
     "pair_beside": "pairs, where bodies are loaded by several",
 }
@@ -198,7 +202,9 @@ def sizes_of(
         "patch_beside": S if elements.patches.touching else 0,
         "patch_row": m.window.rows if patched else 0, "patch_slot": S if patched else 0,
         "far_node": elements.patches.far_nodes if patched else 0,
-        "near_number": (m.window.columns * m.window.rows**2) if patched else 0,
+        "near_number": elements.patches.places * m.window.rows if patched else 0,
+        "patch_column": m.window.columns if patched else 0, "patch_place": elements.patches.places,
+        "patch_mode": m.pairs.most_modes if patched else 0,
         "surface_place": max(hat, node), "lumped": elements.lumped.count, "lumped_place": elements.lumped.places,
         "factor_number": pattern.factor_size, "factor_line": BLOCK * pattern.widest, "one": 1,
         "applied": m.forces.count + m.torques.count, "row_or_mode": rows + Q,
@@ -209,6 +215,7 @@ def sizes_of(
         "slot_beside": S if beside else 0, "outer_beside": outer if beside else 0,
         "friction_outer": outer if rubbing else 0, "adaptive_world": worlds if adaptive else 0,
         "line_pair": int((families == LINE_OF_CENTRES).sum()), "point_pair": int((families == AT_POINTS).sum()),
+        "hat_pair": int((families != PATCH).sum()),
         "few_pair": int(((families == LINE_OF_CENTRES) & (counts > 0)).sum()), "pair_beside": P if beside else 0,
     }  # fmt: skip
 

@@ -161,8 +161,8 @@ class ContactGeometry(Arrays):
     more_wrench: DeviceArray = reals(
         "world", "pair", "held_hat", 6, note="what the true one has beside", zero_without=True
     )
-    stencil: DeviceArray = reals("world", "pair", "hat", "stencil", unit="m2")
-    stencil_at: DeviceArray = integers("world", "pair", "hat", 2, note="column and row on B")
+    stencil: DeviceArray = reals("world", "pair", "hat", "stencil", unit="m2", zero_without=True)
+    stencil_at: DeviceArray = integers("world", "pair", "hat", 2, note="column and row on B", zero_without=True)
 
 
 class Patches(Arrays):
@@ -172,14 +172,26 @@ class Patches(Arrays):
     patch_buffer: DeviceArray = reals("world", "patch_pair", "patch_hat", unit="Pa")
     patch_held: DeviceArray = structs(Held, "world", "patch_pair", "patch_row", note="contact frames")
     patch_ball: DeviceArray = matrices("world", "patch_pair")
-    patch_near: DeviceArray = reals("world", "patch_pair", "near_number", unit="m3/Pa", note="see `patch.near`")
+    patch_laid: DeviceArray = reals("world", "patch_pair", 2, note="W and ends of the next", carried=True)
+    patch_near: DeviceArray = reals("world", "patch_pair", "near_number", unit="m3/Pa", carried=True)
     far_at: DeviceArray = integers("world", "patch_pair", "2*patch_hat", 2, note="first column and row of splines")
     far_weight: DeviceArray = reals("world", "patch_pair", "2*patch_hat", 9, unit="m2")
     far_window: DeviceArray = integers("world", "patch_pair", 2, 2, note="first column and columns, by side")
     far_load: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="N")
     far_field: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m")
     far_modes: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m")
-    far_response: DeviceArray = reals("world", "patch_slot", "2*far_node", unit="m/Pa")
+    far_answered: DeviceArray = integers("world", "patch_pair", note="1: the next three are those of the evaluation")
+    far_soft: DeviceArray = reals("world", "patch_pair", "2*far_node", "far_node", unit="m/N", run=True)
+    far_answer: DeviceArray = reals("world", "patch_pair", "2*far_node", "patch_place", unit="m/Pa", run=True)
+    far_gradient: DeviceArray = reals("world", "patch_pair", "patch_mode", "patch_place", run=True)
+    far_line: DeviceArray = reals("world", "patch_place", unit="m/Pa", note="a row of G")
+    far_strip: DeviceArray = integers("world", "patch_pair", "2*patch_column", 2, note="columns of splines of a strip")
+    far_share: DeviceArray = reals("world", "patch_pair", "2*far_node", "patch_place", unit="m2", run=True)
+    far_laid: DeviceArray = integers("world", "patch_pair", 2, 2, note="the window of the next two", carried=True)
+    far_table: DeviceArray = reals("world", "patch_pair", "2*far_node", "far_node", unit="m/N", run=True, carried=True)
+    far_trace: DeviceArray = reals("world", "patch_pair", "patch_mode", "far_node", run=True, carried=True)
+    patch_pressure: DeviceArray = reals("world", "patch_pair", "patch_place", unit="Pa")
+    slot_place: DeviceArray = integers("world", "patch_slot")
     far_beside: DeviceArray = reals("world", "far_node", unit="m/Pa", note="of a cell on the splines of another patch")
 
 
@@ -190,12 +202,16 @@ class ContactFields(Arrays):
     opened: DeviceArray = reals("world", "pair", "hat", unit="m", note="the gap without the pressures")
     base: DeviceArray = reals("world", "pair", "hat", unit="Pa", note="pressures of the evaluation")
     first_field: DeviceArray = reals("world", "pair", "hat", unit="m", note="by the modes of A")
-    second_field: DeviceArray = reals("world", "pair", "node", unit="m", note="by those of B", run=True)
+    second_field: DeviceArray = reals(
+        "world", "pair", "node", unit="m", note="by those of B", run=True, zero_without=True
+    )
     first_step: DeviceArray = reals("world", "pair", "hat", unit="m", note="the same, of increments")
-    second_step: DeviceArray = reals("world", "pair", "node", unit="m", run=True)
+    second_step: DeviceArray = reals("world", "pair", "node", unit="m", run=True, zero_without=True)
     first_local: DeviceArray = reals("world", "pair", "hat", unit="m", note="by the local modes of A", run=True)
-    second_local: DeviceArray = reals("world", "pair", "node", unit="m", note="by those of B", run=True)
-    second_load: DeviceArray = reals("world", "pair", "node", unit="N")
+    second_local: DeviceArray = reals(
+        "world", "pair", "node", unit="m", note="by those of B", run=True, zero_without=True
+    )
+    second_load: DeviceArray = reals("world", "pair", "node", unit="N", zero_without=True)
     second_wrench: DeviceArray = reals("world", "pair", 6, unit=FORCE)
     proposed: DeviceArray = integers("world", "pair", "hat", note="active set after a solve")
 
@@ -215,6 +231,7 @@ class ContactSolve(Arrays):
     right: DeviceArray = reals("world", "slot", unit="m")
     order: DeviceArray = integers("world", "slot", note="slots under pressure, pair by pair, then those that left")
     block: DeviceArray = integers("world", "pair", 4, note="where a pair's begin and how many; of those that left")
+    kept: DeviceArray = integers("world", note="what of the next three is that of the solve before")
     factor: DeviceArray = reals("world", "slot", "slot", note="U of each pair's block of G")
     W: DeviceArray = reals("world", "slot", "coupled", note="U^-T L")
     square: DeviceArray = reals("world", "pair", "coupled", "coupled", note="W^T W")

@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.patch.spline_tables import LINE
 
 from warpffrf.model.bodies import Body, Ground
 from warpffrf.model.contact import Contact
@@ -348,6 +349,11 @@ def _beside_a_grid(contacts: list[Contact], taken: set[int]) -> Any:
                     yield i, port, other
 
 
+def filled(count: int) -> int:
+    """`count` numbers filled up to whole lines of LINE."""
+    return -(-count // LINE) * LINE
+
+
 def fill_patches(collector: Any, m: Model) -> None:
     """Cells, near tables and far fields of all pairs on patches."""
     plans, contacts = collector.patches, collector.scene.contacts
@@ -384,7 +390,7 @@ def fill_patches(collector: Any, m: Model) -> None:
         name: [] for name in ("far_start", "far_sectors", "far_columns", "column_knots", "row_knots", "mode_start")
     }
     operators, knots, modes = [np.zeros(0)], [np.zeros(0)], [np.zeros(0)]
-    far_of, nodes = [], 1
+    far_of, nodes = [], LINE
     for body, _, surface in collector.surfaces:
         if not plans or not isinstance(surface, ContactSurface) or surface.far is None:
             far_of.append(-1)
@@ -407,15 +413,17 @@ def fill_patches(collector: Any, m: Model) -> None:
         widest = max((plan.most for plan in plans.values()), default=0.0)
         radius = float(np.min(surface.shape.radius_at(np.asarray(grid.z))))
         columns = min(int(np.ceil(2.0 * widest / (grid.pitch * radius))) + FAR_COLUMNS, splines.turn or grid.columns)
-        nodes = max(nodes, columns * grid.rows)
+        nodes = max(nodes, filled(columns * grid.rows))
+    places = max((plan.columns * filled(len(plan.z)) for plan in plans.values()), default=0)
     beside, tables = _beside(collector)
     if tables["table_start"]:
         m.pairs.beside = 1
     collector.fill(
         collector.elements.patches, **beside, **tables,
-        count=len(plans), touching=len(beside["beside_side"]), far_nodes=nodes, **per_pair, **far, far_of=far_of,
-        row_z=np.concatenate(z), row_length=np.concatenate(length), near=np.concatenate(near), end_z=end_z,
-        end_strength=strength, far=np.concatenate(operators), knot=np.concatenate(knots), mode=np.concatenate(modes),
+        count=len(plans), touching=len(beside["beside_side"]), far_nodes=nodes, places=places, **per_pair, **far,
+        far_of=far_of, row_z=np.concatenate(z), row_length=np.concatenate(length), near=np.concatenate(near),
+        end_z=end_z, end_strength=strength, far=np.concatenate(operators), knot=np.concatenate(knots),
+        mode=np.concatenate(modes),
     )  # fmt: skip
 
 

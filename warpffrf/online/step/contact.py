@@ -21,7 +21,7 @@ from warpffrf_kernels.normal import (
     contact_solve,
     pair_elimination,
 )
-from warpffrf_kernels.patch import cells, fields, near, place, system
+from warpffrf_kernels.patch import cells, fields, near, place, spline_tables, system
 
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.outer import FACTOR
@@ -30,6 +30,7 @@ from warpffrf.online.step.phases import Participant
 BESIDE = "pair_beside"  # bodies that several pairs load
 LINE, POINT, FEW = "line_pair", "point_pair", "few_pair"  # families of geometry
 PATCH = "patch_pair"  # pressures on cells that travel with the patch
+HATS = "hat_pair"  # pressures on hats of the first grid
 STEP = {"amplitude": "modal_step", "of_state": 0, "first_field": "first_step", "second_field": "second_step"}
 
 CONTACT = Participant(
@@ -47,9 +48,10 @@ CONTACT = Participant(
         blocks(at_points.sample_points, "pair", when=POINT),
         blocks(at_points.weigh_points, "pair", when=POINT),
         blocks(cells.hold_rows, "pair", when=PATCH),
-        blocks(cells.sample_cells, "pair", when=PATCH),
+        blocks(cells.sample_cells, "pair", when=PATCH, weak_gap="shifted_gap"),
         threads(cells.open_far_windows, "pair", when=PATCH),
         blocks(near.lay_near, "pair", when=PATCH),
+        blocks(spline_tables.lay_splines, "pair", when=PATCH),
     ],
     few=[
         blocks(line_of_centres_sampled.sample_few, "pair", when=FEW),
@@ -57,20 +59,20 @@ CONTACT = Participant(
         blocks(line_of_centres_sampled.shift_few, "pair", when=FEW),
     ],
     shift=[
-        blocks(line_of_centres_weights.shift, "pair"),
+        blocks(line_of_centres_weights.shift, "pair", when=HATS),
         threads(contact_fields.set_second_window, "pair"),
-        blocks(contact_fields.modal_fields, "pair", amplitude="q1", of_state=1),
+        blocks(contact_fields.modal_fields, "pair", when=HATS, amplitude="q1", of_state=1),
         blocks(fields.modal_cells, "pair", when=PATCH, amplitude="q1", of_state=1),
     ],
     displace=[
-        blocks(contact_fields.load_second, "pair"),
-        blocks(contact_fields.local_fields, "pair"),
+        blocks(contact_fields.load_second, "pair", when=HATS),
+        blocks(contact_fields.local_fields, "pair", when=HATS),
         blocks(fields.load_splines, "pair", when=PATCH),
         blocks(fields.local_cells, "pair", when=PATCH),
     ],
     close=[
         blocks(contact_fields.close_gaps, "pair", weak_gap="shifted_gap"),
-        blocks(contact_fields.load_modes, "pair"),
+        blocks(contact_fields.load_modes, "pair", when=HATS),
         blocks(fields.load_modes, "pair", when=PATCH),
     ],
     sum=[threads(contact_fields.sum_contact), threads(fields.guard_patches, when=PATCH)],
@@ -79,11 +81,11 @@ CONTACT = Participant(
     respond=[
         blocks(impulsive_contact.compare_receptances, when="dynamic_mode"),
         threads(contact_compliance.take_slots),
-        blocks(contact_compliance.respond),
-        blocks(contact_compliance.modal_rows),
-        blocks(system.respond_cells, when=PATCH),
-        blocks(contact_assembly.assemble, scratch="scaled_modes", receptance="contact_receptance"),
-        blocks(system.assemble_cells, when=PATCH, receptance="contact_receptance"),
+        blocks(contact_compliance.respond, when=HATS),
+        blocks(contact_compliance.modal_rows, when=HATS),
+        blocks(contact_assembly.assemble, when=HATS, scratch="scaled_modes", receptance="contact_receptance"),
+        blocks(system.answer_splines, "pair", when=PATCH, receptance="contact_receptance"),
+        blocks(system.assemble_cells, when=PATCH),
         blocks(contact_assembly.assemble_between, when=BESIDE, receptance="contact_receptance", field="field_beside"),
         blocks(system.assemble_patches_beside, when="patch_beside"),
     ],
@@ -96,7 +98,7 @@ CONTACT = Participant(
         blocks(between_pairs.solve_between, when=BESIDE, G="soft", U="factor", **FACTOR),
     ],
     follow=[
-        blocks(contact_fields.modal_fields, "pair", **STEP),
+        blocks(contact_fields.modal_fields, "pair", when=HATS, **STEP),
         blocks(fields.modal_cells, "pair", when=PATCH, amplitude="modal_step", of_state=0, first_field="first_step"),
     ],
     correct=[blocks(contact_solve.correct_set, "pair"), threads(contact_solve.accept_set)],
@@ -109,7 +111,7 @@ CONTACT = Participant(
         blocks(impulsive_memory.keep_memory, "pair", created="created_now", created_so_far="created"),
     ],
     measure=[
-        threads(contact_record.sum_second, "pair"),
+        threads(contact_record.sum_second, "pair", when=LINE),
         threads(at_points.sum_points_second, "pair", when=POINT),
         threads(closest_point.measure_approach, "pair", when=POINT),
         threads(fields.sum_patches_second, "pair", when=PATCH),
