@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from warpffrf.model.far_field import cutoff
 from warpffrf.model.reduced_body import ReducedBody
 
 Array = np.ndarray
@@ -85,6 +86,7 @@ class Patch:
         P = (splines.around(theta)[:, :, None] * splines.along(self.z)[:, None, :]).reshape(len(theta), -1)
         used = np.flatnonzero(np.abs(P).sum(axis=0) > 0.0)
         S = spline_matrix(s, far.lags, used)
+        self.spread = P
 
         # global modes with the interface held: they move the body so that it stays
         held = self.body.interfaces[self.interface]
@@ -95,20 +97,52 @@ class Patch:
         self.near = 0.5 * (H + H.T)
         self.far = P[:, used] @ S @ P[:, used].T
         self.modes = (modes / omega**2) @ modes.T
+        self.traces, self.omega = modes, omega
+
+    def under(self, other: Patch) -> Array:
+        """Displacement (cells, cells) [m/N] of these cells under forces on those of another patch of the surface: the
+        half-space from cell to cell, as far as it counts, far field and modes."""
+        s = self.body.contact_surfaces[self.surface]
+        far = s.far
+        assert far is not None
+        radius = float(s.shape.radius_at(0.0))
+        turn = self.theta - other.theta + (self.x[:, None] - other.x) / radius
+        d = radius * np.abs(turn)
+        c = (1.0 - far.poisson_ratio**2) / np.pi
+        H = c / np.hypot(d, self.z[:, None] - other.z)
+        for end in far.ends:
+            assert far.quarter is not None
+            a, b = end.side * (end.z - self.z)[:, None], end.side * (end.z - other.z)
+            H = H + c / np.hypot(d, a + b) + far.quarter.displacement(d, a, b)
+        H = H * cutoff(np.cos(turn)) / far.youngs_modulus
+        used = np.flatnonzero(np.abs(self.spread).sum(axis=0) + np.abs(other.spread).sum(axis=0) > 0.0)
+        S = spline_matrix(s, far.lags, used)
+        return H + self.spread[:, used] @ S @ other.spread[:, used].T + (self.traces / self.omega**2) @ other.traces.T
 
     def press(self, gap: Array, approach: float) -> Array:
         """Forces (cells,) [N] at the `approach` [m], of the undeformed `gap` (cells,) [m]."""
-        G = self.near + self.far + self.modes
-        open_by = gap - approach
-        active = open_by < 0.0
-        for _ in range(60):
-            f = np.zeros(len(gap))
-            f[active] = cho_solve(cho_factor(G[np.ix_(active, active)]), -open_by[active])
-            now = np.where(active, f > 0.0, open_by + G @ f < -1e-16)
-            if np.array_equal(now, active):
-                return f
-            active = now
-        raise AssertionError("the active set did not settle")
+        return pressed(self.near + self.far + self.modes, gap - approach)
+
+
+def press_both(one: Patch, other: Patch, gap: Array, approach: float) -> Array:
+    """As `Patch.press`, of two patches of one surface, one after the other; `gap` of both."""
+    across = one.under(other)
+    G = np.block([[p.near + p.far + p.modes if p is q else across if p is one else across.T for q in (one, other)]
+                  for p in (one, other)])  # fmt: skip
+    return pressed(G, gap - approach)
+
+
+def pressed(G: Array, open_by: Array) -> Array:
+    """Forces f >= 0 (n,) with open_by + G f >= 0, one of both 0."""
+    active = open_by < 0.0
+    for _ in range(60):
+        f = np.zeros(len(open_by))
+        f[active] = cho_solve(cho_factor(G[np.ix_(active, active)]), -open_by[active])
+        now = np.where(active, f > 0.0, open_by + G @ f < -1e-16)
+        if np.array_equal(now, active):
+            return f
+        active = now
+    raise AssertionError("the active set did not settle")
 
 
 def spline_matrix(surface, lags: Array, numbers: Array) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from patch_reference import Patch
+from patch_reference import Patch, press_both
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
@@ -18,6 +18,9 @@ RADIUS, WIDTH = 0.05, 0.02
 NAME = "lower-upper"
 # Forces of the run and of the reference on the same cells; tables between levels of W err by 5e-5.
 SAME = 2e-4
+# Two patches beside each other: parabolas for round gaps, rows in their middles, strips without a width beside their
+# distance.
+BESIDE = 2e-3
 RIPPLE = 5e-4  # of a force at constant approach over two elements, from one saved step to another; 6e-5 measured
 POINT = 0.01  # half-widths and peaks of a ball on eight cells, against Hertz at the load
 ENERGY = 5e-3  # of the energy of an impact, that cells which grow and shrink with it make or take: 3e-3 measured
@@ -98,6 +101,35 @@ def test_with_a_layer(roller) -> None:
     found = find_equilibrium(pair(roller, approach, law=law)).contacts[NAME]
     reference = pressed(roller, found, round_gap, approach, layer=1.0 / stiffness)
     assert np.linalg.norm(found.force[-1]) == pytest.approx(reference.sum(), rel=SAME)
+
+
+@pytest.mark.parametrize("apart", [0.12, 0.3])
+def test_two_rollers_beside_each_other(roller, apart) -> None:
+    """Rigid rollers 6 and 15 mm apart on elements of 8 mm: what one does to the other is the half-space's, too. Beside
+    the reference from cell to cell."""
+    approach, small = 10e-6, 0.1 * RADIUS
+    scene = wf.Scene(gravity=(0, 0, 0))
+    body = scene.add_body(roller, name="lower")
+    scene.add(wf.joints.Fixed(scene.ground, body["bore"]))
+    for n, angle in enumerate((-0.5 * apart, 0.5 * apart)):
+        place = (RADIUS + small - approach) * np.array([np.sin(angle), 0.0, np.cos(angle)])
+        shape = wf.surfaces.Cylinder(radius=small, axis_point=place, axis_direction=(0, 1, 0))
+        scene.add(wf.Contact(body["rim"], scene.ground.surface(shape, name=f"{n}"), grid="patch", name=f"pair {n}"))
+    found = [find_equilibrium(scene).contacts[f"pair {n}"] for n in (0, 1)]
+    grid = roller.contact_surfaces["rim"].grid
+    patches = []
+    for one in found:
+        cells, strips = one.cells, one.pressure.shape[1]
+        assert cells is not None
+        length = cells.length[-1]
+        edges = np.append(cells.z[-1] - 0.5 * length, cells.z[-1][-1] + 0.5 * length[-1])
+        theta = grid.theta_start + grid.pitch * cells.column[-1]
+        patches.append(Patch(roller, "rim", "bore", theta, strips, 2.0 * cells.half_width[-1] / strips, edges))
+    assert abs(patches[0].theta - patches[1].theta) == pytest.approx(apart, abs=1e-5)
+    gap = np.concatenate([p.x**2 * 0.5 * (1.0 / RADIUS + 1.0 / small) for p in patches])
+    reference = press_both(patches[0], patches[1], gap, approach)
+    for one, part in zip(found, np.split(reference, 2), strict=True):
+        assert np.linalg.norm(one.force[-1]) == pytest.approx(part.sum(), rel=BESIDE)
 
 
 @pytest.mark.parametrize("middle", [0.0, 3e-3])

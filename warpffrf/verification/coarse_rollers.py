@@ -9,8 +9,10 @@ half-width.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,6 +24,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.verification.closed_forms import LineContact, contact_modulus
 from warpffrf.verification.closed_forms.elliptic import EllipticContact
 from warpffrf.verification.finite_elements.free_end import STEEL_ROLLER, EndPressure, press_crowned, press_roller
+from warpffrf.verification.markdown import table
 from warpffrf.verification.user_meshes import cut_into_tets, gmsh_roller, serendipity, straight
 
 Array = np.ndarray
@@ -34,6 +37,9 @@ CROWNS = ((0.14, 1e3), (0.5, 1e3), (2.0, 300.0), (2.0, 1500.0))  # m, N
 CROWNED_LEVEL = 6.0
 INSIDE = (2e-4, 6e-5)  # m from the end
 FINE_SECTORS = 1600
+TURNED_APPROACH, BESIDE_APPROACH = 3e-5, 2e-5  # m
+APART = (np.pi, 0.5, 0.26, 0.18, 0.12)  # rad between two rollers on one
+REVOLUTIONS, STRIDE = 10, 0.02  # rad a step: a quarter of an element of 4 mm
 LAYER = 0.8  # of the size of the cells at the rim over that of the layers
 ROLLED, TURNS = 3.0, 60  # elements of 4 mm, saved places
 
@@ -168,3 +174,144 @@ def between_rigid(body: ReducedBody, apart: float, approach: float, **contact: A
         partner = scene.ground.surface(shape, name=f"small {n}")
         scene.add(wf.Contact(middle["rim"], partner, **{"grid": "patch", "name": f"{PAIR} {n}", **contact}))
     return scene
+
+
+def spurious(body: ReducedBody, approach: float) -> float:
+    """Of the load, the mean force that cells which travel would do work with over REVOLUTIONS at constant approach: the
+    ledger's `contact_grid` at the end over force and way."""
+    angle, step = 2.0 * np.pi * REVOLUTIONS, 1e-3
+    scene = held(body, body, approach, turning=STRIDE / step)
+    result = wf.simulate(
+        scene, step * round(angle / STRIDE), step=step, start="equilibrium", save_every=10, progress=False
+    )  # fmt: skip
+    if result.status != "completed":
+        raise RuntimeError(result.message)
+    force = float(result.contact(PAIR).force_magnitude.mean())
+    return float(abs(result.history.energy["contact_grid"][-1])) / (force * angle * R)
+
+
+def straight_rows(references: dict[float, EndPressure]) -> list[list[str]]:
+    """Of every mesh: degrees of freedom, errors of forces, peaks and pressures near the end, ripple."""
+    rows = []
+    for name, mesh in MESHES.items():
+        body = reduced(mesh())
+        cells = [name, str(body.report["dofs"])]
+        for load, reference in references.items():
+            found = Found.of(held(body, body, 2.0 * reference.approach))
+            cells += [_error(found.force / load), _error(found.peak / reference.middle)]
+            cells += [_error(found.near_end(inside) / reference.along(inside)) for inside in INSIDE]
+        rows.append([*cells, f"{ripple(body, 2.0 * references[LOADS[-1]].approach):.3%}"])
+    return rows
+
+
+def crowned_rows() -> list[list[str]]:
+    """Of every crown and mesh: errors of force and peak."""
+    rows = []
+    kinds: dict[str, Callable[[Mesh], Mesh]] = {
+        "hex27": lambda mesh: mesh, "tet10": cut_into_tets, "tet4": lambda mesh: straight(cut_into_tets(mesh))
+    }  # fmt: skip
+    for crown_radius, load in CROWNS:
+        reference = crowned_reference(crown_radius, load)
+        for kind, made in kinds.items():
+            body = reduced(made(hexahedra(4e-3, 2, crown_radius)), crown_radius)
+            found = Found.of(held(body, body, 2.0 * reference.approach))
+            rows.append([f"{crown_radius:g}", f"{load:g}", f"{2e6 * reference.approach:.2f}", f"{kind}, 4 mm",
+                         _error(found.force / load), _error(found.peak / reference.middle)])  # fmt: skip
+    return rows
+
+
+def turned_rows(fine: ReducedBody, coarse: dict[str, ReducedBody]) -> list[list[str]]:
+    """Tilted and skewed rollers: errors of force and largest pressure beside the fine material grid."""
+    rows = []
+    cases: dict[str, dict[str, float]] = {"aligned": {}, "tilted by 0.5 mrad": {"tilt": 5e-4},
+                                          "skewed by 5 mrad": {"skew": 5e-3}}  # fmt: skip
+    for name, turned in cases.items():
+        figures = {}
+        for key, body in {"fine": fine, **coarse}.items():
+            contact = {"grid": "material", "capacity": 6000} if key == "fine" else {}
+            pair = wf.equilibrium(held(body, body, TURNED_APPROACH, **turned, **contact)).contact(PAIR)
+            figures[key] = (float(pair.force_magnitude[-1]), float(pair.peak_pressure[-1]))
+        for key in coarse:
+            rows.append([name, key, *(_error(a / b) for a, b in zip(figures[key], figures["fine"], strict=True))])
+    return rows
+
+
+def beside_rows(fine: ReducedBody, coarse: dict[str, ReducedBody]) -> list[list[str]]:
+    """Two small rollers on one: the force of each over that of one alone on the fine grid, and the errors of it."""
+    rows = []
+    alone = None
+    for apart in APART:
+        forces = {}
+        for key, body in {"fine": fine, **coarse}.items():
+            contact = {"grid": "material", "capacity": 6000} if key == "fine" else {}
+            result = wf.equilibrium(between_rigid(body, apart, BESIDE_APPROACH, **contact))
+            forces[key] = float(result.contact(f"{PAIR} 0").force_magnitude[-1])
+        alone = alone or forces["fine"]  # the first are opposite each other
+        rows.append([f"{apart * R * 1e3:.1f}", f"{forces['fine'] / alone:.3f}",
+                     *(_error(forces[key] / forces["fine"]) for key in coarse)])  # fmt: skip
+    return rows
+
+
+def _error(ratio: float) -> str:
+    return f"{ratio - 1.0:+.2%}"
+
+
+def page() -> str:
+    """The whole page."""
+    references = {load: straight_reference(load) for load in LOADS}
+    fine = fine_roller()
+    coarse = {name: reduced(MESHES[name]()) for name in ("hex8, 4 mm", "tet10, 4 mm, Gmsh")}
+    places = [f"{inside * 1e3:g} mm from the end" for inside in INSIDE]
+    head = ["mesh", "dofs"]
+    for reference in references.values():
+        head += [f"force at {2e6 * reference.approach:.1f} µm", "peak", *places]
+    wide = {load: LineContact(load / WIDTH, R, contact_modulus(STEEL)).half_width for load in LOADS}
+    widths = " and ".join(f"{a * 1e3:.2f}" for a in wide.values())
+    energy = [[name, f"{spurious(body, 2.0 * references[LOADS[-1]].approach):.1e}"] for name, body in coarse.items()]
+    return f"""# Rollers on meshes coarser than their contact
+
+Made by `python -m warpffrf.verification.coarse_rollers`; do not edit.
+
+Two hollow steel rollers (R 50, bore 15, width 20 mm), bores held at an approach, pressures on cells that travel with
+the patch, eleven strips by 21 rows (27 of crowned ones). Half-widths are about {widths} mm: 0.05 to 0.4 elements.
+
+## Straight rollers
+
+Beside full finite elements of one roller on the plane of symmetry, quadratic cells of a sixth of a half-width
+(`free_end`; their force is converged to 0.1 %, their peak to 0.3 %). *Peak*: at mid-width. Pressure on the line of
+contact near the free end. *Ripple*: of the force while the rollers turn by three elements of 4 mm at constant approach.
+
+{table([*head, "ripple"], straight_rows(references))}
+## Crowned rollers
+
+Beside finite elements with six cells in each half-axis of Hertz's ellipse.
+
+{table(["crown [m]", "load [N]", "approach [µm]", "mesh", "force", "peak"], crowned_rows())}
+## Tilt and skew
+
+At {TURNED_APPROACH * 1e6:g} µm beside the package's material grid on a mesh made for the contact (hats of 0.1 mm,
+{fine.report["dofs"]} dofs).
+
+{table(["axes", "mesh", "force", "largest pressure"], turned_rows(fine, coarse))}
+## Two rollers on one
+
+Rigid rollers of R 5 mm, {BESIDE_APPROACH * 1e6:g} µm each, at a distance along the rim; the force of one over that with
+both opposite each other, on the same fine grid, and the error of it on meshes of 4 mm.
+
+{table(["apart [mm]", "force", *coarse], beside_rows(fine, coarse))}
+## Energy
+
+What cells that travel do work with over {REVOLUTIONS} revolutions at constant approach, as a mean force over the load
+(ledger line `contact_grid`).
+
+{table(["mesh", "force over the load"], energy)}"""
+
+
+def main(folder: str = "docs/studies") -> None:
+    """Write the page."""
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    (Path(folder) / "coarse_rollers.md").write_text(page(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

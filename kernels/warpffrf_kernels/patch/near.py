@@ -20,17 +20,22 @@ wp.set_module_options(MODULE_OPTIONS)
 
 
 @wp.func
-def level_shares(elements: Elements, pair: int, width: real) -> wp.vec4d:
-    """c of the four levels from `first_level` on."""
-    if elements.patches.near_levels[pair] < 4:
-        return wp.vec4d(real(1.0), real(0.0), real(0.0), real(0.0))
-    x = (wp.log(width) - elements.patches.near_first[pair]) / elements.patches.near_step[pair]
-    u = x - real(first_level(elements, pair, width))
+def cubic_shares(u: real) -> wp.vec4d:
+    """Of values at 0, 1, 2 and 3 in the cubic through them at u."""
     a = u
     b = u - real(1.0)
     c = u - real(2.0)
     d = u - real(3.0)
     return wp.vec4d(-b * c * d / real(6.0), a * c * d / real(2.0), -a * b * d / real(2.0), a * b * c / real(6.0))
+
+
+@wp.func
+def level_shares(elements: Elements, pair: int, width: real) -> wp.vec4d:
+    """c of the four levels from `first_level` on."""
+    if elements.patches.near_levels[pair] < 4:
+        return wp.vec4d(real(1.0), real(0.0), real(0.0), real(0.0))
+    x = (wp.log(width) - elements.patches.near_first[pair]) / elements.patches.near_step[pair]
+    return cubic_shares(x - real(first_level(elements, pair, width)))
 
 
 @wp.func
@@ -44,12 +49,13 @@ def first_level(elements: Elements, pair: int, width: real) -> int:
 
 
 @wp.func
-def end_constant(model: Model, elements: Elements, pair: int, z: real) -> real:
-    """What the ends add [1/(Pa m) per unit force] to the patch around z of A, of both bodies."""
+def end_constant(model: Model, elements: Elements, pair: int, z: real, least: real) -> real:
+    """What the ends add [1/(Pa m) per unit force] to the patch around z of A, of both bodies; nearer than `least` [m]
+    to an end, what it adds there."""
     total = real(0.0)
     i = elements.patches.end_start[pair]
     while i < elements.patches.end_start[pair + 1]:
-        total += elements.patches.end_strength[i] / wp.abs(z - elements.patches.end_z[i])
+        total += elements.patches.end_strength[i] / wp.max(wp.abs(z - elements.patches.end_z[i]), least)
         i += 1
     return total
 
@@ -111,7 +117,7 @@ def lay_near(
     width = patch_place[w, pair, 2]
     ends = real(0.0)
     if elements.patches.follows[pair] != 0:
-        ends = end_constant(model, elements, pair, patch_place[w, pair, 1])
+        ends = end_constant(model, elements, pair, patch_place[w, pair, 1], width * elements.patches.aspect[pair])
     if patch_laid[w, pair, 0] == width and patch_laid[w, pair, 1] == ends:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]

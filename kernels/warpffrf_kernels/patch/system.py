@@ -14,6 +14,7 @@ from warpffrf_kernels.core.access import changed, inout
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.patch.between import strip_width
 from warpffrf_kernels.patch.far_splines import beside_block, turned_column
 from warpffrf_kernels.patch.fields import rows_of
 from warpffrf_kernels.patch.spline_tables import line_of, real_side, trace_at
@@ -284,11 +285,13 @@ def assemble_patches_beside(
     far_weight: wp.array4d(dtype=real),
     far_window: wp.array4d(dtype=int),
     weight: wp.array2d(dtype=real),
+    patch_place: wp.array3d(dtype=real),
+    patch_between: wp.array3d(dtype=real),
     far_beside: inout(wp.array(dtype=real)),
     G: changed(wp.array3d(dtype=real)),
 ):
     """Per world, lanes over splines, then slots: what cells of one patch add to the gaps of cells of another one on the
-    same body, by its local modes."""
+    same body, by its local modes and, on one surface, the half-space."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
@@ -340,6 +343,12 @@ def assemble_patches_beside(
                             while j < wp.min(lines, 3):
                                 value += far_weight[w, other, seen, 3 * i + j] * far_beside[first + i * lines + j]
                                 j += 1
+                        if elements.patches.beside_between[e] >= 0:
+                            own = m % model.surfaces.rows[model.pairs.first[pair]]
+                            its = model.surfaces.rows[model.pairs.first[other]]
+                            strips = strip_width(elements, w, pair, patch_place)
+                            strips *= strip_width(elements, w, other, patch_place)
+                            value += strips * patch_between[w, e, own * its + slot_hat[w, q, 1] % its]
                         value = ratio * value
                         G[w, slot, q] = G[w, slot, q] + value
                         G[w, q, slot] = G[w, q, slot] + value

@@ -192,6 +192,7 @@ class Patches(Arrays):
     far_trace: DeviceArray = reals("world", "patch_pair", "patch_mode", "far_node", run=True, carried=True)
     patch_pressure: DeviceArray = reals("world", "patch_pair", "patch_place", unit="Pa")
     slot_place: DeviceArray = integers("world", "patch_slot")
+    patch_between: DeviceArray = reals("world", "beside_patch", "between_place", unit="m3/Pa", note="over both strips")
     far_beside: DeviceArray = reals("world", "far_node", unit="m/Pa", note="of a cell on the splines of another patch")
 
 

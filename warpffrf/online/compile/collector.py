@@ -18,7 +18,8 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Signal
 from warpffrf.online.compile.constants import Constants
 from warpffrf.online.compile.inertia_plan import InertiaPlan
-from warpffrf.online.compile.patches import PatchSide, patch_plans
+from warpffrf.online.compile.patch_sides import PatchSide
+from warpffrf.online.compile.patches import patch_plans
 from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.local_dynamics import LocalDynamics, LocalPlan
 from warpffrf.online.settings import Settings

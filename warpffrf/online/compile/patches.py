@@ -28,10 +28,10 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
 from warpffrf.model.far_field import WHOLE, FarField
-from warpffrf.model.rigid_surface import RigidSurface
+from warpffrf.online.compile.patch_sides import Surface, meridian
+from warpffrf.online.compile.patches_beside import fill_beside
 
 Array = np.ndarray
-Surface = ContactSurface | RigidSurface
 LINE_ASPECT = 8.0  # of Hertz's ellipse, from which rows stay where they are
 ELLIPSE = 0.636  # aspect of Hertz's ellipse: the ratio of curvatures to this power (Hamrock and Brewe 1983)
 # strips, of which the patch takes eight; rows. Odd numbers have a cell where Hertz's pressure is largest.
@@ -43,21 +43,6 @@ NARROWEST = 1e-4  # W times the relative curvature
 WIDEST = 0.5 * WHOLE * 0.95  # W over a radius of curvature: a patch keeps within WHOLE
 STEP = 0.3  # of ln W between levels: cubic interpolation errs by 1e-5
 FAR_COLUMNS = 4  # splines beside those over 2 W
-
-
-@dataclass(frozen=True, eq=False)
-class PatchSide:
-    """A surface as a patch of cells loads it: no hats, no operators; `number` of the surface among those compiled,
-    `rows` of cells on the first side, 0 on the second."""
-
-    real: Surface
-    number: int
-    rows: int
-
-    @property
-    def shape(self) -> Any:
-        """That of the surface."""
-        return self.real.shape
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +113,7 @@ class _OnMeridian:
 
     @classmethod
     def of(cls, contact: Contact, port: Any) -> _OnMeridian:
-        return cls(port.surface.far, *_meridian(contact, port))
+        return cls(port.surface.far, *meridian(contact, port))
 
     def seen(self, z: Array) -> Array:
         """z of this body at z of the first surface."""
@@ -143,14 +128,6 @@ class _OnMeridian:
         image = (1.0 - far.poisson_ratio**2) / (2.0 * np.pi)
         correction = float(far.quarter.displacement(0.0, 1.0, 1.0))
         return [((end.z - self.offset) / self.sign, (image + correction) / far.youngs_modulus) for end in far.ends]
-
-
-def _meridian(contact: Contact, port: Any) -> tuple[float, float]:
-    """Sign and offset [m] of the z that the surface of `port` counts at z of the first surface, at the start."""
-    shape, own = contact.a.surface.shape, port.surface.shape
-    places = [port.body.to_user(contact.a.body.to_world(shape.axis_point + z * shape.e_a)) for z in (0.0, 1.0)]
-    z = [float((place - own.axis_point) @ own.e_a) for place in places]
-    return (1.0 if z[1] >= z[0] else -1.0), z[0]
 
 
 def rows_follow(contact: Contact) -> bool:
@@ -207,7 +184,7 @@ def _nearest(contact: Contact, low: float, high: float) -> float:
     for port in contact.ports:
         shape = port.surface.shape
         if not shape.profile().planar:
-            sign, offset = _meridian(contact, port)
+            sign, offset = meridian(contact, port)
             near += shape.side * shape.radius_at(sign * z + offset)
     return float(np.mean(z[near >= near.max() - 1e-9 * (high - low)]))
 
@@ -415,73 +392,16 @@ def fill_patches(collector: Any, m: Model) -> None:
         columns = min(int(np.ceil(2.0 * widest / (grid.pitch * radius))) + FAR_COLUMNS, splines.turn or grid.columns)
         nodes = max(nodes, filled(columns * grid.rows))
     places = max((plan.columns * filled(len(plan.z)) for plan in plans.values()), default=0)
-    beside, tables = _beside(collector)
-    if tables["table_start"]:
+    beside = fill_beside(collector)
+    if beside["beside_side"]:
         m.pairs.beside = 1
     collector.fill(
-        collector.elements.patches, **beside, **tables,
+        collector.elements.patches, **beside,
         count=len(plans), touching=len(beside["beside_side"]), far_nodes=nodes, places=places, **per_pair, **far,
         far_of=far_of, row_z=np.concatenate(z), row_length=np.concatenate(length), near=np.concatenate(near),
         end_z=end_z, end_strength=strength, far=np.concatenate(operators), knot=np.concatenate(knots),
         mode=np.concatenate(modes),
     )  # fmt: skip
-
-
-def _beside(collector: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Of every side of a patch the other patches on its body, and tables of what they displace there."""
-    starts, others, which = [0], [], []
-    tables: dict[tuple[int, int], int] = {}
-    fields: dict[str, Any] = {name: [] for name in ("table_start", "table_sectors", "table_target", "table_source")}
-    numbers = [np.zeros(0)]
-    sides = collector.sides
-    for side, number in enumerate(sides):
-        target = collector.surfaces[number]
-        for other, source_number in enumerate(sides):
-            source = collector.surfaces[source_number]
-            if (
-                other // 2 == side // 2
-                or source.body is not target.body
-                or not _travels(target)
-                or not _travels(source)
-            ):
-                continue
-            key = (target.surface.number, source.surface.number)
-            if key not in tables:
-                lags, c, c_source = _operator_between(target, source)
-                tables[key] = len(tables)
-                values = (sum(map(len, numbers)), len(lags), c, c_source)
-                for name, value in zip(fields, values, strict=True):
-                    fields[name].append(value)
-                numbers.append(lags.ravel())
-            others.append(other)
-            which.append(tables[key])
-        starts.append(len(others))
-    return (
-        {"beside_start": starts, "beside_side": others, "beside_table": which},
-        {**fields, "beside": np.concatenate(numbers)},
-    )
-
-
-def _travels(side: Any) -> bool:
-    """Whether a side is that of a patch on a body with a far field."""
-    return isinstance(side.surface, PatchSide) and isinstance(side.surface.real, ContactSurface)
-
-
-def _operator_between(target: Any, source: Any) -> tuple[Array, int, int]:
-    """What loads on splines of `source` displace on those of `target`, on one body, block-circulant, and the columns a
-    sector of both. The whole compliance: patches are so far apart that the mesh makes no error between them."""
-    first, second = target.surface.real, source.surface.real
-    if target.surface.number == source.surface.number:
-        c = first.grid.columns_per_sector
-        return first.splines.compliance(first.lags), c, c
-    cross = target.body.reduced.cross_compliance(target.name, source.name)
-    if cross is None:
-        raise InputError(
-            f"body {target.body.name!r}: its surfaces {target.name!r} and {source.name!r} do not feel each other by "
-            "its local modes, as it was reduced by an older version; reduce it again"
-        )
-    lags = second.splines.sources(first.splines.targets(cross.lags))
-    return lags, lags.shape[1] // first.grid.rows, lags.shape[2] // second.grid.rows
 
 
 def _spline_modes(body: Body | Ground, collector: Any, surface: ContactSurface) -> Array:

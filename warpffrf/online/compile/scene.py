@@ -27,7 +27,8 @@ from warpffrf.online.compile.joints import JointTable, compile_joints
 from warpffrf.online.compile.layers import LAYER_ITERATIONS, fill_layers
 from warpffrf.online.compile.lumped import fill_lumped
 from warpffrf.online.compile.pairs import fill_pairs
-from warpffrf.online.compile.patches import PatchPlan, PatchSide, fill_patches
+from warpffrf.online.compile.patch_sides import PatchSide
+from warpffrf.online.compile.patches import PatchPlan, fill_patches
 from warpffrf.online.compile.responses import fill_responses
 from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.compile.surfaces import fill_surfaces

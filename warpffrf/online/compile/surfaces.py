@@ -13,7 +13,7 @@ from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.compliance_tables import columns_of_turn, modal_moments
-from warpffrf.online.compile.patches import PatchSide
+from warpffrf.online.compile.patch_sides import PatchSide
 
 NO_NODES = 2  # columns and rows of a rigid surface's empty grid: the fewest between which can be interpolated
 

@@ -14,7 +14,9 @@ from warpffrf.online.diagnosis.undeformed_normal import normal_notes
 from warpffrf.online.history.history import ContactHistory, History
 
 FEWEST = 6  # strips, or rows of a point contact, under pressure: with 8 forces err by 0.1 %, peaks by 0.9 %
-APART = 6.0  # longest facet edges between two patches: nearer, what one does to the other errs by 2 % and more
+# longest facet edges between two patches: nearer, forces err by 1 %; on a sphere, where patches feel each other by the
+# mesh alone, what one does to the other errs by 2 % and more
+APART, APART_ON_SPHERES = 1.5, 6.0
 ROLLED = 0.1  # of W: less is a contact that does not roll
 WIDE = 0.9  # of WHOLE that a patch may span without a word
 CLEAR = 2.0  # half-lengths of the patch of a point contact from an end: nearer, what the end adds varies over the patch
@@ -117,11 +119,12 @@ def near_patches(scene: Scene, history: History) -> list[str]:
                 away = np.minimum(away % grid.columns, grid.columns - away % grid.columns)
             metres = float(away.min()) * grid.pitch * float(port.surface.shape.radius_at(float(np.mean(grid.z))))
             edge = float(port.body.reduced.report["contact"][port.name]["longest_facet_edge"])
-            if metres < APART * edge:
+            least = APART_ON_SPHERES if port.surface.shape.kind == "sphere" else APART
+            if metres < least * edge:
                 notes.append(
                     f"contacts {contact.name!r} and {other.name!r}: their patches come within {metres:.2g} m of each "
-                    f"other on {port.label}, {metres / edge:.2g} facet edges; nearer than {APART:g} what one does to "
-                    "the other errs by 2 % and more, at two by a tenth: use a finer mesh there"
+                    f"other on {port.label}, {metres / edge:.2g} facet edges; nearer than {least:g} the mesh under "
+                    "them errs in what one does to the other: use a finer one there"
                 )
     return notes
 

@@ -21,7 +21,7 @@ from warpffrf_kernels.normal import (
     contact_solve,
     pair_elimination,
 )
-from warpffrf_kernels.patch import cells, fields, near, place, spline_tables, system
+from warpffrf_kernels.patch import between, cells, fields, near, place, spline_tables, system
 
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.outer import FACTOR
@@ -29,6 +29,7 @@ from warpffrf.online.step.phases import Participant
 
 BESIDE = "pair_beside"  # bodies that several pairs load
 LINE, POINT, FEW = "line_pair", "point_pair", "few_pair"  # families of geometry
+TOUCHING = "patch_beside"  # several of these on one body
 PATCH = "patch_pair"  # pressures on cells that travel with the patch
 HATS = "hat_pair"  # pressures on hats of the first grid
 STEP = {"amplitude": "modal_step", "of_state": 0, "first_field": "first_step", "second_field": "second_step"}
@@ -51,6 +52,7 @@ CONTACT = Participant(
         blocks(cells.sample_cells, "pair", when=PATCH, weak_gap="shifted_gap"),
         threads(cells.open_far_windows, "pair", when=PATCH),
         blocks(near.lay_near, "pair", when=PATCH),
+        blocks(between.lay_between, "pair", when=TOUCHING),
         blocks(spline_tables.lay_splines, "pair", when=PATCH),
     ],
     few=[
@@ -69,6 +71,7 @@ CONTACT = Participant(
         blocks(contact_fields.local_fields, "pair", when=HATS),
         blocks(fields.load_splines, "pair", when=PATCH),
         blocks(fields.local_cells, "pair", when=PATCH),
+        blocks(between.add_between, "pair", when=TOUCHING),
     ],
     close=[
         blocks(contact_fields.close_gaps, "pair", weak_gap="shifted_gap"),
@@ -87,7 +90,7 @@ CONTACT = Participant(
         blocks(system.answer_splines, "pair", when=PATCH, receptance="contact_receptance"),
         blocks(system.assemble_cells, when=PATCH),
         blocks(contact_assembly.assemble_between, when=BESIDE, receptance="contact_receptance", field="field_beside"),
-        blocks(system.assemble_patches_beside, when="patch_beside"),
+        blocks(system.assemble_patches_beside, when=TOUCHING),
     ],
     condense=[blocks(contact_compliance.outer_rows)],
     press=[

@@ -1,0 +1,165 @@
+r"""The half-space between two patches of one surface: weak displacement of a row of cells under one of another patch.
+
+Patches are narrow beside their distance d, so that the displacement u per force is that between the middles of strips,
+and of rows, whose lengths along the meridian are L:
+
+    K_rr' = L_r L_r' u(d; z_r, z_r'),      weak gap of a cell of row r: w sum_r' K_rr' w' sum_c p'_cr',
+
+w, w' the widths of strips of both. u stands in a table of the surface, over ln d and both z, cubic and linear between.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.access import changed, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import PATCH, Elements, Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.kinematics.line_of_centres import wrap
+from warpffrf_kernels.patch.cells import row_place
+from warpffrf_kernels.patch.fields import real_side
+from warpffrf_kernels.patch.near import cubic_shares
+from warpffrf_kernels.patch.spline_tables import line_of
+from warpffrf_kernels.surfaces.surface import radius_of
+
+wp.set_module_options(MODULE_OPTIONS)
+
+ROWS = 21  # places z of a table, evenly over the width
+LEVEL = 0.12  # of ln d, between levels: cubic interpolation errs by 1e-5 of 1/d
+HEIGHTS = wp.constant(ROWS)
+STEP = wp.constant(wp.float64(LEVEL))
+
+
+@wp.func
+def force_displacement(elements: Elements, table: int, d: real, z: real, source: real) -> real:
+    """u [m/N] at z [m] of a force at `source` [m], d [m] away along the circle; none beyond the table."""
+    levels = elements.patches.between_levels[table]
+    x = wp.max((wp.log(d) - elements.patches.between_first[table]) / STEP, real(0.0))
+    if x > real(levels - 2):
+        return real(0.0)
+    first = wp.clamp(int(wp.floor(x)) - 1, 0, levels - 4)
+    c = cubic_shares(x - real(first))
+    pitch = (elements.patches.between_high[table] - elements.patches.between_low[table]) / real(HEIGHTS - 1)
+    a = wp.clamp((z - elements.patches.between_low[table]) / pitch, real(0.0), real(HEIGHTS - 1))
+    b = wp.clamp((source - elements.patches.between_low[table]) / pitch, real(0.0), real(HEIGHTS - 1))
+    i = wp.min(int(wp.floor(a)), HEIGHTS - 2)
+    j = wp.min(int(wp.floor(b)), HEIGHTS - 2)
+    a = a - real(i)
+    b = b - real(j)
+    start = elements.patches.between_start[table] + (first * HEIGHTS + i) * HEIGHTS + j
+    total = real(0.0)
+    for level in range(4):
+        at = start + level * HEIGHTS * HEIGHTS
+        low = (real(1.0) - b) * elements.patches.between[at] + b * elements.patches.between[at + 1]
+        at += HEIGHTS
+        high = (real(1.0) - b) * elements.patches.between[at] + b * elements.patches.between[at + 1]
+        total += c[level] * ((real(1.0) - a) * low + a * high)
+    return total
+
+
+@wp.func
+def strip_width(elements: Elements, w: int, pair: int, patch_place: wp.array3d(dtype=real)) -> real:
+    """Width [m] of the strips of a patch."""
+    return real(2.0) * patch_place[w, pair, 2] / real(elements.patches.columns[pair])
+
+
+@wp.func
+def way_between(
+    model: Model,
+    w: int,
+    s: int,
+    z: real,
+    pair: int,
+    side: int,
+    other: int,
+    there: int,
+    patch_place: wp.array3d(dtype=real),
+) -> real:
+    """d [m] along the circle of surface `s` at `z` between the middles of two patches, the short way round."""
+    columns = patch_place[w, pair, 3 * side] - patch_place[w, other, 3 * there]
+    if model.surfaces.turn[s] > 0:
+        columns = wrap(columns, real(model.surfaces.turn[s]), real(0.0))
+    return wp.abs(columns) * model.surfaces.pitch[s] * radius_of(model, s, z)
+
+
+@wp.kernel
+def lay_between(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    patch_place: wp.array3d(dtype=real),
+    patch_between: out(wp.array3d(dtype=real)),
+):
+    """Per (world, pair of family 2), lanes over entries: K of its rows under those of all patches beside it."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+        return
+    elements = model.elements[0]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    for side in range(2):
+        e = elements.patches.beside_start[2 * pair + side]
+        while e < elements.patches.beside_start[2 * pair + side + 1]:
+            table = elements.patches.beside_between[e]
+            if table >= 0:
+                other = elements.patches.beside_side[e] / 2
+                there = elements.patches.beside_side[e] % 2
+                lines = model.surfaces.rows[model.pairs.first[other]]
+                s = real_side(elements, pair, side)
+                middle = real(0.5) * (elements.patches.between_low[table] + elements.patches.between_high[table])
+                d = way_between(model, w, s, middle, pair, side, other, there, patch_place)
+                n = lane
+                while n < rows * lines:
+                    target = row_place(elements, pair, n / lines, patch_place, w)
+                    source = row_place(elements, other, n % lines, patch_place, w)
+                    z = elements.patches.row_sign[2 * pair + side] * target[0]
+                    z += elements.patches.row_offset[2 * pair + side]
+                    at = elements.patches.row_sign[2 * other + there] * source[0]
+                    at += elements.patches.row_offset[2 * other + there]
+                    u = force_displacement(elements, table, d, z, at)
+                    patch_between[w, e, n] = target[1] * source[1] * u
+                    n += wp.block_dim()
+            e += 1
+
+
+@wp.kernel
+def add_between(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    patch_place: wp.array3d(dtype=real),
+    patch_between: wp.array3d(dtype=real),
+    patch_pressure: wp.array3d(dtype=real),
+    first_local: changed(wp.array(dtype=real)),
+):
+    """Per (world, pair of family 2), lanes over rows: weak displacement by the half-space under the pressures of the
+    patches beside it."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
+        return
+    elements = model.elements[0]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    row = lane
+    while row < rows:
+        total = real(0.0)
+        e = elements.patches.beside_start[2 * pair]
+        while e < elements.patches.beside_start[2 * pair + 2]:
+            if elements.patches.beside_between[e] >= 0:
+                other = elements.patches.beside_side[e] / 2
+                lines = model.surfaces.rows[model.pairs.first[other]]
+                strip = strip_width(elements, w, other, patch_place)
+                line = int(0)
+                while line < lines:
+                    load = real(0.0)
+                    column = int(0)
+                    while column < elements.patches.columns[other]:
+                        load += patch_pressure[w, other, column * line_of(lines) + line]
+                        column += 1
+                    total += patch_between[w, e, row * lines + line] * strip * load
+                    line += 1
+            e += 1
+        total *= strip_width(elements, w, pair, patch_place)
+        column = int(0)
+        while column < elements.patches.columns[pair]:
+            m = (w * model.pairs.count + pair) * model.window.hats + column * rows + row
+            first_local[m] = first_local[m] + total
+            column += 1
+        row += wp.block_dim()
