@@ -181,6 +181,8 @@ class _Window:
             REACH * f.edge,
             max(self.tolerance, _deviation(f.shape)),
         )
+        if not self.flat.cells:
+            raise _too_large(f)
         _require_one_material(f, self.flat, material, assignment)
         self.nodes = len(self.flat.points)
         self.ends = [self._end(end, quarter) for end in ends]
@@ -223,6 +225,8 @@ class _Window:
         low, high = int(self.columns[0]), int(self.columns[-1])
         pitch = g.pitch * float(np.min(f.shape.radius_at(g.z)))
         margin = int(np.ceil((REACH * f.spacing + 2.0 * f.edge) / pitch)) + 2
+        if g.periodic or total > g.columns:  # no column twice
+            margin = min(margin, (total - 1 - (high - low)) // 2)
         columns = np.arange(low - margin, high + margin + 1)
         plan = GridPlan(g.theta_start + g.pitch * columns[0], g.pitch, len(columns), False, g.z, False)
         entries = f.facets.part(here).loads(plan, "hats", "normal")
@@ -235,7 +239,10 @@ class _Window:
         if not (g.periodic or total > g.columns):
             inside &= ((columns >= 0) & (columns < g.columns))[:, None]
         unit = loads @ sp.diags(1.0 / np.where(area > 0.0, area, 1.0).ravel())
-        own = ((self.columns - columns[0])[:, None] * g.rows + self.rows).ravel()
+        at = self.columns - columns[0]
+        if not inside[np.ix_(at, self.rows)].all():
+            raise _too_large(f)
+        own = (at[:, None] * g.rows + self.rows).ravel()
         v = self.flat.solve(sp.csr_matrix(unit[:, own]), self.loads, self.material, self.free, self.tolerance)
         T = np.asarray(unit.T @ v).reshape(len(columns), g.rows, len(self.columns), len(self.rows))
         return columns, inside, T
@@ -272,6 +279,13 @@ class _Window:
 
 def _deviation(shape: Any) -> float:
     return 2.0 * float(shape.deviation or 0.0)
+
+
+def _too_large(f: NearFunctions) -> InputError:
+    return InputError(
+        f"its facets ({f.edge:.3g} m) are too large beside the curvature of the surface to lay those around a "
+        "place flat; use three or more cells on the radius"
+    )
 
 
 def _require_one_material(f: NearFunctions, flat: FlatCells, material: Material, assignment: Assignment) -> None:

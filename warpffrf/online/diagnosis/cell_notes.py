@@ -62,6 +62,8 @@ def near_patches(scene: Scene, history: History) -> list[str]:
             if its.body is not port.body or its.name != port.name or other is contact:
                 continue
             away = np.abs(_column(history, contact, side) - _column(history, other, there))
+            if not len(away):
+                continue
             grid = port.surface.grid
             if grid.periodic:
                 away = np.minimum(away % grid.columns, grid.columns - away % grid.columns)
