@@ -75,7 +75,7 @@ def largest_mises(z: np.ndarray, values: np.ndarray) -> tuple[float, float]:
     return float(curve(at).max()), float(at[np.argmax(curve(at))])
 
 
-def hertz(result: wf.Result, i: int) -> LineContact:
+def line_contact(result: wf.Result, i: int) -> LineContact:
     """Hertz's contact at the line load found in saved step `i`."""
     pair = result.contact(PAIR)
     return LineContact(float(pair.line_load[i]), pair.effective_radius, pair.effective_modulus)
@@ -89,7 +89,7 @@ def checks(scene: wf.Scene, coarse: wf.Result, beside: wf.Result) -> list[Check]
     width, peak = (float(np.mean([getattr(h, what) for h in hertz])) for what in ("half_width", "peak_pressure"))
     last = beside.time >= beside.time[-1] - fine.SETTLED
     found = largest_mises(DEPTHS, coarse.stress("lower", "below").von_mises[0])
-    exact = largest_mises(DEPTHS, hertz(coarse, 0).von_mises(DEPTHS, STEEL.poisson_ratio))
+    exact = largest_mises(DEPTHS, line_contact(coarse, 0).von_mises(DEPTHS, STEEL.poisson_ratio))
     return [
         Check("contact force", float(pair.force_magnitude[rows].mean()),
               fine.static_force(scene, coarse, fine.LOAD_AFTER), "statics", BALANCE, "kN", 1e-3),
@@ -121,7 +121,7 @@ def panels(coarse: wf.Result, beside: wf.Result) -> list:
     last = coarse.contact(PAIR).hertz(-1)
     x = np.linspace(-1.0, 1.0, 201) * last.half_width
     stress = coarse.stress("lower", "below").von_mises[0]
-    exact = hertz(coarse, 0).von_mises(DEPTHS, STEEL.poisson_ratio)
+    exact = line_contact(coarse, 0).von_mises(DEPTHS, STEEL.poisson_ratio)
     pressure = last.peak_pressure * np.sqrt(np.maximum(1.0 - (x / last.half_width) ** 2, 0.0))
     return [
         Panel("Across the patch, at mid-width", "arc [mm]", "pressure [MPa]", across,
