@@ -148,7 +148,7 @@ def _clusters(f: NearFunctions, c: int, first: int, ends: list[FreeEnd]) -> list
         row_parts += [p for p in np.array_split(half, pieces) if len(p)]
     most = max(len(p) for p in row_parts)
     pitch = g.pitch * float(np.max(f.shape.radius_at(g.z)))
-    fit = max(1, min(CLUSTER // most, int(width / pitch)))
+    fit = max(1, int(min(CLUSTER // most, width / pitch)))
     columns = np.array_split(first + np.arange(c), int(np.ceil(c / fit)))
     return [(j, k) for j in columns for k in row_parts]
 

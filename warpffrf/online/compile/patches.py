@@ -41,6 +41,7 @@ NARROWEST = 1e-4  # W times the relative curvature
 WIDEST = 0.5 * WHOLE * 0.95  # W over a radius of curvature: a patch keeps within WHOLE
 STEP = 0.3  # of ln W between levels: cubic interpolation errs by 1e-5
 FAR_COLUMNS = 4  # splines beside those over 2 W
+TAPS = 3  # splines across that a window has room for at least, also where a surface has but two
 
 
 @dataclass(frozen=True, eq=False)
@@ -356,7 +357,7 @@ def fill_patches(collector: Any, m: Model) -> None:
         widest = max((plan.most for plan in plans.values()), default=0.0)
         radius = float(np.min(surface.shape.radius_at(np.asarray(grid.z))))
         columns = min(int(np.ceil(2.0 * widest / (grid.pitch * radius))) + FAR_COLUMNS, splines.turn or grid.columns)
-        nodes = max(nodes, columns * grid.rows)
+        nodes = max(nodes, max(columns, TAPS) * grid.rows)
     beside, tables = _beside(collector)
     if tables["table_start"]:
         m.pairs.beside = 1
