@@ -6,7 +6,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from plane_strain_cover import pressed_cover
-from tet_mesh import cut_into_tets
 
 from warpffrf.model import joints, surfaces
 from warpffrf.model.contact import Contact
@@ -19,6 +18,7 @@ from warpffrf.online.diagnosis.undeformed_normal import MOST, SECOND_ORDER, line
 from warpffrf.output.contact.hertz import THIN
 from warpffrf.output.contact.hertz_patch import hertz_line
 from warpffrf.output.simulate import equilibrium
+from warpffrf.verification.scenes.tet_mesh import cut_into_tets
 
 RADIUS, CORE, WIDTH, APPROACH = 0.05, 0.045, 0.1, 1e-4  # m
 LOAD, PEAK = 0.02, 0.03  # promised, of the line load at mid-width and the peak pressure

@@ -1,4 +1,5 @@
-"""A mesh of 27-node hexahedra cut into ten-node tetrahedra on the same nodes, six a cell, alike in every cell."""
+"""A mesh of 27-node hexahedra cut into ten-node tetrahedra on the same nodes, six a cell, alike in every cell; and the
+four-node tetrahedra between their corners."""
 
 from __future__ import annotations
 
@@ -27,3 +28,13 @@ def cut_into_tets(mesh: Mesh) -> Mesh:
         on = np.isin(np.arange(len(mesh.points)), facets.node_set)
         sets[name] = FacetSet({kind: block[np.all(on[block], axis=1)] for kind, block in outer.blocks.items()})
     return replace(mesh, cells=cells, facet_sets=sets)
+
+
+def linear_tets(mesh: Mesh) -> Mesh:
+    """The tet4 between the corners of the tet10 of `mesh`, with its facet sets."""
+    corners = mesh.cells["tet10"][:, :4]
+    kept, cells = np.unique(corners, return_inverse=True)
+    number = np.full(len(mesh.points), -1)
+    number[kept] = np.arange(len(kept))
+    sets = {name: FacetSet({"tri3": number[facets.blocks["tri6"][:, :3]]}) for name, facets in mesh.facet_sets.items()}
+    return replace(mesh, points=mesh.points[kept], cells={"tet4": cells.reshape(-1, 4)}, facet_sets=sets)
