@@ -8,6 +8,7 @@ import pytest
 import warpffrf as wf
 from warpffrf.demos import coarse_rollers as demo
 from warpffrf.demos import two_rollers as fine
+from warpffrf.verification.closed_forms import LineContact
 
 # Johnson, section 4.2.1, nu = 0.3: the largest von Mises stress of a line contact, and where; to their digits.
 LARGEST, WHERE = 0.558, 0.70
@@ -15,7 +16,7 @@ LARGEST, WHERE = 0.558, 0.70
 
 def test_the_curve_finds_the_largest_stress_of_a_line_contact() -> None:
     t = np.linspace(0.1, 2.0, 39)
-    value, depth = demo.largest_mises(t, demo.hertz_mises(t, 1.0, 1.0))
+    value, depth = demo.largest_mises(t, LineContact(0.5 * np.pi, 1.0, 2.0).von_mises(t, 0.3))
     assert value == pytest.approx(LARGEST, abs=1e-3) and depth == pytest.approx(WHERE, abs=1e-2)
 
 

@@ -260,6 +260,36 @@ def test_what_cannot_have_a_patch_is_refused() -> None:
         reduced(mesh, patch_grid="yes")
 
 
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("cells", [1, 2])
+def test_few_cells_on_the_radius(cells, order) -> None:
+    """Windows of a solid roller leave out what does not bear being laid flat: the axis, and the far side."""
+    mesh = wf.mesh.roller(0.05, 0, 0.05, sectors=8 * cells, layers=1, axial=2, order=order)
+    body = wf.reduce(
+        mesh, STEEL, interfaces={"end_low": "average"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0,
+        patch_grid=True, cache=False, progress=False,
+    )  # fmt: skip
+    far = far_of(body)
+    assert np.all(np.isfinite(far.lags)) and far.asymmetry < 0.05
+
+
+def test_a_plane_has_a_far_field() -> None:
+    """Clusters of functions on a surface that is curved in no direction are as wide as their number allows."""
+    mesh = wf.mesh.box((0.02, 0.02, 0.01), (4, 4, 2), order=1)
+    body = wf.reduce(
+        mesh, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": wf.surfaces.Plane()}, modes=0, patch_grid=True,
+        cache=False, progress=False,
+    )  # fmt: skip
+    far = body.contact_surfaces["z_max"].far
+    assert far is not None and np.all(np.isfinite(far.lags))
+
+
+def test_facets_that_cannot_be_laid_flat_are_refused() -> None:
+    mesh = roller(sectors=4, layers=1, axial=2)
+    with pytest.raises(InputError, match="no patch grid: its facets .* too large beside the curvature.*three or more"):
+        reduced(mesh, patch_grid=True)
+
+
 def test_coatings_are_refused() -> None:
     """A layer of another material under the rim: named, with the depth that must be of one material."""
     mesh = roller(sectors=24, layers=4, axial=2)

@@ -43,6 +43,43 @@ def test_hertz_line_and_point_have_the_values_of_c1_to_c3() -> None:
     assert depth / LINE.half_width == pytest.approx(0.786, rel=1e-3)
 
 
+def test_stress_below_a_line_and_a_point() -> None:
+    """On the surface -p0 and its share in the surface; below it Boussinesq's and Flamant's stress of the pressure; and
+    Johnson's 0.31 p0 of shear at 0.48 a below a sphere, half of von Mises' stress there."""
+    nu = STEEL.poisson_ratio
+    a, p0 = POINT.half_width, POINT.peak_pressure
+    assert [float(v) / p0 for v in POINT.on_axis(np.array(0.0), nu)] == pytest.approx([-0.5 - nu, -1.0], rel=1e-12)
+    assert [float(v) / LINE.peak_pressure for v in LINE.on_axis(np.array(0.0))] == pytest.approx(
+        [-1.0, -1.0], rel=1e-12
+    )
+    z = np.linspace(0.1, 2.0, 1901) * a
+    mises = POINT.von_mises(z, nu)
+    assert mises.max() / p0 == pytest.approx(0.62, abs=1e-3) and z[np.argmax(mises)] / a == pytest.approx(
+        0.48, abs=2e-3
+    )
+    x, w = np.polynomial.legendre.leggauss(60)
+    turn = 0.25 * np.pi * (x + 1.0)  # r = a sin(turn)
+    depth = 0.7
+    r = a * np.sin(turn)
+    load = POINT.pressure(r) * 2.0 * np.pi * r * a * np.cos(turn) * 0.25 * np.pi * w
+    R = np.hypot(r, depth * a)
+    down = -3.0 * (depth * a) ** 3 / (2.0 * np.pi * R**5)
+    trace = -(1.0 + nu) * depth * a / (np.pi * R**3)  # of sigma, Boussinesq
+    around, below = POINT.on_axis(np.array(depth * a), nu)
+    assert load @ down == pytest.approx(float(below), rel=1e-9)
+    assert load @ (trace - down) == pytest.approx(2.0 * float(around), rel=1e-9)
+    b = LINE.half_width
+    s = b * np.sin(0.5 * np.pi * x)
+    load = LINE.pressure(s) * b * np.cos(0.5 * np.pi * x) * 0.5 * np.pi * w
+    square = s**2 + (depth * b) ** 2
+    across, below = LINE.on_axis(np.array(depth * b))
+    assert load @ (-2.0 * depth * b * s**2 / (np.pi * square**2)) == pytest.approx(float(across), rel=1e-9)
+    assert load @ (-2.0 * (depth * b) ** 3 / (np.pi * square**2)) == pytest.approx(float(below), rel=1e-9)
+    axial = nu * (across + below)
+    wanted = np.sqrt(0.5 * ((across - axial) ** 2 + (axial - below) ** 2 + (below - across) ** 2))
+    assert float(LINE.von_mises(np.array(depth * b), nu)) == pytest.approx(float(wanted), rel=1e-12)
+
+
 def test_pressures_carry_the_load() -> None:
     t = np.cos(np.pi * (np.arange(2000) + 0.5) / 2000)  # Gauss-Chebyshev
     root = np.pi / 2000 * np.sqrt(1.0 - t**2)

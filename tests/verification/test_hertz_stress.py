@@ -1,8 +1,6 @@
 """Stress under Hertz's line contact: the maximum shear 0.3003 p0 at 0.786 a below the surface (VERIFICATION C1).
 
-Closed form on the axis of symmetry, plane strain (K. L. Johnson, Contact Mechanics, 1985, section 4.2), depth z
-in units of a: sigma_x = -p0 ((1 + 2 z^2)/sqrt(1 + z^2) - 2 z), sigma_z = -p0/sqrt(1 + z^2), and sigma_y = nu (sigma_x +
-sigma_z) between them.
+Closed forms on the axis of symmetry, plane strain: `LineContact`, here of unit half-width and peak pressure.
 """
 
 from __future__ import annotations
@@ -22,18 +20,14 @@ from warpffrf.offline import reduce
 from warpffrf.offline.fe.assembly import assemble
 from warpffrf.offline.fe.materials import assign
 from warpffrf.offline.stress.plan import StressPlan
+from warpffrf.verification.closed_forms import LineContact
 from warpffrf.verification.ripple import approach_for, window_for
 from warpffrf.verification.scenes.rollers import PAIR, STEEL, Path, solve_path
 
 SHEAR, DEPTH = 0.3003, 0.786
+HERTZ = LineContact(0.5 * np.pi, 1.0, 2.0)  # a = p0 = 1
 ELEMENTS = 8  # in a half-width
 VALUE_ERROR, DEPTH_ERROR = 0.03, 0.05  # what stress recovery promises at that size
-
-
-def closed_form(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """sigma_x and sigma_z over p0 at depth z/a."""
-    w = np.sqrt(1.0 + z**2)
-    return 2.0 * z - (1.0 + 2.0 * z**2) / w, -1.0 / w
 
 
 def largest(depth: np.ndarray, shear: np.ndarray) -> tuple[float, float]:
@@ -48,7 +42,7 @@ def largest(depth: np.ndarray, shear: np.ndarray) -> tuple[float, float]:
 
 def test_curve_finds_the_maximum_of_the_closed_form() -> None:
     z = np.linspace(0.3, 1.5, 49)
-    x, y = closed_form(z)
+    x, y = HERTZ.on_axis(z)
     assert largest(z, 0.5 * (x - y)) == pytest.approx((DEPTH, SHEAR), rel=3e-3)
 
 
@@ -101,7 +95,7 @@ def test_block_under_hertz_pressure() -> None:
     at, value = largest(depth, max_shear(stress))
     assert value == pytest.approx(SHEAR, rel=VALUE_ERROR)
     assert at == pytest.approx(DEPTH, rel=DEPTH_ERROR)
-    sx, sz = closed_form(depth)
+    sx, sz = HERTZ.on_axis(depth)
     assert np.abs(stress[:, 0] - sx).max() < 0.02 and np.abs(stress[:, 2] - sz).max() < 0.02
 
 
@@ -136,7 +130,7 @@ def test_two_rollers() -> None:
     at, value = largest(depth / a, found.max_shear[0] / p0)
     assert value == pytest.approx(SHEAR, rel=VALUE_ERROR)
     assert at == pytest.approx(DEPTH, rel=DEPTH_ERROR)
-    sx, sz = closed_form(depth / a)
+    sx, sz = HERTZ.on_axis(depth / a)
     assert np.abs(found.tensor[0, :, 0] / p0 - sx).max() < 0.015
     assert np.abs(found.tensor[0, :, 2] / p0 - sz).max() < 0.015
     # the second body of the pair, whose load is the pressure of the first projected on its own hats
@@ -156,13 +150,6 @@ NODES = (2.5, 3.0, 3.5, 5.0, 8.0)  # in a half-width, along the surface and belo
 PLACES = (0.0, 0.25, 0.5)  # of the middle of the patch, in cells
 FEW, MANY = 0.03, 0.01  # of von Mises stress below 8 nodes and from 8 on: what docs/method.md promises
 FEW_DEPTH, MANY_DEPTH = 0.10, 0.03  # of the depth of its maximum
-
-
-def von_mises(z: np.ndarray) -> np.ndarray:
-    """On the axis, over p0."""
-    x, y = closed_form(z)
-    between = STEEL.poisson_ratio * (x + y)
-    return np.sqrt(0.5 * ((x - between) ** 2 + (between - y) ** 2 + (y - x) ** 2))
 
 
 def coarse_half_plane(order: int, nodes: float) -> Mesh:
@@ -201,7 +188,7 @@ def test_block_of_few_cells_under_hertz_pressure(order: int, nodes: float) -> No
     dofs = np.flatnonzero(free.ravel())
     solve = spla.splu(K[dofs][:, dofs].tocsc()).solve
     depth = np.linspace(0.3, 1.5, 49)
-    where, exact = largest(depth, von_mises(depth))
+    where, exact = largest(depth, HERTZ.von_mises(depth, STEEL.poisson_ratio))
     for place in PLACES:
         middle = place * order / nodes
         ends = x[::order]
@@ -247,7 +234,7 @@ def test_two_rollers_anywhere_on_the_mesh(order: int, layers: int) -> None:
         cache=False,
         progress=False,
     )
-    where, exact = largest(depth, von_mises(depth))
+    where, exact = largest(depth, HERTZ.von_mises(depth, STEEL.poisson_ratio))
     for nodes in NODES:
         approach = approach_for(body, nodes / order, samples=4)[0]
         path = Path.of(np.full(len(turns), approach), -turns, 0.0 * turns)

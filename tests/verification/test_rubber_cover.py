@@ -18,7 +18,7 @@ from warpffrf.online.diagnosis.undeformed_normal import MOST, SECOND_ORDER, line
 from warpffrf.output.contact.hertz import THIN
 from warpffrf.output.contact.hertz_patch import hertz_line
 from warpffrf.output.simulate import equilibrium
-from warpffrf.verification.user_meshes import cut_into_tets
+from warpffrf.verification.scenes.user_meshes import cut_into_tets
 
 RADIUS, CORE, WIDTH, APPROACH = 0.05, 0.045, 0.1, 1e-4  # m
 LOAD, PEAK = 0.02, 0.03  # promised, of the line load at mid-width and the peak pressure

@@ -25,10 +25,11 @@ import numpy as np
 import warpffrf as wf
 from warpffrf.demos import two_rollers as fine
 from warpffrf.demos.checks import Check, finish, writable_folder
-from warpffrf.model.stress_field import von_mises
+from warpffrf.verification.closed_forms import LineContact
 
 log = logging.getLogger("warpffrf")
 
+STEEL = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850, name="steel")
 MESH = Path(__file__).with_name("data") / "roller_4mm.msh"
 DEPTHS = np.linspace(0.1, 1.0, 19) * 1e-3  # m below the rim, under the patch as the run begins
 BALANCE = 1e-6  # of the force
@@ -52,10 +53,9 @@ FULL, QUICK = Size(fine.FULL, 300), Size(fine.QUICK, 60)
 
 def build(*, progress: bool = True) -> wf.Scene:
     """The scene of `two_rollers.build`, its rollers read from the mesh file and reduced."""
-    steel = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850, name="steel")
     below = np.column_stack([0 * DEPTHS, 0 * DEPTHS, fine.OUTER_RADIUS - DEPTHS])
     roller = wf.reduce(
-        wf.mesh.read(MESH, length_unit="mm"), steel, interfaces={"bore": "rigid"},
+        wf.mesh.read(MESH, length_unit="mm"), STEEL, interfaces={"bore": "rigid"},
         contact={"rim": wf.surfaces.Cylinder()}, stress={"below": below}, patch_grid=True,
         max_frequency=fine.MAX_FREQUENCY, cache=False, progress=progress,
     )  # fmt: skip
@@ -75,12 +75,10 @@ def largest_mises(z: np.ndarray, values: np.ndarray) -> tuple[float, float]:
     return float(curve(at).max()), float(at[np.argmax(curve(at))])
 
 
-def hertz_mises(z: np.ndarray, half_width: float, peak: float, poisson_ratio: float = 0.3) -> np.ndarray:
-    """Von Mises stress [Pa] at depths z [m] below the middle of a line contact (Johnson, equations 4.46)."""
-    t = z / half_width
-    w = np.hypot(1.0, t)
-    across, down = 2.0 * t - (1.0 + 2.0 * t * t) / w, -1.0 / w
-    return von_mises(peak * np.stack([across, poisson_ratio * (across + down), down, 0 * t, 0 * t, 0 * t], axis=-1))
+def line_contact(result: wf.Result, i: int) -> LineContact:
+    """Hertz's contact at the line load found in saved step `i`."""
+    pair = result.contact(PAIR)
+    return LineContact(float(pair.line_load[i]), pair.effective_radius, pair.effective_modulus)
 
 
 def checks(scene: wf.Scene, coarse: wf.Result, beside: wf.Result) -> list[Check]:
@@ -90,9 +88,8 @@ def checks(scene: wf.Scene, coarse: wf.Result, beside: wf.Result) -> list[Check]
     hertz = [pair.hertz(int(i)) for i in rows]
     width, peak = (float(np.mean([getattr(h, what) for h in hertz])) for what in ("half_width", "peak_pressure"))
     last = beside.time >= beside.time[-1] - fine.SETTLED
-    start = pair.hertz(0)
     found = largest_mises(DEPTHS, coarse.stress("lower", "below").von_mises[0])
-    exact = largest_mises(DEPTHS, hertz_mises(DEPTHS, start.half_width, start.peak_pressure))
+    exact = largest_mises(DEPTHS, line_contact(coarse, 0).von_mises(DEPTHS, STEEL.poisson_ratio))
     return [
         Check("contact force", float(pair.force_magnitude[rows].mean()),
               fine.static_force(scene, coarse, fine.LOAD_AFTER), "statics", BALANCE, "kN", 1e-3),
@@ -121,10 +118,10 @@ def panels(coarse: wf.Result, beside: wf.Result) -> list:
         load = pair.history.pressure[-1].sum(axis=0) * np.atleast_1d(pair.spacing)[-1]
         along[name] = (z * 1e3, load / 1e6)
         over_time[name] = (result.time * 1e3, pair.mid_peak_pressure / 1e6)
-    last, first = (coarse.contact(PAIR).hertz(i) for i in (-1, 0))
+    last = coarse.contact(PAIR).hertz(-1)
     x = np.linspace(-1.0, 1.0, 201) * last.half_width
     stress = coarse.stress("lower", "below").von_mises[0]
-    exact = hertz_mises(DEPTHS, first.half_width, first.peak_pressure)
+    exact = line_contact(coarse, 0).von_mises(DEPTHS, STEEL.poisson_ratio)
     pressure = last.peak_pressure * np.sqrt(np.maximum(1.0 - (x / last.half_width) ** 2, 0.0))
     return [
         Panel("Across the patch, at mid-width", "arc [mm]", "pressure [MPa]", across,

@@ -25,7 +25,7 @@ from warpffrf.verification.closed_forms import LineContact, contact_modulus
 from warpffrf.verification.closed_forms.elliptic import EllipticContact
 from warpffrf.verification.finite_elements.free_end import STEEL_ROLLER, EndPressure, press_crowned, press_roller
 from warpffrf.verification.markdown import table
-from warpffrf.verification.user_meshes import cut_into_tets, gmsh_roller, serendipity, straight
+from warpffrf.verification.scenes.user_meshes import cut_into_tets, gmsh_roller, serendipity, straight
 
 Array = np.ndarray
 STEEL = STEEL_ROLLER.material

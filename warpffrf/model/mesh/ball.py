@@ -51,9 +51,9 @@ def ball(radius: float, *, patch_half_width: Any, cell: float, growth: float = 1
     """
     R = require_number(radius, "ball: radius", positive=True)
     half, edge, rate = require_patch("ball", patch_half_width, cell, order, growth)
-    if float(np.max(half)) > LARGEST_PATCH * R:
+    if float(np.max(half)) >= LARGEST_PATCH * R:
         raise InputError(
-            f"ball: patch_half_width {float(np.max(half)):g} is larger than {LARGEST_PATCH:g} of the radius; for a "
+            f"ball: patch_half_width {float(np.max(half)):g} is not below {LARGEST_PATCH:g} of the radius; for a "
             "wide fine band use mesh.roller with crown_radius=outer_radius"
         )
     counts = patch_counts("ball", half, edge)

@@ -35,6 +35,12 @@ class FlatChart:
         """x_c (3,) [m], user frame."""
         return self.shape.point(self.theta, self.z)
 
+    @property
+    def smallest_radius(self) -> float:
+        """Smaller radius of curvature [m] of a convex surface at x_c; inf where it is convex in no direction."""
+        largest = max(float(k) for k in self.shape.curvatures(self.theta, self.z))
+        return 1.0 / largest if largest > 0.0 else np.inf
+
     def before(self, points: Array) -> Array:
         """Which of `points` (n, 3) [m], user frame, lie less than `FARTHEST` round the body from x_c (n,)."""
         theta, z, _ = self.shape.chart(points)

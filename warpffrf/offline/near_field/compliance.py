@@ -148,7 +148,7 @@ def _clusters(f: NearFunctions, c: int, first: int, ends: list[FreeEnd]) -> list
         row_parts += [p for p in np.array_split(half, pieces) if len(p)]
     most = max(len(p) for p in row_parts)
     pitch = g.pitch * float(np.max(f.shape.radius_at(g.z)))
-    fit = max(1, min(CLUSTER // most, int(width / pitch)))
+    fit = max(1, int(min(CLUSTER // most, width / pitch)))
     columns = np.array_split(first + np.arange(c), int(np.ceil(c / fit)))
     return [(j, k) for j in columns for k in row_parts]
 
@@ -184,6 +184,8 @@ class _Window:
             max(self.tolerance, _deviation(f.shape)),
             [(face, end.t) for face, end in zip(faces, self.ends, strict=True)],
         )
+        if not self.flat.cells:
+            raise _too_large(f)
         _require_one_material(f, self.flat, material, assignment)
         self.nodes = len(self.flat.points)
         near = [e for e in self.ends if self.flat.reaches(e, self.tolerance)]
@@ -225,6 +227,8 @@ class _Window:
         low, high = int(self.columns[0]), int(self.columns[-1])
         pitch = g.pitch * float(np.min(f.shape.radius_at(g.z)))
         margin = int(np.ceil((REACH * f.spacing + 2.0 * f.edge) / pitch)) + 2
+        if g.periodic or total > g.columns:  # no column twice
+            margin = min(margin, (total - 1 - (high - low)) // 2)
         columns = np.arange(low - margin, high + margin + 1)
         plan = GridPlan(g.theta_start + g.pitch * columns[0], g.pitch, len(columns), False, g.z, False)
         entries = f.facets.part(here).loads(plan, "hats", "normal")
@@ -237,7 +241,10 @@ class _Window:
         if not (g.periodic or total > g.columns):
             inside &= ((columns >= 0) & (columns < g.columns))[:, None]
         unit = loads @ sp.diags(1.0 / np.where(area > 0.0, area, 1.0).ravel())
-        own = ((self.columns - columns[0])[:, None] * g.rows + self.rows).ravel()
+        at = self.columns - columns[0]
+        if not inside[np.ix_(at, self.rows)].all():
+            raise _too_large(f)
+        own = (at[:, None] * g.rows + self.rows).ravel()
         v = self.flat.solve(sp.csr_matrix(unit[:, own]), self.loads, self.material, self.free, self.tolerance)
         T = np.asarray(unit.T @ v).reshape(len(columns), g.rows, len(self.columns), len(self.rows))
         return columns, inside, T
@@ -274,6 +281,13 @@ class _Window:
 
 def _deviation(shape: Any) -> float:
     return 2.0 * float(shape.deviation or 0.0)
+
+
+def _too_large(f: NearFunctions) -> InputError:
+    return InputError(
+        f"its facets ({f.edge:.3g} m) are too large beside the curvature of the surface to lay those around a "
+        "place flat; use three or more cells on the radius"
+    )
 
 
 def _require_one_material(f: NearFunctions, flat: FlatCells, material: Material, assignment: Assignment) -> None:

@@ -69,6 +69,9 @@ def find_far_field(
         return FoundField(None, notes=[_none(name, "its tractions are constant on cells; use traction='hats'")])
     if material is None or mesh.matrices is not None:
         return FoundField(None, notes=[_none(name, "a body of matrices has no cells near a load; use a mesh")])
+    if min(grid.columns, grid.rows) < 2:
+        few = f"its contact grid has {grid.columns} x {grid.rows} functions, from one of which nothing varies"
+        return FoundField(None, notes=[_none(name, f"{few}; use a finer mesh, or a larger contact surface")])
     functions = NearFunctions(mesh, name, shape, grid)
     ends, notes = free_ends(mesh, name, shape, grid, functions.edge)
     quarter = None

@@ -10,6 +10,9 @@ so that T is the half-space's compliance with the error that this mesh makes nea
 body has the same error there, and C - T is smooth however coarse the mesh is. Faces on the surface beside the contact
 facets are free, and so is an end face of the body, where the half-space is a quarter space (`ends`).
 
+Cells that do not bear being laid flat are left out: those with nodes near the centre of curvature, or too far round the
+body. On a mesh of a few cells on the radius only those in the outer layer are left.
+
 Loads and displacements are outward. The loads are those of the body, without the turning of the normal over a facet:
 f_a = int N_a psi_j dA on the flat surface.
 """
@@ -23,6 +26,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.material import Material
+from warpffrf.model.mesh.checks import FLAT_CELL, jacobian_range
 from warpffrf.model.mesh.elements import cell_kind, facet_kind
 from warpffrf.model.mesh.facets import FacetSet, outer_faces, row_numbers
 from warpffrf.offline.fe.assembly import Sparse, assemble
@@ -32,6 +36,7 @@ from warpffrf.offline.near_field.exact import EndField, PointLoads, half_space_a
 from warpffrf.offline.solvers import factorise
 
 Array = np.ndarray
+DEEPEST = 0.8  # of the smaller radius of curvature: a cell laid flat there is five times as wide as it was
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,14 +78,24 @@ class FlatCells:
             for kind, nodes in cells.items()
         }
         numbers = {kind: found for kind, found in numbers.items() if len(found)}
+        places = np.zeros((len(points), 3))
+        bears = np.zeros(len(points), dtype=bool)
         used = np.unique(np.concatenate([cells[kind][found].ravel() for kind, found in numbers.items()]))
         s, t, y = chart.flat(points[used])
         for face, at in ends:
             t[face[used]] = at
         on = np.abs(y) < tolerance
-        flat = np.stack([s, t, np.where(on, 0.0, -y)], axis=1)
-        own = {kind: np.searchsorted(used, cells[kind][found]) for kind, found in numbers.items()}
-        return cls(flat, used, own, numbers, on)
+        places[used] = np.stack([s, t, np.where(on, 0.0, -y)], axis=1)
+        bears[used] = chart.before(points[used]) & (y < DEEPEST * chart.smallest_radius)
+        kept = {}
+        for kind, found in numbers.items():
+            upright, cube = jacobian_range(places, kind, cells[kind][found])
+            good = found[bears[cells[kind][found]].all(axis=1) & (upright > FLAT_CELL * cube)]
+            if len(good):
+                kept[kind] = good
+        used = np.unique(np.concatenate([cells[kind][found].ravel() for kind, found in kept.items()] or [used[:0]]))
+        own = {kind: np.searchsorted(used, cells[kind][found]) for kind, found in kept.items()}
+        return cls(places[used], used, own, kept, places[used, 2] == 0.0)
 
     def carriers(self, surface: FacetSet) -> Array:
         """Which facets of `surface` (body numbers; all blocks in order) are faces of these cells (m,)."""

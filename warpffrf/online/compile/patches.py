@@ -43,6 +43,7 @@ NARROWEST = 1e-4  # W times the relative curvature
 WIDEST = 0.5 * WHOLE * 0.95  # W over a radius of curvature: a patch keeps within WHOLE
 STEP = 0.3  # of ln W between levels: cubic interpolation errs by 1e-5
 FAR_COLUMNS = 4  # splines beside those over 2 W
+TAPS = 3  # splines across that a window has room for at least, also where a surface has but two
 
 
 @dataclass(frozen=True, eq=False)
@@ -390,7 +391,7 @@ def fill_patches(collector: Any, m: Model) -> None:
         widest = max((plan.most for plan in plans.values()), default=0.0)
         radius = float(np.min(surface.shape.radius_at(np.asarray(grid.z))))
         columns = min(int(np.ceil(2.0 * widest / (grid.pitch * radius))) + FAR_COLUMNS, splines.turn or grid.columns)
-        nodes = max(nodes, filled(columns * grid.rows))
+        nodes = max(nodes, filled(max(columns, TAPS) * grid.rows))
     places = max((plan.columns * filled(len(plan.z)) for plan in plans.values()), default=0)
     beside = fill_beside(collector)
     if beside["beside_side"]:

@@ -35,6 +35,7 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
             f"contact {contact.name!r}: the patch is {strips} cells wide where it is most loaded, under {FEWEST}: "
             "forces may be off by 1 %, peak pressures by 3 %; use cells= with more strips across"
         )
+    notes += _cut(contact, found)
     travelled = np.abs(cells.column - cells.column[0]).max() * contact.a.surface.grid.pitch
     if contact.law.chi > 0.0 and travelled * arc_per_theta(contact) > ROLLED * float(np.max(cells.half_width)):
         notes.append(
@@ -99,6 +100,35 @@ def _turns(rotation: np.ndarray) -> np.ndarray:
     return np.stack([rot.matrix(q) for q in rotation])
 
 
+def _cut(contact: Contact, found: ContactHistory) -> list[str]:
+    """A note for each surface on whose end across the patch has been cut: cells beyond the outermost columns carry
+    nothing."""
+    cells = found.cells
+    if cells is None or not len(cells.column):
+        return []
+    strips = found.pressure.shape[1]
+    offset = np.arange(strips) - 0.5 * (strips - 1)
+    pressed = found.pressure.max(axis=2) > 0.0
+    notes = []
+    for port, column in ((contact.a, cells.column), (contact.b, cells.column_second)):
+        grid = port.surface.grid
+        if port.rigid or grid is None or grid.periodic:
+            continue
+        middle = float(np.mean(np.asarray(grid.z)[[0, -1]]))
+        shape = port.surface.shape
+        metres = grid.pitch * (1.0 if shape.profile().planar else float(shape.radius_at(middle)))
+        strip = 2.0 * cells.half_width / (strips * metres)
+        x = column[:, None] + strip[:, None] * offset
+        beside = (x - strip[:, None] < 0.0) | (x + strip[:, None] > grid.columns - 1)
+        if np.any(pressed & beside):
+            notes.append(
+                f"contact {contact.name!r}: the patch reaches the end of {port.label} across, a spacing of its grid "
+                f"({metres:.2g} m) inside the edge of the named facets; the pressure is cut there: where the body goes "
+                "on, give it a larger contact surface"
+            )
+    return notes
+
+
 def near_patches(scene: Scene, history: History) -> list[str]:
     """Notes on patches of one surface that come so near to each other that the mesh errs between them."""
     sides = [
@@ -114,6 +144,8 @@ def near_patches(scene: Scene, history: History) -> list[str]:
             if its.body is not port.body or its.name != port.name or other is contact:
                 continue
             away = np.abs(_column(history, contact, side) - _column(history, other, there))
+            if not len(away):
+                continue
             grid = port.surface.grid
             if grid.periodic:
                 away = np.minimum(away % grid.columns, grid.columns - away % grid.columns)

@@ -26,7 +26,6 @@ from warpffrf.output.contact.stress_error import StressError
 from warpffrf.output.geometry.cell_places import CellPlaces
 
 LEAST = 0.5  # strips: half of the one that a patch is at least wide
-REACHED = 0.5  # of a column of the grid: what reaches an end of an arc to within it ends there
 
 
 def peak_above(before: np.ndarray, largest: np.ndarray, after: np.ndarray) -> np.ndarray:
@@ -102,13 +101,14 @@ class CellContactResult(PairResult):
         return self.places.theta
 
     def reaches_ends(self, i: int) -> bool:
-        """True where the patch of saved step `i` reaches both ends of an arc, to half a column of its grid."""
+        """True where the patch of saved step `i` reaches both ends of an arc: beyond the outermost columns of its grid,
+        which on a coarse mesh are far apart beside a patch."""
         grid = self.view.first.grid
         columns = np.flatnonzero(np.any(self.history.pressure[i] > 0.0, axis=1))
         if grid.periodic or not len(columns):
             return False
-        edges, slack = self.places.theta_edges[i], REACHED * grid.pitch
-        return bool(edges[columns[0]] < grid.theta[0] + slack and edges[columns[-1] + 1] > grid.theta[-1] - slack)
+        edges = self.places.theta_edges[i]
+        return bool(edges[columns[0]] < grid.theta[0] and edges[columns[-1] + 1] > grid.theta[-1])
 
     # --- pressure ---
 

@@ -8,7 +8,13 @@ With 1/E* = sum (1 - nu^2)/E and 1/R = 1/R1 + 1/R2 (R2 < 0 in a bore)
 **Shear below a line contact.** On the axis sigma_x = -p0/a ((a^2 + 2 z^2)/sqrt(a^2 + z^2) - 2 z) and sigma_z =
 -p0 a/sqrt(a^2 + z^2), half the difference is
 
-    tau = p0/a (z - z^2/sqrt(a^2 + z^2)),        dtau/dz = 0:   (1 + t^2)^(3/2) = t (2 + t^2),   t = z/a.
+    tau = p0/a (z - z^2/sqrt(a^2 + z^2)),        dtau/dz = 0:   (1 + t^2)^(3/2) = t (2 + t^2),   t = z/a,
+
+and in plane strain sigma_y = nu (sigma_x + sigma_z). **Below a point contact** (Johnson, equations 3.45)
+
+    sigma_r = -p0 ((1 + nu)(1 - t atan(1/t)) - 1/(2 (1 + t^2))),     sigma_z = -p0/(1 + t^2),
+
+sigma_theta = sigma_r, so that von Mises' stress is |sigma_r - sigma_z|.
 
 **Approach of a line contact** depends on the rest of the body. A solid cylinder of radius R0, loaded at both ends of a
 diameter over the half-width a: the axis comes closer to either end by P' (1 - nu^2)/(pi E) (2 ln(4 R0/a) - 1).
@@ -69,6 +75,18 @@ class LineContact:
         t = float(brentq(lambda t: (1.0 + t * t) ** 1.5 - t * (2.0 + t * t), 0.1, 2.0, xtol=1e-15))  # pyright: ignore
         return self.peak_pressure * (t - t * t / np.hypot(1.0, t)), t * self.half_width
 
+    def on_axis(self, z: Array) -> tuple[Array, Array]:
+        """sigma_x and sigma_z [Pa] at depths z [m] below the middle."""
+        t = np.asarray(z, dtype=float) / self.half_width
+        w = np.hypot(1.0, t)
+        return self.peak_pressure * (2.0 * t - (1.0 + 2.0 * t * t) / w), -self.peak_pressure / w
+
+    def von_mises(self, z: Array, poisson_ratio: float) -> Array:
+        """Von Mises' stress [Pa] at depths z [m] below the middle, in plane strain."""
+        x, down = self.on_axis(z)
+        y = poisson_ratio * (x + down)
+        return np.sqrt(0.5 * ((x - y) ** 2 + (y - down) ** 2 + (down - x) ** 2))
+
 
 @dataclass(frozen=True)
 class PointContact:
@@ -96,3 +114,15 @@ class PointContact:
     def pressure(self, r: Array) -> Array:
         """p [Pa] at the distance r [m] from the middle."""
         return self.peak_pressure * np.sqrt(np.maximum(1.0 - (np.asarray(r) / self.half_width) ** 2, 0.0))
+
+    def on_axis(self, z: Array, poisson_ratio: float) -> tuple[Array, Array]:
+        """sigma_r = sigma_theta and sigma_z [Pa] at depths z [m] below the middle."""
+        t = np.asarray(z, dtype=float) / self.half_width
+        down = -self.peak_pressure / (1.0 + t * t)
+        around = -self.peak_pressure * (1.0 + poisson_ratio) * (1.0 - t * np.arctan2(1.0, t)) - 0.5 * down
+        return around, down
+
+    def von_mises(self, z: Array, poisson_ratio: float) -> Array:
+        """Von Mises' stress [Pa] at depths z [m] below the middle."""
+        around, down = self.on_axis(z, poisson_ratio)
+        return np.abs(around - down)
