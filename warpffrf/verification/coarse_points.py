@@ -563,8 +563,8 @@ half-space and
 
     f = (1 + nu)(1 - 2 nu)/(4 pi E) sum_i k_i ((3 - 2 nu) x_i^2/r^2 - (1 - 2 nu) ln r),
 
-which is not smooth at the force: along a line it is a cusp, (1 + nu)(1 - 2 nu) k |x|/(2 E). It is left to the far field,
-whose splines see it as if it were spread over the spacing h of the contact grid. A line misses by
+which is not smooth at the force: along a line it is a cusp, (1 + nu)(1 - 2 nu) k |x|/(2 E). It is left to the far
+field, whose splines see it as if it were spread over the spacing h of the contact grid. A line misses by
 (1 - 2 nu)/(1 - nu) h/(2 R) of P'(1 - nu^2)/(pi E), where the approach is some twelve of these; a ball by
 4 (1 - 2 nu)^2/(6 pi (1 - nu)) (a/R) ln(h/a) of its approach. Half-width and peak know nothing of it.
 
