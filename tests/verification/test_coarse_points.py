@@ -20,10 +20,18 @@ MISES, DEPTH = 0.01, 0.02
 PLANE_STRAIN = replace(cp.STEEL, poisson_ratio=0.0)
 
 
-@pytest.mark.parametrize(("elements", "order"), [(2, 1), (2, 2), (3, 1), (4, 1)])
+@pytest.mark.parametrize(("elements", "order"), [(2, 1), (2, 2), (3, 1), (4, 2)])
 def test_solid_roller_between_planes(elements: int, order: int) -> None:
     """C1 and C2 in plane strain, a contact of 0.003 radii."""
     errors = cp.roller_errors(cp.roller(PLANE_STRAIN, elements, order), PLANE_STRAIN)
+    assert abs(errors.approach) < APPROACH
+    assert abs(errors.half_width) < HALF_WIDTH
+    assert abs(errors.peak) < PEAK
+
+
+def test_long_solid_roller() -> None:
+    """C1 and C2 at mid-width with nu = 0.3: four linear elements on the radius, and the half-space fading over four."""
+    errors = cp.roller_errors(cp.roller(cp.STEEL, 4, 1), cp.STEEL)
     assert abs(errors.approach) < APPROACH
     assert abs(errors.half_width) < HALF_WIDTH
     assert abs(errors.peak) < PEAK
@@ -56,11 +64,8 @@ def test_steel_on_rubber() -> None:
 def test_tetrahedra_of_4_mm_under_a_ball() -> None:
     """Against quadratic ones of half their size, and over half an element."""
     places = [(0.0, 0.0), (1e-3, 0.0), (2e-3, 1e-3)]
-    reference = [cp.ball_on_block(cp.block(cp.STEEL, "tet10", 2e-3), place) for place in places]
-    coarse, linear = (
-        np.array([cp.ball_on_block(cp.block(cp.STEEL, kind, 4e-3), place) for place in places])
-        for kind in ("tet10", "tet4")
-    )
+    bodies = [cp.block(cp.STEEL, kind, size) for kind, size in (("tet10", 2e-3), ("tet10", 4e-3), ("tet4", 4e-3))]
+    reference, coarse, linear = (np.array([cp.ball_on_block(body, place) for place in places]) for body in bodies)
     assert coarse == pytest.approx(reference, rel=TETRAHEDRA)
     assert linear == pytest.approx(reference, rel=TET4)
     assert np.ptp(coarse / reference) < RIPPLE

@@ -20,7 +20,7 @@ from warpffrf.model.quarter_surface import QuarterSurface
 Array = np.ndarray
 # rad between the normals at two places: the half-space counts in full up to WHOLE, and not at all from NOTHING on.
 # A patch spans less than WHOLE: at a half-width of R/4 Hertz's parabola is off by 2 % of the gap, too.
-WHOLE, NOTHING = 0.5, 1.0
+WHOLE, NOTHING = 0.5, 1.3
 
 
 def cutoff(cosine: Any) -> Array:

@@ -549,7 +549,7 @@ def stress_table() -> str:
 
 def page() -> str:
     """The whole page."""
-    return f"""# Hertz's contacts of solid bodies on coarse meshes
+    return rf"""# Hertz's contacts of solid bodies on coarse meshes
 
 Made by `python -m warpffrf.verification.coarse_points`; do not edit.
 
@@ -557,6 +557,16 @@ Pressures on cells that travel with the patch (`Contact(grid="patch")`). *On the
 a radius; the contacts are 0.003 to 0.05 radii wide. Errors are relative: approach against the closed form for the load
 found, half-width (by second moments, C11) and peak against Hertz at that load. The first three columns of errors are
 those of the cells that the program chooses, eight in the patch, the second three of 24.
+
+**What the approach misses.** To first order in its curvatures k_i a curved surface yields under a unit force as the
+half-space and
+
+    f = (1 + nu)(1 - 2 nu)/(4 pi E) sum_i k_i ((3 - 2 nu) x_i^2/r^2 - (1 - 2 nu) ln r),
+
+which is not smooth at the force: along a line it is a cusp, (1 + nu)(1 - 2 nu) k |x|/(2 E). It is left to the far
+field, whose splines see it as if it were spread over the spacing h of the contact grid. A line misses by
+(1 - 2 nu)/(1 - nu) h/(2 R) of P'(1 - nu^2)/(pi E), where the approach is some twelve of these; a ball by
+4 (1 - 2 nu)^2/(6 pi (1 - nu)) (a/R) ln(h/a) of its approach. Half-width and peak know nothing of it.
 
 ## A solid roller, loaded at both ends of a diameter (C1, C2)
 
@@ -590,6 +600,7 @@ over a quarter of an element of 4 mm, without the parabola that the block itself
 ## Unlike bodies
 
 Rollers between planes, the squeeze of both; balls in free flight, at the largest force. Rubber: E = 5 MPa, nu = 0.49.
+Each roller has two patches, which feel each other through it.
 
 {pairs_table()}
 ## Von Mises stress below the patch

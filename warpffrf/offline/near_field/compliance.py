@@ -41,7 +41,7 @@ REACH = 3.0
 GAUSS = 3  # points a grid interval and direction, of loads as the cut faces see them: those are REACH away
 COVERED = 0.02  # a function counts as inside a window when its area is there to this, the error of a kinked quadrature
 CLUSTER = 48  # functions that share a window, at most
-WIDEST = 0.4  # of the smaller radius of curvature: half the width of a cluster
+WIDEST = 0.25  # of the smaller radius of curvature: half the width of a cluster; with NOTHING below a quarter of a turn
 
 
 class NearFunctions:
