@@ -116,9 +116,11 @@ def forward(a: wp.array(dtype=real), at: int, stride: int, n: int, x: wp.array(d
     double* v = x.data + at_x;
     WP_TILE_SYNC();
     if (WP_TILE_THREAD_IDX == 0) for (int i = n - 1; i >= 0; --i) {
-        const double* u = a.data + at + (size_t)i * stride; double sum = v[i];
-        for (int j = i + 1; j < n; ++j) sum -= u[j] * v[j];
-        v[i] = sum / u[i];
+        const double* u = a.data + at + (size_t)i * stride; double sum = 0.0, part[8] = {0.0}; int j = i + 1;
+        for (; j + 7 < n; j += 8) for (int c = 0; c < 8; ++c) part[c] += u[j + c] * v[j + c];
+        for (; j < n; ++j) sum += u[j] * v[j];
+        for (int c = 0; c < 8; ++c) sum += part[c];
+        v[i] = (v[i] - sum) / u[i];
     }
     WP_TILE_SYNC();
 """)

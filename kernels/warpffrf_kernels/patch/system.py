@@ -147,9 +147,7 @@ def answer_splines(
     double* const out = G.data + ((size_t)w * cap + slot) * cap;
     double* const j = J.data + ((size_t)w * cap + slot) * modes;
     for (int m = lane; m < modes; m += lanes) j[m] = -weight * gradient[(size_t)m * stride];
-    int last = 0;
-    for (int i = 0; i <= slot; ++i) if (slots[2 * i] == pair && place[i] > last) last = place[i];
-    last = last / line + 1;
+    const int last = slot_reach.data[(size_t)w * cap + slot] / line + 1;
     for (int c = 0; c < last; ++c) {
         const double* const t = near + (size_t)(c < column ? column - c : c - column) * rows * line;
         for (int e = lane; e < line; e += lanes) g[c * line + e] = t[e];
@@ -165,6 +163,16 @@ def answer_splines(
             for (end = c + 1; end < last && strip[2 * end] == here[0] && strip[2 * end + 1] == here[1];) ++end;
             const int high = (strip[2 * c] + strip[2 * c + 1]) * lines;
             int k = strip[2 * c] * lines;
+            for (; k + 7 < high; k += 8) {
+                const double* const f = u + (size_t)k * stride;
+                const double* const x = share + (size_t)k * stride;
+                const double* const y = x + 4 * stride;
+                const double f0 = f[0], f1 = f[stride], f2 = f[2 * stride], f3 = f[3 * stride];
+                const double f4 = f[4 * stride], f5 = f[5 * stride], f6 = f[6 * stride], f7 = f[7 * stride];
+                for (int e = c * line + lane; e < end * line; e += lanes)
+                    g[e] += ((f0 * x[e] + f1 * x[stride + e]) + (f2 * x[2 * stride + e] + f3 * x[3 * stride + e]))
+                        + ((f4 * y[e] + f5 * y[stride + e]) + (f6 * y[2 * stride + e] + f7 * y[3 * stride + e]));
+            }
             for (; k + 3 < high; k += 4) {
                 const double* const f = u + (size_t)k * stride;
                 const double* const x = share + (size_t)k * stride;
@@ -196,6 +204,7 @@ def lay_row(
     yielded: real,
     slot_hat: wp.array3d(dtype=int),
     slot_place: wp.array2d(dtype=int),
+    slot_reach: wp.array2d(dtype=int),
     patch_near: wp.array3d(dtype=real),
     far_strip: wp.array4d(dtype=int),
     far_share: wp.array(dtype=real),
@@ -241,6 +250,7 @@ def assemble_cells(
     far_gradient: wp.array(dtype=real),
     weight: wp.array2d(dtype=real),
     slot_place: inout(wp.array2d(dtype=int)),
+    slot_reach: inout(wp.array2d(dtype=int)),
     far_line: inout(wp.array2d(dtype=real)),
     J: inout(wp.array(dtype=real)),
     G: inout(wp.array3d(dtype=real)),
@@ -252,14 +262,21 @@ def assemble_cells(
     if ctl[w].run == 0:
         return
     elements = model.elements[0]
-    slot = ctl[w].fresh + lane
-    while slot < ctl[w].slots:
+    slot = ctl[w].fresh
+    while slot < ctl[w].slots and lane == 0:
         pair = slot_hat[w, slot, 0]
         if model.pairs.family[pair] == PATCH:
             rows = model.surfaces.rows[model.pairs.first[pair]]
             m = slot_hat[w, slot, 1]
-            slot_place[w, slot] = m / rows * line_of(rows) + m % rows
-        slot += wp.block_dim()
+            place = m / rows * line_of(rows) + m % rows
+            slot_place[w, slot] = place
+            other = slot - 1
+            while other >= 0 and slot_hat[w, wp.max(other, 0), 0] != pair:
+                other -= 1
+            if other >= 0:
+                place = wp.max(place, slot_reach[w, other])
+            slot_reach[w, slot] = place
+        slot += 1
     sync()
     slot = ctl[w].fresh
     while slot < ctl[w].slots:
@@ -268,8 +285,8 @@ def assemble_cells(
             lay_row(
                 model, elements, w, pair, slot, slot_place[w, slot], model.surfaces.rows[model.pairs.first[pair]],
                 rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1), weight[w, pair],
-                elements.patches.layer[pair] * area[w, pair, slot_hat[w, slot, 1]], slot_hat, slot_place, patch_near,
-                far_strip, far_share, far_answer, far_gradient, far_line, J, G,
+                elements.patches.layer[pair] * area[w, pair, slot_hat[w, slot, 1]], slot_hat, slot_place, slot_reach,
+                patch_near, far_strip, far_share, far_answer, far_gradient, far_line, J, G,
             )  # fmt: skip
         slot += 1
     mirror_within(model, w, ctl[w].fresh, ctl[w].slots, PATCH, slot_hat, G)

@@ -192,6 +192,7 @@ class Patches(Arrays):
     far_trace: DeviceArray = reals("world", "patch_pair", "patch_mode", "far_node", run=True, carried=True)
     patch_pressure: DeviceArray = reals("world", "patch_pair", "patch_place", unit="Pa")
     slot_place: DeviceArray = integers("world", "patch_slot")
+    slot_reach: DeviceArray = integers("world", "patch_slot", note="last place of its pair, of the slots so far")
     far_beside: DeviceArray = reals("world", "far_node", unit="m/Pa", note="of a cell on the splines of another patch")
 
 
