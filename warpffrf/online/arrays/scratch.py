@@ -9,6 +9,7 @@ import numpy as np
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, quaternions, reals, structs, vectors
 from warpffrf_kernels.kinematics.contact_wrench import Held
 from warpffrf_kernels.lumped.forces import Load
+from warpffrf_kernels.patch.cells import Row
 
 from warpffrf.online.arrays.axes import Sizes
 from warpffrf.online.arrays.declaration import Arrays
@@ -170,7 +171,7 @@ class Patches(Arrays):
 
     patch_place: DeviceArray = reals("world", "patch_pair", 4, note="column and z [m] of A, W [m], column of B")
     patch_buffer: DeviceArray = reals("world", "patch_pair", "patch_hat", unit="Pa")
-    patch_held: DeviceArray = structs(Held, "world", "patch_pair", "patch_row", note="contact frames")
+    patch_row: DeviceArray = structs(Row, "world", "patch_pair", "patch_row", note="what its cells have in common")
     patch_ball: DeviceArray = matrices("world", "patch_pair")
     patch_laid: DeviceArray = reals("world", "patch_pair", 2, note="W and ends of the next", carried=True)
     patch_near: DeviceArray = reals("world", "patch_pair", "near_number", unit="m3/Pa", carried=True)
