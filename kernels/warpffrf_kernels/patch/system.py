@@ -10,7 +10,7 @@ Residuals are never read off G (`fields`). Rows are made anew in every attempt, 
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
@@ -21,8 +21,8 @@ from warpffrf_kernels.patch.spline_tables import line_of, real_side, trace_at
 wp.set_module_options(MODULE_OPTIONS)
 
 
-# S + Phi sigma^-1 Phi^T on the splines of one side, what a unit pressure on each place displaces of them by it, and the
-# loads of all places on the modes. Strips that load the same columns of splines are taken at once. Native for
+# What a unit pressure on each place displaces of the splines of one side by S + Phi sigma^-1 Phi^T, line by line, and
+# the loads of all places on the modes. Strips that load the same columns of splines are taken at once. Native for
 # contiguous inner loops along places.
 @wp.func_native("""
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM, nodes = elements.patches.far_nodes;
@@ -35,28 +35,27 @@ wp.set_module_options(MODULE_OPTIONS)
     const double* const trace = far_trace.data + trace_start;
     const double* const share = far_share.data + p * nodes * stride;
     const double* const own = receptance.data + (size_t)w * model.modes.count + model.surfaces.modal_start.data[s];
-    double* const soft = far_soft.data + p * nodes * nodes;
+    double* const soft = far_soft.data + p * nodes;
     double* const answer = far_answer.data + p * nodes * stride;
     double* const gradient = far_gradient.data + (p / 2 * model.pairs.most_modes + first_mode) * stride;
-    for (int n = lane; n < count; n += lanes) {
-        double* const x = soft + (size_t)n * nodes;
-        for (int k = 0; k < count; ++k) x[k] = table[(size_t)n * nodes + k];
-        for (int m = 0; m < modes; ++m) {
-            const double* const t = trace + (size_t)m * nodes;
-            const double f = weight * weight * own[m] * t[n];
-            for (int k = 0; k < count; ++k) x[k] += f * t[k];
+    for (int n = 0; n < count + modes; ++n) {
+        if (n < count) {
+            for (int k = lane; k < count; k += lanes) soft[k] = table[(size_t)n * nodes + k];
+            for (int m = 0; m < modes; ++m) {
+                const double* const t = trace + (size_t)m * nodes;
+                const double f = weight * weight * own[m] * t[n];
+                for (int k = lane; k < count; k += lanes) soft[k] += f * t[k];
+            }
         }
-    }
-    WP_TILE_SYNC();
-    for (int c = 0, end = 1; c < columns; c = end) {
-        const int* const here = strip + 2 * c;
-        for (end = c + 1; end < columns && strip[2 * end] == here[0] && strip[2 * end + 1] == here[1];) ++end;
-        const int low = strip[2 * c] * rows, high = low + strip[2 * c + 1] * rows;
-        for (int n = 0; n < count + modes; ++n) {
-            const double* const f = n < count ? soft + (size_t)n * nodes : trace + (size_t)(n - count) * nodes;
-            double* const out = n < count ? answer + (size_t)n * stride : gradient + (size_t)(n - count) * stride;
+        WP_TILE_SYNC();
+        const double* const f = n < count ? soft : trace + (size_t)(n - count) * nodes;
+        double* const out = n < count ? answer + (size_t)n * stride : gradient + (size_t)(n - count) * stride;
+        for (int c = 0, end = 1; c < columns; c = end) {
+            const int* const here = strip + 2 * c;
+            for (end = c + 1; end < columns && strip[2 * end] == here[0] && strip[2 * end + 1] == here[1];) ++end;
+            const int high = (here[0] + here[1]) * rows;
             for (int e = c * line + lane; e < end * line; e += lanes) out[e] = 0.0;
-            int k = low;
+            int k = here[0] * rows;
             for (; k + 3 < high; k += 4) {
                 const double f0 = f[k], f1 = f[k + 1], f2 = f[k + 2], f3 = f[k + 3];
                 const double* const x = share + (size_t)k * stride;
@@ -67,6 +66,7 @@ wp.set_module_options(MODULE_OPTIONS)
                 for (int e = c * line + lane; e < end * line; e += lanes)
                     out[e] += f[k] * share[(size_t)k * stride + e];
         }
+        WP_TILE_SYNC();
     }
 """)
 def answer_side(
@@ -252,7 +252,7 @@ def assemble_cells(
     slot_place: inout(wp.array2d(dtype=int)),
     slot_reach: inout(wp.array2d(dtype=int)),
     far_line: inout(wp.array2d(dtype=real)),
-    J: inout(wp.array(dtype=real)),
+    J: out(wp.array(dtype=real)),
     G: inout(wp.array3d(dtype=real)),
 ):
     """Per world: of the fresh slots of patches the gradient of the weak gap by the modes of A, then of B, times the

@@ -182,7 +182,7 @@ class Patches(Arrays):
     far_field: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m")
     far_modes: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m")
     far_answered: DeviceArray = integers("world", "patch_pair", note="1: the next three are those of the evaluation")
-    far_soft: DeviceArray = reals("world", "patch_pair", "2*far_node", "far_node", unit="m/N", run=True)
+    far_soft: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m/N", note="a line", run=True)
     far_answer: DeviceArray = reals("world", "patch_pair", "2*far_node", "patch_place", unit="m/Pa", run=True)
     far_gradient: DeviceArray = reals("world", "patch_pair", "patch_mode", "patch_place", run=True)
     far_line: DeviceArray = reals("world", "patch_place", unit="m/Pa", note="a row of G")
