@@ -21,8 +21,8 @@ wp.set_module_options(MODULE_OPTIONS)
     const int L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
     double* U = a.data + at;
     int bad = 0;
-    for (int p = 0; p < n; p += 4) {
-        const int kb = n - p < 4 ? n - p : 4;
+    for (int p = 0; p < n; p += 8) {
+        const int kb = n - p < 8 ? n - p : 8;
         for (int q = 0; q < kb; ++q) {
             double* u = U + (size_t)(p + q) * stride;
             double pivot = u[p + q];
@@ -35,11 +35,15 @@ wp.set_module_options(MODULE_OPTIONS)
                 for (int j = p + r + L; j < n; j += NL) x[j] -= m * u[j]; }
             WP_TILE_SYNC();
         }
-        if (kb == 4) {
+        if (kb == 8) {
             const double *u0 = U + (size_t)p * stride, *u1 = u0 + stride, *u2 = u1 + stride, *u3 = u2 + stride;
-            for (int i = p + 4; i < n; ++i) { double* __restrict x = U + (size_t)i * stride;
+            const double *u4 = u3 + stride, *u5 = u4 + stride, *u6 = u5 + stride, *u7 = u6 + stride;
+            for (int i = p + 8; i < n; ++i) { double* __restrict x = U + (size_t)i * stride;
                 const double m0 = u0[i], m1 = u1[i], m2 = u2[i], m3 = u3[i];
-                for (int j = i + L; j < n; j += NL) x[j] -= m0 * u0[j] + m1 * u1[j] + m2 * u2[j] + m3 * u3[j]; }
+                const double m4 = u4[i], m5 = u5[i], m6 = u6[i], m7 = u7[i];
+                for (int j = i + L; j < n; j += NL)
+                    x[j] -= ((m0 * u0[j] + m1 * u1[j]) + (m2 * u2[j] + m3 * u3[j]))
+                        + ((m4 * u4[j] + m5 * u5[j]) + (m6 * u6[j] + m7 * u7[j])); }
         }
         WP_TILE_SYNC();
     }
@@ -116,9 +120,11 @@ def forward(a: wp.array(dtype=real), at: int, stride: int, n: int, x: wp.array(d
     double* v = x.data + at_x;
     WP_TILE_SYNC();
     if (WP_TILE_THREAD_IDX == 0) for (int i = n - 1; i >= 0; --i) {
-        const double* u = a.data + at + (size_t)i * stride; double sum = v[i];
-        for (int j = i + 1; j < n; ++j) sum -= u[j] * v[j];
-        v[i] = sum / u[i];
+        const double* u = a.data + at + (size_t)i * stride; double sum = 0.0, part[8] = {0.0}; int j = i + 1;
+        for (; j + 7 < n; j += 8) for (int c = 0; c < 8; ++c) part[c] += u[j + c] * v[j + c];
+        for (; j < n; ++j) sum += u[j] * v[j];
+        for (int c = 0; c < 8; ++c) sum += part[c];
+        v[i] = (v[i] - sum) / u[i];
     }
     WP_TILE_SYNC();
 """)

@@ -217,6 +217,17 @@ def advance_rest(
 
 
 @wp.kernel
+def find_unbalanced(ctl: wp.array(dtype=Control), any_running: out(wp.array(dtype=int))):
+    """One thread for all worlds: whether the iteration of any goes on."""
+    running = int(0)
+    w = int(0)
+    while w < ctl.shape[0]:
+        running += ctl[w].run
+        w += 1
+    any_running[0] = running
+
+
+@wp.kernel
 def count_iteration(
     models: wp.array(dtype=Model),
     ctl: inout(wp.array(dtype=Control)),

@@ -18,15 +18,8 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.kinematics.closest_point import TWO_PI, view_of
 from warpffrf_kernels.kinematics.contact_wrench import Held, held_section, held_sphere, is_sphere, point_wrench
 from warpffrf_kernels.kinematics.line_of_centres import wrap
-from warpffrf_kernels.patch.far_splines import TAPS, column_taps, row_taps
-from warpffrf_kernels.surfaces.surface import (
-    axes_of,
-    chart_of,
-    gradient_of,
-    local_point,
-    radius_of,
-    slope_of,
-)
+from warpffrf_kernels.patch.far_splines import TAPS, Taps, column_taps, row_taps
+from warpffrf_kernels.surfaces.surface import axes_of, foot_of, radius_of, slope_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -44,6 +37,18 @@ def row_place(elements: Elements, pair: int, row: int, patch_place: wp.array3d(d
     return wp.vec2d(z, length)
 
 
+@wp.struct
+class Row:
+    """What all cells of a row have in common: z [m], R [m] and area over strip [m] of A there, its splines along, and
+    the frame of the contact (`contact_wrench`)."""
+
+    z: real
+    radius: real
+    length: real
+    along: Taps
+    held: Held
+
+
 @wp.kernel
 def hold_rows(
     models: wp.array(dtype=Model),
@@ -51,11 +56,11 @@ def hold_rows(
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     patch_place: wp.array3d(dtype=real),
-    patch_held: out(wp.array3d(dtype=Held)),
+    patch_row: out(wp.array3d(dtype=Row)),
     patch_ball: out(wp.array2d(dtype=mat33)),
 ):
-    """Per (world, pair of family 2), lanes over rows: the frame of the contact in each one's section
-    (`contact_wrench`)."""
+    """Per (world, pair of family 2), lanes over rows: what their cells have in common; and the frame of the contact of
+    a sphere."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
@@ -63,42 +68,45 @@ def hold_rows(
     elements = model.elements[0]
     A = elements.patches.first[pair]
     B = elements.patches.second[pair]
-    if model.surfaces.planar[A] != 0:
-        return
     view = view_of(model, w, pair, r1, axes)
-    if is_sphere(model, A):
-        if lane == 0:
-            patch_ball[w, pair] = held_sphere(model, B, view.at, view.turn)
-        return
+    ball = is_sphere(model, A)
+    if ball and lane == 0:
+        patch_ball[w, pair] = held_sphere(model, B, view.at, view.turn)
+    last = model.surfaces.z_start[A] + model.surfaces.rows[A] - 1
     row = lane
     while row < model.surfaces.rows[model.pairs.first[pair]]:
-        z = row_place(elements, pair, row, patch_place, w)[0]
-        patch_held[w, pair, row] = held_section(model, A, B, view.at, view.turn, patch_place[w, pair, 0], z)
+        place = row_place(elements, pair, row, patch_place, w)
+        found = Row()
+        found.z = place[0]
+        found.radius = radius_of(model, A, found.z)
+        slope = slope_of(model, A, found.z)
+        found.length = found.radius * place[1] * wp.sqrt(real(1.0) + slope * slope)
+        if found.z < model.surfaces.z[model.surfaces.z_start[A]] or found.z > model.surfaces.z[last]:
+            found.length = real(0.0)
+        if elements.patches.far_of[A] >= 0:
+            found.along = row_taps(model, elements, A, found.z)
+        if model.surfaces.planar[A] == 0 and not ball:
+            found.held = held_section(model, A, B, view.at, view.turn, patch_place[w, pair, 0], found.z)
+        patch_row[w, pair, row] = found
         row += wp.block_dim()
 
 
 @wp.func
 def place_splines(
-    model: Model,
-    elements: Elements,
-    s: int,
-    column: real,
-    z: real,
+    around: Taps,
+    along: Taps,
     area: real,
-    w: int,
-    pair: int,
     at: int,
-    far_at: wp.array4d(dtype=int),
-    far_weight: wp.array4d(dtype=real),
+    far_at: wp.array(dtype=int),
+    far_weight: wp.array(dtype=real),
 ):
-    """Loads of the splines of surface `s` under a unit pressure on a cell; entry `at` of the pair."""
-    around = column_taps(model, elements, s, column)
-    along = row_taps(model, elements, s, z)
-    far_at[w, pair, at, 0] = around.first
-    far_at[w, pair, at, 1] = along.first
+    """Loads of the splines of a surface under a unit pressure on a cell; entry `at` of all pairs and sides."""
+    far_at[2 * at] = around.first
+    far_at[2 * at + 1] = along.first
     for i in range(3):
+        part = area * around.value[i]
         for j in range(3):
-            far_weight[w, pair, at, 3 * i + j] = area * around.value[i] * along.value[j]
+            far_weight[9 * at + 3 * i + j] = part * along.value[j]
 
 
 @wp.kernel
@@ -108,14 +116,14 @@ def sample_cells(
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     patch_place: wp.array3d(dtype=real),
-    patch_held: wp.array3d(dtype=Held),
+    patch_row: wp.array3d(dtype=Row),
     patch_ball: wp.array2d(dtype=mat33),
-    weak_gap: out(wp.array3d(dtype=real)),
-    area: out(wp.array3d(dtype=real)),
-    wrench: out(wp.array4d(dtype=real)),
-    more_wrench: out(wp.array4d(dtype=real)),
-    far_at: out(wp.array4d(dtype=int)),
-    far_weight: out(wp.array4d(dtype=real)),
+    weak_gap: out(wp.array(dtype=real)),
+    area: out(wp.array(dtype=real)),
+    wrench: out(wp.array(dtype=real)),
+    more_wrench: out(wp.array(dtype=real)),
+    far_at: out(wp.array(dtype=int)),
+    far_weight: out(wp.array(dtype=real)),
 ):
     """Per (world, pair of family 2), lanes over cells: weak gap, area (0 where nothing is opposite), wrench, loads of
     splines."""
@@ -134,51 +142,61 @@ def sample_cells(
     rows = model.surfaces.rows[model.pairs.first[pair]]
     radius = radius_of(model, A, patch_place[w, pair, 1])
     strip = real(2.0) * patch_place[w, pair, 2] / (real(columns) * radius * model.surfaces.pitch[A])  # columns of A
-    last_a = model.surfaces.z_start[A] + model.surfaces.rows[A] - 1
     last_b = model.surfaces.z_start[B] + model.surfaces.rows[B] - 1
+    first = (w * model.pairs.count + pair) * model.window.hats
+    known = int(-1)
+    x_a = real(0.0)
+    theta = real(0.0)
+    cosine = real(0.0)
+    sine = real(0.0)
+    around = Taps()
     m = lane
     while m < columns * rows:
         column = m / rows
-        row = m % rows
-        x_a = patch_place[w, pair, 0] + (real(column) - real(0.5) * real(columns - 1)) * strip
-        along = row_place(elements, pair, row, patch_place, w)
-        z = along[0]
-        theta = model.surfaces.theta[A] + x_a * model.surfaces.pitch[A]
-        slope = slope_of(model, A, z)
-        size = strip * model.surfaces.pitch[A] * radius_of(model, A, z) * along[1] * wp.sqrt(real(1.0) + slope * slope)
-        x = local_point(model, A, theta, z)
-        y = view.at + view.turn * x
-        foot = chart_of(model, B, y)
-        x_b = (foot[0] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+        if column != known:  # a lane of a CPU meets the cells of a strip one after the other
+            known = column
+            x_a = patch_place[w, pair, 0] + (real(column) - real(0.5) * real(columns - 1)) * strip
+            theta = model.surfaces.theta[A] + x_a * model.surfaces.pitch[A]
+            cosine = wp.cos(theta)
+            sine = wp.sin(theta)
+            if elements.patches.far_of[A] >= 0:
+                around = column_taps(model, elements, A, x_a)
+        row = patch_row[w, pair, m - column * rows]
+        size = strip * model.surfaces.pitch[A] * row.length
+        x = vec3(row.radius * cosine, row.radius * sine, row.z)
+        if model.surfaces.planar[A] != 0:
+            x = vec3(real(0.0), theta, row.z)
+        foot = foot_of(model, B, view.at + view.turn * x)
+        x_b = (foot.theta - model.surfaces.theta[B]) / model.surfaces.pitch[B]
         if model.surfaces.planar[B] == 0:
             x_b = wrap(x_b, TWO_PI / model.surfaces.pitch[B], patch_place[w, pair, 3])
-        if z < model.surfaces.z[model.surfaces.z_start[A]] or z > model.surfaces.z[last_a]:
-            size = real(0.0)
         if model.surfaces.periodic[A] == 0 and (x_a < real(0.0) or x_a > real(model.surfaces.columns[A] - 1)):
             size = real(0.0)
         if model.surfaces.rigid[B] == 0:
-            if foot[1] < model.surfaces.z[model.surfaces.z_start[B]] or foot[1] > model.surfaces.z[last_b]:
+            if foot.z < model.surfaces.z[model.surfaces.z_start[B]] or foot.z > model.surfaces.z[last_b]:
                 size = real(0.0)
             if model.surfaces.periodic[B] == 0 and (x_b < real(0.0) or x_b > real(model.surfaces.columns[B] - 1)):
                 size = real(0.0)
-        n = back * gradient_of(model, B, y)
-        unit = point_wrench(model, A, x, n, patch_held[w, pair, row], patch_ball[w, pair])
+        unit = point_wrench(model, A, x, back * foot.normal, row.held, patch_ball[w, pair])
         force = turn * unit.force
         moment = turn * (unit.moment + wp.cross(arm_a, unit.force))
         more_force = turn * unit.more_force
         more_moment = turn * (unit.more_moment + wp.cross(arm_a, unit.more_force))
-        weak_gap[w, pair, m] = size * foot[2]
-        area[w, pair, m] = size
+        cell = first + m
+        weak_gap[cell] = size * foot.distance
+        area[cell] = size
         for i in range(3):
-            wrench[w, pair, m, i] = size * force[i]
-            wrench[w, pair, m, 3 + i] = size * moment[i]
-            more_wrench[w, pair, m, i] = size * more_force[i]
-            more_wrench[w, pair, m, 3 + i] = size * more_moment[i]
+            wrench[6 * cell + i] = size * force[i]
+            wrench[6 * cell + 3 + i] = size * moment[i]
+            more_wrench[6 * cell + i] = size * more_force[i]
+            more_wrench[6 * cell + 3 + i] = size * more_moment[i]
         if elements.patches.far_of[A] >= 0:
-            place_splines(model, elements, A, x_a, z, size, w, pair, m, far_at, far_weight)
+            place_splines(around, row.along, size, cell + first, far_at, far_weight)
         if elements.patches.far_of[B] >= 0:
-            at = model.window.hats + m
-            place_splines(model, elements, B, x_b, foot[1], size, w, pair, at, far_at, far_weight)
+            place_splines(
+                column_taps(model, elements, B, x_b), row_taps(model, elements, B, foot.z), size,
+                cell + first + model.window.hats, far_at, far_weight,
+            )  # fmt: skip
         m += wp.block_dim()
 
 

@@ -197,7 +197,7 @@ def load_splines(
     far_strip: wp.array4d(dtype=int),
     far_share: wp.array(dtype=real),
     patch_pressure: inout(wp.array3d(dtype=real)),
-    far_load: inout(wp.array(dtype=real)),
+    far_load: out(wp.array(dtype=real)),
 ):
     """Per (world, pair of family 2): the present pressures at places, and loads of the splines of both sides [N]."""
     w, pair, lane = wp.tid()

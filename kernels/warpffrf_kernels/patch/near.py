@@ -11,7 +11,7 @@ is then a constant, the sum over the ends of strength over distance.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout
+from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
@@ -61,7 +61,7 @@ def end_constant(model: Model, elements: Elements, pair: int, z: real, least: re
 
 
 # Levels of the table summed, LINE numbers of a line of it at a time; the rows that see are filled up with zeros. Native
-# for contiguous inner loops: 5.0 and 0.9 us for 10 strips of 12 rows.
+# for contiguous inner loops.
 @wp.func_native("""
     const int B = WP_TILE_BLOCK_DIM > 1 ? 1 : 8, line = (rows + 7) / 8 * 8, size = columns * rows * rows;
     const double c0 = c[0], c1 = c[1], c2 = c[2], c3 = c[3];
@@ -105,7 +105,7 @@ def lay_near(
     ctl: wp.array(dtype=Control),
     patch_place: wp.array3d(dtype=real),
     patch_laid: inout(wp.array3d(dtype=real)),
-    patch_near: inout(wp.array3d(dtype=real)),
+    patch_near: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair of family 2), lanes over entries: the table at the W of the attempt, where it is not that of
     `patch_laid`."""

@@ -40,7 +40,7 @@ def line_of(rows: int) -> int:
 
 
 # Shares of the splines of one side, `lines` cells to a strip, and the columns of splines that each strip loads: the
-# first, counted from that of the window, and how many. Lanes over strips. Native: 1.5 us of 5 for 120 cells.
+# first, counted from that of the window, and how many. Lanes over strips.
 @wp.func_native("""
     const int rows = model.surfaces.rows.data[s], taps = rows < 3 ? rows : 3, hats = model.window.hats;
     const int stride = elements.patches.places, line = (lines + 7) / 8 * 8;
@@ -149,12 +149,12 @@ def lay_splines(
     far_at: wp.array4d(dtype=int),
     far_weight: wp.array4d(dtype=real),
     far_window: wp.array4d(dtype=int),
-    far_strip: inout(wp.array4d(dtype=int)),
-    far_share: inout(wp.array(dtype=real)),
+    far_strip: out(wp.array4d(dtype=int)),
+    far_share: out(wp.array(dtype=real)),
     far_answered: out(wp.array2d(dtype=int)),
     far_laid: inout(wp.array4d(dtype=int)),
-    far_table: inout(wp.array(dtype=real)),
-    far_trace: inout(wp.array(dtype=real)),
+    far_table: out(wp.array(dtype=real)),
+    far_trace: out(wp.array(dtype=real)),
 ):
     """Per (world, pair of family 2): shares of the splines of both sides; S and the modes on them where the window of
     splines is another one."""

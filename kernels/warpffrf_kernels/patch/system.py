@@ -10,7 +10,7 @@ Residuals are never read off G (`fields`). Rows are made anew in every attempt, 
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
@@ -22,8 +22,8 @@ from warpffrf_kernels.patch.spline_tables import line_of, real_side, trace_at
 wp.set_module_options(MODULE_OPTIONS)
 
 
-# S + Phi sigma^-1 Phi^T on the splines of one side, what a unit pressure on each place displaces of them by it, and the
-# loads of all places on the modes. Strips that load the same columns of splines are taken at once. Native for
+# What a unit pressure on each place displaces of the splines of one side by S + Phi sigma^-1 Phi^T, line by line, and
+# the loads of all places on the modes. Strips that load the same columns of splines are taken at once. Native for
 # contiguous inner loops along places.
 @wp.func_native("""
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM, nodes = elements.patches.far_nodes;
@@ -36,28 +36,27 @@ wp.set_module_options(MODULE_OPTIONS)
     const double* const trace = far_trace.data + trace_start;
     const double* const share = far_share.data + p * nodes * stride;
     const double* const own = receptance.data + (size_t)w * model.modes.count + model.surfaces.modal_start.data[s];
-    double* const soft = far_soft.data + p * nodes * nodes;
+    double* const soft = far_soft.data + p * nodes;
     double* const answer = far_answer.data + p * nodes * stride;
     double* const gradient = far_gradient.data + (p / 2 * model.pairs.most_modes + first_mode) * stride;
-    for (int n = lane; n < count; n += lanes) {
-        double* const x = soft + (size_t)n * nodes;
-        for (int k = 0; k < count; ++k) x[k] = table[(size_t)n * nodes + k];
-        for (int m = 0; m < modes; ++m) {
-            const double* const t = trace + (size_t)m * nodes;
-            const double f = weight * weight * own[m] * t[n];
-            for (int k = 0; k < count; ++k) x[k] += f * t[k];
+    for (int n = 0; n < count + modes; ++n) {
+        if (n < count) {
+            for (int k = lane; k < count; k += lanes) soft[k] = table[(size_t)n * nodes + k];
+            for (int m = 0; m < modes; ++m) {
+                const double* const t = trace + (size_t)m * nodes;
+                const double f = weight * weight * own[m] * t[n];
+                for (int k = lane; k < count; k += lanes) soft[k] += f * t[k];
+            }
         }
-    }
-    WP_TILE_SYNC();
-    for (int c = 0, end = 1; c < columns; c = end) {
-        const int* const here = strip + 2 * c;
-        for (end = c + 1; end < columns && strip[2 * end] == here[0] && strip[2 * end + 1] == here[1];) ++end;
-        const int low = strip[2 * c] * rows, high = low + strip[2 * c + 1] * rows;
-        for (int n = 0; n < count + modes; ++n) {
-            const double* const f = n < count ? soft + (size_t)n * nodes : trace + (size_t)(n - count) * nodes;
-            double* const out = n < count ? answer + (size_t)n * stride : gradient + (size_t)(n - count) * stride;
+        WP_TILE_SYNC();
+        const double* const f = n < count ? soft : trace + (size_t)(n - count) * nodes;
+        double* const out = n < count ? answer + (size_t)n * stride : gradient + (size_t)(n - count) * stride;
+        for (int c = 0, end = 1; c < columns; c = end) {
+            const int* const here = strip + 2 * c;
+            for (end = c + 1; end < columns && strip[2 * end] == here[0] && strip[2 * end + 1] == here[1];) ++end;
+            const int high = (here[0] + here[1]) * rows;
             for (int e = c * line + lane; e < end * line; e += lanes) out[e] = 0.0;
-            int k = low;
+            int k = here[0] * rows;
             for (; k + 3 < high; k += 4) {
                 const double f0 = f[k], f1 = f[k + 1], f2 = f[k + 2], f3 = f[k + 3];
                 const double* const x = share + (size_t)k * stride;
@@ -68,6 +67,7 @@ wp.set_module_options(MODULE_OPTIONS)
                 for (int e = c * line + lane; e < end * line; e += lanes)
                     out[e] += f[k] * share[(size_t)k * stride + e];
         }
+        WP_TILE_SYNC();
     }
 """)
 def answer_side(
@@ -148,9 +148,7 @@ def answer_splines(
     double* const out = G.data + ((size_t)w * cap + slot) * cap;
     double* const j = J.data + ((size_t)w * cap + slot) * modes;
     for (int m = lane; m < modes; m += lanes) j[m] = -weight * gradient[(size_t)m * stride];
-    int last = 0;
-    for (int i = 0; i <= slot; ++i) if (slots[2 * i] == pair && place[i] > last) last = place[i];
-    last = last / line + 1;
+    const int last = slot_reach.data[(size_t)w * cap + slot] / line + 1;
     for (int c = 0; c < last; ++c) {
         const double* const t = near + (size_t)(c < column ? column - c : c - column) * rows * line;
         for (int e = lane; e < line; e += lanes) g[c * line + e] = t[e];
@@ -166,6 +164,16 @@ def answer_splines(
             for (end = c + 1; end < last && strip[2 * end] == here[0] && strip[2 * end + 1] == here[1];) ++end;
             const int high = (strip[2 * c] + strip[2 * c + 1]) * lines;
             int k = strip[2 * c] * lines;
+            for (; k + 7 < high; k += 8) {
+                const double* const f = u + (size_t)k * stride;
+                const double* const x = share + (size_t)k * stride;
+                const double* const y = x + 4 * stride;
+                const double f0 = f[0], f1 = f[stride], f2 = f[2 * stride], f3 = f[3 * stride];
+                const double f4 = f[4 * stride], f5 = f[5 * stride], f6 = f[6 * stride], f7 = f[7 * stride];
+                for (int e = c * line + lane; e < end * line; e += lanes)
+                    g[e] += ((f0 * x[e] + f1 * x[stride + e]) + (f2 * x[2 * stride + e] + f3 * x[3 * stride + e]))
+                        + ((f4 * y[e] + f5 * y[stride + e]) + (f6 * y[2 * stride + e] + f7 * y[3 * stride + e]));
+            }
             for (; k + 3 < high; k += 4) {
                 const double* const f = u + (size_t)k * stride;
                 const double* const x = share + (size_t)k * stride;
@@ -197,6 +205,7 @@ def lay_row(
     yielded: real,
     slot_hat: wp.array3d(dtype=int),
     slot_place: wp.array2d(dtype=int),
+    slot_reach: wp.array2d(dtype=int),
     patch_near: wp.array3d(dtype=real),
     far_strip: wp.array4d(dtype=int),
     far_share: wp.array(dtype=real),
@@ -242,8 +251,9 @@ def assemble_cells(
     far_gradient: wp.array(dtype=real),
     weight: wp.array2d(dtype=real),
     slot_place: inout(wp.array2d(dtype=int)),
+    slot_reach: inout(wp.array2d(dtype=int)),
     far_line: inout(wp.array2d(dtype=real)),
-    J: inout(wp.array(dtype=real)),
+    J: out(wp.array(dtype=real)),
     G: inout(wp.array3d(dtype=real)),
 ):
     """Per world: of the fresh slots of patches the gradient of the weak gap by the modes of A, then of B, times the
@@ -253,14 +263,21 @@ def assemble_cells(
     if ctl[w].run == 0:
         return
     elements = model.elements[0]
-    slot = ctl[w].fresh + lane
-    while slot < ctl[w].slots:
+    slot = ctl[w].fresh
+    while slot < ctl[w].slots and lane == 0:
         pair = slot_hat[w, slot, 0]
         if model.pairs.family[pair] == PATCH:
             rows = model.surfaces.rows[model.pairs.first[pair]]
             m = slot_hat[w, slot, 1]
-            slot_place[w, slot] = m / rows * line_of(rows) + m % rows
-        slot += wp.block_dim()
+            place = m / rows * line_of(rows) + m % rows
+            slot_place[w, slot] = place
+            other = slot - 1
+            while other >= 0 and slot_hat[w, wp.max(other, 0), 0] != pair:
+                other -= 1
+            if other >= 0:
+                place = wp.max(place, slot_reach[w, other])
+            slot_reach[w, slot] = place
+        slot += 1
     sync()
     slot = ctl[w].fresh
     while slot < ctl[w].slots:
@@ -269,8 +286,8 @@ def assemble_cells(
             lay_row(
                 model, elements, w, pair, slot, slot_place[w, slot], model.surfaces.rows[model.pairs.first[pair]],
                 rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1), weight[w, pair],
-                elements.patches.layer[pair] * area[w, pair, slot_hat[w, slot, 1]], slot_hat, slot_place, patch_near,
-                far_strip, far_share, far_answer, far_gradient, far_line, J, G,
+                elements.patches.layer[pair] * area[w, pair, slot_hat[w, slot, 1]], slot_hat, slot_place, slot_reach,
+                patch_near, far_strip, far_share, far_answer, far_gradient, far_line, J, G,
             )  # fmt: skip
         slot += 1
     mirror_within(model, w, ctl[w].fresh, ctl[w].slots, PATCH, slot_hat, G)

@@ -215,6 +215,39 @@ def gradient_of(model: Model, s: int, x: vec3) -> vec3:
     return vec3(scale * x[0], scale * x[1], side * foot[3])
 
 
+@wp.struct
+class Foot:
+    """Of a point: theta (rad, of a plane m) and z [m] of its foot, the signed distance [m] and its unit gradient."""
+
+    theta: real
+    z: real
+    distance: real
+    normal: vec3
+
+
+@wp.func
+def foot_of(model: Model, s: int, x: vec3) -> Foot:
+    """`chart_of` and `gradient_of` at once."""
+    found = Foot()
+    if model.surfaces.planar[s] != 0:
+        found.theta = x[1]
+        found.z = x[2]
+        found.distance = x[0]
+        found.normal = vec3(real(1.0), real(0.0), real(0.0))
+        return found
+    rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])
+    foot = meridian_of(model, s, rho, x[2])
+    side = model.surfaces.side[s]
+    found.theta = wp.atan2(x[1], x[0])
+    found.z = foot[0]
+    found.distance = side * foot[1]
+    scale = real(0.0)
+    if not rho < CENTRE:
+        scale = side * foot[2] / rho
+    found.normal = vec3(scale * x[0], scale * x[1], side * foot[3])
+    return found
+
+
 @wp.func
 def gradient_slope_of(model: Model, s: int, x: vec3) -> mat33:
     """Derivative [1/m] of `gradient_of` by x: symmetric, and 0 along the normal. On the axis it has no part around."""

@@ -9,6 +9,7 @@ import numpy as np
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, quaternions, reals, structs, vectors
 from warpffrf_kernels.kinematics.contact_wrench import Held
 from warpffrf_kernels.lumped.forces import Load
+from warpffrf_kernels.patch.cells import Row
 
 from warpffrf.online.arrays.axes import Sizes
 from warpffrf.online.arrays.declaration import Arrays
@@ -170,7 +171,7 @@ class Patches(Arrays):
 
     patch_place: DeviceArray = reals("world", "patch_pair", 4, note="column and z [m] of A, W [m], column of B")
     patch_buffer: DeviceArray = reals("world", "patch_pair", "patch_hat", unit="Pa")
-    patch_held: DeviceArray = structs(Held, "world", "patch_pair", "patch_row", note="contact frames")
+    patch_row: DeviceArray = structs(Row, "world", "patch_pair", "patch_row", note="what its cells have in common")
     patch_ball: DeviceArray = matrices("world", "patch_pair")
     patch_laid: DeviceArray = reals("world", "patch_pair", 2, note="W and ends of the next", carried=True)
     patch_near: DeviceArray = reals("world", "patch_pair", "near_number", unit="m3/Pa", carried=True)
@@ -181,7 +182,7 @@ class Patches(Arrays):
     far_field: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m")
     far_modes: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m")
     far_answered: DeviceArray = integers("world", "patch_pair", note="1: the next three are those of the evaluation")
-    far_soft: DeviceArray = reals("world", "patch_pair", "2*far_node", "far_node", unit="m/N", run=True)
+    far_soft: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m/N", note="a line", run=True)
     far_answer: DeviceArray = reals("world", "patch_pair", "2*far_node", "patch_place", unit="m/Pa", run=True)
     far_gradient: DeviceArray = reals("world", "patch_pair", "patch_mode", "patch_place", run=True)
     far_line: DeviceArray = reals("world", "patch_place", unit="m/Pa", note="a row of G")
@@ -193,6 +194,7 @@ class Patches(Arrays):
     patch_pressure: DeviceArray = reals("world", "patch_pair", "patch_place", unit="Pa")
     slot_place: DeviceArray = integers("world", "patch_slot")
     patch_between: DeviceArray = reals("world", "beside_patch", "between_place", unit="m3/Pa", note="over both strips")
+    slot_reach: DeviceArray = integers("world", "patch_slot", note="last place of its pair, of the slots so far")
     far_beside: DeviceArray = reals("world", "far_node", unit="m/Pa", note="of a cell on the splines of another patch")
 
 

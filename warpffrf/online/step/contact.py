@@ -42,7 +42,7 @@ CONTACT = Participant(
         threads(line_of_centres.locate, "pair", when=LINE),
         threads(closest_point.locate_points, "pair", when=POINT),
         threads(place.locate_patches, "pair", when=PATCH),
-        threads(windows.open_window, "pair"),
+        threads(windows.open_window, "pair", when=HATS),
         blocks(line_of_centres.sample, "pair", when=LINE),
         blocks(line_of_centres_weights.weigh, "pair", when=LINE),
         blocks(contact_wrench.hold_contact_frame, "pair", when=POINT),

@@ -76,7 +76,9 @@ class StepGraph:
 
     def iterate(self) -> None:
         """One Newton iteration: the linearised step, and the increments with it where the active set has settled."""
-        self.program.run(phases.ITERATION)
+        self.program.run((*phases.EVALUATION, *phases.JUDGEMENT))
+        running: Any = self.scratch.running
+        wp.capture_if(running, lambda: self.program.run(phases.SOLUTION))
 
     def record(self) -> None:
         """Write the accepted state to the ring where `record` is set."""

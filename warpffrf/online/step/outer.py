@@ -19,6 +19,7 @@ OUTER = Participant(
     "outer",
     load=[blocks(outer.pull, when="row")],
     balance=[threads(balance.balance, history="residual_history")],
+    unbalanced=[once(outer.find_unbalanced, any_running="running")],
     assemble=[
         blocks(outer.condense),
         blocks(inertia.couple_modes, when="inertia_mode"),

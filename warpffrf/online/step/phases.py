@@ -21,10 +21,12 @@ ATTEMPT = ("begin", "predict", "remember")
 MOVE_AND_LOAD = ("move", "load")
 CONTACT = ("locate", "few", "shift", "cells", "displace", "close", "slide", "sum", "push")
 EVALUATION = (*MOVE_AND_LOAD, *CONTACT)
-ITERATION = (
-    *EVALUATION, "balance", "store", "mean", "assemble", "eliminate", "respond", "condense", "press", "increase",
-    "follow", "displace", "correct", "stick", "increase_again", "answer", "advance",
+JUDGEMENT = ("balance", "store", "mean", "unbalanced")
+SOLUTION = (
+    "assemble", "eliminate", "respond", "condense", "press", "increase", "follow", "displace", "correct", "stick",
+    "increase_again", "answer", "advance",
 )  # fmt: skip
+ITERATION = (*EVALUATION, *JUDGEMENT, *SOLUTION)
 RECORD = ("measure", "record", "close_row")
 DECISION = ("finish", "project", "estimate", "book", "judge", "decide", "keep", "restore", "watch", *RECORD, "count")
 REPEATED = {"increase_again": ("increase", "friction_pair")}
