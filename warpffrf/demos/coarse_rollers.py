@@ -33,7 +33,7 @@ STEEL = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850, name=
 MESH = Path(__file__).with_name("data") / "roller_4mm.msh"
 DEPTHS = np.linspace(0.1, 1.0, 19) * 1e-3  # m below the rim, under the patch as the run begins
 BALANCE = 1e-6  # of the force
-HALF_WIDTH, PEAK = 0.02, 0.01  # of Hertz's; the strips at the rim count whole: ten in the patch make it 1.5 % wide
+HALF_WIDTH, PEAK = 0.01, 0.01  # of Hertz's, on nine strips
 BETWEEN = 0.01  # of the fine run's peak pressure, which is itself 0.3 % off Hertz
 MISES, MISES_DEPTH = 0.02, 0.02  # the mesh's own 1 %, and what the free ends let go of the axial stress
 RIPPLE = 5e-4  # of the peak pressure

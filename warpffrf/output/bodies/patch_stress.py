@@ -12,17 +12,15 @@ sigma_FE(f) has at the surface. What the body adds to the half-space is smooth o
 stays within `WALL` of that. Far from the patch both sigma_H are the same but for the second moment of f; they are faded
 out.
 
-On rollers of R = 50 mm, 20 mm wide, under a patch of 0.44 mm half-width, sigma across the patch and into the depth is
-that of Hertz's plane strain to 1.2 % of p0 with nodes 4 mm apart (hex8), to 0.5 % with 2 mm (hex27), from 0.02 to 3
-half-widths below it; von Mises stress to 1.5 and 0.8 %, the depth of its maximum to 1.2 %. Half of these is that the
-free ends let sigma along the axis go by 2 % of p0, which Hertz does not know; the rest on the coarser mesh is its own
-error under the spread load. Without the spread it was 7 %.
+Under the middle of long rollers and of balls the largest von Mises stress and its depth are Hertz's to 0.5 % on any
+mesh (docs/studies/coarse_points.md). In a roller of 20 mm, R = 50 mm, it is 1 % larger, as the free ends let sigma along the
+axis go by some percent of the peak pressure, which Hertz does not know (`warpffrf demo coarse-rollers`).
 
 The half-space lies flat: a point has the arcs s along e_theta and t along the meridian of its foot from the middle of
 the patch, and its depth below the surface. On the second body the cells lie as they do in the first one's chart, turned
 by the angle between the tangents of both. At a free end, at right angles to the surface, loads have their images behind
 it, which take the shear off the end plane; its normal stress stays: within the reach of the spread load from an end
-sigma along the meridian is that of plane strain in part, wrong by 0.6 % of p0 in the middle of those rollers.
+sigma along the meridian is that of plane strain in part.
 """
 
 from __future__ import annotations
