@@ -13,8 +13,8 @@ stays within `WALL` of that. Far from the patch both sigma_H are the same but fo
 out.
 
 Under the middle of long rollers and of balls the largest von Mises stress and its depth are Hertz's to 0.5 % on any
-mesh (docs/studies/coarse_points.md). In a roller of 20 mm, R = 50 mm, it is 1 % larger, as the free ends let sigma along the
-axis go by some percent of the peak pressure, which Hertz does not know (`warpffrf demo coarse-rollers`).
+mesh (docs/studies/coarse_points.md). In a roller of 20 mm, R = 50 mm, it is 1 % larger, as the free ends let sigma
+along the axis go by some percent of the peak pressure, which Hertz does not know (`warpffrf demo coarse-rollers`).
 
 The half-space lies flat: a point has the arcs s along e_theta and t along the meridian of its foot from the middle of
 the patch, and its depth below the surface. On the second body the cells lie as they do in the first one's chart, turned
