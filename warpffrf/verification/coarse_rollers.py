@@ -273,7 +273,7 @@ def page() -> str:
 Made by `python -m warpffrf.verification.coarse_rollers`; do not edit.
 
 Two hollow steel rollers (R 50, bore 15, width 20 mm), bores held at an approach, pressures on cells that travel with
-the patch, eleven strips by 21 rows (27 of crowned ones). Half-widths are about {widths} mm: 0.05 to 0.4 elements.
+the patch, eleven strips by 21 rows (27 of crowned ones). Half-widths are about {widths} mm: 0.02 to 0.4 elements.
 
 ## Straight rollers
 
