@@ -17,10 +17,15 @@ from typing import Any
 
 import numpy as np
 
-import warpffrf as wf
+from warpffrf.model import joints, signals, surfaces
 from warpffrf.model import rotation as rot
+from warpffrf.model.contact import Contact
 from warpffrf.model.mesh import Mesh
+from warpffrf.model.mesh import roller as roller_mesh
 from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.scene import Scene
+from warpffrf.offline import reduce
+from warpffrf.output.simulate import equilibrium, simulate
 from warpffrf.verification.closed_forms import LineContact, contact_modulus
 from warpffrf.verification.closed_forms.elliptic import EllipticContact
 from warpffrf.verification.finite_elements.free_end import STEEL_ROLLER, EndPressure, press_crowned, press_roller
@@ -46,7 +51,7 @@ ROLLED, TURNS = 3.0, 60  # elements of 4 mm, saved places
 
 def hexahedra(size: float, order: int = 2, crown_radius: float | None = None) -> Mesh:
     """The roller in cells of `size` [m] at the rim."""
-    return wf.mesh.roller(
+    return roller_mesh(
         R, BORE, WIDTH, sectors=4 * round(0.5 * np.pi * R / size), layers=round(LAYER * (R - BORE) / size),
         axial=round(WIDTH / size), order=order, crown_radius=crown_radius,
     )  # fmt: skip
@@ -71,18 +76,18 @@ MESHES: dict[str, Callable[[], Mesh]] = {
 
 def reduced(mesh: Mesh, crown_radius: float | None = None, **options: Any) -> ReducedBody:
     """The roller for contact on cells, its bore rigid."""
-    shape = wf.surfaces.Cylinder() if crown_radius is None else wf.surfaces.CrownedCylinder(crown_radius=crown_radius)
+    shape = surfaces.Cylinder() if crown_radius is None else surfaces.CrownedCylinder(crown_radius=crown_radius)
     given = {"modes": 0, "patch_grid": True, "cache": False, "progress": False, **options}
-    return wf.reduce(mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": shape}, **given)
+    return reduce(mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": shape}, **given)
 
 
 def held(
     lower: ReducedBody, upper: ReducedBody, approach: float, *, tilt: float = 0.0, skew: float = 0.0,
     shift: float = 0.0, turning: float = 0.0, **contact: Any,
-) -> wf.Scene:  # fmt: skip
+) -> Scene:  # fmt: skip
     """Two rollers with axes along y, the upper one `approach` [m] too near above the lower, tilted about x and skewed
     about z [rad], shifted along y [m]; bores held, or turning [rad/s] against each other."""
-    scene = wf.Scene(gravity=(0, 0, 0))
+    scene = Scene(gravity=(0, 0, 0))
     first = scene.add_body(lower, name="lower")
     about_x = np.array([np.sin(0.5 * tilt), 0.0, 0.0, np.cos(0.5 * tilt)])
     about_z = np.array([0.0, 0.0, np.sin(0.5 * skew), np.cos(0.5 * skew)])
@@ -90,11 +95,11 @@ def held(
     second = scene.add_body(upper, name="upper", position=(0, shift, 2 * R - approach), rotation=turn)
     for body, sense in ((first, 1.0), (second, -1.0)):
         if not turning:
-            scene.add(wf.joints.Fixed(scene.ground, body["bore"]))
+            scene.add(joints.Fixed(scene.ground, body["bore"]))
             continue
-        axle = scene.add(wf.joints.Revolute(scene.ground, body["bore"], axis=(0, 1, 0)))
-        scene.add(wf.joints.Drive(axle, wf.signals.Ramp(0.0, sense * turning, duration=1e-3), quantity="velocity"))
-    scene.add(wf.Contact(first["rim"], second["rim"], **{"grid": "patch", "name": PAIR, **contact}))
+        axle = scene.add(joints.Revolute(scene.ground, body["bore"], axis=(0, 1, 0)))
+        scene.add(joints.Drive(axle, signals.Ramp(0.0, sense * turning, duration=1e-3), quantity="velocity"))
+    scene.add(Contact(first["rim"], second["rim"], **{"grid": "patch", "name": PAIR, **contact}))
     return scene
 
 
@@ -109,9 +114,9 @@ class Found:
     along: Array
 
     @classmethod
-    def of(cls, scene: wf.Scene) -> Found:
+    def of(cls, scene: Scene) -> Found:
         """The static state of a scene of `held`."""
-        result = wf.equilibrium(scene)
+        result = equilibrium(scene)
         if result.status != "completed":
             raise RuntimeError(result.message)
         pair = result.contact(PAIR)
@@ -132,7 +137,7 @@ def ripple(body: ReducedBody, approach: float) -> float:
     [-]."""
     angle, step = ROLLED * 4e-3 / R, 1e-4
     scene = held(body, body, approach, turning=angle / (TURNS * step))
-    result = wf.simulate(scene, TURNS * step, step=step, start="equilibrium", progress=False)
+    result = simulate(scene, TURNS * step, step=step, start="equilibrium", progress=False)
     if result.status != "completed":
         raise RuntimeError(result.message)
     force = result.contact(PAIR).force_magnitude
@@ -153,26 +158,26 @@ def crowned_reference(crown_radius: float, load: float) -> EndPressure:
 
 def fine_roller() -> ReducedBody:
     """The roller on a mesh for hats of 0.1 mm around, twelve cells below the rim and twenty along the axis."""
-    mesh = wf.mesh.roller(
+    mesh = roller_mesh(
         R, BORE, WIDTH, sectors=FINE_SECTORS, layers=12, axial=20, grading=1.6, order=2
     )  # fmt: skip
-    return wf.reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, progress=False
+    return reduce(
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=0, progress=False
     )
 
 
-def between_rigid(body: ReducedBody, apart: float, approach: float, **contact: Any) -> wf.Scene:
+def between_rigid(body: ReducedBody, apart: float, approach: float, **contact: Any) -> Scene:
     """The roller, its bore held, with two rigid rollers of R/10 on it, `apart` [rad] from each other, each `approach`
     [m] too near."""
-    scene = wf.Scene(gravity=(0, 0, 0))
+    scene = Scene(gravity=(0, 0, 0))
     middle = scene.add_body(body, name="lower")
-    scene.add(wf.joints.Fixed(scene.ground, middle["bore"]))
+    scene.add(joints.Fixed(scene.ground, middle["bore"]))
     small = 0.1 * R
     for n, angle in enumerate((-0.5 * apart, 0.5 * apart)):
         place = (R + small - approach) * np.array([np.sin(angle), 0.0, np.cos(angle)])
-        shape = wf.surfaces.Cylinder(radius=small, axis_point=place, axis_direction=(0, 1, 0))
+        shape = surfaces.Cylinder(radius=small, axis_point=place, axis_direction=(0, 1, 0))
         partner = scene.ground.surface(shape, name=f"small {n}")
-        scene.add(wf.Contact(middle["rim"], partner, **{"grid": "patch", "name": f"{PAIR} {n}", **contact}))
+        scene.add(Contact(middle["rim"], partner, **{"grid": "patch", "name": f"{PAIR} {n}", **contact}))
     return scene
 
 
@@ -181,7 +186,7 @@ def spurious(body: ReducedBody, approach: float) -> float:
     ledger's `contact_grid` at the end over force and way."""
     angle, step = 2.0 * np.pi * REVOLUTIONS, 1e-3
     scene = held(body, body, approach, turning=STRIDE / step)
-    result = wf.simulate(
+    result = simulate(
         scene, step * round(angle / STRIDE), step=step, start="equilibrium", save_every=10, progress=False
     )  # fmt: skip
     if result.status != "completed":
@@ -229,7 +234,7 @@ def turned_rows(fine: ReducedBody, coarse: dict[str, ReducedBody]) -> list[list[
         figures = {}
         for key, body in {"fine": fine, **coarse}.items():
             contact = {"grid": "material", "capacity": 6000} if key == "fine" else {}
-            pair = wf.equilibrium(held(body, body, TURNED_APPROACH, **turned, **contact)).contact(PAIR)
+            pair = equilibrium(held(body, body, TURNED_APPROACH, **turned, **contact)).contact(PAIR)
             figures[key] = (float(pair.force_magnitude[-1]), float(pair.peak_pressure[-1]))
         for key in coarse:
             rows.append([name, key, *(_error(a / b) for a, b in zip(figures[key], figures["fine"], strict=True))])
@@ -244,7 +249,7 @@ def beside_rows(fine: ReducedBody, coarse: dict[str, ReducedBody]) -> list[list[
         forces = {}
         for key, body in {"fine": fine, **coarse}.items():
             contact = {"grid": "material", "capacity": 6000} if key == "fine" else {}
-            result = wf.equilibrium(between_rigid(body, apart, BESIDE_APPROACH, **contact))
+            result = equilibrium(between_rigid(body, apart, BESIDE_APPROACH, **contact))
             forces[key] = float(result.contact(f"{PAIR} 0").force_magnitude[-1])
         alone = alone or forces["fine"]  # the first are opposite each other
         rows.append([f"{apart * R * 1e3:.1f}", f"{forces['fine'] / alone:.3f}",

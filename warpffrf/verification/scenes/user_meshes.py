@@ -7,13 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-import warpffrf.demos
 from warpffrf.model.mesh import FacetSet, Mesh, read
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.facets import outer_faces
 
 Array = np.ndarray
-GMSH_ROLLER = Path(warpffrf.demos.__file__).with_name("data") / "roller_4mm.msh"
+GMSH_ROLLER = Path(__file__).parents[2] / "demos" / "data" / "roller_4mm.msh"
 # corners of the hexahedron in VTK order: six ways from corner 0 to corner 6 along its edges
 SIX = ((0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6))
 
