@@ -14,6 +14,7 @@ from warpffrf.model.far_splines import FarSplines
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
+from warpffrf.offline.contact.wall import wall
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.near_field.compliance import NearFunctions, near_compliance
@@ -25,6 +26,11 @@ from warpffrf.offline.progress import Progress
 # nodes in a half-width resolve b = 0.016 R, in steel a line contact of 900 MPa, and no lighter one.
 COARSE = 0.004
 NODES_PER_HALF_WIDTH = 4
+# Error of the force of a line contact by the wall t behind it, held inside, in longest facet edges h: c (h/t)^p, of
+# hollow rollers with one cell and more through the wall. Linear cells: -10.5, -4.4, -2.0, -0.8 % at t/h = 1, 1.5, 2, 3,
+# quadratic ones -2.2, -0.6, -0.2, -0.1 %. By degree; walls that would err by more than THIN are named.
+WALL_ERROR = {1: (0.105, 2.3), 2: (0.022, 3.2)}
+THIN = 0.01
 ASYMMETRIC = 0.02  # of the half-space on the mesh: beyond, the mesh's error near a load is no longer alike in both
 
 
@@ -99,6 +105,8 @@ def find_far_field(
             f"from {ASYMMETRIC:.0%} on forces of a patch grid err by more than 1 %); use quadratic cells, or a finer "
             "mesh at the surface"
         )
+    thin = _thin_wall(mesh, name, shape, grid, assignment, functions.edge)
+    warnings += [] if thin is None else [thin]
     facts = {
         "asymmetry": near.asymmetry,
         "windows": near.windows,
@@ -106,6 +114,23 @@ def find_far_field(
         "ends": [end.z for end in ends],
     }
     return FoundField(far, facts, notes, warnings)
+
+
+def _thin_wall(mesh: Mesh, name: str, shape: Any, grid: ContactGrid, assignment: Assignment, edge: float) -> str | None:
+    """What to say of a wall that is as thin as its cells are wide, else None; `edge`: longest facet edge [m]."""
+    thickness = wall(mesh, name, shape, grid, assignment)
+    if thickness is None:
+        return None
+    degree = min(facet_kind(kind).degree for kind in mesh.facets(name).blocks)
+    c, p = WALL_ERROR[degree]
+    error = c * (edge / thickness) ** p
+    if error <= THIN:
+        return None
+    return (
+        f"contact {name!r}: the wall behind it is {thickness:.3g} m thick, {thickness / edge:.2g} facet edges, and "
+        f"{'linear' if degree == 1 else 'quadratic'} cells make it err: forces at a given approach by about "
+        f"{min(error, 1.0):.0%} where it is held inside; use shorter facets{' or quadratic cells' * (degree == 1)}"
+    )
 
 
 def _none(name: str, reason: str) -> str:
