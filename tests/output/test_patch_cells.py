@@ -116,7 +116,8 @@ def test_half_width_on_strips() -> None:
     w = 2.6 * a / strips
     x = w * (np.arange(strips) - 0.5 * (strips - 1))
     d = x[:, None] - x
-    G = sum(sign * (d - sign * 0.5 * w) * np.log(np.abs(d - sign * 0.5 * w)) for sign in (1.0, -1.0)) * 2.0 / np.pi
+    before, after = d - 0.5 * w, d + 0.5 * w
+    G = (before * np.log(np.abs(before)) - after * np.log(np.abs(after))) * 2.0 / np.pi
     active = np.ones(strips, dtype=bool)
     for _ in range(20):
         n = int(active.sum())
