@@ -126,7 +126,7 @@ def test_half_width_on_strips() -> None:
         p = np.zeros(strips)
         p[active] = found[:-1]
         active = np.where(active, p > 0.0, 0.5 * x**2 + G @ p < found[-1])
-    assert (p >= 0.0).all()
+    assert np.all(p >= 0.0)
     second = (p * x**2).sum() / p.sum()
     assert 2.0 * np.sqrt(second) == pytest.approx(a, rel=0.008)
     assert 2.0 * np.sqrt(second + w**2 / 12.0) > 1.012 * a  # as if it were constant on strips
