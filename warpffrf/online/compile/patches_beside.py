@@ -8,6 +8,8 @@ along the circle,
     u(d; z, z') = cutoff(d/R) (half-space + mirror images + quarter space)/E,
 
 tabulated over ln d and both z. Patches are narrow beside their distance: of both, d is that of the middles.
+Where rows of a pair do not lie along the second surface - crossed axes, a ball set down with its axis upright -, and
+on spheres, it is the whole compliance there, too.
 """
 
 from __future__ import annotations
@@ -25,6 +27,7 @@ from warpffrf.model.far_field import NOTHING, cutoff
 from warpffrf.online.compile.patch_sides import PatchSide, meridian
 
 Array = np.ndarray
+TURNED = 0.02  # rad between the axes of a pair: beyond, its rows are none of the second surface
 NEAREST = 0.01  # of the radius, or of the size of a plane: the least distance of two patches
 
 
@@ -32,7 +35,7 @@ def fill_beside(collector: Any) -> dict[str, Any]:
     """Fields of the device: of every side of a patch the other patches on its body, and tables of what they displace
     there."""
     starts, others, which = [0], [], []
-    tables: dict[tuple[int, int], int] = {}
+    tables: dict[tuple[int, int, bool], int] = {}
     fields: dict[str, Any] = {name: [] for name in ("table_start", "table_sectors", "table_target", "table_source")}
     numbers, heights = [np.zeros(0)], [np.zeros(0)]
     between: list[int] = []
@@ -50,9 +53,12 @@ def fill_beside(collector: Any) -> dict[str, Any]:
                 or not _travels(source)
             ):
                 continue
-            key = (target.surface.number, source.surface.number)
+            along = _along_surface(target, source) and all(
+                _keeps_rows(collector.scene.contacts[i // 2], i % 2) for i in (side, other)
+            )
+            key = (target.surface.number, source.surface.number, along)
             if key not in tables:
-                lags, c, c_source = _operator_between(target, source)
+                lags, c, c_source = _operator_between(target, source, along)
                 tables[key] = len(tables)
                 values = (sum(map(len, numbers)), len(lags), c, c_source)
                 for name, value in zip(fields, values, strict=True):
@@ -60,7 +66,7 @@ def fill_beside(collector: Any) -> dict[str, Any]:
                 numbers.append(lags.ravel())
             others.append(other)
             which.append(tables[key])
-            if not _along_surface(target, source):
+            if not along:
                 between.append(-1)
                 continue
             number = target.surface.number
@@ -101,6 +107,12 @@ def _along_surface(target: Any, source: Any) -> bool:
     return target.surface.number == source.surface.number and target.surface.shape.kind != "sphere"
 
 
+def _keeps_rows(contact: Any, side: int) -> bool:
+    """Whether rows on the first meridian are rows of the surface of `side`, too: its own, or one along it."""
+    e_a = [port.body.to_world(port.surface.shape.e_a) - port.body.to_world(np.zeros(3)) for port in contact.ports]
+    return side == 0 or abs(float(e_a[0] @ e_a[1])) > np.cos(TURNED)
+
+
 @dataclass(frozen=True, eq=False)
 class BetweenTable:
     """u (levels, z, z) [m/N] of the module at ln d = `first` + LEVEL k, places z evenly from `low` to `high` [m]."""
@@ -135,13 +147,13 @@ def _travels(side: Any) -> bool:
     return isinstance(side.surface, PatchSide) and isinstance(side.surface.real, ContactSurface)
 
 
-def _operator_between(target: Any, source: Any) -> tuple[Array, int, int]:
+def _operator_between(target: Any, source: Any, along: bool) -> tuple[Array, int, int]:
     """What loads on splines of `source` displace on those of `target`, on one body, block-circulant, and the columns a
-    sector of both: on one surface the far field, else the whole compliance."""
+    sector of both: the far field where the half-space is known between them (`along`), else the whole compliance."""
     first, second = target.surface.real, source.surface.real
     if target.surface.number == source.surface.number:
         c = first.grid.columns_per_sector
-        return first.far.lags if _along_surface(target, source) else first.splines.compliance(first.lags), c, c
+        return first.far.lags if along else first.splines.compliance(first.lags), c, c
     cross = target.body.reduced.cross_compliance(target.name, source.name)
     if cross is None:
         raise InputError(
