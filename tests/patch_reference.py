@@ -12,9 +12,11 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from warpffrf.model.far_field import cutoff
+from warpffrf.model.laws.curves import Curve
 from warpffrf.model.reduced_body import ReducedBody
 
 Array = np.ndarray
+LEAST = 1.0  # Pa: where the slope of a power's yield is taken at most
 
 
 def corner(X: Array, Z: Array) -> Array:
@@ -119,9 +121,13 @@ class Patch:
         S = spline_matrix(s, far.lags, used)
         return H + self.spread[:, used] @ S @ other.spread[:, used].T + (self.traces / self.omega**2) @ other.traces.T
 
-    def press(self, gap: Array, approach: float) -> Array:
-        """Forces (cells,) [N] at the `approach` [m], of the undeformed `gap` (cells,) [m]."""
-        return pressed(self.near + self.far + self.modes, gap - approach)
+    def press(self, gap: Array, approach: float, layer: Curve | None = None) -> Array:
+        """Forces (cells,) [N] at the `approach` [m], of the undeformed `gap` (cells,) [m]; of half of a `layer` on the
+        plane between two equal bodies."""
+        G = self.near + self.far + self.modes
+        if layer is None:
+            return pressed(G, gap - approach)
+        return self.areas * layered(G * self.areas, gap - approach, layer)
 
 
 def press_both(one: Patch, other: Patch, gap: Array, approach: float) -> Array:
@@ -143,6 +149,24 @@ def pressed(G: Array, open_by: Array) -> Array:
             return f
         active = now
     raise AssertionError("the active set did not settle")
+
+
+def layered(G: Array, open_by: Array, layer: Curve) -> Array:
+    """Pressures p >= 0 (n,) with open_by + G p + y(p)/2 >= 0, one of both 0, y the layer's yield: Newton's method."""
+    p = np.where(open_by + 0.5 * layer.begins < 0.0, 1e8, 0.0)
+    for _ in range(60):
+        y, slope = layer.yielding(np.maximum(p, LEAST))
+        y = np.where(p > 0.0, y, layer.begins)
+        r = open_by + G @ p + 0.5 * y
+        active = np.flatnonzero((p > 0.0) | (r < 0.0))
+        dp = np.zeros(len(p))
+        dp[active] = np.linalg.solve((G + np.diag(0.5 * slope))[np.ix_(active, active)], -r[active])
+        # what would pull leaves, a part of the way at a time: a power has no slope at 0
+        new = np.where(p + dp < 0.0, 0.2 * p * (p > 10.0 * LEAST), p + dp)
+        change, p = np.max(np.abs(new - p)), new
+        if change < 1e-9 * p.max():
+            return p
+    raise AssertionError("the pressures did not settle")
 
 
 def spline_matrix(surface, lags: Array, numbers: Array) -> Array:

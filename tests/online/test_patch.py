@@ -9,18 +9,23 @@ from patch_reference import Patch, press_both
 import warpffrf as wf
 from warpffrf.model.errors import InputError
 from warpffrf.online import run
-from warpffrf.online.compile.patches import MIDDLE_ROW, crowned_edges
+from warpffrf.online.compile.patch_plan import MIDDLE_ROW, crowned_edges
 from warpffrf.online.run import find_equilibrium
 from warpffrf.verification.closed_forms import PointContact, contact_modulus
 
 STEEL = wf.Material(210e9, 0.3, 7800.0)
 RADIUS, WIDTH = 0.05, 0.02
 NAME = "lower-upper"
+LAWS = [
+    wf.laws.LinearLayer(3e14), wf.laws.NonlinearLayer(1e21, 1.5), wf.laws.HuntCrossley(1e20, 1.5, 0.1),
+    wf.laws.TableLayer((-3e-6, -1e-6, 0.0), (1e9, 2e8, 0.0)), wf.laws.ExponentialAsperities(3e8, 5e-7),
+]  # fmt: skip
 # Forces of the run and of the reference on the same cells; tables between levels of W err by 5e-5.
 SAME = 2e-4
 # Two patches beside each other: parabolas for round gaps, rows in their middles, strips without a width beside their
 # distance.
 BESIDE = 2e-3
+TAIL, CUT_OFF = 0.05, 1e-3  # of the largest line pressure, in the outermost strips; of the force, beyond them: 4e-4
 RIPPLE = 5e-4  # of a force at constant approach over two elements, from one saved step to another; 6e-5 measured
 POINT = 0.01  # half-widths and peaks of a ball on eight cells, against Hertz at the load
 ENERGY = 5e-3  # of the energy of an impact, that cells which grow and shrink with it make or take: 3e-3 measured
@@ -54,7 +59,7 @@ def pair(roller, approach, *, turning: float | None = None, tilt: float = 0.0, *
     return scene
 
 
-def pressed(roller, found, gap, approach, layer: float = 0.0) -> np.ndarray:
+def pressed(roller, found, gap, approach, layer=None) -> np.ndarray:
     """Forces (cells,) of the reference on the cells that a run has `found`: half of a pair is a roller on a plane."""
     cells, length = found.cells, found.cells.length[-1]
     edges = np.append(cells.z[-1] - 0.5 * length, cells.z[-1][-1] + 0.5 * length[-1])
@@ -64,8 +69,19 @@ def pressed(roller, found, gap, approach, layer: float = 0.0) -> np.ndarray:
         roller, "rim", "bore", grid.theta_start + grid.pitch * cells.column[-1], strips,
         2.0 * cells.half_width[-1] / strips, edges,
     )  # fmt: skip
-    patch.near = patch.near + np.diag(0.5 * layer / patch.areas)
-    return patch.press(gap(patch), 0.5 * approach)
+    return patch.press(gap(patch), 0.5 * approach, layer)
+
+
+def pressed_wide(roller, found, approach, layer) -> float:
+    """Force of the reference on strips over half as much again as the run's, of the same width."""
+    cells, length = found.cells, found.cells.length[-1]
+    edges = np.append(cells.z[-1] - 0.5 * length, cells.z[-1][-1] + 0.5 * length[-1])
+    grid, strips = roller.contact_surfaces["rim"].grid, found.pressure.shape[1]
+    wide = Patch(
+        roller, "rim", "bore", grid.theta_start + grid.pitch * cells.column[-1], strips + 8,
+        2.0 * cells.half_width[-1] / strips, edges,
+    )  # fmt: skip
+    return float(wide.press(round_gap(wide), 0.5 * approach, layer).sum())
 
 
 def round_gap(patch):
@@ -94,13 +110,33 @@ def test_tilted(roller) -> None:
     assert np.linalg.norm(found.force[-1]) == pytest.approx(reference.sum(), rel=1e-3)  # z of the tilted one: 1e-4
 
 
-def test_with_a_layer(roller) -> None:
-    """A straight layer yields by p/k in series with the bodies."""
-    stiffness, approach = 3e14, 20e-6
-    law = wf.laws.LinearLayer(stiffness)
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: law.kind)
+def test_with_a_layer(roller, law) -> None:
+    """Any law, in series with the bodies."""
+    approach = 20e-6
     found = find_equilibrium(pair(roller, approach, law=law)).contacts[NAME]
-    reference = pressed(roller, found, round_gap, approach, layer=1.0 / stiffness)
+    reference = pressed(roller, found, round_gap, approach, law.curve)
     assert np.linalg.norm(found.force[-1]) == pytest.approx(reference.sum(), rel=SAME)
+    cells = found.cells
+    assert cells is not None
+    strip = 2.0 * cells.half_width[-1] / found.pressure.shape[1]
+    peak = (reference.reshape(found.pressure[-1].shape) / (strip * cells.length[-1])).max()
+    assert found.pressure[-1].max() == pytest.approx(peak, rel=SAME)
+
+
+@pytest.mark.parametrize(("decay", "approach"), [(5e-7, 20e-6), (2e-6, 1e-5), (5e-6, -5e-6)])
+def test_tails_of_asperities(roller, decay, approach) -> None:
+    """Strips take in what presses, also of surfaces that are apart: 1.7 half-widths of the pressure lose little beside
+    the patch of very rough surfaces that is half as wide again."""
+    law = wf.laws.ExponentialAsperities(2e8, decay)
+    found = find_equilibrium(pair(roller, approach, law=law))
+    assert found.status == "completed"
+    contact = found.contacts[NAME]
+    p = contact.pressure[-1].sum(axis=1)
+    assert p[0] < TAIL * p.max() and p[-1] < TAIL * p.max()
+    force = np.linalg.norm(contact.force[-1])
+    wide = pressed_wide(roller, contact, approach, law.curve)
+    assert force == pytest.approx(wide, rel=CUT_OFF)
 
 
 @pytest.mark.parametrize("apart", [0.12, 0.3])
@@ -231,8 +267,6 @@ def test_what_a_patch_cannot_is_refused(roller) -> None:
         pair(roller, 1e-5, grid="mesh")
     with pytest.raises(InputError, match="no friction yet; use grid='material'"):
         pair(roller, 1e-5, friction=0.1)
-    with pytest.raises(InputError, match="'exponential_asperities' presses before the surfaces meet.*use grid='mat"):
-        pair(roller, 1e-5, law=wf.laws.ExponentialAsperities(2e8, 5e-6))
     with pytest.raises(InputError, match="cells must be \\(strips across, rows along\\), got 12"):
         pair(roller, 1e-5, cells=12)
     scene = pair(roller, 1e-5)

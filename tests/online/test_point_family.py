@@ -144,6 +144,7 @@ def test_bore_over_a_rigid_pin(ring_body: ReducedBody) -> None:
     assert result.history.contacts[PAIR].force[0, 2] > 0.0  # pushed down onto the pin, the ring is pushed up
 
 
+@pytest.mark.slow
 def test_two_patches_merge() -> None:
     """A flexible slab on a rigid bar with two humps: two patches apart in one window, then one; the dense solution all
     the way, there and back."""

@@ -18,6 +18,8 @@ from warpffrf.model.laws import Law, Unilateral, as_law
 UNILATERAL = Unilateral()
 EVALUATIONS = ("full", "semi", "hyper")
 GRIDS = ("auto", "material", "patch")
+CELL_ERROR = 0.005  # of force and largest pressure: what half-space and mesh leave is of this size
+CELL_ERRORS = (5e-4, 0.02)  # 2,400 cells; seven strips, fewer of which follow no rule
 
 
 class Contact:
@@ -29,10 +31,12 @@ class Contact:
     grid, "hyper" at the few points chosen when the first body was reduced, "full" at every surface node, the slow
     reference. grid: "material", pressures on the contact grid of the first body, bound to its material, which wants
     four nodes in a contact half-width; "patch", on cells that travel with the patch, for meshes of any size (bodies
-    reduced with patch_grid=True); "auto", the latter where the bodies have what it needs and nothing is asked that it
-    cannot do, which a run's notes say. cells: strips across and rows along, None to have them chosen. capacity:
-    largest number of active hats, None to have it chosen. overlap [m]: how deep the surfaces may lie in one another at
-    the start of a run, None for a small part of their radius. name: default "<first body>-<second body>".
+    reduced on coarse meshes, or with patch_grid=True); "auto", the latter where the bodies have what it needs and
+    nothing is asked that it cannot do, which a run's notes say. cell_error: what the cells of a patch may add to the
+    relative error of force and largest pressure; after a run a note says what finer cells change at some saved steps.
+    cells: strips across and rows along, None to have them chosen for that error. capacity: largest number of active
+    hats, None to have it chosen. overlap [m]: how deep the surfaces may lie in one another at the start of a run, None
+    for a small part of their radius. name: default "<first body>-<second body>".
     """
 
     scene_list = "contacts"
@@ -47,6 +51,7 @@ class Contact:
         friction: Any = 0.0,
         evaluation: str = "semi",
         grid: str = "auto",
+        cell_error: float = CELL_ERROR,
         cells: tuple[int, int] | None = None,
         capacity: int | None = None,
         overlap: float | None = None,
@@ -73,6 +78,7 @@ class Contact:
         self.law = law
         self.friction = friction
         self.evaluation = evaluation
+        self.cell_error = cell_error
         self.cells = cells
         self.grid = grid
         self.capacity = capacity
@@ -133,6 +139,21 @@ class Contact:
         self._check_patch()
 
     @property
+    def cell_error(self) -> float:
+        """What the cells of a patch may add to the relative error of force and largest pressure."""
+        return self._cell_error
+
+    @cell_error.setter
+    def cell_error(self, value: Any) -> None:
+        error = require_number(value, f"{self._label}: cell_error", positive=True)
+        if not CELL_ERRORS[0] <= error <= CELL_ERRORS[1]:
+            raise InputError(
+                f"{self._label}: cell_error must lie between {CELL_ERRORS[0]:g} and {CELL_ERRORS[1]:g}, got {error:g}; "
+                "cells=(strips across, rows along) takes other grids"
+            )
+        self._cell_error = error
+
+    @property
     def cells(self) -> tuple[int, int] | None:
         """Strips across and rows along of a patch of cells; None to have them chosen."""
         return self._cells
@@ -185,6 +206,8 @@ class Contact:
         options: dict[str, Any] = {"evaluation": self.evaluation, "capacity": self.capacity, "overlap": self.overlap}
         if self.grid != "auto":  # scenes of before keep their hash
             options |= {"grid": self.grid, "cells": None if self.cells is None else list(self.cells)}
+        if self.cell_error != CELL_ERROR:
+            options["cell_error"] = self.cell_error
         return {"name": self.name, **surfaces, **laws, **options}
 
     def without_patch(self) -> str | None:
@@ -201,11 +224,6 @@ class Contact:
             return (
                 f"evaluation {self.evaluation!r} belongs to grid='material'; a patch of cells is evaluated at their "
                 "middles, leave evaluation out"
-            )
-        if self.law.curve is not None and self.law.curve.begins < 0.0:
-            return (
-                f"law {self.law.kind!r} presses before the surfaces meet, over no definite width, and a patch of cells "
-                "has none to follow; use grid='material'"
             )
         return None
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import time
+from collections.abc import Mapping
 
 import numpy as np
 import warp as wp
@@ -17,6 +18,7 @@ from warpffrf.online.arrays import Ring, Sizes, initial_state, sizes_of
 from warpffrf.online.arrays.ring import SavedRows, joined, taken
 from warpffrf.online.arrays.scratch import scratch_for
 from warpffrf.online.compile.outer_pattern import pattern_of
+from warpffrf.online.compile.patch_plan import PatchPlan
 from warpffrf.online.compile.scene import compile_scene
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.settings import Settings
@@ -57,9 +59,11 @@ class Engine:
         integrator: Integrator | None = None,
         accuracy: float | None = None,
         local: LocalDynamics | None = None,
+        patches: Mapping[int, PatchPlan] | None = None,
         progress: bool = False,
     ) -> None:
-        """`progress`: a bar while kernels are compiled; the rest as `online.run`."""
+        """`patches`: the cells of pairs on patches, by number of the contact; None: chosen as the contacts ask for.
+        `progress`: a bar while kernels are compiled; the rest as `online.run`."""
         _start_warp()
         try:
             wp.get_device(device)
@@ -67,7 +71,7 @@ class Engine:
             raise InputError(f"device {device!r} is not available here; use 'cpu'") from error
         self.settings = settings or Settings()
         self.scene, self.worlds = scene, worlds
-        self.compiled = compile_scene(scene, self.settings, device, local)
+        self.compiled = compile_scene(scene, self.settings, device, local, patches)
         self._integrator, self._accuracy, self._progress = integrator or GeneralizedAlpha(), accuracy, progress
         self._projected = self._integrator.project_velocities and self.compiled.model.rows.count > 0
         self._pattern = pattern_of(self.compiled)

@@ -448,6 +448,8 @@ class Patches:
     least_width: DeviceArray = reals("pair", unit="m", note="of W")
     most_width: DeviceArray = reals("pair", unit="m")
     layer: DeviceArray = reals("pair", unit="m/Pa", note="of a straight layer between the surfaces")
+    begins: DeviceArray = reals("pair", unit="m", note="gap from which on the layer presses, 0 or more")
+    span: DeviceArray = reals("pair", note="half-widths b of the pressure that W is wide")
     row_start: DeviceArray = integers("pair", note="into the next two")
     row_z: DeviceArray = reals("patch_row_entry", unit="m", note="where rows follow, in W from the middle")
     row_length: DeviceArray = reals("patch_row_entry", unit="m", note="likewise")

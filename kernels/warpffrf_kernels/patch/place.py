@@ -4,7 +4,7 @@ Cells are `columns` equal strips across, over the width 2 W around the place whe
 along the meridian of the first surface. Rows of a *line* contact stay where they are; rows of a contact that is short
 (`follows`) lie about the nearest place and grow with W, so that the cells keep their shape.
 
-W follows the pressures of the state that the attempt begins from: SPAN times the half-width b, twice the root of the
+W follows the pressures of the state that the attempt begins from: `span` times the half-width b, twice the root of the
 second moment of a strip's pressure, sqrt(5) times that of a whole ellipse. (The extent of the active set would jump
 from cell to cell, and the force with it.) What has no pressure yet is as wide as the surfaces overlap. Within an
 attempt W only changes where the patch reaches the outermost strips, or fills less than half of them. Pressures go from
@@ -31,7 +31,6 @@ from warpffrf_kernels.surfaces.surface import chart_of, local_point, radius_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
-SPAN = wp.constant(wp.float64(1.3))  # half-widths b in W: Hertz's patch ends at 1/1.3 of it
 LINE_MOMENT = wp.constant(wp.float64(2.0))  # b over the root of the second moment of a strip's pressure
 POINT_MOMENT = wp.constant(wp.float64(2.2360679774997896))  # sqrt 5, of an ellipse's
 COUNTED = wp.constant(wp.float64(0.05))  # of the largest line load: rows with less do not count for b
@@ -165,7 +164,7 @@ def extent_of(
         found.half_width = wp.max(found.half_width, width * (wp.abs(mean) + POINT_MOMENT * spread) / aspect)
         if bottom == 0 or top == rows - 1:
             found.reaches = 1
-    found.wanted = SPAN * found.half_width
+    found.wanted = elements.patches.span[pair] * found.half_width
     if found.reaches != 0 and width > CONTENT * found.wanted:
         found.reaches = 0
     return found
@@ -175,8 +174,9 @@ def extent_of(
 def overlap_width(
     model: Model, elements: Elements, pair: int, A: int, B: int, view: View, column: real, z: real
 ) -> real:
-    """Half-width [m] over which the undeformed surfaces lie in one another; 0 where they do not."""
+    """Half-width [m] over which the undeformed surfaces press on one another; 0 where they do not."""
     g = gap_at(model, A, B, view, model.surfaces.theta[A] + column * model.surfaces.pitch[A], z)
+    g -= elements.patches.begins[pair]
     if not g < real(0.0):
         return real(0.0)
     return wp.sqrt(-real(2.0) * g / elements.patches.curvature[pair])

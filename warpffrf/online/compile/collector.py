@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -18,6 +19,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Signal
 from warpffrf.online.compile.constants import Constants
 from warpffrf.online.compile.inertia_plan import InertiaPlan
+from warpffrf.online.compile.patch_plan import PatchPlan
 from warpffrf.online.compile.patch_sides import PatchSide
 from warpffrf.online.compile.patches import patch_plans
 from warpffrf.online.compile.room import CellRoom
@@ -84,7 +86,14 @@ class Collector:
     """What is gathered of a scene on its way to the device: rows, markers, signals, interfaces, surfaces, notes; and
     the plans that decide what of bodies and modes is kept. `fill` puts arrays into a topic of the model."""
 
-    def __init__(self, scene: Scene, settings: Settings, device: str, local: LocalDynamics) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        settings: Settings,
+        device: str,
+        local: LocalDynamics,
+        patches: Mapping[int, PatchPlan] | None = None,
+    ) -> None:
         self.scene, self.settings, self.device = scene, settings, device
         self.constants = Constants(device)
         self.fill = self.constants.fill
@@ -102,8 +111,11 @@ class Collector:
         self.inertia = InertiaPlan.of(scene)
         self.local = LocalPlan.of(scene, local)
         dynamic = {body.index for body in scene.bodies if self.local.count(body.index)}
-        self.patches, chosen = patch_plans(scene.contacts, dynamic)
-        self.notes += chosen
+        if patches is None:
+            self.patches, chosen = patch_plans(scene.contacts, dynamic)
+            self.notes += chosen
+        else:
+            self.patches = dict(patches)
         self.mode_counts = [b.mode_count + self.local.count(b.index) for b in scene.bodies]
 
     def pairs(self) -> list[Pair]:

@@ -6,6 +6,7 @@ back.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,8 +28,9 @@ from warpffrf.online.compile.joints import JointTable, compile_joints
 from warpffrf.online.compile.layers import LAYER_ITERATIONS, fill_layers
 from warpffrf.online.compile.lumped import fill_lumped
 from warpffrf.online.compile.pairs import fill_pairs
+from warpffrf.online.compile.patch_plan import PatchPlan
 from warpffrf.online.compile.patch_sides import PatchSide
-from warpffrf.online.compile.patches import PatchPlan, fill_patches
+from warpffrf.online.compile.patches import fill_patches
 from warpffrf.online.compile.responses import fill_responses
 from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.compile.surfaces import fill_surfaces
@@ -198,9 +200,16 @@ def _markers_rows_signals(collector: Collector, m: Model) -> None:
     )  # fmt: skip
 
 
-def compile_scene(scene: Scene, settings: Settings, device: str, local: LocalDynamics | None = None) -> CompiledScene:
-    """Constant device data of `scene`; raises `InputError` for a scene that cannot be run."""
+def compile_scene(
+    scene: Scene,
+    settings: Settings,
+    device: str,
+    local: LocalDynamics | None = None,
+    patches: Mapping[int, PatchPlan] | None = None,
+) -> CompiledScene:
+    """Constant device data of `scene`; `patches`: the cells of its patches in place of those that the contacts ask for.
+    Raises `InputError` for a scene that cannot be run."""
     if not scene.bodies:
         raise InputError("scene: there are no bodies; add one with scene.add_body or scene.add_rigid_body")
     refuse_claims_of(scene)
-    return _compiled(Collector(scene, settings, device, local or LocalDynamics()))
+    return _compiled(Collector(scene, settings, device, local or LocalDynamics(), patches))

@@ -9,7 +9,7 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
 from warpffrf.model.far_field import WHOLE
 from warpffrf.model.scene import Scene
-from warpffrf.online.compile.patches import end_places, rows_follow
+from warpffrf.online.compile.patch_plan import end_places, rows_follow
 from warpffrf.online.diagnosis.undeformed_normal import normal_notes
 from warpffrf.online.history.history import ContactHistory, History
 

@@ -28,6 +28,7 @@ from warpffrf.online.diagnosis.undeformed_normal import normal_notes
 from warpffrf.online.history.history import ContactHistory, History
 from warpffrf.online.history.sensors import turned
 
+CELLS = 'or grid="patch" with bodies that were reduced with patch_grid=True'
 FEWEST_COLUMNS = 4  # across the largest patch: with fewer, peaks and half-widths are those of the grid
 CUT = 0.05  # of the load: hats that hang over the end of the second surface by more are worth a word
 GAINED = 0.01  # of the largest energy at hand: what a run may gain without a word
@@ -82,7 +83,7 @@ def _untouched(scene: Scene, history: History, contacts: list[Contact]) -> list[
             notes.append(
                 f"contact {contact.name!r}: an overlap of {approach:.3g} m without any pressure: the modes take it up, "
                 f"or it is too shallow for columns {surface.grid.pitch * radius:.2g} m apart; use a finer mesh "
-                "(half_width=)"
+                f"(half_width=), {CELLS}"
             )
     notes += out_of_reach(scene, {c.name: facing_gap(c) for c in apart})
     gaps = {c.name: -float(np.max(history.contacts[c.name].approach)) for c in apart}
@@ -131,7 +132,7 @@ def _coarse(contact: Contact, columns: int) -> list[str]:
     return [
         f"contact {contact.name!r}: the patch is {columns} columns of the grid wide where it is most loaded, under "
         f"{FEWEST_COLUMNS}: peak pressures and half-widths may be off by a third (points: by a half and more), forces "
-        "at a given approach by a twentieth (points: by a tenth); use a finer mesh (half_width=)"
+        f"at a given approach by a twentieth (points: by a tenth); use a finer mesh (half_width=), {CELLS}"
     ]
 
 

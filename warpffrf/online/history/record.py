@@ -7,7 +7,7 @@ from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
 from warpffrf.model.forces.notes import characteristic_notes
 from warpffrf.online.arrays.ring import SavedContact, SavedRows
-from warpffrf.online.compile.patches import PatchPlan
+from warpffrf.online.compile.patch_plan import PatchPlan
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.history.history import (
     ENERGY_LINES,

@@ -1,0 +1,324 @@
+r"""Which cells a pair has whose pressures travel with the patch, and how they move each other by the half-space.
+
+Across, cells are equal strips of 2 W/columns, W the half-width that follows the load. Along the meridian of the first
+surface rows are
+
+- of a *line* contact at fixed places of the width that both surfaces have in common, finer towards ends that carry
+  pressure; the half-space between cells, with the ends of both bodies, is tabulated for levels of W;
+- of a *point* contact, short beside its ends, about the nearest place, with an aspect that Hertz's ellipse has at any
+  load, so that one table, for W = 1, is all: displacement per pressure grows with W. What the ends add is taken at the
+  middle.
+
+Love's integral over the rectangle of a cell at the centre of another (`warpffrf.model.love`), of both bodies with E and
+nu of their own, times the area of the cell that sees it, made symmetric.
+
+How many cells follow from the error they may add to force and largest pressure, `Contact.cell_error`: at most
+`STRIPS_ERROR` / columns^2, the same of rows that follow, and `CROWNED_ERROR` / rows^3 of fixed rows of a crown
+(docs/studies/patch_cells.md); rows of straight rollers, which serve their ends, grow with the strips.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from warpffrf.model.contact import Contact
+from warpffrf.model.errors import InputError
+from warpffrf.model.far_field import WHOLE, FarField
+from warpffrf.model.love import rectangle
+from warpffrf.online.compile.patch_sides import Surface, meridian
+
+Array = np.ndarray
+LINE_ASPECT = 8.0  # of Hertz's ellipse, from which rows stay where they are
+ELLIPSE = 0.636  # aspect of Hertz's ellipse: the ratio of curvatures to this power (Hamrock and Brewe 1983)
+# Of force or largest pressure, by strips^2 and by rows^3: docs/studies/patch_cells.md
+STRIPS_ERROR, CROWNED_ERROR = 0.6, 100.0
+SPAN = 1.3  # half-widths of the pressure, by its second moment, in W: Hertz's patch ends at 1/1.3 of it
+TAILED = 1.7  # the same of laws that press from a distance: a Gaussian's tail beyond has 7e-4 of the load
+FEWEST = 7  # strips or rows: the error of fewer does not follow any rule
+FIRST_ROW, ROW_GROWTH = 0.004, 1.6  # of the width: rows at ends under pressure; their growth from there
+MIDDLE_ROW = 0.015  # of the width: rows where a crown carries; an ellipse of a third of the width takes a dozen
+NARROWEST = 1e-4  # W times the relative curvature
+WIDEST = 0.5 * WHOLE * 0.95  # W over a radius of curvature: a patch keeps within WHOLE
+STEP = 0.3  # of ln W between levels: cubic interpolation errs by 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class PatchPlan:
+    """Cells of a pair: `columns` strips, rows between `edges` [m; in W where they follow], and near
+    tables (levels, columns, rows, rows) from ln W `first` on, `step` apart, over W^power."""
+
+    columns: int
+    edges: Array  # of the rows
+    aspect: float  # length over width of rows that follow; 0 of others
+    curvature: float
+    least: float
+    most: float
+    begins: float  # gap [m] from which on the layer presses
+    span: float  # half-widths of the pressure that W is wide
+    table: Array
+    first: float
+    step: float
+    power: float
+    ends: list[tuple[float, float]]  # z on A, strength
+
+    @classmethod
+    def of(cls, contact: Contact) -> PatchPlan:
+        """The plan of a contact with grid "patch"."""
+        a, b = contact.a.surface, contact.b.surface
+        across, along = relative_curvatures(contact)
+        if not across > 0.0:
+            raise InputError(
+                f"contact {contact.name!r}: the surfaces are as curved as each other, a patch of cells has no width "
+                'there; use grid="material"'
+            )
+        least = NARROWEST / across
+        most = WIDEST * min(radius for radius in (radius_of(a), radius_of(b)) if radius > 0.0)
+        aspect, follows = _aspect(across, along), rows_follow(contact)
+        columns, rows = contact.cells or _counts(
+            contact.cell_error, TAILED / SPAN if _begins(contact) else 1.0, follows=follows, crowned=along > 0.0
+        )
+        if follows:
+            edges = aspect * np.linspace(-1.0, 1.0, rows + 1)
+            most = min(most, most / aspect)
+        else:
+            low, high = common_width(contact)
+            edges = crowned_edges(low, high, _nearest(contact, low, high), rows)
+            if not along > 0.0:
+                edges = line_edges(low, high, rows)
+        return cls._tabulated(contact, columns, edges, aspect if follows else 0.0, across, least, most)
+
+    def spread(self, contact: Contact, columns: int, rows: int, least: float, most: float) -> PatchPlan:
+        """The plan with other numbers of strips and rows, spread as here, for half-widths between `least` and `most`
+        [m]."""
+        low = min(max(least, self.least), self.most)
+        high = min(max(most, low), self.most)
+        curve = PchipInterpolator(np.linspace(0.0, 1.0, len(self.edges)), self.edges)
+        edges = curve(np.linspace(0.0, 1.0, rows + 1))
+        return self._tabulated(contact, columns, edges, self.aspect, self.curvature, low, high)
+
+    @classmethod
+    def _tabulated(
+        cls, contact: Contact, columns: int, edges: Array, aspect: float, curvature: float, least: float, most: float
+    ) -> PatchPlan:
+        """The plan with its near tables."""
+        bodies = [_OnMeridian.of(contact, port) for port in contact.ports if port.surface.grid is not None]
+        follows = aspect > 0.0
+        first, step, power, levels = 0.0, 1.0, 3.0, np.array([0.0])
+        if not follows:
+            count = int(np.ceil(np.log(most / least) / STEP)) + 1
+            first, step, power = float(np.log(least)), STEP, 2.0
+            levels = first + step * np.arange(max(count, 4))
+        z, length = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+        table = np.stack(
+            [near_table(columns, np.exp(x), z, length, bodies, ends=not follows) / np.exp(power * x) for x in levels]
+        )
+        ends = [end for body in bodies for end in body.strengths()] if follows else []
+        begins = _begins(contact)
+        span = TAILED if begins else SPAN
+        return cls(columns, edges, aspect, curvature, least, most, begins, span, table, first, step, power, ends)
+
+    @property
+    def follows(self) -> bool:
+        """Whether rows lie about the nearest place."""
+        return self.aspect > 0.0
+
+    @property
+    def z(self) -> Array:
+        """Middles (rows,) of the rows."""
+        return 0.5 * (self.edges[1:] + self.edges[:-1])
+
+    @property
+    def length(self) -> Array:
+        """Lengths (rows,) of the rows."""
+        return np.diff(self.edges)
+
+
+@dataclass(frozen=True, eq=False)
+class _OnMeridian:
+    """A flexible body under the rows: its far field, and its meridian as the first surface counts it: z = sign z_A +
+    offset."""
+
+    far: FarField
+    sign: float
+    offset: float
+
+    @classmethod
+    def of(cls, contact: Contact, port: Any) -> _OnMeridian:
+        return cls(port.surface.far, *meridian(contact, port))
+
+    @property
+    def half_space(self) -> float:
+        """(1 - nu^2)/(pi E) [1/Pa], displacement of the half-space times distance per force."""
+        return (1.0 - self.far.poisson_ratio**2) / (np.pi * self.far.youngs_modulus)
+
+    def strengths(self) -> list[tuple[float, float]]:
+        """Of each end its place on the first surface's meridian, and displacement times E... of a unit force beside it,
+        times the distance [m/N m]."""
+        far = self.far
+        if far.quarter is None:
+            return []
+        image = (1.0 - far.poisson_ratio**2) / (2.0 * np.pi)
+        correction = float(far.quarter.displacement(0.0, 1.0, 1.0))
+        return [((end.z - self.offset) / self.sign, (image + correction) / far.youngs_modulus) for end in far.ends]
+
+
+def _begins(contact: Contact) -> float:
+    """The gap [m] from which on the law presses, 0 of one that begins at touch."""
+    curve = contact.law.curve
+    return max(-curve.begins, 0.0) if curve is not None else 0.0
+
+
+def _counts(cell_error: float, wider: float, *, follows: bool, crowned: bool) -> tuple[int, int]:
+    """Strips and rows that add about `cell_error` to force and largest pressure: odd numbers, which have a cell where
+    Hertz's pressure is largest; `wider`: W than a patch of Hertz's pressure has it."""
+    columns = _odd(wider * (STRIPS_ERROR / cell_error) ** 0.5)
+    if follows:
+        return columns, columns
+    return columns, _odd((CROWNED_ERROR / cell_error) ** (1.0 / 3.0)) if crowned else 2 * columns - 1
+
+
+def _odd(count: float) -> int:
+    """The odd number nearest to `count`."""
+    return max(2 * round(0.5 * (count - 1.0)) + 1, FEWEST)
+
+
+def rows_follow(contact: Contact) -> bool:
+    """Whether the rows of a contact lie about the nearest place: its patch is short."""
+    return _aspect(*relative_curvatures(contact)) < LINE_ASPECT
+
+
+def _aspect(across: float, along: float) -> float:
+    """Length over width of Hertz's ellipse of the two relative curvatures."""
+    return (across / along) ** ELLIPSE if along > 0.0 else np.inf
+
+
+def end_places(contact: Contact) -> list[float]:
+    """Where the free ends of both bodies lie on the first surface's meridian at the start, z [m]."""
+    bodies = [_OnMeridian.of(contact, port) for port in contact.ports if not port.rigid]
+    return [(end.z - body.offset) / body.sign for body in bodies if body.far is not None for end in body.far.ends]
+
+
+def relative_curvatures(contact: Contact) -> tuple[float, float]:
+    """Of the first surface against the second [1/m], across and along the meridian of the first, where they face each
+    other at the start."""
+    a, b = contact.a, contact.b
+    z_a = _middle(a.surface)
+    first = [float(k) for k in a.surface.shape.curvatures(0.0, z_a)]
+    second = [float(k) for k in b.surface.shape.curvatures(0.0, _middle(b.surface))]
+    axes = [port.body.to_world(port.surface.shape.e_a) - port.body.to_world(np.zeros(3)) for port in (a, b)]
+    if b.surface.shape.profile().planar:
+        return first[0], first[1]
+    if a.surface.shape.profile().planar:
+        return second[0], second[1]
+    c2 = float(axes[0] @ axes[1]) ** 2
+    return first[0] + c2 * second[0] + (1.0 - c2) * second[1], first[1] + c2 * second[1] + (1.0 - c2) * second[0]
+
+
+def common_width(contact: Contact) -> tuple[float, float]:
+    """The places [m] of the first surface's meridian between which both surfaces have material at the start."""
+    z = np.asarray(contact.a.surface.grid.z)
+    low, high = float(z[0]), float(z[-1])
+    other = contact.b.surface
+    if other.grid is not None and not other.shape.profile().planar:
+        shape, own = other.shape, contact.a.surface.shape
+        ends = shape.axis_point + np.outer([other.grid.z[0], other.grid.z[-1]], shape.e_a)
+        places = (contact.a.body.to_user(contact.b.body.to_world(ends)) - own.axis_point) @ own.e_a
+        low, high = max(low, float(places.min())), min(high, float(places.max()))
+    if not high > low:
+        raise InputError(f"contact {contact.name!r}: the two surfaces have no width in common")
+    return low, high
+
+
+def _nearest(contact: Contact, low: float, high: float) -> float:
+    """Where between `low` and `high` [m] on the first meridian the second surface, its axis parallel, is nearest."""
+    z = np.linspace(low, high, 401)
+    near = np.zeros(len(z))
+    for port in contact.ports:
+        shape = port.surface.shape
+        if not shape.profile().planar:
+            sign, offset = meridian(contact, port)
+            near += shape.side * shape.radius_at(sign * z + offset)
+    return float(np.mean(z[near >= near.max() - 1e-9 * (high - low)]))
+
+
+def crowned_edges(low: float, high: float, middle: float, rows: int) -> Array:
+    """Edges (rows + 1,) [m] of the rows between two ends that carry little: `MIDDLE_ROW` of the width around the
+    `middle` [m], and growing from there, by x = c sinh(a y), y even."""
+    width = high - low
+    first = min(MIDDLE_ROW, 0.999 / rows) * width
+
+    def edges(c: float) -> Array:
+        y = np.linspace(np.arcsinh((low - middle) / c), np.arcsinh((high - middle) / c), rows + 1)
+        return middle + c * np.sinh(y)
+
+    from scipy.optimize import brentq
+
+    def excess(log_c: float) -> float:
+        return float(np.diff(edges(np.exp(log_c))).min() - first)
+
+    root: Any = brentq(excess, float(np.log(1e-4 * width)), float(np.log(1e3 * width)))
+    return edges(float(np.exp(root)))
+
+
+def line_edges(low: float, high: float, rows: int) -> Array:
+    """Edges (rows + 1,) [m] of the rows between two ends under pressure: growing from both of them."""
+    width = high - low
+    half = rows // 2
+    steps = FIRST_ROW * ROW_GROWTH ** np.arange(half)
+    steps = np.minimum(steps, _largest_row(steps, rows))
+    inner = np.concatenate([steps, steps[::-1]] if rows % 2 == 0 else [steps, steps[-1:], steps[::-1]])
+    return low + width * np.concatenate([[0.0], np.cumsum(inner)]) / inner.sum()
+
+
+def _largest_row(steps: Array, rows: int) -> float:
+    """What rows must not exceed, so that they fill the width when the first ones are as wanted."""
+    from scipy.optimize import brentq
+
+    def missing(largest: float) -> float:
+        cut = np.minimum(steps, largest)
+        return float(2.0 * cut.sum() + (cut[-1] if rows % 2 else 0.0)) - 1.0
+
+    if missing(float(steps[-1])) <= 0.0:
+        return float(steps[-1])
+    return float(brentq(missing, float(steps[0]) * 0.1, float(steps[-1])))  # pyright: ignore[reportArgumentType]
+
+
+def near_table(columns: int, width: float, z: Array, length: Array, bodies: list[Any], *, ends: bool) -> Array:
+    """Weak displacement (columns, rows, rows) [m^3/Pa] by distance in strips: of the row that sees, of the row under
+    pressure. width W [m]; z, length [m] of the rows on the first surface."""
+    strip = 2.0 * width / columns
+    k = strip * np.arange(columns)[:, None, None]
+    seen, loaded = z[None, :, None], z[None, None, :]
+    total = sum(body.half_space for body in bodies) * rectangle(k, seen - loaded, strip, length)
+    for (place, side, _), those in _ends_of(bodies).items() if ends else ():
+        a, b = (np.maximum(side * (place - v), 0.0) for v in (seen, loaded))
+        total += sum(body.half_space for body in those) * rectangle(k, a + b, strip, length)
+        quarter = those[0].far.quarter.displacement(k, a, b)
+        total += sum(1.0 / body.far.youngs_modulus for body in those) * quarter * strip * length
+    weak = total * strip * length[:, None]
+    return 0.5 * (weak + weak.transpose(0, 2, 1))
+
+
+def _ends_of(bodies: list[Any]) -> dict[tuple[float, int, float], list[Any]]:
+    """Bodies by place and side of their ends on the first meridian, and Poisson ratio: those of equal rollers move the
+    surface alike."""
+    found: dict[tuple[float, int, float], list[Any]] = {}
+    for body in bodies:
+        for end in body.far.ends:
+            place = (end.z - body.offset) / body.sign
+            found.setdefault((place, int(body.sign) * end.side, body.far.poisson_ratio), []).append(body)
+    return found
+
+
+def _middle(surface: Surface) -> float:
+    return 0.0 if surface.grid is None else float(np.mean(np.asarray(surface.grid.z)[[0, -1]]))
+
+
+def radius_of(surface: Surface) -> float:
+    """Smallest radius of curvature [m]; 0 of a plane."""
+    k = max(abs(float(v)) for v in surface.shape.curvatures(0.0, _middle(surface)))
+    return 1.0 / k if k > 0.0 else 0.0

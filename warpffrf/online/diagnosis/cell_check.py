@@ -1,0 +1,149 @@
+r"""What the cells of patches add to the error of a run: sampled saved steps evaluated again on finer cells.
+
+At a saved step the poses and global coordinates are known, and with quasi-static local modes the pressures follow from
+them. They are found anew on the cells of the run and on other ones, nearly twice as many strips and rows, or half as
+many of patches that have `MANY` cells; the bodies are held where they are, in one proximal step towards the static
+state so short that nothing moves. Both leave out what the law damps. The error e of cells falls with the square of
+their number (docs/studies/patch_cells.md), so that the difference d is e - e/4 of finer ones, 4 e - e of coarser ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpffrf.model import rotation as rot
+from warpffrf.model.contact import Contact
+from warpffrf.model.errors import InputError
+from warpffrf.online.compile.patch_plan import PatchPlan
+from warpffrf.online.engine import Engine
+from warpffrf.online.history.history import ContactHistory, History
+from warpffrf.online.history.record import history_from_rows
+
+SAMPLED = 3  # saved steps that are looked at: that of the largest force, and two on the way there and from there
+MARGIN = 1.5  # of half-widths to either side, for which finer cells have near tables
+HELD = 1e-9  # s/m of the length of the scene: 1e9 m/s2, which no contact gives a body, move it by 1e-9 of its length
+MANY = 800  # cells of a patch that are compared with fewer: four times as many take 64 times as long
+ABOUT = 2.0  # of the error asked for: found ones scatter about it as cells lie under the edge of the patch
+STEPS = 3  # a patch is as wide as the pressures of the step before want it: a fourth step changes a force by 1e-6
+TOUCHING = 0.1  # of the largest force of a pair: below it relative errors say little
+
+
+@dataclass(frozen=True)
+class CellCheck:
+    """Errors that the cells of a contact add, the largest of the saved `rows` looked at: of the `force` over it, of the
+    largest `pressure` over it; by `finer` or by coarser ones. No rows where the others found no state."""
+
+    force: float
+    pressure: float
+    rows: tuple[int, ...]
+    finer: bool
+
+    def note(self, contact: Contact, cells: tuple[int, int]) -> str:
+        """The line for the report; cells: strips across and rows along."""
+        label = f"contact {contact.name!r}: a patch of {cells[0]} x {cells[1]} cells"
+        if not self.rows:
+            return f"{label} was not compared with another one, whose pressures were not found at the saved steps"
+        text = (
+            f"{label} adds errors of about {self.force:.2%} to the force, {self.pressure:.2%} to the largest pressure, "
+            f"by nearly {'twice' if self.finer else 'half'} as many either way at {len(self.rows)} saved steps"
+        )
+        if max(self.force, self.pressure) <= ABOUT * contact.cell_error:
+            return text
+        if contact.cells is None:
+            return f"{text}, more than cell_error={contact.cell_error:g} asks for; use a smaller one, or cells="
+        return f"{text}; use more strips or rows in cells= where that matters"
+
+
+def cell_check_notes(engine: Engine, history: History) -> list[str]:
+    """One note for each contact of a run of `engine` whose cells carried a load."""
+    return [
+        check.note(engine.scene.contacts[i], (engine.compiled.patches[i].columns, len(engine.compiled.patches[i].z)))
+        for i, check in check_cells(engine, history).items()
+    ]
+
+
+def check_cells(engine: Engine, history: History, sampled: int = SAMPLED) -> dict[int, CellCheck]:
+    """By number of the contact what finer cells change, at most `sampled` saved steps of `history` each."""
+    scene, plans = engine.scene, engine.compiled.patches
+    found = {i: history.contacts[scene.contacts[i].name] for i in plans}
+    force = {i: np.linalg.norm(record.force, axis=1) for i, record in found.items()}
+    loaded = {i: np.flatnonzero(f > TOUCHING * f.max(initial=0.0)) for i, f in force.items()}
+    loaded = {i: rows for i, rows in loaded.items() if len(rows)}
+    if not loaded:
+        return {}
+    others = {i: _other(plan, scene.contacts[i], found[i], loaded.get(i)) for i, plan in plans.items()}
+    wanted = {i: _sampled(rows, force[i], sampled) for i, rows in loaded.items()}
+    rows = sorted(set().union(*wanted.values()))
+    own, other = (_at_rest(engine, history, rows, cells) for cells in (plans, others))
+    checks = {}
+    for i, those in wanted.items():
+        differences = [
+            abs(other[t][i] / own[t][i] - 1.0) for t in those if t in own and t in other and np.all(own[t][i] > 0.0)
+        ]
+        finer = others[i].columns > plans[i].columns
+        force_error, pressure_error = np.max([np.zeros(2), *differences], axis=0) * (4.0 / 3.0 if finer else 1.0 / 3.0)
+        rows_seen = tuple(those) if differences else ()
+        checks[i] = CellCheck(float(force_error), float(pressure_error), rows_seen, finer)
+    return checks
+
+
+def _other(plan: PatchPlan, contact: Contact, found: ContactHistory, rows: np.ndarray | None) -> PatchPlan:
+    """Finer or coarser cells for the half-widths at the loaded `rows`; at all, where there are none."""
+    if found.cells is None:
+        raise TypeError(f"contact {contact.name!r} has no cells")
+    width = found.cells.half_width if rows is None else found.cells.half_width[rows]
+    across, along = plan.columns, len(plan.z)
+    across, along = (2 * n - 1 if across * along < MANY else (n + 1) // 2 | 1 for n in (across, along))
+    return plan.spread(contact, across, along, float(width.min()) / MARGIN, float(width.max()) * MARGIN)
+
+
+def _sampled(rows: np.ndarray, force: np.ndarray, count: int) -> list[int]:
+    """The one of `rows` with the largest force, and others evenly spread, `count` at most."""
+    spread = rows[np.linspace(0, len(rows) - 1, count).round().astype(int)]
+    spread[count // 2] = rows[np.argmax(force[rows])]
+    return sorted({int(t) for t in spread})
+
+
+def _at_rest(
+    engine: Engine, history: History, rows: list[int], patches: Mapping[int, PatchPlan]
+) -> dict[int, dict[int, np.ndarray]]:
+    """Force [N] and largest pressure [Pa] of each patch, by number of the contact, at those saved `rows` where the
+    bodies held still let them be found."""
+    try:
+        held = Engine(engine.scene, device=str(engine.compiled.device), settings=engine.settings, patches=patches)
+    except (InputError, MemoryError, RuntimeError):  # no room for them
+        return {}
+    held.rates_to_zero()
+    values = {}
+    for t in rows:
+        held.control(status=0)
+        _put(held, history, t)
+        for _ in range(STEPS):
+            held.static_step(HELD * float(held.compiled.model.length))
+        if np.any(held.word("status")):
+            continue
+        held.save_now()
+        saved = history_from_rows(held.compiled, held.saved()).contacts
+        values[t] = {}
+        for i in patches:
+            record = saved[engine.scene.contacts[i].name]
+            values[t][i] = np.array([np.linalg.norm(record.force[-1]), record.pressure[-1].max(initial=0.0)])
+    return values
+
+
+def _put(engine: Engine, history: History, t: int) -> None:
+    """Bodies and clock of `engine` as saved in row t."""
+    state = engine.state
+    r, p, q = (array.numpy().copy() for array in (state.r, state.p, state.q))
+    for i, body in enumerate(engine.scene.bodies):
+        motion = history.bodies[body.name]
+        r[:, i] = motion.position[t] + rot.matrix(motion.rotation[t]) @ body.center_of_mass
+        p[:, i] = motion.rotation[t]
+        first = engine.compiled.modal_start[i]
+        q[:, first : first + body.mode_count] = motion.modal[t]
+    for array, values in ((state.r, r), (state.p, p), (state.q, q)):
+        array.assign(values)
+    engine.clock(time=history.time[t], start_time=history.time[t])
