@@ -55,6 +55,7 @@ def pressed(growth: float, order: int, expected: float | None):
     )
 
 
+@pytest.mark.slow
 def test_layers_that_grow_are_named() -> None:
     for expected, words in (
         (None, "force at a given approach is about 5% too high"),

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +28,13 @@ from warpffrf.offline import reduce
 from warpffrf.output.simulate import equilibrium, simulate
 from warpffrf.verification.closed_forms import LineContact, contact_modulus
 from warpffrf.verification.closed_forms.elliptic import EllipticContact
-from warpffrf.verification.finite_elements.free_end import STEEL_ROLLER, EndPressure, press_crowned, press_roller
+from warpffrf.verification.finite_elements.free_end import (
+    STEEL_ROLLER,
+    EndPressure,
+    press_crowned,
+    press_pair,
+    press_roller,
+)
 from warpffrf.verification.markdown import table
 from warpffrf.verification.scenes.user_meshes import cut_into_tets, gmsh_roller, serendipity, straight
 
@@ -42,6 +48,9 @@ CROWNS = ((0.14, 1e3), (0.5, 1e3), (2.0, 300.0), (2.0, 1500.0))  # m, N
 CROWNED_LEVEL = 6.0
 INSIDE = (2e-4, 6e-5)  # m from the end
 FINE_SECTORS = 1600
+FINEST = 2e-3  # m, elements of the second mesh
+LONG = replace(STEEL_ROLLER, width=2.0 * WIDTH)  # the wider partner
+FLUSH_LEVEL = (5.0, 0.125)  # as LEVEL
 TURNED_APPROACH, BESIDE_APPROACH = 3e-5, 2e-5  # m
 APART = (np.pi, 0.5, 0.26, 0.18, 0.12)  # rad between two rollers on one
 REVOLUTIONS, STRIDE = 10, 0.02  # rad a step: a quarter of an element of 4 mm
@@ -49,11 +58,11 @@ LAYER = 0.8  # of the size of the cells at the rim over that of the layers
 ROLLED, TURNS = 3.0, 60  # elements of 4 mm, saved places
 
 
-def hexahedra(size: float, order: int = 2, crown_radius: float | None = None) -> Mesh:
+def hexahedra(size: float, order: int = 2, crown_radius: float | None = None, width: float = WIDTH) -> Mesh:
     """The roller in cells of `size` [m] at the rim."""
     return roller_mesh(
-        R, BORE, WIDTH, sectors=4 * round(0.5 * np.pi * R / size), layers=round(LAYER * (R - BORE) / size),
-        axial=round(WIDTH / size), order=order, crown_radius=crown_radius,
+        R, BORE, width, sectors=4 * round(0.5 * np.pi * R / size), layers=round(LAYER * (R - BORE) / size),
+        axial=round(width / size), order=order, crown_radius=crown_radius,
     )  # fmt: skip
 
 
@@ -144,10 +153,14 @@ def ripple(body: ReducedBody, approach: float) -> float:
     return float(np.ptp(force) / force.mean())
 
 
+def half_width_under(load: float) -> float:
+    """Half-width [m] of two equal rollers under the load [N]."""
+    return LineContact(load / WIDTH, R, contact_modulus(STEEL)).half_width
+
+
 def straight_reference(load: float) -> EndPressure:
     """Finite elements of a straight roller under the load [N]."""
-    half_width = LineContact(load / WIDTH, R, contact_modulus(STEEL)).half_width
-    return press_roller(STEEL_ROLLER, load, half_width, *LEVEL)
+    return press_roller(STEEL_ROLLER, load, half_width_under(load), *LEVEL)
 
 
 def crowned_reference(crown_radius: float, load: float) -> EndPressure:
@@ -196,11 +209,13 @@ def spurious(body: ReducedBody, approach: float) -> float:
 
 
 def straight_rows(references: dict[float, EndPressure]) -> list[list[str]]:
-    """Of every mesh: degrees of freedom, errors of forces, peaks and pressures near the end, ripple."""
-    rows = []
+    """Of every mesh: degrees of freedom, error by two meshes, errors of forces, peaks and pressures near the end,
+    ripple."""
+    rows, finest = [], reduced(hexahedra(FINEST))
+    half_width = half_width_under(LOADS[-1])
     for name, mesh in MESHES.items():
         body = reduced(mesh())
-        cells = [name, str(body.report["dofs"])]
+        cells = [name, str(body.report["dofs"]), f"{body.mesh_error(finest, half_width=half_width)['rim']:+.2%}"]
         for load, reference in references.items():
             found = Found.of(held(body, body, 2.0 * reference.approach))
             cells += [_error(found.force / load), _error(found.peak / reference.middle)]
@@ -222,6 +237,24 @@ def crowned_rows() -> list[list[str]]:
             found = Found.of(held(body, body, 2.0 * reference.approach))
             rows.append([f"{crown_radius:g}", f"{load:g}", f"{2e6 * reference.approach:.2f}", f"{kind}, 4 mm",
                          _error(found.force / load), _error(found.peak / reference.middle)])  # fmt: skip
+    return rows
+
+
+def flush_rows() -> list[list[str]]:
+    """Of every mesh: errors of force, peak and pressure near the end of a roller on one twice as wide."""
+    reference = press_pair(STEEL_ROLLER, LONG, LOADS[-1], half_width_under(LOADS[-1]), *FLUSH_LEVEL)
+    kinds: dict[str, Callable[[float], Mesh]] = {
+        "hex8": lambda width: hexahedra(4e-3, 1, width=width),
+        "hex27": lambda width: hexahedra(4e-3, width=width),
+        "tet10": lambda width: cut_into_tets(hexahedra(4e-3, width=width)),
+    }  # fmt: skip
+    rows = []
+    for kind, made in kinds.items():
+        short, long = (reduced(made(width)) for width in (WIDTH, LONG.width))
+        found = Found.of(held(short, long, reference.approach))
+        rows.append([f"{kind}, 4 mm", f"{1e6 * reference.approach:.2f}", _error(found.force / LOADS[-1]),
+                     _error(found.peak / reference.middle),
+                     _error(found.near_end(INSIDE[0]) / reference.along(INSIDE[0]))])  # fmt: skip
     return rows
 
 
@@ -267,11 +300,10 @@ def page() -> str:
     fine = fine_roller()
     coarse = {name: reduced(MESHES[name]()) for name in ("hex8, 4 mm", "tet10, 4 mm, Gmsh")}
     places = [f"{inside * 1e3:g} mm from the end" for inside in INSIDE]
-    head = ["mesh", "dofs"]
+    head = ["mesh", "dofs", "two meshes"]
     for reference in references.values():
         head += [f"force at {2e6 * reference.approach:.1f} µm", "peak", *places]
-    wide = {load: LineContact(load / WIDTH, R, contact_modulus(STEEL)).half_width for load in LOADS}
-    widths = " and ".join(f"{a * 1e3:.2f}" for a in wide.values())
+    widths = " and ".join(f"{half_width_under(load) * 1e3:.2f}" for load in LOADS)
     energy = [[name, f"{spurious(body, 2.0 * references[LOADS[-1]].approach):.1e}"] for name, body in coarse.items()]
     return f"""# Rollers on meshes coarser than their contact
 
@@ -284,7 +316,8 @@ the patch, eleven strips by 21 rows (27 of crowned ones). Half-widths are about 
 
 Beside full finite elements of one roller on the plane of symmetry, quadratic cells of a sixth of a half-width
 (`free_end`; their force is converged to 0.1 %, their peak to 0.3 %). *Peak*: at mid-width. Pressure on the line of
-contact near the free end. *Ripple*: of the force while the rollers turn by three elements of 4 mm at constant approach.
+contact near the free end. *Two meshes*: error of the force that `ReducedBody.mesh_error` finds by hex27 of 2 mm.
+*Ripple*: of the force while the rollers turn by three elements of 4 mm at constant approach.
 
 {table([*head, "ripple"], straight_rows(references))}
 ## Crowned rollers
@@ -292,6 +325,13 @@ contact near the free end. *Ripple*: of the force while the rollers turn by thre
 Beside finite elements with six cells in each half-axis of Hertz's ellipse.
 
 {table(["crown [m]", "load [N]", "approach [µm]", "mesh", "force", "peak"], crowned_rows())}
+## A flush roller on a wider one
+
+The second roller is {LONG.width * 1e3:g} mm wide, 10 mm more at each end. Beside finite elements of both with
+{FLUSH_LEVEL[0]:g} cells in a half-width, whose peak is converged to 1 %, and to 1.5 % the pressure near the end, which
+at the end itself has no bound.
+
+{table(["mesh", "approach [µm]", "force", "peak", places[0]], flush_rows())}
 ## Tilt and skew
 
 At {TURNED_APPROACH * 1e6:g} µm beside the package's material grid on a mesh made for the contact (hats of 0.1 mm,
