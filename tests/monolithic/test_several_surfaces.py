@@ -42,7 +42,7 @@ def ring() -> ReducedBody:
     mesh = roller(0.05, 0.03, 0.02, sectors=14, layers=2, axial=2, order=1)
     return reduce(
         mesh, STEEL, contact={"rim": Cylinder(), "bore": Bore()}, modes=6, tangential=True, local_dynamics=True,
-        cache=False, progress=False,
+        cache=False, progress=False, patch_grid=False,
     )  # fmt: skip
 
 
@@ -81,7 +81,15 @@ def test_normals_that_lean_keep_the_compliance() -> None:
     """It can be negative in some direction; traces and stiffnesses still make it what it is."""
     mesh = roller(0.05, 0.03, 0.02, sectors=24, layers=2, axial=1, order=1)
     rubber = Material(5e6, 0.49, 1100.0)
-    body = reduce(mesh, rubber, contact={"rim": Cylinder(), "bore": Bore()}, modes=6, cache=False, progress=False)
+    body = reduce(
+        mesh,
+        rubber,
+        contact={"rim": Cylinder(), "bore": Bore()},
+        modes=6,
+        cache=False,
+        progress=False,
+        patch_grid=False,
+    )
     found = static_coordinates(body, [Loaded("rim", False, 1.0), Loaded("bore", False)], "ring")
     rim, cross = body.contact_surfaces["rim"], body.cross_compliance("rim", "bore")
     assert cross is not None and found[0].stiffness.min() == -1.0
@@ -98,7 +106,7 @@ def sheet(modes: int, width: float) -> ReducedBody:
     mesh = mesh.select("spot", "z_max", lambda c: np.hypot(c[:, 0], c[:, 1]) < 0.008)
     return reduce(
         mesh, STEEL, contact={"z_min": None, "z_max": None}, interfaces={"x_min": "average", "spot": "average"},
-        modes=modes, cache=False, progress=False,
+        modes=modes, cache=False, progress=False, patch_grid=False,
     )  # fmt: skip
 
 
@@ -155,7 +163,7 @@ def rollers() -> dict[str, ReducedBody]:
     return {
         what: reduce(
             mesh, STEEL, interfaces={"bore": "rigid"}, contact=dict.fromkeys(names, Cylinder()), max_frequency=15e3,
-            tangential=True, cache=False, progress=False,
+            tangential=True, cache=False, progress=False, patch_grid=False,
         )
         for what, names in (("whole", ("rim",)), ("parts", ("upper", "lower")))
     }  # fmt: skip

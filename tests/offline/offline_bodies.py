@@ -12,8 +12,9 @@ STEEL = Material(210e9, 0.3, 7850.0)
 
 
 def reduced(mesh, *, general: bool = False, **settings):
-    """`reduce` with a rigid bore and a contact rim, without cache; `general` forbids the cyclic path."""
+    """`reduce` with a rigid bore and a contact rim, without cache and patch grid; `general` forbids the cyclic path."""
     given = {"interfaces": {"bore": "rigid"}, "contact": {"rim": Cylinder()}, "cache": False, "progress": False}
+    given["patch_grid"] = False
     if general:
         given["periodic"] = False
     return reduce(mesh, STEEL, **{**given, **settings})

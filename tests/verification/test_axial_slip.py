@@ -101,7 +101,7 @@ def force_of(case: Case, result: wf.Result) -> float:
     return float(np.mean(late[:, 1] / late[:, 2]) if case.creep else np.mean(late[:, 0]))
 
 
-@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("order", [1, pytest.param(2, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", CASES)
 def test_it_runs_on_coarse_grids(name: str, order: int) -> None:
     """With a patch of two to four columns, through the transient; at a tenth of the step too."""

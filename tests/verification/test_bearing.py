@@ -43,6 +43,7 @@ def check_loads(history: History, bearing: Bearing, since: float, within: float 
     assert worst.max() < within
 
 
+@pytest.mark.slow
 def test_a_run_up_of_six_rollers() -> None:
     """On a coarse grid and a short ramp."""
     bearing = Bearing(6)

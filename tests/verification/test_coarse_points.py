@@ -20,7 +20,7 @@ MISES, DEPTH = 0.01, 0.02
 PLANE_STRAIN = replace(cp.STEEL, poisson_ratio=0.0)
 
 
-@pytest.mark.parametrize(("elements", "order"), [(2, 1), (2, 2), (3, 1), (4, 2)])
+@pytest.mark.parametrize(("elements", "order"), [(2, 1), (2, 2), (3, 1), pytest.param(4, 2, marks=pytest.mark.slow)])
 def test_solid_roller_between_planes(elements: int, order: int) -> None:
     """C1 and C2 in plane strain, a contact of 0.003 radii."""
     errors = cp.roller_errors(cp.roller(PLANE_STRAIN, elements, order), PLANE_STRAIN)

@@ -76,7 +76,7 @@ def test_the_reference_has_converged(nu: float) -> None:
     assert coarse == pytest.approx(fine, rel=CONVERGED)
 
 
-@pytest.mark.parametrize("mesh", ["hex8, 240", "hex27, 240"])
+@pytest.mark.parametrize("mesh", ["hex8, 240"])
 def test_cells_do_not_lock(mesh: str) -> None:
     assert_close(mesh, 0.4999)
 
@@ -102,6 +102,7 @@ def test_cells_lock_without_it() -> None:
     assert load > 3.0 * pressed_cover(RADIUS, CORE, rubber(0.4999), APPROACH, *CELLS)[0]
 
 
+@pytest.mark.slow
 def test_hertz_where_the_cover_is_deep_enough() -> None:
     """The limit of `ContactResult.hertz`: his peak is right to 3 % up to there, and not at twice the half-width."""
     material, wall = rubber(0.4999), RADIUS - CORE

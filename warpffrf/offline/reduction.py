@@ -77,7 +77,7 @@ def reduce(
     solver: str | None = None,
     memory_limit: float | None = None,
     sampling_error: float | None = None,
-    patch_grid: bool | None = False,
+    patch_grid: bool | None = None,
     cache: bool = True,
     progress: bool = True,
 ) -> ReducedBody:
@@ -121,10 +121,11 @@ def reduce(
     sampling_error: also choose few sampling points on each contact surface for `Contact(evaluation="hyper")`, by which
         the integrals of training patches err by at most this fraction of their size; None: no such points. 0.01 takes
         a third of the points of evaluation "semi", see `warpffrf.offline.contact.cubature`.
-    patch_grid: True: also what contacts need whose pressures stand on a grid that travels with the patch, much finer
-        than the mesh (`warpffrf.model.far_field`); None: for the surfaces whose mesh is too coarse for pressures on a
-        grid of its own. It costs the solution of some hundred to thousand dofs for every few dozen functions of the
-        contact grid (of one sector). The cells near the surface must be of one material.
+    patch_grid: None: for contact surfaces whose mesh is too coarse for pressures on a grid of its own, also what
+        contacts need whose pressures stand on a grid that travels with the patch, much finer than the mesh
+        (`warpffrf.model.far_field`), where that can be had; True: for all, or an error that says why not; False: for
+        none. It costs the solution of some hundred to thousand dofs for every few dozen functions of the contact grid
+        (of one sector). The cells near the surface must be of one material.
     cache: look the result up in, and put it into, the user's cache. An interrupted reduction leaves a work file there,
         and goes on from it when called again.
     progress: a bar on a terminal.
@@ -215,9 +216,9 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
         if name in expected:
             kept = promised(expected[name], s.grid, shape, mesh)
             report["contact"][name]["expected"] = kept.facts()
-            report["warnings"] += [text for text in [kept.warning(name)] if text]
-        elif not warnings and (text := mesh_error_warning(name, report["contact"][name]["line_mesh_error"])):
-            report["warnings"].append(text)
+            too_coarse = kept.warning(name)
+        else:
+            too_coarse = None if warnings else mesh_error_warning(name, report["contact"][name]["line_mesh_error"])
         surfaces[name] = ContactSurface(
             name,
             shape,
@@ -236,6 +237,10 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
             report["contact"][name]["sampling"] = {"points": points.count, **points.facts()}
             report["stage_seconds"] = dict(stages.seconds)
         surfaces[name] = _with_far_field(surfaces[name], mesh, assignment, settings, checkpoint, stages, report)
+        if too_coarse and surfaces[name].far is None:
+            report["warnings"].append(too_coarse)
+        elif too_coarse:
+            report["notes"].append(f"{too_coarse}; pressures on cells that travel with the patch do not need that")
     report["notes"] += _between_surfaces(product, settings)
     for cross in product.cross:
         share = coupling(cross, surfaces[cross.target], surfaces[cross.source])

@@ -47,7 +47,7 @@ class Settings:
     solver: str | None
     memory_limit: int | None
     sampling_error: float | None = None
-    patch_grid: bool | None = False
+    patch_grid: bool | None = None
 
     @classmethod
     def of(
@@ -73,7 +73,7 @@ class Settings:
         solver: str | None,
         memory_limit: float | None,
         sampling_error: float | None = None,
-        patch_grid: bool | None = False,
+        patch_grid: bool | None = None,
     ) -> Settings:
         """The settings behind the arguments of `reduce`, checked as far as they can be without the mesh."""
         options = basis_options(basis)

@@ -104,6 +104,12 @@ def run_monolithic(
         )
     if options.law == "nodes" and scene.contacts:
         notes.append("method 'monolithic': pressures shown are node forces spread over the hats of the contact grid")
+    notes += [
+        f"contact {contact.name!r}: pressures on the material grid, the only one of method 'monolithic', though its "
+        "bodies have what cells that travel with the patch need"
+        for contact in scene.contacts
+        if contact.grid == "auto" and all(port.rigid or port.surface.far is not None for port in contact.ports)
+    ]
     return to_history(found, notes)
 
 

@@ -55,8 +55,8 @@ def roller_body(
     tangential: bool = False,
     cache: bool = True,
 ) -> ReducedBody:
-    """A hollow roller (lengths in m, frequencies in Hz) with a rigid bore and a contact rim, reduced; tangential: for
-    friction."""
+    """A hollow roller (lengths in m, frequencies in Hz) with a rigid bore and a contact rim, reduced for pressures on
+    its contact grid; tangential: for friction."""
     mesh = roller(
         outer_radius, inner_radius, width, crown_radius=crown_radius, sectors=sectors, layers=layers, axial=axial,
         grading=grading, order=order,
@@ -65,7 +65,7 @@ def roller_body(
     limit = max_frequency if modes is None else None
     return reduce(
         mesh, material, interfaces={"bore": "rigid"}, contact={"rim": shape}, max_frequency=limit, modes=modes,
-        tangential=tangential, cache=cache, progress=False,
+        tangential=tangential, patch_grid=False, cache=cache, progress=False,
     )  # fmt: skip
 
 
