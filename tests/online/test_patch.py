@@ -259,7 +259,8 @@ def test_impact_gives_back_its_energy(ball) -> None:
 def test_what_a_patch_cannot_is_refused(roller) -> None:
     plain = wf.reduce(
         wf.mesh.roller(RADIUS, 0.015, WIDTH, sectors=24, layers=2, axial=2, order=1), STEEL,
-        interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, cache=False, progress=False,
+        interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, patch_grid=False, cache=False,
+        progress=False,
     )  # fmt: skip
     with pytest.raises(InputError, match="grid='patch' needs the far field of .*reduce\\(..., patch_grid=True\\)"):
         pair(plain, 1e-5)
@@ -290,3 +291,40 @@ def test_the_grid_is_chosen(roller) -> None:
     history = find_equilibrium(scene)
     assert history.contacts[NAME].cells is None
     assert any("material grid, as those of 'third-lower' on body 'lower' are" in note for note in history.notes)
+
+
+def test_a_coarse_mesh_needs_no_option() -> None:
+    """Neither the reduction nor the contact is told that the mesh is coarse: pressures stand on cells, and nobody asks
+    for a finer mesh."""
+    mesh = wf.mesh.roller(RADIUS, 0.015, WIDTH, sectors=40, layers=4, axial=3, order=1)
+    body = wf.reduce(
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, cache=False,
+        progress=False,
+    )  # fmt: skip
+    assert not body.report["warnings"]
+    history = find_equilibrium(pair(body, 1e-5, grid="auto"))
+    assert history.contacts[NAME].cells is not None
+    assert not any("finer mesh" in note for note in history.notes)
+
+
+def test_a_run_tells_why_cells_are_not_taken(roller) -> None:
+    history = find_equilibrium(pair(roller, 1e-5, grid="auto", friction=0.1))
+    assert history.contacts[NAME].cells is None
+    assert any("material grid, whose columns are 0.0079 m apart" in n and "friction" in n for n in history.notes)
+
+
+def test_flat_faces_on_each_other_stay_on_the_material_grid() -> None:
+    """They have no width that cells could follow."""
+    body = wf.reduce(
+        wf.mesh.box((0.04, 0.03, 0.01), (8, 6, 2), order=1), STEEL, interfaces={"x_min": "average"},
+        contact={"z_min": wf.surfaces.Plane()}, modes=0, cache=False, progress=False,
+    )  # fmt: skip
+    assert body.contact_surfaces["z_min"].far is not None
+    scene = wf.Scene(gravity=(0, 0, 0))
+    block = scene.add_body(body, name="block", position=(0, 0, -1e-7))
+    scene.add(wf.joints.Fixed(scene.ground, block["x_min"]))
+    floor = scene.ground.surface(wf.surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1)), name="floor")
+    scene.add(wf.Contact(block["z_min"], floor, name="flat"))
+    history = find_equilibrium(scene)
+    assert history.contacts["flat"].cells is None
+    assert any("nearly as curved as each other" in note for note in history.notes)

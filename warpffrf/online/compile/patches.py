@@ -66,7 +66,8 @@ def _why_not(contact: Contact, dynamic: Collection[int]) -> str | None:
     if any(port.body.index in dynamic for port in contact.ports):
         return "their local modes have inertia"
     across, _ = relative_curvatures(contact)
-    sharpest = max(1.0 / radius for radius in (radius_of(p.surface) for p in contact.ports) if radius > 0.0)
+    radii = [radius_of(port.surface) for port in contact.ports]
+    sharpest = max((1.0 / radius for radius in radii if radius > 0.0), default=0.0)
     return None if across > HUGGING * sharpest else "the surfaces are nearly as curved as each other"
 
 
