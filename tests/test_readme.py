@@ -23,8 +23,8 @@ HALF_WIDTH_TOLERANCE = 0.04  # four elements a half-width
 
 LONGEST = 25  # lines of an example that one still reads at a glance
 # largest von Mises stress under a line contact over the largest pressure, Poisson's ratio 0.3 (Johnson 1985, 4.2)
-LINE_CONTACT = 0.558
-STRESS_TOLERANCE = 0.06  # contact grid of 0.4 half-widths: the rule for its peak pressure says as much
+SHORT_LINE_CONTACT = 0.632  # 0.558 of an infinite line; 0.638 and 0.626 on cells half as large, by hats and patches
+STRESS_TOLERANCE = 0.03  # what the cells add to peak and stress, and the mesh of 0.4 half-widths
 RADIUS, HALF, WIDTH, HEIGHT = 50.0, 3.0, 4.0, 20.0  # mm, of a shoe with a round pad on top
 COUNTS = (30, 20, 10)  # cells across, along, down
 CORNERS = ((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1), (0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0))
@@ -108,7 +108,7 @@ def test_the_deck_of_ones_own_runs(tmp_path: Path) -> None:
     said = run_example(1, tmp_path)
     assert "steel, E 2.1e+11 Pa" in said and "foot: average" in said and "contact grid  pad" in said, said
     peak, stress = (float(x) for x in said.strip().splitlines()[-1].split())
-    assert abs(stress / peak / LINE_CONTACT - 1.0) < STRESS_TOLERANCE
+    assert abs(stress / peak / SHORT_LINE_CONTACT - 1.0) < STRESS_TOLERANCE
     assert {"shoe.png", "mode_7.rrd"} <= {p.name for p in tmp_path.iterdir()}
 
 

@@ -270,6 +270,11 @@ def test_what_a_patch_cannot_is_refused(roller) -> None:
         pair(roller, 1e-5, friction=0.1)
     with pytest.raises(InputError, match="cells must be \\(strips across, rows along\\), got 12"):
         pair(roller, 1e-5, cells=12)
+    layered = pair(roller, 1e-5, law=wf.laws.LinearLayer(1e14))
+    lower, upper = layered.bodies
+    layered.add(wf.Contact(lower["rim"], upper["rim"], law=wf.laws.LinearLayer(1e13), name="second", grid="material"))
+    with pytest.raises(InputError, match="'second' stands on the same surfaces, .* use grid=\"material\""):
+        find_equilibrium(layered)
     scene = pair(roller, 1e-5)
     third = scene.add_body(roller, name="third", position=(2 * RADIUS - 1e-5, 0, 0))
     scene.add(wf.Contact(third["rim"], scene.bodies[0]["rim"], grid="material"))

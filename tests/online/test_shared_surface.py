@@ -322,7 +322,7 @@ def test_two_surfaces_of_one_body_are_named(rubbing_body: ReducedBody) -> None:
     body = scene.add_body(twice, name="body")
     for name, height in (("rim", -0.05), ("other", 0.05)):
         plane = surfaces.Plane(origin=(0.0, 0.0, height), outward=(0.0, 0.0, -np.sign(height)))
-        scene.add(Contact(body[name], scene.ground.surface(plane, name=f"under {name}"), name=name))
+        scene.add(Contact(body[name], scene.ground.surface(plane, name=f"under {name}"), name=name, grid="material"))
     assert any("'body': its contact surfaces other, rim" in note for note in Engine(scene).compiled.notes)
 
 

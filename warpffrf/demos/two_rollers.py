@@ -147,7 +147,7 @@ def summary(scene: wf.Scene, result: wf.Result, seconds: dict[str, float], unit:
         "hertz_peak_pressure": float(np.mean([h.peak_pressure for h in hertz])),
         "averaged_from": float(result.time[rows[0]]),
         "averaged_to": float(result.time[rows[-1]]),
-        "elements_per_half_width": width / contact.spacing,
+        "elements_per_half_width": width / float(np.mean(contact.spacing)),
         "local_modes_per_body": roller.local_modes,
         "global_modes_per_body": len(roller.frequencies),
         "fe_dofs_per_body": int(roller.report["dofs"]),

@@ -20,7 +20,7 @@ def refuse_double_claims(contact: Any, others: Iterable[Any]) -> None:
     """Raises `InputError` where `contact`, distributed or lumped, claims what one of the others on its surfaces
     does."""
     for other in others:
-        if other is contact or not _on_same_surfaces(contact, other):
+        if other is contact or not on_same_surfaces(contact, other):
             continue
         where = (
             f"contact {contact.name!r}: {contact.a.label} and {contact.b.label} are in contact already, as "
@@ -47,7 +47,8 @@ def refuse_claims_of(scene: Any) -> None:
         refuse_double_claims(contact, contacts[:number])
 
 
-def _on_same_surfaces(a: Any, b: Any) -> bool:
+def on_same_surfaces(a: Any, b: Any) -> bool:
+    """Whether two contacts stand on the same two surfaces, in whichever order they are named."""
     return all(any(_same_surface(port, used) for used in b.ports) for port in a.ports)
 
 

@@ -351,9 +351,9 @@ def _with_far_field(
     name, shape, grid = surface.name, surface.shape, surface.grid
     if settings.patch_grid is False:
         return surface
-    if settings.patch_grid is None and not is_coarse(mesh, name, shape, grid, settings.expected_half_width):
-        return surface
     material = facet_material(mesh, mesh.facets(name), assignment)
+    if settings.patch_grid is None and not is_coarse(mesh, name, shape, grid, settings.expected_half_width, material):
+        return surface
     found = find_far_field(mesh, name, shape, grid, surface.lags, material, assignment, checkpoint, stages)
     report["notes"] += found.notes
     report["warnings"] += found.warnings

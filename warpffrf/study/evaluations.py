@@ -81,7 +81,7 @@ def tread(
     stress = None if half_width is None else {POINTS: stress_points(half_width)}
     return reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"tread": Cylinder()}, modes=0, stress=stress,
-        sampling_error=sampling_error, progress=False,
+        sampling_error=sampling_error, patch_grid=False, progress=False,
     )  # fmt: skip
 
 

@@ -242,11 +242,11 @@ def locate_patches(
     ctl: inout(wp.array(dtype=Control)),
     phase: inout(wp.array3d(dtype=real)),
     nearest: inout(wp.array3d(dtype=real)),
+    center: inout(wp.array3d(dtype=int)),
     active: inout(wp.array3d(dtype=int)),
     pressure: inout(wp.array3d(dtype=real)),
     patch_width: inout(wp.array2d(dtype=real)),
     touched: out(wp.array3d(dtype=int)),
-    center: out(wp.array3d(dtype=int)),
     patch_buffer: out(wp.array3d(dtype=real)),
     patch_place: out(wp.array3d(dtype=real)),
     window: out(wp.array3d(dtype=int)),
@@ -273,9 +273,14 @@ def locate_patches(
     nearest[w, pair, 0] = x
     theta = model.surfaces.theta[A] + x * model.surfaces.pitch[A]
     foot = chart_of(model, B, view.at + view.turn * local_point(model, A, theta, z))
-    x_b = (foot[0] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
-    if model.surfaces.planar[B] == 0 and model.surfaces.rigid[B] == 0:
-        x_b = wrap(x_b, TWO_PI / model.surfaces.pitch[B], real(0.5) * real(model.surfaces.columns[B] - 1))
+    x_b = real(0.0)
+    if model.surfaces.rigid[B] == 0:
+        x_b = (foot[0] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+        if model.surfaces.planar[B] == 0:
+            middle = real(0.5) * real(model.surfaces.columns[B] - 1)
+            if ctl[w].iteration > 0:  # stay on the branch of the first iteration
+                middle = real(center[w, pair, 1])
+            x_b = wrap(x_b, TWO_PI / model.surfaces.pitch[B], middle)
     if not (wp.abs(x) < FARTHEST and wp.abs(x_b) < FARTHEST):
         ctl[w].failure = ctl[w].failure | k.NOT_FINITE
         ctl[w].run = 0

@@ -14,6 +14,7 @@ from warpffrf.model.far_splines import FarSplines
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
+from warpffrf.offline.contact.traction_fields import ContactFacets
 from warpffrf.offline.contact.wall import wall
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.general.checkpoint import Checkpoint
@@ -23,8 +24,11 @@ from warpffrf.offline.near_field.quarter_space import LARGEST_RATIO, QuarterSpac
 from warpffrf.offline.progress import Progress
 
 # Distance of nodes in radii, or extents of a surface where they are smaller, from which a mesh counts as coarse: four
-# nodes in a half-width resolve b = 0.016 R, in steel a line contact of 900 MPa, and no lighter one.
-COARSE = 0.004
+# nodes in a half-width resolve b = 0.016 R, in steel a line contact of 900 MPa, and no lighter one. What a material
+# bears goes with about the root of its Young's modulus (500 MPa of aluminium, 90 MPa of polymers, 5 MPa of rubber), and
+# so the half-width under it with one over that root; patches are at most 0.18 R wide (`patch_plan.WIDEST`).
+COARSE, AT_MODULUS = 0.004, 210e9  # Pa
+COARSEST = 0.045
 NODES_PER_HALF_WIDTH = 4
 # Error of the force of a line contact by the wall t behind it, held inside, in longest facet edges h: c (h/t)^p, of
 # hollow rollers with one cell and more through the wall. Linear cells: -10.5, -4.4, -2.0, -0.8 % at t/h = 1, 1.5, 2, 3,
@@ -44,19 +48,28 @@ class FoundField:
     warnings: list[str] = field(default_factory=list)
 
 
-def is_coarse(mesh: Mesh, name: str, shape: Any, grid: ContactGrid, half_width: float | None) -> bool:
+def is_coarse(
+    mesh: Mesh, name: str, shape: Any, grid: ContactGrid, half_width: float | None, material: Material | None
+) -> bool:
     """Whether the nodes of the surface are too far apart for pressures in hats: for the expected `half_width` [m]
-    where that is known, else for all but heavily loaded contacts (`COARSE`)."""
+    where that is known, else for all but heavily loaded contacts of the `material` (`COARSE`). A cylinder is pressed
+    along its axis, and only distances around it count."""
+    middle = float(np.mean(grid.z))
+    radius = float(shape.radius_at(middle))
+    around = grid.columns * grid.pitch * radius
     facets = mesh.facets(name)
-    edge = NearFunctions(mesh, name, shape, grid).edge
-    spacing = edge / max(facet_kind(kind).degree for kind in facets.blocks)
+    chart = ContactFacets.of(mesh.points, facets, shape).chart
+    if shape.kind == "cylinder":
+        spacing, size = radius * float(np.ptp(chart.theta, axis=1).max()), min(around, radius)
+    else:
+        curvature = max(abs(float(k)) for k in shape.curvatures(grid.theta_start, middle))
+        spacing = chart.edge
+        size = min(around, float(np.ptp(grid.z)), 1.0 / curvature if curvature > 0.0 else np.inf)
+    spacing /= max(facet_kind(kind).degree for kind in facets.blocks)
     if half_width is not None:
         return NODES_PER_HALF_WIDTH * spacing > half_width
-    middle = float(np.mean(grid.z))
-    curvature = max(abs(float(k)) for k in shape.curvatures(grid.theta_start, middle))
-    around = grid.pitch * grid.columns * float(shape.radius_at(middle))
-    size = min(around, float(np.ptp(grid.z)), 1.0 / curvature if curvature > 0.0 else np.inf)
-    return spacing > COARSE * size
+    softer = np.sqrt(AT_MODULUS / material.youngs_modulus) if material is not None else 1.0
+    return spacing > min(COARSE * max(softer, 1.0), COARSEST) * size
 
 
 def find_far_field(

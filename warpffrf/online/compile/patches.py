@@ -11,6 +11,7 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.patch.spline_tables import LINE
 
 from warpffrf.model.bodies import Body, Ground
+from warpffrf.model.claims import on_same_surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
@@ -25,16 +26,16 @@ TAPS = 3  # splines across that a window has room for at least, also where a sur
 
 def patch_plans(contacts: list[Contact], dynamic: Collection[int]) -> tuple[dict[int, PatchPlan], list[str]]:
     """Plans by number of the contact, of those on patches, and notes on what grid="auto" has chosen. Raises
-    `InputError` where one of their bodies is loaded by a contact on a material grid too. dynamic: indices of bodies
-    whose local modes have inertia."""
-    taken = {
-        i
-        for i, contact in enumerate(contacts)
-        if contact.grid == "patch" or (contact.grid == "auto" and _why_not(contact, dynamic) is None)
-    }
+    `InputError` where one of their bodies is loaded by a contact on a material grid too, and where another contact
+    stands on the same two surfaces. dynamic: indices of bodies whose local modes have inertia."""
+    why_not = {i: _why_not(c, contacts, dynamic) for i, c in enumerate(contacts) if c.grid == "auto"}
+    taken = {i for i, c in enumerate(contacts) if c.grid == "patch" or (c.grid == "auto" and why_not[i] is None)}
+    for i in sorted(taken):
+        if contacts[i].grid == "patch" and (other := _on_its_surfaces(contacts[i], contacts)):
+            raise InputError(f'contact {contacts[i].name!r}: {other}; use grid="material"')
     notes = [
         f"contact {contact.name!r}: pressures on the material grid, whose columns are {coarse:.2g} m apart, though its "
-        f"bodies have what cells that travel with the patch need: {_why_not(contact, dynamic)}"
+        f"bodies have what cells that travel with the patch need: {why_not[i]}"
         for i, contact in enumerate(contacts)
         if i not in taken and contact.grid == "auto" and (coarse := _spacing_beside_far_fields(contact))
     ]
@@ -59,9 +60,19 @@ def patch_plans(contacts: list[Contact], dynamic: Collection[int]) -> tuple[dict
     return {i: PatchPlan.of(contacts[i]) for i in sorted(taken)}, notes
 
 
-def _why_not(contact: Contact, dynamic: Collection[int]) -> str | None:
+def _on_its_surfaces(contact: Contact, contacts: list[Contact]) -> str | None:
+    """That another contact stands on the surfaces of this one, whose pressure cells of its own do not share."""
+    for other in contacts:
+        if other is not contact and on_same_surfaces(contact, other):
+            return (
+                f"{other.name!r} stands on the same surfaces, and cells of two patches in one place share no pressure"
+            )
+    return None
+
+
+def _why_not(contact: Contact, contacts: list[Contact], dynamic: Collection[int]) -> str | None:
     """Why grid="auto" takes no patch of cells: what they cannot do, or a conformal contact; None where it does."""
-    if reason := contact.without_patch():
+    if reason := contact.without_patch() or _on_its_surfaces(contact, contacts):
         return reason
     if any(port.body.index in dynamic for port in contact.ports):
         return "their local modes have inertia"
