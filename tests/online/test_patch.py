@@ -5,12 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from patch_reference import Patch, press_both
+from scipy.linalg import null_space
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
 from warpffrf.online import run
 from warpffrf.online.compile.patch_plan import MIDDLE_ROW, crowned_edges
+from warpffrf.online.engine import Engine
 from warpffrf.online.run import find_equilibrium
+from warpffrf.online.start.settle import settle
+from warpffrf.online.vibrations.linearise import linearise
 from warpffrf.verification.closed_forms import PointContact, contact_modulus
 
 STEEL = wf.Material(210e9, 0.3, 7800.0)
@@ -29,6 +33,7 @@ TAIL, CUT_OFF = 0.05, 1e-3  # of the largest line pressure, in the outermost str
 RIPPLE = 5e-4  # of a force at constant approach over two elements, from one saved step to another; 6e-5 measured
 POINT = 0.01  # half-widths and peaks of a ball on eight cells, against Hertz at the load
 ENERGY = 5e-3  # of the energy of an impact, that cells which grow and shrink with it make or take: 3e-3 measured
+LINEARISED = 0.01  # of a compliance: cells that stay where they are, or follow; 0.4 and 0.9 % measured
 MOVING = 1e-3  # of the contact's energy, that a patch makes which travels over elements of 8 mm: 4.4e-4 measured
 
 
@@ -333,3 +338,43 @@ def test_flat_faces_on_each_other_stay_on_the_material_grid() -> None:
     history = find_equilibrium(scene)
     assert history.contacts["flat"].cells is None
     assert any("nearly as curved as each other" in note for note in history.notes)
+
+
+def test_rollers_beside_each_other_stay_on_the_material_grid(roller) -> None:
+    """They have no width in common that rows could lie on; one may slide over the other later."""
+    scene = pair(roller, 1e-5, grid="auto")
+    scene.bodies[1].position = np.array([0.0, 1.1 * WIDTH, 2 * RADIUS - 1e-5])
+    notes = Engine(scene).compiled.notes
+    assert any("no width in common: pressures on the material grid" in note for note in notes)
+    scene.contacts[0].grid = "patch"
+    with pytest.raises(InputError, match="no width in common"):
+        Engine(scene)
+
+
+@pytest.mark.parametrize("cells", [None, (9, 11)])
+def test_what_is_linearised_keeps_its_cells(roller, cells: tuple[int, int] | None) -> None:
+    """The compliance of two pressed rollers, linearised and by the difference of two equilibria, whose cells follow."""
+
+    def pressed_by(load: float) -> wf.Scene:
+        scene = wf.Scene(gravity=(0, 0, 0))
+        lower, upper = (scene.add_body(roller, name=n, position=(0, 0, z)) for n, z in (("lower", 0), ("upper", 0.1)))
+        scene.add(wf.joints.Fixed(scene.ground, lower["bore"]))
+        scene.add(wf.joints.Prismatic(scene.ground, upper["bore"], axis=(0, 0, 1)))
+        scene.add(wf.forces.PointForce(upper["bore"], (0, 0, -load)))
+        scene.add(wf.Contact(lower["rim"], upper["rim"], cells=cells))
+        return scene
+
+    load, more = 1e4, 50.0
+    heights = [find_equilibrium(pressed_by(f)).bodies["upper"].position[0, 2] for f in (load - more, load + more)]
+    engine = Engine(pressed_by(load))
+    assert settle(engine)
+    linear = linearise(engine)
+    scale = 1.0 / np.sqrt(np.diag(linear.M))
+    free = scale[:, None] * null_space(linear.C * scale)
+    upper = engine.scene.bodies[1]
+    pull = np.zeros(len(scale))
+    pull[6 * upper.index + 2] = -1.0
+    pull[-upper.mode_count :] = -roller.interfaces["bore"].modes[:, 2]
+    moved = linear.T @ free @ np.linalg.lstsq(free.T @ linear.K @ free, free.T @ pull, rcond=1e-14)[0]
+    given = (heights[1] - heights[0]) / (2.0 * more)
+    assert moved[6 * upper.index + 2] == pytest.approx(given, rel=LINEARISED)

@@ -73,10 +73,7 @@ def _error(body: ReducedBody, finer: ReducedBody, name: str, held: str | None, h
     z, weight = middle + 0.5 * length * x, 0.5 * w
     far = _far(own)
     c = (1.0 - far.poisson_ratio**2) / (np.pi * far.youngs_modulus)
-    centres = [
-        middle,
-        *(2.0 * end.z - middle for end in far.ends),
-    ]  # of the strip, and of its mirror images at the ends
+    centres = [middle, *(2.0 * end.z - middle for end in far.ends)]  # of the strip, and of its images at the ends
     near = c * sum(float(weight @ rectangle(0.0, z - at, 2.0 * b, length)) for at in centres) / (2.0 * b * length)
     if far.quarter is not None:
         for end in far.ends:

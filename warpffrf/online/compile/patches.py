@@ -28,25 +28,35 @@ def patch_plans(contacts: list[Contact], dynamic: Collection[int]) -> tuple[dict
     """Plans by number of the contact, of those on patches, and notes on what grid="auto" has chosen. Raises
     `InputError` where one of their bodies is loaded by a contact on a material grid too, and where another contact
     stands on the same two surfaces. dynamic: indices of bodies whose local modes have inertia."""
-    why_not = {i: _why_not(c, contacts, dynamic) for i, c in enumerate(contacts) if c.grid == "auto"}
-    taken = {i for i, c in enumerate(contacts) if c.grid == "patch" or (c.grid == "auto" and why_not[i] is None)}
-    for i in sorted(taken):
-        if contacts[i].grid == "patch" and (other := _on_its_surfaces(contacts[i], contacts)):
-            raise InputError(f'contact {contacts[i].name!r}: {other}; use grid="material"')
-    notes = [
-        f"contact {contact.name!r}: pressures on the material grid, whose columns are {coarse:.2g} m apart, though its "
-        f"bodies have what cells that travel with the patch need: {why_not[i]}"
-        for i, contact in enumerate(contacts)
-        if i not in taken and contact.grid == "auto" and (coarse := _spacing_beside_far_fields(contact))
-    ]
-    while beside := next(_beside_a_grid(contacts, taken), None):  # one that goes may take others along
+    plans: dict[int, PatchPlan] = {}
+    notes = []
+    for i, contact in enumerate(contacts):
+        asked = contact.grid == "patch"
+        if contact.grid == "material":
+            continue
+        if asked and (reason := _on_its_surfaces(contact, contacts)):
+            raise InputError(f'contact {contact.name!r}: {reason}; use grid="material"')
+        if not asked and (reason := _why_not(contact, contacts, dynamic)):
+            if coarse := _spacing_beside_far_fields(contact):
+                notes.append(
+                    f"contact {contact.name!r}: pressures on the material grid, whose columns are {coarse:.2g} m "
+                    f"apart, though its bodies have what cells that travel with the patch need: {reason}"
+                )
+            continue
+        try:
+            plans[i] = PatchPlan.of(contact)
+        except InputError as error:
+            if asked:
+                raise
+            notes.append(f"{error}: pressures on the material grid, not on cells that travel with the patch")
+    while beside := next(_beside_a_grid(contacts, plans), None):  # one that goes may take others along
         i, port, other = beside
         if contacts[i].grid == "patch":
             raise InputError(
                 f"contact {contacts[i].name!r}: body {port.body.name!r} is loaded by {other.name!r} too, whose hats "
                 "and the cells of a patch do not feel each other by its local modes; give both the same grid="
             )
-        taken.remove(i)
+        del plans[i]
         notes.append(
             f"contact {contacts[i].name!r}: pressures on the material grid, as those of {other.name!r} on body "
             f"{port.body.name!r} are"
@@ -54,10 +64,10 @@ def patch_plans(contacts: list[Contact], dynamic: Collection[int]) -> tuple[dict
     notes += [
         f"contact {contacts[i].name!r}: pressures on cells that travel with the patch, for which its bodies were "
         'reduced (patch_grid); grid="material" takes the contact grid instead'
-        for i in sorted(taken)
+        for i in plans
         if contacts[i].grid == "auto"
     ]
-    return {i: PatchPlan.of(contacts[i]) for i in sorted(taken)}, notes
+    return plans, notes
 
 
 def _on_its_surfaces(contact: Contact, contacts: list[Contact]) -> str | None:
@@ -91,9 +101,9 @@ def _spacing_beside_far_fields(contact: Contact) -> float:
     return surface.grid.pitch * (1.0 if planar else float(np.max(surface.shape.radius_at(np.asarray(surface.grid.z)))))
 
 
-def _beside_a_grid(contacts: list[Contact], taken: set[int]) -> Any:
-    """Of those `taken` for patches the ones on a body that another contact loads on a material grid: number, port, and
-    the other."""
+def _beside_a_grid(contacts: list[Contact], taken: Collection[int]) -> Any:
+    """Of those `taken` for patches, by number, the ones on a body that another contact loads on a material grid:
+    number, port, and the other."""
     for i in sorted(taken):
         for port in (port for port in contacts[i].ports if not port.rigid):
             for j, other in enumerate(contacts):
