@@ -24,6 +24,7 @@ HALF_WIDTH_TOLERANCE = 0.04  # four elements a half-width
 LONGEST = 25  # lines of an example that one still reads at a glance
 # largest von Mises stress under a line contact over the largest pressure, Poisson's ratio 0.3 (Johnson 1985, 4.2)
 SHORT_LINE_CONTACT = 0.632  # 0.558 of an infinite line; 0.638 and 0.626 on cells half as large, by hats and patches
+FINER_CELLS = 0.012  # what is left between hats and patches
 STRESS_TOLERANCE = 0.03  # what the cells add to peak and stress, and the mesh of 0.4 half-widths
 RADIUS, HALF, WIDTH, HEIGHT = 50.0, 3.0, 4.0, 20.0  # mm, of a shoe with a round pad on top
 COUNTS = (30, 20, 10)  # cells across, along, down
@@ -57,9 +58,9 @@ bottom, S1
 """
 
 
-def deck() -> str:
+def deck(counts: tuple[int, int, int] = COUNTS) -> str:
     """The deck of the second example: two instances of a shoe, mm, MPa, t/mm3."""
-    nx, ny, nz = COUNTS
+    nx, ny, nz = counts
     x, y = np.linspace(-HALF, HALF, nx + 1), np.linspace(-0.5 * WIDTH, 0.5 * WIDTH, ny + 1)
     X, Y, T = np.meshgrid(x, y, np.linspace(0.0, 1.0, nz + 1) ** 2, indexing="ij")  # T: depth, finer at the top
     Z = (np.sqrt(RADIUS**2 - X**2) - RADIUS) * (1.0 - T) - HEIGHT * T
@@ -77,9 +78,9 @@ def deck() -> str:
     return "\n".join(lines) + "\n" + TAIL
 
 
-def run_example(number: int, folder: Path) -> str:
-    """What the example prints that stands as the given one in the README."""
-    code = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)[number]
+def run_example(number: int, folder: Path, changed: tuple[str, str] = ("", "")) -> str:
+    """What the example prints that stands as the given one in the README, one text in it `changed`."""
+    code = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)[number].replace(*changed)
     path = os.pathsep.join([str(ROOT), str(ROOT / "kernels")])
     environment = {**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"}
     script = folder / "example.py"
@@ -110,6 +111,16 @@ def test_the_deck_of_ones_own_runs(tmp_path: Path) -> None:
     peak, stress = (float(x) for x in said.strip().splitlines()[-1].split())
     assert abs(stress / peak / SHORT_LINE_CONTACT - 1.0) < STRESS_TOLERANCE
     assert {"shoe.png", "mode_7.rrd"} <= {p.name for p in tmp_path.iterdir()}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("patch_grid", [False, True])
+def test_the_stress_under_the_pad_is_that_of_finer_cells(tmp_path: Path, patch_grid: bool) -> None:
+    """What `SHORT_LINE_CONTACT` is: cells half as large, by hats and by patches."""
+    (tmp_path / "machine.inp").write_text(deck((60, 40, 16)), encoding="utf-8")
+    said = run_example(1, tmp_path, ("max_frequency=50e3,", f"max_frequency=50e3, patch_grid={patch_grid},"))
+    peak, stress = (float(x) for x in said.strip().splitlines()[-1].split())
+    assert abs(stress / peak / SHORT_LINE_CONTACT - 1.0) < FINER_CELLS
 
 
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")
