@@ -20,7 +20,7 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
 from warpffrf_kernels.friction.cell_blocks import COUNT, FRESH, block_of, first_line, is_fresh
 from warpffrf_kernels.friction.cell_shares import add_on_shares, line_of
-from warpffrf_kernels.friction.cells import cell_at
+from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
 from warpffrf_kernels.friction.tangential_fields import second_high, second_low
 from warpffrf_kernels.linear.block_elimination import add_lines
 from warpffrf_kernels.normal.contact_compliance import outer_row, short_of
@@ -98,7 +98,7 @@ def cell_modes(
     weight of the pair, and its transpose."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].changes != 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_grid(model, pair):
         return
     slot = cell_block[w, pair, FRESH]
     while slot < cell_block[w, pair, COUNT]:
@@ -295,7 +295,7 @@ def assemble_cells(
     """Per (world, pair): lines of the compliance of the fresh slots, without the outer coordinates."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].changes != 0:
+    if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_grid(model, pair):
         return
     low = second_low(model, w, pair, second_window)
     high = second_high(model, w, pair, second_window)

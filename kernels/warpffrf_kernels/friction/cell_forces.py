@@ -14,9 +14,8 @@ from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
 from warpffrf_kernels.friction.cell_shares import line_of
-from warpffrf_kernels.friction.cells import cell_at
+from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
 from warpffrf_kernels.normal.pair_forces import modal_line
-from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -66,7 +65,7 @@ def slide_cells(
     window, is credited with the rigid slip alone."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     H = model.window.half
@@ -104,7 +103,7 @@ def load_tractions(
         friction_modal[trial + i] = real(0.0)
         i += wp.block_dim()
     sync()
-    if model.pairs.friction[pair] == real(0.0):
+    if not rubs_on_grid(model, pair):
         return
     A = model.pairs.first[pair]
     rows = model.surfaces.rows[A]
@@ -135,13 +134,6 @@ def load_tractions(
 
 
 @wp.func
-def cell_softness(model: Model, pair: int, row: int, area: real) -> real:
-    """Tangential displacement of a cell of the first surface under a unit traction on itself [m/Pa]."""
-    table = model.responses.tangential[own_load(model, 2 * pair)]
-    return area * model.responses.number[place_in_table(model, table, 0, row, 0) + row]
-
-
-@wp.func
 def creep_softness(model: Model, clk: wp.array(dtype=Clock), w: int, pair: int, bound: real) -> real:
     """Slip of the step per traction that the regularised law adds [m/Pa]: h v_slip / (mu p)."""
     return clk[w].h * model.pairs.slip_velocity[pair] / bound
@@ -155,6 +147,7 @@ def add_friction(
     window: wp.array3d(dtype=int),
     cell_area: wp.array3d(dtype=real),
     cell_wrench: wp.array4d(dtype=real),
+    cell_own: wp.array3d(dtype=real),
     bound: wp.array3d(dtype=real),
     late: wp.array3d(dtype=real),
     traction: wp.array3d(dtype=real),
@@ -212,7 +205,7 @@ def add_friction(
                         t_1 * s_1 + t_2 * s_2, real(0.0)
                     )
                     soft = creep_softness(model, clk, w, pair, b) + late[w, pair, m]
-                    c = cell_softness(model, pair, m % rows, area) + late[w, pair, m]
+                    c = cell_own[w, pair, m] + late[w, pair, m]
                     y_1 = t_1 - (s_1 + soft * t_1) / c
                     y_2 = t_2 - (s_2 + soft * t_2) / c
                     size = wp.sqrt(y_1 * y_1 + y_2 * y_2)

@@ -15,6 +15,7 @@ from warpffrf_kernels.core.access import out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.friction.cells import rubs_on_grid
 from warpffrf_kernels.kinematics.line_of_centres import TWO_PI, wrap
 from warpffrf_kernels.normal.contact_compliance import node_of
 from warpffrf_kernels.surfaces.surface import radius_of
@@ -68,7 +69,7 @@ def spread_cells(
     second window, which only cells far from any patch reach: their hats would have failed the step (`keep_hat`)."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]

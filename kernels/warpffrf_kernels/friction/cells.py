@@ -29,9 +29,10 @@ import warp as wp
 
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
 from warpffrf_kernels.kinematics.line_of_centres import TWO_PI, wrap
+from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 from warpffrf_kernels.surfaces.surface import (
     axes_of,
     chart_of,
@@ -50,6 +51,18 @@ STEEPEST = wp.constant(wp.float64(0.1))  # cosine between c and the second norma
 # columns that the grids may move against each other before the compliance of the cells is assembled anew: it changes by
 # about this fraction, and serves as a tangent only
 PHASE_TOLERANCE = wp.constant(wp.float64(1.0e-2))
+
+
+@wp.func
+def rubs_on_grid(model: Model, pair: int) -> bool:
+    """Whether a pair has friction whose cells are those of the first surface's grid, bound to its material."""
+    return model.pairs.friction[pair] > real(0.0) and model.pairs.family[pair] != PATCH
+
+
+@wp.func
+def rubs_on_patch(model: Model, pair: int) -> bool:
+    """Whether a pair has friction on cells that travel with the patch (room `rolling`)."""
+    return model.pairs.friction[pair] > real(0.0) and model.pairs.family[pair] == PATCH
 
 
 @wp.func
@@ -84,7 +97,7 @@ def open_cells(
     pressures); whether the compliance of the cells is to be assembled anew."""
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     moved = real(0.0)
     for i in range(4):
@@ -115,6 +128,156 @@ def open_cells(
         n += 1
 
 
+@wp.struct
+class Sight:
+    """Both surfaces of a pair at the beginning and the end of a step: origins and axes of their frames, and the common
+    normal; `inside` 1 where one of the two is an inside form."""
+
+    at_a: vec3
+    at_b: vec3
+    turn_a: mat33
+    turn_b: mat33
+    at_a0: vec3
+    at_b0: vec3
+    turn_a0: mat33
+    turn_b0: mat33
+    origin: vec3  # of the first body
+    normal: vec3
+    inside: int
+
+
+@wp.struct
+class Place:
+    """A cell: where it lies on the second surface (theta, z), components of that one's tangents in those of the first,
+    its own tangents u_1, u_2, the arm of its tractions about the first body's origin, and the rigid slip along both."""
+
+    theta: real
+    z: real
+    turn: wp.vec4d
+    u_1: vec3
+    u_2: vec3
+    arm: vec3
+    slip_1: real
+    slip_2: real
+
+
+@wp.func
+def look(
+    model: Model,
+    w: int,
+    A: int,
+    B: int,
+    r: wp.array2d(dtype=vec3),
+    p: wp.array2d(dtype=quat),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    known: vec3,
+    theta: real,
+    z: real,
+) -> Sight:
+    """The surfaces A and B of a pair; `known`: the common normal, zero before the first touch, where it is that of A at
+    (theta, z)."""
+    a = model.surfaces.body[A]
+    b = model.surfaces.body[B]
+    axes_a = axes_of(axes, w, a)
+    axes_b = axes_of(axes, w, b)
+    before_a = wp.identity(n=3, dtype=real)
+    before_b = wp.identity(n=3, dtype=real)
+    if a >= 0:
+        before_a = wp.quat_to_matrix(p[w, a])
+    if b >= 0:
+        before_b = wp.quat_to_matrix(p[w, b])
+    s = Sight()
+    s.origin = origin_of(r1, w, a)
+    s.turn_a = axes_a * model.surfaces.frame[A]
+    s.turn_b = axes_b * model.surfaces.frame[B]
+    s.at_a = s.origin + axes_a * model.surfaces.origin[A]
+    s.at_b = origin_of(r1, w, b) + axes_b * model.surfaces.origin[B]
+    s.turn_a0 = before_a * model.surfaces.frame[A]
+    s.turn_b0 = before_b * model.surfaces.frame[B]
+    s.at_a0 = origin_of(r, w, a) + before_a * model.surfaces.origin[A]
+    s.at_b0 = origin_of(r, w, b) + before_b * model.surfaces.origin[B]
+    if model.surfaces.side[A] < real(0.0) or model.surfaces.side[B] < real(0.0):
+        s.inside = int(1)
+    s.normal = known
+    if wp.length(known) == real(0.0):
+        s.normal = s.turn_a * local_normal(model, A, theta, z)
+    return s
+
+
+@wp.func
+def find_cell(model: Model, A: int, B: int, s: Sight, theta: real, z: real) -> Place:
+    """The cell whose centre is the place (theta, z) of surface A."""
+    point = local_point(model, A, theta, z)
+    n = local_normal(model, A, theta, z)
+    t_1 = local_around(model, A, theta)
+    t_2 = wp.cross(n, t_1)
+    x = s.at_a + s.turn_a * point
+    c = s.normal
+    c_0 = c
+    if s.inside != 0:
+        c = s.turn_a * n
+        c_0 = s.turn_a0 * n
+    now = opposite(model, B, s.at_b, s.turn_b, x, c, 1)
+    then = opposite(model, B, s.at_b0, s.turn_b0, s.at_a0 + s.turn_a0 * point, c_0, 1)
+    around = local_around(model, B, now[0])
+    grown = now[0] - then[0]
+    R = real(1.0)
+    along = vec3(real(0.0), real(0.0), real(1.0))
+    if model.surfaces.planar[B] == 0:
+        grown = wrap(grown, TWO_PI, real(0.0))
+        R = radius_of(model, B, now[1])
+        slope = slope_of(model, B, now[1])
+        along = vec3(slope * wp.cos(now[0]), slope * wp.sin(now[0]), real(1.0))
+    slip = s.turn_b * (model.surfaces.side[B] * R * grown * around + (now[1] - then[1]) * along)
+    u_1 = s.turn_a * t_1
+    u_2 = s.turn_a * t_2
+    if s.inside == 0:  # the line of centres is the normal of the deformed surfaces
+        u_1 = wp.normalize(u_1 - wp.dot(u_1, c) * c)
+        u_2 = wp.normalize(wp.cross(wp.sign(wp.dot(s.turn_a * n, c)) * c, u_1))
+    v_1 = s.turn_b * around
+    v_2 = s.turn_b * wp.cross(local_normal(model, B, now[0], now[1]), around)
+    found = Place()
+    found.theta = now[0]
+    found.z = now[1]
+    # the second surface's tangents span the same plane but for the angle between the normals: 1 - cos of it is lost
+    found.turn = wp.vec4d(wp.dot(u_1, v_1), wp.dot(u_1, v_2), wp.dot(u_2, v_1), wp.dot(u_2, v_2))
+    found.u_1 = u_1
+    found.u_2 = u_2
+    found.arm = x + real(0.5) * now[2] * c - s.origin
+    found.slip_1 = wp.dot(u_1, slip)
+    found.slip_2 = wp.dot(u_2, slip)
+    return found
+
+
+@wp.func
+def keep_cell(
+    w: int,
+    pair: int,
+    rows: int,
+    m: int,
+    area: real,
+    found: Place,
+    cell_area: wp.array3d(dtype=real),
+    cell_turn: wp.array4d(dtype=real),
+    cell_wrench: wp.array4d(dtype=real),
+    rigid_slip: wp.array3d(dtype=real),
+):
+    """What all cells are known by: area, turn, wrench per unit traction, rigid slip."""
+    cell_area[w, pair, m] = area
+    for i in range(4):
+        cell_turn[w, pair, m, i] = found.turn[i]
+    rigid_slip[w, pair, cell_at(rows, m, 0)] = found.slip_1
+    rigid_slip[w, pair, cell_at(rows, m, 1)] = found.slip_2
+    first = wp.cross(found.arm, found.u_1)
+    second = wp.cross(found.arm, found.u_2)
+    for i in range(3):
+        cell_wrench[w, pair, cell_at(rows, m, 0), i] = area * found.u_1[i]
+        cell_wrench[w, pair, cell_at(rows, m, 0), 3 + i] = area * first[i]
+        cell_wrench[w, pair, cell_at(rows, m, 1), i] = area * found.u_2[i]
+        cell_wrench[w, pair, cell_at(rows, m, 1), 3 + i] = area * second[i]
+
+
 @wp.kernel
 def place_cells(
     models: wp.array(dtype=Model),
@@ -130,43 +293,24 @@ def place_cells(
     cell_place: out(wp.array4d(dtype=real)),
     cell_turn: out(wp.array4d(dtype=real)),
     cell_wrench: out(wp.array4d(dtype=real)),
+    cell_own: out(wp.array3d(dtype=real)),
     rigid_slip: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over the cells of the window: area, opposite grid place (column, row coordinate) on the
-    second surface, components of its tangents in those of the first, wrench per unit traction, and rigid slip."""
+    second surface, components of its tangents in those of the first, wrench per unit traction, displacement by a unit
+    traction of their own, and rigid slip."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
-    a = model.surfaces.body[A]
-    b = model.surfaces.body[B]
     rows = model.surfaces.rows[A]
     H = model.window.half
-    axes_a = axes_of(axes, w, a)
-    axes_b = axes_of(axes, w, b)
-    F_A = axes_a * model.surfaces.frame[A]
-    F_B = axes_b * model.surfaces.frame[B]
-    O_A = origin_of(r1, w, a) + axes_a * model.surfaces.origin[A]
-    O_B = origin_of(r1, w, b) + axes_b * model.surfaces.origin[B]
-    before_a = wp.identity(n=3, dtype=real)
-    before_b = wp.identity(n=3, dtype=real)
-    if a >= 0:
-        before_a = wp.quat_to_matrix(p[w, a])
-    if b >= 0:
-        before_b = wp.quat_to_matrix(p[w, b])
-    F_A0 = before_a * model.surfaces.frame[A]
-    F_B0 = before_b * model.surfaces.frame[B]
-    O_A0 = origin_of(r, w, a) + before_a * model.surfaces.origin[A]
-    O_B0 = origin_of(r, w, b) + before_b * model.surfaces.origin[B]
-    inside = int(0)
-    if model.surfaces.side[A] < real(0.0) or model.surfaces.side[B] < real(0.0):
-        inside = int(1)
-    common = contact_normal[w, pair]
-    if wp.length(common) == real(0.0):  # the first touch
-        middle = model.surfaces.theta[A] + real(center[w, pair, 0]) * model.surfaces.pitch[A]
-        common = F_A * local_normal(model, A, middle, model.surfaces.z[model.surfaces.z_start[A] + rows / 2])
+    middle = model.surfaces.theta[A] + real(center[w, pair, 0]) * model.surfaces.pitch[A]
+    z = model.surfaces.z[model.surfaces.z_start[A] + rows / 2]
+    s = look(model, w, A, B, r, p, r1, axes, contact_normal[w, pair], middle, z)
+    table = model.responses.tangential[own_load(model, 2 * pair)]
     m = (window[w, pair, 0] + H) * rows + lane
     while m < (window[w, pair, 1] + H + 1) * rows:
         column = center[w, pair, 0] + m / rows - H
@@ -175,53 +319,9 @@ def place_cells(
         if model.surfaces.periodic[A] == 0 and (column < 0 or column >= model.surfaces.columns[A]):
             area = real(0.0)
         theta = model.surfaces.theta[A] + real(column) * model.surfaces.pitch[A]
-        z = model.surfaces.z[model.surfaces.z_start[A] + row]
-        point = local_point(model, A, theta, z)
-        n = local_normal(model, A, theta, z)
-        t_1 = local_around(model, A, theta)
-        t_2 = wp.cross(n, t_1)
-        x = O_A + F_A * point
-        c = common
-        if inside != 0:
-            c = F_A * n
-        now = opposite(model, B, O_B, F_B, x, c, 1)
-        c_0 = c
-        if inside != 0:
-            c_0 = F_A0 * n
-        then = opposite(model, B, O_B0, F_B0, O_A0 + F_A0 * point, c_0, 1)
-        around = local_around(model, B, now[0])
-        grown = now[0] - then[0]
-        R = real(1.0)
-        along = vec3(real(0.0), real(0.0), real(1.0))
-        if model.surfaces.planar[B] == 0:
-            grown = wrap(grown, TWO_PI, real(0.0))
-            R = radius_of(model, B, now[1])
-            slope = slope_of(model, B, now[1])
-            along = vec3(slope * wp.cos(now[0]), slope * wp.sin(now[0]), real(1.0))
-        slip = F_B * (model.surfaces.side[B] * R * grown * around + (now[1] - then[1]) * along)
-        u_1 = F_A * t_1
-        u_2 = F_A * t_2
-        if inside == 0:  # the line of centres is the normal of the deformed surfaces
-            u_1 = wp.normalize(u_1 - wp.dot(u_1, c) * c)
-            u_2 = wp.normalize(wp.cross(wp.sign(wp.dot(F_A * n, c)) * c, u_1))
-        v_1 = F_B * around
-        v_2 = F_B * wp.cross(local_normal(model, B, now[0], now[1]), around)
-        # the second surface's tangents span the same plane but for the angle between the normals: 1 - cos of it is lost
-        cell_turn[w, pair, m, 0] = wp.dot(u_1, v_1)
-        cell_turn[w, pair, m, 1] = wp.dot(u_1, v_2)
-        cell_turn[w, pair, m, 2] = wp.dot(u_2, v_1)
-        cell_turn[w, pair, m, 3] = wp.dot(u_2, v_2)
-        rigid_slip[w, pair, cell_at(rows, m, 0)] = wp.dot(u_1, slip)
-        rigid_slip[w, pair, cell_at(rows, m, 1)] = wp.dot(u_2, slip)
-        arm = x + real(0.5) * now[2] * c - origin_of(r1, w, a)
-        first = wp.cross(arm, u_1)
-        second = wp.cross(arm, u_2)
-        for i in range(3):
-            cell_wrench[w, pair, cell_at(rows, m, 0), i] = area * u_1[i]
-            cell_wrench[w, pair, cell_at(rows, m, 0), 3 + i] = area * first[i]
-            cell_wrench[w, pair, cell_at(rows, m, 1), i] = area * u_2[i]
-            cell_wrench[w, pair, cell_at(rows, m, 1), 3 + i] = area * second[i]
-        cell_area[w, pair, m] = area
-        cell_place[w, pair, m, 0] = (now[0] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
-        cell_place[w, pair, m, 1] = now[1]
+        found = find_cell(model, A, B, s, theta, model.surfaces.z[model.surfaces.z_start[A] + row])
+        keep_cell(w, pair, rows, m, area, found, cell_area, cell_turn, cell_wrench, rigid_slip)
+        cell_own[w, pair, m] = area * model.responses.number[place_in_table(model, table, 0, row, 0) + row]
+        cell_place[w, pair, m, 0] = (found.theta - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+        cell_place[w, pair, m, 1] = found.z
         m += wp.block_dim()

@@ -30,6 +30,7 @@ from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import AT_POINTS, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.friction.cell_forces import before_at
+from warpffrf_kernels.friction.cells import rubs_on_grid
 from warpffrf_kernels.friction.traction_bounds import pressed
 from warpffrf_kernels.kinematics.line_of_centres import wrap
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
@@ -177,7 +178,7 @@ def soften_late(
     for since the bodies have moved, -1 of the others."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0):
+    if ctl[w].run == 0 or not rubs_on_grid(model, pair):
         return
     if (of_state != 0 and ctl[w].moved == 0) or (of_state == 0 and ctl[w].changes != 0):
         return
@@ -225,7 +226,7 @@ def keep_pressed(
     """Per (world, pair), lanes over cells: which nodes an accepted step leaves under pressure, for the next one."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].attempt == 0 or ctl[w].accept == 0 or model.pairs.friction[pair] == real(0.0):
+    if ctl[w].attempt == 0 or ctl[w].accept == 0 or not rubs_on_grid(model, pair):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     m = lane

@@ -13,7 +13,7 @@ from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
-from warpffrf_kernels.friction.cells import cell_at
+from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
 from warpffrf_kernels.surfaces.surface import radius_of
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -41,7 +41,7 @@ def keep_slips(
     velocity."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].attempt == 0 or ctl[w].accept == 0 or model.pairs.friction[pair] == real(0.0):
+    if ctl[w].attempt == 0 or ctl[w].accept == 0 or not rubs_on_grid(model, pair):
         return
     i = lane
     A = model.pairs.first[pair]

@@ -17,6 +17,7 @@ from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import AT_POINTS, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.friction.cells import rubs_on_grid
 from warpffrf_kernels.kinematics.closest_point import settle, view_of
 from warpffrf_kernels.kinematics.line_of_centres import wrap
 
@@ -40,7 +41,7 @@ def follow_patch(
     last saved row, and the place now: column and z [m] on the first surface (z of pairs at points alone)."""
     w, pair = wp.tid()
     model = models[0]
-    if ctl[w].attempt == 0 or ctl[w].accept == 0 or model.pairs.friction[pair] == real(0.0):
+    if ctl[w].attempt == 0 or ctl[w].accept == 0 or not rubs_on_grid(model, pair):
         return
     A = model.pairs.first[pair]
     before = history_phase[w, pair]

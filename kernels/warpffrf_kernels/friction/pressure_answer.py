@@ -28,14 +28,14 @@ nobody changes sides.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
 from warpffrf_kernels.friction.cell_blocks import COUNT, first_line, is_fresh, move_outer
 from warpffrf_kernels.friction.cell_compliance import scale_modes
 from warpffrf_kernels.friction.cell_shares import add_on_shares
-from warpffrf_kernels.friction.cells import cell_at
+from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
 from warpffrf_kernels.friction.tangential_fields import second_high, second_low
 from warpffrf_kernels.linear.block_elimination import add_lines, backward, follow_columns, forward_lines
 from warpffrf_kernels.normal.pair_elimination import COUNT as SLOTS
@@ -174,7 +174,44 @@ def couple_near(
 
 
 @wp.kernel
-def answer_tractions(
+def answer_by_modes(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    order: wp.array2d(dtype=int),
+    block: wp.array3d(dtype=int),
+    J: wp.array(dtype=real),
+    cell_block: wp.array3d(dtype=int),
+    cell_JT: wp.array(dtype=real),
+    receptance: wp.array(dtype=real),
+    answer_state: wp.array2d(dtype=int),
+    scratch: inout(wp.array(dtype=real)),
+    Y: out(wp.array(dtype=real)),
+):
+    """Per (world, pair): the part of the global modes in N^T, a line per active slot over the lines of the pair's
+    cells."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    cells = cell_block[w, pair, COUNT]
+    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or cells == 0:
+        return
+    lines = 2 * model.capacity.cells
+    width = model.pairs.most_modes
+    scaled = (w * model.pairs.count + pair) * 2 * width
+    by_mode = (w * model.pairs.count + pair) * width * lines
+    a = block[w, pair, START]
+    while a < block[w, pair, START] + block[w, pair, SLOTS]:
+        slot = order[w, a]
+        line = (w * model.capacity.slots + a) * lines
+        clear_field(lane, 2 * cells, line, Y)
+        modes = scale_modes(
+            model, w, pair, lane, J, (w * model.capacity.slots + slot) * width, receptance, scratch, scaled
+        )  # fmt: skip
+        add_lines(modes, 2 * cells, scratch, scaled, cell_JT, by_mode, lines, Y, line)
+        a += 1
+
+
+@wp.kernel
+def answer_on_grid(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
     center: wp.array3d(dtype=int),
@@ -184,50 +221,55 @@ def answer_tractions(
     slot_hat: wp.array3d(dtype=int),
     order: wp.array2d(dtype=int),
     block: wp.array3d(dtype=int),
-    factor: wp.array(dtype=real),
-    J: wp.array(dtype=real),
     cell_block: wp.array3d(dtype=int),
     cell_slot: wp.array3d(dtype=int),
     cell_area: wp.array3d(dtype=real),
     cell_turn: wp.array4d(dtype=real),
     share: wp.array4d(dtype=real),
     share_at: wp.array4d(dtype=int),
-    cell_JT: wp.array(dtype=real),
-    receptance: wp.array(dtype=real),
     answer_state: wp.array2d(dtype=int),
     shift: inout(wp.array(dtype=real)),
-    scratch: inout(wp.array(dtype=real)),
-    Y: inout(wp.array(dtype=real)),
+    Y: changed(wp.array(dtype=real)),
 ):
-    """Per (world, pair): Y, a line per active slot over the lines of the pair's cells; kept while cells and the active
-    set stay."""
+    """Per (world, pair with cells on the grid): adds the part of the local modes to N^T."""
     w, pair, lane = wp.tid()
     model = models[0]
     cells = cell_block[w, pair, COUNT]
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or cells == 0:
         return
-    start = block[w, pair, START]
-    n = block[w, pair, SLOTS]
-    lines = 2 * model.capacity.cells
-    width = model.pairs.most_modes
-    scaled = (w * model.pairs.count + pair) * 2 * width
-    by_mode = (w * model.pairs.count + pair) * width * lines
-    a = start
-    while a < start + n:
-        slot = order[w, a]
-        line = (w * model.capacity.slots + a) * lines
-        clear_field(lane, 2 * cells, line, Y)
-        modes = scale_modes(
-            model, w, pair, lane, J, (w * model.capacity.slots + slot) * width, receptance, scratch, scaled
-        )  # fmt: skip
-        add_lines(modes, 2 * cells, scratch, scaled, cell_JT, by_mode, lines, Y, line)
+    if not rubs_on_grid(model, pair):
+        return
+    a = block[w, pair, START]
+    while a < block[w, pair, START] + block[w, pair, SLOTS]:
         couple_near(
-            model, w, pair, a, slot_hat[w, slot, 1], lane, cell_slot, cells, center, second_window, stencil,
+            model, w, pair, a, slot_hat[w, order[w, a], 1], lane, cell_slot, cells, center, second_window, stencil,
             stencil_at, cell_area, cell_turn, share, share_at, shift, Y,
         )  # fmt: skip
         a += 1
+
+
+@wp.kernel
+def reduce_answer(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    block: wp.array3d(dtype=int),
+    factor: wp.array(dtype=real),
+    cell_block: wp.array3d(dtype=int),
+    answer_state: wp.array2d(dtype=int),
+    Y: changed(wp.array(dtype=real)),
+):
+    """Per (world, pair): Y = U^-T N^T; kept while cells and the active set stay."""
+    w, pair, _lane = wp.tid()
+    model = models[0]
+    cells = cell_block[w, pair, COUNT]
+    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or cells == 0:
+        return
+    start = block[w, pair, START]
+    lines = 2 * model.capacity.cells
     at = (w * model.capacity.slots + start) * lines
-    forward_lines(factor, block_at(model, w, start), model.capacity.slots, n, Y, at, lines, 2 * cells)
+    forward_lines(
+        factor, block_at(model, w, start), model.capacity.slots, block[w, pair, SLOTS], Y, at, lines, 2 * cells
+    )  # fmt: skip
 
 
 # D = G - Y^T Y of a pair, `lines` lines; the upper triangle and its mirror, lanes over the columns.

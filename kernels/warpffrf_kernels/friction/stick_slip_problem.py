@@ -15,10 +15,9 @@ import warp as wp
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, vec3, weighted
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, weighted
 from warpffrf_kernels.friction.cell_blocks import COUNT, add_slips, borders_of, first_line
 from warpffrf_kernels.friction.cell_forces import creep_softness
-from warpffrf_kernels.friction.cell_shares import on_shares
 from warpffrf_kernels.friction.cells import cell_at
 from warpffrf_kernels.friction.pressure_answer import OPEN
 from warpffrf_kernels.linear.block_elimination import follow_columns
@@ -66,11 +65,7 @@ def pose_tractions(
     traction: wp.array3d(dtype=real),
     traction_base: wp.array3d(dtype=real),
     slip: wp.array3d(dtype=real),
-    cell_turn: wp.array4d(dtype=real),
-    share: wp.array4d(dtype=real),
-    share_at: wp.array4d(dtype=int),
-    first_shift: wp.array(dtype=real),
-    second_shift: wp.array(dtype=real),
+    pressed_slip: wp.array3d(dtype=real),
     L: wp.array(dtype=real),
     J: wp.array(dtype=real),
     receptance: wp.array(dtype=real),
@@ -80,8 +75,8 @@ def pose_tractions(
     right: inout(wp.array(dtype=real)),
     tau: out(wp.array(dtype=real)),
 ):
-    """Per (world, pair): right-hand side S + dS(ds) + L z + J sigma^-1 (modal drive), and first guess of all slots. dS:
-    by the local modes under the change of the pressures, of which the shifts are."""
+    """Per (world, pair): right-hand side S + dS(ds) + L z + J sigma^-1 (modal drive), and first guess of all slots.
+    pressed_slip: by the local modes under the change of the pressures."""
     w, pair, lane = wp.tid()
     model = models[0]
     count = cell_block[w, pair, COUNT]
@@ -89,22 +84,17 @@ def pose_tractions(
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     scale = weight[w, pair]
-    flexible = model.surfaces.shear_start[model.pairs.second[pair]] >= 0
     start = first_line(model, w, pair)
     i = lane
     while i < count:
         m = cell_slot[w, pair, i]
         area = cell_area[w, pair, m]
-        second = vec3(real(0.0), real(0.0), real(0.0))
-        if flexible:
-            second = on_shares(model, w, pair, m, cell_turn, share, share_at, second_shift)
         for d in range(2):
             line = start + 2 * i + d
             at = cell_at(rows, m, d)
             base[line] = scale * traction_base[w, pair, at]
             tau[line] = scale * traction[w, pair, at]
-            moved = first_shift[(w * model.pairs.count + pair) * 2 * model.window.hats + at] - second[d]
-            value = scale * area * (slip[w, pair, at] + moved)
+            value = scale * area * (slip[w, pair, at] + pressed_slip[w, pair, at])
             by_mode = line * model.pairs.most_modes
             for side in range(2):
                 surface = surface_of(model, pair, side)

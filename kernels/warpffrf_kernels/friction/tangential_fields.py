@@ -16,9 +16,9 @@ import warp as wp
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync, vec3
 from warpffrf_kernels.friction.cell_shares import line_of, on_shares
-from warpffrf_kernels.friction.cells import cell_at
+from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
 from warpffrf_kernels.surfaces.fields import add_fields, clear_field
 from warpffrf_kernels.surfaces.responses import loaded_by_others
 
@@ -42,7 +42,7 @@ def force_cells(
     [N]."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.friction[pair] == real(0.0):
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     rows_b = model.surfaces.rows[model.pairs.second[pair]]
@@ -141,7 +141,7 @@ def add_push(
     """Per (world, pair): adds what `push_gaps` found to the displacements by the pressures."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or (model.pairs.friction[pair] == real(0.0) and not loaded_by_others(model, pair)):
+    if ctl[w].run == 0 or (not rubs_on_grid(model, pair) and not loaded_by_others(model, pair)):
         return
     at = w * model.pairs.count + pair
     axpy(model.window.hats, real(1.0), first_push, at * model.window.hats, first_local, at * model.window.hats)
@@ -166,7 +166,7 @@ def press_cells(
     pairs on the two bodies and the loads that they are on second surfaces."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0):
+    if ctl[w].run == 0 or not rubs_on_grid(model, pair):
         return
     if (of_state != 0 and ctl[w].moved == 0) or (of_state == 0 and ctl[w].changes != 0):
         return
@@ -192,6 +192,37 @@ def press_cells(
 
 
 @wp.kernel
+def shift_slips(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    window: wp.array3d(dtype=int),
+    cell_turn: wp.array4d(dtype=real),
+    share: wp.array4d(dtype=real),
+    share_at: wp.array4d(dtype=int),
+    first_shift: wp.array(dtype=real),
+    second_shift: wp.array(dtype=real),
+    pressed_slip: out(wp.array3d(dtype=real)),
+):
+    """Per (world, pair), lanes over cells: what changes of the pressures make of their slips by the local modes [m]."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_grid(model, pair):
+        return
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    flexible = model.surfaces.shear_start[model.pairs.second[pair]] >= 0
+    base = (w * model.pairs.count + pair) * 2 * model.window.hats
+    m = (window[w, pair, 0] + model.window.half) * rows + lane
+    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
+        second = vec3(real(0.0), real(0.0), real(0.0))
+        if flexible:
+            second = on_shares(model, w, pair, m, cell_turn, share, share_at, second_shift)
+        for d in range(2):
+            at = cell_at(rows, m, d)
+            pressed_slip[w, pair, at] = first_shift[base + at] - second[d]
+        m += wp.block_dim()
+
+
+@wp.kernel
 def rub_cells(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
@@ -206,7 +237,7 @@ def rub_cells(
     """Per (world, pair): adds what the tractions of all pairs on the two bodies displace along both surfaces."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0) or ctl[w].moved == 0:
+    if ctl[w].run == 0 or not rubs_on_grid(model, pair) or ctl[w].moved == 0:
         return
     low = window[w, pair, 0] + model.window.half
     columns = window[w, pair, 1] - window[w, pair, 0] + 1
@@ -248,7 +279,7 @@ def displace_cells(
     local modes alone and in all; the shifts are those of `press_cells` and `rub_cells`."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0) or ctl[w].moved == 0:
+    if ctl[w].run == 0 or not rubs_on_grid(model, pair) or ctl[w].moved == 0:
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
@@ -332,7 +363,7 @@ def change_pressures(
     model = models[0]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
-    if model.pairs.friction[pair] == real(0.0) and not loaded_by_others(model, pair):
+    if not rubs_on_grid(model, pair) and not loaded_by_others(model, pair):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     rows_b = model.surfaces.rows[model.pairs.second[pair]]

@@ -19,7 +19,7 @@ from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
-from warpffrf_kernels.friction.cells import cell_at
+from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -81,7 +81,7 @@ def bound_cells(
     are cut. Friction acts in dynamic steps only: a static state or a start has no slip to speak of."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or model.pairs.friction[pair] == real(0.0):
+    if ctl[w].run == 0 or not rubs_on_grid(model, pair):
         return
     if (clip != 0 and ctl[w].moved == 0) or (clip == 0 and ctl[w].changes != 0):
         return

@@ -144,6 +144,7 @@ NAMES = {
     "adaptive_world": "worlds, where steps follow the wanted accuracy",
     "line_pair": "pairs whose gaps are taken along the line of centres",
     "point_pair": "pairs whose gaps are taken at points",
+    "grid_rubbing": "pairs with friction whose cells are those of the first surface's grid",
     "few_pair": "pairs of the line of centres with a list of points",
     "hat_pair": "pairs whose pressures stand on hats of the first grid",
     "patch_beside": "cells in play, where several patches lie on a body",
@@ -172,6 +173,7 @@ def sizes_of(
     )
     hat, node = m.window.hats, m.window.nodes
     families, counts = m.pairs.family.numpy()[:P], m.points.count.numpy()[:P]
+    rubs = m.pairs.friction.numpy()[:P] > 0.0
     stations = (m.window.rows - 1) * m.quadrature.z_points
     rubbing = bool(m.capacity.cells)
     elements = compiled.elements
@@ -220,7 +222,7 @@ def sizes_of(
         "slot_beside": S if beside else 0, "outer_beside": outer if beside else 0,
         "friction_outer": outer if rubbing else 0, "adaptive_world": worlds if adaptive else 0,
         "line_pair": int((families == LINE_OF_CENTRES).sum()), "point_pair": int((families == AT_POINTS).sum()),
-        "hat_pair": int((families != PATCH).sum()),
+        "hat_pair": int((families != PATCH).sum()), "grid_rubbing": int(((families != PATCH) & rubs).sum()),
         "few_pair": int(((families == LINE_OF_CENTRES) & (counts > 0)).sum()), "pair_beside": P if beside else 0,
     }  # fmt: skip
 

@@ -29,6 +29,7 @@ from warpffrf.online.step.launches import Launch, blocks, once, threads
 from warpffrf.online.step.outer import FACTOR
 from warpffrf.online.step.phases import Loop, Participant
 
+GRID = "grid_rubbing"  # pairs whose cells are bound to the material of the first surface
 SPEED = "speed_pair"  # where a coefficient depends on the slip speed
 G, D, J, V, Y = ({letter: f"cell_{letter}"} for letter in "GDJVY")
 L, BORDERED, M = {"L": "cell_L"}, {"L": "cell_bordered"}, {"M": "mobility"}
@@ -51,14 +52,14 @@ SOLVE = {
 def bounds(of_state: int) -> list[Launch]:
     """mu p of the cells, of the state or of the pressures just found; with those of the state tractions are cut."""
     return [
-        blocks(traction_bounds.bound_cells, "pair", clip=of_state),
-        blocks(entering_cells.soften_late, "pair", of_state=of_state, last_normal="contact_normal"),
+        blocks(traction_bounds.bound_cells, "pair", when=GRID, clip=of_state),
+        blocks(entering_cells.soften_late, "pair", when=GRID, of_state=of_state, last_normal="contact_normal"),
     ]
 
 
 def press(pressure: str, load: str, of_state: int) -> Launch:
     """What pressures, or changes of them, move along the surfaces."""
-    return blocks(tangential_fields.press_cells, "pair", pressure=pressure, second_load=load, of_state=of_state)
+    return blocks(tangential_fields.press_cells, "pair", when=GRID, pressure=pressure, second_load=load, of_state=of_state)
 
 
 RUB = [
@@ -81,36 +82,39 @@ FRICTION = Participant(
     when="friction_pair",
     predict=[threads(slip_speed.open_attempt, "pair", when=SPEED)],
     cells=[
-        threads(cells.open_cells, "pair"),
-        blocks(cells.place_cells, "pair"),
-        blocks(cell_shares.spread_cells, "pair"),
+        threads(cells.open_cells, "pair", when=GRID),
+        blocks(cells.place_cells, "pair", when=GRID),
+        blocks(cell_shares.spread_cells, "pair", when=GRID),
         *bounds(1),
-        blocks(tangential_fields.force_cells, "pair"),
-        blocks(tangential_fields.push_gaps, "pair"),
+        blocks(tangential_fields.force_cells, "pair", when=GRID),
+        blocks(tangential_fields.push_gaps, "pair", when=GRID),
     ],
-    displace=[blocks(tangential_fields.add_push, "pair")],
+    displace=[blocks(tangential_fields.add_push, "pair", when=GRID)],
     slide=[
         press("base", "second_load", of_state=1),
-        blocks(tangential_fields.rub_cells, "pair"),
-        blocks(tangential_fields.displace_cells, "pair", amplitude="q1"),
-        blocks(cell_forces.slide_cells, "pair"),
+        blocks(tangential_fields.rub_cells, "pair", when=GRID),
+        blocks(tangential_fields.displace_cells, "pair", when=GRID, amplitude="q1"),
+        blocks(cell_forces.slide_cells, "pair", when=GRID),
         blocks(slip_speed.follow_slips, "pair", when=SPEED),
         blocks(cell_forces.load_tractions, "pair"),
     ],
     sum=[threads(cell_forces.add_friction)],
     stick=[
         *bounds(0),
-        blocks(tangential_fields.change_pressures, "pair"),
+        blocks(tangential_fields.change_pressures, "pair", when=GRID),
         threads(cell_compliance.take_cells),
-        blocks(cell_compliance.cell_modes, "friction_pair"),
-        blocks(cell_compliance.assemble_cells, "friction_pair", shift="cell_shift", **SCALED, **G),
+        blocks(cell_compliance.cell_modes, "friction_pair", when=GRID),
+        blocks(cell_compliance.assemble_cells, "friction_pair", when=GRID, shift="cell_shift", **SCALED, **G),
         blocks(cell_compliance.outer_cells, "friction_pair"),
         threads(pressure_answer.open_answer),
-        blocks(pressure_answer.answer_tractions, "friction_pair", shift="second_shift", **SCALED, **Y),
+        blocks(pressure_answer.answer_by_modes, "friction_pair", **SCALED, **Y),
+        blocks(pressure_answer.answer_on_grid, "friction_pair", when=GRID, shift="second_shift", **Y),
+        blocks(pressure_answer.reduce_answer, "friction_pair", **Y),
         blocks(pressure_answer.condense_answer, "friction_pair", bordered="cell_bordered", **G, **D, **L, **Y),
         blocks(mobility.invert_outer, matrix="bordered", right="mobility_rhs", column="mobility_column", **FACTOR),
         blocks(mobility.diagonal_blocks, "friction_pair", **D, **BORDERED, **M, **OWN, **V, **DIAGONAL),
         press("pressure_change", "load_change", of_state=0),
+        blocks(tangential_fields.shift_slips, "pair", when=GRID),
         blocks(stick_slip_problem.drive_modes),
         blocks(stick_slip_problem.pose_tractions, "friction_pair", **L, **J, **BASE, **RIGHT, **TAU),
         blocks(stick_slip_problem.take_off_base, **D, **BORDERED, **M, **BASE, **RIGHT, **OUTER),
@@ -120,9 +124,9 @@ FRICTION = Participant(
     ],
     answer=[blocks(stick_slip_problem.push_modes, push="cell_push", moved="answer_moved", **J)],
     keep=[
-        threads(patch_advance.follow_patch, "pair"),
-        blocks(history.keep_slips, "pair"),
-        blocks(entering_cells.keep_pressed, "pair"),
+        threads(patch_advance.follow_patch, "pair", when=GRID),
+        blocks(history.keep_slips, "pair", when=GRID),
+        blocks(entering_cells.keep_pressed, "pair", when=GRID),
         threads(slip_speed.mark, "pair", when=SPEED),
     ],
     measure=[threads(history.add_friction_second, "pair")],
