@@ -219,7 +219,12 @@ class Contact:
                     "it; reduce(..., patch_grid=True)"
                 )
         if self.friction.acts:
-            return "a patch of cells has no friction yet; use grid='material'"
+            for port in self.ports:
+                if not port.rigid and port.surface.far.tangential is None:
+                    return (
+                        f"friction on a patch needs the tangential far field of {port.label}, body {port.body.name!r} "
+                        "was reduced without it; reduce(..., patch_grid=True, tangential=True)"
+                    )
         if self.evaluation != "semi":
             return (
                 f"evaluation {self.evaluation!r} belongs to grid='material'; a patch of cells is evaluated at their "

@@ -492,6 +492,32 @@ class Patches:
 
 
 @topic
+class Rolling:
+    """Friction on cells that travel with the patch, see the kernels of `rolling`: near fields along the surface, and the
+    tangential part of far fields, numbered as in `Patches`."""
+
+    count: int  # pairs with it
+    shear_numbers: int  # of the near field of a pair at one W, the most
+    ring_cells: int  # cells with those around them, the most
+    ring_rows: DeviceArray = integers("pair", note="rows around the cells, 0 where rows stay on the material")
+    coupled: DeviceArray = integers("pair", note="1: pressures move the half-spaces along, tractions open the gap")
+    shear_start: DeviceArray = integers(
+        "pair", note="into shear: (level, kind, distance in strips, row under load, row that sees, filled up)"
+    )
+    shear: DeviceArray = reals("shear_entry", note="weak displacement [m3] per traction or pressure [Pa] over W^power")
+    tangent_start: DeviceArray = integers("far_surface", note="into tangent, -1 without")
+    sheared_start: DeviceArray = integers("far_surface", note="into sheared")
+    turned_start: DeviceArray = integers("far_surface", note="into turned")
+    tangent: DeviceArray = reals(
+        "far_tangent_entry", unit="kg^-1/2", note="(2, columns, rows, modes of the body) a surface"
+    )
+    sheared: DeviceArray = reals(
+        "sheared_entry", unit="m/N", note="(sector, direction, column, row, direction, column, row): S_tt"
+    )
+    turned: DeviceArray = reals("turned_entry", unit="m/N", note="(sector, column, row, direction, column, row): S_nt")
+
+
+@topic
 class Elements:
     """What few scenes have. Every kernel takes a copy of the model, and of one above 8 KiB the compiler of CUDA takes
     minutes: so these are read where they lie."""
@@ -502,6 +528,7 @@ class Elements:
     layers: Layers
     lumped: Lumped
     patches: Patches
+    rolling: Rolling
 
 
 @topic

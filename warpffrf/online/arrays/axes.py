@@ -72,6 +72,13 @@ NAMES = {
     "patch_column": "strips of a patch, the most",
     "patch_place": "places of the cells of a patch, see `spline_tables`",
     "patch_mode": "modes of both bodies of a pair, in scenes with patches",
+    "rolling_pair": "pairs, in scenes with friction on patches of cells",
+    "rolling_hat": "cells of a patch, in such scenes",
+    "rolling_node": "splines of a far window, in such scenes",
+    "rolling_place": "places of the cells of a patch, in such scenes",
+    "rolling_mode": "modes of both bodies of a pair, in such scenes",
+    "ring_cell": "cells of a patch and around it",
+    "shear_number": "numbers of the near field along the surface of a patch",
     "lumped": "lumped contacts",
     "lumped_place": "places of lumped contacts: a point, or laminae",
     "factor_number": "numbers of the sparse factor",
@@ -123,6 +130,10 @@ NAMES = {
             "knot_entry",
             "far_mode_entry",
             "beside_entry",
+            "shear_entry",
+            "far_tangent_entry",
+            "sheared_entry",
+            "turned_entry",
             "beside_number",
             "between_number",
         ),
@@ -180,7 +191,7 @@ def sizes_of(
     layer_point = layer_points(compiled)
     beside, layered = bool(m.pairs.beside), bool(elements.layers.count)
     by_speed = bool(elements.slip_speeds.count)
-    patched = bool(elements.patches.count)
+    patched, rolls = bool(elements.patches.count), bool(elements.rolling.count)
     return {
         "world": worlds, "body": B, "mode": Q, "row": rows, "force": m.forces.count, "torque": m.torques.count,
         "load": m.torques.count + m.body_loads.count, "interface": m.interfaces.count,
@@ -212,6 +223,11 @@ def sizes_of(
         "near_number": elements.patches.places * m.window.rows if patched else 0,
         "patch_column": m.window.columns if patched else 0, "patch_place": elements.patches.places,
         "patch_mode": m.pairs.most_modes if patched else 0,
+        "rolling_pair": P if rolls else 0, "rolling_hat": hat if rolls else 0,
+        "rolling_node": elements.patches.far_nodes if rolls else 0,
+        "rolling_place": elements.patches.places if rolls else 0,
+        "rolling_mode": m.pairs.most_modes if rolls else 0, "ring_cell": elements.rolling.ring_cells,
+        "shear_number": elements.rolling.shear_numbers,
         "surface_place": max(hat, node), "lumped": elements.lumped.count, "lumped_place": elements.lumped.places,
         "factor_number": pattern.factor_size, "factor_line": BLOCK * pattern.widest, "one": 1,
         "applied": m.forces.count + m.torques.count, "row_or_mode": rows + Q,

@@ -198,6 +198,43 @@ class Patches(Arrays):
     far_beside: DeviceArray = reals("world", "far_node", unit="m/Pa", note="of a cell on the splines of another patch")
 
 
+class Rolling(Arrays):
+    """Friction on cells that travel with the patch, see the kernels of `rolling`; [A, B] are the sides, [1, 2] the
+    directions of each."""
+
+    shear_laid: DeviceArray = reals("world", "rolling_pair", 1, unit="m", note="W of the next", carried=True)
+    shear_near: DeviceArray = reals("world", "rolling_pair", "shear_number", unit="m3/Pa", carried=True)
+    place_traction: DeviceArray = reals(
+        "world", "rolling_pair", "4*rolling_place", unit="Pa", note="on A, on B, by place", run=True
+    )
+    place_change: DeviceArray = reals(
+        "world", "rolling_pair", "rolling_place", unit="Pa", note="of pressures, by place", run=True
+    )
+    place_none: DeviceArray = reals("world", "rolling_pair", "4*rolling_place", unit="Pa", note="zeros", run=True)
+    rub_laid: DeviceArray = integers("world", "rolling_pair", 2, 2, note="the window of the next two", carried=True)
+    rub_table: DeviceArray = reals(
+        "world", "rolling_pair", "4*rolling_node", "3*rolling_node", unit="m/N",
+        note="by a force along: displacement along, outward", run=True, carried=True,
+    )  # fmt: skip
+    rub_trace: DeviceArray = reals("world", "rolling_pair", "rolling_mode", "2*rolling_node", run=True, carried=True)
+    rub_load: DeviceArray = reals("world", "rolling_pair", "4*rolling_node", unit="N", run=True)
+    press_load: DeviceArray = reals("world", "rolling_pair", "2*rolling_node", unit="N", note="of changes", run=True)
+    rub_field: DeviceArray = reals("world", "rolling_pair", "4*rolling_node", unit="m", note="local modes", run=True)
+    rub_modes: DeviceArray = reals("world", "rolling_pair", "4*rolling_node", unit="m", note="global modes", run=True)
+    rub_push: DeviceArray = reals("world", "rolling_pair", "2*rolling_node", unit="m", note="outward", run=True)
+    grown: DeviceArray = reals("world", "rolling_pair", "2*rolling_node", note="outward over the radius", run=True)
+    near_shift: DeviceArray = reals(
+        "world", "rolling_pair", "2*rolling_hat", unit="m3", note="by the half-spaces", run=True
+    )
+    weak_shift: DeviceArray = reals("world", "rolling_pair", "4*rolling_hat", unit="m3", note="A, B", run=True)
+    weak_modes: DeviceArray = reals("world", "rolling_pair", "4*rolling_hat", unit="m3", note="A, B", run=True)
+    weak_grown: DeviceArray = reals("world", "rolling_pair", "rolling_hat", unit="m2", note="growth, A less B", run=True)
+    rub_line: DeviceArray = reals("world", "rolling_pair", "4*rolling_node", note="of a cell's two directions", run=True)
+    rub_soft: DeviceArray = reals(
+        "world", "rolling_pair", "4*rolling_node", "2*rolling_node", unit="m/N", note="S_tt and modes", run=True
+    )
+
+
 class ContactFields(Arrays):
     """Displacements that open gaps, and loads on the second grids."""
 
@@ -415,7 +452,7 @@ class Before(Arrays):
 
 
 class Scratch(
-    RunWords, Motion, Residuals, Outer, ImpulsiveContact, ContactGeometry, Patches, ContactFields, ContactSolve, Layers,
+    RunWords, Motion, Residuals, Outer, ImpulsiveContact, ContactGeometry, Patches, Rolling, ContactFields, ContactSolve, Layers,
     FrictionCells, FrictionSolve, SlipSpeedSolve, LumpedContacts, Before,
 ):  # fmt: skip
     """Scratch arrays of a step."""

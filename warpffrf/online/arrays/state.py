@@ -108,6 +108,12 @@ class FrictionState(Arrays, carried=True):
     contact_normal: DeviceArray = vectors(
         "world", "pair", note="unit vector of the normal force on the second body, zero without contact"
     )
+    ring_slip: DeviceArray = reals(
+        "world", "rolling_pair", "2*ring_cell", unit="m", note="elastic_before of cells of a patch, and around them"
+    )
+    ring_place: DeviceArray = reals(
+        "world", "rolling_pair", 4, unit="", note="where they were: as patch_place; 0 before the first step"
+    )
     friction_force: DeviceArray = reals("world", "friction_pair", 2, 12, unit="N, N m", note="as pair_force")
     friction_modal: DeviceArray = reals("world", "friction_pair", 2, "pair_mode", unit="N/kg^1/2")
     friction_memory: DeviceArray = reals("world", "friction_pair", 1, 12, unit="N, N m")

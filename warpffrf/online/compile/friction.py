@@ -61,8 +61,8 @@ def fill_friction(collector: Collector, m: Model, z_start: np.ndarray) -> None:
         starts.append(sum(map(len, modes)))
         by_columns = tangential.mode_tangent.reshape(2, cells.columns, cells.rows, -1).transpose(1, 0, 2, 3)
         modes.append(np.ascontiguousarray(by_columns).ravel())
-    for contact, _, a, _, b in collector.pairs():
-        if contact.friction.acts and isinstance(b, ContactSurface):
+    for i, (contact, _, a, _, b) in enumerate(collector.pairs()):
+        if contact.friction.acts and isinstance(b, ContactSurface) and i not in collector.patches:
             crossed = sine_between(Extent.of(a), Extent.of(b), between_axes(contact))
             share = tuple(np.maximum(share, _extent(a, b, crossed)))
     m.window.share_columns, m.window.share_rows = (int(n) for n in share)
@@ -88,7 +88,12 @@ def _cell_room(collector: Collector, m: Model) -> CellRoom:
     """Cells are loaded beside those where hats are too (`bounds`): a patch of n hats in r rows and c columns has at
     most 2 (c + r) neighbours."""
     first = most = 0
-    for contact, _, a, _, _ in collector.pairs():
+    for i, (contact, _, a, _, _) in enumerate(collector.pairs()):
+        plan = collector.patches.get(i)
+        if plan is not None:  # bounds are those of the cells' own pressures
+            cells = plan.columns * len(plan.z)
+            first, most = max(first, slots_of(contact, cells)), max(most, cells)
+            continue
         hats = m.window.hats if contact.capacity is None else min(contact.capacity, m.window.hats)
         beside = 2 * (min(hats, m.window.columns) + min(hats, a.grid.rows))
         first = max(first, min(m.window.hats, slots_of(contact, hats) + beside))

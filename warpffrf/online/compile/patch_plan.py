@@ -105,7 +105,7 @@ class PatchPlan:
         cls, contact: Contact, columns: int, edges: Array, aspect: float, curvature: float, least: float, most: float
     ) -> PatchPlan:
         """The plan with its near tables."""
-        bodies = [_OnMeridian.of(contact, port) for port in contact.ports if port.surface.grid is not None]
+        bodies = bodies_under(contact)
         follows = aspect > 0.0
         first, step, power, levels = 0.0, 1.0, 3.0, np.array([0.0])
         if not follows:
@@ -138,17 +138,18 @@ class PatchPlan:
 
 
 @dataclass(frozen=True, eq=False)
-class _OnMeridian:
+class OnMeridian:
     """A flexible body under the rows: its far field, and its meridian as the first surface counts it: z = sign z_A +
     offset."""
 
     far: FarField
     sign: float
     offset: float
+    way: float  # 1 of the first body of the pair, -1 of the second
 
     @classmethod
-    def of(cls, contact: Contact, port: Any) -> _OnMeridian:
-        return cls(port.surface.far, *meridian(contact, port))
+    def of(cls, contact: Contact, port: Any) -> OnMeridian:
+        return cls(port.surface.far, *meridian(contact, port), 1.0 if port is contact.a else -1.0)
 
     @property
     def half_space(self) -> float:
@@ -164,6 +165,11 @@ class _OnMeridian:
         image = (1.0 - far.poisson_ratio**2) / (2.0 * np.pi)
         correction = float(far.quarter.displacement(0.0, 1.0, 1.0))
         return [((end.z - self.offset) / self.sign, (image + correction) / far.youngs_modulus) for end in far.ends]
+
+
+def bodies_under(contact: Contact) -> list[OnMeridian]:
+    """The flexible bodies under a patch."""
+    return [OnMeridian.of(contact, port) for port in contact.ports if port.surface.grid is not None]
 
 
 def _begins(contact: Contact) -> float:
@@ -198,7 +204,7 @@ def _aspect(across: float, along: float) -> float:
 
 def end_places(contact: Contact) -> list[float]:
     """Where the free ends of both bodies lie on the first surface's meridian at the start, z [m]."""
-    bodies = [_OnMeridian.of(contact, port) for port in contact.ports if not port.rigid]
+    bodies = bodies_under(contact)
     return [(end.z - body.offset) / body.sign for body in bodies if body.far is not None for end in body.far.ends]
 
 

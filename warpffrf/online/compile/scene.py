@@ -32,6 +32,7 @@ from warpffrf.online.compile.patch_plan import PatchPlan
 from warpffrf.online.compile.patch_sides import PatchSide
 from warpffrf.online.compile.patches import fill_patches
 from warpffrf.online.compile.responses import fill_responses
+from warpffrf.online.compile.rolling import fill_rolling
 from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.compile.surfaces import fill_surfaces
 from warpffrf.online.local_dynamics import FOLLOWS, LocalDynamics, LocalPlan
@@ -101,6 +102,7 @@ def _compiled(collector: Collector) -> CompiledScene:
     fill_layers(collector)
     fill_lumped(collector)
     fill_patches(collector, m)
+    fill_rolling(collector, m)
     slow = collector.elements.layers.count or collector.elements.lumped.count
     collector.fill(
         m.limits, residual_tolerance=settings.residual_tolerance, energy_tolerance=settings.energy_tolerance,

@@ -24,12 +24,15 @@ from warpffrf_kernels.friction import (
     tangential_fields,
     traction_bounds,
 )
+from warpffrf_kernels.rolling import entering, fields, places, shear, spline_tables, system
+from warpffrf_kernels.rolling import history as rolling_history
 
 from warpffrf.online.step.launches import Launch, blocks, once, threads
 from warpffrf.online.step.outer import FACTOR
 from warpffrf.online.step.phases import Loop, Participant
 
 GRID = "grid_rubbing"  # pairs whose cells are bound to the material of the first surface
+ROLLING = "rolling_pair"  # where some travel with the patch
 SPEED = "speed_pair"  # where a coefficient depends on the slip speed
 G, D, J, V, Y = ({letter: f"cell_{letter}"} for letter in "GDJVY")
 L, BORDERED, M = {"L": "cell_L"}, {"L": "cell_bordered"}, {"M": "mobility"}
@@ -54,6 +57,8 @@ def bounds(of_state: int) -> list[Launch]:
     return [
         blocks(traction_bounds.bound_cells, "pair", when=GRID, clip=of_state),
         blocks(entering_cells.soften_late, "pair", when=GRID, of_state=of_state, last_normal="contact_normal"),
+        blocks(places.bound_patch_cells, "pair", when=ROLLING, clip=of_state),
+        blocks(entering.soften_entering, "pair", when=ROLLING, of_state=of_state, last_normal="contact_normal"),
     ]
 
 
@@ -83,20 +88,31 @@ FRICTION = Participant(
     predict=[threads(slip_speed.open_attempt, "pair", when=SPEED)],
     cells=[
         threads(cells.open_cells, "pair", when=GRID),
+        threads(places.open_patch_cells, "pair", when=ROLLING),
+        blocks(shear.lay_shear, "pair", when=ROLLING),
+        blocks(places.place_patch_cells, "pair", when=ROLLING),
+        blocks(spline_tables.lay_splines_along, "pair", when=ROLLING),
         blocks(cells.place_cells, "pair", when=GRID),
         blocks(cell_shares.spread_cells, "pair", when=GRID),
         *bounds(1),
         blocks(tangential_fields.force_cells, "pair", when=GRID),
         blocks(tangential_fields.push_gaps, "pair", when=GRID),
+        blocks(fields.load_along, "pair", when=ROLLING),
     ],
-    displace=[blocks(tangential_fields.add_push, "pair", when=GRID)],
+    displace=[
+        blocks(tangential_fields.add_push, "pair", when=GRID),
+        blocks(fields.open_gaps, "pair", when=ROLLING),
+    ],
     slide=[
         press("base", "second_load", of_state=1),
         blocks(tangential_fields.rub_cells, "pair", when=GRID),
         blocks(tangential_fields.displace_cells, "pair", when=GRID, amplitude="q1"),
         blocks(cell_forces.slide_cells, "pair", when=GRID),
+        blocks(fields.move_cells, "pair", when=ROLLING, amplitude="q1"),
+        blocks(rolling_history.slide_patch_cells, "pair", when=ROLLING),
         blocks(slip_speed.follow_slips, "pair", when=SPEED),
         blocks(cell_forces.load_tractions, "pair"),
+        blocks(fields.load_modes_along, "pair", when=ROLLING),
     ],
     sum=[threads(cell_forces.add_friction)],
     stick=[
@@ -105,16 +121,20 @@ FRICTION = Participant(
         threads(cell_compliance.take_cells),
         blocks(cell_compliance.cell_modes, "friction_pair", when=GRID),
         blocks(cell_compliance.assemble_cells, "friction_pair", when=GRID, shift="cell_shift", **SCALED, **G),
+        blocks(system.modes_of_cells, "friction_pair", when=ROLLING),
+        blocks(system.assemble_patch_cells, "friction_pair", when=ROLLING, **G),
         blocks(cell_compliance.outer_cells, "friction_pair"),
         threads(pressure_answer.open_answer),
         blocks(pressure_answer.answer_by_modes, "friction_pair", **SCALED, **Y),
         blocks(pressure_answer.answer_on_grid, "friction_pair", when=GRID, shift="second_shift", **Y),
+        blocks(system.answer_on_patch, "friction_pair", when=ROLLING, **Y),
         blocks(pressure_answer.reduce_answer, "friction_pair", **Y),
         blocks(pressure_answer.condense_answer, "friction_pair", bordered="cell_bordered", **G, **D, **L, **Y),
         blocks(mobility.invert_outer, matrix="bordered", right="mobility_rhs", column="mobility_column", **FACTOR),
         blocks(mobility.diagonal_blocks, "friction_pair", **D, **BORDERED, **M, **OWN, **V, **DIAGONAL),
         press("pressure_change", "load_change", of_state=0),
         blocks(tangential_fields.shift_slips, "pair", when=GRID),
+        blocks(fields.press_slips, "pair", when=ROLLING),
         blocks(stick_slip_problem.drive_modes),
         blocks(stick_slip_problem.pose_tractions, "friction_pair", **L, **J, **BASE, **RIGHT, **TAU),
         blocks(stick_slip_problem.take_off_base, **D, **BORDERED, **M, **BASE, **RIGHT, **OUTER),
@@ -127,6 +147,7 @@ FRICTION = Participant(
         threads(patch_advance.follow_patch, "pair", when=GRID),
         blocks(history.keep_slips, "pair", when=GRID),
         blocks(entering_cells.keep_pressed, "pair", when=GRID),
+        blocks(rolling_history.keep_rings, "pair", when=ROLLING),
         threads(slip_speed.mark, "pair", when=SPEED),
     ],
     measure=[threads(history.add_friction_second, "pair")],

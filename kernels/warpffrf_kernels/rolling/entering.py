@@ -1,0 +1,170 @@
+r"""Cells of a patch into which material comes during a step: what of the step they resist.
+
+Slip is counted over the whole step, but material that enters the patch slides freely until it is touched. As in
+`friction.entering_cells` a softness k on the diagonal takes that into account, "no slip since the touch" being
+
+    s + k tau = 0,      k = 2 (g(0) - g(w)) lag,      lag = min(c, 1) max(max(c, 1)/d - 1, 0),
+
+c the cells by which the patch advances, d those from the centre of a cell to where it is touched first, g(0) and g(w)
+the displacement per traction of a cell and of its neighbour behind. For c >= 1 that is a/d - 1. Cells that travel with
+the patch stay under pressure while material passes: at smaller steps the history read between the last cell and the
+free one beyond the edge charges it with c of what it gains in a whole cell, though only d of that lies inside; so the
+softness acts in every step, in proportion to c, and vanishes for what stands.
+
+The edge lies d_e cells beyond the centre of the last cell under pressure ahead, with r the ratio of its pressure to the
+next one's, at most 0.75,
+
+    d_e = -0.175 + 0.95 r + 0.6 r^2,      d = cells up to the last one + d_e + 0.35 - 0.15 min(c, 1).
+
+Measured on half-planes (docs/studies/patch_rolling.md): Carter's force within 1 % of mu P from five cells in a
+half-width on, 0.1 to 4 cells a step, at every phase; charged with the whole step it is 3 to 10 % high.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.access import out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.friction.cells import rubs_on_patch
+from warpffrf_kernels.kinematics.line_of_centres import wrap
+from warpffrf_kernels.patch.cells import row_place
+from warpffrf_kernels.rolling.places import strip_columns
+from warpffrf_kernels.rolling.shear import STRIPS_AROUND, shear_line
+
+wp.set_module_options(MODULE_OPTIONS)
+
+# Fitted to pressures of Hertz's line found on cells, for all phases of four and more in a half-width: the edge beyond
+# the centre of the last cell, in cells, by the ratio of its pressure to the next
+EDGE = wp.constant(wp.vec3d(-0.175, 0.95, 0.6))
+STEEPEST = wp.constant(wp.float64(0.75))
+ALONE = wp.constant(wp.float64(0.5))  # the same of a row with one cell under pressure
+OFFSET = wp.constant(wp.vec2d(0.35, -0.15))  # cells, measured with Carter's force
+LEAST = wp.constant(wp.float64(0.02))  # cells: d is not below
+BOTH = wp.constant(wp.float64(2.0))  # what a cell gains its neighbour loses
+
+
+@wp.func
+def advance_of(
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    patch_place: wp.array3d(dtype=real),
+    ring_place: wp.array3d(dtype=real),
+) -> wp.vec2d:
+    """Columns of the first grid, and z [m], by which the patch has advanced over the first body since the end of the
+    last step; zero without one."""
+    if ring_place[w, pair, 2] == real(0.0):
+        return wp.vec2d(real(0.0), real(0.0))
+    A = elements.patches.first[pair]
+    way = patch_place[w, pair, 0] - ring_place[w, pair, 0]
+    if model.surfaces.turn[A] > 0:
+        way = wrap(way, real(model.surfaces.turn[A]), real(0.0))
+    along = real(0.0)
+    if elements.patches.follows[pair] != 0:
+        along = patch_place[w, pair, 1] - ring_place[w, pair, 1]
+    return wp.vec2d(way, along)
+
+
+@wp.func
+def cells_to_edge(
+    w: int, pair: int, column: int, row: int, ahead: int, across: int, columns: int, rows: int,
+    bound: wp.array3d(dtype=real),
+) -> real:  # fmt: skip
+    """Cells from the centre of a cell under pressure to the edge of the patch ahead: `ahead` +1 or -1 in columns, or,
+    with `across` 1, in rows."""
+    last = int(0)
+    here = bound[w, pair, column * rows + row]
+    before = real(0.0)
+    i = int(1)
+    go = int(1)
+    while go != 0:
+        c = column + ahead * i
+        r = row
+        if across != 0:
+            c = column
+            r = row + ahead * i
+        go = int(0)
+        if c >= 0 and c < columns and r >= 0 and r < rows:
+            next = bound[w, pair, c * rows + r]
+            if next > real(0.0):
+                before = here
+                here = next
+                last = i
+                go = int(1)
+        i += 1
+    if last == 0:  # the last one itself: its neighbour behind
+        c = column - ahead
+        r = row
+        if across != 0:
+            c = column
+            r = row - ahead
+        if c >= 0 and c < columns and r >= 0 and r < rows:
+            before = bound[w, pair, c * rows + r]
+    beyond = ALONE
+    if before > real(0.0):
+        ratio = wp.min(here / before, STEEPEST)
+        beyond = EDGE[0] + EDGE[1] * ratio + EDGE[2] * ratio * ratio
+    return real(last) + beyond
+
+
+@wp.kernel
+def soften_entering(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    patch_place: wp.array3d(dtype=real),
+    ring_place: wp.array3d(dtype=real),
+    last_normal: wp.array2d(dtype=vec3),
+    shear_near: wp.array3d(dtype=real),
+    cell_area: wp.array3d(dtype=real),
+    of_state: int,
+    bound: wp.array3d(dtype=real),
+    late: out(wp.array3d(dtype=real)),
+):
+    """Per (world, pair), lanes over cells: the softness `late` [m/Pa] of the loaded cells. last_normal: zero where the
+    last step ended without contact: the patch advances from nowhere."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or not rubs_on_patch(model, pair):
+        return
+    if (of_state != 0 and ctl[w].moved == 0) or (of_state == 0 and ctl[w].changes != 0):
+        return
+    elements = model.elements[0]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    columns = elements.patches.columns[pair]
+    rings = elements.rolling.ring_rows[pair]
+    line = shear_line(rows, rings)
+    kind = (columns + STRIPS_AROUND) * rows * line
+    advanced = advance_of(model, elements, w, pair, patch_place, ring_place)
+    cells = advanced[0] / strip_columns(model, elements, w, pair, patch_place)
+    across = int(0)
+    if elements.patches.follows[pair] != 0:
+        up = advanced[1] / row_place(elements, pair, 0, patch_place, w)[1]
+        if wp.abs(up) > wp.abs(cells):
+            across = int(1)
+            cells = up
+    if wp.length(last_normal[w, pair]) == real(0.0):
+        cells = real(0.0)
+    ahead = int(1)
+    if cells < real(0.0):
+        ahead = int(-1)
+    c = wp.abs(cells)
+    part = wp.min(c, real(1.0))
+    m = lane
+    while m < columns * rows:
+        soft = real(0.0)
+        if c > real(0.0) and bound[w, pair, m] > real(0.0):
+            d = cells_to_edge(w, pair, m / rows, m % rows, ahead, across, columns, rows, bound)
+            d = wp.max(d + OFFSET[0] + OFFSET[1] * part, LEAST)
+            lag = part * wp.max(wp.max(c, real(1.0)) / d - real(1.0), real(0.0))
+            if lag > real(0.0):
+                row = m % rows
+                own = across * kind + row * line + rings
+                beside = own + rows * line + row
+                if across != 0:
+                    beside = own + row - ahead
+                gained = shear_near[w, pair, own + row] - shear_near[w, pair, beside]
+                soft = BOTH * wp.max(gained, real(0.0)) * lag / cell_area[w, pair, m]
+        late[w, pair, m] = soft
+        m += wp.block_dim()

@@ -1,0 +1,433 @@
+r"""What tractions on the cells of a patch displace, and what moves their slips.
+
+With the cell forces f = area tau on A and -Q^T f on B (Q: tangents of B in those of A), far fields and modes through the
+splines P of `patch.far_splines`,
+
+    u_A = Phi_tA q + P S_tt P^T f - P S_nt^T P^T (area p),      e = u_A - Q u_B + half-spaces (`shear`),
+
+and the gap opens by -P S_nt P^T f of either body and the transpose of the half-spaces' coupling. Material that turns with
+its body by V dt/R moves on by the radius that it has: outward displacements u_n beyond the half-space, far field and
+modes, carry it (k: curvature of each body where it rolls)
+
+    slip += (k_A u_nA - k_B u_nB) V dt,
+
+V dt the way of the material through the patch. The half-space needs no such term: its displacement is a vector in the
+frame of the patch, not of the turning surface. So creepage refers to undeformed radii.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.access import changed, inout, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
+from warpffrf_kernels.friction.cells import cell_at, rubs_on_patch
+from warpffrf_kernels.normal.pair_forces import modal_line
+from warpffrf_kernels.patch.fields import add_splines, half_of, rows_of, sum_lines
+from warpffrf_kernels.patch.spline_tables import line_of, real_side
+from warpffrf_kernels.rolling.entering import advance_of
+from warpffrf_kernels.rolling.shear import STRIPS_AROUND, near_along, open_near, shear_line
+from warpffrf_kernels.rolling.spline_tables import (
+    half_along,
+    load_side,
+    read_side,
+    sum_along,
+    table_along,
+    trace_along,
+)
+from warpffrf_kernels.surfaces.surface import radius_of
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.kernel
+def load_along(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    traction: wp.array3d(dtype=real),
+    cell_area: wp.array3d(dtype=real),
+    cell_turn: wp.array4d(dtype=real),
+    far_window: wp.array4d(dtype=int),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
+    place_traction: inout(wp.array(dtype=real)),
+    rub_load: out(wp.array(dtype=real)),
+):
+    """Per (world, pair): tractions on A and on B at places, and the forces that they are on the splines of both sides
+    [N]."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
+        return
+    elements = model.elements[0]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    line = line_of(rows)
+    places = elements.patches.places
+    here = (w * model.pairs.count + pair) * 4 * places
+    e = lane
+    while e < elements.patches.columns[pair] * line:
+        t_1 = real(0.0)
+        t_2 = real(0.0)
+        g_1 = real(0.0)
+        g_2 = real(0.0)
+        if e % line < rows:
+            m = (e / line) * rows + e % line
+            if cell_area[w, pair, m] > real(0.0):
+                t_1 = traction[w, pair, cell_at(rows, m, 0)]
+                t_2 = traction[w, pair, cell_at(rows, m, 1)]
+                g_1 = -(cell_turn[w, pair, m, 0] * t_1 + cell_turn[w, pair, m, 2] * t_2)
+                g_2 = -(cell_turn[w, pair, m, 1] * t_1 + cell_turn[w, pair, m, 3] * t_2)
+        place_traction[here + e] = t_1
+        place_traction[here + places + e] = t_2
+        place_traction[here + 2 * places + e] = g_1
+        place_traction[here + 3 * places + e] = g_2
+        e += wp.block_dim()
+    sync()
+    for side in range(2):
+        s = real_side(elements, pair, side)
+        for d in range(2):
+            if s >= 0:
+                load_side(
+                    model, elements, w, pair, side, rows, model.surfaces.rows[s],
+                    far_window[w, pair, side, 1] * model.surfaces.rows[s], far_strip, far_share, place_traction,
+                    here + (2 * side + d) * places, rub_load, half_along(model, elements, w, pair, side, d),
+                )  # fmt: skip
+
+
+@wp.kernel
+def open_gaps(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    far_window: wp.array4d(dtype=int),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
+    place_traction: wp.array(dtype=real),
+    shear_near: wp.array(dtype=real),
+    rub_table: wp.array(dtype=real),
+    rub_load: wp.array(dtype=real),
+    rub_push: inout(wp.array(dtype=real)),
+    first_local: changed(wp.array(dtype=real)),
+):
+    """Per (world, pair), lanes over splines, then cells: adds how tractions open the weak gaps."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or not rubs_on_patch(model, pair):
+        return
+    elements = model.elements[0]
+    nodes = elements.patches.far_nodes
+    for side in range(2):
+        s = real_side(elements, pair, side)
+        if s >= 0:
+            count = far_window[w, pair, side, 1] * model.surfaces.rows[s]
+            at = half_of(model, elements, w, pair, side)
+            sum_along(
+                line_of(count), count, nodes, rub_load, half_along(model, elements, w, pair, side, 0), rub_table,
+                table_along(model, elements, w, pair, side, 0) + 2 * nodes, rub_push, at,
+            )  # fmt: skip
+            n = lane
+            while n < line_of(count):
+                rub_push[at + n] = -rub_push[at + n]
+                n += wp.block_dim()
+            sync()
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    add_splines(
+        model, elements, w, pair, rows, rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
+        far_strip, far_share, rub_push, first_local,
+    )  # fmt: skip
+    if elements.rolling.coupled[pair] != 0:
+        rings = elements.rolling.ring_rows[pair]
+        open_near(
+            model, elements, w, pair, rows, rings, shear_line(rows, rings), STRIPS_AROUND, shear_near, place_traction,
+            first_local, (w * model.pairs.count + pair) * model.window.hats,
+        )  # fmt: skip
+
+
+@wp.func
+def pressed_along(
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    side: int,
+    lane: int,
+    count: int,
+    load: wp.array(dtype=real),
+    at_load: int,
+    table: wp.array(dtype=real),
+    field: wp.array(dtype=real),
+):
+    """Adds to `field` of a side what pressures, whose loads are `load`, displace along: -S_nt^T load."""
+    nodes = elements.patches.far_nodes
+    for d in range(2):
+        start = table_along(model, elements, w, pair, side, d) + 2 * nodes
+        at = half_along(model, elements, w, pair, side, d)
+        n = lane
+        while n < count:
+            field[at + n] = field[at + n] - dot(count, load, at_load, table, start + n * 3 * nodes)
+            n += wp.block_dim()
+    sync()
+
+
+@wp.func
+def curvature_along(model: Model, s: int, z: real, x: real, y: real) -> real:
+    """Curvature [1/m] of surface s at z in the direction (x, y) of its tangents, positive where convex; of a table that
+    of the arc beside it."""
+    if model.surfaces.planar[s] != 0:
+        return real(0.0)
+    along = real(0.0)
+    if model.surfaces.crown[s] != real(0.0):
+        along = real(1.0) / model.surfaces.crown[s]
+    return x * x * model.surfaces.side[s] / radius_of(model, s, z) + y * y * along
+
+
+@wp.kernel
+def move_cells(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    amplitude: wp.array(dtype=real),
+    patch_place: wp.array3d(dtype=real),
+    patch_pressure: wp.array(dtype=real),
+    cell_area: wp.array3d(dtype=real),
+    cell_turn: wp.array4d(dtype=real),
+    far_window: wp.array4d(dtype=int),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
+    far_load: wp.array(dtype=real),
+    far_field: wp.array(dtype=real),
+    far_modes: wp.array(dtype=real),
+    place_traction: wp.array(dtype=real),
+    shear_near: wp.array(dtype=real),
+    rub_table: wp.array(dtype=real),
+    rub_trace: wp.array(dtype=real),
+    rub_load: wp.array(dtype=real),
+    rub_field: inout(wp.array(dtype=real)),
+    rub_modes: inout(wp.array(dtype=real)),
+    grown: inout(wp.array(dtype=real)),
+    near_shift: inout(wp.array(dtype=real)),
+    weak_shift: inout(wp.array(dtype=real)),
+    weak_modes: inout(wp.array(dtype=real)),
+    weak_grown: inout(wp.array(dtype=real)),
+    elastic_local: out(wp.array3d(dtype=real)),
+    elastic: out(wp.array3d(dtype=real)),
+):
+    """Per (world, pair), lanes over splines, then cells: e by local modes, e in all [m], and the outward displacements
+    over the radii of both bodies, that of A less that of B."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
+        return
+    elements = model.elements[0]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    cells = elements.patches.columns[pair] * rows
+    hats = model.window.hats
+    nodes = elements.patches.far_nodes
+    here = w * model.pairs.count + pair
+    m = lane
+    while m < 4 * hats:
+        weak_shift[here * 4 * hats + m] = real(0.0)
+        weak_modes[here * 4 * hats + m] = real(0.0)
+        if m < hats:
+            weak_grown[here * hats + m] = real(0.0)
+        m += wp.block_dim()
+    sync()
+    for side in range(2):
+        s = real_side(elements, pair, side)
+        if s >= 0:
+            own = model.surfaces.rows[s]
+            count = far_window[w, pair, side, 1] * own
+            loads = half_along(model, elements, w, pair, side, 0)
+            for d in range(2):
+                at = half_along(model, elements, w, pair, side, d)
+                sum_along(
+                    line_of(count), count, nodes, rub_load, loads, rub_table,
+                    table_along(model, elements, w, pair, side, 0) + d * nodes, rub_field, at,
+                )  # fmt: skip
+                sum_lines(
+                    line_of(count), model.surfaces.modal_count[s], amplitude,
+                    w * model.modes.count + model.surfaces.modal_start[s], rub_trace,
+                    trace_along(model, elements, w, pair, side) + d * nodes, 2 * nodes, rub_modes, at,
+                )  # fmt: skip
+            out_at = half_of(model, elements, w, pair, side)
+            pressed_along(
+                model, elements, w, pair, side, lane, count, far_load, out_at, rub_table, rub_field
+            )  # fmt: skip
+            q = cell_turn[w, pair, (elements.patches.columns[pair] / 2) * rows + rows / 2, 0]
+            y = cell_turn[w, pair, (elements.patches.columns[pair] / 2) * rows + rows / 2, 1]
+            curved = curvature_along(model, s, patch_place[w, pair, 1], real(1.0), real(0.0))
+            if side == 1:
+                curved = -curvature_along(model, s, real(0.0), q, y)
+            n = lane
+            while n < line_of(count):
+                grown[out_at + n] = curved * (far_modes[out_at + n] - far_field[out_at + n])
+                n += wp.block_dim()
+            sync()
+            for d in range(2):
+                at = half_along(model, elements, w, pair, side, d)
+                to = (here * 4 + 2 * side + d) * hats
+                read_side(
+                    model, elements, w, pair, side, rows, own, far_strip, far_share, rub_field, at, weak_shift, to
+                )  # fmt: skip
+                read_side(
+                    model, elements, w, pair, side, rows, own, far_strip, far_share, rub_modes, at, weak_modes, to
+                )  # fmt: skip
+    add_splines(
+        model, elements, w, pair, rows, rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
+        far_strip, far_share, grown, weak_grown,
+    )  # fmt: skip
+    rings = elements.rolling.ring_rows[pair]
+    near_along(
+        model, elements, w, pair, rows, shear_line(rows, rings), STRIPS_AROUND, 0, elements.patches.columns[pair],
+        rings, rows, shear_near, place_traction, patch_pressure, near_shift, here * 2 * hats, hats,
+    )  # fmt: skip
+    m = lane
+    while m < cells:
+        area = cell_area[w, pair, m]
+        for d in range(2):
+            local = real(0.0)
+            modes = real(0.0)
+            if area > real(0.0):
+                local = near_shift[(here * 2 + d) * hats + m] + weak_shift[(here * 4 + d) * hats + m]
+                modes = weak_modes[(here * 4 + d) * hats + m]
+                for e in range(2):
+                    turned = cell_turn[w, pair, m, 2 * d + e]
+                    local -= turned * weak_shift[(here * 4 + 2 + e) * hats + m]
+                    modes -= turned * weak_modes[(here * 4 + 2 + e) * hats + m]
+                local = local / area
+                modes = modes / area
+            elastic_local[w, pair, cell_at(rows, m, d)] = local
+            elastic[w, pair, cell_at(rows, m, d)] = local + modes
+        m += wp.block_dim()
+
+
+@wp.kernel
+def load_modes_along(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    far_window: wp.array4d(dtype=int),
+    rub_load: wp.array(dtype=real),
+    rub_trace: wp.array(dtype=real),
+    friction_modal: changed(wp.array(dtype=real)),
+):
+    """Per (world, pair), lanes over modes: load of the tractions on the modes of A, then of B."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
+        return
+    elements = model.elements[0]
+    nodes = elements.patches.far_nodes
+    trial = modal_line(model, w, pair)
+    count_a = model.surfaces.modal_count[model.pairs.first[pair]]
+    i = lane
+    while i < model.pairs.most_modes:
+        side = int(0)
+        n = i
+        if i >= count_a:
+            side = int(1)
+            n = i - count_a
+        s = real_side(elements, pair, side)
+        if s >= 0 and n < model.surfaces.modal_count[s]:
+            count = far_window[w, pair, side, 1] * model.surfaces.rows[s]
+            line = trace_along(model, elements, w, pair, side) + n * 2 * nodes
+            value = real(0.0)
+            for d in range(2):
+                value += dot(
+                    count, rub_load, half_along(model, elements, w, pair, side, d), rub_trace, line + d * nodes
+                )
+            friction_modal[trial + i] = friction_modal[trial + i] + value
+        i += wp.block_dim()
+
+
+@wp.kernel
+def press_slips(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    base: wp.array3d(dtype=real),
+    cell_area: wp.array3d(dtype=real),
+    cell_turn: wp.array4d(dtype=real),
+    far_window: wp.array4d(dtype=int),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
+    shear_near: wp.array(dtype=real),
+    rub_table: wp.array(dtype=real),
+    place_change: inout(wp.array(dtype=real)),
+    place_none: inout(wp.array(dtype=real)),
+    press_load: inout(wp.array(dtype=real)),
+    rub_field: inout(wp.array(dtype=real)),
+    near_shift: inout(wp.array(dtype=real)),
+    weak_shift: inout(wp.array(dtype=real)),
+    pressed_slip: out(wp.array3d(dtype=real)),
+):
+    """Per (world, pair), lanes over places, splines, cells: what the change of the pressures makes of the slips [m].
+    place_none: tractions that are zero."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_patch(model, pair):
+        return
+    elements = model.elements[0]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    line = line_of(rows)
+    places = elements.patches.places
+    hats = model.window.hats
+    here = w * model.pairs.count + pair
+    e = lane
+    while e < elements.patches.columns[pair] * line:
+        value = real(0.0)
+        if e % line < rows:
+            m = (e / line) * rows + e % line
+            value = -base[w, pair, m]
+            if active[w, pair, m] != 0:
+                value += pressure[w, pair, m]
+        place_change[here * places + e] = value
+        e += wp.block_dim()
+    m = lane
+    while m < 4 * wp.max(places, hats):
+        if m < 4 * places:
+            place_none[here * 4 * places + m] = real(0.0)
+        if m < 4 * hats:
+            weak_shift[here * 4 * hats + m] = real(0.0)
+        m += wp.block_dim()
+    sync()
+    for side in range(2):
+        s = real_side(elements, pair, side)
+        if s >= 0:
+            own = model.surfaces.rows[s]
+            count = far_window[w, pair, side, 1] * own
+            at = half_of(model, elements, w, pair, side)
+            load_side(
+                model, elements, w, pair, side, rows, own, count, far_strip, far_share, place_change, here * places,
+                press_load, at,
+            )  # fmt: skip
+            for d in range(2):
+                n = lane
+                while n < line_of(count):
+                    rub_field[half_along(model, elements, w, pair, side, d) + n] = real(0.0)
+                    n += wp.block_dim()
+            sync()
+            pressed_along(model, elements, w, pair, side, lane, count, press_load, at, rub_table, rub_field)
+            for d in range(2):
+                read_side(
+                    model, elements, w, pair, side, rows, own, far_strip, far_share, rub_field,
+                    half_along(model, elements, w, pair, side, d), weak_shift, (here * 4 + 2 * side + d) * hats,
+                )  # fmt: skip
+    rings = elements.rolling.ring_rows[pair]
+    coupled = elements.rolling.coupled[pair]
+    if coupled != 0:
+        near_along(
+            model, elements, w, pair, rows, shear_line(rows, rings), STRIPS_AROUND, 0, elements.patches.columns[pair],
+            rings, rows, shear_near, place_none, place_change, near_shift, here * 2 * hats, hats,
+        )  # fmt: skip
+    m = lane
+    while m < elements.patches.columns[pair] * rows:
+        for d in range(2):
+            value = real(0.0)
+            if cell_area[w, pair, m] > real(0.0):
+                value = weak_shift[(here * 4 + d) * hats + m]
+                if coupled != 0:
+                    value += near_shift[(here * 2 + d) * hats + m]
+                for e in range(2):
+                    value -= cell_turn[w, pair, m, 2 * d + e] * weak_shift[(here * 4 + 2 + e) * hats + m]
+                value = value / cell_area[w, pair, m]
+            pressed_slip[w, pair, cell_at(rows, m, d)] = value
+        m += wp.block_dim()

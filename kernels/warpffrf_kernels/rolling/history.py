@@ -1,0 +1,249 @@
+r"""Slips of the cells of a patch in a step: what the material that is in a cell now had displaced where it was before.
+
+The elastic displacement e at the end of a step is kept on the cells and RINGS strips (and rows, where these travel)
+around them, with the place of the patch on the first body. In the next step the material at the centre x of a cell is
+looked for there, and e read by cubics in both directions,
+
+    slip = rigid slip + e(x, now) - e_before(x) + growth,
+
+places of material counted on the first body. Rows that stay on the material need no interpolation. Around the cells e
+is that of the half-spaces, exactly, and the rest of it, smooth, goes on in straight lines from the outermost cells;
+what lies beyond is taken to be as far out as there is. A linear interpolation would eat the history: a traction locked
+into the patch keeps half of its peak after ten cells at a tenth of a cell a step.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import changed, inout, out
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
+from warpffrf_kernels.friction.cells import cell_at, rubs_on_patch
+from warpffrf_kernels.patch.cells import row_place
+from warpffrf_kernels.rolling.entering import advance_of
+from warpffrf_kernels.rolling.places import strip_columns
+from warpffrf_kernels.rolling.shear import STRIPS_AROUND, near_along, shear_line
+from warpffrf_kernels.surfaces.surface import radius_of, slope_of
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.struct
+class Reading:
+    """Cubic shares of four neighbours from `first` on."""
+
+    first: int
+    share: wp.vec4d
+
+
+@wp.func
+def read_at(place: real, count: int) -> Reading:
+    """At a `place` counted in `count` places; beyond them as at the end."""
+    found = Reading()
+    x = wp.clamp(place, real(0.0), real(count - 1))
+    first = wp.clamp(int(wp.floor(x)) - 1, 0, wp.max(count - 4, 0))
+    a = x - real(first)
+    b = a - real(1.0)
+    c = a - real(2.0)
+    d = a - real(3.0)
+    found.first = first
+    found.share = wp.vec4d(
+        -b * c * d / real(6.0), a * c * d / real(2.0), -a * b * d / real(2.0), a * b * c / real(6.0)
+    )
+    return found
+
+
+@wp.func
+def way_of(model: Model, elements: Elements, pair: int, z: real, advanced: wp.vec2d) -> wp.vec2d:
+    """Way [m] of the first body's material through the patch, along (e_theta, t_z): against the patch's advance."""
+    A = elements.patches.first[pair]
+    slope = slope_of(model, A, z)
+    return wp.vec2d(
+        -advanced[0] * model.surfaces.pitch[A] * radius_of(model, A, z) * model.surfaces.side[A],
+        -advanced[1] * wp.sqrt(real(1.0) + slope * slope),
+    )
+
+
+@wp.kernel
+def slide_patch_cells(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    patch_place: wp.array3d(dtype=real),
+    ring_place: wp.array3d(dtype=real),
+    ring_slip: wp.array3d(dtype=real),
+    rigid_slip: wp.array3d(dtype=real),
+    elastic: wp.array3d(dtype=real),
+    cell_area: wp.array3d(dtype=real),
+    weak_grown: wp.array(dtype=real),
+    slip: out(wp.array3d(dtype=real)),
+):
+    """Per (world, pair), lanes over cells: slip of the step [m]; without a history that of the rigid bodies."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
+        return
+    elements = model.elements[0]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    columns = elements.patches.columns[pair]
+    rings = elements.rolling.ring_rows[pair]
+    wide = columns + 2 * STRIPS_AROUND
+    high = rows + 2 * rings
+    advanced = advance_of(model, elements, w, pair, patch_place, ring_place)
+    way = way_of(model, elements, pair, patch_place[w, pair, 1], advanced)
+    strip = strip_columns(model, elements, w, pair, patch_place)
+    known = ring_place[w, pair, 2] > real(0.0)
+    before = strip
+    if known:
+        before = strip_columns(model, elements, w, pair, ring_place)
+    m = lane
+    while m < columns * rows:
+        i_1 = cell_at(rows, m, 0)
+        i_2 = cell_at(rows, m, 1)
+        s_1 = rigid_slip[w, pair, i_1]
+        s_2 = rigid_slip[w, pair, i_2]
+        if known:
+            x = advanced[0] + (real(m / rows) - real(0.5) * real(columns - 1)) * strip
+            across = read_at(x / before + real(0.5) * real(wide - 1), wide)
+            row = m % rows
+            along = Reading()
+            along.first = row
+            along.share = wp.vec4d(real(1.0), real(0.0), real(0.0), real(0.0))
+            if rings > 0:
+                z = row_place(elements, pair, row, patch_place, w)[0] - ring_place[w, pair, 1]
+                pitch = row_place(elements, pair, row, ring_place, w)[1]
+                along = read_at(z / pitch + real(0.5) * real(high - 1), high)
+            u_1 = real(0.0)
+            u_2 = real(0.0)
+            for i in range(4):
+                for j in range(4):
+                    share = across.share[i] * along.share[j]
+                    if share != real(0.0):
+                        at = (across.first + i) * high + along.first + j
+                        u_1 += share * ring_slip[w, pair, at]
+                        u_2 += share * ring_slip[w, pair, wide * high + at]
+            s_1 += elastic[w, pair, i_1] - u_1
+            s_2 += elastic[w, pair, i_2] - u_2
+            if cell_area[w, pair, m] > real(0.0):
+                growth = weak_grown[(w * model.pairs.count + pair) * model.window.hats + m] / cell_area[w, pair, m]
+                s_1 += way[0] * growth
+                s_2 += way[1] * growth
+        slip[w, pair, i_1] = s_1
+        slip[w, pair, i_2] = s_2
+        m += wp.block_dim()
+
+
+@wp.func
+def smooth_at(
+    w: int, pair: int, rows: int, c: int, r: int, d: int, base: int, hats: int, elastic: wp.array3d(dtype=real),
+    near_shift: wp.array(dtype=real), cell_area: wp.array3d(dtype=real),
+) -> real:  # fmt: skip
+    """What of e of a cell is not the half-spaces' [m]."""
+    m = c * rows + r
+    area = cell_area[w, pair, m]
+    if not (area > real(0.0)):
+        return real(0.0)
+    return elastic[w, pair, cell_at(rows, m, d)] - near_shift[base + d * hats + m] / area
+
+
+@wp.kernel
+def keep_rings(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    patch_place: wp.array3d(dtype=real),
+    patch_pressure: wp.array(dtype=real),
+    elastic: wp.array3d(dtype=real),
+    near_shift: wp.array(dtype=real),
+    cell_area: wp.array3d(dtype=real),
+    place_traction: wp.array(dtype=real),
+    shear_near: wp.array(dtype=real),
+    rigid_slip: wp.array3d(dtype=real),
+    friction_work: wp.array3d(dtype=real),
+    normal_wrench: wp.array3d(dtype=real),
+    most_advanced: inout(wp.array2d(dtype=real)),
+    history_phase: out(wp.array2d(dtype=real)),
+    ring_place: inout(wp.array3d(dtype=real)),
+    ring_slip: inout(wp.array(dtype=real)),
+    contact_normal: out(wp.array2d(dtype=vec3)),
+    friction_record: out(wp.array3d(dtype=real)),
+):
+    """Per (world, pair), lanes over cells: the history of an accepted step. friction_record: power, creep (2), rolling
+    velocity."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].attempt == 0 or ctl[w].accept == 0 or not rubs_on_patch(model, pair):
+        return
+    elements = model.elements[0]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    columns = elements.patches.columns[pair]
+    rings = elements.rolling.ring_rows[pair]
+    wide = columns + 2 * STRIPS_AROUND
+    high = rows + 2 * rings
+    hats = model.window.hats
+    here = w * model.pairs.count + pair
+    start = here * 2 * elements.rolling.ring_cells
+    near_along(
+        model, elements, w, pair, rows, shear_line(rows, rings), STRIPS_AROUND, -STRIPS_AROUND, wide, 0, high,
+        shear_near, place_traction, patch_pressure, ring_slip, start, wide * high,
+    )  # fmt: skip
+    A = elements.patches.first[pair]
+    z = patch_place[w, pair, 1]
+    strip = real(2.0) * patch_place[w, pair, 2] / real(columns)
+    base = here * 2 * hats
+    e = lane
+    while e < wide * high:
+        c = e / high - STRIPS_AROUND
+        r = e % high - rings
+        c_in = wp.clamp(c, 0, columns - 1)
+        r_in = wp.clamp(r, 0, rows - 1)
+        for d in range(2):
+            at = start + d * wide * high + e
+            if c == c_in and r == r_in:
+                ring_slip[at] = elastic[w, pair, cell_at(rows, c * rows + r, d)]
+            else:
+                value = smooth_at(w, pair, rows, c_in, r_in, d, base, hats, elastic, near_shift, cell_area)
+                if c != c_in:
+                    inner = c_in + wp.sign(c_in - c)
+                    value += real(wp.abs(c - c_in)) * (
+                        smooth_at(w, pair, rows, c_in, r_in, d, base, hats, elastic, near_shift, cell_area)
+                        - smooth_at(w, pair, rows, inner, r_in, d, base, hats, elastic, near_shift, cell_area)
+                    )
+                if r != r_in:
+                    inner = r_in + wp.sign(r_in - r)
+                    value += real(wp.abs(r - r_in)) * (
+                        smooth_at(w, pair, rows, c_in, r_in, d, base, hats, elastic, near_shift, cell_area)
+                        - smooth_at(w, pair, rows, c_in, inner, d, base, hats, elastic, near_shift, cell_area)
+                    )
+                size = strip * row_place(elements, pair, r_in, patch_place, w)[1]
+                ring_slip[at] = ring_slip[at] / size + value
+        e += wp.block_dim()
+    sync()
+    if lane == 0:
+        h = clk[w].done_step
+        advanced = advance_of(model, elements, w, pair, patch_place, ring_place)
+        way = way_of(model, elements, pair, z, advanced)
+        cells = wp.abs(advanced[0]) / strip_columns(model, elements, w, pair, patch_place)
+        if elements.patches.follows[pair] != 0:
+            up = wp.abs(advanced[1]) / row_place(elements, pair, 0, patch_place, w)[1]
+            cells = wp.max(cells, up)
+        if ctl[w].mode == k.DYNAMIC:
+            most_advanced[w, pair] = wp.max(most_advanced[w, pair], cells)
+        else:
+            most_advanced[w, pair] = real(0.0)
+        history_phase[w, pair] = patch_place[w, pair, 0]
+        for i in range(4):
+            ring_place[w, pair, i] = patch_place[w, pair, i]
+        force = vec3(normal_wrench[w, pair, 0], normal_wrench[w, pair, 1], normal_wrench[w, pair, 2])
+        contact_normal[w, pair] = vec3(real(0.0), real(0.0), real(0.0))
+        if wp.length(force) > real(0.0):
+            contact_normal[w, pair] = -wp.normalize(force)
+        for c in range(4):
+            friction_record[w, pair, c] = real(0.0)
+        if ctl[w].mode == k.DYNAMIC and h > real(0.0):
+            m = (columns / 2) * rows + rows / 2
+            creep = rigid_slip[w, pair, cell_at(rows, m, 0)] / h
+            friction_record[w, pair, 0] = -friction_work[w, pair, 0] / h
+            friction_record[w, pair, 1] = creep
+            friction_record[w, pair, 2] = rigid_slip[w, pair, cell_at(rows, m, 1)] / h
+            friction_record[w, pair, 3] = way[0] / h - real(0.5) * creep

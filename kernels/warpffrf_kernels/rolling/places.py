@@ -1,0 +1,142 @@
+"""Cells that travel with the patch: where they lie on both bodies, how far they slide as rigid bodies, bounds.
+
+As `friction.cells`, but for the places: the centres of the patch's strips and rows. Pressures and tractions are both
+constant on a cell, so that its bound is mu times its own pressure.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
+from warpffrf_kernels.friction.cells import cell_at, find_cell, keep_cell, look, rubs_on_patch
+from warpffrf_kernels.patch.cells import row_place
+from warpffrf_kernels.rolling.shear import STRIPS_AROUND, shear_line
+from warpffrf_kernels.surfaces.surface import radius_of
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.func
+def strip_columns(model: Model, elements: Elements, w: int, pair: int, patch_place: wp.array3d(dtype=real)) -> real:
+    """Width of a strip in columns of the first surface's grid."""
+    A = elements.patches.first[pair]
+    around = model.surfaces.pitch[A] * radius_of(model, A, patch_place[w, pair, 1])
+    return real(2.0) * patch_place[w, pair, 2] / (real(elements.patches.columns[pair]) * around)
+
+
+@wp.kernel
+def open_patch_cells(
+    models: wp.array(dtype=Model),
+    patch_place: wp.array3d(dtype=real),
+    ctl: inout(wp.array(dtype=Control)),
+    cell_phase: inout(wp.array3d(dtype=real)),
+):
+    """Per (world, pair): whether the compliance of the cells is to be assembled anew."""
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
+        return
+    same = int(1)
+    for i in range(4):
+        if cell_phase[w, pair, i] != patch_place[w, pair, i]:
+            same = int(0)
+    if same == 0 or ctl[w].iteration == 0:
+        ctl[w].stale = 1
+        for i in range(4):
+            cell_phase[w, pair, i] = patch_place[w, pair, i]
+
+
+@wp.kernel
+def place_patch_cells(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    r: wp.array2d(dtype=vec3),
+    p: wp.array2d(dtype=quat),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    contact_normal: wp.array2d(dtype=vec3),
+    patch_place: wp.array3d(dtype=real),
+    area: wp.array3d(dtype=real),
+    shear_near: wp.array3d(dtype=real),
+    cell_area: out(wp.array3d(dtype=real)),
+    cell_turn: out(wp.array4d(dtype=real)),
+    cell_wrench: out(wp.array4d(dtype=real)),
+    cell_own: out(wp.array3d(dtype=real)),
+    rigid_slip: out(wp.array3d(dtype=real)),
+):
+    """Per (world, pair), lanes over cells: area (0 where nothing is opposite), turn, wrench, displacement by a unit
+    traction of their own, rigid slip."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
+        return
+    elements = model.elements[0]
+    A = elements.patches.first[pair]
+    B = elements.patches.second[pair]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    columns = elements.patches.columns[pair]
+    strip = strip_columns(model, elements, w, pair, patch_place)
+    middle = model.surfaces.theta[A] + patch_place[w, pair, 0] * model.surfaces.pitch[A]
+    s = look(model, w, A, B, r, p, r1, axes, contact_normal[w, pair], middle, patch_place[w, pair, 1])
+    rings = elements.rolling.ring_rows[pair]
+    line = shear_line(rows, rings)
+    m = lane
+    while m < columns * rows:
+        x = patch_place[w, pair, 0] + (real(m / rows) - real(0.5) * real(columns - 1)) * strip
+        z = row_place(elements, pair, m % rows, patch_place, w)[0]
+        found = find_cell(model, A, B, s, model.surfaces.theta[A] + x * model.surfaces.pitch[A], z)
+        size = area[w, pair, m]
+        keep_cell(w, pair, rows, m, size, found, cell_area, cell_turn, cell_wrench, rigid_slip)
+        own = real(0.0)
+        if size > real(0.0):
+            own = shear_near[w, pair, (m % rows) * line + rings + m % rows] / size
+        cell_own[w, pair, m] = own
+        m += wp.block_dim()
+
+
+@wp.kernel
+def bound_patch_cells(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    area: wp.array3d(dtype=real),
+    clip: int,
+    bound: out(wp.array3d(dtype=real)),
+    traction: inout(wp.array3d(dtype=real)),
+):
+    """Per (world, pair), lanes over cells: the bounds mu p [Pa] of the present pressures; with `clip` tractions beyond
+    them are cut. Friction acts in dynamic steps only."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or not rubs_on_patch(model, pair):
+        return
+    if (clip != 0 and ctl[w].moved == 0) or (clip == 0 and ctl[w].changes != 0):
+        return
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    cells = model.elements[0].patches.columns[pair] * rows
+    m = lane
+    while m < model.window.hats:
+        value = real(0.0)
+        if m < cells and ctl[w].mode == k.DYNAMIC:
+            if active[w, pair, m] != 0 and area[w, pair, m] > real(0.0):
+                value = model.pairs.friction[pair] * wp.max(pressure[w, pair, m], real(0.0))
+        bound[w, pair, m] = value
+        if clip != 0 and m < cells:
+            i = cell_at(rows, m, 0)
+            j = cell_at(rows, m, 1)
+            size = wp.sqrt(traction[w, pair, i] * traction[w, pair, i] + traction[w, pair, j] * traction[w, pair, j])
+            if not (size <= value):
+                share = real(0.0)
+                if size > real(0.0) and wp.isfinite(size):
+                    share = value / size
+                for d in range(2):
+                    at = cell_at(rows, m, d)
+                    stress = real(0.0)
+                    if share > real(0.0):
+                        stress = share * traction[w, pair, at]
+                    traction[w, pair, at] = stress
+        m += wp.block_dim()

@@ -1,0 +1,441 @@
+r"""Compliance of the cells of a patch that may carry friction, as `friction.cell_compliance` has it for those of a grid.
+
+In the weak slips and the tractions of the slots of a pair
+
+    G = half-spaces + (A P) (S_tt + Phi_t sigma^-1 Phi_t^T) (A P)^T of A + Q (the same of B) Q^T,
+    J = [A P Phi_tA, -Q A P Phi_tB],      N^T: what tractions do to the weak gaps of the active slots.
+
+A line of G is read off what a cell's unit tractions displace of the splines of both sides.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.access import changed, inout, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.friction.cell_blocks import COUNT, FRESH, block_of, first_line
+from warpffrf_kernels.friction.cell_compliance import mirror_lines
+from warpffrf_kernels.friction.cells import rubs_on_patch
+from warpffrf_kernels.friction.pressure_answer import RENEWED
+from warpffrf_kernels.normal.pair_elimination import COUNT as SLOTS
+from warpffrf_kernels.normal.pair_elimination import START
+from warpffrf_kernels.patch.spline_tables import real_side
+from warpffrf_kernels.rolling.shear import STRIPS_AROUND, shear_line
+from warpffrf_kernels.rolling.spline_tables import half_along, table_along, trace_along
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.kernel
+def modes_of_cells(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    cell_block: wp.array3d(dtype=int),
+    cell_slot: wp.array3d(dtype=int),
+    cell_turn: wp.array4d(dtype=real),
+    far_at: wp.array4d(dtype=int),
+    far_weight: wp.array4d(dtype=real),
+    far_window: wp.array4d(dtype=int),
+    rub_trace: wp.array(dtype=real),
+    weight: wp.array2d(dtype=real),
+    cell_J: inout(wp.array(dtype=real)),
+    cell_JT: out(wp.array4d(dtype=real)),
+):
+    """Per (world, pair), lanes over modes: gradient J of the weak slip of the fresh slots by the global modes of A, then
+    of B, times the weight of the pair, and its transpose."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_patch(model, pair):
+        return
+    elements = model.elements[0]
+    nodes = elements.patches.far_nodes
+    count_a = model.surfaces.modal_count[model.pairs.first[pair]]
+    slot = cell_block[w, pair, FRESH]
+    while slot < cell_block[w, pair, COUNT]:
+        m = cell_slot[w, pair, slot]
+        start = (first_line(model, w, pair) + 2 * slot) * model.pairs.most_modes
+        i = lane
+        while i < model.pairs.most_modes:
+            side = int(0)
+            n = i
+            if i >= count_a:
+                side = int(1)
+                n = i - count_a
+            s = real_side(elements, pair, side)
+            v_1 = real(0.0)
+            v_2 = real(0.0)
+            if s >= 0 and n < model.surfaces.modal_count[s]:
+                rows = model.surfaces.rows[s]
+                at = side * model.window.hats + m
+                line = trace_along(model, elements, w, pair, side) + n * 2 * nodes
+                line += (far_at[w, pair, at, 0] - far_window[w, pair, side, 0]) * rows + far_at[w, pair, at, 1]
+                for a in range(3):
+                    b = int(0)
+                    while b < wp.min(rows, 3):
+                        f = far_weight[w, pair, at, 3 * a + b]
+                        v_1 += f * rub_trace[line + a * rows + b]
+                        v_2 += f * rub_trace[line + nodes + a * rows + b]
+                        b += 1
+            u_1 = v_1
+            u_2 = v_2
+            if side == 1:
+                u_1 = -(cell_turn[w, pair, m, 0] * v_1 + cell_turn[w, pair, m, 1] * v_2)
+                u_2 = -(cell_turn[w, pair, m, 2] * v_1 + cell_turn[w, pair, m, 3] * v_2)
+            cell_J[start + i] = weight[w, pair] * u_1
+            cell_J[start + model.pairs.most_modes + i] = weight[w, pair] * u_2
+            cell_JT[w, pair, i, 2 * slot] = weight[w, pair] * u_1
+            cell_JT[w, pair, i, 2 * slot + 1] = weight[w, pair] * u_2
+            i += wp.block_dim()
+        slot += 1
+
+
+# S_tt + weight^2 Phi_t sigma^-1 Phi_t^T of one side, lines of 2 nodes: lanes over the lines.
+@wp.func_native("""
+    const int nodes = elements.patches.far_nodes, modes = model.surfaces.modal_count.data[s];
+    const double* const own = receptance.data + (size_t)w * model.modes.count + model.surfaces.modal_start.data[s];
+    const double* const trace = rub_trace.data + trace_start;
+    for (int e = WP_TILE_THREAD_IDX; e < 2 * nodes; e += WP_TILE_BLOCK_DIM) {
+        if (e % nodes >= count) continue;
+        const double* const t = rub_table.data + table_start + (size_t)e * 3 * nodes;
+        double* const out = rub_soft.data + soft_start + (size_t)e * 2 * nodes;
+        for (int d = 0; d < 2; ++d) for (int k = 0; k < count; ++k) out[d * nodes + k] = t[d * nodes + k];
+        for (int m = 0; m < modes; ++m) {
+            const double* const u = trace + (size_t)m * 2 * nodes;
+            const double f = weight * weight * own[m] * u[e];
+            for (int d = 0; d < 2; ++d) for (int k = 0; k < count; ++k) out[d * nodes + k] += f * u[d * nodes + k];
+        }
+    }
+    WP_TILE_SYNC();
+""")
+def soften_splines(
+    model: Model,
+    elements: Elements,
+    w: int,
+    s: int,
+    count: int,
+    weight: real,
+    table_start: int,
+    trace_start: int,
+    soft_start: int,
+    rub_table: wp.array(dtype=real),
+    rub_trace: wp.array(dtype=real),
+    receptance: wp.array(dtype=real),
+    rub_soft: wp.array(dtype=real),
+): ...
+
+
+# Numbers of the splines of one side that a unit traction of cell m along direction d of A displaces, (direction,
+# spline): `stride` numbers of a line of `soft`, from `start` on, of which `offset` begin; lanes over the splines.
+@wp.func_native("""
+    const int nodes = elements.patches.far_nodes, taps = rows < 3 ? rows : 3;
+    const size_t p = ((size_t)w * model.pairs.count + pair) * 2 * model.window.hats + side * model.window.hats + m;
+    const int* const at = far_at.data + 2 * p;
+    const double *const q = far_weight.data + 9 * p;
+    const double* const turn = cell_turn.data + (((size_t)w * model.pairs.count + pair) * model.window.hats + m) * 4;
+    const int first = (at[0] - far_window.data[2 * (((size_t)w * model.pairs.count + pair) * 2 + side)]) * rows + at[1];
+    double* const out = line.data + at_line;
+    for (int k = WP_TILE_THREAD_IDX; k < count; k += WP_TILE_BLOCK_DIM) {
+        double s0 = 0.0, s1 = 0.0;
+        for (int e = 0; e < 2; ++e) {
+            const double f = side == 0 ? (e == d ? 1.0 : 0.0) : -turn[2 * d + e];
+            if (f == 0.0) continue;
+            for (int a = 0; a < 3; ++a) for (int b = 0; b < taps; ++b) {
+                const double x = f * q[3 * a + b];
+                const double* const from = soft.data + start + (size_t)(e * nodes + first + a * rows + b) * 2 * nodes;
+                s0 += x * from[k]; s1 += x * from[nodes + k];
+            }
+        }
+        out[k] = s0; out[nodes + k] = s1;
+    }
+    WP_TILE_SYNC();
+""")
+def displaced_splines(
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    side: int,
+    rows: int,
+    count: int,
+    m: int,
+    d: int,
+    far_at: wp.array4d(dtype=int),
+    far_weight: wp.array4d(dtype=real),
+    far_window: wp.array4d(dtype=int),
+    cell_turn: wp.array4d(dtype=real),
+    soft: wp.array(dtype=real),
+    start: int,
+    line: wp.array(dtype=real),
+    at_line: int,
+): ...
+
+
+# y[at + 2 j + d] += weak displacement along d of the first `count` cells in play by what the splines of one side have
+# been displaced; lanes over the cells.
+@wp.func_native("""
+    const int nodes = elements.patches.far_nodes, taps = rows < 3 ? rows : 3, hats = model.window.hats;
+    const size_t here = (size_t)w * model.pairs.count + pair;
+    const int* const mine = cell_slot.data + here * model.capacity.cells;
+    const int first = far_window.data[2 * (here * 2 + side)];
+    const double* const u = line.data + at_line;
+    for (int j = WP_TILE_THREAD_IDX; j < count; j += WP_TILE_BLOCK_DIM) {
+        const int m = mine[j];
+        const size_t p = here * 2 * hats + side * hats + m;
+        const int n = (far_at.data[2 * p] - first) * rows + far_at.data[2 * p + 1];
+        const double* const q = far_weight.data + 9 * p;
+        double v0 = 0.0, v1 = 0.0;
+        for (int a = 0; a < 3; ++a) for (int b = 0; b < taps; ++b) {
+            const double x = q[3 * a + b];
+            v0 += x * u[n + a * rows + b]; v1 += x * u[nodes + n + a * rows + b];
+        }
+        if (side != 0) {
+            const double* const turn = cell_turn.data + (here * hats + m) * 4;
+            const double u0 = turn[0] * v0 + turn[1] * v1, u1 = turn[2] * v0 + turn[3] * v1;
+            v0 = -u0; v1 = -u1;
+        }
+        y.data[at + 2 * j] += part * v0; y.data[at + 2 * j + 1] += part * v1;
+    }
+    WP_TILE_SYNC();
+""")
+def add_on_cells(
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    side: int,
+    rows: int,
+    count: int,
+    part: real,
+    far_at: wp.array4d(dtype=int),
+    far_weight: wp.array4d(dtype=real),
+    far_window: wp.array4d(dtype=int),
+    cell_slot: wp.array3d(dtype=int),
+    cell_turn: wp.array4d(dtype=real),
+    line: wp.array(dtype=real),
+    at_line: int,
+    y: wp.array(dtype=real),
+    at: int,
+): ...
+
+
+# Lines 2 slot, 2 slot + 1 of G by the half-spaces, columns of the slots up to itself. Lanes over the slots.
+@wp.func_native("""
+    const int cap = 2 * model.capacity.cells, columns = elements.patches.columns.data[pair];
+    const size_t here = (size_t)w * model.pairs.count + pair, K = (size_t)(columns + reach) * rows * line;
+    const int* const mine = cell_slot.data + here * model.capacity.cells;
+    const double* const T = shear_near.data + here * elements.rolling.shear_numbers + rings;
+    const int c = mine[slot] / rows, k = mine[slot] % rows;
+    double *const g0 = G.data + (here * cap + 2 * slot) * cap, *const g1 = g0 + cap;
+    for (int j = WP_TILE_THREAD_IDX; j <= slot; j += WP_TILE_BLOCK_DIM) {
+        const int way = mine[j] / rows - c, a = way < 0 ? -way : way;
+        const double* const h = T + ((size_t)a * rows + k) * line + mine[j] % rows;
+        const double both = way < 0 ? -h[2 * K] : h[2 * K];
+        g0[2 * j] = h[0]; g0[2 * j + 1] = both; g1[2 * j] = both; g1[2 * j + 1] = h[K];
+    }
+    WP_TILE_SYNC();
+""")
+def lay_near_lines(
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    slot: int,
+    rows: int,
+    rings: int,
+    line: int,
+    reach: int,
+    cell_slot: wp.array3d(dtype=int),
+    shear_near: wp.array(dtype=real),
+    G: wp.array(dtype=real),
+): ...
+
+
+@wp.kernel
+def assemble_patch_cells(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    cell_block: wp.array3d(dtype=int),
+    cell_slot: wp.array3d(dtype=int),
+    cell_turn: wp.array4d(dtype=real),
+    far_at: wp.array4d(dtype=int),
+    far_weight: wp.array4d(dtype=real),
+    far_window: wp.array4d(dtype=int),
+    shear_near: wp.array(dtype=real),
+    rub_table: wp.array(dtype=real),
+    rub_trace: wp.array(dtype=real),
+    weight: wp.array2d(dtype=real),
+    receptance: wp.array(dtype=real),
+    rub_soft: inout(wp.array(dtype=real)),
+    rub_line: inout(wp.array(dtype=real)),
+    G: out(wp.array(dtype=real)),
+):
+    """Per (world, pair): lines of the compliance of the fresh slots, without the outer coordinates."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_patch(model, pair):
+        return
+    if cell_block[w, pair, FRESH] == cell_block[w, pair, COUNT]:
+        return
+    elements = model.elements[0]
+    nodes = elements.patches.far_nodes
+    here = w * model.pairs.count + pair
+    for side in range(2):
+        s = real_side(elements, pair, side)
+        if s >= 0:
+            soften_splines(
+                model, elements, w, s, far_window[w, pair, side, 1] * model.surfaces.rows[s], weight[w, pair],
+                table_along(model, elements, w, pair, side, 0), trace_along(model, elements, w, pair, side),
+                (here * 2 + side) * 2 * nodes * 2 * nodes, rub_table, rub_trace, receptance, rub_soft,
+            )  # fmt: skip
+    lines = 2 * model.capacity.cells
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    rings = elements.rolling.ring_rows[pair]
+    slot = cell_block[w, pair, FRESH]
+    while slot < cell_block[w, pair, COUNT]:
+        lay_near_lines(
+            model, elements, w, pair, slot, rows, rings, shear_line(rows, rings), STRIPS_AROUND, cell_slot, shear_near,
+            G,
+        )  # fmt: skip
+        for d in range(2):
+            for side in range(2):
+                s = real_side(elements, pair, side)
+                if s >= 0:
+                    count = far_window[w, pair, side, 1] * model.surfaces.rows[s]
+                    at = here * 4 * nodes + side * 2 * nodes
+                    displaced_splines(
+                        model, elements, w, pair, side, model.surfaces.rows[s], count, cell_slot[w, pair, slot], d,
+                        far_at, far_weight, far_window, cell_turn, rub_soft,
+                        (here * 2 + side) * 2 * nodes * 2 * nodes, rub_line, at,
+                    )  # fmt: skip
+                    add_on_cells(
+                        model, elements, w, pair, side, model.surfaces.rows[s], slot + 1, real(1.0), far_at,
+                        far_weight, far_window, cell_slot, cell_turn, rub_line, at, G,
+                        block_of(model, w, pair) + (2 * slot + d) * lines,
+                    )  # fmt: skip
+        mirror_lines(model, w, pair, 2 * slot, G)
+        slot += 1
+
+
+# y[at + 2 j + d] += slips of the cells in play under a unit pressure on cell m, by unlike half-spaces. Lanes over cells.
+@wp.func_native("""
+    const int columns = elements.patches.columns.data[pair];
+    const size_t here = (size_t)w * model.pairs.count + pair, K = (size_t)(columns + reach) * rows * line;
+    const int* const mine = cell_slot.data + here * model.capacity.cells;
+    const double* const T = shear_near.data + here * elements.rolling.shear_numbers + 3 * K + rings;
+    for (int j = WP_TILE_THREAD_IDX; j < count; j += WP_TILE_BLOCK_DIM) {
+        const int way = mine[j] / rows - m / rows, a = way < 0 ? -way : way;
+        const double* const h = T + ((size_t)a * rows + m % rows) * line + mine[j] % rows;
+        y.data[at + 2 * j] += way < 0 ? -h[0] : h[0]; y.data[at + 2 * j + 1] += h[K];
+    }
+    WP_TILE_SYNC();
+""")
+def add_pressed_near(
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    m: int,
+    count: int,
+    rows: int,
+    rings: int,
+    line: int,
+    reach: int,
+    cell_slot: wp.array3d(dtype=int),
+    shear_near: wp.array(dtype=real),
+    y: wp.array(dtype=real),
+    at: int,
+): ...
+
+
+# (direction, spline) of one side: displacement along under a unit pressure on cell m, -S_nt^T. Lanes over splines.
+@wp.func_native("""
+    const int nodes = elements.patches.far_nodes, taps = rows < 3 ? rows : 3;
+    const size_t here = (size_t)w * model.pairs.count + pair;
+    const size_t p = here * 2 * model.window.hats + side * model.window.hats + m;
+    const int first = (far_at.data[2 * p] - far_window.data[2 * (here * 2 + side)]) * rows + far_at.data[2 * p + 1];
+    const double* const q = far_weight.data + 9 * p;
+    for (int e = WP_TILE_THREAD_IDX; e < 2 * nodes; e += WP_TILE_BLOCK_DIM) {
+        if (e % nodes >= count) continue;
+        const double* const t = table.data + start + (size_t)e * 3 * nodes + 2 * nodes + first;
+        double sum = 0.0;
+        for (int a = 0; a < 3; ++a) for (int b = 0; b < taps; ++b) sum -= q[3 * a + b] * t[a * rows + b];
+        line.data[at_line + e] = sum;
+    }
+    WP_TILE_SYNC();
+""")
+def pressed_splines(
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    side: int,
+    rows: int,
+    count: int,
+    m: int,
+    far_at: wp.array4d(dtype=int),
+    far_weight: wp.array4d(dtype=real),
+    far_window: wp.array4d(dtype=int),
+    table: wp.array(dtype=real),
+    start: int,
+    line: wp.array(dtype=real),
+    at_line: int,
+): ...
+
+
+@wp.kernel
+def answer_on_patch(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    slot_hat: wp.array3d(dtype=int),
+    order: wp.array2d(dtype=int),
+    block: wp.array3d(dtype=int),
+    cell_block: wp.array3d(dtype=int),
+    cell_slot: wp.array3d(dtype=int),
+    cell_turn: wp.array4d(dtype=real),
+    far_at: wp.array4d(dtype=int),
+    far_weight: wp.array4d(dtype=real),
+    far_window: wp.array4d(dtype=int),
+    shear_near: wp.array(dtype=real),
+    rub_table: wp.array(dtype=real),
+    answer_state: wp.array2d(dtype=int),
+    rub_line: inout(wp.array(dtype=real)),
+    Y: changed(wp.array(dtype=real)),
+):
+    """Per (world, pair): adds the part of the local modes and half-spaces to N^T."""
+    w, pair, _lane = wp.tid()
+    model = models[0]
+    cells = cell_block[w, pair, COUNT]
+    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or cells == 0:
+        return
+    if not rubs_on_patch(model, pair):
+        return
+    elements = model.elements[0]
+    nodes = elements.patches.far_nodes
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    rings = elements.rolling.ring_rows[pair]
+    lines = 2 * model.capacity.cells
+    a = block[w, pair, START]
+    while a < block[w, pair, START] + block[w, pair, SLOTS]:
+        m = slot_hat[w, order[w, a], 1]
+        line = (w * model.capacity.slots + a) * lines
+        if elements.rolling.coupled[pair] != 0:
+            add_pressed_near(
+                model, elements, w, pair, m, cells, rows, rings, shear_line(rows, rings), STRIPS_AROUND, cell_slot,
+                shear_near, Y, line,
+            )  # fmt: skip
+        for side in range(2):
+            s = real_side(elements, pair, side)
+            if s >= 0:
+                at = (w * model.pairs.count + pair) * 4 * nodes + side * 2 * nodes
+                pressed_splines(
+                    model, elements, w, pair, side, model.surfaces.rows[s],
+                    far_window[w, pair, side, 1] * model.surfaces.rows[s], m, far_at, far_weight, far_window, rub_table,
+                    table_along(model, elements, w, pair, side, 0), rub_line, at,
+                )  # fmt: skip
+                add_on_cells(
+                    model, elements, w, pair, side, model.surfaces.rows[s], cells, real(1.0), far_at, far_weight,
+                    far_window, cell_slot, cell_turn, rub_line, at, Y, line,
+                )  # fmt: skip
+        a += 1
+    sync()
