@@ -13,8 +13,11 @@ facets are free, and so is an end face of the body, where the half-space is a qu
 Cells that do not bear being laid flat are left out: those with nodes near the centre of curvature, or too far round the
 body. On a mesh of a few cells on the radius only those in the outer layer are left.
 
-Loads and displacements are outward. The loads are those of the body, without the turning of the normal over a facet:
-f_a = int N_a psi_j dA on the flat surface.
+Normal loads and displacements are outward. The loads are those of the body, without the turning of the directions over
+a facet: f_a = int N_a psi_j dA on the flat surface.
+
+Under tangential loads an end face is free, too, and the cut faces move with the half-space and the mirror image of the
+load: that is not one field (`exact`), and differs by what the end adds to the image.
 """
 
 from __future__ import annotations
@@ -32,11 +35,22 @@ from warpffrf.model.mesh.facets import FacetSet, outer_faces, row_numbers
 from warpffrf.offline.fe.assembly import Sparse, assemble
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.near_field.charts import FlatChart
-from warpffrf.offline.near_field.exact import EndField, PointLoads, half_space_at
+from warpffrf.offline.near_field.exact import OUTWARD, EndField, PointLoads, half_space_at
 from warpffrf.offline.solvers import factorise
 
 Array = np.ndarray
 DEEPEST = 0.8  # of the smaller radius of curvature: a cell laid flat there is five times as wide as it was
+
+
+@dataclass(frozen=True, eq=False)
+class FlatLoads:
+    """Nodal `forces` (n, m) [-] in one `direction` (0 along s, 1 along t, 2 outwards), and the same loads as the
+    half-space sees them: `points`, at these other forces `at_points` (sets, m / sets, points) where given."""
+
+    forces: Sparse
+    points: PointLoads
+    direction: int = OUTWARD
+    at_points: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,28 +135,33 @@ class FlatCells:
         return any(on[nodes].all(axis=1).any() for nodes in outer_faces(self.cells).blocks.values())
 
     def solve(
-        self, loads: Sparse, points: PointLoads, material: Material, end: EndField | None, tolerance: float
-    ) -> Array:
-        """v (n, m): outward displacement [m] of all nodes under nodal forces `loads` (n, m) [N] along the normal, which
-        the half-space sees as `points`."""
-        n, m = len(self.points), loads.shape[1]
+        self, loads: Sequence[FlatLoads], material: Material, end: EndField | None, tolerance: float
+    ) -> list[Array]:
+        """v (n, 3, m) of each of the `loads`: displacement [m] of all nodes along s, t and outwards per unit force."""
+        n = len(self.points)
+        stops = np.cumsum([part.forces.shape[1] for part in loads])
+        m = int(stops[-1])
+        places = [slice(int(stop) - part.forces.shape[1], int(stop)) for stop, part in zip(stops, loads, strict=True)]
         one = Assignment((material,), {kind: np.zeros(len(c), dtype=np.int64) for kind, c in self.cells.items()})
         K, _ = assemble(self.points, self.cells, one)
         cut = self.cut(end, tolerance)
-        exact = half_space_at(self.points[cut], points, material.poisson_ratio, end) / material.youngs_modulus
         u = np.zeros((n, 3, m))
-        u[cut] = exact.transpose(1, 0, 2)
+        force = np.zeros((n, 3, m))
+        nu = material.poisson_ratio
+        for part, at in zip(loads, places, strict=True):
+            exact = half_space_at(self.points[cut], part.points, nu, end, part.direction, part.at_points)
+            u[cut, :, at] = exact.transpose(1, 0, 2) / material.youngs_modulus
+            force[:, part.direction, at] = part.forces.toarray()
         held = np.zeros((n, 3), dtype=np.bool_)
         held[cut] = True
         free, fixed = np.flatnonzero(~held), np.flatnonzero(held)
         K_free: Any = K[free]
-        force = np.zeros((n, 3, m))
-        force[:, 2] = loads.toarray()
         u = u.reshape(3 * n, m)
         right = force.reshape(3 * n, m)[free] - K_free[:, fixed] @ u[fixed]
-        places = np.repeat(self.points, 3, axis=0)[free]
-        u[free] = factorise(K_free[:, free], coordinates=places).solve(right)
-        return u[2::3]
+        coordinates = np.repeat(self.points, 3, axis=0)[free]
+        u[free] = factorise(K_free[:, free], coordinates=coordinates).solve(right)
+        v = u.reshape(n, 3, m)
+        return [v[:, :, at] for at in places]
 
 
 def _corners(kind: str, nodes: Array) -> Array:
