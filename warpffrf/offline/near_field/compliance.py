@@ -62,7 +62,9 @@ WIDEST = 0.25  # of the smaller radius of curvature: half the width of a cluster
 
 @dataclass(frozen=True, eq=False)
 class NearTangential:
-    """N_tt and N_nt [m/N] in the layouts of `Tangential`, and the largest |T_tt,ij - T_tt,ji| over the largest T_tt."""
+    """N_tt and N_nt [m/N] in the layouts of `Tangential`, and the largest |T_tt,ij - T_tt,ji| of forces in the direction
+    of the displacement over the largest T_tt: between the directions images at the ends are not symmetric (`exact`),
+    and only the mean counts, which has no part of theirs."""
 
     lags_tt: Array
     lags_nt: Array
@@ -125,7 +127,8 @@ def near_compliance(
     tangential = None
     if f.cells is not None:
         by_sector = T["tt"].reshape(2, 2, sectors, size, size).transpose(2, 0, 3, 1, 4)
-        lags_tt, asymmetry_tt = _symmetric(by_sector.reshape(sectors, 2 * size, 2 * size))
+        lags_tt, _ = _symmetric(by_sector.reshape(sectors, 2 * size, 2 * size))
+        asymmetry_tt = max(_symmetric(T["tt"][d, d].reshape(sectors, size, size))[1] for d in (0, 1))
         lags_tn = T["tn"].reshape(2, sectors, size, size).transpose(1, 0, 2, 3).reshape(sectors, 2 * size, size)
         lags_nt = _targets_without_gram(g, f.shape, transposed(lags_tn) * area[:, None])
         tangential = NearTangential(lags_tt, lags_nt, asymmetry_tt)
