@@ -54,9 +54,30 @@ class ContactSurface:
 
     @cached_property
     def splines(self) -> FarSplines:
-        """The splines of the far field."""
+        """The splines of the far field, with what takes hats to them."""
+        return FarSplines(self.grid, self.shape, self._turn)
+
+    @cached_property
+    def tangential_splines(self) -> FarSplines:
+        """The same splines, with what takes the functions of tangential tractions to them. Raises `TypeError` without
+        any."""
+        if self.tangential is None:
+            raise TypeError(f"contact surface {self.name!r} has no tangential tractions")
+        return FarSplines(self.tangential.grid, self.shape, self._turn)
+
+    @cached_property
+    def mode_tangent_splines(self) -> np.ndarray:
+        """Tangential displacement of the global modes (2, columns rows, m) [m per unit modal coordinate], splines.
+        Raises `TypeError` without tangential tractions."""
+        splines = self.tangential_splines
+        assert self.tangential is not None
+        return np.stack([splines.of_functions(modes) for modes in self.tangential.mode_tangent])
+
+    @property
+    def _turn(self) -> int:
+        """Columns of the full turn that the grid is part of, 0 of none."""
         turning = len(self.lags) > 1 or self.grid.periodic
-        return FarSplines(self.grid, self.shape, len(self.lags) * self.grid.columns_per_sector if turning else 0)
+        return len(self.lags) * self.grid.columns_per_sector if turning else 0
 
     @cached_property
     def gram_z(self) -> np.ndarray:

@@ -6,6 +6,12 @@ among the splines of `FarSplines`, which P evaluates. Both halves have the same 
 
 - cut off by `cutoff` of the angle between outward normals, so that it does not go round the body;
 - a quarter space at the `ends` of the surface, see `warpffrf.offline.near_field.ends`.
+
+Tangential tractions have a far field, too (`FarTangential`), among the same splines. Their half-space is Cerruti's with
+mirror images at the ends, and misses there what a free end adds to an image (`warpffrf.offline.near_field.exact`).
+What normal loads move along the surface is taken in the frame of the load: a near field that leaves the turning of the
+tangents out, as H of a flat patch does, lacks u_n/R of the half-space in its strain du/ds, and a strain from S has
+u_n/R of the rest in it.
 """
 
 from __future__ import annotations
@@ -39,6 +45,19 @@ class FreeEnd:
 
 
 @dataclass(frozen=True, eq=False)
+class FarTangential:
+    """S of tangential tractions and displacements among the splines, in the layouts of `Tangential`: with the flat
+    index `d*c*r + j*r + k` of direction d, spline column j and row k, `lags_tt (sectors, 2 c r, 2 c r)`, symmetric, and
+    `lags_nt (sectors, c r, 2 c r)` [m/N], what tangential loads move along the normal and, transposed, normal ones
+    along the surface. `asymmetry`: of T_tt, as that of `FarField`.
+    """
+
+    lags_tt: Array
+    lags_nt: Array
+    asymmetry: float
+
+
+@dataclass(frozen=True, eq=False)
 class FarField:
     """S among the splines of the surface's grid, `lags` [m/N] in the layout of `ContactSurface.lags`, symmetric; the
     half-space that was taken out: `youngs_modulus` [Pa], `poisson_ratio`, `ends`.
@@ -52,24 +71,35 @@ class FarField:
     ends: tuple[FreeEnd, ...]
     asymmetry: float
     quarter: QuarterSurface | None = None  # what the ends add at the surface; None without ends
+    tangential: FarTangential | None = None  # None: of bodies without tangential tractions on cells
 
     def facts(self) -> dict[str, Any]:
         """Everything but the arrays, plain data."""
+        tangential = {} if self.tangential is None else {"tangential": {"asymmetry": self.tangential.asymmetry}}
         return {
             "youngs_modulus": self.youngs_modulus,
             "poisson_ratio": self.poisson_ratio,
             "ends": [[end.z, end.side] for end in self.ends],
             "asymmetry": self.asymmetry,
+            **tangential,
         }
 
     def arrays(self) -> dict[str, Array]:
         """The arrays."""
-        return {"lags": self.lags} | ({} if self.quarter is None else {"quarter": self.quarter.coefficients})
+        found = {"lags": self.lags}
+        if self.quarter is not None:
+            found["quarter"] = self.quarter.coefficients
+        if (t := self.tangential) is not None:
+            found |= {"tangential/lags_tt": t.lags_tt, "tangential/lags_nt": t.lags_nt}
+        return found
 
     @classmethod
     def restore(cls, arrays: dict[str, Array], facts: dict[str, Any]) -> FarField:
         """The far field of `facts` and `arrays`."""
         ends = tuple(FreeEnd(float(z), int(side)) for z, side in facts["ends"])
         quarter = QuarterSurface(arrays["quarter"]) if "quarter" in arrays else None
-        rest = (facts["youngs_modulus"], facts["poisson_ratio"], ends, facts["asymmetry"], quarter)
+        tangential = None
+        if (t := facts.get("tangential")) is not None:
+            tangential = FarTangential(arrays["tangential/lags_tt"], arrays["tangential/lags_nt"], t["asymmetry"])
+        rest = (facts["youngs_modulus"], facts["poisson_ratio"], ends, facts["asymmetry"], quarter, tangential)
         return cls(arrays["lags"], *rest)

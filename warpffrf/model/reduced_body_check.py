@@ -75,6 +75,9 @@ def _contact_shapes(root: str, s: ContactSurface, m: int) -> Iterator[tuple[str,
         yield f"{root}/slope_lags", s.lags.shape
     if s.far is not None:
         yield f"{root}/far/lags", s.lags.shape
+        if s.far.tangential is not None:
+            yield f"{root}/far/tangential/lags_tt", (sectors, 2 * block, 2 * block)
+            yield f"{root}/far/tangential/lags_nt", (sectors, block, 2 * block)
     yield from ((f"{root}/recovery/axes", (3, 3)), (f"{root}/recovery/transfer", (None, None, None)))
     if s.local_mass is not None:
         yield f"{root}/local_mass/lags_mass", s.lags.shape

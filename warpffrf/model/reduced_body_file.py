@@ -32,7 +32,7 @@ from warpffrf.model.tangential import Tangential
 
 Body = TypeVar("Body", bound=ReducedBodyData)
 
-SCHEMA = 6  # 6: far fields of contact surfaces; all older ones are read
+SCHEMA = 7  # 7: far fields of tangential tractions; all older ones are read
 MARK = "warpffrf reduced body"
 _COMPRESSED_FROM = 1 << 16  # bytes; below it a compressed chunk costs more than it saves
 _INERTIA = ("first", "second", "gyroscopic")

@@ -124,7 +124,7 @@ def reduce(
     patch_grid: None: for contact surfaces whose mesh is too coarse for pressures on a grid of its own, also what
         contacts need whose pressures stand on a grid that travels with the patch, much finer than the mesh
         (`warpffrf.model.far_field`), where that can be had; True: for all, or an error that says why not; False: for
-        none. It costs the solution of some hundred to thousand dofs for every few dozen functions of the contact grid
+        none. With `tangential=` (on cells) it serves friction, too. It costs the solution of some hundred to thousand dofs for every few dozen functions of the contact grid
         (of one sector). The cells near the surface must be of one material.
     cache: look the result up in, and put it into, the user's cache. An interrupted reduction leaves a work file there,
         and goes on from it when called again.
@@ -354,7 +354,8 @@ def _with_far_field(
     material = facet_material(mesh, mesh.facets(name), assignment)
     if settings.patch_grid is None and not is_coarse(mesh, name, shape, grid, settings.expected_half_width, material):
         return surface
-    found = find_far_field(mesh, name, shape, grid, surface.lags, material, assignment, checkpoint, stages)
+    own = surface.lags, surface.tangential
+    found = find_far_field(mesh, name, shape, grid, *own, material, assignment, checkpoint, stages)
     report["notes"] += found.notes
     report["warnings"] += found.warnings
     report["stage_seconds"] = dict(stages.seconds)

@@ -17,6 +17,7 @@ The transposed operator gives the coefficients of a displacement, `M^-1 B^T u`: 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,6 +34,7 @@ PIECES = {"quad4": 1, "quad9": 2}
 CHUNK = 2000  # facets worked on together: with a grid as fine as the mesh some 100 MB
 POINTS = 20_000  # quadrature points worked on together: 9 nodes, 4 hats and 4 values of each are 23 MB
 DIRECTIONS = ("normal", "theta", "meridian")
+Direction = str | Callable[[np.ndarray, np.ndarray], np.ndarray]  # one of them, or vectors (..., 3) at (theta, z)
 
 
 @dataclass(frozen=True)
@@ -59,11 +61,11 @@ def hat_loads(
     plan: GridPlan,
     *,
     basis: str = "hats",
-    direction: str = "normal",
+    direction: Direction = "normal",
 ) -> HatLoads:
     """Loads of all functions of `plan` that reach the facets `nodes` (m, k) of `kind`: `basis` "hats" on its nodes or
-    "cells" around them, between the lines `GridPlan.lines`, in one of `DIRECTIONS`. Rows and edge columns are
-    clipped."""
+    "cells" around them, between the lines `GridPlan.lines`, in one of `DIRECTIONS` or in
+    vectors of one's own. Rows and edge columns are clipped."""
     parts = []
     for start in range(0, len(nodes), CHUNK):
         here = slice(start, start + CHUNK)
@@ -71,14 +73,16 @@ def hat_loads(
     return merged_loads(parts, len(plan.z))
 
 
-def surface_vectors(shape, theta: np.ndarray, z: np.ndarray, direction: str) -> np.ndarray:
+def surface_vectors(shape, theta: np.ndarray, z: np.ndarray, direction: Direction) -> np.ndarray:
     """Unit vectors (..., 3), user axes, of a `direction` of the surface `shape` at (theta, z)."""
+    if callable(direction):
+        return direction(theta, z)
     if direction == "normal":
         return shape.normal(theta, z)
     return shape.around(theta) if direction == "theta" else shape.along(theta, z)
 
 
-def _loads(kind, nodes, theta, z, shape, plan: GridPlan, basis: str, direction: str) -> HatLoads:
+def _loads(kind, nodes, theta, z, shape, plan: GridPlan, basis: str, direction: Direction) -> HatLoads:
     """Loads of some facets, see `hat_loads`."""
     x = (theta - plan.theta_start) / plan.pitch
     if not plan.periodic:  # facets on either side of theta = 0 belong to one arc

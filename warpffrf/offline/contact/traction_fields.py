@@ -25,7 +25,7 @@ import scipy.sparse as sp
 from warpffrf.model.contact_grid import meridian_gram
 from warpffrf.model.mesh.facets import FacetSet
 from warpffrf.offline.contact.contact_grid import Chart, GridPlan, facet_chart, nodal_plan, spaced_plan
-from warpffrf.offline.contact.hat_loads import HatLoads, hat_loads, merged_loads
+from warpffrf.offline.contact.hat_loads import Direction, HatLoads, hat_loads, merged_loads
 from warpffrf.offline.fe.assembly import Sparse
 
 Array = np.ndarray
@@ -61,7 +61,7 @@ class ContactFacets:
             found = nodal_plan(chart, name)
         return found or spaced_plan(chart, self.shape, name, chart.edge if spacing is None else spacing, nodes)
 
-    def loads(self, plan: GridPlan, basis: str, direction: str) -> HatLoads:
+    def loads(self, plan: GridPlan, basis: str, direction: Direction) -> HatLoads:
         """Loads of the functions of `basis` on the nodes of `plan` on the nodes of all facets."""
         lines = plan.lines(basis)
         parts = [

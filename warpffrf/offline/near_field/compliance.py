@@ -8,6 +8,22 @@ coefficients of hats, as `ContactSurface.lags`, the near compliance is
     N = M^-1 diag(a) T diag(a) M^-1,      a_i = int psi_i dA,
 
 and lags - N is the far compliance: smooth, and free of the mesh's error near a load.
+
+Tangential tractions stand on cells, with the displacement d under a force d', each around (0) or along the meridian
+(1): T_tt,id,jd' is the mean over the cell i by a unit force on the cell j, and T_tn,id,j the mean of the tangential
+displacement over the cell i by a unit force on the hat j. Cells have coefficients that are means and forces that are
+forces, so that
+
+    N_tt = T_tt,      N_nt = M^-1 diag(a) T_tn^T,
+
+the latter by Maxwell and Betti. On a curved surface T_tn knows that the tangents at i are not those at j (`exact`).
+That goes by the distance of each point of the one function from each of the other: between their centres alone it
+would vanish where a cell lies under its hat, which is right, and beside it be too large by a fifth. As
+x - x' = (x - c) - (x' - c) with the centre c of the hat j, its mean is
+
+    <(x - x') v_n>_ij = <(x - c) v_n>_i under the hat j - <v_n>_i under the hat j times (x' - c),
+
+of a surface that is curved in one direction one more load for each hat.
 """
 
 from __future__ import annotations
@@ -21,63 +37,38 @@ import scipy.sparse as sp
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
 from warpffrf.model.far_field import NOTHING, FreeEnd, cutoff
+from warpffrf.model.far_splines import transposed
 from warpffrf.model.material import Material
-from warpffrf.model.mesh import Mesh
 from warpffrf.offline.contact.contact_grid import GridPlan
-from warpffrf.offline.contact.traction_fields import ContactFacets
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.near_field.charts import FlatChart
 from warpffrf.offline.near_field.ends import ON_SURFACE, on_end
-from warpffrf.offline.near_field.exact import EndField, PointLoads
+from warpffrf.offline.near_field.exact import EndField, coupled_mean, tangential_mean
+from warpffrf.offline.near_field.functions import NearFunctions, SpreadFunctions
 from warpffrf.offline.near_field.half_space import mean_between
-from warpffrf.offline.near_field.window import FlatCells
+from warpffrf.offline.near_field.window import FlatCells, FlatLoads
 from warpffrf.offline.progress import Progress
 
 Array = np.ndarray
+Blocks = dict[str, Array]  # T by its functions: "nn", and with tangential tractions "tt" (2, 2, ...) and "tn" (2, ...)
 # From the loads to the cut faces, along the surface in spacings of the grid or facet edges, whichever are longer, and
 # below it in facet edges: 2 costs 0.3 % of a force, 4 gains 0.05 %.
 REACH = 3.0
-GAUSS = 3  # points a grid interval and direction, of loads as the cut faces see them: those are REACH away
 COVERED = 0.02  # a function counts as inside a window when its area is there to this, the error of a kinked quadrature
 CLUSTER = 48  # functions that share a window, at most
 WIDEST = 0.25  # of the smaller radius of curvature: half the width of a cluster; with NOTHING below a quarter of a turn
 
 
-class NearFunctions:
-    """The hats of a contact `grid` on the facets of set `name`: where they stand, and their loads."""
+@dataclass(frozen=True, eq=False)
+class NearTangential:
+    """N_tt and N_nt [m/N] in the layouts of `Tangential`, and the largest |T_tt,ij - T_tt,ji| of forces in the direction
+    of the displacement over the largest T_tt: between the directions images at the ends are not symmetric (`exact`),
+    and only the mean counts, which has no part of theirs."""
 
-    def __init__(self, mesh: Mesh, name: str, shape: Any, grid: ContactGrid) -> None:
-        self.mesh, self.shape, self.grid, self.name = mesh, shape, grid, name
-        self.surface = mesh.facets(name)
-        self.facets = ContactFacets.of(mesh.points, self.surface, shape)
-        self.edge = self.facets.chart.edge
-        around = grid.pitch * float(np.max(shape.radius_at(grid.z)))
-        self.spacing = max(self.edge, around, float(np.max(np.diff(grid.z))))  # [m]
-        x, w = np.polynomial.legendre.leggauss(GAUSS)
-        x, w = 0.5 * (x + 1.0), 0.5 * w
-        rows = grid.rows
-        step = np.diff(grid.z)
-        up = grid.z[:-1, None] + step[:, None] * x
-        measure = w * step[:, None] * shape.measure_at(up)
-        self._z = np.repeat(grid.z[:, None], 2 * GAUSS, axis=1)
-        self._z_weight = np.zeros((rows, 2 * GAUSS))
-        self._z[:-1, GAUSS:], self._z_weight[:-1, GAUSS:] = up, measure * (1.0 - x)
-        self._z[1:, :GAUSS], self._z_weight[1:, :GAUSS] = up, measure * x
-        self.area = grid.pitch * grid.gram_z(shape).sum(axis=1)  # (rows,) [m^2] of the functions of a column
-        self._z_weight /= self._z_weight.sum(axis=1)[:, None]
-        self._turn = grid.pitch * np.concatenate([x - 1.0, x])
-        self._turn_weight = np.concatenate([w * x, w * (1.0 - x)])
-
-    def point_loads(self, chart: FlatChart, columns: Array, rows: Array) -> PointLoads:
-        """Functions of `columns` x `rows` (row fastest) as unit forces at points of the chart."""
-        g = self.grid
-        shape = (len(columns), len(rows), len(self._turn), self._z.shape[1])
-        theta = (g.theta_start + g.pitch * columns)[:, None, None, None] + self._turn[:, None]
-        z = self._z[rows][:, None, :]
-        s, t = chart.on_surface(np.broadcast_to(theta, shape), np.broadcast_to(z, shape))
-        force = np.broadcast_to(self._turn_weight[:, None] * self._z_weight[rows][:, None, :], shape)
-        return PointLoads(*(np.ascontiguousarray(v).reshape(len(columns) * len(rows), -1) for v in (s, t, force)))
+    lags_tt: Array
+    lags_nt: Array
+    asymmetry: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +80,7 @@ class NearCompliance:
     asymmetry: float
     windows: int
     largest: int
+    tangential: NearTangential | None = None
 
 
 def near_compliance(
@@ -101,7 +93,8 @@ def near_compliance(
     checkpoint: Checkpoint,
     progress: Progress,
 ) -> NearCompliance:
-    """N of the hats, `sectors` and columns a sector as the surface's lags have them. `quarter`: the `QuarterSpace` of
+    """N of the hats, and of the cells where there are some, `sectors` and columns a sector as the surface's lags have
+    them. `quarter`: the `QuarterSpace` of
     the material, None without `ends`; `checkpoint` keeps the windows. Raises `InputError` where other materials lie
     under the surface."""
     f, g = functions, functions.grid
@@ -110,7 +103,8 @@ def near_compliance(
     first = 0
     if sectors > 1 and not g.periodic:  # an arc: a sector in its middle, to either side of which there are facets
         first = (g.columns // 2) // c * c
-    T = np.zeros((total, rows, c, rows))
+    blocks = {"nn": ()} if f.cells is None else {"nn": (), "tt": (2, 2), "tn": (2,)}
+    T = {block: np.zeros((*directions, total, rows, c, rows)) for block, directions in blocks.items()}
     largest = 0
     clusters = _clusters(f, c, first, ends)
     for i in progress.track(range(len(clusters)), f"half-space of {f.name}"):
@@ -120,16 +114,31 @@ def near_compliance(
         if found is None:
             window = _Window(f, columns, of_rows, material, assignment, ends, quarter)
             at, means = window.means(total)
-            found = {"at": at, "means": means, "dofs": np.array(3 * window.nodes)}
+            found = {"at": at, **means, "dofs": np.array(3 * window.nodes)}
             checkpoint.put(key, found)
-        T[np.ix_((found["at"] - first) % total, np.arange(rows), columns - first, of_rows)] = found["means"]
+        place = np.ix_((found["at"] - first) % total, np.arange(rows), columns - first, of_rows)
+        for block, whole in T.items():
+            whole[(..., *place)] = found[block]
         largest = max(largest, int(found["dofs"]))
-    lags = T.reshape(sectors, c * rows, c * rows)
-    mirrored = np.roll(lags[::-1], 1, axis=0).transpose(0, 2, 1)
-    asymmetry = float(np.max(np.abs(lags - mirrored)) / np.max(np.abs(lags)))
-    area = np.tile(f.area, c)
-    forces = 0.5 * (lags + mirrored) * area[:, None] * area
-    return NearCompliance(_without_gram(g, f.shape, forces), asymmetry, len(clusters), largest)
+    size = c * rows
+    lags, asymmetry = _symmetric(T["nn"].reshape(sectors, size, size))
+    area = np.tile(f.hats.area, c)
+    forces = lags * area[:, None] * area
+    tangential = None
+    if f.cells is not None:
+        by_sector = T["tt"].reshape(2, 2, sectors, size, size).transpose(2, 0, 3, 1, 4)
+        lags_tt, _ = _symmetric(by_sector.reshape(sectors, 2 * size, 2 * size))
+        asymmetry_tt = max(_symmetric(T["tt"][d, d].reshape(sectors, size, size))[1] for d in (0, 1))
+        lags_tn = T["tn"].reshape(2, sectors, size, size).transpose(1, 0, 2, 3).reshape(sectors, 2 * size, size)
+        lags_nt = _targets_without_gram(g, f.shape, transposed(lags_tn) * area[:, None])
+        tangential = NearTangential(lags_tt, lags_nt, asymmetry_tt)
+    return NearCompliance(_without_gram(g, f.shape, forces), asymmetry, len(clusters), largest, tangential)
+
+
+def _symmetric(lags: Array) -> tuple[Array, float]:
+    """Mean of `lags` and of those of the transposed operator, and their largest difference over the largest entry."""
+    mirrored = transposed(lags)
+    return 0.5 * (lags + mirrored), float(np.max(np.abs(lags - mirrored)) / np.max(np.abs(lags)))
 
 
 def _clusters(f: NearFunctions, c: int, first: int, ends: list[FreeEnd]) -> list[tuple[Array, Array]]:
@@ -170,7 +179,8 @@ class _Window:
         g = f.grid
         theta = g.theta_start + g.pitch * 0.5 * (columns[0] + columns[-1])
         self.chart = FlatChart(f.shape, float(theta), float(0.5 * (g.z[rows[0]] + g.z[rows[-1]])))
-        self.loads = f.point_loads(self.chart, columns, rows)
+        self.curvatures = tuple(float(k) for k in f.shape.curvatures(self.chart.theta, self.chart.z))
+        self.loads = f.hats.point_loads(self.chart, columns, rows)
         self.tolerance = ON_SURFACE * f.edge
         self.ends = [self._end(end, quarter) for end in ends]
         faces = [on_end(f.shape, f.mesh.points, end, f.edge) for end in ends]
@@ -196,8 +206,8 @@ class _Window:
         _, t = self.chart.on_surface(np.asarray(self.chart.theta), np.asarray(end.z))
         return EndField(float(t), end.side, quarter)
 
-    def means(self, total: int) -> tuple[Array, Array]:
-        """Columns (k,) with something other than zero, and T (k, rows, columns, rows of the cluster)."""
+    def means(self, total: int) -> tuple[Array, Blocks]:
+        """Columns (k,) with something other than zero, and T (..., k, rows, columns, rows of the cluster)."""
         f, g = self.f, self.f.grid
         near, inside, solved = self._solved(total)
         middle = int(round(0.5 * (self.columns[0] + self.columns[-1])))
@@ -209,19 +219,24 @@ class _Window:
         normals = f.shape.normal(theta[:, None], g.z[None, :])
         keep = (normals @ n_0 > np.cos(NOTHING + WIDEST)).any(axis=1)
         candidates, normals = candidates[keep], normals[keep]
-        T = self._exact(candidates)
         place = {int(j): i for i, j in enumerate(near)}
-        for i, j in enumerate(candidates):
-            k = place.get(int(j))
-            if k is not None:
-                T[i, inside[k]] = solved[k, inside[k]]
-        T = T + self._other_ends(candidates)
         sources = f.shape.normal((g.theta_start + g.pitch * self.columns)[:, None], g.z[self.rows][None, :])
         c = cutoff(np.einsum("jkx,abx->jkab", normals, sources))
-        return candidates, T * c
+        found: Blocks = {}
+        for block, target, source in f.blocks:
+            pairs = self._between(candidates, target, source)
+            T = self._exact(block, pairs)
+            for i, j in enumerate(candidates):
+                k = place.get(int(j))
+                if k is not None:
+                    here = inside[target.grid.kind][k]
+                    T[..., i, here, :, :] = solved[block][..., k, here, :, :]
+            found[block] = (T + self._other_ends(block, pairs)) * c
+        return candidates, found
 
-    def _solved(self, total: int) -> tuple[Array, Array, Array]:
-        """Columns (k,), which of their functions lie inside the window (k, rows), and T of these by finite elements."""
+    def _solved(self, total: int) -> tuple[Array, Blocks, Blocks]:
+        """Columns (k,), which of the functions of each kind lie inside the window (k, rows), and T (..., k, rows,
+        columns, rows of the cluster) of these by finite elements."""
         f, g = self.f, self.f.grid
         here = self.flat.carriers(f.surface)
         low, high = int(self.columns[0]), int(self.columns[-1])
@@ -230,53 +245,133 @@ class _Window:
         if g.periodic or total > g.columns:  # no column twice
             margin = min(margin, (total - 1 - (high - low)) // 2)
         columns = np.arange(low - margin, high + margin + 1)
+        only = not (g.periodic or total > g.columns)
+        hats = self._nodal(f.hats, here, columns, only)
+        own = ((self.columns - columns[0])[:, None] * g.rows + self.rows).ravel()
+        unit = hats.unit[:, own]
+        inside = {"hats": hats.inside}
+        shape = (len(columns), g.rows, len(self.columns), len(self.rows))
+        if f.cells is None:
+            (v,) = self._answer([FlatLoads(unit, self.loads)])
+            return columns, inside, {"nn": np.asarray(hats.unit.T @ v[:, 2]).reshape(shape)}
+
+        cells = self._nodal(f.cells, here, columns, only)
+        inside["cells"] = cells.inside
+        curved = [d for d in (0, 1) if self.curvatures[d] != 0.0]
+        centre = [np.asarray(m.sum(axis=0)).ravel()[own] for m in hats.moments]
+        dipoles = [hats.moments[d][:, own] - unit @ sp.diags(centre[d]) for d in curved]
+        spread = self.loads.force
+        means = self.loads.moments()
+        off = [spread * ((self.loads.s, self.loads.t)[d] - means[d][:, None]) for d in curved]
+        cell_loads = f.cells.point_loads(self.chart, self.columns, self.rows)
+        normal, *tangential = self._answer(
+            [
+                FlatLoads(sp.csr_matrix(sp.hstack([unit, *dipoles])), self.loads, at_points=np.stack([spread, *off])),
+                *(FlatLoads(cells.unit[:, own], cell_loads, d) for d in (0, 1)),
+            ]
+        )
+        m = len(own)
+        v = normal[:, :, :m]
+        T_tn = np.stack([cells.unit.T @ v[:, d] for d in (0, 1)])
+        for number, d in enumerate(curved):
+            dipole = normal[:, 2, (number + 1) * m : (number + 2) * m]
+            turned = cells.moments[d].T @ v[:, 2] - cells.unit.T @ (v[:, 2] * centre[d] + dipole)
+            T_tn[d] -= self.curvatures[d] * turned
+        T_tt = np.stack([[cells.unit.T @ tangential[load][:, d] for load in (0, 1)] for d in (0, 1)])
+        T_nn = np.asarray(hats.unit.T @ v[:, 2])
+        solved = {"nn": T_nn, "tt": T_tt, "tn": T_tn}
+        return columns, inside, {block: T.reshape(*T.shape[:-2], *shape) for block, T in solved.items()}
+
+    def _answer(self, loads: list[FlatLoads]) -> list[Array]:
+        return self.flat.solve(loads, self.material, self.free, self.tolerance)
+
+    def _nodal(self, functions: SpreadFunctions, here: Array, columns: Array, only: bool) -> _Nodal:
+        """The functions of `columns` on the facets `here` (m,); `only`: no others are there than the grid's own."""
+        f, g = self.f, self.f.grid
         plan = GridPlan(g.theta_start + g.pitch * columns[0], g.pitch, len(columns), False, g.z, False)
-        entries = f.facets.part(here).loads(plan, "hats", "normal")
+        entries = f.facets.part(here).loads(plan, functions.grid.kind, self._place)
         node = np.searchsorted(self.flat.of_body, entries.node)
         function = entries.column * g.rows + entries.row
-        loads = sp.csc_matrix((entries.area, (node, function)), shape=(self.nodes, len(columns) * g.rows))
+
+        def matrix(values: Array) -> Any:
+            return sp.csc_matrix((values, (node, function)), shape=(self.nodes, len(columns) * g.rows))
+
+        loads = matrix(entries.area)
         area = np.asarray(loads.sum(axis=0)).ravel().reshape(len(columns), g.rows)
-        inside = np.abs(area / f.area - 1.0) < COVERED
+        inside = np.abs(area / functions.area - 1.0) < COVERED
         inside[[0, -1]] = False  # what lies beyond the plan is counted with its edges
-        if not (g.periodic or total > g.columns):
+        if only:
             inside &= ((columns >= 0) & (columns < g.columns))[:, None]
-        unit = loads @ sp.diags(1.0 / np.where(area > 0.0, area, 1.0).ravel())
-        at = self.columns - columns[0]
-        if not inside[np.ix_(at, self.rows)].all():
+        if not inside[np.ix_(self.columns - columns[0], self.rows)].all():
             raise _too_large(f)
-        own = (at[:, None] * g.rows + self.rows).ravel()
-        v = self.flat.solve(sp.csr_matrix(unit[:, own]), self.loads, self.material, self.free, self.tolerance)
-        T = np.asarray(unit.T @ v).reshape(len(columns), g.rows, len(self.columns), len(self.rows))
-        return columns, inside, T
+        scale = sp.diags(1.0 / np.where(area > 0.0, area, 1.0).ravel())
+        return _Nodal(loads @ scale, [matrix(entries.value[:, d]) @ scale for d in (0, 1)], inside)
 
-    def _exact(self, columns: Array) -> Array:
-        """T (k, rows, columns, rows of the cluster) of the half-space, or of the quarter space of the free end."""
-        s, t, moments, at = self._between(columns)
+    def _place(self, theta: Array, z: Array) -> Array:
+        """(s, t, 0) (..., 3) [m] of places of the surface."""
+        s, t = self.chart.on_surface(theta, z)
+        return np.stack([s, t, np.zeros_like(s)], axis=-1)
+
+    def _exact(self, block: str, pairs: _Pairs) -> Array:
+        """T (..., k, rows, columns, rows of the cluster) of the half-space, or of the quarter space of the free end;
+        not finite between functions inside the window."""
+        s, t, moments = pairs.s, pairs.t - pairs.at, pairs.moments
         nu = self.material.poisson_ratio
-        same = (s == 0.0) & (t == at)
-        u = mean_between(np.where(same, 1.0, s), t - at, moments, nu)
+        if block == "nn":
+            same = (s == 0.0) & (t == 0.0)
+            u = np.where(same, 0.0, mean_between(np.where(same, 1.0, s), t, moments, nu))
+        else:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                if block == "tt":
+                    u = tangential_mean(s, t, moments, nu)
+                else:
+                    u = coupled_mean(s, t, moments, self.curvatures, nu)
         if self.free is not None:
-            u = u + self.free.mean(s, t, at, moments, nu)
-        return np.where(same, 0.0, u) / self.material.youngs_modulus
+            u = u + self._end_mean(self.free, block, pairs)
+        return u / self.material.youngs_modulus
 
-    def _other_ends(self, columns: Array) -> Array:
+    def _other_ends(self, block: str, pairs: _Pairs) -> Any:
         """What the ends add that are not free in the window."""
-        s, t, moments, at = self._between(columns)
-        added = np.zeros(s.shape)
-        for end in self.ends:
-            if end is not self.free:
-                added += end.mean(s, t, at, moments, self.material.poisson_ratio)
+        added = sum(self._end_mean(end, block, pairs) for end in self.ends if end is not self.free)
         return added / self.material.youngs_modulus
 
-    def _between(self, columns: Array) -> tuple[Array, Array, tuple[Array, Array], Array]:
-        """Distance along s, t of the target, sums of variances, t of the load, each (k, rows, columns, rows)."""
-        everywhere = self.f.point_loads(self.chart, columns, np.arange(self.f.grid.rows)).moments()
-        targets = [v.reshape(len(columns), self.f.grid.rows, 1, 1) for v in everywhere]
-        sources = [v.reshape(1, 1, len(self.columns), len(self.rows)) for v in self.loads.moments()]
+    def _end_mean(self, end: EndField, block: str, pairs: _Pairs) -> Array:
+        where, nu = (pairs.s, pairs.t, pairs.at, pairs.moments), self.material.poisson_ratio
+        if block == "nn":
+            return end.mean(*where, nu)
+        return end.tangential_mean(*where, nu) if block == "tt" else end.coupled_mean(*where, self.curvatures, nu)
+
+    def _between(self, columns: Array, target: SpreadFunctions, source: SpreadFunctions) -> _Pairs:
+        """The functions `target` of `columns` and the functions `source` of the cluster."""
+        rows = self.f.grid.rows
+        everywhere = target.point_loads(self.chart, columns, np.arange(rows)).moments()
+        own = source.point_loads(self.chart, self.columns, self.rows).moments()
+        targets = [v.reshape(len(columns), rows, 1, 1) for v in everywhere]
+        sources = [v.reshape(1, 1, len(self.columns), len(self.rows)) for v in own]
         shape = np.broadcast_shapes(targets[0].shape, sources[0].shape)
-        s = targets[0] - sources[0]
         t, at = np.broadcast_to(targets[1], shape), np.broadcast_to(sources[1], shape)
-        return s, t, (targets[2] + sources[2], targets[3] + sources[3]), at
+        return _Pairs(targets[0] - sources[0], t, at, (targets[2] + sources[2], targets[3] + sources[3]))
+
+
+@dataclass(frozen=True, eq=False)
+class _Pairs:
+    """Distance s [m] of targets from sources, t [m] of the targets, t of the sources `at` [m], and sums of variances
+    [m^2], each (k, rows, columns, rows of the cluster)."""
+
+    s: Array
+    t: Array
+    at: Array
+    moments: tuple[Array, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class _Nodal:
+    """Functions of one kind as consistent nodal forces: `unit` (nodes, functions) of sum 1, their first `moments` along
+    s and t [m], and which lie `inside` the window (columns, rows)."""
+
+    unit: Any
+    moments: list[Any]
+    inside: Array
 
 
 def _deviation(shape: Any) -> float:
@@ -304,9 +399,7 @@ def _require_one_material(f: NearFunctions, flat: FlatCells, material: Material,
 def _without_gram(g: ContactGrid, shape: Any, lags: Array) -> Array:
     """M^-1 `lags` M^-1 by distance in sectors."""
     half = _targets_without_gram(g, shape, lags)
-    back = np.roll(half[::-1], 1, axis=0).transpose(0, 2, 1)
-    back = _targets_without_gram(g, shape, back)
-    return np.ascontiguousarray(np.roll(back[::-1], 1, axis=0).transpose(0, 2, 1))
+    return np.ascontiguousarray(transposed(_targets_without_gram(g, shape, transposed(half))))
 
 
 def _targets_without_gram(g: ContactGrid, shape: Any, lags: Array) -> Array:

@@ -9,17 +9,19 @@ import numpy as np
 
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
-from warpffrf.model.far_field import FarField
+from warpffrf.model.far_field import FarField, FarTangential
 from warpffrf.model.far_splines import FarSplines
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
+from warpffrf.model.tangential import Tangential
 from warpffrf.offline.contact.traction_fields import ContactFacets
 from warpffrf.offline.contact.wall import wall
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.general.checkpoint import Checkpoint
-from warpffrf.offline.near_field.compliance import NearFunctions, near_compliance
+from warpffrf.offline.near_field.compliance import NearTangential, near_compliance
 from warpffrf.offline.near_field.ends import free_ends
+from warpffrf.offline.near_field.functions import NearFunctions
 from warpffrf.offline.near_field.quarter_space import LARGEST_RATIO, QuarterSpace
 from warpffrf.offline.progress import Progress
 
@@ -78,12 +80,14 @@ def find_far_field(
     shape: Any,
     grid: ContactGrid,
     lags: np.ndarray,
+    tangential: Tangential | None,
     material: Material | None,
     assignment: Assignment,
     checkpoint: Checkpoint,
     progress: Progress,
 ) -> FoundField:
-    """The far field of the surface `name` with its hats' compliance `lags`."""
+    """The far field of the surface `name` with its hats' compliance `lags`, also that of its `tangential` part where
+    there is one and its tractions stand on cells."""
     if grid.kind != "hats":
         return FoundField(None, notes=[_none(name, "its tractions are constant on cells; use traction='hats'")])
     if material is None or mesh.matrices is not None:
@@ -91,8 +95,14 @@ def find_far_field(
     if min(grid.columns, grid.rows) < 2:
         few = f"its contact grid has {grid.columns} x {grid.rows} functions, from one of which nothing varies"
         return FoundField(None, notes=[_none(name, f"{few}; use a finer mesh, or a larger contact surface")])
-    functions = NearFunctions(mesh, name, shape, grid)
+    cells = tangential if tangential is not None and tangential.grid.kind == "cells" else None
+    functions = NearFunctions(mesh, name, shape, grid, None if cells is None else cells.grid)
     ends, notes = free_ends(mesh, name, shape, grid, functions.edge)
+    if tangential is not None and cells is None:
+        notes.append(
+            f"contact {name!r}: a patch grid knows normal pressures only, its tangential tractions are "
+            f"{tangential.grid.kind}; use tangential='cells'"
+        )
     quarter = None
     if ends:
         with progress.stage("quarter space"):
@@ -102,7 +112,8 @@ def find_far_field(
         near = near_compliance(functions, sectors, material, assignment, ends, quarter, checkpoint, progress)
     except InputError as error:
         return FoundField(None, notes=[_none(name, str(error))])
-    splines = FarSplines(grid, shape, sectors * grid.columns_per_sector if sectors > 1 or grid.periodic else 0)
+    turn = sectors * grid.columns_per_sector if sectors > 1 or grid.periodic else 0
+    splines = FarSplines(grid, shape, turn)
     far = FarField(
         splines.compliance(lags - near.lags),
         material.youngs_modulus,
@@ -110,6 +121,7 @@ def find_far_field(
         tuple(ends),
         near.asymmetry,
         None if quarter is None else quarter.on_surface,
+        None if cells is None else _far_tangential(cells, near.tangential, splines),
     )
     warnings = []
     if near.asymmetry > ASYMMETRIC:
@@ -126,7 +138,18 @@ def find_far_field(
         "largest_window_dofs": near.largest,
         "ends": [end.z for end in ends],
     }
+    if far.tangential is not None:
+        facts["tangential_asymmetry"] = far.tangential.asymmetry
     return FoundField(far, facts, notes, warnings)
+
+
+def _far_tangential(own: Tangential, near: NearTangential | None, hats: FarSplines) -> FarTangential:
+    """What is left of the `own` compliance of cells without the half-space; `hats`: the splines of normal loads."""
+    if near is None:
+        raise TypeError("the half-space was not asked for tangential tractions")
+    cells = FarSplines(own.grid, hats.shape, hats.turn)
+    lags_nt = cells.sources(hats.targets(own.lags_nt - near.lags_nt), directions=2)
+    return FarTangential(cells.compliance(own.lags_tt - near.lags_tt, directions=2), lags_nt, near.asymmetry)
 
 
 def _thin_wall(mesh: Mesh, name: str, shape: Any, grid: ContactGrid, assignment: Assignment, edge: float) -> str | None:
