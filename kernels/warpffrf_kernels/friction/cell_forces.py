@@ -12,10 +12,11 @@ import warp as wp
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real
 from warpffrf_kernels.friction.cell_shares import line_of
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
 from warpffrf_kernels.normal.pair_forces import modal_line
+from warpffrf_kernels.surfaces.fields import clear_field
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -82,6 +83,18 @@ def slide_cells(
 
 
 @wp.kernel
+def clear_modes(
+    models: wp.array(dtype=Model), ctl: wp.array(dtype=Control), friction_modal: inout(wp.array(dtype=real))
+):
+    """Per (world, pair): no load of tractions on the modes of A and B yet."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    clear_field(lane, model.pairs.most_modes, modal_line(model, w, pair), friction_modal)
+
+
+@wp.kernel
 def load_tractions(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
@@ -90,21 +103,14 @@ def load_tractions(
     cell_area: wp.array3d(dtype=real),
     traction: wp.array3d(dtype=real),
     second_force: wp.array3d(dtype=real),
-    friction_modal: inout(wp.array(dtype=real)),
+    friction_modal: changed(wp.array(dtype=real)),
 ):
-    """Per (world, pair): load of the tractions on the modes of A, then of B."""
-    w, pair, lane = wp.tid()
+    """Per (world, pair): adds the load of the tractions on the modes of A, then of B."""
+    w, pair, _lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     trial = modal_line(model, w, pair)
-    i = lane
-    while i < model.pairs.most_modes:
-        friction_modal[trial + i] = real(0.0)
-        i += wp.block_dim()
-    sync()
-    if not rubs_on_grid(model, pair):
-        return
     A = model.pairs.first[pair]
     rows = model.surfaces.rows[A]
     modes_a = model.surfaces.modal_count[A]

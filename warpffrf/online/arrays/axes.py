@@ -130,7 +130,7 @@ NAMES = {
             "knot_entry",
             "far_mode_entry",
             "beside_entry",
-            "shear_entry",
+            "near_shear_entry",
             "far_tangent_entry",
             "sheared_entry",
             "turned_entry",

@@ -66,7 +66,7 @@ def fill_rolling(collector: Any, m: Model) -> None:
         for name, found in zip(far, (tangent, sheared, turned), strict=True):
             far[name].append(sum(map(len, found)) if present else -1)
         if part is not None and present:
-            tangent.append(np.ascontiguousarray(surface.spline_tangents).ravel())
+            tangent.append(np.ascontiguousarray(surface.mode_tangent_splines).ravel())
             sheared.append(np.ascontiguousarray(part.lags_tt).ravel())
             turned.append(np.ascontiguousarray(part.lags_nt).ravel())
     collector.fill(
