@@ -80,6 +80,7 @@ def traction(result: Any, ax: Any) -> None:
     drawn = [v[np.isfinite(v)] for v in (sign * bound, tau, profile["across"] * 1e-6)]
     low, high = (float(f(np.concatenate(drawn), initial=0.0)) for f in (np.min, np.max))
     room = (LEGEND_ROOM - 1.0) * (high - low)  # for the legend, on the side of the larger tractions
+    low *= HEADROOM
     ax.set_ylim(low - room * (sign < 0.0), (high + room * (sign > 0.0)) or 1.0)
     _around(ax, contact, i)
     ax.set(xlabel="arc along e_theta from the line of centres [mm]", ylabel="traction [MPa]")
@@ -111,9 +112,10 @@ def stick_slip(result: Any, ax: Any) -> None:
     contact = rubbing(result)
     i = _last_touching(contact)
     friction, step = contact.friction, 1 if contact.side > 0.0 else -1
-    x, z = contact.side * contact.arc[i][::step] * 1e3, contact.rows[i] * 1e3
+    lines = _lines(contact, i)
+    x, z = (0.5 * (v[1:] + v[:-1]) for v in lines)
     state = np.asarray(friction.state[i])[::step]
-    ax.pcolormesh(*_lines(contact, i), state.T, cmap=ListedColormap(STATE_COLORS), vmin=OPEN - 0.5, vmax=SLIP + 0.5)
+    ax.pcolormesh(*lines, state.T, cmap=ListedColormap(STATE_COLORS), vmin=OPEN - 0.5, vmax=SLIP + 0.5)
     tau = friction.traction[i][:, ::step]
     shown = np.zeros(state.shape, dtype=bool)
     every = [max(1, -(-int(np.any(state != OPEN, axis=axis).sum()) // MOST_ARROWS)) for axis in (1, 0)]
@@ -161,10 +163,16 @@ def spin(result: Any, ax: Any) -> None:
     """Spin creepage and the moment of the tractions about the normal against time."""
     contact = rubbing(result)
     time, friction = result.time * 1e3, contact.friction
-    right = ax.twinx()
-    for axes, values, color in ((ax, friction.spin_creepage, TRACTION), (right, friction.spin_moment, SECOND)):
+    right, size = ax.twinx(), np.sqrt(largest([contact.patch_area]) / np.pi)
+    # what creepage and force at the rim of the patch would make: less than LEAST_SEEN of it is round-off
+    creepage = largest([np.abs(friction.creepage)]) / size if size > 0.0 else 0.0
+    curves = (
+        (ax, friction.spin_creepage, creepage, TRACTION),
+        (right, friction.spin_moment, largest([np.abs(friction.tangential_force)]) * size, SECOND),
+    )
+    for axes, values, beside, color in curves:
         axes.plot(time, values, color=color)
-        most = HEADROOM * largest([np.abs(values)]) or 1.0
+        most = HEADROOM * max(largest([np.abs(values)]), LEAST_SEEN * beside) or 1.0
         axes.set_ylim(-most, most)  # both zeros at one height
     ax.axhline(0.0, color="0.7", lw=0.6)
     ax.set(xlabel="time [ms]")

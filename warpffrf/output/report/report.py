@@ -117,7 +117,10 @@ def _friction_lines(contact: Any) -> list[str]:
     rolls, per_metre = "not rolling", "not rolling"
     if not np.any(np.isnan(creepage)):
         rolls = f"{creepage[0]:+.4e} longitudinal, {creepage[1]:+.4e} lateral, {spin:+.4e} rad/m of spin"
-        per_metre = f"{friction.t_gamma[-1]:.5g} N, taken per metre rolled by forces and creepages"
+        per_metre = (
+            f"{friction.t_gamma[-1]:.5g} N by forces and creepages, {friction.power_per_metre[-1]:.5g} N by the "
+        )
+        per_metre += "friction power over the rolling speed"
     adhesion = f", area of adhesion {shares[0] / sum(shares):.0%}" if sum(shares) > 0.0 else ""
     lines = [
         f"  traction        {np.linalg.norm(force):.6g} N tangential, "
