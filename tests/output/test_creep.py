@@ -202,7 +202,8 @@ def test_the_report_has_words_of_the_field(patch: Result) -> None:
         f"creep forces    Fx {force[0]:+.5g} N longitudinal, Fy {force[1]:+.5g} N lateral, ",
         f"Mz {friction.spin_moment[-1]:+.4g} N m of spin, on 'lower'",
         f"creepage        {CREEPAGE:+.4e} longitudinal, +0.0000e+00 lateral, {TURNING / SPEED:+.4e} rad/m of spin",
-        f"T-gamma         {friction.t_gamma[-1]:.5g} N by forces and creepages, {friction.power_per_metre[-1]:.5g} N by",
+        f"T-gamma         {friction.t_gamma[-1]:.5g} N by forces and creepages, ",
+        f"{friction.power_per_metre[-1]:.5g} N by the friction power over the rolling speed",
         f"area of adhesion {shares[0] / sum(shares):.0%}",
     ):
         assert part in text

@@ -12,7 +12,7 @@ from warpffrf.verification.scenes.rollers import PAIR
 FORCE = 0.02  # 3 % is promised; docs/studies/carter_rollers.md has 1.5 % at most
 STEADY = 0.01  # of the creepage, between the last two crossings
 LEDGER = 0.01  # of T-gamma, over a crossing: 0.2 % is found
-SHORT = 0.25  # by which the friction power at one cell a step, an eighth of the half-width, may be short of T-gamma
+SHORT = 0.25  # of the friction power, by which T-gamma is above it at one cell a step, an eighth of the half-width
 QUICK_FORCE = 0.03  # 8 cells, five crossings: some of the transient is left
 
 

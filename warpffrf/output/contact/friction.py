@@ -19,12 +19,13 @@ the second about the centre of the patch (`creep`)
 
 T-gamma is the wear number of wheels on rails (R. Lewis, U. Olofsson, Wear 257 (2004) 721). In steady rolling of bodies
 of like material it is power/|V|: what elastic displacements add to the slip takes nothing from tractions that stay as
-they are. The power of a run has slips of finite steps and is short of it by some 1.7 times the part of the half-width
-that the patch advances in a step, 11 % at a sixteenth (two rollers at half of the bound,
+they are. The power of a run has slips of finite steps and is short of it by some 1.5 times the part of the half-width
+that the patch advances in a step, 10 % at a sixteenth (two rollers at half of the bound,
 `verification.carter_rollers`); the ledger has the rest in the line of the contact grid, and both lines together are
-T-gamma to 0.2 %. Where materials are unlike, tractions move the pressure off the middle, and what it then gives or takes
-is in neither: the two differ, as `power_per_metre` shows. Signs: a force on the first body along e_theta has, where
-friction takes energy, a creepage against it. Over |V|, not V, creepages keep their direction where a pair rolls back.
+T-gamma to 0.2 %. Where materials are unlike, tractions move the pressure off the middle, which then takes a part of it
+by its own lever: what is left to friction shows in `power_per_metre`. Signs: a force on the first body along e_theta
+has, where friction takes energy, a creepage against it. Over |V|, not V, creepages keep their direction where a pair
+rolls back.
 
 The run counts how many columns the patch advanced in a step: above one, material enters the patch with a slip history
 of a whole step that it does not have.
