@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import h5py
+import meshio
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -13,16 +15,18 @@ from patch_rubbing_run import CELL_ROWS, STRIPS, TURNING, cell_widths, make_patc
 from recordings import columns
 from rubbing_run import CREEPAGE, MU, SPEED, STICK, carter_traction, make_rubbing_history
 from shape_runs import contact_of, ellipsoid, grid_of, still
-from synthetic_run import HALF_WIDTH, PEAK, STEPS, WIDTH, R
+from synthetic_run import HALF_WIDTH, PEAK, PITCH, STEPS, WIDTH, R
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.surfaces import Bore, Cylinder, Plane, Sphere
 from warpffrf.online.history.history import FrictionHistory
+from warpffrf.output.bodies.patch_on_skin import tangential_forces
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.friction import OPEN, SLIP
 from warpffrf.output.contact.friction import STICK as STICKS
 from warpffrf.output.contact.pressure_wrench import traction_wrench
 from warpffrf.output.geometry.grid_places import rotate
+from warpffrf.output.geometry.scene_view import SceneView
 from warpffrf.output.plots.friction import FRICTION_PLOTS
 from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result
@@ -276,6 +280,28 @@ def test_skins_have_the_values_of_the_cells(patch: Result) -> None:
         assert np.array_equal(skin.wear(i) > 0.0, (skin.pressure(i) > 0.0) & (speed > 0.0))
 
 
+@pytest.mark.parametrize("i", [0, 5])
+def test_forces_of_cells_load_both_bodies(patch: Result, i: int) -> None:
+    """Shared between cells of both grids, along their own tangents: these turn by half a cell at most, and by x/R."""
+    pair, contact, bodies = patch.view.pairs[PAIR], patch.history.contacts[PAIR], patch.history.bodies
+    expected = patch.contact(PAIR).friction.tangential_force[i]
+    own = tangential_forces(pair, contact, bodies, i, first=True)
+    other = tangential_forces(pair, contact, bodies, i, first=False)
+    assert own.sum(axis=(1, 2)) == pytest.approx(expected, rel=1e-9)
+    angle = HALF_WIDTH / R
+    # e_theta of the upper roller at the patch is that of the lower one, t_z is the same axis
+    assert np.abs(other.sum(axis=(1, 2))) == pytest.approx(np.abs(expected), rel=angle**2)
+    assert other[1].sum() == pytest.approx(-own[1].sum(), rel=1e-9)
+    loaded = np.flatnonzero(np.any(own[0] != 0.0, axis=1))
+    assert 0 < len(loaded) < 2.0 * HALF_WIDTH / (R * PITCH) + 3
+
+
+def test_vtu_of_friction_on_cells(patch: Result, tmp_path: Path) -> None:
+    path = patch.to_vtu(tmp_path / "run.pvd", stride=8)
+    mesh = meshio.read(path.with_suffix("") / "0_000008.vtu")
+    assert set(np.unique(mesh.point_data["state"])) == {0, 1, 2} and mesh.point_data["wear"].max() > 0.0
+
+
 # --- the contact grid ---
 
 
@@ -315,6 +341,18 @@ def test_a_ball_that_spins_on_the_contact_grid(shape: Any) -> None:
     assert found.spin_creepage == pytest.approx([spin], rel=ROUND)
     assert found.t_gamma == pytest.approx(found.field_power, rel=ROUND)
     assert found.spin_moment[0] < 0.0
+
+
+def test_creep_at_nodes_is_that_of_the_centre(rubbing: Result, tmp_path: Path) -> None:
+    """Pairs of evaluation "full" record the creep of the node next to the middle of the force, also after a file."""
+    scene = rubbing.history.scene
+    assert isinstance(scene, SceneView)
+    scene = replace(scene, pairs={name: replace(pair, at_nodes=True) for name, pair in scene.pairs.items()})
+    loaded = Result.load(Result(replace(rubbing.history, scene=scene)).save(tmp_path / "run.h5"))
+    for result, at_nodes in ((loaded, True), (rubbing, False)):
+        contact = result.contact(PAIR)
+        assert contact.view.at_nodes is at_nodes
+        assert np.array_equal(contact.creep_place, contact.patch_center) is at_nodes
 
 
 def test_a_frictionless_pair_has_no_creepages(result: Result) -> None:

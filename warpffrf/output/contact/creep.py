@@ -8,8 +8,8 @@ x = x_1 e_theta + x_2 t_z from it, the surfaces slide on each other as rigid bod
     w_1 = c_1 - omega_n x_2,      w_2 = c_2 + omega_n x_1,      omega_n = n.(omega_A - omega_B),
 
 the first (A) against the second (B), c their creep at the centre (J. J. Kalker, Three-Dimensional Elastic Bodies in
-Rolling Contact, 1990, section 1.2, with the longitudinal direction along e_theta, the lateral one along t_z). The run
-records creep in the middle of a cell, from where the same lines carry it to the centre. Tractions on the first body
+Rolling Contact, 1990, with the longitudinal direction along e_theta, the lateral one along t_z). The run
+records creep in a cell next to it, from where the same lines carry it to the centre. Tractions on the first body
 have the moment
 
     M_z = n.sum (x - x_C) x A (tau_1 e_theta + tau_2 t_z),
