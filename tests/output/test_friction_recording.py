@@ -57,6 +57,10 @@ def test_curves_are_those_of_the_result(rubbing: Result, tmp_path: Path) -> None
     expected = {
         "traction_coefficient/lower-upper": friction.traction_coefficient,
         "creepage/lower-upper/around": friction.creepage[:, 0],
+        "spin_creepage/lower-upper": friction.spin_creepage,
+        "creep_force/lower-upper/around": friction.tangential_force[:, 0],
+        "spin_moment/lower-upper": friction.spin_moment,
+        "t_gamma/lower-upper": friction.t_gamma,
         "friction_power/lower-upper": friction.power,
         "contact_area/lower-upper/stick": friction.stick_area * 1e6,
         "wear/lower-upper": friction.wear_peak * 1e-6,

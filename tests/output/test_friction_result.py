@@ -143,7 +143,7 @@ def test_report_has_the_figures_of_friction(rubbing: Result) -> None:
     text = rubbing.report()
     friction = rubbing.contact("lower-upper").friction
     for part in (
-        f"{friction.traction_coefficient[-1]:.5g} of the load", f"creepage        {CREEPAGE:+.4e} around",
+        f"{friction.traction_coefficient[-1]:.5g} of the load", f"creepage        {CREEPAGE:+.4e} longitudinal",
         f"friction power  {friction.power[-1]:.5g} W", "cells a step    0.25", "work of friction since the start",
     ):  # fmt: skip
         assert part in text

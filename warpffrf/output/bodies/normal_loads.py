@@ -28,7 +28,7 @@ import numpy as np
 
 from warpffrf.output.bodies.patch_on_skin import NEAR, poses
 from warpffrf.output.geometry.cell_places import CellPlaces
-from warpffrf.output.geometry.grid_places import SkinSurface, grid_theta_offset, spread
+from warpffrf.output.geometry.grid_places import SkinSurface, grid_theta_offset, spread, wrapped
 from warpffrf.output.geometry.scene_view import PairView
 
 
@@ -115,7 +115,7 @@ class CellLoads(NormalLoads):
         points = other.to_user(own.to_world(shape.point(theta + grid_theta_offset(self.pair.first), z)))
         there, z, _ = self.surface.shape.chart(points)
         grid = self.surface.grid
-        return _wrapped(self.surface, there - grid_theta_offset(self.surface), float(np.mean(grid.theta[[0, -1]]))), z
+        return wrapped(self.surface, there - grid_theta_offset(self.surface), float(np.mean(grid.theta[[0, -1]]))), z
 
     def pressure(self, i: int, on: SkinSurface, points: np.ndarray) -> np.ndarray:
         """Pressure [Pa] at the points on the surface, bilinear between the middles of cells, 0 beside them."""
@@ -125,7 +125,7 @@ class CellLoads(NormalLoads):
             points = own.to_user(other.to_world(points))
         theta, z, distance = first.shape.chart(points)
         center = float(places.center[i])
-        theta = _wrapped(first, theta - grid_theta_offset(first), center)
+        theta = wrapped(first, theta - grid_theta_offset(first), center)
         column = (theta - center) / places.pitch[i] - places.offset[0] + 1.0  # among strips with an empty one before
         lines = places.z_edges[i]
         row = np.interp(z, places.z[i], np.arange(len(lines) - 1.0))
@@ -141,13 +141,6 @@ class CellLoads(NormalLoads):
             (1.0 - s) * padded[j, k + 1] + s * padded[j + 1, k + 1]
         )
         return found
-
-
-def _wrapped(surface: Any, theta: np.ndarray, about: float) -> np.ndarray:
-    """theta within half a turn of the place `about`; as it is on a plane, whose theta is a length."""
-    if surface.shape.kind == "plane":
-        return theta
-    return about + (theta - about + np.pi) % (2.0 * np.pi) - np.pi
 
 
 def normal_loads(pair: PairView, history: Any, *, first: bool) -> NormalLoads:

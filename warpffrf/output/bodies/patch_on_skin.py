@@ -8,6 +8,9 @@ The tangential force of a cell, `A (tau_1 e_theta + tau_2 t_z)`, loads that cell
 opposite, in world axes, is shared bilinearly between the four nodes about the cell's place there, along the second's
 own e_theta and t_z. The weights add up to one: the second carries the same force but for the angle between the tangent
 planes of the two undeformed surfaces, x/R at a distance x from the middle of the patch.
+
+Cells that travel with the patch lie between the nodes of either grid: their forces are shared between nodes on both
+bodies, and a point of the skin has the values of the cell that it lies in.
 """
 
 from __future__ import annotations
@@ -18,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.contact_grid import meridian_gram
+from warpffrf.output.geometry.cell_places import CellPlaces
 from warpffrf.output.geometry.grid_places import GridPlaces, SkinSurface, grid_theta_offset, spread
 from warpffrf.output.geometry.poses import Pose, tangents
 from warpffrf.output.geometry.scene_view import PairView
@@ -90,27 +94,79 @@ class PatchOnSkin:
         return found
 
 
+class CellsOnSkin(PatchOnSkin):
+    """The same of a pair whose tractions stand on cells that travel with the patch."""
+
+    def __init__(self, pair: PairView, history: Any, on: SkinSurface, points: np.ndarray, *, first: bool) -> None:
+        super().__init__(pair, history, on, points, first=first)
+        self.cells = CellPlaces(pair.first, self.contact.cells, self.contact.pressure.shape[1])
+        self._found: tuple[int, np.ndarray, np.ndarray, np.ndarray] | None = None
+
+    def _in_cells(self, i: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Nodes of the skin that lie in cells at saved step `i`, and the strip and the row of each."""
+        if self._found is None or self._found[0] != i:
+            surface, points = self.pair.first, self.points[self.on.nodes]
+            if not self.is_first:
+                first, second = poses(self.pair, self.bodies, i)
+                points = first.to_user(second.to_world(points))
+            theta, z, distance = surface.shape.chart(points)
+            strip, row = self.cells.cells_at(i, theta - grid_theta_offset(surface), z)
+            hit = (strip >= 0) & (np.abs(distance) < NEAR * self.cells.width[i] * self.cells.columns)
+            self._found = i, self.on.nodes[hit], strip[hit], row[hit]
+        return self._found[1:]
+
+    def scalar(self, i: int, window: np.ndarray) -> np.ndarray:
+        """(n,) values of the cell that each point lies in, zero beside the patch."""
+        nodes, strip, row = self._in_cells(i)
+        found = np.zeros(len(self.points))
+        found[nodes] = window[strip, row]
+        return found
+
+    def nearest(self, i: int, window: np.ndarray) -> np.ndarray:
+        """As `scalar`."""
+        return self.scalar(i, window)
+
+
+def patch_on_skin(pair: PairView, history: Any, on: SkinSurface, points: np.ndarray, *, first: bool) -> PatchOnSkin:
+    """The fields of `pair` at `points`, see `PatchOnSkin`, as its tractions stand in `history`."""
+    kind = PatchOnSkin if history.contacts[pair.name].cells is None else CellsOnSkin
+    return kind(pair, history, on, points, first=first)
+
+
+def _cell_forces(pair: PairView, contact: Any, i: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """theta of the first surface's shape and z (n,) of the cells that have tractions at saved step `i`, and their
+    forces (2, n) [N] on the first body along e_theta and t_z."""
+    surface, traction = pair.first, contact.friction.traction[i]
+    j, k = np.nonzero(np.any(traction != 0.0, axis=0))
+    if contact.cells is None:
+        grid = surface.grid
+        theta, z = grid.theta_start + grid.pitch * (int(contact.first_column[i]) + j), np.asarray(grid.z)[k]
+        areas = cell_areas(surface)
+    else:
+        places = CellPlaces(surface, contact.cells, traction.shape[1])
+        theta, z, areas = places.theta[i, j], places.z[i, k], places.areas[i]
+    return theta + grid_theta_offset(surface), z, areas[k] * traction[:, j, k]
+
+
 def tangential_forces(pair: PairView, contact: Any, bodies: dict[str, Any], i: int, *, first: bool) -> np.ndarray:
     """Tangential forces (2, columns, rows) [N] on the whole grid of the pair's first or second surface, along its own
     e_theta and t_z, at saved step `i`."""
     surface = pair.first
-    forces = contact.friction.traction[i] * cell_areas(surface)
-    start = contact.first_column[i]
-    if first:
-        return np.stack([spread(surface, start, part) for part in forces])
-    grid, shape, other = surface.grid, surface.shape, pair.second
-    found = np.zeros((2, other.grid.columns, len(other.grid.z)))
-    j, k = np.nonzero(np.any(forces != 0.0, axis=0))
-    if not len(j):
+    if first and contact.cells is None:
+        forces = contact.friction.traction[i] * cell_areas(surface)
+        return np.stack([spread(surface, contact.first_column[i], part) for part in forces])
+    shape, on = surface.shape, surface if first else pair.second
+    found = np.zeros((2, on.grid.columns, len(on.grid.z)))
+    theta, z, forces = _cell_forces(pair, contact, i)
+    if not len(theta):
         return found
-    theta = grid.theta_start + grid_theta_offset(surface) + grid.pitch * (int(start) + j)
-    z = np.asarray(grid.z)[k]
-    own, its = poses(pair, bodies, i)
     e_theta, t_z = tangents(shape, theta, z)
-    vectors = its.turned_back(own.turned(-(forces[0, j, k][:, None] * e_theta + forces[1, j, k][:, None] * t_z)))
-    points = its.to_user(own.to_world(shape.point(theta, z)))
-    places = GridPlaces(other, points, np.inf)
-    axes = tangents(other.shape, *other.shape.chart(points)[:2])[:, places.inside]
+    vectors, points = forces[0][:, None] * e_theta + forces[1][:, None] * t_z, shape.point(theta, z)
+    if not first:
+        own, its = poses(pair, bodies, i)
+        vectors, points = its.turned_back(own.turned(-vectors)), its.to_user(own.to_world(points))
+    places = GridPlaces(on, points, np.inf)
+    axes = tangents(on.shape, *on.shape.chart(points)[:2])[:, places.inside]
     for d in range(2):
         components = np.einsum("nc,nc->n", axes[d], vectors[places.inside])
         np.add.at(found[d], (places.columns, places.rows), places.weights * components)

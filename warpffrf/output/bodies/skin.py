@@ -17,7 +17,7 @@ from warpffrf.model.errors import unknown_name
 from warpffrf.output.bodies.normal_loads import hat_areas as hat_areas  # where they used to be
 from warpffrf.output.bodies.normal_loads import hat_forces as hat_forces
 from warpffrf.output.bodies.normal_loads import normal_loads
-from warpffrf.output.bodies.patch_on_skin import PatchOnSkin, tangential_forces
+from warpffrf.output.bodies.patch_on_skin import PatchOnSkin, patch_on_skin, tangential_forces
 from warpffrf.output.geometry.grid_places import SkinSurface
 from warpffrf.output.geometry.grid_places import rotate as rotate  # where it used to be
 from warpffrf.output.geometry.scene_view import BodyView, PairView, SceneView
@@ -38,7 +38,7 @@ class Skin:
         self._on = {p.name: SkinSurface(self._surface(p), self.points) for p in self._pairs}
         self._loads = {p.name: normal_loads(p, history, first=self._is_first(p)) for p in self._pairs}
         self._rubbing = {
-            p.name: PatchOnSkin(p, history, self._on[p.name], self.points, first=self._is_first(p))
+            p.name: patch_on_skin(p, history, self._on[p.name], self.points, first=self._is_first(p))
             for p in self._pairs
             if getattr(history.contacts[p.name], "friction", None) is not None
         }

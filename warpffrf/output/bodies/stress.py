@@ -11,7 +11,9 @@ pressure projected on its own hats. Both swing a little from node to node about 
 contact results show as pressure; a few elements below the surface nothing of that is left.
 
 A pressure on cells that travel with the patch, finer than the mesh, reaches the body through equivalent hat forces, and
-what is near the patch is put right by the half-space under it (`patch_stress`).
+what is near the patch is put right by the half-space under it (`patch_stress`). Tractions on such cells are shared
+between the cells of the contact grid, and their stress is that: spread over a spacing of nodes near the patch, right in
+its sum a few of them below.
 """
 
 from __future__ import annotations

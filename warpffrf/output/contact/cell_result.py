@@ -90,6 +90,21 @@ class CellContactResult(PairResult):
         middle = self.places.radius * self._beside_center
         return middle[:, None] + self.spacing[:, None] * self.places.offset
 
+    @property
+    def cell_areas(self) -> np.ndarray:
+        """(T, rows) m2, of the cells of one strip; they change with the width of the patch."""
+        return self.places.areas
+
+    @cached_property
+    def patch_center(self) -> np.ndarray:
+        """(T, 2) theta and z, the middle of the cells."""
+        return np.stack([self.places.center, self.places.middle], axis=1)
+
+    @property
+    def creep_place(self) -> np.ndarray:
+        """(T, 2) theta and z, the middle of the cells."""
+        return self.patch_center
+
     def cell_lines(self, i: int) -> tuple[np.ndarray, np.ndarray]:
         """Lines arc (columns + 1,) and z (rows + 1,) [m] between the cells of saved step `i`."""
         arc, half = self.arc[i], 0.5 * self.spacing[i]

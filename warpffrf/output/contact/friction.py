@@ -1,15 +1,31 @@
-r"""Friction of one contact pair: tractions, slip, stick and slip areas, creepage, power and wear index.
+r"""Friction of one contact pair: tractions, slip, stick and slip areas, creepages, T-gamma, power and wear index.
 
-Tractions tau are constant on cells of the first surface's contact grid, components along (e_theta, t_z) of the first
-surface, on the first body. `w` is the slip velocity of the first surface relative to the second, so that friction gives
-`tau.w <= 0`. With the cells' areas A and the mean pressure p of a node
+Tractions tau are constant on cells, those of the first surface's contact grid or those that travel with the patch,
+components along (e_theta, t_z) of the first surface, on the first body. `w` is the slip velocity of the first surface
+relative to the second, so that friction gives `tau.w <= 0`. The words of the field: e_theta is the *longitudinal*
+direction, t_z the *lateral* one, n = e_theta x t_z the outward normal of the first surface. With the cells' areas A,
+the mean pressure p of a node or cell, the mean rolling speed V and creep c and spin omega_n of the first body against
+the second about the centre of the patch (`creep`)
 
-    Q = sum tau A                tangential force, components along the surface [N]
+    Q = sum tau A                tangential force (Fx, Fy) on the first body, components along the surface [N]
+    M_z                          spin moment of the tractions on the first body about n through the centre [N m]
     |Q| / P                      traction coefficient, P the load
-    xi = creep / |V|             creepage: rigid slip at the patch centre over the mean rolling speed V
+    xi = c / |V|                 longitudinal and lateral creepage [-]
+    phi = omega_n / |V|          spin creepage [rad/m]
+    -(Q_1 xi_1 + Q_2 xi_2 + M_z phi)     T-gamma [N]: energy that friction takes per metre rolled
     -sum tau.w A                 friction power [W]; the run's own figure is in `power`
     p |w|                        wear index [W/m2]: Archard's wear depth rate is proportional to it
                                  (J. F. Archard, J. Appl. Phys. 24 (1953) 981)
+
+T-gamma is the wear number of wheels on rails (R. Lewis, U. Olofsson, Wear 257 (2004) 721). In steady rolling of bodies
+of like material it is power/|V|: what elastic displacements add to the slip takes nothing from tractions that stay as
+they are. The power of a run has slips of finite steps and is short of it by some 1.5 times the part of the half-width
+that the patch advances in a step, 10 % at a sixteenth (two rollers at half of the bound,
+`verification.carter_rollers`); the ledger has the rest in the line of the contact grid, and both lines together are
+T-gamma to 0.2 %. Where materials are unlike, tractions move the pressure off the middle, which then takes a part of it
+by its own lever: what is left to friction shows in `power_per_metre`. Signs: a force on the first body along e_theta
+has, where friction takes energy, a creepage against it. Over |V|, not V, creepages keep their direction where a pair
+rolls back.
 
 The run counts how many columns the patch advanced in a step: above one, material enters the patch with a slip history
 of a whole step that it does not have.
@@ -23,12 +39,14 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.output.contact.creep import center_creep, spin_moment, spin_velocity
 
 OPEN, STICK, SLIP = 0, 1, 2
 STATES = ("open", "stick", "slip")
 ROLLS = 1e-9  # of the largest rolling speed of the run: below it the pair stands, and creepage has no meaning
 MOVES = 1e-6  # columns a step: a patch that advances less stands still, what it seems to move is round-off
 MOST_CELLS = 1.0  # columns a step; see the module
+COARSER = {"hats": "a coarser contact grid", "cells": "fewer strips, Contact(..., cells=(strips, rows))"}
 
 
 class FrictionResult:
@@ -72,9 +90,10 @@ class FrictionResult:
 
     @cached_property
     def tangential_force(self) -> np.ndarray:
-        """(T, 2) N, sum of the traction components along (e_theta, t_z) of the first surface; on a round surface the
-        first is the torque about the axis over the radius."""
-        return np.einsum("tdjk,k->td", self.traction, self.contact.measure.cell_area)
+        """(T, 2) N, (Fx, Fy) on the first body, longitudinal and lateral: sum of the traction components along
+        (e_theta, t_z) of the first surface; on a round surface the first is the torque about the axis over the
+        radius."""
+        return np.einsum("tdjk,tk->td", self.traction, self.contact.cell_areas)
 
     @cached_property
     def traction_coefficient(self) -> np.ndarray:
@@ -84,21 +103,55 @@ class FrictionResult:
         return np.divide(size, load, out=np.full(len(load), np.nan), where=load > 0.0)
 
     @cached_property
-    def creepage(self) -> np.ndarray:
-        """(T, 2) creep along (e_theta, t_z) over the rolling speed; NaN where the pair does not roll or not touch."""
+    def spin_velocity(self) -> np.ndarray:
+        """(T,) rad/s, turning of the first body against the second about the outward normal of the first surface at the
+        centre of the patch."""
+        return spin_velocity(self.contact)
+
+    @cached_property
+    def spin_moment(self) -> np.ndarray:
+        """(T,) N m, M_z of the tractions on the first body, about the outward normal of the first surface through the
+        centre of the patch; 0 where nothing touches."""
+        return spin_moment(self.contact)
+
+    @cached_property
+    def _rolling_speed(self) -> np.ndarray:
+        """(T,) m/s, |V|; NaN where the pair does not roll or not touch."""
         speed = np.abs(np.asarray(self.rolling_velocity, dtype=float))
         rolls = speed > ROLLS * np.max(speed, initial=0.0, where=np.isfinite(speed))
-        found = np.full(np.shape(self.creep_velocity), np.nan)
         rolls &= self.contact.touching & (np.asarray(self.cells_per_step) > MOVES)
-        found[rolls] = self.creep_velocity[rolls] / speed[rolls, None]
-        return found
+        return np.where(rolls, speed, np.nan)
+
+    @cached_property
+    def creepage(self) -> np.ndarray:
+        """(T, 2) longitudinal and lateral creepage, creep along (e_theta, t_z) at the centre of the patch over the
+        rolling speed; NaN where the pair does not roll or not touch."""
+        creep = center_creep(self.contact, self.creep_velocity, self.spin_velocity)
+        return creep / self._rolling_speed[:, None]
+
+    @cached_property
+    def spin_creepage(self) -> np.ndarray:
+        """(T,) rad/m, phi = n.(omega_A - omega_B)/|V|; NaN where the pair does not roll or not touch."""
+        return self.spin_velocity / self._rolling_speed
+
+    @cached_property
+    def t_gamma(self) -> np.ndarray:
+        """(T,) N (J/m), energy that friction takes per metre rolled, by forces and creepages (see the module); NaN
+        where the pair does not roll or not touch."""
+        return -np.einsum("td,td->t", self.tangential_force, self.creepage) - self.spin_moment * self.spin_creepage
+
+    @property
+    def power_per_metre(self) -> np.ndarray:
+        """(T,) N (J/m), friction power of the run over |V|, beside `t_gamma`; NaN where the pair does not roll or not
+        touch."""
+        return np.asarray(self.power, dtype=float) / self._rolling_speed
 
     def _area(self, state: int) -> np.ndarray:
-        return (np.asarray(self.state) == state).sum(axis=1) @ self.contact.measure.cell_area
+        return ((np.asarray(self.state) == state).sum(axis=1) * self.contact.cell_areas).sum(axis=1)
 
     @cached_property
     def stick_area(self) -> np.ndarray:
-        """(T,) m2 of the cells that stick."""
+        """(T,) m2 of the cells that stick, the area of adhesion."""
         return self._area(STICK)
 
     @cached_property
@@ -109,12 +162,12 @@ class FrictionResult:
     @cached_property
     def field_power(self) -> np.ndarray:
         """(T,) W, `-sum tau.w A` of the recorded fields: an independent sum beside `power`."""
-        return -np.einsum("tdjk,tdjk,k->t", self.traction, self.slip_velocity, self.contact.measure.cell_area)
+        return -np.einsum("tdjk,tdjk,tk->t", self.traction, self.slip_velocity, self.contact.cell_areas)
 
     @cached_property
     def wear_rate(self) -> np.ndarray:
         """(T,) W, wear index summed over the patch."""
-        return self.wear_index.sum(axis=1) @ self.contact.measure.cell_area
+        return (self.wear_index.sum(axis=1) * self.contact.cell_areas).sum(axis=1)
 
     @cached_property
     def wear_peak(self) -> np.ndarray:
@@ -134,7 +187,7 @@ class FrictionResult:
         return (
             f"contact '{self.contact.name}': the patch advances up to {most:.3g} cells a step, in "
             f"{int(self.too_fast.sum())} of {len(self.too_fast)} saved rows more than one, so that friction is not "
-            f"resolved; take steps {most:.3g} times shorter, or a coarser contact grid"
+            f"resolved; take steps {most:.3g} times shorter, or {COARSER[self.contact.loaded]}"
         )
 
     # --- along the rolling direction ---

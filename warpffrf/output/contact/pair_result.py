@@ -86,8 +86,8 @@ class PairResult(ABC):
 
     @cached_property
     def friction(self) -> FrictionResult:
-        """Tractions, slip, stick and slip areas, creepage, power and wear index; raises `InputError` for a pair without
-        friction."""
+        """Tractions, slip, stick and slip areas, creepages, forces and spin moment, T-gamma, power and wear index;
+        raises `InputError` for a pair without friction."""
         return FrictionResult(self)
 
     # --- the grid on the first surface ---
@@ -118,6 +118,22 @@ class PairResult(ABC):
     @abstractmethod
     def theta(self) -> np.ndarray:
         """(T, columns) rad (m on a plane), positions of the columns of pressures on the first surface's grid."""
+
+    @property
+    @abstractmethod
+    def cell_areas(self) -> np.ndarray:
+        """(T, rows) m2, areas of the cells of one column, on which tractions are constant."""
+
+    @property
+    @abstractmethod
+    def patch_center(self) -> np.ndarray:
+        """(T, 2) theta [rad, m on a plane] on the first surface's grid and z [m] of the place where the surfaces are
+        nearest, about which creep and spin are told, see `creep`."""
+
+    @property
+    @abstractmethod
+    def creep_place(self) -> np.ndarray:
+        """(T, 2) theta [rad, m on a plane] and z [m], as of `patch_center`, where the run records the creep."""
 
     @property
     @abstractmethod

@@ -14,7 +14,7 @@ and T_c has no component along the axis: pressure alone cannot drive a surface o
 
 On cells that travel with the patch, which span h, 2 (1 - cos h)/h becomes 2 sin(h/2), and zeta_k is 1 on its row.
 
-Tractions are constant per cell of area A, and their forces act at its node:
+Tractions are constant per cell of area A, and their forces act at its node, or in the middle of a cell that travels:
 
     F = sum_jk A_k (tau_1 e_theta + tau_2 t_z),      T = sum_jk x_jk x A_k (tau_1 e_theta + tau_2 t_z).
 """
@@ -84,16 +84,23 @@ def traction_wrench(result: Any, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Force (T, 3) [N] and torque (T, 3) [N m] of the tangential tractions on the first body of contact `name`: world
     axes, about its user origin. Raises `InputError` for a pair without friction."""
     contact = result.contact(name)
-    forces = contact.friction.traction * contact.measure.cell_area  # (T, 2, columns, rows)
-    shape = contact.view.first.shape
-    theta = contact.theta + grid_theta_offset(contact.view.first)
-    force, torque = np.zeros((len(theta), 3)), np.zeros((len(theta), 3))
-    for i, at in enumerate(theta):
-        places = [v.ravel() for v in np.meshgrid(at, contact.z, indexing="ij")]
-        e_theta, t_z = tangents(shape, *places)
-        f = forces[i, 0].reshape(-1, 1) * e_theta + forces[i, 1].reshape(-1, 1) * t_z
-        force[i], torque[i] = f.sum(axis=0), np.cross(shape.point(*places), f).sum(axis=0)
+    steps = len(contact.friction.traction)
+    force, torque = np.zeros((steps, 3)), np.zeros((steps, 3))
+    for i in range(steps):
+        places, forces = traction_forces(contact, i)
+        force[i], torque[i] = forces.sum(axis=0), np.cross(places, forces).sum(axis=0)
     return _to_world(result, contact, force, torque)
+
+
+def traction_forces(contact: Any, i: int) -> tuple[np.ndarray, np.ndarray]:
+    """Places (n, 3) [m] of the cells of a pair that have tractions at saved step `i`, and their forces (n, 3) [N] on
+    the first body; its user axes."""
+    traction, surface = contact.friction.traction[i], contact.view.first
+    j, k = np.nonzero(np.any(traction != 0.0, axis=0))
+    theta, z = contact.theta[i, j] + grid_theta_offset(surface), contact.rows[i, k]
+    e_theta, t_z = tangents(surface.shape, theta, z)
+    forces = contact.cell_areas[i, k] * traction[:, j, k]
+    return surface.shape.point(theta, z), forces[0][:, None] * e_theta + forces[1][:, None] * t_z
 
 
 def _to_world(result: Any, contact: Any, force: np.ndarray, torque: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -116,6 +116,32 @@ class ContactResult(PairResult):
             self.history.first_column[:, None] + np.arange(self.history.pressure.shape[1])
         )
 
+    @property
+    def cell_areas(self) -> np.ndarray:
+        """(T, rows) m2, of the cells around the nodes of one column, in every saved step the same."""
+        return np.broadcast_to(self.measure.cell_area, (len(self.history.pressure), len(self.z)))
+
+    @cached_property
+    def patch_center(self) -> np.ndarray:
+        """(T, 2) theta and z: the line of centres at mid-width, of a point contact at the height of the centre of
+        pressure."""
+        grid = self.view.first.grid
+        theta = grid.theta_start + grid.pitch * np.asarray(self.history.center_column, dtype=float)
+        z = np.full(len(theta), 0.5 * (self.z[0] + self.z[-1]))
+        if self.patch_kind == "point":
+            z = np.where(self.touching, self.moments.center[:, 1], z)
+        return np.stack([theta, z], axis=1)
+
+    @cached_property
+    def creep_place(self) -> np.ndarray:
+        """(T, 2) theta and z: the middle row, in the window's column nearest to the line of centres; of a law at the
+        nodes of a mesh one next to the centre."""
+        if self.view.at_nodes:
+            return self.patch_center
+        nearest = np.take_along_axis(self._offset, np.abs(self._offset).argmin(axis=1)[:, None], axis=1)[:, 0]
+        theta = self.patch_center[:, 0] + self.view.first.grid.pitch * nearest
+        return np.stack([theta, np.full(len(theta), self.z[len(self.z) // 2])], axis=1)
+
     def cell_lines(self, i: int) -> tuple[np.ndarray, np.ndarray]:
         """Lines arc (columns + 1,) and z (rows + 1,) [m] between the cells around the nodes in saved step `i`."""
         arc, half = self.arc[i], 0.5 * self.spacing

@@ -116,6 +116,9 @@ LUMPED_FIELDS = (
 
 # Of the pairs that were run with friction: their own owners, `friction_pair`.
 CELLS = "cells of the contact grid of the first surface"
+COUNTED = "first surface, counted in cells"
+CREEP = "first surface: longitudinal (e_theta), lateral (t_z), at the patch centre"
+NORMAL = "about the outward normal of the first surface, at the patch centre"
 FIRST = "first surface, along e_theta and t_z"
 FRICTION_FIELDS = (
     Field("contact_traction", "traction", "Pa", f"{FIRST}, on the first body", (*DIRECTION, "column", "row"), False),
@@ -129,14 +132,9 @@ FRICTION_FIELDS = (
     ),
     Field("contact_state", "state", "0 open, 1 stick, 2 slip", CELLS, ("column", "row"), stacked=False),
     Field("contact_friction_power", "power", "W", "dissipated"),
-    Field("contact_creep_velocity", "creep_velocity", "m/s", f"{FIRST}, at the patch centre", DIRECTION),
+    Field("contact_creep_velocity", "creep_velocity", "m/s", f"{FIRST}, in the cell at the patch centre", DIRECTION),
     Field("contact_rolling_velocity", "rolling_velocity", "m/s", "first surface, along e_theta"),
-    Field(
-        "contact_cells_per_step",
-        "cells_per_step",
-        "1",
-        "columns of the first contact grid, most since the last saved row",
-    ),
+    Field("contact_cells_per_step", "cells_per_step", "1", "columns of cells, most since the last saved row"),
 )
 
 # Derived by `ContactResult`, written so that readers without warpffrf have them, never read back.
@@ -147,15 +145,19 @@ DERIVED_FIELDS = (
     Field("contact_normal_load", "normal_load", "N", "integral of the pressure over the first surface"),
     Field("contact_half_widths", "half_widths", "m", FIRST, DIRECTION),
     Field("contact_center", "center_of_pressure", "m", "first surface: arc from the line of centres, z", DIRECTION),
-    Field("contact_patch_area", "patch_area", "m2", CELLS),
+    Field("contact_patch_area", "patch_area", "m2", COUNTED),
 )
 # Derived by `FrictionResult`.
 FRICTION_DERIVED = (
-    Field("contact_creepage", "creepage", "1", FIRST, DIRECTION),
-    Field("contact_tangential_force", "tangential_force", "N", f"{FIRST}, on the first body", DIRECTION),
+    Field("contact_creepage", "creepage", "1", CREEP, DIRECTION),
+    Field("contact_spin_creepage", "spin_creepage", "rad/m", NORMAL),
+    Field("contact_spin_velocity", "spin_velocity", "rad/s", f"{NORMAL}, of the first body against the second"),
+    Field("contact_tangential_force", "tangential_force", "N", f"{FIRST} (Fx, Fy), on the first body", DIRECTION),
+    Field("contact_spin_moment", "spin_moment", "N m", f"{NORMAL} (Mz), of the tractions on the first body"),
+    Field("contact_t_gamma", "t_gamma", "N", "dissipated per metre rolled, by forces and creepages"),
     Field("contact_traction_coefficient", "traction_coefficient", "1", "none"),
-    Field("contact_stick_area", "stick_area", "m2", CELLS),
-    Field("contact_slip_area", "slip_area", "m2", CELLS),
+    Field("contact_stick_area", "stick_area", "m2", COUNTED),
+    Field("contact_slip_area", "slip_area", "m2", COUNTED),
     Field("contact_wear_rate", "wear_rate", "W", "pressure times slip speed over the patch"),
     Field("contact_wear_peak", "wear_peak", "W/m2", "pressure times slip speed, largest"),
     Field("contact_wear_index", "wear_index", "W/m2", CELLS, ("column", "row"), stacked=False),
@@ -168,7 +170,9 @@ ENERGY_UNITS = "J"
 
 
 def of_owner(field: Field, owner: Any) -> Field:
-    """The quantity as this owner has it: the pressure of a contact pair may stand on cells of its own."""
+    """The quantity as this owner has it: pressure and friction of a contact pair may stand on cells of its own."""
     if field.name == "contact_pressure" and getattr(owner, "cells", None) is not None:
+        return replace(field, frame=TRAVELLING)
+    if field.frame == CELLS and getattr(getattr(owner, "contact", None), "loaded", "") == "cells":
         return replace(field, frame=TRAVELLING)
     return field

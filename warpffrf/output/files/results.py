@@ -274,6 +274,7 @@ def _put_scene(file: Any, view: SceneView) -> None:
             for p in found.values()
         ]
         group.attrs[kind] = json.dumps(pairs)
+    group.attrs["at_nodes"] = json.dumps([p.name for p in view.pairs.values() if p.at_nodes])
     fixed = [
         b
         for p in (*view.pairs.values(), *view.lumped.values())
@@ -313,6 +314,8 @@ def _get_scene(file: Any) -> SceneView:
         }
         for kind in ("pairs", "lumped")
     )
+    for name in json.loads(group.attrs.get("at_nodes", "[]")):
+        pairs[name] = replace(pairs[name], at_nodes=True)
     anchors = tuple(Anchor.of(data) for data in json.loads(group.attrs.get("anchors", "[]")))
     return SceneView(
         str(group.attrs["content_hash"]), bodies, pairs, tuple(json.loads(group.attrs["joints"])), anchors, lumped

@@ -18,6 +18,9 @@ import numpy as np
 
 from warpffrf.model.contact_grid import GAUSS_PER_ROW
 from warpffrf.online.history.history import CellHistory
+from warpffrf.output.geometry.grid_places import wrapped
+
+ON_LINE = 1e-6  # of the width, or length, of all cells: round-off of the chart, on the end planes of a body
 
 
 class CellPlaces:
@@ -78,6 +81,17 @@ class CellPlaces:
         """(T, columns + 1) rad (m on a plane), the lines between the strips, and the outermost ones."""
         lines = np.arange(self.columns + 1) - 0.5 * self.columns
         return self.center[:, None] + self.pitch[:, None] * lines
+
+    def cells_at(self, i: int, theta: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the strip and the row (n,) in which places (theta on the surface's grid, z) (n,) lie at saved step
+        `i`; -1, both, of places beside the cells."""
+        theta = wrapped(self.surface, theta, float(self.center[i]))
+        found, inside = [], np.ones(np.shape(theta), dtype=bool)
+        for lines, at in ((self.theta_edges[i], theta), (self.z_edges[i], z)):
+            slack = ON_LINE * (lines[-1] - lines[0])
+            inside &= (at >= lines[0] - slack) & (at <= lines[-1] + slack)
+            found.append(np.clip(np.searchsorted(lines, at, side="right") - 1, 0, len(lines) - 2))
+        return np.where(inside, found[0], -1), np.where(inside, found[1], -1)
 
     @cached_property
     def _rule(self) -> tuple[np.ndarray, np.ndarray]:

@@ -27,6 +27,13 @@ def grid_theta_offset(surface: Any) -> float:
     return float(np.arctan2(e_0 @ shape.e_1, e_0 @ shape.e_0))
 
 
+def wrapped(surface: Any, theta: np.ndarray, about: float) -> np.ndarray:
+    """theta within half a turn of the place `about`; as it is on a plane, whose theta is a length."""
+    if surface.shape.kind == "plane":
+        return theta
+    return about + (theta - about + np.pi) % (2.0 * np.pi) - np.pi
+
+
 def spread(surface: Any, first_column: int, window: np.ndarray) -> np.ndarray:
     """A window (columns_w, rows) that starts at `first_column`, put into the whole grid (columns, rows), zero
     elsewhere."""

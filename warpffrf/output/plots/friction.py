@@ -1,4 +1,5 @@
-"""Plots of friction: tractions along the rolling direction, stick and slip on the patch, creepage, power, wear."""
+"""Plots of friction: tractions along the rolling direction, stick and slip on the patch, creepages, spin, T-gamma,
+power, wear."""
 
 from __future__ import annotations
 
@@ -7,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_grid import cell_edges
 from warpffrf.model.errors import InputError
 from warpffrf.output.contact.friction import OPEN, SLIP, STATES, STICK
 from warpffrf.output.plots.colors import STATE_COLORS, largest
@@ -16,6 +16,7 @@ SHOWN_WIDTHS = 1.6  # half-widths to either side of the middle of the patch
 HEADROOM = 1.08  # of the largest value of a plot
 LEAST_SEEN = 1e-6  # of the other curves of a plot: what is smaller is round-off of a direction that nothing drives
 LEGEND_ROOM = 1.35  # of the range of tractions
+MOST_ARROWS = 24  # tractions drawn in a map in either direction: more are not told apart in a panel
 PRESSURE, BOUND, TRACTION, ACROSS, SECOND = "#8a94a3", "#d1495b", "#1b6ca8", "#2a9d6f", "#b57f00"
 
 
@@ -52,13 +53,13 @@ def traction(result: Any, ax: Any) -> None:
     contact = rubbing(result)
     i = _last_touching(contact)
     profile = contact.friction.profile(i, _coefficient(contact))
-    x, half = profile["arc"] * 1e3, 0.5e3 * contact.spacing
+    x, lines = profile["arc"] * 1e3, _lines(contact, i)[0]
     tau, bound = profile["traction"] * 1e-6, profile["bound"] * 1e-6
     for state in (STICK, SLIP):
         cells = np.flatnonzero(profile["state"] == state)
         for n, c in enumerate(cells):
             ax.axvspan(
-                x[c] - half, x[c] + half, color=STATE_COLORS[state], alpha=0.18, lw=0.0,
+                lines[c], lines[c + 1], color=STATE_COLORS[state], alpha=0.18, lw=0.0,
                 label=STATES[state] if n == 0 else None,
             )  # fmt: skip
     sign = -1.0 if np.nansum(tau) < 0.0 else 1.0
@@ -79,6 +80,7 @@ def traction(result: Any, ax: Any) -> None:
     drawn = [v[np.isfinite(v)] for v in (sign * bound, tau, profile["across"] * 1e-6)]
     low, high = (float(f(np.concatenate(drawn), initial=0.0)) for f in (np.min, np.max))
     room = (LEGEND_ROOM - 1.0) * (high - low)  # for the legend, on the side of the larger tractions
+    low *= HEADROOM
     ax.set_ylim(low - room * (sign < 0.0), (high + room * (sign > 0.0)) or 1.0)
     _around(ax, contact, i)
     ax.set(xlabel="arc along e_theta from the line of centres [mm]", ylabel="traction [MPa]")
@@ -86,6 +88,12 @@ def traction(result: Any, ax: Any) -> None:
     ratio = contact.friction.traction_coefficient[i]
     ax.set_title(f"Tractions {where}, {_at(result, i)}\ntangential over normal load {ratio:.4g}", fontsize=10)
     ax.legend(frameon=False, fontsize=7, ncols=2, loc="upper center" if sign > 0.0 else "lower center")
+
+
+def _lines(contact: Any, i: int) -> tuple[np.ndarray, np.ndarray]:
+    """Lines between the cells of saved step `i` [mm], ascending: along e_theta from the line of centres, and z."""
+    arc, z = contact.cell_lines(i)
+    return np.sort(contact.side * arc) * 1e3, z * 1e3
 
 
 def _around(ax: Any, contact: Any, i: int) -> None:
@@ -104,17 +112,17 @@ def stick_slip(result: Any, ax: Any) -> None:
     contact = rubbing(result)
     i = _last_touching(contact)
     friction, step = contact.friction, 1 if contact.side > 0.0 else -1
-    x = contact.side * contact.arc[i][::step] * 1e3
-    half = 0.5e3 * contact.spacing
-    edges = np.concatenate([x - half, x[-1:] + half]), cell_edges(contact.z) * 1e3
+    lines = _lines(contact, i)
+    x, z = (0.5 * (v[1:] + v[:-1]) for v in lines)
     state = np.asarray(friction.state[i])[::step]
-    ax.pcolormesh(*edges, state.T, cmap=ListedColormap(STATE_COLORS), vmin=OPEN - 0.5, vmax=SLIP + 0.5)
+    ax.pcolormesh(*lines, state.T, cmap=ListedColormap(STATE_COLORS), vmin=OPEN - 0.5, vmax=SLIP + 0.5)
     tau = friction.traction[i][:, ::step]
-    j, k = np.nonzero(np.any(tau != 0.0, axis=0))
+    shown = np.zeros(state.shape, dtype=bool)
+    every = [max(1, -(-int(np.any(state != OPEN, axis=axis).sum()) // MOST_ARROWS)) for axis in (1, 0)]
+    shown[every[0] // 2 :: every[0], every[1] // 2 :: every[1]] = True
+    j, k = np.nonzero(shown & np.any(tau != 0.0, axis=0))
     if len(j):
-        ax.quiver(
-            x[j], contact.z[k] * 1e3, tau[0, j, k], tau[1, j, k], angles="uv", pivot="middle", width=0.004, color="0.1"
-        )
+        ax.quiver(x[j], z[k], tau[0, j, k], tau[1, j, k], angles="uv", pivot="middle", width=0.004, color="0.1")
     _around(ax, contact, i)
     if contact.patch_kind == "point":
         reach, middle = SHOWN_WIDTHS * contact.half_widths[i, 1] * 1e3, contact.center_of_pressure[i, 1] * 1e3
@@ -123,7 +131,7 @@ def stick_slip(result: Any, ax: Any) -> None:
     ax.set(xlabel="arc along e_theta from the line of centres [mm]", ylabel="along the axis [mm]")
     shares = friction.stick_area[i], friction.slip_area[i]
     share = shares[0] / sum(shares) if sum(shares) > 0.0 else np.nan
-    ax.set_title(f"Stick and slip, {_at(result, i)}, {share:.0%} of the area sticks", fontsize=10)
+    ax.set_title(f"Stick and slip, {_at(result, i)}, area of adhesion {share:.0%}", fontsize=10)
     ax.legend(
         handles=[Patch(color=c, label=n) for n, c in zip(STATES, STATE_COLORS, strict=True)], fontsize=7, ncols=3,
         loc="upper right",
@@ -131,15 +139,15 @@ def stick_slip(result: Any, ax: Any) -> None:
 
 
 def creepage(result: Any, ax: Any) -> None:
-    """Creepage in both directions and tangential over normal load against time."""
+    """Longitudinal and lateral creepage, and tangential over normal load, against time."""
     contact = rubbing(result)
     time, friction = result.time * 1e3, contact.friction
-    ax.plot(time, friction.creepage[:, 0], color=TRACTION, label="creepage along e_theta")
+    ax.plot(time, friction.creepage[:, 0], color=TRACTION, label="longitudinal, along e_theta")
     if _seen(friction.creepage[:, 1], friction.creepage[:, 0]):
-        ax.plot(time, friction.creepage[:, 1], color=ACROSS, label="creepage along the axis")
+        ax.plot(time, friction.creepage[:, 1], color=ACROSS, label="lateral, along the axis")
     ax.axhline(0.0, color="0.7", lw=0.6)
     right = ax.twinx()
-    right.plot(time, friction.traction_coefficient, color=BOUND, label="tangential over normal load")
+    right.plot(time, friction.traction_coefficient, color=BOUND)
     if _coefficient(contact) is not None:
         right.axhline(_coefficient(contact), color=BOUND, lw=0.8, ls="--")
     right.set_ylim(0.0, HEADROOM * max(float(np.nanmax(friction.traction_coefficient, initial=0.0)),
@@ -149,6 +157,42 @@ def creepage(result: Any, ax: Any) -> None:
     right.set_ylabel("tangential over normal load [-]", color=BOUND)
     ax.set_title("Creepage and traction coefficient (dashed: coefficient of friction)", fontsize=10)
     ax.legend(frameon=False, fontsize=8)
+
+
+def spin(result: Any, ax: Any) -> None:
+    """Spin creepage and the moment of the tractions about the normal against time."""
+    contact = rubbing(result)
+    time, friction = result.time * 1e3, contact.friction
+    right, size = ax.twinx(), np.sqrt(largest([contact.patch_area]) / np.pi)
+    # what creepage and force at the rim of the patch would make: less than LEAST_SEEN of it is round-off
+    creepage = largest([np.abs(friction.creepage)]) / size if size > 0.0 else 0.0
+    curves = (
+        (ax, friction.spin_creepage, creepage, TRACTION),
+        (right, friction.spin_moment, largest([np.abs(friction.tangential_force)]) * size, SECOND),
+    )
+    for axes, values, beside, color in curves:
+        axes.plot(time, values, color=color)
+        most = HEADROOM * max(largest([np.abs(values)]), LEAST_SEEN * beside) or 1.0
+        axes.set_ylim(-most, most)  # both zeros at one height
+    ax.axhline(0.0, color="0.7", lw=0.6)
+    ax.set(xlabel="time [ms]")
+    ax.set_ylabel("spin creepage [rad/m]", color=TRACTION)
+    right.set_ylabel("spin moment Mz on the first body [N m]", color=SECOND)
+    ax.set_title("Spin about the outward normal: creepage and moment", fontsize=10)
+
+
+def t_gamma(result: Any, ax: Any) -> None:
+    """T-gamma against time, beside the friction power over the rolling speed."""
+    contact = rubbing(result)
+    time, friction = result.time * 1e3, contact.friction
+    per_metre = friction.power_per_metre
+    ax.plot(time, per_metre, "--", color=SECOND, label="friction power over rolling speed")
+    ax.plot(time, friction.t_gamma, color=TRACTION, label="T-gamma, by forces and creepages")
+    low = min(0.0, float(np.nanmin(friction.t_gamma, initial=0.0)))
+    ax.set_ylim(HEADROOM * low, LEGEND_ROOM * largest([friction.t_gamma, per_metre]) or 1.0)
+    ax.set(xlabel="time [ms]", ylabel="energy per metre rolled [N]")
+    ax.set_title("T-gamma", fontsize=10)
+    ax.legend(frameon=False, fontsize=8, loc="upper right")
 
 
 def power(result: Any, ax: Any) -> None:
@@ -170,5 +214,7 @@ FRICTION_PLOTS: dict[str, Callable[[Any, Any], None]] = {
     "traction": traction,
     "stick_slip": stick_slip,
     "creepage": creepage,
+    "spin": spin,
+    "t_gamma": t_gamma,
     "power": power,
 }

@@ -29,7 +29,7 @@ from warpffrf.output.recording.patch_map import cell_map, map_window, pixels, pr
 MAP_SHAPE = (220, 480)  # pixels (height, width) of the patch map
 COARSER = 2  # pixels of a map to one of the pictures of friction: constant cells need no more
 ARROW_LENGTH = 0.6  # of the largest body, for the largest force of the run
-ARROW_CELLS = 1.5  # cells that the arrow of the largest traction is long
+ARROW_CELLS = 1.5  # columns of cells that the arrow of the largest traction is long
 ARROW_COLOR = (20, 20, 20)
 FIRST_COLOR, SECOND_COLOR = (120, 190, 255), (255, 170, 90)
 FRICTION_FIELDS = ("traction", "state", "slip", "wear")
@@ -152,7 +152,8 @@ class ContactScene:
         tau, most = contact.friction.traction[i], self.recorder.contact_colors.top_traction
         inside = np.all((picture >= 0.0) & (picture <= np.array(MAP_SHAPE)[::-1]), axis=-1)
         shown = inside & np.any(tau != 0.0, axis=0)
-        cell = abs(contact.spacing / self.window.reach * 0.5 * MAP_SHAPE[1])
+        width = float(np.abs(np.diff(contact.cell_lines(i)[0])).max())
+        cell = width / self.window.reach * 0.5 * MAP_SHAPE[1]
         scale = ARROW_CELLS * cell / most if most > 0.0 else 0.0
         # the picture's y runs downwards
         vectors = scale * np.stack([tau[0][shown], -tau[1][shown]], axis=-1)

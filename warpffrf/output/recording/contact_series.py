@@ -15,7 +15,11 @@ CONTACT_PLOTS = {
 }
 FRICTION_PLOTS = {
     "traction_coefficient": "Tangential over normal load [-]",
-    "creepage": "Creepage, creep over rolling speed [-]",
+    "creepage": "Longitudinal and lateral creepage [-]",
+    "spin_creepage": "Spin creepage [rad/m]",
+    "creep_force": "Creep forces Fx, Fy on the first body [N]",
+    "spin_moment": "Spin moment Mz on the first body [N m]",
+    "t_gamma": "T-gamma, energy per metre rolled [N]",
     "friction_power": "Friction power [W]",
     "contact_area": "Contact, stick and slip area [mm²]",
     "wear": "Largest wear index, pressure times slip [W/mm²]",
@@ -42,8 +46,13 @@ def _friction_series(name: str, contact: Any) -> list[Series]:
     friction = contact.friction
     curves = (
         ("traction_coefficient", "", f"{name}", friction.traction_coefficient),
-        ("creepage", "around", f"{name} along e_theta", friction.creepage[:, 0]),
-        ("creepage", "axial", f"{name} along the axis", friction.creepage[:, 1]),
+        ("creepage", "around", f"{name} longitudinal, along e_theta", friction.creepage[:, 0]),
+        ("creepage", "axial", f"{name} lateral, along the axis", friction.creepage[:, 1]),
+        ("spin_creepage", "", f"{name} [rad/m]", friction.spin_creepage),
+        ("creep_force", "around", f"{name} Fx, along e_theta [N]", friction.tangential_force[:, 0]),
+        ("creep_force", "axial", f"{name} Fy, along the axis [N]", friction.tangential_force[:, 1]),
+        ("spin_moment", "", f"{name} [N m]", friction.spin_moment),
+        ("t_gamma", "", f"{name} [N]", friction.t_gamma),
         ("friction_power", "", f"{name} [W]", friction.power),
         ("contact_area", "patch", f"{name} touches [mm²]", contact.patch_area * 1e6),
         ("contact_area", "stick", f"{name} sticks [mm²]", friction.stick_area * 1e6),

@@ -90,10 +90,10 @@ def _lying_in(lines: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 def pixels(contact: Any, i: int, window: MapWindow, shape: tuple[int, int]) -> np.ndarray:
-    """(columns, rows, 2) x, y [pixels from the upper left corner] of the grid's nodes on a map of `shape` at saved step
-    `i`."""
+    """(columns, rows, 2) x, y [pixels from the upper left corner] of the grid's nodes, or of the middles of cells, on a
+    map of `shape` at saved step `i`."""
     x = (contact.side * contact.arc[i] / window.reach + 1.0) * 0.5 * shape[1]
-    y = (window.high - contact.z) / max(window.high - window.low, 1e-300) * shape[0]
+    y = (window.high - contact.rows[i]) / max(window.high - window.low, 1e-300) * shape[0]
     return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
 
 

@@ -44,9 +44,11 @@ CONTACT_TEXT = (
     "the same patch unwrapped, the arc to the right along e_theta and the axis of the first body upwards."
 )
 FRICTION_TEXT = (
-    "With friction every cell of the contact grid is open, sticks or slips. Arrows in the map of the traction are the "
-    "traction on the first body. The wear index is pressure times slip speed. Material runs through the patch along "
-    "e_theta where the rolling velocity is positive, and enters it on the left."
+    "With friction every cell, of the contact grid or of those that travel with the patch, is open, sticks or slips. "
+    "Arrows in the map of the traction are the traction on the first body. Creepages, forces and the spin moment are "
+    "those of the first body: longitudinal is along e_theta, lateral along its axis. T-gamma is the energy that they "
+    "take per metre rolled. The wear index is pressure times slip speed. Material runs through the patch along e_theta "
+    "where the rolling velocity is positive, and enters it on the left."
 )
 
 

@@ -113,12 +113,23 @@ def _friction_lines(contact: Any) -> list[str]:
     friction = contact.friction
     shares = friction.stick_area[-1], friction.slip_area[-1]
     creepage, warning = friction.creepage[-1], friction.warning()
-    rolls = "not rolling" if np.any(np.isnan(creepage)) else f"{creepage[0]:+.4e} around, {creepage[1]:+.4e} along"
+    force, moment, spin = friction.tangential_force[-1], friction.spin_moment[-1], friction.spin_creepage[-1]
+    rolls, per_metre = "not rolling", "not rolling"
+    if not np.any(np.isnan(creepage)):
+        rolls = f"{creepage[0]:+.4e} longitudinal, {creepage[1]:+.4e} lateral, {spin:+.4e} rad/m of spin"
+        per_metre = (
+            f"{friction.t_gamma[-1]:.5g} N by forces and creepages, {friction.power_per_metre[-1]:.5g} N by the "
+        )
+        per_metre += "friction power over the rolling speed"
+    adhesion = f", area of adhesion {shares[0] / sum(shares):.0%}" if sum(shares) > 0.0 else ""
     lines = [
-        f"  traction        {np.linalg.norm(friction.tangential_force[-1]):.6g} N tangential, "
+        f"  traction        {np.linalg.norm(force):.6g} N tangential, "
         f"{friction.traction_coefficient[-1]:.5g} of the load",
+        f"  creep forces    Fx {force[0]:+.5g} N longitudinal, Fy {force[1]:+.5g} N lateral, "
+        f"Mz {moment:+.4g} N m of spin, on '{contact.view.first_body.name}'",
         f"  creepage        {rolls}",
-        f"  stick, slip     {shares[0] * 1e6:.5g} and {shares[1] * 1e6:.5g} mm2",
+        f"  T-gamma         {per_metre}",
+        f"  stick, slip     {shares[0] * 1e6:.5g} and {shares[1] * 1e6:.5g} mm2{adhesion}",
         f"  friction power  {friction.power[-1]:.5g} W, largest of the run {np.nanmax(friction.power):.5g} W",
         f"  wear index      {friction.wear_peak[-1] / 1e6:.5g} W/mm2 at most, {friction.wear_rate[-1]:.5g} W in all "
         "(pressure times slip speed)",
