@@ -504,7 +504,9 @@ class Rolling:
     shear_start: DeviceArray = integers(
         "pair", note="into shear: (level, kind, distance in strips, row under load, row that sees, filled up)"
     )
-    shear: DeviceArray = reals("near_shear_entry", note="weak displacement [m3] per traction or pressure [Pa] over W^power")
+    shear: DeviceArray = reals(
+        "near_shear_entry", note="weak displacement [m3] per traction or pressure [Pa] over W^power"
+    )
     tangent_start: DeviceArray = integers("far_surface", note="into tangent, -1 without")
     sheared_start: DeviceArray = integers("far_surface", note="into sheared")
     turned_start: DeviceArray = integers("far_surface", note="into turned")

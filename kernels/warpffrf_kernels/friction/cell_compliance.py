@@ -42,12 +42,23 @@ def take_cells(
     cell_block: inout(wp.array3d(dtype=int)),
 ):
     """Per world: a slot in its pair's block for each cell under pressure that has none; all are given back first when
-    the grids have moved."""
+    the grids have moved, or where those that are no longer under pressure take room that others need."""
     w = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     capacity = model.window.hats
+    pair = int(0)
+    while pair < model.pairs.count and ctl[w].stale == 0:
+        count = cell_block[w, pair, COUNT]
+        m = int(0)
+        while m < capacity and model.pairs.friction[pair] > real(0.0):
+            if bound[w, pair, m] > real(0.0) and cell_slot_of[w, pair, m] < 0:
+                count += 1
+            m += 1
+        if count > model.capacity.cells:
+            ctl[w].stale = 1
+        pair += 1
     pair = int(0)
     while pair < model.pairs.count:
         if ctl[w].stale != 0:
@@ -345,11 +356,13 @@ def outer_cells(
     C_receptance: wp.array(dtype=real),
     cell_L: out(wp.array(dtype=real)),
 ):
-    """Per (world, pair): gradient L of the weak slip by the coupled outer columns times the weight of the pair, where
-    any pair has fresh slots."""
+    """Per (world, pair): gradient L of the weak slip by the coupled outer columns times the weight of the pair, at the
+    beginning of an attempt and where any pair has fresh slots."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or not is_fresh(model, w, cell_block):
+    if ctl[w].run == 0 or ctl[w].changes != 0:
+        return
+    if ctl[w].iteration > 0 and not is_fresh(model, w, cell_block):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     line = int(0)

@@ -21,6 +21,10 @@ pair by pair, with the active set as it is: with U^T U = G, W = U^-T L and U^T Y
 a Schur complement of a positive semidefinite matrix, which is one. D has a block for each pair (`cell_blocks`); M is
 in `mobility`.
 
+On cells that travel with the patch N is what far fields and modes make of it where both half-spaces are alike
+(`rolling`): a few per cent of K. There it is left to the next iteration, and Y is nothing (`answering`); what pressures
+answer through the motion of the bodies, W, stays.
+
 The bounds follow that answer too: tractions and bounds are solved for in turn, in rounds, with the same matrices. Each
 leaves some mu N^T G^-1 of an error, which converges where friction has one solution, and costs next to nothing where
 nobody changes sides.
@@ -35,7 +39,7 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
 from warpffrf_kernels.friction.cell_blocks import COUNT, first_line, is_fresh, move_outer
 from warpffrf_kernels.friction.cell_compliance import scale_modes
 from warpffrf_kernels.friction.cell_shares import add_on_shares
-from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
+from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid, rubs_on_patch
 from warpffrf_kernels.friction.tangential_fields import second_high, second_low
 from warpffrf_kernels.linear.block_elimination import add_lines, backward, follow_columns, forward_lines
 from warpffrf_kernels.normal.pair_elimination import COUNT as SLOTS
@@ -59,6 +63,14 @@ ROUNDS = wp.constant(20)  # of an iteration: a half of the change left by each, 
 def hat_of(model: Model, w: int, slot: int, slot_hat: wp.array3d(dtype=int)) -> int:
     """The hat of a slot, numbered over all pairs."""
     return slot_hat[w, slot, 0] * model.window.hats + slot_hat[w, slot, 1]
+
+
+@wp.func
+def answering(model: Model, pair: int, slots: int) -> int:
+    """Lines of Y of a pair with so many active slots."""
+    if rubs_on_patch(model, pair) and model.elements[0].rolling.coupled[pair] == 0:
+        return 0
+    return slots
 
 
 @wp.func
@@ -98,7 +110,7 @@ def open_answer(
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     n = block[w, 0, LEFT_START]  # the places before are those of active slots
-    renewed = is_new(model, w, n, cell_block, order, slot_hat, answer_hat, answer_state)
+    renewed = ctl[w].iteration == 0 or is_new(model, w, n, cell_block, order, slot_hat, answer_hat, answer_state)
     answer_state[w, ACTIVE] = n
     answer_state[w, RENEWED] = 0
     answer_state[w, OPEN] = 1
@@ -199,7 +211,7 @@ def answer_by_modes(
     scaled = (w * model.pairs.count + pair) * 2 * width
     by_mode = (w * model.pairs.count + pair) * width * lines
     a = block[w, pair, START]
-    while a < block[w, pair, START] + block[w, pair, SLOTS]:
+    while a < block[w, pair, START] + answering(model, pair, block[w, pair, SLOTS]):
         slot = order[w, a]
         line = (w * model.capacity.slots + a) * lines
         clear_field(lane, 2 * cells, line, Y)
@@ -267,9 +279,8 @@ def reduce_answer(
     start = block[w, pair, START]
     lines = 2 * model.capacity.cells
     at = (w * model.capacity.slots + start) * lines
-    forward_lines(
-        factor, block_at(model, w, start), model.capacity.slots, block[w, pair, SLOTS], Y, at, lines, 2 * cells
-    )  # fmt: skip
+    n = answering(model, pair, block[w, pair, SLOTS])
+    forward_lines(factor, block_at(model, w, start), model.capacity.slots, n, Y, at, lines, 2 * cells)
 
 
 # D = G - Y^T Y of a pair, `lines` lines; the upper triangle and its mirror, lanes over the columns.
@@ -366,7 +377,7 @@ def condense_answer(
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or lines == 0:
         return
     start = block[w, pair, START]
-    n = block[w, pair, SLOTS]
+    n = answering(model, pair, block[w, pair, SLOTS])
     subtract_answer(model, w, pair, start, n, lines, Y, G, D)
     border_lines(model, w, pair, start, n, lines, L, Y, W, bordered)
 
@@ -447,7 +458,10 @@ def press_with_tractions(
     while pair < model.pairs.count:
         start = block[w, pair, START]
         hats = block[w, pair, SLOTS]
-        answer_to(model, w, pair, start, hats, 2 * cell_block[w, pair, COUNT], Y, moved, step)
+        used = 2 * cell_block[w, pair, COUNT]
+        if answering(model, pair, hats) == 0:
+            used = 0
+        answer_to(model, w, pair, start, hats, used, Y, moved, step)
         follow_columns(model, w, pair, hats, real(-1.0), W, lines_at(model, w, start), z_change, step, slots + start)
         backward(factor, block_at(model, w, start), model.capacity.slots, hats, step, slots + start)
         pair += 1

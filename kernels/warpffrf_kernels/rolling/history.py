@@ -48,9 +48,7 @@ def read_at(place: real, count: int) -> Reading:
     c = a - real(2.0)
     d = a - real(3.0)
     found.first = first
-    found.share = wp.vec4d(
-        -b * c * d / real(6.0), a * c * d / real(2.0), -a * b * d / real(2.0), a * b * c / real(6.0)
-    )
+    found.share = wp.vec4d(-b * c * d / real(6.0), a * c * d / real(2.0), -a * b * d / real(2.0), a * b * c / real(6.0))
     return found
 
 

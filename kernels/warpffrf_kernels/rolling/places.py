@@ -8,7 +8,7 @@ import warp as wp
 
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
 from warpffrf_kernels.friction.cells import cell_at, find_cell, keep_cell, look, rubs_on_patch
@@ -27,26 +27,36 @@ def strip_columns(model: Model, elements: Elements, w: int, pair: int, patch_pla
     return real(2.0) * patch_place[w, pair, 2] / (real(elements.patches.columns[pair]) * around)
 
 
+# What the compliance of the cells may be off as a tangent before it is made anew: residuals are never read off it. It
+# goes with the second or third power of W, and far fields, a sixth of it, vary over the columns of the mesh.
+SAME_WIDTH = wp.constant(wp.float64(2.0e-3))
+SAME_PLACE = wp.constant(wp.float64(0.25))  # columns
+
+
 @wp.kernel
 def open_patch_cells(
     models: wp.array(dtype=Model),
+    clk: wp.array(dtype=Clock),
     patch_place: wp.array3d(dtype=real),
     ctl: inout(wp.array(dtype=Control)),
     cell_phase: inout(wp.array3d(dtype=real)),
 ):
-    """Per (world, pair): whether the compliance of the cells is to be assembled anew."""
+    """Per (world, pair): whether the compliance of the cells is to be assembled anew. cell_phase: where the patch was when
+    it was, and the step size, on which the share of the modes depends."""
     w, pair = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
-    same = int(1)
-    for i in range(4):
-        if cell_phase[w, pair, i] != patch_place[w, pair, i]:
-            same = int(0)
-    if same == 0 or ctl[w].iteration == 0:
+    width = patch_place[w, pair, 2]
+    off = wp.abs(patch_place[w, pair, 0] - cell_phase[w, pair, 0]) / SAME_PLACE
+    off = wp.max(off, wp.abs(patch_place[w, pair, 3] - cell_phase[w, pair, 3]) / SAME_PLACE)
+    off = wp.max(off, wp.abs(patch_place[w, pair, 1] - cell_phase[w, pair, 1]) / (SAME_PLACE * width))
+    off = wp.max(off, wp.abs(width - cell_phase[w, pair, 2]) / (SAME_WIDTH * width))
+    if not (off < real(1.0)) or cell_phase[w, pair, 4] != clk[w].h:
         ctl[w].stale = 1
         for i in range(4):
             cell_phase[w, pair, i] = patch_place[w, pair, i]
+        cell_phase[w, pair, 4] = clk[w].h
 
 
 @wp.kernel

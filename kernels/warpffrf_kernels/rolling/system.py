@@ -17,7 +17,7 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.friction.cell_blocks import COUNT, FRESH, block_of, first_line
 from warpffrf_kernels.friction.cell_compliance import mirror_lines
 from warpffrf_kernels.friction.cells import rubs_on_patch
-from warpffrf_kernels.friction.pressure_answer import RENEWED
+from warpffrf_kernels.friction.pressure_answer import RENEWED, answering
 from warpffrf_kernels.normal.pair_elimination import COUNT as SLOTS
 from warpffrf_kernels.normal.pair_elimination import START
 from warpffrf_kernels.patch.spline_tables import real_side
@@ -408,7 +408,7 @@ def answer_on_patch(
     cells = cell_block[w, pair, COUNT]
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or cells == 0:
         return
-    if not rubs_on_patch(model, pair):
+    if not rubs_on_patch(model, pair) or answering(model, pair, 1) == 0:
         return
     elements = model.elements[0]
     nodes = elements.patches.far_nodes

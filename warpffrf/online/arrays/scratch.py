@@ -228,8 +228,12 @@ class Rolling(Arrays):
     )
     weak_shift: DeviceArray = reals("world", "rolling_pair", "4*rolling_hat", unit="m3", note="A, B", run=True)
     weak_modes: DeviceArray = reals("world", "rolling_pair", "4*rolling_hat", unit="m3", note="A, B", run=True)
-    weak_grown: DeviceArray = reals("world", "rolling_pair", "rolling_hat", unit="m2", note="growth, A less B", run=True)
-    rub_line: DeviceArray = reals("world", "rolling_pair", "4*rolling_node", note="of a cell's two directions", run=True)
+    weak_grown: DeviceArray = reals(
+        "world", "rolling_pair", "rolling_hat", unit="m2", note="growth, A less B", run=True
+    )
+    rub_line: DeviceArray = reals(
+        "world", "rolling_pair", "4*rolling_node", note="of a cell's two directions", run=True
+    )
     rub_soft: DeviceArray = reals(
         "world", "rolling_pair", "4*rolling_node", "2*rolling_node", unit="m/N", note="S_tt and modes", run=True
     )
@@ -325,7 +329,9 @@ class FrictionCells(Arrays):
     first_force: DeviceArray = reals("world", "pair", "2*friction_hat", unit="N", note="of tractions")
     second_force: DeviceArray = reals("world", "pair", "2*friction_node", unit="N")
     traction_base: DeviceArray = reals("world", "pair", "2*friction_hat", unit="Pa", note="of the evaluation")
-    cell_phase: DeviceArray = reals("world", "pair", 4, unit="columns")
+    cell_phase: DeviceArray = reals(
+        "world", "pair", 5, note="where the grids, or the patch, were when compliances were made", carried=True
+    )
     cell_state: DeviceArray = integers("world", "pair", "friction_hat", note="sticks, slips or is free")
     friction_record: DeviceArray = reals("world", "pair", 4, note="power, creep (2), rolling velocity")
     advanced: DeviceArray = reals("world", "pair", unit="columns")
@@ -341,16 +347,16 @@ class FrictionCells(Arrays):
 class FrictionSolve(Arrays):
     """The system of the cells in play."""
 
-    cell_slot_of: DeviceArray = integers("world", "pair", "friction_hat")
-    cell_slot: DeviceArray = integers("world", "friction_pair", "cell", note="which cell")
-    cell_block: DeviceArray = integers("world", "friction_pair", 3, note="see `cell_blocks`")
-    cell_G: DeviceArray = reals("world", "friction_pair", "2*cell", "2*cell", unit="m/Pa")
+    cell_slot_of: DeviceArray = integers("world", "pair", "friction_hat", carried=True)
+    cell_slot: DeviceArray = integers("world", "friction_pair", "cell", note="which cell", carried=True)
+    cell_block: DeviceArray = integers("world", "friction_pair", 3, note="see `cell_blocks`", carried=True)
+    cell_G: DeviceArray = reals("world", "friction_pair", "2*cell", "2*cell", unit="m/Pa", carried=True)
     cell_D: DeviceArray = reals(
-        "world", "friction_pair", "2*cell", "2*cell", unit="m/Pa", note="G with the pressures' answer"
+        "world", "friction_pair", "2*cell", "2*cell", unit="m/Pa", note="G with the pressures' answer", carried=True
     )
-    cell_L: DeviceArray = reals("world", "friction_pair", "2*cell", "coupled")
-    cell_J: DeviceArray = reals("world", "friction_pair", "2*cell", "pair_mode", run=True)
-    cell_JT: DeviceArray = reals("world", "friction_pair", "pair_mode", "2*cell", note="transposed")
+    cell_L: DeviceArray = reals("world", "friction_pair", "2*cell", "coupled", carried=True)
+    cell_J: DeviceArray = reals("world", "friction_pair", "2*cell", "pair_mode", run=True, carried=True)
+    cell_JT: DeviceArray = reals("world", "friction_pair", "pair_mode", "2*cell", note="transposed", carried=True)
     cell_bordered: DeviceArray = reals(
         "world", "friction_pair", "2*cell", "coupled", note="L with the pressures' answer"
     )
@@ -367,30 +373,34 @@ class FrictionSolve(Arrays):
     cell_slip: DeviceArray = reals("world", "friction_pair", "2*cell", unit="m")
     cell_radius: DeviceArray = reals("world", "friction_pair", "cell", unit="Pa")
     cell_softness: DeviceArray = reals("world", "friction_pair", "cell", unit="m/Pa")
-    cell_frozen: DeviceArray = reals("world", "friction_pair", "2*cell")
+    cell_frozen: DeviceArray = reals("world", "friction_pair", "2*cell", carried=True)
     cell_jump: DeviceArray = reals("world", "friction_pair", "2*cell")
-    cell_direction: DeviceArray = reals("world", "friction_pair", "2*cell")
-    cell_curvature: DeviceArray = reals("world", "friction_pair", "cell")
+    cell_direction: DeviceArray = reals("world", "friction_pair", "2*cell", carried=True)
+    cell_curvature: DeviceArray = reals("world", "friction_pair", "cell", carried=True)
     cell_slope: DeviceArray = reals("world", "friction_pair", "cell", note="lambda, see `interior_point`")
-    cell_order: DeviceArray = integers("world", "friction_pair", "2*cell")
-    cell_sliding: DeviceArray = integers("world", "friction_pair", "2*cell")
+    cell_order: DeviceArray = integers("world", "friction_pair", "2*cell", carried=True)
+    cell_sliding: DeviceArray = integers("world", "friction_pair", "2*cell", carried=True)
     cell_outcome: DeviceArray = reals("world", 4)
     cell_inside: DeviceArray = reals("world", 2)
     cell_solution: DeviceArray = reals("world", "friction_pair", "2*cell")
-    cell_U: DeviceArray = reals("world", "friction_pair", "2*cell", "2*cell", note="factor of the free coordinates")
-    cell_W: DeviceArray = reals("world", "friction_pair", "2*cell", "coupled")
-    cell_square: DeviceArray = reals("world", "friction_pair", "coupled", "coupled")
+    cell_U: DeviceArray = reals(
+        "world", "friction_pair", "2*cell", "2*cell", note="factor of the free coordinates", carried=True
+    )
+    cell_W: DeviceArray = reals("world", "friction_pair", "2*cell", "coupled", carried=True)
+    cell_square: DeviceArray = reals("world", "friction_pair", "coupled", "coupled", carried=True)
     cell_load: DeviceArray = reals("world", "friction_outer", run=True)
     cell_moved_outer: DeviceArray = reals("world", "friction_outer", run=True)
-    cell_outer: DeviceArray = reals("world", "friction_outer", "friction_outer", note="the outer matrix with W^T W")
-    cell_scaling: DeviceArray = reals("world", "friction_outer")
-    cell_pivots: DeviceArray = integers("world", "friction_outer")
-    cell_factor: DeviceArray = reals("world", "friction_factor", run=True)
+    cell_outer: DeviceArray = reals(
+        "world", "friction_outer", "friction_outer", note="the outer matrix with W^T W", carried=True
+    )
+    cell_scaling: DeviceArray = reals("world", "friction_outer", carried=True)
+    cell_pivots: DeviceArray = integers("world", "friction_outer", carried=True)
+    cell_factor: DeviceArray = reals("world", "friction_factor", run=True, carried=True)
     cell_vector: DeviceArray = reals("world", 2, "friction_outer", run=True)
     cell_lines: DeviceArray = reals("world", "friction_line", run=True)
     cell_fallback: DeviceArray = integers("world", 2, note="solves by the dense elimination", carried=True)
     cell_work: DeviceArray = reals("world", "friction_outer", "friction_outer")
-    cell_inverse_transposed: DeviceArray = reals("world", "friction_outer", "friction_outer", run=True)
+    cell_inverse_transposed: DeviceArray = reals("world", "friction_outer", "friction_outer", run=True, carried=True)
     cell_shift: DeviceArray = reals("world", "friction_pair", 4, "friction_node", unit="m", run=True)
     cell_scaled: DeviceArray = reals("world", "friction_pair", 2, "pair_mode", run=True)
     cell_push: DeviceArray = reals("world", "mode", unit=MODAL, run=True)

@@ -150,4 +150,3 @@ def shear_table(
             if coupled:
                 view[3] -= side * kappa * weak(toward_x, a + b)
     return found
-

@@ -64,7 +64,9 @@ def bounds(of_state: int) -> list[Launch]:
 
 def press(pressure: str, load: str, of_state: int) -> Launch:
     """What pressures, or changes of them, move along the surfaces."""
-    return blocks(tangential_fields.press_cells, "pair", when=GRID, pressure=pressure, second_load=load, of_state=of_state)
+    return blocks(
+        tangential_fields.press_cells, "pair", when=GRID, pressure=pressure, second_load=load, of_state=of_state
+    )
 
 
 RUB = [
