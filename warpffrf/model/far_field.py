@@ -8,7 +8,9 @@ among the splines of `FarSplines`, which P evaluates. Both halves have the same 
 - a quarter space at the `ends` of the surface, see `warpffrf.offline.near_field.ends`.
 
 Tangential tractions have a far field, too (`FarTangential`), among the same splines. Their half-space is Cerruti's with
-mirror images at the ends, and misses there what a free end adds to an image (`warpffrf.offline.near_field.exact`).
+mirror images at the ends, of the same sign around and along, and of no part between these directions; what a free end
+adds to the images is in S, as far as splines follow it: not of tractions within about a spacing of the grid from an end
+(`warpffrf.offline.near_field.exact`).
 What normal loads move along the surface is taken in the frame of the load: a near field that leaves the turning of the
 tangents out, as H of a flat patch does, lacks u_n/R of the half-space in its strain du/ds, and a strain from S has
 u_n/R of the rest in it.

@@ -6,11 +6,12 @@ travels over them. A displacement is known by its means over the hats,
 
     m_j = int psi_j u dA / int psi_j dA,      u(theta, z) = sum_jk B_j(theta) B_k(z) sum Q_jj' Q_kk' m_j'k',
 
-in each direction by itself, psi the hats, or the cells of tangential displacements, m_j the coefficients themselves.
-Both kinds have the same splines and differ in Q, by the moments of their functions. A row of Q takes the `TAPS` nearest means so that every parabola is reproduced, that a
-field which alternates from hat to hat gives nothing, and is the shortest of those. A mesh's own error near a load shows
-in the first and second neighbours of the load, that is in what alternates: a projection, which would reproduce it,
-enlarges it five times at each end of a compliance, and had ten times the ripple.
+in each direction by itself, psi the hats, or the cells of tangential displacements, whose coefficients are the means.
+Both kinds have the same splines and differ in Q, by the moments of their functions. A row of Q takes the `TAPS` nearest
+means so that every parabola is reproduced, that a field which alternates from function to function gives nothing, and
+is the shortest of those. A mesh's own error near a load shows in the first and second neighbours of the load, that is
+in what alternates: a projection, which would reproduce it, enlarges it five times at each end of a compliance, and had
+ten times the ripple.
 
 Around a full turn of c columns B_j stands on column j, its knots half-way between columns. Between two ends there are
 as many splines as hats: the knots are the ends, three times, and the middles between nodes but the outermost two.
@@ -45,8 +46,8 @@ TAPS = 5  # 3 reproduce parabolas, but see what alternates, with five times the 
 
 @dataclass(frozen=True, eq=False)
 class FarSplines:
-    """The splines of a contact `grid` of hats or cells on a resolved `shape`; `turn`: columns of the full turn that the grid is
-    part of, 0 of an arc or a plane that is none."""
+    """The splines of a contact `grid` of hats or cells on a resolved `shape`; `turn`: columns of the full
+    turn that the grid is part of, 0 of an arc or a plane that is none."""
 
     grid: ContactGrid
     shape: Any
@@ -201,8 +202,8 @@ def _moments(at: Array, weight: Array, functions: Array) -> tuple[Array, Array]:
 
 
 def _function_points(kind: str, nodes: Array) -> tuple[Array, Array, Array]:
-    """Points (q,), weights (q,) and values (q, nodes) of hats on `nodes` or of cells around them, of a rule without kinks
-    or jumps between its points."""
+    """Points (q,), weights (q,) and values (q, nodes) of hats on `nodes` or of cells around them, of a rule without
+    kinks or jumps between its points."""
     x, w = np.polynomial.legendre.leggauss(GAUSS_PER_ROW)
     lines = cell_edges(nodes) if kind == "cells" else nodes
     step = np.diff(lines)

@@ -124,8 +124,9 @@ def reduce(
     patch_grid: None: for contact surfaces whose mesh is too coarse for pressures on a grid of its own, also what
         contacts need whose pressures stand on a grid that travels with the patch, much finer than the mesh
         (`warpffrf.model.far_field`), where that can be had; True: for all, or an error that says why not; False: for
-        none. With `tangential=` (on cells) it serves friction, too. It costs the solution of some hundred to thousand dofs for every few dozen functions of the contact grid
-        (of one sector). The cells near the surface must be of one material.
+        none. With `tangential=` on cells it serves friction, too. It costs the solution of some hundred to thousand
+        dofs for every few dozen functions of the contact grid (of one sector). The cells near the surface must be of
+        one material.
     cache: look the result up in, and put it into, the user's cache. An interrupted reduction leaves a work file there,
         and goes on from it when called again.
     progress: a bar on a terminal.

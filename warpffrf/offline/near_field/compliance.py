@@ -16,19 +16,20 @@ forces, so that
 
     N_tt = T_tt,      N_nt = M^-1 diag(a) T_tn^T,
 
-the latter by Maxwell and Betti. On a curved surface T_tn knows that the tangents at i are not those at j (`exact`).
-That goes by the distance of each point of the one function from each of the other: between their centres alone it
-would vanish where a cell lies under its hat, which is right, and beside it be too large by a fifth. As
-x - x' = (x - c) - (x' - c) with the centre c of the hat j, its mean is
+the latter by Maxwell and Betti. On a curved surface T_tn knows that the tangents at i are not those at j (`exact`), by
+the distance of each point of the one function from each of the other. With the centre c of the hat j
 
     <(x - x') v_n>_ij = <(x - c) v_n>_i under the hat j - <v_n>_i under the hat j times (x' - c),
 
-of a surface that is curved in one direction one more load for each hat.
+of a surface that is curved in one direction one more load for each hat. Distances from the centre of the hat, without
+that load, give a strain under a patch of 0.6 x 8 mm on a roller of 50 mm that is off by 0.2 % of the half-space's, on
+every mesh alike; no turning of tangents at all, by 2 to 4 %, on each mesh by something else.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -62,9 +63,9 @@ WIDEST = 0.25  # of the smaller radius of curvature: half the width of a cluster
 
 @dataclass(frozen=True, eq=False)
 class NearTangential:
-    """N_tt and N_nt [m/N] in the layouts of `Tangential`, and the largest |T_tt,ij - T_tt,ji| of forces in the direction
-    of the displacement over the largest T_tt: between the directions images at the ends are not symmetric (`exact`),
-    and only the mean counts, which has no part of theirs."""
+    """N_tt and N_nt [m/N] in the layouts of `Tangential`, and the largest |T_tt,ij - T_tt,ji| of forces along the
+    displacement over the largest of these T_tt: between the directions images at the ends are not symmetric (`exact`),
+    and the mean, which counts, has no part of theirs."""
 
     lags_tt: Array
     lags_nt: Array
@@ -179,7 +180,6 @@ class _Window:
         g = f.grid
         theta = g.theta_start + g.pitch * 0.5 * (columns[0] + columns[-1])
         self.chart = FlatChart(f.shape, float(theta), float(0.5 * (g.z[rows[0]] + g.z[rows[-1]])))
-        self.curvatures = tuple(float(k) for k in f.shape.curvatures(self.chart.theta, self.chart.z))
         self.loads = f.hats.point_loads(self.chart, columns, rows)
         self.tolerance = ON_SURFACE * f.edge
         self.ends = [self._end(end, quarter) for end in ends]
@@ -201,6 +201,12 @@ class _Window:
         near = [e for e in self.ends if self.flat.reaches(e, self.tolerance)]
         middle = float(np.mean(self.loads.t))
         self.free = min(near, key=lambda e: e.inward(np.asarray(middle)), default=None)
+
+    @cached_property
+    def curvatures(self) -> tuple[float, float]:
+        """Principal curvatures [1/m] along s and t in the middle."""
+        around, along = self.f.shape.curvatures(self.chart.theta, self.chart.z)
+        return float(around), float(along)
 
     def _end(self, end: FreeEnd, quarter: Any) -> EndField:
         _, t = self.chart.on_surface(np.asarray(self.chart.theta), np.asarray(end.z))

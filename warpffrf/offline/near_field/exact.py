@@ -8,7 +8,8 @@ Tangential loads have no such table. Their image has the same sign in either dir
 normal stress of the load on the end face, along t twice its shear. Those two images are answers to different problems
 (the one does not move the end face along t, the other moves it along t only), so that between the directions they
 contradict Maxwell and Betti, and add nothing to the means. What the half-space and such images leave of a free end is
-of the order of the image itself at a load within its distance from the end.
+of the order of the image itself and varies over the distance of the load from the end: of loads farther away than about
+a spacing of the grid it is in the far field, of nearer ones that has no more than a smooth part of it.
 
 On a curved surface a displacement along the tangent at a place is that of the flat one by components there only to
 first order: of the vector in the frame of the *load*, which moves outwards by v_n, the tangent at a distance x takes

@@ -103,6 +103,12 @@ def find_far_field(
             f"contact {name!r}: a patch grid knows normal pressures only, its tangential tractions are "
             f"{tangential.grid.kind}; use tangential='cells'"
         )
+    if ends and cells is not None:
+        notes.append(
+            f"contact {name!r}: under friction within about a spacing of the contact grid ({functions.spacing:.3g} m) "
+            "from its ends a patch grid is less accurate: there the half-space knows tangential tractions by their "
+            "mirror images, not what a free end adds to them"
+        )
     quarter = None
     if ends:
         with progress.stage("quarter space"):

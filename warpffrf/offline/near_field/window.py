@@ -154,8 +154,7 @@ class FlatCells:
             held = np.zeros((n, 3), dtype=np.bool_)
             held[cut] = True
             if end is not None:
-                on = np.flatnonzero(np.abs(self.points[:, 1] - end.t) < tolerance)
-                held[np.ix_(on, components)] = True
+                held[:, components] |= (np.abs(self.points[:, 1] - end.t) < tolerance)[:, None]
             widths = [loads[number].forces.shape[1] for number in numbers]
             u, force = (np.zeros((n, 3, sum(widths))) for _ in range(2))
             places = [slice(stop - width, stop) for stop, width in zip(np.cumsum(widths), widths, strict=True)]
