@@ -493,8 +493,8 @@ class Patches:
 
 @topic
 class Rolling:
-    """Friction on cells that travel with the patch, see the kernels of `rolling`: near fields along the surface, and the
-    tangential part of far fields, numbered as in `Patches`."""
+    """Friction on cells that travel with the patch, see the kernels of `rolling`: near fields along the surface, and
+    the tangential part of far fields, numbered as in `Patches`."""
 
     count: int  # pairs with it
     shear_numbers: int  # of the near field of a pair at one W, the most

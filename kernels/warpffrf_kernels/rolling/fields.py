@@ -1,13 +1,13 @@
 r"""What tractions on the cells of a patch displace, and what moves their slips.
 
-With the cell forces f = area tau on A and -Q^T f on B (Q: tangents of B in those of A), far fields and modes through the
-splines P of `patch.far_splines`,
+With the cell forces f = area tau on A and -Q^T f on B (Q: tangents of B in those of A), far fields and modes through
+the splines P of `patch.far_splines`,
 
     u_A = Phi_tA q + P S_tt P^T f - P S_nt^T P^T (area p),      e = u_A - Q u_B + half-spaces (`shear`),
 
-and the gap opens by -P S_nt P^T f of either body and the transpose of the half-spaces' coupling. Material that turns with
-its body by V dt/R moves on by the radius that it has: outward displacements u_n beyond the half-space, far field and
-modes, carry it (k: curvature of each body where it rolls)
+and the gap opens by -P S_nt P^T f of either body and the transpose of the half-spaces' coupling. Material that turns
+with its body by V dt/R moves on by the radius that it has: outward displacements u_n beyond the half-space, far field
+and modes, carry it (k: curvature of each body where it rolls)
 
     slip += (k_A u_nA - k_B u_nB) V dt,
 
@@ -25,7 +25,6 @@ from warpffrf_kernels.friction.cells import cell_at, rubs_on_patch
 from warpffrf_kernels.normal.pair_forces import modal_line
 from warpffrf_kernels.patch.fields import add_splines, half_of, rows_of, sum_lines
 from warpffrf_kernels.patch.spline_tables import line_of, real_side
-from warpffrf_kernels.rolling.entering import advance_of
 from warpffrf_kernels.rolling.shear import STRIPS_AROUND, near_along, open_near, shear_line
 from warpffrf_kernels.rolling.spline_tables import (
     half_along,

@@ -15,7 +15,7 @@ into the patch keeps half of its peak after ten cells at a tenth of a cell a ste
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, inout, out
+from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
@@ -185,7 +185,6 @@ def keep_rings(
         model, elements, w, pair, rows, shear_line(rows, rings), STRIPS_AROUND, -STRIPS_AROUND, wide, 0, high,
         shear_near, place_traction, patch_pressure, ring_slip, start, wide * high,
     )  # fmt: skip
-    A = elements.patches.first[pair]
     z = patch_place[w, pair, 1]
     strip = real(2.0) * patch_place[w, pair, 2] / real(columns)
     base = here * 2 * hats

@@ -13,7 +13,7 @@ from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
 from warpffrf_kernels.friction.cells import cell_at, find_cell, keep_cell, look, rubs_on_patch
 from warpffrf_kernels.patch.cells import row_place
-from warpffrf_kernels.rolling.shear import STRIPS_AROUND, shear_line
+from warpffrf_kernels.rolling.shear import shear_line
 from warpffrf_kernels.surfaces.surface import radius_of
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -41,8 +41,8 @@ def open_patch_cells(
     ctl: inout(wp.array(dtype=Control)),
     cell_phase: inout(wp.array3d(dtype=real)),
 ):
-    """Per (world, pair): whether the compliance of the cells is to be assembled anew. cell_phase: where the patch was when
-    it was, and the step size, on which the share of the modes depends."""
+    """Per (world, pair): whether the compliance of the cells is to be assembled anew. cell_phase: where the patch was
+    when it was, and the step size, on which the share of the modes depends."""
     w, pair = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):

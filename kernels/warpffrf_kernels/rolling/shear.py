@@ -1,9 +1,9 @@
-r"""The half-spaces of both bodies along the surface: weak displacements of a cell under unit tractions, and under a unit
-pressure where the bodies are unlike.
+r"""The half-spaces of both bodies along the surface: weak displacements of a cell under unit tractions, and under a
+unit pressure where the bodies are unlike.
 
 A table as that of `patch.near`, for the half-width W of the attempt, by kind, distance in strips, row under load, row
-that sees; the rows that see reach `ring_rows` beyond the cells on either side, and strips RINGS. Kinds, of e = u_A - u_B
-with x the way along e_theta, z that along t_z from the load:
+that sees; the rows that see reach `ring_rows` beyond the cells on either side, and strips RINGS. Kinds, of
+e = u_A - u_B with x the way along e_theta, z that along t_z from the load:
 
     0  e_1 by tau_1      1  e_2 by tau_2      2  e_1 by tau_2, e_2 by tau_1 (odd in x and in z)
     3  e_1 by p (odd in x)                    4  e_2 by p (odd in z)
@@ -70,7 +70,8 @@ def lay_shear(
     shear_laid: inout(wp.array3d(dtype=real)),
     shear_near: out(wp.array(dtype=real)),
 ):
-    """Per (world, pair), lanes over entries: the table at the W of the attempt, where it is not that of `shear_laid`."""
+    """Per (world, pair), lanes over entries: the table at the W of the attempt, where it is not that of
+    `shear_laid`."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
@@ -94,7 +95,7 @@ def lay_shear(
 
 
 # Weak displacements along the surface by tractions q[at], q[at + places] on A, and by pressures p, of `c_count` strips
-# from `c_first` on, `r_count` rows from `r_first` on of those that see: out[at_out + d * apart + strip * r_count + row].
+# from `c_first` on, `r_count` rows from `r_first` on of those that see: out[at_out + d apart + strip r_count + row].
 # Native for contiguous inner loops.
 @wp.func_native("""
     const int B = WP_TILE_BLOCK_DIM > 1 ? 1 : 8, columns = elements.patches.columns.data[pair];

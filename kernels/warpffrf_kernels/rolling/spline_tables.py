@@ -67,8 +67,10 @@ def trace_along(model: Model, elements: Elements, w: int, pair: int, side: int) 
             const size_t from = (size_t)d * lines + (source % block) * rows + n % rows;
             for (int r = 0; r < rows; ++r) {
                 const size_t to = (size_t)(target % block) * rows + r;
-                for (int k = 0; k < 2; ++k)
-                    out[(size_t)k * nodes + c * rows + r] = tt[((size_t)lag * 2 * lines + k * lines + to) * 2 * lines + from];
+                for (int k = 0; k < 2; ++k) {
+                    const size_t line = (size_t)lag * 2 * lines + k * lines + to;
+                    out[(size_t)k * nodes + c * rows + r] = tt[line * 2 * lines + from];
+                }
                 out[2 * (size_t)nodes + c * rows + r] = nt[((size_t)lag * lines + to) * 2 * lines + from];
             }
         }

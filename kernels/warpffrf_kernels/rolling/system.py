@@ -1,4 +1,4 @@
-r"""Compliance of the cells of a patch that may carry friction, as `friction.cell_compliance` has it for those of a grid.
+r"""Compliance of the cells of a patch that may carry friction, as `friction.cell_compliance` has it for others.
 
 In the weak slips and the tractions of the slots of a pair
 
@@ -22,7 +22,7 @@ from warpffrf_kernels.normal.pair_elimination import COUNT as SLOTS
 from warpffrf_kernels.normal.pair_elimination import START
 from warpffrf_kernels.patch.spline_tables import real_side
 from warpffrf_kernels.rolling.shear import STRIPS_AROUND, shear_line
-from warpffrf_kernels.rolling.spline_tables import half_along, table_along, trace_along
+from warpffrf_kernels.rolling.spline_tables import table_along, trace_along
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -42,8 +42,8 @@ def modes_of_cells(
     cell_J: inout(wp.array(dtype=real)),
     cell_JT: out(wp.array4d(dtype=real)),
 ):
-    """Per (world, pair), lanes over modes: gradient J of the weak slip of the fresh slots by the global modes of A, then
-    of B, times the weight of the pair, and its transpose."""
+    """Per (world, pair), lanes over modes: gradient J of the weak slip of the fresh slots by the global modes of A,
+    then of B, times the weight of the pair, and its transpose."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_patch(model, pair):
@@ -317,7 +317,8 @@ def assemble_patch_cells(
         slot += 1
 
 
-# y[at + 2 j + d] += slips of the cells in play under a unit pressure on cell m, by unlike half-spaces. Lanes over cells.
+# y[at + 2 j + d] += slips of the cells in play under a unit pressure on cell m, by unlike half-spaces. Lanes over
+# cells.
 @wp.func_native("""
     const int columns = elements.patches.columns.data[pair];
     const size_t here = (size_t)w * model.pairs.count + pair, K = (size_t)(columns + reach) * rows * line;

@@ -462,8 +462,8 @@ class Before(Arrays):
 
 
 class Scratch(
-    RunWords, Motion, Residuals, Outer, ImpulsiveContact, ContactGeometry, Patches, Rolling, ContactFields, ContactSolve, Layers,
-    FrictionCells, FrictionSolve, SlipSpeedSolve, LumpedContacts, Before,
+    RunWords, Motion, Residuals, Outer, ImpulsiveContact, ContactGeometry, Patches, Rolling, ContactFields,
+    ContactSolve, Layers, FrictionCells, FrictionSolve, SlipSpeedSolve, LumpedContacts, Before,
 ):  # fmt: skip
     """Scratch arrays of a step."""
 

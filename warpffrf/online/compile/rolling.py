@@ -4,8 +4,9 @@ the half-spaces, and the tangential part of far fields.
 Of both bodies, x along e_theta and z along t_z of the first surface, per unit traction of a cell on the first body, for
 e = u_A - u_B (`warpffrf.model.cerruti`),
 
-    e_1 by tau_1: sum ((1 - nu) J + nu J_xx)/(2 pi G),   e_2 by tau_2: the same with J_zz,   e_1 by tau_2: sum nu J_xz/(2 pi G),
-    e by p:       -kappa (J_x, J_z),    kappa = (1 - 2 nu)/(4 pi G) of A less that of B,
+    e_1 by tau_1: sum ((1 - nu) J + nu J_xx)/(2 pi G),      e_2 by tau_2: the same with J_zz,
+    e_1 by tau_2: sum nu J_xz/(2 pi G),                     e by p: -kappa (J_x, J_z),
+    kappa = (1 - 2 nu)/(4 pi G) of A less that of B,
 
 and tractions open the gap by the transpose of the last. Everything times the area of the cell that sees it, and the
 mean with what cells see with places changed, which is symmetric where rows are unequal. Tables reach RINGS strips, and

@@ -81,7 +81,7 @@ def _contact(compiled: CompiledScene, i: int, rows: SavedRows, bodies: dict[str,
     about = bodies[second.name].position if second.name in bodies else np.zeros(3)  # of the ground the world's origin
     torque_second = second_about_r_a + np.cross(r_a - about, force_second)
     plan = compiled.patches.get(i)
-    columns, lines = (m.window.columns, a.grid.rows) if plan is None else (plan.columns, len(plan.z))
+    columns, lines = _window(compiled, i)
     pressure = x["saved_pressure"][:, : columns * lines].reshape(T, columns, lines)
     load = np.zeros((T, 0, 0))  # a rigid second surface has no grid, and cells that travel load none
     if plan is None and b.grid is not None:
@@ -97,6 +97,14 @@ def _contact(compiled: CompiledScene, i: int, rows: SavedRows, bodies: dict[str,
         load_second=load.copy(), approach=approach, active_hats=x["saved_active"].astype(int),
         cells=None if plan is None else _cells(plan, rows["saved_patch"][:, i]),
     )  # fmt: skip
+
+
+def _window(compiled: CompiledScene, i: int) -> tuple[int, int]:
+    """Columns and rows of the window of pair i."""
+    plan = compiled.patches.get(i)
+    if plan is None:
+        return compiled.model.window.columns, compiled.scene.contacts[i].a.surface.grid.rows
+    return plan.columns, len(plan.z)
 
 
 def _cells(plan: PatchPlan, place: np.ndarray) -> CellHistory:
@@ -115,14 +123,14 @@ def _cells(plan: PatchPlan, place: np.ndarray) -> CellHistory:
 
 def _friction(compiled: CompiledScene, i: int, rows: SavedRows) -> FrictionHistory:
     """Friction of pair i."""
-    columns, grid = compiled.model.window.columns, compiled.scene.contacts[i].a.surface.grid
-    T, cells = len(rows["saved_time"]), columns * grid.rows
+    columns, lines = _window(compiled, i)
+    T, cells = len(rows["saved_time"]), columns * lines
 
     def field(name: str) -> np.ndarray:
-        values = rows[name][:, i, : 2 * cells].reshape(T, columns, grid.rows, 2)
+        values = rows[name][:, i, : 2 * cells].reshape(T, columns, lines, 2)
         return np.moveaxis(values, 3, 1).copy()
 
-    state = rows["saved_cell_state"][:, i, :cells].reshape(T, columns, grid.rows)
+    state = rows["saved_cell_state"][:, i, :cells].reshape(T, columns, lines)
     numbers = rows["saved_friction"][:, i]
     return FrictionHistory(
         traction=field("saved_traction"), slip_velocity=field("saved_slip_velocity"), state=state.astype(np.int8),
