@@ -10,12 +10,22 @@ places of material counted on the first body. Rows that stay on the material nee
 is that of the half-spaces, exactly, and the rest of it, smooth, goes on in straight lines from the outermost cells;
 what lies beyond is taken to be as far out as there is. A linear interpolation would eat the history: a traction locked
 into the patch keeps half of its peak after ten cells at a tenth of a cell a step.
+
+**Work.** Of the material in a cell friction takes the mean of the traction where it was and of that where it is, times
+its slip: with S_0 the slip of the material that was in a cell before, e read where it is now,
+
+    W = (sum over cells tau.S + sum over cells of before tau_0.S_0)/2 <= 0.
+
+In steady rolling over a half-space that is, exactly, what creep takes from the bodies: with e = G tau, G symmetric and
+the same everywhere, what is elastic in the two sums cancels. By tractions of the end alone a tenth to a half of it
+would be missing, in proportion to the advance in a step, as tractions fall towards the trailing edge, where material
+slips.
 """
 
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
@@ -129,6 +139,74 @@ def slide_patch_cells(
         slip[w, pair, i_1] = s_1
         slip[w, pair, i_2] = s_2
         m += wp.block_dim()
+
+
+@wp.kernel
+def mean_work(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    patch_place: wp.array3d(dtype=real),
+    ring_place: wp.array3d(dtype=real),
+    ring_slip: wp.array3d(dtype=real),
+    traction_before: wp.array3d(dtype=real),
+    rigid_slip: wp.array3d(dtype=real),
+    elastic: wp.array3d(dtype=real),
+    weak_grown: wp.array(dtype=real),
+    cell_area: wp.array3d(dtype=real),
+    friction_work: changed(wp.array3d(dtype=real)),
+):
+    """Per (world, pair): work of friction by the mean of the tractions before and after, from that by those after."""
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
+        return
+    if ring_place[w, pair, 2] == real(0.0):
+        return
+    elements = model.elements[0]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    columns = elements.patches.columns[pair]
+    advanced = advance_of(model, elements, w, pair, patch_place, ring_place)
+    strip = strip_columns(model, elements, w, pair, patch_place)
+    before = strip_columns(model, elements, w, pair, ring_place)
+    way = way_of(model, elements, pair, patch_place[w, pair, 1], advanced)
+    rings = elements.rolling.ring_rows[pair]
+    high = rows + 2 * rings
+    wide = columns + 2 * STRIPS_AROUND
+    grown = (w * model.pairs.count + pair) * model.window.hats
+    scale = ring_place[w, pair, 2] / patch_place[w, pair, 2]
+    if elements.patches.follows[pair] != 0:
+        scale = scale * scale
+    total = real(0.0)
+    m = int(0)
+    while m < columns * rows:
+        t_1 = traction_before[w, pair, cell_at(rows, m, 0)]
+        t_2 = traction_before[w, pair, cell_at(rows, m, 1)]
+        area = cell_area[w, pair, m]
+        if area > real(0.0) and (t_1 != real(0.0) or t_2 != real(0.0)):
+            x = (real(m / rows) - real(0.5) * real(columns - 1)) * before - advanced[0]
+            across = read_at(x / strip + real(0.5) * real(columns - 1), columns)
+            along = Reading()
+            along.first = m % rows
+            along.share = wp.vec4d(real(1.0), real(0.0), real(0.0), real(0.0))
+            if elements.patches.follows[pair] != 0:
+                z = row_place(elements, pair, m % rows, ring_place, w)[0] - patch_place[w, pair, 1]
+                pitch = row_place(elements, pair, m % rows, patch_place, w)[1]
+                along = read_at(z / pitch + real(0.5) * real(rows - 1), rows)
+            at = (m / rows + STRIPS_AROUND) * high + m % rows + rings
+            s_1 = way[0] * weak_grown[grown + m] / area - ring_slip[w, pair, at]
+            s_2 = way[1] * weak_grown[grown + m] / area - ring_slip[w, pair, wide * high + at]
+            for i in range(4):
+                for j in range(4):
+                    share = across.share[i] * along.share[j]
+                    if share != real(0.0):
+                        cell = (across.first + i) * rows + along.first + j
+                        i_1 = cell_at(rows, cell, 0)
+                        i_2 = cell_at(rows, cell, 1)
+                        s_1 += share * (elastic[w, pair, i_1] + rigid_slip[w, pair, i_1])
+                        s_2 += share * (elastic[w, pair, i_2] + rigid_slip[w, pair, i_2])
+            total += scale * area * (t_1 * s_1 + t_2 * s_2)
+        m += 1
+    friction_work[w, pair, 0] = wp.min(real(0.5) * (friction_work[w, pair, 0] + total), real(0.0))
 
 
 @wp.func

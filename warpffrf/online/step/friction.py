@@ -117,7 +117,7 @@ FRICTION = Participant(
         blocks(cell_forces.load_tractions, "pair", when=GRID),
         blocks(fields.load_modes_along, "pair", when=ROLLING),
     ],
-    sum=[threads(cell_forces.add_friction)],
+    sum=[threads(cell_forces.add_friction), threads(rolling_history.mean_work, "pair", when=ROLLING)],
     stick=[
         *bounds(0),
         blocks(tangential_fields.change_pressures, "pair", when=GRID),
