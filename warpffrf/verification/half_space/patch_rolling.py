@@ -358,8 +358,10 @@ class PatchRolling:
     def _rigid(self, advance: tuple[float, float], creepage: tuple[float, float, float]) -> Array:
         """w (k, d) [m]: xi, eta [-], spin phi [1/m]."""
         cells = self._cells(advance)
-        inside = np.minimum(distance(self.pressure, cells)[self.on] / max(float(np.hypot(*cells)), LEAST_DISTANCE), 1.0)
-        x, y = (self.centers + 0.5 * np.outer(inside if self.late else np.ones_like(inside), advance)).T
+        inside = np.ones(int(self.on.sum()))  # the part of the way that goes on inside the patch
+        if self.late and any(advance):
+            inside = np.minimum(distance(self.pressure, cells)[self.on] / np.hypot(*cells), 1.0)
+        x, y = (self.centers + 0.5 * np.outer(inside, advance)).T
         way = float(np.hypot(*advance))
         slip = np.stack([creepage[0] - creepage[2] * y, creepage[1] + creepage[2] * x], axis=1) * way
         return slip[:, : len(self.columns)]
@@ -435,8 +437,14 @@ def _along_x(advance: float | tuple[float, float]) -> tuple[float, float]:
     return advance if isinstance(advance, tuple) else (advance, 0.0)
 
 
-def settle(rolling: PatchRolling, cells: float, creepage: tuple[float, float, float], most: float = MOST) -> Array:
-    """Rolls along x by `cells` a step until the share changes by less than `STILL` in a half-width, `most` half-widths
+def settle(
+    rolling: PatchRolling,
+    cells: float,
+    creepage: tuple[float, float, float],
+    still: float = STILL,
+    most: float = MOST,
+) -> Array:
+    """Rolls along x by `cells` a step until the share changes by less than `still` in a half-width, `most` half-widths
     at most; returns the shares (steps, d)."""
     advance = cells * rolling.grid.size[0]
     each = max(int(np.ceil(rolling.grid.half_axes[0] / advance)), 1)
@@ -444,6 +452,6 @@ def settle(rolling: PatchRolling, cells: float, creepage: tuple[float, float, fl
     for step in range(1, int(most * each) + 1):
         rolling.roll(advance, creepage)
         shares.append(rolling.share)
-        if step >= 2 * each and np.abs(shares[-1] - shares[-1 - each]).max() < STILL:
+        if step >= 2 * each and np.abs(shares[-1] - shares[-1 - each]).max() < still:
             break
     return np.array(shares[1:])
