@@ -9,10 +9,10 @@ is that of its centre:
     s_i = w_i + e_new(x_i) - e_old(x_i + A),      e(x) = sum_j g(x - x_j) tau_j,
 
 A the advance, by which what is at x now was at x + A before, w_i the rigid slip of the whole step: velocities
-V (xi - phi y, eta + phi x), taken in the middle of the way inside the patch, x_i + min(A, d w)/2 (d below); spin where
-the cell is now would be wrong by a fifth. Tractions oppose it: positive creepages give negative forces. e_old is kept
-at the centres of the old grid and of three rings of cells around it and read between them by cubic Lagrange polynomials
-in each direction, clamped beyond; the old patch may have been of another size.
+V (xi - phi y, eta + phi x), taken in the middle of the way inside the patch, x_i + min(A, d w)/2 (d below); spin taken
+at x_i is 17 % low on 17 columns at one cell a step. Tractions oppose it: positive creepages give negative forces.
+e_old is kept at the centres of the old grid and of three rings of cells around it and read between them by cubic
+Lagrange polynomials in each direction, clamped beyond; the old patch may have been of another size.
 
 **Cells at the leading edge** are charged with rigid slip, and with elastic slip between themselves and free cells
 beyond the edge, of which they were in contact for a part only. Along a row let c be the cells advanced and d the
@@ -50,7 +50,11 @@ from warpffrf.verification.half_space.rolling import STICK
 Array = np.ndarray
 SPAN = 1.3  # half-widths of the grid over those of the patch
 RINGS = 3  # of cells around the grid at which displacements are kept: enough up to four cells a step
-EDGE = (-0.175, 0.95, 0.6)  # cells from the last centre to the edge by powers of r; 0.03 off on 8 cells in a half-width
+EDGE = (
+    -0.175,
+    0.95,
+    0.6,
+)  # cells from the last centre to the edge by powers of r; 0.02 off from 8 cells in a half-width on
 LARGEST_RATIO = 0.75  # r beyond which the next cell would be under pressure
 LONE_EDGE = 0.5  # cells from the centre of a cell without neighbours under pressure to the edge
 BOTH = 2.0  # what a cell gains its neighbour loses
