@@ -172,18 +172,38 @@ def _tangential(
 ) -> Array:
     """Cerruti's part of the module with the integrals of `seen`."""
     X, Y = _cells(centers)
+    n = len(X)
+    return _cerruti(seen, X, Y, size, first, second).transpose(0, 2, 1, 3).reshape(2 * n, 2 * n)
+
+
+def _cerruti(
+    seen: Callable[..., Array], X: Array, Y: Array, size: tuple[float, float], first: Material, second: Material | None
+) -> Array:
     turned = (size[1], size[0])
     direct, xy = seen(X, Y, size, "1/r"), seen(X, Y, size, "xy")
     xx, yy = seen(X, Y, size, "xx"), seen(Y, X, turned, "xx")
-    n = len(X)
-    total = np.zeros((n, 2, n, 2))
+    total = np.zeros((*np.shape(direct), 2, 2))
     for m in [first] if second is None else [first, second]:
         nu, scale = m.poisson_ratio, 1.0 / (2.0 * np.pi * m.lame[1])
-        total[:, 0, :, 0] += scale * ((1.0 - nu) * direct + nu * xx)
-        total[:, 1, :, 1] += scale * ((1.0 - nu) * direct + nu * yy)
-        total[:, 0, :, 1] += scale * nu * xy
-        total[:, 1, :, 0] += scale * nu * xy
-    return total.reshape(2 * n, 2 * n)
+        total[..., 0, 0] += scale * ((1.0 - nu) * direct + nu * xx)
+        total[..., 1, 1] += scale * ((1.0 - nu) * direct + nu * yy)
+        total[..., 0, 1] += scale * nu * xy
+        total[..., 1, 0] += scale * nu * xy
+    return total
+
+
+def rectangle_displacement(
+    X: Array, Y: Array, size: tuple[float, float], first: Material, second: Material | None = None
+) -> Array:
+    """Relative tangential displacements (..., 2, 2) [m/Pa], by (direction, direction of the traction), at X, Y (...)
+    [m] from the centre of a rectangle of `size` [m] under unit tractions. `second` None: rigid."""
+    return _cerruti(_rectangle, np.asarray(X, dtype=float), np.asarray(Y, dtype=float), size, first, second)
+
+
+def rectangle_approach(X: Array, Y: Array, size: tuple[float, float], modulus: float) -> Array:
+    """Relative normal displacement (...) [m/Pa] at X, Y [m] from the centre of a rectangle under a unit pressure;
+    modulus E* [Pa]."""
+    return _rectangle(np.asarray(X, dtype=float), np.asarray(Y, dtype=float), size, "1/r") / (np.pi * modulus)
 
 
 def normal_3d(centers: Array, size: tuple[float, float], modulus: float) -> Array:
