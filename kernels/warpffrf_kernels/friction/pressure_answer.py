@@ -36,7 +36,7 @@ from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
-from warpffrf_kernels.friction.cell_blocks import COUNT, first_line, is_fresh, move_outer
+from warpffrf_kernels.friction.cell_blocks import COUNT, FRESH, first_line, is_fresh, move_outer
 from warpffrf_kernels.friction.cell_compliance import scale_modes
 from warpffrf_kernels.friction.cell_shares import add_on_shares
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid, rubs_on_patch
@@ -110,7 +110,13 @@ def open_answer(
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     n = block[w, 0, LEFT_START]  # the places before are those of active slots
-    renewed = ctl[w].iteration == 0 or is_new(model, w, n, cell_block, order, slot_hat, answer_hat, answer_state)
+    renewed = is_new(model, w, n, cell_block, order, slot_hat, answer_hat, answer_state)
+    if ctl[w].iteration == 0:  # G of the pressures is another one in every attempt, and Y with it
+        pair = int(0)
+        while pair < model.pairs.count:
+            if model.pairs.friction[pair] > real(0.0) and answering(model, pair, 1) > 0:
+                renewed = True
+            pair += 1
     answer_state[w, ACTIVE] = n
     answer_state[w, RENEWED] = 0
     answer_state[w, OPEN] = 1
@@ -378,7 +384,8 @@ def condense_answer(
         return
     start = block[w, pair, START]
     n = answering(model, pair, block[w, pair, SLOTS])
-    subtract_answer(model, w, pair, start, n, lines, Y, G, D)
+    if n > 0 or cell_block[w, pair, FRESH] < cell_block[w, pair, COUNT]:  # else D is G as it was
+        subtract_answer(model, w, pair, start, n, lines, Y, G, D)
     border_lines(model, w, pair, start, n, lines, L, Y, W, bordered)
 
 

@@ -31,18 +31,20 @@ def strip_columns(model: Model, elements: Elements, w: int, pair: int, patch_pla
 # goes with the second or third power of W, and far fields, a sixth of it, vary over the columns of the mesh.
 SAME_WIDTH = wp.constant(wp.float64(2.0e-3))
 SAME_PLACE = wp.constant(wp.float64(0.25))  # columns
+SAME_NORMAL = wp.constant(wp.float64(1.0e-2))  # rad: gradients by the motion of the bodies turn with it
 
 
 @wp.kernel
 def open_patch_cells(
     models: wp.array(dtype=Model),
     clk: wp.array(dtype=Clock),
+    contact_normal: wp.array2d(dtype=vec3),
     patch_place: wp.array3d(dtype=real),
     ctl: inout(wp.array(dtype=Control)),
     cell_phase: inout(wp.array3d(dtype=real)),
 ):
     """Per (world, pair): whether the compliance of the cells is to be assembled anew. cell_phase: where the patch was
-    when it was, and the step size, on which the share of the modes depends."""
+    when it was, the step size, on which the share of the modes depends, and the normal."""
     w, pair = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
@@ -52,10 +54,14 @@ def open_patch_cells(
     off = wp.max(off, wp.abs(patch_place[w, pair, 3] - cell_phase[w, pair, 3]) / SAME_PLACE)
     off = wp.max(off, wp.abs(patch_place[w, pair, 1] - cell_phase[w, pair, 1]) / (SAME_PLACE * width))
     off = wp.max(off, wp.abs(width - cell_phase[w, pair, 2]) / (SAME_WIDTH * width))
+    normal = contact_normal[w, pair]
+    for i in range(3):
+        off = wp.max(off, wp.abs(normal[i] - cell_phase[w, pair, 5 + i]) / SAME_NORMAL)
     if not (off < real(1.0)) or cell_phase[w, pair, 4] != clk[w].h:
         ctl[w].stale = 1
         for i in range(4):
             cell_phase[w, pair, i] = patch_place[w, pair, i]
+            cell_phase[w, pair, 5 + wp.min(i, 2)] = normal[wp.min(i, 2)]
         cell_phase[w, pair, 4] = clk[w].h
 
 
