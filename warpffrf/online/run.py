@@ -84,6 +84,11 @@ MESSAGES = {
         "turned or tilted too far against each other for the window); lower the capacity of the contact, or swap its "
         "surfaces",
     ),
+    k.PASSED: (
+        "passed",
+        "a patch with friction advances by more than its own length in a step, so that none of its material was in it "
+        "before; reduce step, to a tenth of that length over the rolling speed",
+    ),
     k.GAIN: ("energy", "energy came from nowhere; reduce step"),
     k.ENERGY: ("energy", "the energy ledger does not close at an impact; reduce step"),
     k.ACCURACY: ("accuracy", "the local error of a step exceeds the accuracy asked for; reduce step, or ask for less"),

@@ -1,8 +1,9 @@
 """Mobility M = (A + W^T W)^-1 of the outer coordinates, and what it makes of tractions.
 
-The columns that pairs with friction are coupled to, as nothing else is pushed, by the sparse factor of the last solve, where the pressures' answer is new (`pressure_answer`): the outer
-matrix changes by next to nothing within a step. Of a pair, V = L M over the columns that it is coupled to is what the
-tractions of a cell do to the others of its pair by the outer coordinates.
+The columns that pairs with friction are coupled to, as nothing else is pushed, by the sparse factor of the last solve,
+where the pressures' answer is new (`pressure_answer`): the outer matrix changes by next to nothing within a step. Of a
+pair, V = L M over the columns that it is coupled to is what the tractions of a cell do to the others of its pair by the
+outer coordinates.
 """
 
 import warp as wp
