@@ -39,7 +39,7 @@ def modes_of_cells(
     far_window: wp.array4d(dtype=int),
     rub_trace: wp.array(dtype=real),
     weight: wp.array2d(dtype=real),
-    cell_J: inout(wp.array(dtype=real)),
+    cell_J: out(wp.array(dtype=real)),
     cell_JT: out(wp.array4d(dtype=real)),
 ):
     """Per (world, pair), lanes over modes: gradient J of the weak slip of the fresh slots by the global modes of A,
