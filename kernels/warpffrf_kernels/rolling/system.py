@@ -39,7 +39,7 @@ def modes_of_cells(
     far_window: wp.array4d(dtype=int),
     rub_trace: wp.array(dtype=real),
     weight: wp.array2d(dtype=real),
-    cell_J: inout(wp.array(dtype=real)),
+    cell_J: out(wp.array(dtype=real)),
     cell_JT: out(wp.array4d(dtype=real)),
 ):
     """Per (world, pair), lanes over modes: gradient J of the weak slip of the fresh slots by the global modes of A,
@@ -131,7 +131,7 @@ def soften_splines(
     const int nodes = elements.patches.far_nodes, taps = rows < 3 ? rows : 3;
     const size_t p = ((size_t)w * model.pairs.count + pair) * 2 * model.window.hats + side * model.window.hats + m;
     const int* const at = far_at.data + 2 * p;
-    const double *const q = far_weight.data + 9 * p;
+    const double* const q = far_weight.data + 9 * p;
     const double* const turn = cell_turn.data + (((size_t)w * model.pairs.count + pair) * model.window.hats + m) * 4;
     const int first = (at[0] - far_window.data[2 * (((size_t)w * model.pairs.count + pair) * 2 + side)]) * rows + at[1];
     double* const out = line.data + at_line;
@@ -226,7 +226,8 @@ def add_on_cells(
     const int* const mine = cell_slot.data + here * model.capacity.cells;
     const double* const T = shear_near.data + here * elements.rolling.shear_numbers + rings;
     const int c = mine[slot] / rows, k = mine[slot] % rows;
-    double *const g0 = G.data + (here * cap + 2 * slot) * cap, *const g1 = g0 + cap;
+    double* const g0 = G.data + (here * cap + 2 * slot) * cap;
+    double* const g1 = g0 + cap;
     for (int j = WP_TILE_THREAD_IDX; j <= slot; j += WP_TILE_BLOCK_DIM) {
         const int way = mine[j] / rows - c, a = way < 0 ? -way : way;
         const double* const h = T + ((size_t)a * rows + k) * line + mine[j] % rows;
