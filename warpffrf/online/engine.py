@@ -108,8 +108,8 @@ class Engine:
         """Room for `slots` hats in play at least, up to what the capacities of the contacts allow.
 
         Scratch arrays are made anew; what they hold stays, but for the matrices of hats and cells: a world that is not
-        short may still have to be recorded from them. Where the memory does not suffice, all stays as it is and `no_room`
-        says how many were wanted.
+        short may still have to be recorded from them. Where the memory does not suffice, all stays as it is and
+        `no_room` says how many were wanted.
         """
         m = self.compiled.model
         slots = min(slots, m.capacity.slot_limit)
