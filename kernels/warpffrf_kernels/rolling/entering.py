@@ -113,7 +113,6 @@ def cells_to_edge(
 @wp.kernel
 def soften_entering(
     models: wp.array(dtype=Model),
-    ctl: inout(wp.array(dtype=Control)),
     patch_place: wp.array3d(dtype=real),
     ring_place: wp.array3d(dtype=real),
     last_normal: wp.array2d(dtype=vec3),
@@ -121,6 +120,7 @@ def soften_entering(
     cell_area: wp.array3d(dtype=real),
     of_state: int,
     bound: wp.array3d(dtype=real),
+    ctl: inout(wp.array(dtype=Control)),
     late: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over cells: the softness `late` [m/Pa] of the loaded cells. last_normal: zero where the

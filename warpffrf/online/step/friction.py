@@ -56,8 +56,8 @@ def bounds(of_state: int) -> list[Launch]:
     """mu p of the cells, of the state or of the pressures just found; with those of the state tractions are cut."""
     return [
         blocks(traction_bounds.bound_cells, "pair", when=GRID, clip=of_state),
-        blocks(entering_cells.soften_late, "pair", when=GRID, of_state=of_state, last_normal="contact_normal"),
         blocks(places.bound_patch_cells, "pair", when=ROLLING, clip=of_state),
+        blocks(entering_cells.soften_late, "pair", when=GRID, of_state=of_state, last_normal="contact_normal"),
         blocks(entering.soften_entering, "pair", when=ROLLING, of_state=of_state, last_normal="contact_normal"),
     ]
 
