@@ -17,6 +17,7 @@ from warpffrf_kernels.core.model import Model
 
 import warpffrf as wf
 from warpffrf.model import laws
+from warpffrf.model.friction import StribeckCoulomb
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.offline.contact.cubature import choose_sampling
@@ -94,9 +95,9 @@ def few_points(bodies: Bodies) -> wf.Scene:
     return scene
 
 
-def rolling(bodies: Bodies, second: str) -> wf.Scene:
+def rolling(bodies: Bodies, second: str, friction: Any = 0.3) -> wf.Scene:
     """Friction on cells that travel with the patch, soon by half a strip a step."""
-    scene = guided_pair(bodies["patched"], bodies[second], load=20e3, speed=60.0, ramp=1e-4, friction=0.3)
+    scene = guided_pair(bodies["patched"], bodies[second], load=20e3, speed=60.0, ramp=1e-4, friction=friction)
     scene.contacts[0].grid, scene.contacts[0].cells = "patch", (7, 7)
     return scene
 
@@ -127,6 +128,7 @@ SCENES: dict[str, Callable[[Bodies], wf.Scene]] = {
     "friction": lambda b: guided_pair(b["rubbing"], b["rubbing"], load=60e3, speed=60.0, ramp=0.02, friction=0.3),
     "rolling": lambda b: rolling(b, "patched"),
     "unlike rolling": lambda b: rolling(b, "softer"),
+    "rolling, falling friction": lambda b: rolling(b, "patched", StribeckCoulomb(0.4, 0.2, 1e-2)),
     "rolling ball": rolling_ball,
     "sparse": pendulum,
     "joint friction": rubbing_pendulum,

@@ -14,13 +14,14 @@ from warpffrf_kernels.friction.cell_blocks import COUNT
 
 import warpffrf as wf
 from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.online import Engine
+from warpffrf.online import Engine, run
 from warpffrf.online.compile.patch_plan import PatchPlan
 
 RADIUS, WIDTH, BALL = 0.05, 0.02, 0.03
 STEEL, ALUMINIUM = wf.Material(210e9, 0.3, 7800.0), wf.Material(70e9, 0.34, 2700.0)
 APPROACH, SKEW = 20e-6, 0.01  # m; rad, of the second roller about the line of centres
 COLUMNS, ROWS = 9, 11  # rows that do not fill their lines
+STRIPS_MANY = 19  # of a patch that a traction is carried through
 STRIPS_AROUND = 3  # whose displacements are kept on either side
 MU = 0.3
 # of the largest displacement: near fields of fixed rows lie between levels of W, by cubics
@@ -30,6 +31,8 @@ TURNED = 1e-7  # of modes: places opposite, along the line of centres and the no
 ROUND_OFF = 1e-12  # of the largest entry: sums of some hundred terms
 EPSILON = 4e-15  # the same of one sum of a few numbers, shares of cubics among them
 READ = 1e-13  # of the largest displacement: round-off of places in strips
+FORCE, DIRECTION = 1e-3, 0.05  # relative, and degrees: what vibrations of the bodies leave
+LOST = 0.01  # of the elastic energy that passes through a patch
 DIFFERENCES = 1e-11  # of the largest entry: what is left of differences of displacements
 
 
@@ -47,14 +50,16 @@ def bodies() -> dict[str, ReducedBody]:
 
 
 def scene_of(kind: str, bodies: dict[str, ReducedBody]) -> wf.Scene:
-    """A steel roller on a rigid plane, on a skewed roller of aluminium, or on a rigid ball, bores held."""
+    """A steel roller on a rigid plane, on a skewed roller of aluminium, or of steel ("like"), or on a rigid ball, bores
+    held."""
     scene = wf.Scene(gravity=(0, 0, 0))
     lower = scene.add_body(bodies["steel"], name="lower")
     scene.add(wf.joints.Fixed(scene.ground, lower["bore"]))
-    if kind == "rollers":
+    if kind in ("rollers", "like"):
         turn = (0.0, 0.0, np.sin(0.5 * SKEW), np.cos(0.5 * SKEW))
+        material = "steel" if kind == "like" else "aluminium"
         upper = scene.add_body(
-            bodies["aluminium"], name="upper", position=(0, 0, 2 * RADIUS - APPROACH), rotation=turn
+            bodies[material], name="upper", position=(0, 0, 2 * RADIUS - APPROACH), rotation=turn
         )  # fmt: skip
         scene.add(wf.joints.Fixed(scene.ground, upper["bore"]))
         partner = upper["rim"]
@@ -76,21 +81,29 @@ class Held:
     kind: str
     engine: Engine
     bodies: dict[str, ReducedBody]
+    columns: int = COLUMNS
+    rows: int = ROWS
 
     @property
     def count(self) -> int:
-        return COLUMNS * ROWS
+        return self.columns * self.rows
 
     def read(self, name: str, parts: int = 1) -> np.ndarray:
         """Numbers of cells (parts, n), of arrays with two directions `parts` 2."""
         x, s = self.engine.scratch, self.engine.state
         values = (getattr(x, name) if hasattr(x, name) else getattr(s, name)).numpy().ravel()
-        return values[: parts * self.count].reshape(COLUMNS, parts, ROWS).transpose(1, 0, 2).reshape(parts, -1).copy()
+        return (
+            values[: parts * self.count]
+            .reshape(self.columns, parts, self.rows)
+            .transpose(1, 0, 2)
+            .reshape(parts, -1)
+            .copy()
+        )
 
     def put(self, pressure: np.ndarray, traction: np.ndarray) -> None:
         """p (n,) and tau (2, n) [Pa] on the cells; tractions within mu p."""
         s = self.engine.state
-        ordered = traction.reshape(2, COLUMNS, ROWS).transpose(1, 0, 2).ravel()
+        ordered = traction.reshape(2, self.columns, self.rows).transpose(1, 0, 2).ravel()
         for array, values in ((s.pressure, pressure), (s.traction, ordered), (s.active, pressure > 0.0)):
             filled = np.zeros(array.shape)
             filled.reshape(-1)[: len(values)] = values
@@ -114,9 +127,9 @@ class Held:
         plan = PatchPlan.of(self.engine.scene.contacts[0])
         scale = half_width if plan.follows else 1.0
         rows = scale * plan.z + (middle if plan.follows else 0.0)
-        strip = 2.0 * half_width / COLUMNS
-        x = np.repeat(strip * (np.arange(COLUMNS) - 0.5 * (COLUMNS - 1)), ROWS)
-        cells = Cells(x, np.tile(rows, COLUMNS), strip, np.tile(scale * plan.length, COLUMNS))
+        strip = 2.0 * half_width / self.columns
+        x = np.repeat(strip * (np.arange(self.columns) - 0.5 * (self.columns - 1)), self.rows)
+        cells = Cells(x, np.tile(rows, self.columns), strip, np.tile(scale * plan.length, self.columns))
         grid = self.bodies["steel"].contact_surfaces["rim"].grid
         return cells, grid.theta_start + grid.pitch * column + x / RADIUS, cells.z
 
@@ -349,3 +362,109 @@ def test_material_that_has_moved_is_read_by_cubics(held: Held, strips: float) ->
     expected = held.read("rigid_slip", 2) + held.read("elastic", 2) - field(cells.x, cells.z)
     expected += np.outer(way, grown)
     assert np.abs(held.read("slip", 2) - expected).max() < READ * np.abs(ring).max()
+
+
+# --- energy
+
+
+def bump(x: np.ndarray, z: np.ndarray, width: float) -> np.ndarray:
+    """A smooth pattern (2, n), not zero within `width` of x = 0 and over the inner half of the rows."""
+    around = np.where(np.abs(x) < width, np.cos(0.5 * np.pi * x / width) ** 2, 0.0)
+    along = np.where(np.abs(z) < 0.25 * WIDTH, np.cos(2.0 * np.pi * z / WIDTH) ** 2, 0.0)
+    return np.array([around * along, 0.5 * around * along])
+
+
+@pytest.mark.parametrize("advance", [0.1, 0.37, 1.0, -1.7])
+def test_a_locked_in_traction_keeps_its_energy(bodies, advance: float) -> None:
+    """A traction that its material carries through the patch, over five strips: the slips that are read with the
+    history do next to no work beside the energy that passes."""
+    scene = scene_of("like", bodies)
+    scene.contacts[0].cells = (STRIPS_MANY, 7)
+    engine = Engine(scene)
+    engine.static_step(1.0)
+    held = Held("like", engine, bodies, STRIPS_MANY, 7)
+    cells, _, _ = held.places()
+    area, pitch = cells.area, RADIUS * bodies["steel"].contact_surfaces["rim"].grid.pitch
+    work, straight, energy, before = [], [], [], np.zeros((2, held.count))
+    columns = np.arange(STRIPS_MANY)
+
+    def read_straight(values: np.ndarray) -> np.ndarray:
+        return np.interp(columns + advance, columns, values)
+
+    for n in range(round(5.0 / abs(advance)) + 1):
+        at = np.sign(advance) * (2.5 - abs(advance) * n) * cells.width
+        traction = 1e8 * bump(cells.x - at, cells.z, 5.0 * cells.width)
+        elastic = held.displaced(np.full(held.count, 1e9), traction)[1]
+        slip = held.read("slip", 2) - held.read("rigid_slip", 2)
+        if n:
+            work.append(float(np.sum(area * traction * slip)))
+            read = np.apply_along_axis(read_straight, 1, before.reshape(2, STRIPS_MANY, -1)).reshape(2, -1)
+            straight.append(float(np.sum(area * traction * (elastic - read))))
+        before = elastic
+        energy.append(0.5 * float(np.sum(area * traction * elastic)))
+        kept(held)
+        place = engine.state.ring_place.numpy()
+        place[0, 0, 0] -= advance * cells.width / pitch
+        engine.state.ring_place.assign(place)
+    assert abs(np.sum(work)) < LOST * max(energy)
+    if abs(advance) < 1.0:  # the control, of many steps: read in straight lines
+        assert abs(np.sum(straight)) > 3.0 * LOST * max(energy)
+
+
+def moved(bodies: dict[str, ReducedBody], angle: float, turning: float) -> tuple[Any, np.ndarray]:
+    """A roller that is pressed on a rigid plane, moved along it at 0.2 m/s and turned at `turning` [rad/s]: the
+    contact, and the velocity (2,) at which it slides in the end."""
+    speed, long, step = 0.2, 1e-3, 5e-5  # the speeds come slowly beside the bodies' vibrations
+    scene = wf.Scene(gravity=(0, 0, 0))
+    lower = scene.add_body(bodies["steel"], name="lower")
+    carriage = scene.add_rigid_body(1.0, (1e-2,) * 3, name="carriage")
+    way = np.array([np.cos(angle), np.sin(angle), 0.0])
+    slide = scene.add(wf.joints.Prismatic(scene.ground, carriage.at((0, 0, 0)), axis=way))
+    axle = scene.add(wf.joints.Revolute(carriage.at((0, 0, 0)), lower["bore"], axis=(0, 1, 0)))
+    for joint, final in ((slide, speed), (axle, turning)):
+        scene.add(wf.joints.Drive(joint, wf.signals.SmoothStep(0.0, final, duration=long), quantity="velocity"))
+    shape = wf.surfaces.Plane(origin=(0, 0, RADIUS - APPROACH), outward=(0, 0, -1), direction=(0, 1, 0))
+    floor = scene.ground.surface(shape, name="floor")
+    scene.add(wf.Contact(lower["rim"], floor, friction=MU, grid="patch", cells=(7, 7), name="pair"))
+    history = run(scene, 60 * step, step=step, start="equilibrium", progress=False)
+    assert history.status == "completed"
+    assert np.diff(history.energy["friction"]).max() <= 0.0
+    return history.contacts["pair"], speed * way[:2] + [turning * RADIUS, 0.0]
+
+
+@pytest.mark.parametrize(("angle", "turning"), [(0.0, 0.0), (0.5 * np.pi, 0.0), (-2.0, 0.0), (0.6, 10.0)])
+def test_what_slides_is_held_back_by_all_of_the_friction(bodies, angle: float, turning: float) -> None:
+    """mu N against the sliding: around, along, obliquely, and while the roller rolls as well."""
+    contact, velocity = moved(bodies, angle, turning)
+    force = contact.force[-1]
+    assert set(np.unique(contact.friction.state[-1])) == {0, 2}  # open, slips
+    assert np.hypot(force[0], force[1]) == pytest.approx(MU * abs(force[2]), rel=FORCE)
+    off = np.angle(-(force[0] + 1j * force[1]) / (velocity[0] + 1j * velocity[1]), deg=True)
+    assert abs(off) < DIRECTION
+
+
+def test_rolling_without_slip_gives_its_energy_to_friction(bodies) -> None:
+    """A creepage that moves no cell by slip, with a coefficient that none comes near: what it takes from the bodies is
+    lost by the material that leaves the patch, and is booked as friction, not as made by the cells."""
+    creepage, turning, advance, strips = 3e-4, 10.0, 0.3, 21
+    scene = wf.Scene(gravity=(0, 0, 0))
+    speeds = {"lower": turning, "upper": -turning * (1.0 + creepage)}
+    for name, speed in speeds.items():
+        at = (0, 0, 2 * RADIUS - APPROACH if name == "upper" else 0.0)
+        body = scene.add_body(
+            bodies["steel"], name=name, position=at, angular_velocity=(0, speed, 0), inertia="constant"
+        )  # fmt: skip
+        axle = scene.add(wf.joints.Revolute(scene.ground, body["bore"], axis=(0, 1, 0)))
+        scene.add(wf.joints.Drive(axle, wf.signals.Table([0, 100], [speed, speed]), quantity="velocity"))
+    lower, upper = scene.bodies
+    scene.add(wf.Contact(lower["rim"], upper["rim"], friction=5.0, grid="patch", cells=(strips, 7), name="pair"))
+    step = advance * 1.1e-3 / strips / (turning * RADIUS)
+    history = run(scene, 400 * step, step=step, start="equilibrium", progress=False)
+    assert history.status == "completed"
+    friction = history.contacts["pair"].friction
+    assert friction is not None and set(np.unique(friction.state[-1])) == {0, 1}  # open, sticks
+    taken = -np.sum(history.contacts["pair"].force[1:, 0] * friction.creep_velocity[1:, 0]) * step
+    booked = {name: history.energy[name] - history.energy[name][0] for name in ("friction", "contact_grid", "contact")}
+    assert np.diff(history.energy["friction"]).max() <= 0.0
+    assert -booked["friction"][-1] > 0.5 * taken
+    assert np.abs(booked["contact_grid"]).max() < LOST * taken
