@@ -63,7 +63,7 @@ def count_lanes(lanes: wp.array(dtype=int)):
 
 lanes = wp.zeros(1, dtype=int, device="cpu")
 wp.launch_tiled(count_lanes, dim=(1,), inputs=[lanes], block_dim=64, device="cpu")
-made = dict(layers=3, axial=2, order=2, grading=1.6, max_frequency=15e3, tangential=True, cache=False)
+made = dict(layers=3, axial=2, order=2, grading=1.6, max_frequency=15e3, tangential=True, patch_grid=False, cache=False)
 first, second = roller_body(90, **made), roller_body(84, outer_radius=0.0497, **made)  # at equal speeds: 0.6 % of creep
 scene = guided_pair(first, second, load=200e3, speed=50.0, ramp=0.002, friction=0.3)
 history = run(scene, 0.004, step=1e-4, start="equilibrium", progress=False)
@@ -87,7 +87,8 @@ from warpffrf.online import run
 from warpffrf.verification.scenes.planets import planets
 from warpffrf.verification.scenes.rollers import roller_body
 
-body = roller_body(90, layers=3, axial=2, order=2, grading=1.6, max_frequency=15e3, tangential=True, cache=False)
+body = roller_body(90, layers=3, axial=2, order=2, grading=1.6, max_frequency=15e3,
+tangential=True, patch_grid=False, cache=False)
 scene = planets(body, 3, 100e3, friction=0.3, creepage=2e-2)
 for contact in scene.contacts:
     contact.friction = wf.laws.StribeckCoulomb(0.3, 0.2, 0.05)

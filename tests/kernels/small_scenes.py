@@ -43,7 +43,7 @@ def roller(**options: Any) -> ReducedBody:
 
 @functools.cache
 def rubbing() -> ReducedBody:
-    return roller(tangential=True)
+    return roller(tangential=True, patch_grid=False)
 
 
 @functools.cache
@@ -94,7 +94,8 @@ def ring() -> ReducedBody:
     """Contact on the inside; its grid matches no roller's."""
     made = mesh.roller(0.075, 0.055, 0.024, sectors=42, layers=2, axial=3, grading=1.0)
     return reduce(
-        made, STEEL, interfaces={"rim": "rigid"}, contact={"bore": surfaces.Bore()}, modes=4, tangential=True,
+        made, STEEL, interfaces={"rim": "rigid"}, contact={"bore": surfaces.Bore()}, modes=4,
+        tangential=True, patch_grid=False,
         cache=False, progress=False,
     )  # fmt: skip
 
@@ -104,7 +105,8 @@ def block() -> ReducedBody:
     """Its contact grid ends on all four sides."""
     made = mesh.box((0.02, 0.02, 0.01), (4, 4, 2))
     return reduce(
-        made, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": surfaces.Plane()}, modes=2, tangential=True,
+        made, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": surfaces.Plane()}, modes=2,
+        tangential=True, patch_grid=False,
         cache=False, progress=False,
     )  # fmt: skip
 

@@ -48,13 +48,13 @@ def bodies(plain_body: ReducedBody, other_body: ReducedBody, crowned_body: Reduc
     rim = plain_body.contact_surfaces["rim"]
     few = replace(plain_body, contact_surfaces={"rim": replace(rim, sampling=choose_sampling(rim, 0.01))})
     rubbing = roller_body(
-        120, layers=4, axial=2, grading=1.6, order=1, max_frequency=15e3, tangential=True, cache=False
+        120, layers=4, axial=2, grading=1.6, order=1, max_frequency=15e3, tangential=True, patch_grid=False, cache=False
     )  # fmt: skip
     patched = {
         name: wf.reduce(
             wf.mesh.roller(0.05, 0.015, 0.02, sectors=36, layers=2, axial=2, order=1), wf.Material(modulus, nu, 7850.0),
-            interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3, tangential=True,
-            patch_grid=True, cache=False, progress=False,
+            interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3,
+            tangential=True, patch_grid=True, cache=False, progress=False,
         )
         for name, modulus, nu in (("patched", 210e9, 0.3), ("softer", 70e9, 0.34))
     }  # fmt: skip

@@ -129,7 +129,8 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
         OUTER_RADIUS, BORE_RADIUS, WIDTH, sectors=size.sectors, layers=size.layers, axial=size.axial, order=2
     )
     roller = wf.reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, tangential=True,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0,
+        tangential=True, patch_grid=False,
         progress=progress,
     )  # fmt: skip
     scene = wf.Scene()
