@@ -88,7 +88,7 @@ from warpffrf.verification.scenes.planets import planets
 from warpffrf.verification.scenes.rollers import roller_body
 
 body = roller_body(90, layers=3, axial=2, order=2, grading=1.6, max_frequency=15e3,
-tangential=True, patch_grid=False, cache=False)
+                   tangential=True, patch_grid=False, cache=False)
 scene = planets(body, 3, 100e3, friction=0.3, creepage=2e-2)
 for contact in scene.contacts:
     contact.friction = wf.laws.StribeckCoulomb(0.3, 0.2, 0.05)
