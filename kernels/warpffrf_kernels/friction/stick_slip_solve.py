@@ -44,7 +44,7 @@ from warpffrf_kernels.linear.sparse_factor import Pattern
 wp.set_module_options(MODULE_OPTIONS)
 
 SLOW = wp.constant(wp.float64(0.1))  # of the defect before: an old factor that leaves more is formed anew
-SETTLED = wp.constant(wp.float64(1.0e-12))  # of the largest bound: below the tolerance of the outer iteration
+SETTLED = wp.constant(wp.float64(1.0e-10))  # of the largest bound: below the tolerance of the outer iteration
 SWEEPS = wp.constant(3)  # of Gauss-Seidel before Newton
 MORE_SWEEPS = wp.constant(20)  # where Newton has not settled from within either
 NEWTON = wp.constant(12)  # iterations between two rounds of sweeps

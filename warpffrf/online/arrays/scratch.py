@@ -330,7 +330,7 @@ class FrictionCells(Arrays):
     second_force: DeviceArray = reals("world", "pair", "2*friction_node", unit="N")
     traction_base: DeviceArray = reals("world", "pair", "2*friction_hat", unit="Pa", note="of the evaluation")
     cell_phase: DeviceArray = reals(
-        "world", "pair", 5, note="where the grids, or the patch, were when compliances were made", carried=True
+        "world", "pair", 8, note="where the grids, or the patch, were when compliances were made", carried=True
     )
     cell_state: DeviceArray = integers("world", "pair", "friction_hat", note="sticks, slips or is free")
     friction_record: DeviceArray = reals("world", "pair", 4, note="power, creep (2), rolling velocity")

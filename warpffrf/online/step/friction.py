@@ -130,7 +130,6 @@ FRICTION = Participant(
         threads(pressure_answer.open_answer),
         blocks(pressure_answer.answer_by_modes, "friction_pair", **SCALED, **Y),
         blocks(pressure_answer.answer_on_grid, "friction_pair", when=GRID, shift="second_shift", **Y),
-        blocks(system.answer_on_patch, "friction_pair", when=ROLLING, **Y),
         blocks(pressure_answer.reduce_answer, "friction_pair", **Y),
         blocks(pressure_answer.condense_answer, "friction_pair", bordered="cell_bordered", **G, **D, **L, **Y),
         blocks(mobility.invert_outer, matrix="bordered", right="mobility_rhs", column="mobility_column", **FACTOR),
