@@ -24,7 +24,7 @@ from warpffrf.verification.finite_elements.contact import active_set
 from warpffrf.verification.half_space.friction_program import solve
 from warpffrf.verification.half_space.unlike_half_planes import Pair
 
-SPAN = 1.2  # half-widths of the grid over Hertz's
+PAD = 0.15  # half-widths of the grid beyond Hertz's patch
 CROSSINGS = 3.0  # of the patch that are rolled
 TURNS, SETTLED = 40, 1e-7  # of pressures and tractions in a step; their change over the largest pressure
 NO_FORCE = 1e-5  # of the largest creepage looked for, mu a/R'
@@ -66,9 +66,11 @@ def free_rolling(
     crossings: float = CROSSINGS,
 ) -> tuple[float, float]:  # fmt: skip
     """Mean creepage without a force of cylinders of two materials over the last half crossing, and how far it varies
-    in it; R' [m], P' [N/m], on that many cells."""
+    in it; R' [m], P' [N/m], with `cells` + 1/2 in Hertz's half-width: its ends lie between two, on any grid."""
     contact = LineContact(load, radius, contact_modulus(first, second))
-    pair = RollingPair(first, second, radius, friction, SPAN * contact.half_width, cells)
+    count = 2 * (cells + int(np.ceil(PAD * cells))) + 1
+    width = contact.half_width / (cells + 0.5)
+    pair = RollingPair(first, second, radius, friction, 0.5 * count * width, count)
     pair.step(load, 0.0)
     most = friction * contact.half_width / radius
     half = int(round(contact.half_width / pair.width))

@@ -1,0 +1,419 @@
+"""Steady rolling and sliding of rollers with friction on cells of the patch, measured by simulation: the rows of
+`rolling_patches` on Carter, CONTACT's Eurosprinter, Kalker's coefficients, meshes, unlike bodies and gross slip.
+
+Every function makes one table or one figure of it. What is prescribed is in `scenes.rolling_pairs`; forces are means
+over the last crossing of the patch. `strips`: of the grid, 1.3 half-widths either way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import elliprd
+
+from warpffrf.model.material import Material
+from warpffrf.model.mesh import Mesh
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.signals import Table
+from warpffrf.verification.closed_forms import CarterRolling, LineContact, contact_modulus, coupling_ratio
+from warpffrf.verification.closed_forms import rolling_tables as published
+from warpffrf.verification.half_space.patch_rolling import HalfSpaces, PatchRolling, settle
+from warpffrf.verification.half_space.unlike_rolling import free_rolling
+from warpffrf.verification.markdown import table
+from warpffrf.verification.scenes.rolling_pairs import (
+    FRICTION,
+    LASTS,
+    PAIR,
+    PLANE_STEEL,
+    SPAN,
+    SPEED,
+    STEEL,
+    WIDTH,
+    Drives,
+    R,
+    Rolled,
+    elliptic_contact,
+    line_contact,
+    pair,
+    reduced,
+    roll,
+    roller,
+    run,
+)
+from warpffrf.verification.scenes.user_meshes import cut_into_tets, gmsh_roller
+
+Array = np.ndarray
+SIZE = 4e-3  # m, of the cells of meshes unless told
+APPROACH, HALF_WIDTH = 8e-6, 2.6e-4  # m, of straight rollers of steel
+STRIPS = (11, 15, 21, 31, 52)
+ADVANCES = (0.25, 0.5, 1.0, 1.37, 2.0, 2.5)  # strips a step
+CREEPAGES = (6e-4, 1.5e-3)  # 0.35 and 0.73 mu N
+LONG, SHORT = 25.0, 8.0  # crossings after which line and point contacts are steady to 2e-4
+FINE = (52, 1.0)  # strips, strips a step of the solution that transients are held against
+STANDING, WOUND = 1e-3, 1.5e-6  # s of standing in which the lower roller is held back by that way [m]
+BESIDE = 12.0  # crossings of a transient
+NO_SLIP = 20.0  # coefficient of friction for Kalker's coefficients
+SMALL, TILT = 1e-4, 5e-3  # creepage, and rad
+CROWN = 0.14216  # m, of the Eurosprinter at R
+FREE = 12.0  # crossings of a pair without a force, the second half of which counts
+ALUMINIUM = Material(70e9, 0.33, 2700.0, name="aluminium")
+UNLIKE_APPROACHES = (1.5e-6, 3e-6, 6e-6, 12e-6)  # m
+SLIDING = 5e-4  # m/s: slow, else the rollers swing on their bores
+DIRECTIONS = (0.0, 30.0, 45.0, 90.0, -120.0)  # degrees
+
+
+# --- Carter ---
+
+
+@cache
+def straight() -> ReducedBody:
+    """The straight roller in plane strain on 4 mm."""
+    return reduced(roller(SIZE), PLANE_STEEL)
+
+
+@cache
+def carter_error(strips: int, advance: float, creepage: float, crossings: float = LONG) -> tuple[float, Rolled]:
+    """Q of two rollers against Carter's, over mu N, and what was found."""
+    body = straight()
+    scene = pair(body, body, APPROACH, Drives(creepage=creepage), cells=(strips, 5))
+    found = roll(scene, HALF_WIDTH, strips, advance, crossings)
+    carter = CarterRolling(line_contact(found.load, PLANE_STEEL, PLANE_STEEL), FRICTION, creepage)
+    return abs(float(found.share[0])) - carter.share, found
+
+
+def carter_rows() -> list[list[str]]:
+    """Steps down; by strips: errors at both creepages, and the same beside the finest cells."""
+    rows = []
+    finest = {xi: abs(float(carter_error(STRIPS[-1], 1.0, xi)[1].share[0])) for xi in CREEPAGES}
+    for advance in ADVANCES:
+        row = [f"{advance:g}"]
+        for strips in STRIPS:
+            if advance < 1.0 and strips > 21 or advance < 0.5 and strips > 15:
+                row.append("")
+                continue
+            both = [carter_error(strips, advance, xi) for xi in CREEPAGES]
+            beside = [abs(float(found.share[0])) - finest[xi] for (_, found), xi in zip(both, CREEPAGES, strict=True)]
+            row.append(", ".join(f"{100 * e:+.2f}" for e, _ in both) + " (" + _percents(beside) + ")")
+        rows.append(row)
+    return rows
+
+
+@cache
+def transient(strips: int, advance: float, creepage: float = CREEPAGES[1]) -> tuple[Array, Array]:
+    """Time [s] and Q/(mu N): pressed, wound up while it stands (Cattaneo), then rolling at a creepage (Carter)."""
+    step = advance * 2.0 * SPAN * HALF_WIDTH / strips / SPEED
+    hold, rise = STANDING, 0.5 * STANDING
+    rate = -WOUND / (0.5 * hold) / SPEED
+    times = [0.0, 0.5 * hold, hold, hold + rise, LASTS]
+    lower = Table(times, [0.0, 0.0, 0.0, 1.0, 1.0])
+    upper = Table(times, [0.0, rate, 0.0, 1.0 - creepage, 1.0 - creepage])
+    body = straight()
+    scene = pair(body, body, APPROACH, Drives(speeds=(lower, upper)), cells=(strips, 5))
+    steps = int(np.ceil((hold + rise + BESIDE * 2.0 * HALF_WIDTH / SPEED) / step))
+    result = run(scene, steps, step)
+    contact: Any = result.contact(PAIR)
+    return result.time, contact.friction.tangential_force[:, 0] / (FRICTION * contact.normal_load)
+
+
+def transient_error(strips: int, advance: float) -> float:
+    """Largest difference at any instant from the fine solution, over mu N."""
+    fine, (t, q) = transient(*FINE), transient(strips, advance)
+    return float(np.abs(q - np.interp(t, *fine)).max())
+
+
+def transient_rows() -> list[list[str]]:
+    """Steps down, strips across."""
+    return [
+        [f"{c:g}", *(f"{100 * transient_error(n, c):.2f}" for n in (11, 15, 21, 31))] for c in (0.5, 1.0, 1.37, 2.0)
+    ]
+
+
+# --- Eurosprinter ---
+
+
+@cache
+def crowned(size: float = SIZE, order: int = 2) -> ReducedBody:
+    """A roller that is CONTACT's Eurosprinter beside its like."""
+    return reduced(roller(size, order=order, crown_radius=CROWN), rail_steel(), crowned=True)
+
+
+def rail_steel() -> Material:
+    """Of wheel and rail."""
+    nu = published.EUROSPRINTER_POISSON
+    return Material(2.0 * published.EUROSPRINTER_SHEAR * (1.0 + nu), nu, 7850.0, name="rail")
+
+
+def eurosprinter(creepage: float, cells: int) -> tuple[float, float]:
+    """F_x/(mu N) of the rollers, and of the law without bodies on the same cells."""
+    scale = 0.5 * R / published.EUROSPRINTER_RADII[0]
+    half_width, approach = published.EUROSPRINTER_PATCH[0] * scale, published.EUROSPRINTER_PATCH[3] * scale
+    body, mu = crowned(), published.EUROSPRINTER_FRICTION
+    scene = pair(body, body, 1.006 * approach, Drives(creepage=creepage), cells=(cells, cells), friction=mu)
+    found = roll(scene, half_width, cells, 1.0, SHORT, friction=mu)
+    contact = elliptic_contact(found.load, CROWN, rail_steel())
+    law = PatchRolling(contact, mu, (cells, cells), HalfSpaces(rail_steel(), rail_steel()))
+    law.begin(law.grid.size[0], (-creepage, 0.0, 0.0))
+    return abs(float(found.share[0])), abs(float(settle(law, 1.0, (-creepage, 0.0, 0.0))[-1, 0]))
+
+
+def eurosprinter_rows() -> list[list[str]]:
+    """Creepages down: CONTACT, rollers, difference, law."""
+    rows = []
+    for creepage, wanted in published.EUROSPRINTER_FORCES:
+        for cells in (13, 21) if creepage in (4e-4, 1.6e-3) else (13,):
+            found, law = eurosprinter(creepage, cells)
+            rows.append([f"{creepage:g}", str(cells), f"{wanted:.4f}", f"{found:.4f}", f"{100 * (found - wanted):+.2f}",
+                         f"{100 * (found - law):+.2f}"])  # fmt: skip
+    return rows
+
+
+# --- Kalker ---
+
+
+def kalker(ratio: float, poisson: float, cells: int) -> Array:
+    """C_11, C_22, C_23 of two crowned rollers with a/b = ratio over Kalker's, less 1; spin by a tilted axle."""
+    material = Material(210e9, poisson, 7850.0)
+    k2 = ratio**-2.0
+    crown = R * float(elliprd(0.0, k2, 1.0) / elliprd(0.0, 1.0, k2))
+    body = reduced(roller(SIZE, crown_radius=crown, width=min(WIDTH, 0.6 * crown)), material, crowned=True)
+    size = 2.5e-4
+
+    def excess(load: float) -> float:
+        return float(np.prod(elliptic_contact(load, crown, material).half_axes)) / size**2 - 1.0
+
+    load: Any = brentq(excess, 1.0, 1e5)
+    contact = elliptic_contact(load, crown, material)
+    found = []
+    cases = ((Drives(creepage=SMALL), SMALL, 0), (Drives(lateral_creepage=SMALL), SMALL, 1),
+             (Drives(tilt=TILT), np.sin(TILT) / R, 1))  # fmt: skip
+    for k, (drives, size_of, axis) in enumerate(cases):
+        scene = pair(body, body, 1.005 * contact.approach, drives, cells=(cells, cells), crown_radius=crown,
+                     friction=NO_SLIP)  # fmt: skip
+        rolled = roll(scene, contact.half_axes[0], cells, 1.0, SHORT, friction=NO_SLIP)
+        mean = float(np.sqrt(np.prod(elliptic_contact(rolled.load, crown, material).half_axes)))
+        force = abs(float(rolled.share[axis])) * NO_SLIP * rolled.load
+        found.append(force / (material.lame[1] * mean**2 * size_of * (mean if k == 2 else 1.0)))
+    # three ratios of Poisson, a parabola between
+    wanted = [np.polyval(np.polyfit(published.KALKER_POISSON, row, 2), poisson) for row in published.KALKER[ratio]]
+    return np.array(found) / np.array(wanted) - 1.0
+
+
+def kalker_rows(cells: int = 21) -> list[list[str]]:
+    """Ellipses and Poisson's ratios down: errors."""
+    rows = []
+    for ratio in published.KALKER:
+        for poisson in (0.0, 0.25, 0.49):
+            rows.append([f"{ratio:g}", f"{poisson:g}", *(f"{e:+.1%}" for e in kalker(ratio, poisson, cells))])
+    return rows
+
+
+# --- meshes ---
+
+MESHES: dict[str, Callable[[float | None], Mesh]] = {
+    "hex8, 4 mm": lambda crown: roller(4e-3, order=1, crown_radius=crown),
+    "hex27, 4 mm": lambda crown: roller(4e-3, crown_radius=crown),
+    "tet10, 4 mm": lambda crown: cut_into_tets(roller(4e-3, crown_radius=crown)),
+    "hex8, 2 mm": lambda crown: roller(2e-3, order=1, crown_radius=crown),
+    "hex8, 1 mm": lambda crown: roller(1e-3, order=1, crown_radius=crown),
+}
+BY_GMSH = "tet10, 4 mm, Gmsh"
+
+
+@cache
+def on_mesh(name: str, crown: float | None, creepage: float) -> Rolled:
+    """What two rollers of steel on that mesh come to."""
+    mesh = gmsh_roller() if name == BY_GMSH else MESHES[name](crown)
+    body = reduced(mesh, STEEL, crowned=crown is not None)
+    cells = (15, 9) if crown is None else (13, 13)
+    approach = APPROACH if crown is None else 3e-6
+    scene = pair(body, body, approach, Drives(creepage=creepage), cells=cells)
+    return roll(scene, HALF_WIDTH, cells[0], 1.0, LONG if crown is None else SHORT)
+
+
+def mesh_rows() -> list[list[str]]:
+    """Shapes, creepages and meshes down: Q/(mu N), beside the finest mesh, beside the half-space; Q beside the
+    finest."""
+    rows = []
+    for crown in (None, CROWN):
+        names = [*MESHES] if crown else [*MESHES, BY_GMSH]
+        for creepage in (4e-4, 1.2e-3):
+            finest = on_mesh("hex8, 1 mm", crown, creepage)
+            for name in names:
+                found = on_mesh(name, crown, creepage)
+                share = abs(float(found.share[0]))
+                if crown is None:
+                    wanted = CarterRolling(line_contact(found.load, STEEL, STEEL), FRICTION, creepage).share
+                else:
+                    law = PatchRolling(elliptic_contact(found.load, crown, STEEL), FRICTION, (27, 27),
+                                       HalfSpaces(STEEL, STEEL))  # fmt: skip
+                    law.begin(law.grid.size[0], (-creepage, 0.0, 0.0))
+                    wanted = abs(float(settle(law, 1.0, (-creepage, 0.0, 0.0))[-1, 0]))
+                force = share * found.load / abs(float(finest.share[0]) * finest.load) - 1.0
+                rows.append(["straight" if crown is None else "crowned", f"{creepage:g}", name, f"{share:.4f}",
+                             f"{100 * (share - abs(float(finest.share[0]))):+.2f}", f"{100 * (share - wanted):+.2f}",
+                             f"{force:+.2%}"])  # fmt: skip
+    return rows
+
+
+# --- unlike bodies ---
+
+
+@cache
+def unlike(size: float, order: int = 2, width: float = WIDTH) -> tuple[ReducedBody, ReducedBody]:
+    """A roller of steel and one of aluminium."""
+    mesh = roller(size, order=order, width=width)
+    return reduced(mesh, STEEL), reduced(mesh, ALUMINIUM)
+
+
+def free_pair(
+    size: float, approach: float, strips: int, *, order: int = 2, friction: float = FRICTION, turned: bool = False,
+    width: float = WIDTH,
+) -> tuple[float, LineContact]:  # fmt: skip
+    """Creepage without force of steel (driven; `turned`: aluminium) with the other one free, and Hertz's contact."""
+    bodies = unlike(size, order, width)
+    first, second = bodies[::-1] if turned else bodies
+    sign, relative = (-1.0 if turned else 1.0), np.sqrt(approach / 12e-6)
+    drives = Drives(free=True, creepage=-9e-4 * sign * relative)
+    scene = pair(first, second, approach, drives, cells=(strips, 5), friction=friction)
+    found = roll(scene, 3.3e-4 * float(relative), strips, 1.0, FREE, friction=friction)
+    contact: Any = found.result.contact(PAIR)
+    creepage = contact.friction.creepage[:, 0]
+    hertz = LineContact(float(contact.line_load[-1]), 0.5 * R, contact_modulus(STEEL, ALUMINIUM))
+    return sign * float(creepage[len(creepage) // 2 :].mean()), hertz
+
+
+def scaled(creepage: float, hertz: LineContact) -> float:
+    """-xi R'/(a beta), 2/pi with continuous adhesion."""
+    return -creepage * hertz.radius / (hertz.half_width * abs(coupling_ratio(STEEL, ALUMINIUM)))
+
+
+def unlike_rows() -> list[list[str]]:
+    """Half-widths and strips down: -xi R'/(a beta) by rollers and by half-planes of as many cells."""
+    rows = []
+    for approach in UNLIKE_APPROACHES:
+        creepage, hertz = free_pair(SIZE, approach, 21, friction=0.1, width=2.0 * WIDTH)
+        rows.append([f"{1e6 * hertz.half_width:.0f}", "21", "0.1", f"{scaled(creepage, hertz):.4f}"])
+    for friction in (0.1, FRICTION):
+        for strips in (15, 31):
+            creepage, hertz = free_pair(SIZE, 12e-6, strips, friction=friction, width=2.0 * WIDTH)
+            rows.append([f"{1e6 * hertz.half_width:.0f}", str(strips), f"{friction:g}", f"{scaled(creepage, hertz):.4f}"])
+    return rows
+
+
+def half_plane_rows() -> list[list[str]]:
+    """Friction and cells in a half-width down: -xi R'/(a beta) of half-planes."""
+    hertz = LineContact(1.9e5, 0.5 * R, contact_modulus(STEEL, ALUMINIUM))
+    rows = []
+    for friction, cells in ((0.1, 8), (0.1, 20), (FRICTION, 8), (FRICTION, 20), (FRICTION, 40), (10.0, 20), (10.0, 40)):
+        xi, _ = free_rolling(STEEL, ALUMINIUM, hertz.radius, hertz.load, friction, cells)
+        rows.append([f"{friction:g}", str(cells), f"{scaled(xi, hertz):.4f}"])
+    return rows
+
+
+def unlike_mesh_rows() -> list[list[str]]:
+    """Meshes down: creepage without force, beside the finest, steel driven and aluminium driven."""
+    cases = (("hex8, 6 mm", 6e-3, 1), ("hex27, 4 mm", 4e-3, 2), ("hex8, 2 mm", 2e-3, 1), ("hex8, 1 mm", 1e-3, 1))
+    found = {name: [free_pair(size, 12e-6, 15, order=order, turned=turned)[0] for turned in (False, True)]
+             for name, size, order in cases}  # fmt: skip
+    finest = found["hex8, 1 mm"]
+    return [
+        [name, f"{1e3 * xi:.5f}", f"{xi / finest[0] - 1.0:+.2%}", f"{1e3 * back:.5f}", f"{back / finest[1] - 1.0:+.2%}"]
+        for name, (xi, back) in found.items()
+    ]
+
+
+# --- gross slip ---
+
+
+def gross(longitudinal: float, lateral: float) -> tuple[float, float]:
+    """While rolling: |Q|/(mu N) - 1, and the angle [degrees] between force and creepage."""
+    body = crowned()
+    scene = pair(body, body, 3e-6, Drives(creepage=longitudinal, lateral_creepage=lateral), cells=(13, 13))
+    found = roll(scene, HALF_WIDTH, 13, 1.0, 5.0)
+    return float(np.linalg.norm(found.share)) - 1.0, _angle(-found.share, (longitudinal, lateral))
+
+
+def slid(angle: float) -> tuple[float, float]:
+    """The same of the lower roller pulled sideways at that angle [degrees] to x, nothing rolling."""
+    way = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle)), 0.0])
+    body = crowned()
+    drives = Drives(speed=0.0, way=Table([0.0, LASTS], [0.0, SLIDING * LASTS]), along=(way[0], way[1], 0.0))
+    contact: Any = run(pair(body, body, 3e-6, drives, cells=(13, 13)), 50, 4e-4).contact(PAIR)
+    force = contact.friction.tangential_force[-1]
+    return float(np.hypot(*force) / (FRICTION * contact.normal_load[-1])) - 1.0, _angle(-contact.force[-1, :2], way[:2])
+
+
+def gross_rows() -> list[list[str]]:
+    """Ways to slip down: error of the force, and of its direction."""
+    rows = []
+    for creepage in ((0.1, 0.0), (0.1, 0.1), (0.0, 0.1), (-0.05, 0.0866), (-0.1, -0.03)):
+        error, angle = gross(*creepage)
+        rows.append([f"rolling, creepages {creepage[0]:g}, {creepage[1]:g}", f"{error:+.1e}", f"{angle:+.3f}"])
+    for direction in DIRECTIONS:
+        error, angle = slid(direction)
+        rows.append([f"sliding at {direction:g}°", f"{error:+.1e}", f"{angle:+.3f}"])
+    return rows
+
+
+def _angle(found: Any, wanted: Any) -> float:
+    cross = found[0] * wanted[1] - found[1] * wanted[0]
+    return float(np.degrees(np.arctan2(-cross, found[0] * wanted[0] + found[1] * wanted[1])))
+
+
+def _percents(values: list[float]) -> str:
+    return ", ".join(f"{100 * v:+.2f}" for v in values)
+
+
+def section() -> str:
+    """What the page says on steady rolling."""
+    return f"""## Carter
+
+Two straight rollers without Poisson's ratio (plane strain), half-width {HALF_WIDTH * 1e3:.2f} mm, 4 mm mesh. Error of Q
+against Carter's at the prescribed creepages {CREEPAGES[0]:g} and {CREEPAGES[1]:g}, of mu N in percent, in brackets
+against {STRIPS[-1]} strips at one a step. Strips across over 1.3 of 2 a, steps in strips down.
+
+{table(["strips a step", *(str(n) for n in STRIPS)], carter_rows())}
+From pressing through standing (Cattaneo, about 0.6 mu N against the later creep) to rolling (Carter): largest
+difference at any instant from {FINE[0]} strips at {FINE[1]:g} a step, of mu N in percent.
+
+{table(["strips a step", "11", "15", "21", "31"], transient_rows())}
+## CONTACT's Eurosprinter
+
+Two crowned rollers that are the Eurosprinter by similarity (R 50, crown {1e3 * CROWN:.1f} mm): F_x/(mu N); differences
+from CONTACT and from the law without bodies on the same cells, of mu N in percent.
+
+{table(["creepage", "cells", "CONTACT", "rollers", "from CONTACT", "from the law"], eurosprinter_rows())}
+## Unlike bodies
+
+Steel driven, aluminium free to turn: the creepage xi without a force. Half-planes with continuous adhesion have
+-xi R'/(a beta) = 2/pi = {2 / np.pi:.4f} (beta small); half-planes in cells (`half_space.unlike_rolling`) have an error
+that goes away slowly where friction hardly slips, for the trailing edge is singular then:
+
+{table(["friction", "cells in a", "half-planes"], half_plane_rows())}
+Rollers of finite size have less the larger their patch is, in proportion to a/R; a/R to 0 is to be compared.
+
+{table(["a [µm]", "strips", "friction", "rollers"], unlike_rows())}
+By meshes, {WIDTH * 1e3:g} mm wide, 15 strips: xi in 1e-3.
+
+{table(["mesh", "steel driven", "beside 1 mm", "aluminium driven", "beside 1 mm"], unlike_mesh_rows())}
+## Meshes
+
+Steel with its Poisson's ratio. Q/(mu N), its difference from the finest mesh and from half-spaces (Carter; the law on
+27 x 27 cells) in percent of mu N, and Q itself beside the finest mesh at the same approach.
+
+{table(["rollers", "creepage", "mesh", "Q/(mu N)", "beside 1 mm", "beside half-spaces", "Q"], mesh_rows())}
+## Gross slip
+
+|Q|/(mu N) - 1, and the angle between force and slip in degrees.
+
+{table(["way", "force", "angle"], gross_rows())}
+## Kalker's coefficients
+
+Two crowned rollers, friction {NO_SLIP:g}, 21 x 21 cells, a b = (0.25 mm)^2; C_22 by a lateral speed, C_23 by an upper
+axle tilted by {1e3 * TILT:g} mrad. Relative errors beside the table (a parabola between its Poisson's ratios).
+
+{table(["a/b", "Poisson", "C11", "C22", "C23"], kalker_rows())}"""
