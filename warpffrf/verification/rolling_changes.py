@@ -1,4 +1,4 @@
-"""Histories of friction on cells of the patch, measured by simulation: the rows of `rolling_patches` on Cattaneo and
+r"""Histories of friction on cells of the patch, measured by simulation: the rows of `rolling_patches` on Cattaneo and
 Mindlin, work and energy, and patches that grow, shrink, part and leave an end.
 
 **Cattaneo.** The lower roller is shifted along x to Q = 0.5 mu P and back and forth. Its way is made of that of a patch
@@ -89,7 +89,9 @@ def to_and_fro(way: float, legs: int) -> Table:
     return Table(np.append(t, end + 10.0), np.append(x, x[-1]), cubic=True)
 
 
-def shifted(body: ReducedBody, approach: float, way: float, cells: tuple[int, int], legs: int, friction: float) -> Result:
+def shifted(
+    body: ReducedBody, approach: float, way: float, cells: tuple[int, int], legs: int, friction: float
+) -> Result:  # fmt: skip
     """Rollers that stand, the lower one moved along x."""
     drives = Drives(speed=0.0, way=to_and_fro(way, legs), along=(1.0, 0.0, 0.0))
     scene = pair(body, body, approach, drives, cells=cells, friction=friction)
@@ -324,8 +326,8 @@ Points: rollers with a crown of their own radius.
 
 Much friction, a traction locked in while both stand ({1e3 * found.stored:.3f} mJ), then a revolution at equal speeds.
 Friction takes {1e3 * found.lost:.3f} mJ, cells that travel move {1e3 * found.moved:+.3f} mJ; {found.passing:.0f} J of
-elastic energy pass through the patch, so that friction takes {found.lost / found.passing:.1e} of it. It gains in no step
-(largest change {found.gained:.1e} J), and {found.share:.1e} of the force is left.
+elastic energy pass through the patch, so that friction takes {found.lost / found.passing:.1e} of it. It gains in no
+step (largest change {found.gained:.1e} J), and {found.share:.1e} of the force is left.
 
 One roller drives the other at a creepage of {DRIVEN:g} (0.41 mu N): contact grid and numerical lines of the ledger over
 the work of the drives, in percent.
@@ -334,6 +336,7 @@ the work of the drives, in percent.
 ## Patches that change
 
 Largest jumps of the force beyond a smooth curve in percent of the largest mu N, of the load in percent of its largest,
-least load in percent of that, steps that were repeated. Creepage {GENTLE:g} of gross slip's, crown {1e3 * CROWN:.0f} mm.
+least load in percent of that, steps that were repeated. Creepage {GENTLE:g} of gross slip's,
+crown {1e3 * CROWN:.0f} mm.
 
 {table(["case", "contact", "strips", "strips a step", "force", "load", "least load", "repeated"], change_rows())}"""

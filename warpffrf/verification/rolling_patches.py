@@ -1,7 +1,7 @@
-"""Writes docs/studies/rolling_patches.md: `python -m warpffrf.verification.rolling_patches [FOLDER]`. About ten minutes.
+"""Writes docs/studies/rolling_patches.md: `python -m warpffrf.verification.rolling_patches [FOLDER]`. Ten minutes.
 
 Friction on cells that travel with the patch, measured by simulations of rollers on coarse meshes: steady rolling and
-sliding (`rolling_steady`), and histories (`rolling_changes`).
+sliding (`rolling_steady`, `rolling_bodies`), and histories (`rolling_changes`).
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from warpffrf.verification import rolling_changes, rolling_steady
+from warpffrf.verification import rolling_bodies, rolling_changes, rolling_steady
 
 HEAD = """# Rollers with friction on cells of the patch
 
@@ -22,7 +22,7 @@ Two equal hollow rollers (R 50, bore 15, width 20 mm unless said), everything pr
 
 def page() -> str:
     """The whole page."""
-    return HEAD + rolling_steady.section() + rolling_changes.section()
+    return HEAD + rolling_steady.section() + rolling_bodies.section() + rolling_changes.section()
 
 
 def main(folder: str = "docs/studies") -> None:

@@ -43,15 +43,12 @@ class RollingPair(Pair):
             gap = 0.5 * self.x**2 / self.radius + self.K @ q
             new, *_ = active_set(self.N / self.width, gap, np.ones(self.cells), unit, load, (0, -1))
             base, bound, old = self.K.T @ new - was, self.friction * new, q
-            tried: dict[float, Any] = {}
 
-            def force(creepage: float, base: Any = base, bound: Any = bound, tried: Any = tried, old: Any = old) -> float:
-                tried[creepage] = solve(self.N, base - creepage * self.width, bound, old)
-                return float(tried[creepage].sum())
+            def traction(creepage: float, base: Any = base, bound: Any = bound, old: Any = old) -> Any:
+                return solve(self.N, base - creepage * self.width, bound, old)
 
-            xi = float(brentq(force, -most, most, xtol=NO_FORCE * most))  # pyright: ignore[reportArgumentType]
-            force(xi)
-            q = tried[xi]
+            xi = float(brentq(lambda c: float(traction(c).sum()), -most, most, xtol=NO_FORCE * most))  # pyright: ignore
+            q = traction(xi)
             change, p = max(np.abs(new - p).max(), np.abs(q - old).max()), new
             if change <= SETTLED * p.max():
                 break

@@ -100,7 +100,8 @@ def pair(
     below_ratio, above_ratio = drives.speeds or (constant(1.0), constant(1.0 - drives.creepage))
     start = [float(ratio(0.0)) for ratio in (below_ratio, above_ratio)]
     sideways = -drives.lateral_creepage * drives.speed
-    first = scene.add_body(lower, name="lower", angular_velocity=turning * start[0] * np.array(AXLE), inertia="constant")
+    turns = turning * start[0] * np.array(AXLE)
+    first = scene.add_body(lower, name="lower", angular_velocity=turns, inertia="constant")
     start_lateral = sideways if drives.lateral is None else float(drives.lateral(0.0))
     second = scene.add_body(
         upper, name="upper", position=place, rotation=np.array([np.sin(half), 0.0, 0.0, np.cos(half)]),
