@@ -335,6 +335,9 @@ the work of the drives, in percent.
 {table(["strips", "strips a step", "revolutions", "ledger"], work_rows())}
 ## Patches that change
 
+Off the end, a point contact loses load in steps, a row of cells at a time, with friction or without; the force follows
+the load.
+
 Largest jumps of the force beyond a smooth curve in percent of the largest mu N, of the load in percent of its largest,
 least load in percent of that, steps that were repeated. Creepage {GENTLE:g} of gross slip's,
 crown {1e3 * CROWN:.0f} mm.
