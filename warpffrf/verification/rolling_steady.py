@@ -117,9 +117,7 @@ def transient_error(strips: int, advance: float) -> float:
 
 def transient_rows() -> list[list[str]]:
     """Steps down, strips across."""
-    return [
-        [f"{c:g}", *(f"{100 * transient_error(n, c):.2f}" for n in (11, 15, 21))] for c in (0.5, 1.0, 1.37, 2.0)
-    ]
+    return [[f"{c:g}", *(f"{100 * transient_error(n, c):.2f}" for n in (11, 15, 21))] for c in (0.5, 1.0, 1.37, 2.0)]
 
 
 # --- Eurosprinter ---

@@ -21,10 +21,9 @@ pair by pair, with the active set as it is: with U^T U = G, W = U^-T L and U^T Y
 a Schur complement of a positive semidefinite matrix, which is one. D has a block for each pair (`cell_blocks`); M is
 in `mobility`.
 
-On cells that travel with the patch (`rolling`) N is left to the next iteration, and Y is nothing (`answering`): what it
-costs grows with the third power of their number, and without it K stays from step to step. What pressures answer
-through the motion of the bodies, W, is kept. Bodies alike take the same iterations, two or three; aluminium on steel
-four instead of two and a half, steel on a rigid plane 5.6 instead of 2.7, at a Poisson ratio of 0 (beta = 0.5) 9.5.
+On cells that travel with the patch (`rolling`) Y, which costs what grows with the third power of their number, is
+nothing in K (`answering`), so that K stays from step to step. Pressures follow the change of the tractions there, N^T
+dtau by the fields themselves (`take_gaps`), and what they do to slips in turn is left to the next iteration.
 
 The bounds follow that answer too: tractions and bounds are solved for in turn, in rounds, with the same matrices. Each
 leaves some mu N^T G^-1 of an error, which converges where friction has one solution, and costs next to nothing where
@@ -36,13 +35,13 @@ import warp as wp
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync
 from warpffrf_kernels.friction.cell_blocks import COUNT, FRESH, first_line, is_fresh, move_outer
 from warpffrf_kernels.friction.cell_compliance import scale_modes
 from warpffrf_kernels.friction.cell_shares import add_on_shares
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid, rubs_on_patch
 from warpffrf_kernels.friction.tangential_fields import second_high, second_low
-from warpffrf_kernels.linear.block_elimination import add_lines, backward, follow_columns, forward_lines
+from warpffrf_kernels.linear.block_elimination import add_lines, backward, follow_columns, forward, forward_lines
 from warpffrf_kernels.normal.pair_elimination import COUNT as SLOTS
 from warpffrf_kernels.normal.pair_elimination import LEFT_START, START, block_at, lines_at
 from warpffrf_kernels.surfaces.fields import clear_field
@@ -111,13 +110,8 @@ def open_answer(
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     n = block[w, 0, LEFT_START]  # the places before are those of active slots
-    renewed = is_new(model, w, n, cell_block, order, slot_hat, answer_hat, answer_state)
-    if ctl[w].iteration == 0:  # G of the pressures is another one in every attempt, and Y with it
-        pair = int(0)
-        while pair < model.pairs.count:
-            if model.pairs.friction[pair] > real(0.0) and answering(model, pair, 1) > 0:
-                renewed = True
-            pair += 1
+    # in every attempt the pressures' G is another one, and with it Y, and gradients by the motion of the bodies
+    renewed = ctl[w].iteration == 0 or is_new(model, w, n, cell_block, order, slot_hat, answer_hat, answer_state)
     answer_state[w, ACTIVE] = n
     answer_state[w, RENEWED] = 0
     answer_state[w, OPEN] = 1
@@ -419,6 +413,50 @@ def answer_to(
 ): ...
 
 
+@wp.func
+def take_gaps(
+    model: Model,
+    w: int,
+    pair: int,
+    lane: int,
+    start: int,
+    hats: int,
+    cells: int,
+    order: wp.array2d(dtype=int),
+    slot_hat: wp.array3d(dtype=int),
+    gap_change: wp.array(dtype=real),
+    J: wp.array(dtype=real),
+    cell_J: wp.array(dtype=real),
+    receptance: wp.array(dtype=real),
+    moved: wp.array(dtype=real),
+    scratch: wp.array(dtype=real),
+    step: wp.array(dtype=real),
+):
+    """step = -N^T dtau of a pair whose cells travel with the patch: by far fields and half-spaces `gap_change`, and by
+    the modes that are condensed."""
+    width = model.pairs.most_modes
+    scaled = (w * model.pairs.count + pair) * 2 * width
+    n = lane
+    while n < width:
+        value = real(0.0)
+        line = first_line(model, w, pair)
+        while line < first_line(model, w, pair) + 2 * cells:
+            value += cell_J[line * width + n] * moved[line]
+            line += 1
+        scratch[scaled + width + n] = value
+        n += wp.block_dim()
+    sync()
+    modes = scale_modes(model, w, pair, lane, scratch, scaled + width, receptance, scratch, scaled)
+    a = lane
+    while a < hats:
+        slot = order[w, start + a]
+        value = gap_change[(w * model.pairs.count + pair) * model.window.hats + slot_hat[w, slot, 1]]
+        value += dot(modes, scratch, scaled, J, (w * model.capacity.slots + slot) * width)
+        step[w * model.capacity.slots + start + a] = -value
+        a += wp.block_dim()
+    sync()
+
+
 @wp.kernel
 def press_with_tractions(
     models: wp.array(dtype=Model),
@@ -437,7 +475,12 @@ def press_with_tractions(
     tau: wp.array(dtype=real),
     tau_base: wp.array(dtype=real),
     base: wp.array3d(dtype=real),
+    gap_change: wp.array(dtype=real),
+    J: wp.array(dtype=real),
+    cell_J: wp.array(dtype=real),
+    receptance: wp.array(dtype=real),
     moved: inout(wp.array(dtype=real)),
+    scratch: inout(wp.array(dtype=real)),
     push: inout(wp.array(dtype=real)),
     z_change: inout(wp.array(dtype=real)),
     step: inout(wp.array(dtype=real)),
@@ -466,8 +509,14 @@ def press_with_tractions(
     while pair < model.pairs.count:
         start = block[w, pair, START]
         hats = block[w, pair, SLOTS]
-        used = wp.min(answering(model, pair, hats), 1) * 2 * cell_block[w, pair, COUNT]
-        answer_to(model, w, pair, start, hats, used, Y, moved, step)
+        if rubs_on_patch(model, pair):
+            take_gaps(
+                model, w, pair, lane, start, hats, cell_block[w, pair, COUNT], order, slot_hat, gap_change, J, cell_J,
+                receptance, moved, scratch, step,
+            )  # fmt: skip
+            forward(factor, block_at(model, w, start), model.capacity.slots, hats, step, slots + start)
+        else:
+            answer_to(model, w, pair, start, hats, 2 * cell_block[w, pair, COUNT], Y, moved, step)
         follow_columns(model, w, pair, hats, real(-1.0), W, lines_at(model, w, start), z_change, step, slots + start)
         backward(factor, block_at(model, w, start), model.capacity.slots, hats, step, slots + start)
         pair += 1

@@ -21,7 +21,9 @@ from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
+from warpffrf_kernels.friction.cell_blocks import COUNT, first_line
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_patch
+from warpffrf_kernels.friction.pressure_answer import OPEN
 from warpffrf_kernels.normal.pair_forces import modal_line
 from warpffrf_kernels.patch.fields import add_splines, half_of, rows_of, sum_lines
 from warpffrf_kernels.patch.spline_tables import line_of, real_side
@@ -34,9 +36,37 @@ from warpffrf_kernels.rolling.spline_tables import (
     table_along,
     trace_along,
 )
+from warpffrf_kernels.surfaces.fields import clear_field
 from warpffrf_kernels.surfaces.surface import radius_of
 
 wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.func
+def load_sides(
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    far_window: wp.array4d(dtype=int),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
+    place_traction: wp.array(dtype=real),
+    rub_load: wp.array(dtype=real),
+):
+    """Forces on the splines of both sides of tractions at places."""
+    places = elements.patches.places
+    here = (w * model.pairs.count + pair) * 4 * places
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    for side in range(2):
+        s = real_side(elements, pair, side)
+        for d in range(2):
+            if s >= 0:
+                load_side(
+                    model, elements, w, pair, side, rows, model.surfaces.rows[s],
+                    far_window[w, pair, side, 1] * model.surfaces.rows[s], far_strip, far_share, place_traction,
+                    here + (2 * side + d) * places, rub_load, half_along(model, elements, w, pair, side, d),
+                )  # fmt: skip
 
 
 @wp.kernel
@@ -82,15 +112,54 @@ def load_along(
         place_traction[here + 3 * places + e] = g_2
         e += wp.block_dim()
     sync()
+    load_sides(model, elements, w, pair, far_window, far_strip, far_share, place_traction, rub_load)
+
+
+@wp.func
+def open_by_tractions(
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    lane: int,
+    far_window: wp.array4d(dtype=int),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
+    place_traction: wp.array(dtype=real),
+    shear_near: wp.array(dtype=real),
+    rub_table: wp.array(dtype=real),
+    rub_load: wp.array(dtype=real),
+    rub_push: wp.array(dtype=real),
+    value: wp.array(dtype=real),
+):
+    """Adds to `value` of the cells of a pair how tractions at places, which are `rub_load` on splines, open the weak
+    gaps."""
+    nodes = elements.patches.far_nodes
     for side in range(2):
         s = real_side(elements, pair, side)
-        for d in range(2):
-            if s >= 0:
-                load_side(
-                    model, elements, w, pair, side, rows, model.surfaces.rows[s],
-                    far_window[w, pair, side, 1] * model.surfaces.rows[s], far_strip, far_share, place_traction,
-                    here + (2 * side + d) * places, rub_load, half_along(model, elements, w, pair, side, d),
-                )  # fmt: skip
+        if s >= 0:
+            count = far_window[w, pair, side, 1] * model.surfaces.rows[s]
+            at = half_of(model, elements, w, pair, side)
+            sum_along(
+                line_of(count), count, nodes, rub_load, half_along(model, elements, w, pair, side, 0), rub_table,
+                table_along(model, elements, w, pair, side, 0) + 2 * nodes, rub_push, at,
+            )  # fmt: skip
+            n = lane
+            while n < line_of(count):
+                rub_push[at + n] = -rub_push[at + n]
+                n += wp.block_dim()
+            sync()
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    add_splines(
+        model, elements, w, pair, rows, rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
+        far_strip, far_share, rub_push, value,
+    )  # fmt: skip
+    if elements.rolling.coupled[pair] != 0:
+        rings = elements.rolling.ring_rows[pair]
+        open_near(
+            model, elements, w, pair, rows, rings, shear_line(rows, rings), STRIPS_AROUND, shear_near, place_traction,
+            value, (w * model.pairs.count + pair) * model.window.hats,
+        )  # fmt: skip
 
 
 @wp.kernel
@@ -112,33 +181,67 @@ def open_gaps(
     model = models[0]
     if ctl[w].run == 0 or not rubs_on_patch(model, pair):
         return
-    elements = model.elements[0]
-    nodes = elements.patches.far_nodes
-    for side in range(2):
-        s = real_side(elements, pair, side)
-        if s >= 0:
-            count = far_window[w, pair, side, 1] * model.surfaces.rows[s]
-            at = half_of(model, elements, w, pair, side)
-            sum_along(
-                line_of(count), count, nodes, rub_load, half_along(model, elements, w, pair, side, 0), rub_table,
-                table_along(model, elements, w, pair, side, 0) + 2 * nodes, rub_push, at,
-            )  # fmt: skip
-            n = lane
-            while n < line_of(count):
-                rub_push[at + n] = -rub_push[at + n]
-                n += wp.block_dim()
-            sync()
-    rows = model.surfaces.rows[model.pairs.first[pair]]
-    add_splines(
-        model, elements, w, pair, rows, rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
-        far_strip, far_share, rub_push, first_local,
+    open_by_tractions(
+        model, model.elements[0], w, pair, lane, far_window, far_strip, far_share, place_traction, shear_near,
+        rub_table, rub_load, rub_push, first_local,
     )  # fmt: skip
-    if elements.rolling.coupled[pair] != 0:
-        rings = elements.rolling.ring_rows[pair]
-        open_near(
-            model, elements, w, pair, rows, rings, shear_line(rows, rings), STRIPS_AROUND, shear_near, place_traction,
-            first_local, (w * model.pairs.count + pair) * model.window.hats,
-        )  # fmt: skip
+
+
+@wp.kernel
+def open_by_change(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    cell_block: wp.array3d(dtype=int),
+    cell_slot: wp.array3d(dtype=int),
+    cell_turn: wp.array4d(dtype=real),
+    far_window: wp.array4d(dtype=int),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
+    shear_near: wp.array(dtype=real),
+    rub_table: wp.array(dtype=real),
+    answer_state: wp.array2d(dtype=int),
+    tau: wp.array(dtype=real),
+    tau_base: wp.array(dtype=real),
+    place_traction: inout(wp.array(dtype=real)),
+    rub_load: inout(wp.array(dtype=real)),
+    rub_push: inout(wp.array(dtype=real)),
+    gap_change: inout(wp.array(dtype=real)),
+):
+    """Per (world, pair), lanes over places, then cells: how the change of the tractions in this round opens the weak
+    gaps, times the weight of the pair."""
+    w, pair, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0 or not rubs_on_patch(model, pair):
+        return
+    elements = model.elements[0]
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    line = line_of(rows)
+    places = elements.patches.places
+    here = w * model.pairs.count + pair
+    e = lane
+    while e < 4 * places:
+        place_traction[here * 4 * places + e] = real(0.0)
+        e += wp.block_dim()
+    clear_field(lane, model.window.hats, here * model.window.hats, gap_change)
+    sync()
+    i = lane
+    while i < cell_block[w, pair, COUNT]:
+        m = cell_slot[w, pair, i]
+        at = here * 4 * places + (m / rows) * line + m % rows
+        number = first_line(model, w, pair) + 2 * i
+        t_1 = tau[number] - tau_base[number]
+        t_2 = tau[number + 1] - tau_base[number + 1]
+        place_traction[at] = t_1
+        place_traction[at + places] = t_2
+        place_traction[at + 2 * places] = -(cell_turn[w, pair, m, 0] * t_1 + cell_turn[w, pair, m, 2] * t_2)
+        place_traction[at + 3 * places] = -(cell_turn[w, pair, m, 1] * t_1 + cell_turn[w, pair, m, 3] * t_2)
+        i += wp.block_dim()
+    sync()
+    load_sides(model, elements, w, pair, far_window, far_strip, far_share, place_traction, rub_load)
+    open_by_tractions(
+        model, elements, w, pair, lane, far_window, far_strip, far_share, place_traction, shear_near, rub_table,
+        rub_load, rub_push, gap_change,
+    )  # fmt: skip
 
 
 @wp.func

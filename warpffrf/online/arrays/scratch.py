@@ -223,6 +223,7 @@ class Rolling(Arrays):
     rub_modes: DeviceArray = reals("world", "rolling_pair", "4*rolling_node", unit="m", note="global modes", run=True)
     rub_push: DeviceArray = reals("world", "rolling_pair", "2*rolling_node", unit="m", note="outward", run=True)
     grown: DeviceArray = reals("world", "rolling_pair", "2*rolling_node", note="outward over the radius", run=True)
+    gap_change: DeviceArray = reals("world", "rolling_pair", "rolling_hat", unit="m3", note="by a round", run=True)
     near_shift: DeviceArray = reals(
         "world", "rolling_pair", "2*rolling_hat", unit="m3", note="by the half-spaces", run=True
     )

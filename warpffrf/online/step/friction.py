@@ -75,9 +75,10 @@ RUB = [
     blocks(slope_condensation.pose_slopes, when=SPEED, **RIGHT, **TAU, **LIMITS, **OUTER),
     blocks(stick_slip_solve.solve_tractions, **SYSTEM, **LIMITS, **OUTER, **SOLVE),
     blocks(slip_speed.split_tractions, when=SPEED, radius="cell_radius", found="cell_slip", **TAU),
+    blocks(fields.open_by_change, "pair", when=ROLLING, tau_base="cell_base", **TAU),
     blocks(
         pressure_answer.press_with_tractions, tau_base="cell_base", change="answer_change", z_change="answer_z",
-        push="cell_load", **Y, **BORDERED, **M, **TAU, **STEP,
+        push="cell_load", **Y, **BORDERED, **M, **TAU, **STEP, **SCALED,
     ),
     threads(slip_speed.keep_following, when=SPEED),
     *bounds(0),
