@@ -104,13 +104,14 @@ def _around(ax: Any, contact: Any, i: int) -> None:
         ax.set_xlim(middle - reach, middle + reach)
 
 
-def stick_slip(result: Any, ax: Any) -> None:
-    """State of every cell on the unwrapped patch, with arrows of the tractions on the first body."""
+def stick_slip(result: Any, ax: Any, row: int | None = None) -> None:
+    """State of every cell on the unwrapped patch, with arrows of the tractions on the first body, in saved step `row`,
+    the last one that touches unless given."""
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
     contact = rubbing(result)
-    i = _last_touching(contact)
+    i = _last_touching(contact) if row is None else row
     friction, step = contact.friction, 1 if contact.side > 0.0 else -1
     lines = _lines(contact, i)
     x, z = (0.5 * (v[1:] + v[:-1]) for v in lines)
