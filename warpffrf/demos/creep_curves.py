@@ -30,13 +30,12 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 import warpffrf as wf
 from warpffrf.demos.checks import Check, finish, writable_folder
-from warpffrf.output.plots.friction import stick_slip
+from warpffrf.output.plots.friction import StickSlipMap
 from warpffrf.output.plots.panels import Panel
 from warpffrf.verification.closed_forms import contact_modulus
 from warpffrf.verification.closed_forms import rolling_tables as published
@@ -284,20 +283,6 @@ def checks(results: dict[str, wf.Result], exact: dict[str, Curve], size: Size) -
     ]
 
 
-@dataclass(frozen=True)
-class Map:
-    """Stick and slip in saved step `row` of a run, with arrows of the tractions: a plot for `save_panels`."""
-
-    title: str
-    result: wf.Result
-    row: int
-
-    def draw(self, ax: Any) -> None:
-        """Draw on matplotlib axes."""
-        stick_slip(self.result, ax, self.row)
-        ax.set_title(self.title, fontsize=10)
-
-
 def panels(results: dict[str, wf.Result], exact: dict[str, Curve], size: Size) -> list:
     """Forces against creepages and spin beside the others', and a map of the patch."""
     runs = stairs(size)
@@ -338,7 +323,7 @@ def panels(results: dict[str, wf.Result], exact: dict[str, Curve], size: Size) -
               {"Fx": (x, beside[:, 0]), "Fy": (x, beside[:, 1])},
               {"Fx without spin": (x, found["longitudinal"].forces[:, 0])},
               {"half-spaces": (np.tile(x, 2), exact_beside.T.ravel())}),
-        Map(f"Tractions on the lower roller, creepage {xi * 1e3:g}e-3, spin {spin:g} rad/m", results[name],
+        StickSlipMap(f"Tractions on the lower roller, creepage {xi * 1e3:g}e-3, spin {spin:g} rad/m", results[name],
             rows(results[name], runs[name])[stair]),
     ]  # fmt: skip
 

@@ -4,6 +4,7 @@ power, wear."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -137,6 +138,20 @@ def stick_slip(result: Any, ax: Any, row: int | None = None) -> None:
         handles=[Patch(color=c, label=n) for n, c in zip(STATES, STATE_COLORS, strict=True)], fontsize=7, ncols=3,
         loc="upper right",
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class StickSlipMap:
+    """`stick_slip` in saved step `row` of `result` under a title of its own, as a panel for `panels.save_panels`."""
+
+    title: str
+    result: Any
+    row: int
+
+    def draw(self, ax: Any) -> None:
+        """Draw on matplotlib axes."""
+        stick_slip(self.result, ax, self.row)
+        ax.set_title(self.title, fontsize=10)
 
 
 def creepage(result: Any, ax: Any) -> None:

@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -19,6 +19,13 @@ DPI = 110
 COLORS = ("#1b6ca8", "#d1495b", "#2a9d6f", "#b57f00", "#6d5aa8", "#4f5d6b")
 REFERENCE_DASH = (0, (5, 3))
 MARKS = "os^D"
+
+
+class Drawn(Protocol):
+    """What `save_panels` takes."""
+
+    def draw(self, ax: object) -> None:
+        """Draw on matplotlib axes."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +63,7 @@ class Panel:
             axes.legend(frameon=False, fontsize=8)
 
 
-def save_panels(panels: Sequence[Panel], path: str | os.PathLike[str]) -> Path:
+def save_panels(panels: Sequence[Drawn], path: str | os.PathLike[str]) -> Path:
     """Draw the panels into one picture; the ending of `path` chooses the format (.png, .pdf, .svg); returns its path.
 
     Raises `InputError` for no panels, a path that cannot be written and an unknown ending.
