@@ -34,7 +34,8 @@ def suns() -> dict[int, list[Callable[[float], Scene]]]:
     """Scenes by the number of pairs, as functions of the coefficient of friction."""
     body = reduce(
         mesh.roller(RADIUS, 0.015, WIDTH, sectors=240, layers=5, axial=4, grading=1.6, order=1), STEEL,
-        interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=20, tangential=True, progress=False,
+        interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=20,
+        tangential=True, patch_grid=False, progress=False,
     )  # fmt: skip
     return {
         pairs: [lambda mu, pairs=pairs: planets(body, pairs, LOAD, friction=mu, creepage=CREEPAGE)]

@@ -63,7 +63,7 @@ def count_lanes(lanes: wp.array(dtype=int)):
 
 lanes = wp.zeros(1, dtype=int, device="cpu")
 wp.launch_tiled(count_lanes, dim=(1,), inputs=[lanes], block_dim=64, device="cpu")
-made = dict(layers=3, axial=2, order=2, grading=1.6, max_frequency=15e3, tangential=True, cache=False)
+made = dict(layers=3, axial=2, order=2, grading=1.6, max_frequency=15e3, tangential=True, patch_grid=False, cache=False)
 first, second = roller_body(90, **made), roller_body(84, outer_radius=0.0497, **made)  # at equal speeds: 0.6 % of creep
 scene = guided_pair(first, second, load=200e3, speed=50.0, ramp=0.002, friction=0.3)
 history = run(scene, 0.004, step=1e-4, start="equilibrium", progress=False)
@@ -87,7 +87,8 @@ from warpffrf.online import run
 from warpffrf.verification.scenes.planets import planets
 from warpffrf.verification.scenes.rollers import roller_body
 
-body = roller_body(90, layers=3, axial=2, order=2, grading=1.6, max_frequency=15e3, tangential=True, cache=False)
+body = roller_body(90, layers=3, axial=2, order=2, grading=1.6, max_frequency=15e3,
+                   tangential=True, patch_grid=False, cache=False)
 scene = planets(body, 3, 100e3, friction=0.3, creepage=2e-2)
 for contact in scene.contacts:
     contact.friction = wf.laws.StribeckCoulomb(0.3, 0.2, 0.05)
@@ -97,6 +98,66 @@ for name, c in history.contacts.items():
     made |= {f"{name} force": c.force, f"{name} traction": c.friction.traction, f"{name} state": c.friction.state}
 np.savez(sys.argv[2], **made)
 """
+
+
+# cells that travel with the patch, of unlike bodies
+ROLLING = """
+import sys
+import numpy as np
+import warp as wp
+
+wp.config.enable_cpu_blocks = sys.argv[1] == "blocks"
+import warpffrf as wf
+from warpffrf.online import run
+
+@wp.kernel
+def count_lanes(lanes: wp.array(dtype=int)):
+    i, lane = wp.tid()
+    wp.atomic_add(lanes, 0, 1)
+
+lanes = wp.zeros(1, dtype=int, device="cpu")
+wp.launch_tiled(count_lanes, dim=(1,), inputs=[lanes], block_dim=64, device="cpu")
+bodies = [
+    wf.reduce(
+        wf.mesh.roller(0.05, 0.015, 0.02, sectors=36, layers=2, axial=2, order=1), wf.Material(modulus, nu, 7850.0),
+        interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3, tangential=True,
+        patch_grid=True, cache=False, progress=False,
+    )
+    for modulus, nu in ((210e9, 0.3), (70e9, 0.34))
+]
+made = {}
+for partner in ("roller", "ball"):
+    scene = wf.Scene(gravity=(0, 0, 0))
+    lower = scene.add_body(bodies[0], name="lower", angular_velocity=(0, 10.0, 0), inertia="constant")
+    turning = [(lower, 10.0)]
+    if partner == "roller":
+        other = scene.add_body(
+            bodies[1], name="upper", position=(0, 0, 0.1 - 2e-5), angular_velocity=(0, -10.05, 0), inertia="constant"
+        )
+        turning.append((other, -10.05))
+        face = other["rim"]
+    else:
+        shape = wf.surfaces.Sphere(radius=0.03, axis_point=(0, 1e-3, 0.08 - 2e-5), axis_direction=(0, 1, 0))
+        face = scene.ground.surface(shape, name="ball")
+    for body, speed in turning:
+        axle = scene.add(wf.joints.Revolute(scene.ground, body["bore"], axis=(0, 1, 0)))
+        scene.add(wf.joints.Drive(axle, wf.signals.Table([0, 1], [speed, speed]), quantity="velocity"))
+    scene.add(wf.Contact(lower["rim"], face, friction=0.3, grid="patch", cells=(9, 7), name="pair"))
+    history = run(scene, 20 * 2e-4, step=2e-4, start="equilibrium", progress=False)
+    assert history.status == "completed"
+    c = history.contacts["pair"]
+    made |= {f"{partner} force": c.force, f"{partner} traction": c.friction.traction,
+             f"{partner} state": c.friction.state, f"{partner} modal": history.bodies["lower"].modal,
+             f"{partner} friction": history.energy["friction"]}
+np.savez(sys.argv[2], lanes=lanes.numpy()[0], **made)
+"""
+
+
+def test_one_lane_and_64_lanes_agree_on_cells_that_travel(tmp_path: Path) -> None:
+    one, blocks = both(ROLLING, tmp_path)
+    assert (int(one["lanes"]), int(blocks["lanes"])) == (1, BLOCK)
+    assert {1, 2} <= set(np.unique(one["roller state"])) and 2 in one["ball state"]
+    compare(one, blocks)
 
 
 @pytest.mark.slow

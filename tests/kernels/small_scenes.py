@@ -15,6 +15,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.friction import RegularisedCoulomb, StribeckCoulomb
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.lumped_contact import LumpedContact
+from warpffrf.model.material import Material
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
@@ -27,6 +28,7 @@ from warpffrf.verification.scenes.rollers import STEEL, Path, guided_pair, rolle
 
 STEP, STEPS = 2e-5, 5
 RADIUS, BALL = 0.05, 0.02  # m
+ALUMINIUM = Material(70e9, 0.34, 2700.0)
 WIDE = Settings(window_strain=0.3)  # patches of many hats on coarse grids
 
 
@@ -41,17 +43,21 @@ def roller(**options: Any) -> ReducedBody:
 
 @functools.cache
 def rubbing() -> ReducedBody:
-    return roller(tangential=True)
+    return roller(tangential=True, patch_grid=False)
 
 
 @functools.cache
-def patched() -> ReducedBody:
+def patched(**options: Any) -> ReducedBody:
     """A roller whose mesh is much coarser than its patches."""
     made = mesh.roller(RADIUS, 0.015, 0.02, sectors=36, layers=2, axial=2, grading=1.6, order=1)
     return reduce(
-        made, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, max_frequency=12e3,
-        patch_grid=True, cache=False, progress=False,
+        made, options.pop("material", STEEL), interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()},
+        max_frequency=12e3, patch_grid=True, cache=False, progress=False, **options,
     )  # fmt: skip
+
+
+def rubbing_patched(material: Material = STEEL) -> ReducedBody:
+    return patched(tangential=True, material=material)
 
 
 @functools.cache
@@ -88,7 +94,8 @@ def ring() -> ReducedBody:
     """Contact on the inside; its grid matches no roller's."""
     made = mesh.roller(0.075, 0.055, 0.024, sectors=42, layers=2, axial=3, grading=1.0)
     return reduce(
-        made, STEEL, interfaces={"rim": "rigid"}, contact={"bore": surfaces.Bore()}, modes=4, tangential=True,
+        made, STEEL, interfaces={"rim": "rigid"}, contact={"bore": surfaces.Bore()}, modes=4,
+        tangential=True, patch_grid=False,
         cache=False, progress=False,
     )  # fmt: skip
 
@@ -98,7 +105,8 @@ def block() -> ReducedBody:
     """Its contact grid ends on all four sides."""
     made = mesh.box((0.02, 0.02, 0.01), (4, 4, 2))
     return reduce(
-        made, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": surfaces.Plane()}, modes=2, tangential=True,
+        made, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": surfaces.Plane()}, modes=2,
+        tangential=True, patch_grid=False,
         cache=False, progress=False,
     )  # fmt: skip
 
@@ -342,6 +350,22 @@ CASES: dict[str, Case] = {
         lambda: rollers(patched(), patched(), grid="patch", law=DAMPED), options=REST
     ),
     "three rollers, patches": Case(lambda: three_rollers(patched(), grid="patch"), options=REST),
+    "rollers, patch with friction": Case(
+        lambda: rollers(rubbing_patched(), rubbing_patched(), grid="patch", friction=0.3), options=REST
+    ),
+    "unlike rollers, patch with friction": Case(
+        lambda: rollers(rubbing_patched(), rubbing_patched(ALUMINIUM), grid="patch", friction=0.3), options=REST
+    ),
+    "rollers, patch with falling friction": Case(
+        lambda: rollers(
+            rubbing_patched(), rubbing_patched(), grid="patch", friction=StribeckCoulomb(0.4, 0.2, 1e-2)
+        ),
+        options=REST,
+    ),
+    "ball, patch with friction": Case(lambda: ball_on(rubbing_patched(), grid="patch", friction=0.2), 2e-6),
+    "three rollers, patches with friction": Case(
+        lambda: three_rollers(rubbing_patched(), grid="patch", friction=0.2), options=REST
+    ),
     "three rollers": Case(lambda: three_rollers(roller()), options=REST),
     "three rollers, friction": Case(lambda: three_rollers(rubbing(), friction=0.2), options=REST),
     "ball": Case(lambda: ball_on(roller()), 2e-6),

@@ -41,7 +41,7 @@ TURNED = np.array([1e-3, 0.3, -2e-3, 1.0]) / np.linalg.norm([1e-3, 0.3, -2e-3, 1
 
 @pytest.fixture(scope="module")
 def rubbing_roller() -> ReducedBody:
-    return roller_body(30, layers=2, axial=2, grading=1.6, modes=4, tangential=True, cache=False)
+    return roller_body(30, layers=2, axial=2, grading=1.6, modes=4, tangential=True, patch_grid=False, cache=False)
 
 
 @pytest.fixture(scope="module")

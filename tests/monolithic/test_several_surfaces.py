@@ -41,7 +41,8 @@ STEP, STEPS = 1e-5, 10
 def ring() -> ReducedBody:
     mesh = roller(0.05, 0.03, 0.02, sectors=14, layers=2, axial=2, order=1)
     return reduce(
-        mesh, STEEL, contact={"rim": Cylinder(), "bore": Bore()}, modes=6, tangential=True, local_dynamics=True,
+        mesh, STEEL, contact={"rim": Cylinder(), "bore": Bore()}, modes=6,
+        tangential=True, local_dynamics=True,
         cache=False, progress=False, patch_grid=False,
     )  # fmt: skip
 

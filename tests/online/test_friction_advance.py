@@ -19,7 +19,7 @@ SECTORS = 120
 @pytest.fixture(scope="module")
 def body() -> ReducedBody:
     return roller_body(
-        SECTORS, layers=3, axial=2, grading=1.6, width=0.01, modes=0, tangential=True, cache=False
+        SECTORS, layers=3, axial=2, grading=1.6, width=0.01, modes=0, tangential=True, patch_grid=False, cache=False
     )  # fmt: skip
 
 
@@ -28,7 +28,8 @@ def slab() -> ReducedBody:
     mesh = box((0.02, 0.02, 0.008), (8, 8, 3), center=(0.0, 0.0, -0.004), order=1)
     top = surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0), direction=(0.0, 1.0, 0.0))
     return wf.reduce(
-        mesh, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": top}, modes=0, tangential=True, cache=False,
+        mesh, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": top}, modes=0,
+        tangential=True, patch_grid=False, cache=False,
         progress=False,
     )  # fmt: skip
 

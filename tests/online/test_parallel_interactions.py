@@ -22,8 +22,8 @@ SAME = 1e-8  # of the largest pressure, force and velocity: each run converges t
 def roller() -> wf.ReducedBody:
     mesh = wf.mesh.roller(0.05, 0.015, 0.01, sectors=180, layers=5, axial=2, grading=1.6, order=1)
     return wf.reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=6, tangential=True,
-        patch_grid=False, progress=False,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=6,
+        tangential=True, patch_grid=False, progress=False,
     )  # fmt: skip
 
 

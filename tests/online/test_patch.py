@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from patch_reference import Patch, press_both
@@ -261,6 +263,14 @@ def test_impact_gives_back_its_energy(ball) -> None:
     assert np.max(np.abs(made)) < ENERGY * history.energy["kinetic"][0]
 
 
+def without_tangential_field(body: wf.ReducedBody) -> wf.ReducedBody:
+    """The body as files of before have it: no tangential far field beside its tangential modes."""
+    rim = body.contact_surfaces["rim"]
+    assert rim.far is not None
+    surfaces = {"rim": replace(rim, far=replace(rim.far, tangential=None))}
+    return replace(body, contact_surfaces=surfaces)
+
+
 def test_what_a_patch_cannot_is_refused(roller) -> None:
     plain = wf.reduce(
         wf.mesh.roller(RADIUS, 0.015, WIDTH, sectors=24, layers=2, axial=2, order=1), STEEL,
@@ -271,8 +281,8 @@ def test_what_a_patch_cannot_is_refused(roller) -> None:
         pair(plain, 1e-5)
     with pytest.raises(InputError, match="grid 'mesh' does not exist; known: 'auto', 'material', 'patch'"):
         pair(roller, 1e-5, grid="mesh")
-    with pytest.raises(InputError, match="no friction yet; use grid='material'"):
-        pair(roller, 1e-5, friction=0.1)
+    with pytest.raises(InputError, match="friction on a patch needs the tangential far field of .*tangential=True"):
+        pair(without_tangential_field(roller), 1e-5, friction=0.1)
     with pytest.raises(InputError, match="cells must be \\(strips across, rows along\\), got 12"):
         pair(roller, 1e-5, cells=12)
     layered = pair(roller, 1e-5, law=wf.laws.LinearLayer(1e14))
@@ -297,7 +307,7 @@ def test_the_grid_is_chosen(roller) -> None:
     scene = pair(roller, 10e-6, grid="auto")
     third = scene.add_body(roller, name="third", position=(2 * RADIUS - 1e-5, 0, 0))
     scene.add(wf.joints.Fixed(scene.ground, third["bore"]))
-    scene.add(wf.Contact(third["rim"], scene.bodies[0]["rim"], friction=0.1))
+    scene.add(wf.Contact(third["rim"], scene.bodies[0]["rim"], grid="material"))
     history = find_equilibrium(scene)
     assert history.contacts[NAME].cells is None
     assert any("material grid, as those of 'third-lower' on body 'lower' are" in note for note in history.notes)
@@ -318,7 +328,7 @@ def test_a_coarse_mesh_needs_no_option() -> None:
 
 
 def test_a_run_tells_why_cells_are_not_taken(roller) -> None:
-    history = find_equilibrium(pair(roller, 1e-5, grid="auto", friction=0.1))
+    history = find_equilibrium(pair(without_tangential_field(roller), 1e-5, grid="auto", friction=0.1))
     assert history.contacts[NAME].cells is None
     assert any("material grid, whose columns are 0.0079 m apart" in n and "friction" in n for n in history.notes)
 

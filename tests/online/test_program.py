@@ -17,6 +17,7 @@ from warpffrf_kernels.core.model import Model
 
 import warpffrf as wf
 from warpffrf.model import laws
+from warpffrf.model.friction import StribeckCoulomb
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.offline.contact.cubature import choose_sampling
@@ -47,9 +48,18 @@ def bodies(plain_body: ReducedBody, other_body: ReducedBody, crowned_body: Reduc
     rim = plain_body.contact_surfaces["rim"]
     few = replace(plain_body, contact_surfaces={"rim": replace(rim, sampling=choose_sampling(rim, 0.01))})
     rubbing = roller_body(
-        120, layers=4, axial=2, grading=1.6, order=1, max_frequency=15e3, tangential=True, cache=False
+        120, layers=4, axial=2, grading=1.6, order=1, max_frequency=15e3, tangential=True, patch_grid=False, cache=False
     )  # fmt: skip
-    return {"plain": plain_body, "other": other_body, "crowned": crowned_body, "few": few, "rubbing": rubbing}
+    patched = {
+        name: wf.reduce(
+            wf.mesh.roller(0.05, 0.015, 0.02, sectors=36, layers=2, axial=2, order=1), wf.Material(modulus, nu, 7850.0),
+            interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3,
+            tangential=True, patch_grid=True, cache=False, progress=False,
+        )
+        for name, modulus, nu in (("patched", 210e9, 0.3), ("softer", 70e9, 0.34))
+    }  # fmt: skip
+    made = {"plain": plain_body, "other": other_body, "crowned": crowned_body, "few": few, "rubbing": rubbing}
+    return made | patched
 
 
 def pendulum(bodies: Bodies) -> wf.Scene:
@@ -85,6 +95,30 @@ def few_points(bodies: Bodies) -> wf.Scene:
     return scene
 
 
+def rolling(bodies: Bodies, second: str, friction: Any = 0.3) -> wf.Scene:
+    """Friction on cells that travel with the patch, soon by half a strip a step."""
+    scene = guided_pair(bodies["patched"], bodies[second], load=20e3, speed=60.0, ramp=1e-4, friction=friction)
+    scene.contacts[0].grid, scene.contacts[0].cells = "patch", (7, 7)
+    return scene
+
+
+def rolling_ball(bodies: Bodies) -> wf.Scene:
+    """A rigid ball that is pressed on a roller, which turns and travels along its axis: rows follow."""
+    scene = wf.Scene()
+    carriage = scene.add_rigid_body(1.0, (1e-2,) * 3, name="carriage")
+    roller = scene.add_body(bodies["patched"], name="roller")
+    slide = scene.add(wf.joints.Prismatic(scene.ground, carriage.at((0, 0, 0)), axis=(0, 1, 0)))
+    axle = scene.add(wf.joints.Revolute(carriage.at((0, 0, 0)), roller["bore"], axis=(0, 1, 0)))
+    for joint, speed in ((slide, 1.0), (axle, 20.0)):
+        scene.add(wf.joints.Drive(joint, wf.signals.SmoothStep(0.0, speed, duration=1e-4), quantity="velocity"))
+    ball = scene.add_rigid_body(0.3, (5e-5,) * 3, name="ball", position=(0, 1e-3, 0.07 - 1e-5))
+    scene.add(wf.joints.Spherical(scene.ground, ball.at((0, 0, 0))))
+    shape = wf.surfaces.Sphere(radius=0.02, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
+    face = ball.surface(shape, name="face")
+    scene.add(wf.Contact(roller["rim"], face, friction=0.3, grid="patch", cells=(7, 7)))
+    return scene
+
+
 SCENES: dict[str, Callable[[Bodies], wf.Scene]] = {
     "line": lambda b: guided_pair(b["plain"], b["other"], speed=60.0, ramp=0.02),
     "impulsive": lambda b: guided_pair(b["plain"], b["other"], speed=60.0, ramp=5e-4),
@@ -92,6 +126,10 @@ SCENES: dict[str, Callable[[Bodies], wf.Scene]] = {
     "few points": few_points,
     "layer": layered,
     "friction": lambda b: guided_pair(b["rubbing"], b["rubbing"], load=60e3, speed=60.0, ramp=0.02, friction=0.3),
+    "rolling": lambda b: rolling(b, "patched"),
+    "unlike rolling": lambda b: rolling(b, "softer"),
+    "rolling, falling friction": lambda b: rolling(b, "patched", StribeckCoulomb(0.4, 0.2, 1e-2)),
+    "rolling ball": rolling_ball,
     "sparse": pendulum,
     "joint friction": rubbing_pendulum,
 }

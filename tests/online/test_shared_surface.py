@@ -154,7 +154,7 @@ def rubbing_body() -> ReducedBody:
     mesh = roller(0.05, 0.015, 0.01, sectors=120, layers=4, axial=2, grading=1.6, order=1)
     return reduce(
         mesh, Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=4,
-        tangential=True, cache=False, progress=False,
+        tangential=True, patch_grid=False, cache=False, progress=False,
     )  # fmt: skip
 
 

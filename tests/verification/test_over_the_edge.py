@@ -28,7 +28,8 @@ def slab() -> ReducedBody:
     mesh = box((0.02, 0.02, 0.008), (12, 12, 4), center=(0.0, 0.0, -0.004), order=1)
     top = surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0), direction=ACROSS)
     return reduce(
-        mesh, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": top}, modes=0, tangential=True, cache=False,
+        mesh, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": top}, modes=0,
+        tangential=True, patch_grid=False, cache=False,
         progress=False,
     )  # fmt: skip
 
@@ -76,7 +77,8 @@ def test_a_tilted_roller_runs_off_its_end() -> None:
     """Tilted by 0.5 mrad against a rigid plate that it slides along until it has left it over its end, and turning."""
     mesh = roller(0.05, 0.015, 0.02, sectors=180, layers=4, axial=10, grading=1.6, order=1)
     body = reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=0, tangential=True,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=0,
+        tangential=True, patch_grid=False,
         cache=False, progress=False,
     )  # fmt: skip
     scene = Scene()

@@ -16,9 +16,9 @@ small, by about half of the cell over the half-width squared; a second run with 
 xi + (xi - xi_coarse)/3 is left with an error of higher order. In gross slip the traction coefficient is mu. Friction
 never gives energy.
 
-The same machine is run with rollers of 4 mm elements as well, a seventh of which is half of the patch: friction is in
-cells that travel with the patch there. Their creepage is held against the finer run's and against Carter's at the mean
-line load; no second grid is needed.
+The same machine is run with rollers in elements of 4 mm as well, of which half of the patch is a seventh: friction is
+in cells that travel with the patch there. The creepage is held against the finer run's and against Carter's at the mean
+line load, since ends that are cells of their own let the middle carry 4 % more; no second grid is needed.
 
 The patch advances by nearly one cell of the contact grid in a step, and on every step of the brake it runs through its
 own length `HELD` times: creep winds up the elastic shift of the surfaces against their axles, which takes that long.

@@ -3,7 +3,9 @@
 A checkpoint is the complete device state (`State.to_numpy`): positions, rates, algorithmic accelerations, multipliers,
 active sets, pressures, the ledger, the clock and the control words. Everything else that a step uses is either constant
 (compiled from the scene) or made anew at the start of every step, so a run continued from a checkpoint with the same
-step and the same options gives the same numbers, bit for bit, as one that was never stopped.
+step and the same options gives the same numbers, bit for bit, as one that was never stopped. But for friction on cells
+that travel with the patch, whose compliance and its factors are kept from step to step as long as they are good: there
+the numbers are the same to the tolerance of the iteration.
 """
 
 from __future__ import annotations

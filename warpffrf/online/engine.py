@@ -107,9 +107,9 @@ class Engine:
     def make_room(self, slots: int) -> None:
         """Room for `slots` hats in play at least, up to what the capacities of the contacts allow.
 
-        Scratch arrays are made anew; what they hold stays, but for the matrices of the hats: a world that is not short
-        may still have to be recorded from them. Where the memory does not suffice, all stays as it is and `no_room`
-        says how many were wanted.
+        Scratch arrays are made anew; what they hold stays, but for the matrices of hats and cells: a world that is not
+        short may still have to be recorded from them. Where the memory does not suffice, all stays as it is and
+        `no_room` says how many were wanted.
         """
         m = self.compiled.model
         slots = min(slots, m.capacity.slot_limit)
@@ -127,6 +127,7 @@ class Engine:
         for name, array in vars(self.scratch).items():
             if name in before and before[name].shape == array.shape:
                 array.assign(before[name])
+        self.control(stale=1)  # compliances of cells that are kept from step to step have another shape now
 
     def _relieve(self) -> bool:
         """More room where an attempt ran short of it, so that it can come again; False where none did."""

@@ -84,6 +84,11 @@ MESSAGES = {
         "turned or tilted too far against each other for the window); lower the capacity of the contact, or swap its "
         "surfaces",
     ),
+    k.PASSED: (
+        "passed",
+        "a patch with friction advances by more than its own length in a step, so that none of its material was in it "
+        "before; reduce step, to a tenth of that length over the rolling speed",
+    ),
     k.GAIN: ("energy", "energy came from nowhere; reduce step"),
     k.ENERGY: ("energy", "the energy ledger does not close at an impact; reduce step"),
     k.ACCURACY: ("accuracy", "the local error of a step exceeds the accuracy asked for; reduce step, or ask for less"),
@@ -108,9 +113,10 @@ def run(
     """Simulate `scene` for `duration` [s] in steps of `step` [s]; a solver that fails says so in `History.status`.
 
     start: "initial", "equilibrium", or the History of an earlier run of the same scene, or of its equilibrium, which
-    is continued bit for bit. accuracy: halve steps whose local error exceeds it, see `warpffrf_kernels.step.accuracy`.
-    project_start: initial velocities that do not agree with the joints are changed as little as possible (in the
-    kinetic energy of the change) instead of refused. Raises InputError for wrong input.
+    is continued bit for bit (to the tolerance of the iteration with friction on patches of cells). accuracy: halve
+    steps whose local error exceeds it, see `warpffrf_kernels.step.accuracy`. project_start: initial velocities that do
+    not agree with the joints are changed as little as possible (in the kinetic energy of the change) instead of
+    refused. Raises InputError for wrong input.
     """
     if isinstance(integrator, CHECK_INTEGRATORS):
         if accuracy is not None or as_local_dynamics(local).treatment != "quasi_static":

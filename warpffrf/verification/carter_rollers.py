@@ -57,7 +57,8 @@ def rolling_body(cells: int, *, order: int = 2, cache: bool = True) -> ReducedBo
     columns = int(np.ceil(2.0 * np.pi * RADIUS / HALF_WIDTH * cells / (4 * order))) * 4 * order
     mesh = roller(RADIUS, BORE, WIDTH, sectors=columns // order, layers=8, axial=1, grading=1.8, order=order)
     return reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=0, tangential=True, cache=cache,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=0,
+        tangential=True, patch_grid=False, cache=cache,
         progress=False,
     )  # fmt: skip
 

@@ -360,9 +360,7 @@ def outer_cells(
     beginning of an attempt and where any pair has fresh slots."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].changes != 0:
-        return
-    if ctl[w].iteration > 0 and not is_fresh(model, w, cell_block):
+    if ctl[w].run == 0 or ctl[w].changes != 0 or not is_fresh(model, w, cell_block):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     line = int(0)

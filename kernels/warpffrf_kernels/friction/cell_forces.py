@@ -83,9 +83,7 @@ def slide_cells(
 
 
 @wp.kernel
-def clear_modes(
-    models: wp.array(dtype=Model), ctl: wp.array(dtype=Control), friction_modal: inout(wp.array(dtype=real))
-):
+def clear_modes(models: wp.array(dtype=Model), ctl: wp.array(dtype=Control), friction_modal: out(wp.array(dtype=real))):
     """Per (world, pair): no load of tractions on the modes of A and B yet."""
     w, pair, lane = wp.tid()
     model = models[0]

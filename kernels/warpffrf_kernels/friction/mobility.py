@@ -1,8 +1,9 @@
 """Mobility M = (A + W^T W)^-1 of the outer coordinates, and what it makes of tractions.
 
-All columns by the sparse factor of the last solve, where the pressures' answer is new (`pressure_answer`): the outer
-matrix changes by next to nothing within a step. Of a pair, V = L M over the columns that it is coupled to is what the
-tractions of a cell do to the others of its pair by the outer coordinates.
+The columns that pairs with friction are coupled to, as nothing else is pushed, by the sparse factor of the last solve,
+where the pressures' answer is new (`pressure_answer`): the outer matrix changes by next to nothing within a step. Of a
+pair, V = L M over the columns that it is coupled to is what the tractions of a cell do to the others of its pair by the
+outer coordinates.
 """
 
 import warp as wp
@@ -17,6 +18,20 @@ from warpffrf_kernels.linear.outer_solve import solve
 from warpffrf_kernels.linear.sparse_factor import Pattern
 
 wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.func
+def is_pushed(model: Model, c: int) -> bool:
+    """Whether tractions push outer column c."""
+    pair = int(0)
+    while pair < model.pairs.count:
+        i = int(0)
+        while model.pairs.friction[pair] > real(0.0) and i < model.pairs.coupled_count[pair]:
+            if model.pairs.coupled[pair, i] == c:
+                return True
+            i += 1
+        pair += 1
+    return False
 
 
 @wp.kernel
@@ -52,20 +67,26 @@ def invert_outer(
     c = int(0)
     while c < N:
         sync()
-        if lane == 0:
-            right[w * N + c] = real(1.0)
-        sync()
-        solve(
-            model, patterns[0], w, lane, 0, matrix, right, hold, 0, scaling, pivots, factor, vector, lines, fallback,
-            work, inverse_transposed, column,
-        )  # fmt: skip
-        sync()
-        i = lane
-        while i < N:
-            mobility[(w * N + c) * N + i] = column[w * N + i]
-            i += wp.block_dim()
-        if lane == 0:
-            right[w * N + c] = real(0.0)
+        if is_pushed(model, c):
+            if lane == 0:
+                right[w * N + c] = real(1.0)
+            sync()
+            solve(
+                model, patterns[0], w, lane, 0, matrix, right, hold, 0, scaling, pivots, factor, vector, lines,
+                fallback, work, inverse_transposed, column,
+            )  # fmt: skip
+            sync()
+            i = lane
+            while i < N:
+                mobility[(w * N + c) * N + i] = column[w * N + i]
+                i += wp.block_dim()
+            if lane == 0:
+                right[w * N + c] = real(0.0)
+        else:
+            i = lane
+            while i < N:
+                mobility[(w * N + c) * N + i] = real(0.0)
+                i += wp.block_dim()
         c += 1
 
 

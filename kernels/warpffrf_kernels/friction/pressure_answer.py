@@ -21,9 +21,10 @@ pair by pair, with the active set as it is: with U^T U = G, W = U^-T L and U^T Y
 a Schur complement of a positive semidefinite matrix, which is one. D has a block for each pair (`cell_blocks`); M is
 in `mobility`.
 
-On cells that travel with the patch N is what far fields and modes make of it where both half-spaces are alike
-(`rolling`): a few per cent of K. There it is left to the next iteration, and Y is nothing (`answering`); what pressures
-answer through the motion of the bodies, W, stays.
+On cells that travel with the patch (`rolling`) N is left to the next iteration, and Y is nothing (`answering`): what it
+costs grows with the third power of their number, and without it K stays from step to step. What pressures answer
+through the motion of the bodies, W, is kept. Bodies alike take the same iterations, two or three; aluminium on steel
+four instead of two and a half, steel on a rigid plane 5.6 instead of 2.7, at a Poisson ratio of 0 (beta = 0.5) 9.5.
 
 The bounds follow that answer too: tractions and bounds are solved for in turn, in rounds, with the same matrices. Each
 leaves some mu N^T G^-1 of an error, which converges where friction has one solution, and costs next to nothing where
@@ -36,7 +37,7 @@ from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
-from warpffrf_kernels.friction.cell_blocks import COUNT, first_line, is_fresh, move_outer
+from warpffrf_kernels.friction.cell_blocks import COUNT, FRESH, first_line, is_fresh, move_outer
 from warpffrf_kernels.friction.cell_compliance import scale_modes
 from warpffrf_kernels.friction.cell_shares import add_on_shares
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid, rubs_on_patch
@@ -68,7 +69,7 @@ def hat_of(model: Model, w: int, slot: int, slot_hat: wp.array3d(dtype=int)) -> 
 @wp.func
 def answering(model: Model, pair: int, slots: int) -> int:
     """Lines of Y of a pair with so many active slots."""
-    if rubs_on_patch(model, pair) and model.elements[0].rolling.coupled[pair] == 0:
+    if rubs_on_patch(model, pair):
         return 0
     return slots
 
@@ -110,7 +111,13 @@ def open_answer(
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     n = block[w, 0, LEFT_START]  # the places before are those of active slots
-    renewed = ctl[w].iteration == 0 or is_new(model, w, n, cell_block, order, slot_hat, answer_hat, answer_state)
+    renewed = is_new(model, w, n, cell_block, order, slot_hat, answer_hat, answer_state)
+    if ctl[w].iteration == 0:  # G of the pressures is another one in every attempt, and Y with it
+        pair = int(0)
+        while pair < model.pairs.count:
+            if model.pairs.friction[pair] > real(0.0) and answering(model, pair, 1) > 0:
+                renewed = True
+            pair += 1
     answer_state[w, ACTIVE] = n
     answer_state[w, RENEWED] = 0
     answer_state[w, OPEN] = 1
@@ -378,7 +385,8 @@ def condense_answer(
         return
     start = block[w, pair, START]
     n = answering(model, pair, block[w, pair, SLOTS])
-    subtract_answer(model, w, pair, start, n, lines, Y, G, D)
+    if n > 0 or cell_block[w, pair, FRESH] < cell_block[w, pair, COUNT]:  # else D is G as it was
+        subtract_answer(model, w, pair, start, n, lines, Y, G, D)
     border_lines(model, w, pair, start, n, lines, L, Y, W, bordered)
 
 
@@ -458,9 +466,7 @@ def press_with_tractions(
     while pair < model.pairs.count:
         start = block[w, pair, START]
         hats = block[w, pair, SLOTS]
-        used = 2 * cell_block[w, pair, COUNT]
-        if answering(model, pair, hats) == 0:
-            used = 0
+        used = wp.min(answering(model, pair, hats), 1) * 2 * cell_block[w, pair, COUNT]
         answer_to(model, w, pair, start, hats, used, Y, moved, step)
         follow_columns(model, w, pair, hats, real(-1.0), W, lines_at(model, w, start), z_change, step, slots + start)
         backward(factor, block_at(model, w, start), model.capacity.slots, hats, step, slots + start)

@@ -22,7 +22,8 @@ half-width on, 0.1 to 4 cells a step, at every phase; charged with the whole ste
 
 import warp as wp
 
-from warpffrf_kernels.core.access import out
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
@@ -112,7 +113,6 @@ def cells_to_edge(
 @wp.kernel
 def soften_entering(
     models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
     patch_place: wp.array3d(dtype=real),
     ring_place: wp.array3d(dtype=real),
     last_normal: wp.array2d(dtype=vec3),
@@ -120,6 +120,7 @@ def soften_entering(
     cell_area: wp.array3d(dtype=real),
     of_state: int,
     bound: wp.array3d(dtype=real),
+    ctl: inout(wp.array(dtype=Control)),
     late: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over cells: the softness `late` [m/Pa] of the loaded cells. last_normal: zero where the
@@ -150,6 +151,11 @@ def soften_entering(
     if cells < real(0.0):
         ahead = int(-1)
     c = wp.abs(cells)
+    long = real(columns)
+    if across != 0:
+        long = real(rows)
+    if of_state != 0 and lane == 0 and ctl[w].mode == k.DYNAMIC and c * elements.patches.span[pair] > long:
+        ctl[w].failure = ctl[w].failure | k.PASSED  # none of its material was there before
     part = wp.min(c, real(1.0))
     m = lane
     while m < columns * rows:

@@ -263,7 +263,6 @@ def keep_rings(
         model, elements, w, pair, rows, shear_line(rows, rings), STRIPS_AROUND, -STRIPS_AROUND, wide, 0, high,
         shear_near, place_traction, patch_pressure, ring_slip, start, wide * high,
     )  # fmt: skip
-    z = patch_place[w, pair, 1]
     strip = real(2.0) * patch_place[w, pair, 2] / real(columns)
     base = here * 2 * hats
     e = lane
@@ -297,7 +296,7 @@ def keep_rings(
     if lane == 0:
         h = clk[w].done_step
         advanced = advance_of(model, elements, w, pair, patch_place, ring_place)
-        way = way_of(model, elements, pair, z, advanced)
+        way = way_of(model, elements, pair, patch_place[w, pair, 1], advanced)
         cells = wp.abs(advanced[0]) / strip_columns(model, elements, w, pair, patch_place)
         if elements.patches.follows[pair] != 0:
             up = wp.abs(advanced[1]) / row_place(elements, pair, 0, patch_place, w)[1]
@@ -316,9 +315,22 @@ def keep_rings(
         for c in range(4):
             friction_record[w, pair, c] = real(0.0)
         if ctl[w].mode == k.DYNAMIC and h > real(0.0):
-            m = (columns / 2) * rows + rows / 2
-            creep = rigid_slip[w, pair, cell_at(rows, m, 0)] / h
+            # of the material that is in the middle of the patch half way through the step
+            gone = real(0.5) * advanced[0] / strip_columns(model, elements, w, pair, patch_place)
+            across = read_at(real(0.5) * real(columns - 1) - gone, columns)
+            middle = real(0.5) * real(rows - 1)
+            if elements.patches.follows[pair] != 0:
+                middle -= real(0.5) * advanced[1] / row_place(elements, pair, 0, patch_place, w)[1]
+            along = read_at(middle, rows)
+            creep = real(0.0)
+            lateral = real(0.0)
+            for i in range(4):
+                for j in range(4):
+                    share = across.share[i] * along.share[j] / h
+                    m = (across.first + i) * rows + along.first + j
+                    creep += share * rigid_slip[w, pair, cell_at(rows, m, 0)]
+                    lateral += share * rigid_slip[w, pair, cell_at(rows, m, 1)]
             friction_record[w, pair, 0] = -friction_work[w, pair, 0] / h
             friction_record[w, pair, 1] = creep
-            friction_record[w, pair, 2] = rigid_slip[w, pair, cell_at(rows, m, 1)] / h
+            friction_record[w, pair, 2] = lateral
             friction_record[w, pair, 3] = way[0] / h - real(0.5) * creep

@@ -2,12 +2,21 @@
 
 As `friction.cells`, but for the places: the centres of the patch's strips and rows. Pressures and tractions are both
 constant on a cell, so that its bound is mu times its own pressure.
+
+**Rolling moment.** The wrench of a pressure has no torque about the axles of bodies of revolution (`contact_wrench`),
+which holds for pressures about the middle of a patch. Tractions press unlike bodies off it, by an arm x of the force N
+along e_theta. The surfaces are flat there, and pressure acts along the common normal c: a couple N x t_z on the first
+body, the opposite on the second, beside the wrench. Its power on both, V N x/R* in rolling with the relative radius R*,
+is what the pressures give to the tractions' displacements while material passes: with gaps g = g_0 + G p + N^T tau = 0
+on the patch, g_0' = x/R*, and G symmetric and the same everywhere,
+
+    int p (N^T tau)' dx = -int p g_0' dx = -N x/R*.
 """
 
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
@@ -31,18 +40,20 @@ def strip_columns(model: Model, elements: Elements, w: int, pair: int, patch_pla
 # goes with the second or third power of W, and far fields, a sixth of it, vary over the columns of the mesh.
 SAME_WIDTH = wp.constant(wp.float64(2.0e-3))
 SAME_PLACE = wp.constant(wp.float64(0.25))  # columns
+SAME_NORMAL = wp.constant(wp.float64(1.0e-2))  # rad: gradients by the motion of the bodies turn with it
 
 
 @wp.kernel
 def open_patch_cells(
     models: wp.array(dtype=Model),
     clk: wp.array(dtype=Clock),
+    contact_normal: wp.array2d(dtype=vec3),
     patch_place: wp.array3d(dtype=real),
     ctl: inout(wp.array(dtype=Control)),
     cell_phase: inout(wp.array3d(dtype=real)),
 ):
     """Per (world, pair): whether the compliance of the cells is to be assembled anew. cell_phase: where the patch was
-    when it was, and the step size, on which the share of the modes depends."""
+    when it was, the step size, on which the share of the modes depends, and the normal."""
     w, pair = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
@@ -52,10 +63,14 @@ def open_patch_cells(
     off = wp.max(off, wp.abs(patch_place[w, pair, 3] - cell_phase[w, pair, 3]) / SAME_PLACE)
     off = wp.max(off, wp.abs(patch_place[w, pair, 1] - cell_phase[w, pair, 1]) / (SAME_PLACE * width))
     off = wp.max(off, wp.abs(width - cell_phase[w, pair, 2]) / (SAME_WIDTH * width))
+    normal = contact_normal[w, pair]
+    for i in range(3):
+        off = wp.max(off, wp.abs(normal[i] - cell_phase[w, pair, 5 + i]) / SAME_NORMAL)
     if not (off < real(1.0)) or cell_phase[w, pair, 4] != clk[w].h:
         ctl[w].stale = 1
         for i in range(4):
             cell_phase[w, pair, i] = patch_place[w, pair, i]
+            cell_phase[w, pair, 5 + wp.min(i, 2)] = normal[wp.min(i, 2)]
         cell_phase[w, pair, 4] = clk[w].h
 
 
@@ -71,6 +86,7 @@ def place_patch_cells(
     patch_place: wp.array3d(dtype=real),
     area: wp.array3d(dtype=real),
     shear_near: wp.array3d(dtype=real),
+    more_wrench: changed(wp.array4d(dtype=real)),
     cell_area: out(wp.array3d(dtype=real)),
     cell_turn: out(wp.array4d(dtype=real)),
     cell_wrench: out(wp.array4d(dtype=real)),
@@ -78,7 +94,7 @@ def place_patch_cells(
     rigid_slip: out(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over cells: area (0 where nothing is opposite), turn, wrench, displacement by a unit
-    traction of their own, rigid slip."""
+    traction of their own, rigid slip; and the couple of a unit pressure that acts along the common normal."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
@@ -93,12 +109,17 @@ def place_patch_cells(
     s = look(model, w, A, B, r, p, r1, axes, contact_normal[w, pair], middle, patch_place[w, pair, 1])
     rings = elements.rolling.ring_rows[pair]
     line = shear_line(rows, rings)
+    way = real(2.0) * patch_place[w, pair, 2] / real(columns)
     m = lane
     while m < columns * rows:
         x = patch_place[w, pair, 0] + (real(m / rows) - real(0.5) * real(columns - 1)) * strip
         z = row_place(elements, pair, m % rows, patch_place, w)[0]
         found = find_cell(model, A, B, s, model.surfaces.theta[A] + x * model.surfaces.pitch[A], z)
         size = area[w, pair, m]
+        if ctl[w].mode == k.DYNAMIC:  # without tractions pressures stand about the middle
+            arm = model.surfaces.side[A] * (real(m / rows) - real(0.5) * real(columns - 1)) * way
+            for i in range(3):
+                more_wrench[w, pair, m, 3 + i] = more_wrench[w, pair, m, 3 + i] + size * arm * found.u_2[i]
         keep_cell(w, pair, rows, m, size, found, cell_area, cell_turn, cell_wrench, rigid_slip)
         own = real(0.0)
         if size > real(0.0):

@@ -3,23 +3,20 @@ r"""Compliance of the cells of a patch that may carry friction, as `friction.cel
 In the weak slips and the tractions of the slots of a pair
 
     G = half-spaces + (A P) (S_tt + Phi_t sigma^-1 Phi_t^T) (A P)^T of A + Q (the same of B) Q^T,
-    J = [A P Phi_tA, -Q A P Phi_tB],      N^T: what tractions do to the weak gaps of the active slots.
+    J = [A P Phi_tA, -Q A P Phi_tB].
 
 A line of G is read off what a cell's unit tractions displace of the splines of both sides.
 """
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout, out
+from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Elements, Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.friction.cell_blocks import COUNT, FRESH, block_of, first_line
 from warpffrf_kernels.friction.cell_compliance import mirror_lines
 from warpffrf_kernels.friction.cells import rubs_on_patch
-from warpffrf_kernels.friction.pressure_answer import RENEWED, answering
-from warpffrf_kernels.normal.pair_elimination import COUNT as SLOTS
-from warpffrf_kernels.normal.pair_elimination import START
 from warpffrf_kernels.patch.spline_tables import real_side
 from warpffrf_kernels.rolling.shear import STRIPS_AROUND, shear_line
 from warpffrf_kernels.rolling.spline_tables import table_along, trace_along
@@ -39,7 +36,7 @@ def modes_of_cells(
     far_window: wp.array4d(dtype=int),
     rub_trace: wp.array(dtype=real),
     weight: wp.array2d(dtype=real),
-    cell_J: inout(wp.array(dtype=real)),
+    cell_J: out(wp.array(dtype=real)),
     cell_JT: out(wp.array4d(dtype=real)),
 ):
     """Per (world, pair), lanes over modes: gradient J of the weak slip of the fresh slots by the global modes of A,
@@ -131,7 +128,7 @@ def soften_splines(
     const int nodes = elements.patches.far_nodes, taps = rows < 3 ? rows : 3;
     const size_t p = ((size_t)w * model.pairs.count + pair) * 2 * model.window.hats + side * model.window.hats + m;
     const int* const at = far_at.data + 2 * p;
-    const double *const q = far_weight.data + 9 * p;
+    const double* const q = far_weight.data + 9 * p;
     const double* const turn = cell_turn.data + (((size_t)w * model.pairs.count + pair) * model.window.hats + m) * 4;
     const int first = (at[0] - far_window.data[2 * (((size_t)w * model.pairs.count + pair) * 2 + side)]) * rows + at[1];
     double* const out = line.data + at_line;
@@ -194,7 +191,7 @@ def displaced_splines(
             const double u0 = turn[0] * v0 + turn[1] * v1, u1 = turn[2] * v0 + turn[3] * v1;
             v0 = -u0; v1 = -u1;
         }
-        y.data[at + 2 * j] += part * v0; y.data[at + 2 * j + 1] += part * v1;
+        y.data[at + 2 * j] += v0; y.data[at + 2 * j + 1] += v1;
     }
     WP_TILE_SYNC();
 """)
@@ -206,7 +203,6 @@ def add_on_cells(
     side: int,
     rows: int,
     count: int,
-    part: real,
     far_at: wp.array4d(dtype=int),
     far_weight: wp.array4d(dtype=real),
     far_window: wp.array4d(dtype=int),
@@ -226,7 +222,8 @@ def add_on_cells(
     const int* const mine = cell_slot.data + here * model.capacity.cells;
     const double* const T = shear_near.data + here * elements.rolling.shear_numbers + rings;
     const int c = mine[slot] / rows, k = mine[slot] % rows;
-    double *const g0 = G.data + (here * cap + 2 * slot) * cap, *const g1 = g0 + cap;
+    double* const g0 = G.data + (here * cap + 2 * slot) * cap;
+    double* const g1 = g0 + cap;
     for (int j = WP_TILE_THREAD_IDX; j <= slot; j += WP_TILE_BLOCK_DIM) {
         const int way = mine[j] / rows - c, a = way < 0 ? -way : way;
         const double* const h = T + ((size_t)a * rows + k) * line + mine[j] % rows;
@@ -309,134 +306,9 @@ def assemble_patch_cells(
                         (here * 2 + side) * 2 * nodes * 2 * nodes, rub_line, at,
                     )  # fmt: skip
                     add_on_cells(
-                        model, elements, w, pair, side, model.surfaces.rows[s], slot + 1, real(1.0), far_at,
+                        model, elements, w, pair, side, model.surfaces.rows[s], slot + 1, far_at,
                         far_weight, far_window, cell_slot, cell_turn, rub_line, at, G,
                         block_of(model, w, pair) + (2 * slot + d) * lines,
                     )  # fmt: skip
         mirror_lines(model, w, pair, 2 * slot, G)
         slot += 1
-
-
-# y[at + 2 j + d] += slips of the cells in play under a unit pressure on cell m, by unlike half-spaces. Lanes over
-# cells.
-@wp.func_native("""
-    const int columns = elements.patches.columns.data[pair];
-    const size_t here = (size_t)w * model.pairs.count + pair, K = (size_t)(columns + reach) * rows * line;
-    const int* const mine = cell_slot.data + here * model.capacity.cells;
-    const double* const T = shear_near.data + here * elements.rolling.shear_numbers + 3 * K + rings;
-    for (int j = WP_TILE_THREAD_IDX; j < count; j += WP_TILE_BLOCK_DIM) {
-        const int way = mine[j] / rows - m / rows, a = way < 0 ? -way : way;
-        const double* const h = T + ((size_t)a * rows + m % rows) * line + mine[j] % rows;
-        y.data[at + 2 * j] += way < 0 ? -h[0] : h[0]; y.data[at + 2 * j + 1] += h[K];
-    }
-    WP_TILE_SYNC();
-""")
-def add_pressed_near(
-    model: Model,
-    elements: Elements,
-    w: int,
-    pair: int,
-    m: int,
-    count: int,
-    rows: int,
-    rings: int,
-    line: int,
-    reach: int,
-    cell_slot: wp.array3d(dtype=int),
-    shear_near: wp.array(dtype=real),
-    y: wp.array(dtype=real),
-    at: int,
-): ...
-
-
-# (direction, spline) of one side: displacement along under a unit pressure on cell m, -S_nt^T. Lanes over splines.
-@wp.func_native("""
-    const int nodes = elements.patches.far_nodes, taps = rows < 3 ? rows : 3;
-    const size_t here = (size_t)w * model.pairs.count + pair;
-    const size_t p = here * 2 * model.window.hats + side * model.window.hats + m;
-    const int first = (far_at.data[2 * p] - far_window.data[2 * (here * 2 + side)]) * rows + far_at.data[2 * p + 1];
-    const double* const q = far_weight.data + 9 * p;
-    for (int e = WP_TILE_THREAD_IDX; e < 2 * nodes; e += WP_TILE_BLOCK_DIM) {
-        if (e % nodes >= count) continue;
-        const double* const t = table.data + start + (size_t)e * 3 * nodes + 2 * nodes + first;
-        double sum = 0.0;
-        for (int a = 0; a < 3; ++a) for (int b = 0; b < taps; ++b) sum -= q[3 * a + b] * t[a * rows + b];
-        line.data[at_line + e] = sum;
-    }
-    WP_TILE_SYNC();
-""")
-def pressed_splines(
-    model: Model,
-    elements: Elements,
-    w: int,
-    pair: int,
-    side: int,
-    rows: int,
-    count: int,
-    m: int,
-    far_at: wp.array4d(dtype=int),
-    far_weight: wp.array4d(dtype=real),
-    far_window: wp.array4d(dtype=int),
-    table: wp.array(dtype=real),
-    start: int,
-    line: wp.array(dtype=real),
-    at_line: int,
-): ...
-
-
-@wp.kernel
-def answer_on_patch(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    slot_hat: wp.array3d(dtype=int),
-    order: wp.array2d(dtype=int),
-    block: wp.array3d(dtype=int),
-    cell_block: wp.array3d(dtype=int),
-    cell_slot: wp.array3d(dtype=int),
-    cell_turn: wp.array4d(dtype=real),
-    far_at: wp.array4d(dtype=int),
-    far_weight: wp.array4d(dtype=real),
-    far_window: wp.array4d(dtype=int),
-    shear_near: wp.array(dtype=real),
-    rub_table: wp.array(dtype=real),
-    answer_state: wp.array2d(dtype=int),
-    rub_line: inout(wp.array(dtype=real)),
-    Y: changed(wp.array(dtype=real)),
-):
-    """Per (world, pair): adds the part of the local modes and half-spaces to N^T."""
-    w, pair, _lane = wp.tid()
-    model = models[0]
-    cells = cell_block[w, pair, COUNT]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or cells == 0:
-        return
-    if not rubs_on_patch(model, pair) or answering(model, pair, 1) == 0:
-        return
-    elements = model.elements[0]
-    nodes = elements.patches.far_nodes
-    rows = model.surfaces.rows[model.pairs.first[pair]]
-    rings = elements.rolling.ring_rows[pair]
-    lines = 2 * model.capacity.cells
-    a = block[w, pair, START]
-    while a < block[w, pair, START] + block[w, pair, SLOTS]:
-        m = slot_hat[w, order[w, a], 1]
-        line = (w * model.capacity.slots + a) * lines
-        if elements.rolling.coupled[pair] != 0:
-            add_pressed_near(
-                model, elements, w, pair, m, cells, rows, rings, shear_line(rows, rings), STRIPS_AROUND, cell_slot,
-                shear_near, Y, line,
-            )  # fmt: skip
-        for side in range(2):
-            s = real_side(elements, pair, side)
-            if s >= 0:
-                at = (w * model.pairs.count + pair) * 4 * nodes + side * 2 * nodes
-                pressed_splines(
-                    model, elements, w, pair, side, model.surfaces.rows[s],
-                    far_window[w, pair, side, 1] * model.surfaces.rows[s], m, far_at, far_weight, far_window, rub_table,
-                    table_along(model, elements, w, pair, side, 0), rub_line, at,
-                )  # fmt: skip
-                add_on_cells(
-                    model, elements, w, pair, side, model.surfaces.rows[s], cells, real(1.0), far_at, far_weight,
-                    far_window, cell_slot, cell_turn, rub_line, at, Y, line,
-                )  # fmt: skip
-        a += 1
-    sync()

@@ -330,7 +330,7 @@ class FrictionCells(Arrays):
     second_force: DeviceArray = reals("world", "pair", "2*friction_node", unit="N")
     traction_base: DeviceArray = reals("world", "pair", "2*friction_hat", unit="Pa", note="of the evaluation")
     cell_phase: DeviceArray = reals(
-        "world", "pair", 5, note="where the grids, or the patch, were when compliances were made", carried=True
+        "world", "pair", 8, note="where the grids, or the patch, were when compliances were made", carried=True
     )
     cell_state: DeviceArray = integers("world", "pair", "friction_hat", note="sticks, slips or is free")
     friction_record: DeviceArray = reals("world", "pair", 4, note="power, creep (2), rolling velocity")
@@ -358,11 +358,15 @@ class FrictionSolve(Arrays):
     cell_J: DeviceArray = reals("world", "friction_pair", "2*cell", "pair_mode", run=True, carried=True)
     cell_JT: DeviceArray = reals("world", "friction_pair", "pair_mode", "2*cell", note="transposed", carried=True)
     cell_bordered: DeviceArray = reals(
-        "world", "friction_pair", "2*cell", "coupled", note="L with the pressures' answer"
+        "world", "friction_pair", "2*cell", "coupled", note="L with the pressures' answer", carried=True
     )
-    cell_V: DeviceArray = reals("world", "friction_pair", "2*cell", "coupled", note="outer increments by tractions")
-    cell_diagonal: DeviceArray = reals("world", "friction_pair", "cell", 3, unit="m/Pa", note="of K: 00, 01, 11")
-    mobility: DeviceArray = reals("world", "friction_outer", "friction_outer", run=True)
+    cell_V: DeviceArray = reals(
+        "world", "friction_pair", "2*cell", "coupled", note="outer increments by tractions", carried=True
+    )
+    cell_diagonal: DeviceArray = reals(
+        "world", "friction_pair", "cell", 3, unit="m/Pa", note="of K: 00, 01, 11", carried=True
+    )
+    mobility: DeviceArray = reals("world", "friction_outer", "friction_outer", run=True, carried=True)
     mobility_rhs: DeviceArray = reals("world", "friction_outer", run=True)
     mobility_column: DeviceArray = reals("world", "friction_outer", run=True)
     mobility_own: DeviceArray = reals("world", "friction_pair", "coupled", "coupled", note="of the columns of a pair")
@@ -405,11 +409,11 @@ class FrictionSolve(Arrays):
     cell_scaled: DeviceArray = reals("world", "friction_pair", 2, "pair_mode", run=True)
     cell_push: DeviceArray = reals("world", "mode", unit=MODAL, run=True)
     modal_drive: DeviceArray = reals("world", "mode", unit=MODAL, run=True)
-    answer_hat: DeviceArray = integers("world", "friction_slot")
+    answer_hat: DeviceArray = integers("world", "friction_slot", carried=True)
     answer_z: DeviceArray = reals("world", "friction_outer", run=True)
     answer_step: DeviceArray = reals("world", "friction_slot", unit="Pa")
     answer_moved: DeviceArray = reals("world", "friction_pair", "2*cell", unit="Pa")
-    answer_state: DeviceArray = integers("world", 4)
+    answer_state: DeviceArray = integers("world", 4, carried=True)
     answer_change: DeviceArray = reals("world", 1)
 
 
@@ -425,11 +429,17 @@ class LumpedContacts(Arrays):
 class SlipSpeedSolve(Arrays):
     """The same system where coefficients depend on the slip speed: their slopes are condensed, see `slip_speed`."""
 
-    speed_D: DeviceArray = reals("world", "speed_pair", "2*speed_cell", "2*speed_cell", unit="m/Pa", instead="cell_D")
-    speed_L: DeviceArray = reals("world", "speed_pair", "2*speed_cell", "coupled", instead="cell_bordered")
-    speed_V: DeviceArray = reals("world", "speed_pair", "2*speed_cell", "coupled", instead="cell_V")
-    speed_diagonal: DeviceArray = reals("world", "speed_pair", "speed_cell", 3, unit="m/Pa", instead="cell_diagonal")
-    speed_M: DeviceArray = reals("world", "speed_outer", "speed_outer", run=True, instead="mobility")
+    speed_D: DeviceArray = reals(
+        "world", "speed_pair", "2*speed_cell", "2*speed_cell", unit="m/Pa", instead="cell_D", carried=True
+    )
+    speed_L: DeviceArray = reals(
+        "world", "speed_pair", "2*speed_cell", "coupled", instead="cell_bordered", carried=True
+    )
+    speed_V: DeviceArray = reals("world", "speed_pair", "2*speed_cell", "coupled", instead="cell_V", carried=True)
+    speed_diagonal: DeviceArray = reals(
+        "world", "speed_pair", "speed_cell", 3, unit="m/Pa", instead="cell_diagonal", carried=True
+    )
+    speed_M: DeviceArray = reals("world", "speed_outer", "speed_outer", run=True, instead="mobility", carried=True)
     speed_bordered: DeviceArray = reals("world", "speed_outer", "speed_outer", instead="bordered")
     speed_own: DeviceArray = reals("world", "speed_pair", "coupled", "coupled")
     speed_right: DeviceArray = reals("world", "speed_pair", "2*speed_cell", unit="m", instead="cell_right")

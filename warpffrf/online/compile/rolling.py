@@ -19,6 +19,7 @@ problems and is left out. There is no quarter space for tractions.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.rolling.shear import COUPLED_KINDS, KINDS, RINGS
 
 from warpffrf.model.cerruti import across, along_x, along_z, toward_x, toward_z
+from warpffrf.model.contact import Contact
 from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.love import rectangle
 from warpffrf.online.compile.patch_plan import OnMeridian, PatchPlan, bodies_under
@@ -70,11 +72,29 @@ def fill_rolling(collector: Any, m: Model) -> None:
             tangent.append(np.ascontiguousarray(surface.mode_tangent_splines).ravel())
             sheared.append(np.ascontiguousarray(part.lags_tt).ravel())
             turned.append(np.ascontiguousarray(part.lags_nt).ravel())
+    collector.notes.extend(_apart(contacts, rolling))
     collector.fill(
         collector.elements.rolling, count=len(rolling), shear_numbers=numbers, ring_cells=cells, **per_pair, **far,
         shear=np.concatenate(tables), tangent=np.concatenate(tangent), sheared=np.concatenate(sheared),
         turned=np.concatenate(turned),
     )  # fmt: skip
+
+
+def _apart(contacts: list[Contact], rolling: Mapping[int, PatchPlan]) -> list[str]:
+    """Notes on bodies that carry several patches with friction, which do not feel each other's tractions by local
+    modes."""
+    on_body: dict[str, list[str]] = {}
+    for i in rolling:
+        for port in contacts[i].ports:
+            if not port.rigid:
+                on_body.setdefault(port.body.name, []).append(repr(contacts[i].name))
+    return [
+        f"body {body!r}: its contacts {', '.join(names)} rub on cells that travel with their patches, and what the "
+        "tractions of one do to the others by its local modes is left out; global modes carry it as far as they can "
+        "(more modes=)"
+        for body, names in on_body.items()
+        if len(names) > 1
+    ]
 
 
 def coupling_of(body: OnMeridian) -> float:

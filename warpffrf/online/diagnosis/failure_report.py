@@ -18,7 +18,7 @@ from warpffrf.online.engine import Engine
 TOLD = 1e-8  # a share below it is converged
 MOST_LOST = 4  # names of what is not finite: it spreads through joints within an iteration
 NO_FORCE = 1e-30  # N: keeps fractions finite where nothing acts
-CONTACT_BITS = int(k.CYCLING) | int(k.CAPACITY) | int(k.INDEFINITE) | int(k.STENCIL)
+CONTACT_BITS = int(k.CYCLING) | int(k.CAPACITY) | int(k.INDEFINITE) | int(k.STENCIL) | int(k.PASSED)
 LARGEST_SYSTEM = 1500  # unknowns: a singular value decomposition of them takes some seconds
 
 

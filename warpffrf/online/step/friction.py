@@ -56,8 +56,8 @@ def bounds(of_state: int) -> list[Launch]:
     """mu p of the cells, of the state or of the pressures just found; with those of the state tractions are cut."""
     return [
         blocks(traction_bounds.bound_cells, "pair", when=GRID, clip=of_state),
-        blocks(entering_cells.soften_late, "pair", when=GRID, of_state=of_state, last_normal="contact_normal"),
         blocks(places.bound_patch_cells, "pair", when=ROLLING, clip=of_state),
+        blocks(entering_cells.soften_late, "pair", when=GRID, of_state=of_state, last_normal="contact_normal"),
         blocks(entering.soften_entering, "pair", when=ROLLING, of_state=of_state, last_normal="contact_normal"),
     ]
 
@@ -109,8 +109,8 @@ FRICTION = Participant(
         press("base", "second_load", of_state=1),
         blocks(tangential_fields.rub_cells, "pair", when=GRID),
         blocks(tangential_fields.displace_cells, "pair", when=GRID, amplitude="q1"),
-        blocks(cell_forces.slide_cells, "pair", when=GRID),
         blocks(fields.move_cells, "pair", when=ROLLING, amplitude="q1"),
+        blocks(cell_forces.slide_cells, "pair", when=GRID),
         blocks(rolling_history.slide_patch_cells, "pair", when=ROLLING),
         blocks(slip_speed.follow_slips, "pair", when=SPEED),
         blocks(cell_forces.clear_modes, "pair"),
@@ -130,7 +130,6 @@ FRICTION = Participant(
         threads(pressure_answer.open_answer),
         blocks(pressure_answer.answer_by_modes, "friction_pair", **SCALED, **Y),
         blocks(pressure_answer.answer_on_grid, "friction_pair", when=GRID, shift="second_shift", **Y),
-        blocks(system.answer_on_patch, "friction_pair", when=ROLLING, **Y),
         blocks(pressure_answer.reduce_answer, "friction_pair", **Y),
         blocks(pressure_answer.condense_answer, "friction_pair", bordered="cell_bordered", **G, **D, **L, **Y),
         blocks(mobility.invert_outer, matrix="bordered", right="mobility_rhs", column="mobility_column", **FACTOR),
