@@ -12,7 +12,7 @@ import warpffrf as wf
 from warpffrf.demos import rolling_friction as demo
 
 SMALL = demo.Size(sectors=750, layers=8, frames=5)
-BIG_CELLS = demo.Size(sectors=78, layers=8, axial=3, frames=5, patch=(13, 5))
+BIG_CELLS = demo.Size(sectors=78, layers=8, axial=2, frames=5, patch=(11, 5))
 
 
 @pytest.fixture(scope="module")
