@@ -12,6 +12,7 @@ import warpffrf as wf
 from warpffrf.demos import rolling_friction as demo
 
 SMALL = demo.Size(sectors=750, layers=8, frames=5)
+BIG_CELLS = demo.Size(sectors=78, layers=8, axial=2, frames=5, patch=(11, 5))
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +48,20 @@ def test_the_creepage_is_carters_up_to_the_cells(result: wf.Result) -> None:
     assert result.contact(demo.PAIR).friction.cells_per_step.max() <= 1.0
 
 
+def test_the_creepage_on_a_mesh_of_4_mm_is_carters() -> None:
+    """The same in closed form; cells travel with the patch, of which an element is seven half-widths long."""
+    result = demo.run(demo.build(BIG_CELLS, progress=False), BIG_CELLS, progress=False)
+    assert result.status == "completed" and result.contact(demo.PAIR).loaded == "cells"
+    E_star, R = 210e9 / (2 * (1 - 0.3**2)), 0.025
+    a = np.sqrt(4 * 13e3 / 0.01 * R / (np.pi * E_star))
+    for share, xi, _ in demo.on_carters_curve(result):
+        assert xi == pytest.approx(0.3 * a / R * (1 - np.sqrt(1 - share)), rel=demo.ON_PATCH)
+    pair = result.contact(demo.PAIR)
+    assert np.hypot(*pair.force[-1, :2]) / -pair.force[-1, 2] == pytest.approx(0.3, rel=demo.COEFFICIENT)
+    assert np.all(pair.friction.state[-1] != 1) and np.all(np.diff(result.energy["friction"]) <= 1e-12)
+
+
 @pytest.mark.slow
 def test_the_whole_demo_passes_and_writes_its_files(tmp_path: Path) -> None:
     assert demo.main(tmp_path / "out", quick=True, progress=False) == 0
-    left_behind(tmp_path / "out", "rolling_friction", "coarse")
+    left_behind(tmp_path / "out", "rolling_friction", "coarse", "patch")

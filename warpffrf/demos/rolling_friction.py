@@ -16,6 +16,10 @@ small, by about half of the cell over the half-width squared; a second run with 
 xi + (xi - xi_coarse)/3 is left with an error of higher order. In gross slip the traction coefficient is mu. Friction
 never gives energy.
 
+The same machine is run with rollers in elements of 4 mm as well, of which half of the patch is a seventh: friction is
+in cells that travel with the patch there. The creepage is held against the finer run's and against Carter's at the mean
+line load, since ends that are cells of their own let the middle carry 4 % more; no second grid is needed.
+
 The patch advances by nearly one cell of the contact grid in a step, and on every step of the brake it runs through its
 own length `HELD` times: creep winds up the elastic shift of the surfaces against their axles, which takes that long.
 """
@@ -23,13 +27,16 @@ own length `HELD` times: creep winds up the elastic shift of the surfaces agains
 from __future__ import annotations
 
 import logging
+import time
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import warpffrf as wf
 from warpffrf.demos.checks import Check, finish, writable_folder
+from warpffrf.output.plots.friction import StickSlipMap
 from warpffrf.verification.closed_forms import CarterRolling, LineContact, contact_modulus
 
 log = logging.getLogger("warpffrf")
@@ -55,6 +62,8 @@ PAIR, BRAKE = "lower-upper", "brake"
 AGREE = 5e-5  # of the surface speed: rolling freely, what is left of the flywheel's swinging
 CELL_ERROR = 0.7  # of the creepage, times the square of the cells in a half-width: 0.5 at 5 of them, 0.4 at 7.6
 EXTRAPOLATED = 0.015  # of the creepage, from two grids: ends of the rollers, and what is of higher order in the cell
+ON_PATCH = 0.01  # of the creepage, from cells of the patch: ends of the rollers, thirteen cells
+BESIDE = 0.02  # of the creepage, of both runs from each other
 COEFFICIENT = 1e-3  # tractions are tangents of a patch that is an arc, (a/R)^2, and it slips with mu on all sides
 DISSIPATION = 1e-12  # of the work of friction: rounding
 
@@ -63,13 +72,15 @@ DISSIPATION = 1e-12  # of the work of friction: rounding
 class Size:
     """How fine a roller is meshed, in quadratic hexahedra, and how many frames the recording shows at most.
 
-    layers: through the wall; they grow towards the bore.
+    layers: through the wall; they grow towards the bore. patch: cells across and along of a grid that travels with the
+    patch; None for the contact grid of the mesh.
     """
 
     sectors: int = 2000  # eight nodes in a half-width
     layers: int = 9
     axial: int = 2
     frames: int = 200
+    patch: tuple[int, int] | None = None
 
     @property
     def coarse(self) -> Size:
@@ -78,7 +89,9 @@ class Size:
 
     @property
     def spacing(self) -> float:
-        """m, of the contact grid: the nodes of quadratic cells."""
+        """m, of the contact grid: the nodes of quadratic cells, or cells of the patch, which reach 1.3 half-widths."""
+        if self.patch is not None:
+            return 2.6 * HERTZ.half_width / self.patch[0]
         return np.pi * OUTER_RADIUS / self.sectors
 
     @property
@@ -88,6 +101,7 @@ class Size:
 
 
 FULL, QUICK = Size(), Size(sectors=1500, frames=60)
+BIG_CELLS = Size(sectors=78, layers=8, axial=3, patch=(13, 9))  # of 4 mm
 
 
 @dataclass(frozen=True)
@@ -129,14 +143,14 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
         OUTER_RADIUS, BORE_RADIUS, WIDTH, sectors=size.sectors, layers=size.layers, axial=size.axial, order=2
     )
     roller = wf.reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0,
-        tangential=True, patch_grid=False,
-        progress=progress,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, tangential=True,
+        patch_grid=size.patch is not None, progress=progress,
     )  # fmt: skip
     scene = wf.Scene()
     lower = scene.add_body(roller, name="lower")
     upper = scene.add_body(roller, name="upper", position=(0, 0, 2 * OUTER_RADIUS))
-    contact = scene.add(wf.Contact(lower["rim"], upper["rim"], friction=FRICTION, name=PAIR))
+    grid: dict[str, Any] = {} if size.patch is None else {"grid": "patch", "cells": size.patch}
+    contact = scene.add(wf.Contact(lower["rim"], upper["rim"], friction=FRICTION, name=PAIR, **grid))
     scene.close_gap(contact)
     place = upper["bore"].world_point()
     carriage = scene.add_rigid_body(CARRIAGE_MASS, CARRIAGE_INERTIA, name="carriage", position=place)
@@ -176,76 +190,134 @@ def shares(result: wf.Result) -> np.ndarray:
     return -pair.friction.tangential_force[:, 0] / (FRICTION * pair.normal_load)
 
 
-def on_carters_curve(result: wf.Result) -> list[tuple[float, float, float]]:
+def on_carters_curve(result: wf.Result, *, line_load: float | None = None) -> list[tuple[float, float, float]]:
     """At the end of each wait of the brake: share of the friction force, creepage found, and Carter's at that share.
 
-    Carter's is that of the line load found at mid-width, which is a little above the mean.
+    Carter's is that of `line_load` [N/m], unless given the one found at mid-width, which is a little above the mean.
     """
     pair, found = result.contact(PAIR), shares(result)
     values = []
     for end in schedule().waits:
-        line = LineContact(_settled(result, pair.line_load, end), RELATIVE_RADIUS, HERTZ.modulus)
+        load = _settled(result, pair.line_load, end) if line_load is None else line_load
+        line = LineContact(load, RELATIVE_RADIUS, HERTZ.modulus)
         share = _settled(result, found, end)
         creepage = _settled(result, pair.friction.creepage[:, 0], end)
         values.append((share, creepage, CarterRolling.from_share(line, FRICTION, share).creepage))
     return values
 
 
+def extrapolated(fine: wf.Result, coarse: wf.Result) -> list[float]:
+    """Creepage at the end of each wait from two grids, of which one has cells twice as large."""
+    found = zip(on_carters_curve(fine), on_carters_curve(coarse), strict=True)
+    return [xi + (xi - carter * xi_coarse / carter_coarse) / 3.0
+            for (_, xi, carter), (_, xi_coarse, carter_coarse) in found]  # fmt: skip
+
+
 def checks(result: wf.Result, coarse: wf.Result, size: Size) -> list[Check]:
     """The figures of a run, and of one with cells twice as large."""
-    pair = result.contact(PAIR)
-    friction = pair.friction
-    free = _settled(result, friction.creepage[:, 0], schedule().free)
-    found = [Check("rolling freely: speeds differ by", free, 0.0, "no torque, over the speed", AGREE, scale=1.0)]
+    found = _free("", result)
     of_cells = CELL_ERROR * (size.spacing / HERTZ.half_width) ** 2
-    for (share, xi, carter), (_, xi_coarse, carter_coarse) in zip(
-        on_carters_curve(result), on_carters_curve(coarse), strict=True
-    ):
-        best = xi + (xi - carter * xi_coarse / carter_coarse) / 3.0
+    for (share, xi, carter), best in zip(on_carters_curve(result), extrapolated(result, coarse), strict=True):
         label = f"creepage at {share:.2f} mu P"
         found += [
             Check(label, xi, carter, "Carter", of_cells),
             Check(f"{label}, two grids", best, carter, "Carter", EXTRAPOLATED),
         ]
+    return [*found, *_slipping("", result)]
+
+
+def checks_on_patch(result: wf.Result, fine: wf.Result, coarse: wf.Result) -> list[Check]:
+    """The figures of the run on cells of the patch, also beside the two others."""
+    found = _free("4 mm: ", result)
+    settled = on_carters_curve(result, line_load=LOAD / WIDTH)
+    for (share, xi, carter), best in zip(settled, extrapolated(fine, coarse), strict=True):
+        label = f"4 mm: creepage at {share:.2f} mu P"
+        found += [
+            Check(label, xi, carter, "Carter, mean line load", ON_PATCH),
+            Check(label, xi, best, "the other mesh, two grids", BESIDE),
+        ]
+    return [*found, *_slipping("4 mm: ", result)]
+
+
+def _free(label: str, result: wf.Result) -> list[Check]:
+    free = _settled(result, result.contact(PAIR).friction.creepage[:, 0], schedule().free)
+    return [Check(f"{label}rolling freely: speeds differ by", free, 0.0, "no torque, over the speed", AGREE, scale=1.0)]
+
+
+def _slipping(label: str, result: wf.Result) -> list[Check]:
+    pair = result.contact(PAIR)
     force = np.hypot(pair.force[-1, 0], pair.force[-1, 1]) / pair.force[-1, 2]
-    work = result.energy["friction"]
+    stick, work = float((pair.friction.state[-1] == 1).sum()), result.energy["friction"]
     return [
-        *found,
-        Check("traction coefficient in gross slip", abs(float(force)), FRICTION, "Coulomb", COEFFICIENT),
-        Check("cells that stick then", float((friction.state[-1] == 1).sum()), 0.0, "all slip", 0.0, scale=1.0),
-        Check("largest gain from friction", max(float(np.diff(work).max()), 0.0), 0.0,
+        Check(f"{label}traction coefficient in gross slip", abs(float(force)), FRICTION, "Coulomb", COEFFICIENT),
+        Check(f"{label}cells that stick then", stick, 0.0, "all slip", 0.0, scale=1.0),
+        Check(f"{label}largest gain from friction", max(float(np.diff(work).max()), 0.0), 0.0,
               "takes energy only, over all work", DISSIPATION, "J", scale=float(np.ptp(work))),
     ]  # fmt: skip
 
 
-def panels(result: wf.Result) -> list:
-    """Speeds and force over time, creepage against force, tractions on the second wait of the brake."""
+def side_by_side(results: dict[str, wf.Result], seconds: dict[str, tuple[float, float]]) -> str:
+    """Forces, creepages and costs of the runs as text; seconds: wall time of reduction and run, by name."""
+    labels = [f"at {share:.2f} mu P [1e-3]" for share in SHARES]
+    lines = [f"{'creepage':<20}{'Q/(mu P)':>18}{''.join(f'{label:>21}' for label in labels)}"
+             f"{'steps':>8}{'step [ms]':>11}{'reduction, run [s]':>20}"]  # fmt: skip
+    for name, result in results.items():
+        settled, counters = on_carters_curve(result), result.history.counters
+        mean = on_carters_curve(result, line_load=LOAD / WIDTH)
+        forces = ", ".join(f"{share:.3f}" for share, _, _ in settled)
+        found = [f"{xi * 1e3:.4f} ({xi / carter - 1.0:+.1%})" for _, xi, carter in mean]
+        step = 1e3 * counters["seconds_in_graph"] / max(int(counters["steps"]), 1)
+        cost = f"{int(counters['steps']):>8d}{step:>11.2f}{f'{seconds[name][0]:.0f}, {seconds[name][1]:.0f}':>20}"
+        lines.append(f"{name:<20}{forces:>18}" + "".join(f"{text:>21}" for text in found) + cost)
+    return "\n".join([*lines, "(in brackets: over Carter's at the mean line load)"])
+
+
+def panels(result: wf.Result, on_patch: wf.Result) -> list:
+    """Speeds and force over time, creepage against force, tractions on the second wait of the brake; of the run on the
+    grid of the mesh and of that on cells of the patch."""
     from warpffrf.output.plots.panels import Panel
 
-    pair, t, plan = result.contact(PAIR), result.time, schedule()
-    friction, share = pair.friction, shares(result)
-    speeds = {name: (t, OUTER_RADIUS * np.abs(result.body(name).angular_velocity[:, 1])) for name in ("lower", "upper")}
-    braked = (t > plan.free) & (friction.creepage[:, 0] < 1.5 * FRICTION * HERTZ.half_width / RELATIVE_RADIUS)
+    plan, both = schedule(), {"fine mesh": result, "4 mm, cells of the patch": on_patch}
+    forces, curves, powers, tractions = {}, {}, {}, {}
+    for name, run_ in both.items():
+        friction, share, t = run_.contact(PAIR).friction, shares(run_), run_.time
+        braked = (t > plan.free) & (friction.creepage[:, 0] < 1.5 * FRICTION * HERTZ.half_width / RELATIVE_RADIUS)
+        forces[name] = (t, share)
+        curves[name] = (friction.creepage[braked, 0], share[braked])
+        powers[name] = (t, friction.power)
+        profile = friction.profile(_second_wait(run_), FRICTION)
+        tractions[name] = (profile["arc"] * 1e3, -profile["traction"] / 1e6)
+    points = {
+        f"settled, {name}": (
+            np.array([c for _, c, _ in on_carters_curve(run_)]),
+            np.array([s for s, _, _ in on_carters_curve(run_)]),
+        )
+        for name, run_ in both.items()
+    }
     q = np.linspace(0.0, 1.0, 101)
     curve = np.array([CarterRolling.from_share(HERTZ, FRICTION, x).creepage for x in q])
-    settled = on_carters_curve(result)
-    points = {"settled": (np.array([c for _, c, _ in settled]), np.array([s for s, _, _ in settled]))}
-    i = int(np.flatnonzero(t <= plan.waits[1])[-1])
-    profile = friction.profile(i, FRICTION)
-    x = profile["arc"] * 1e3
+    pair, t, i = result.contact(PAIR), result.time, _second_wait(result)
+    speeds = {name: (t, OUTER_RADIUS * np.abs(result.body(name).angular_velocity[:, 1])) for name in ("lower", "upper")}
     line = LineContact(float(pair.line_load[i]), RELATIVE_RADIUS, HERTZ.modulus)
-    exact = CarterRolling.from_share(line, FRICTION, float(share[i])).traction(-1e-3 * x + pair.center[i])
+    share = float(shares(result)[i])
+    x = np.linspace(-2.0, 2.0, 401) * line.half_width
+    exact = CarterRolling.from_share(line, FRICTION, share).traction(-x)
     return [
         Panel("Surface speeds", "time [s]", "[m/s]", speeds),
-        Panel("Tangential force over mu P", "time [s]", "[-]", {"Q/(mu P)": (t, share)},
+        Panel("Tangential force over mu P", "time [s]", "[-]", forces,
               {"brake": (t, brake()(t) / (FRICTION * LOAD * OUTER_RADIUS))}),
-        Panel("Tangential force against creepage", "creepage [-]", "Q/(mu P) [-]",
-              {"run, braked": (friction.creepage[braked, 0], share[braked]), **points}, {"Carter": (curve, q)}),
-        Panel(f"Tractions at Q/(mu P) = {share[i]:.2f}, material enters on the left", "arc [mm]", "[MPa]",
-              {"traction": (x, -profile["traction"] / 1e6), "mu p": (x, profile["bound"] / 1e6)},
-              {"Carter": (x, exact / 1e6)}),
-        Panel("Friction power", "time [s]", "[W]", {"power": (t, friction.power)}),
+        Panel("Tangential force against creepage", "creepage [-]", "Q/(mu P) [-]", curves, {"Carter": (curve, q)},
+              points=points),
+        Panel(f"Tractions at Q/(mu P) = {share:.2f}, material enters on the left", "arc [mm]", "[MPa]", tractions,
+              {"Carter": (x * 1e3, exact / 1e6), "mu p, Hertz": (x * 1e3, FRICTION * line.pressure(x) / 1e6)}),
+        Panel("Friction power", "time [s]", "[W]", powers),
+        StickSlipMap("4 mm: stick and slip then, tractions on the lower roller", on_patch, _second_wait(on_patch)),
     ]  # fmt: skip
+
+
+def _second_wait(result: wf.Result) -> int:
+    """The last saved step before the end of the second wait."""
+    return int(np.flatnonzero(result.time <= schedule().waits[1])[-1])
 
 
 def main(out: str | Path = "out/rolling_friction", *, quick: bool = False, progress: bool = True) -> int:
@@ -256,13 +328,21 @@ def main(out: str | Path = "out/rolling_friction", *, quick: bool = False, progr
     """
     folder = writable_folder(out)
     size = QUICK if quick else FULL
-    results = {}
-    for name, cells in (("fine", size), ("coarse", size.coarse)):
+    results, seconds = {}, {}
+    for name, cells in (("fine", size), ("coarse", size.coarse), ("patch", BIG_CELLS)):
         plan = schedule()
         log.info("rolling friction: %s, %g s in steps of %.3g s", name, plan.end, cells.step)
-        results[name] = run(build(cells, progress=progress), cells, progress=progress)
+        begin = time.perf_counter()
+        scene = build(cells, progress=progress)
+        built = time.perf_counter()
+        results[name] = run(scene, cells, progress=progress)
+        seconds[name] = (built - begin, time.perf_counter() - built)
         if results[name].status != "completed":
             log.error("the run '%s' ended early, %s: %s", name, results[name].status, results[name].message)
             return 1
     found = checks(results["fine"], results["coarse"], size)
-    return finish(folder / "rolling_friction", results, found, panels(results["fine"]), frames=size.frames)
+    found += checks_on_patch(results["patch"], results["fine"], results["coarse"])
+    pictures = panels(results["fine"], results["patch"])
+    code = finish(folder / "rolling_friction", results, found, pictures, frames=size.frames)
+    print(side_by_side(results, seconds))
+    return code

@@ -4,6 +4,7 @@ power, wear."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -104,13 +105,14 @@ def _around(ax: Any, contact: Any, i: int) -> None:
         ax.set_xlim(middle - reach, middle + reach)
 
 
-def stick_slip(result: Any, ax: Any) -> None:
-    """State of every cell on the unwrapped patch, with arrows of the tractions on the first body."""
+def stick_slip(result: Any, ax: Any, row: int | None = None) -> None:
+    """State of every cell on the unwrapped patch, with arrows of the tractions on the first body, in saved step `row`,
+    the last one that touches unless given."""
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
     contact = rubbing(result)
-    i = _last_touching(contact)
+    i = _last_touching(contact) if row is None else row
     friction, step = contact.friction, 1 if contact.side > 0.0 else -1
     lines = _lines(contact, i)
     x, z = (0.5 * (v[1:] + v[:-1]) for v in lines)
@@ -136,6 +138,20 @@ def stick_slip(result: Any, ax: Any) -> None:
         handles=[Patch(color=c, label=n) for n, c in zip(STATES, STATE_COLORS, strict=True)], fontsize=7, ncols=3,
         loc="upper right",
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class StickSlipMap:
+    """`stick_slip` in saved step `row` of `result` under a title of its own, as a panel for `panels.save_panels`."""
+
+    title: str
+    result: Any
+    row: int
+
+    def draw(self, ax: Any) -> None:
+        """Draw on matplotlib axes."""
+        stick_slip(self.result, ax, self.row)
+        ax.set_title(self.title, fontsize=10)
 
 
 def creepage(result: Any, ax: Any) -> None:

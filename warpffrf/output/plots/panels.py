@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -18,11 +18,20 @@ COLUMNS = 3  # side by side at most
 DPI = 110
 COLORS = ("#1b6ca8", "#d1495b", "#2a9d6f", "#b57f00", "#6d5aa8", "#4f5d6b")
 REFERENCE_DASH = (0, (5, 3))
+MARKS = "os^D"
+
+
+class Drawn(Protocol):
+    """What `save_panels` takes."""
+
+    def draw(self, ax: object) -> None:
+        """Draw on matplotlib axes."""
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One plot: `curves` {name: (x (n,), y (n,))} as lines, `reference` likewise, dashed and on top of them.
+    """One plot: `curves` {name: (x (n,), y (n,))} as lines, `reference` likewise, dashed and on top of them, `points`
+    likewise, as marks.
 
     `limits`: the range (low, high) of y to show, for curves of which one runs away.
     """
@@ -33,6 +42,7 @@ class Panel:
     curves: Mapping[str, tuple[np.ndarray, np.ndarray]]
     reference: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
     limits: tuple[float, float] | None = None
+    points: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
 
     def draw(self, ax: object) -> None:
         """Draw on matplotlib axes."""
@@ -42,16 +52,18 @@ class Panel:
         for n, (name, (x, y)) in enumerate((self.reference or {}).items()):
             color = "black" if n == 0 else COLORS[-1 - n]
             axes.plot(x, y, lw=1.0, color=color, ls=REFERENCE_DASH, marker="o" if len(x) == 1 else None, label=name)
+        for n, (name, (x, y)) in enumerate((self.points or {}).items()):
+            axes.plot(x, y, ls="none", marker=MARKS[n % len(MARKS)], ms=4.5, mfc="none", color="black", label=name)
         if self.limits is not None:
             axes.set_ylim(*self.limits)
         axes.set(xlabel=self.x_label, ylabel=self.y_label)
         axes.set_title(self.title, fontsize=10)
         axes.grid(alpha=0.25, lw=0.5)
-        if len(self.curves) + len(self.reference or {}) > 1:
+        if len(self.curves) + len(self.reference or {}) + len(self.points or {}) > 1:
             axes.legend(frameon=False, fontsize=8)
 
 
-def save_panels(panels: Sequence[Panel], path: str | os.PathLike[str]) -> Path:
+def save_panels(panels: Sequence[Drawn], path: str | os.PathLike[str]) -> Path:
     """Draw the panels into one picture; the ending of `path` chooses the format (.png, .pdf, .svg); returns its path.
 
     Raises `InputError` for no panels, a path that cannot be written and an unknown ending.
