@@ -217,9 +217,15 @@ def test_the_report_has_words_of_the_field(patch: Result) -> None:
 
 
 def test_too_fast_patches_are_told_of_their_strips(patch: Result) -> None:
-    patch.history.contacts[PAIR].friction.cells_per_step[:] = 2.0  # type: ignore[union-attr]
-    warning = patch.contact(PAIR).friction.warning()
-    assert warning is not None and "or fewer strips, Contact(..., cells=(strips, rows))" in warning
+    friction = patch.contact(PAIR).friction
+    friction.cells_per_step[:] = 2.0  # right to 1 %
+    assert friction.warning() is None
+    friction.cells_per_step[:] = 4.0
+    warning = friction.warning()
+    assert (
+        warning is not None
+        and "take steps 1.6 times shorter, or fewer strips, Contact(..., cells=(strips, rows))" in warning
+    )
 
 
 @pytest.mark.parametrize("kind", [*FRICTION_PLOTS, "summary"])
