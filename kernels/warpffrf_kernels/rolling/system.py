@@ -39,8 +39,8 @@ def modes_of_cells(
     cell_J: out(wp.array(dtype=real)),
     cell_JT: out(wp.array4d(dtype=real)),
 ):
-    """Per (world, pair), lanes over modes: gradient J of the weak slip of the fresh slots by the global modes of A,
-    then of B, times the weight of the pair, and its transpose."""
+    """Per (world, pair), lanes over modes: gradient J of the weak slip by the global modes of A, then of B, times the
+    weight of the pair, and its transpose; of the fresh slots, in the beginning of an attempt of all."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_patch(model, pair):
@@ -48,7 +48,9 @@ def modes_of_cells(
     elements = model.elements[0]
     nodes = elements.patches.far_nodes
     count_a = model.surfaces.modal_count[model.pairs.first[pair]]
-    slot = cell_block[w, pair, FRESH]
+    slot = int(0)
+    if ctl[w].iteration > 0:
+        slot = cell_block[w, pair, FRESH]
     while slot < cell_block[w, pair, COUNT]:
         m = cell_slot[w, pair, slot]
         start = (first_line(model, w, pair) + 2 * slot) * model.pairs.most_modes
