@@ -39,7 +39,7 @@ def strip_columns(model: Model, elements: Elements, w: int, pair: int, patch_pla
 # What the compliance of the cells may be off as a tangent before it is made anew: residuals are never read off it. It
 # goes with the second or third power of W, and far fields, a sixth of it, vary over the columns of the mesh.
 SAME_WIDTH = wp.constant(wp.float64(2.0e-3))
-SAME_PLACE = wp.constant(wp.float64(0.25))  # columns
+SAME_PLACE = wp.constant(wp.float64(0.5))  # columns
 SAME_NORMAL = wp.constant(wp.float64(1.0e-2))  # rad: gradients by the motion of the bodies turn with it
 
 
