@@ -213,18 +213,19 @@ class Contact:
     def without_patch(self) -> str | None:
         """Why pressures cannot stand on cells that travel with the patch, and the cure; None where they can."""
         for port in self.ports:
-            if not port.rigid and port.surface.far is None:
+            if port.rigid:
+                continue
+            far = port.surface.far
+            if far is None:
                 return (
                     f"grid='patch' needs the far field of {port.label}, body {port.body.name!r} was reduced without "
                     "it; reduce(..., patch_grid=True)"
                 )
-        if self.friction.acts:
-            for port in self.ports:
-                if not port.rigid and port.surface.far.tangential is None:
-                    return (
-                        f"friction on a patch needs the tangential far field of {port.label}, body {port.body.name!r} "
-                        "was reduced without it; reduce(..., patch_grid=True, tangential=True)"
-                    )
+            if self.friction.acts and far.tangential is None:
+                return (
+                    f"friction on a patch needs the tangential far field of {port.label}, body {port.body.name!r} "
+                    "was reduced without it; reduce(..., patch_grid=True, tangential=True)"
+                )
         if self.evaluation != "semi":
             return (
                 f"evaluation {self.evaluation!r} belongs to grid='material'; a patch of cells is evaluated at their "
