@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
+from warpffrf import laws
+from warpffrf.model.friction import FrictionLaw
+from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.verification import rolling_bodies, rolling_changes, rolling_steady
 from warpffrf.verification.closed_forms import CarterRolling
 from warpffrf.verification.closed_forms import rolling_tables as published
@@ -12,7 +17,10 @@ from warpffrf.verification.half_space.unlike_rolling import free_rolling
 from warpffrf.verification.rolling_bodies import ALUMINIUM
 from warpffrf.verification.scenes.rolling_pairs import (
     FRICTION,
+    PAIR,
     PLANE_STEEL,
+    SPAN,
+    SPEED,
     STEEL,
     Drives,
     line_contact,
@@ -20,7 +28,10 @@ from warpffrf.verification.scenes.rolling_pairs import (
     reduced,
     roll,
     roller,
+    run,
 )
+
+Array = np.ndarray
 
 CARTER = 0.01  # of mu N; 0.7 % is found from 11 strips on
 TRANSIENT = 0.02  # of mu N, at any instant
@@ -33,6 +44,7 @@ WAY, LOSS = 0.01, 0.03  # relative
 LEDGER = 0.01  # of the work of the drives, at a strip a step
 PASSING = 0.01  # of the elastic energy that passes
 JUMP = 0.005  # of mu N
+SOLVED = 1e-6  # of the pressure, to which stick and slip are solved; 2e-7 is found
 QUICK = 0.015  # of mu N: eleven strips, eight elements around, twelve crossings
 
 
@@ -53,6 +65,51 @@ def test_gross_slip_has_the_force_and_the_direction() -> None:
     assert np.linalg.norm(found.share) == pytest.approx(1.0, abs=GROSS)
     angle = np.degrees(np.arctan2(found.share[1], found.share[0]) - np.arctan2(-0.05, -0.1))
     assert abs(angle) < DIRECTION
+
+
+SPEEDS = {  # slip in these patches is up to 6 mm/s
+    "falls": laws.StribeckCoulomb(0.4, 0.2, 0.02, exponent=1.0),
+    "rises": laws.TableCoulomb((0.0, 1e-3, 3e-3), (0.1, 0.3, 0.5)),
+}
+
+
+@pytest.fixture(scope="module")
+def roller_of_strain() -> ReducedBody:
+    return reduced(roller(4e-3, order=1), PLANE_STEEL, cache=False)
+
+
+def at_the_end(body: ReducedBody, law: FrictionLaw, creepage: float) -> tuple[Array, Array, Array, Array]:
+    """Traction (2, cells), slip velocity, pressure and state of cells which the patch has not just reached: those
+    slip by their share of the step in the law, by all of it in the record."""
+    scene = pair(body, body, 8e-6, Drives(creepage=creepage), cells=(11, 4), friction=law)
+    result = run(scene, 50, 2.0 * SPAN * 2.6e-4 / 11 / SPEED)
+    contact: Any = result.history.contacts[PAIR]
+    assert np.all(np.diff(result.energy["friction"]) <= 0.0)
+    rubbing, there = contact.friction, slice(3, None)  # two strips outside of the patch, one reached
+    return (
+        rubbing.traction[-1][:, there], rubbing.slip_velocity[-1][:, there], contact.pressure[-1][there],
+        rubbing.state[-1][there],
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("name", list(SPEEDS))
+@pytest.mark.parametrize("creepage", [1.5e-3, 8e-3])
+def test_a_coefficient_of_the_slip_speed(roller_of_strain: ReducedBody, name: str, creepage: float) -> None:
+    law = SPEEDS[name]
+    traction, slip, pressure, state = at_the_end(roller_of_strain, law, creepage)
+    size, speed = np.linalg.norm(traction, axis=0), np.linalg.norm(slip, axis=0)
+    bound = np.where(state == 2, law.coefficient_at(speed), law.static_coefficient) * pressure
+    assert np.all(size <= bound + SOLVED * pressure.max())
+    np.testing.assert_allclose(size[state == 2], bound[state == 2], atol=SOLVED * pressure.max(), rtol=0.0)
+    assert np.any(state == 2) and speed.max() > 1e-3
+
+
+def test_the_regularised_law_creeps(roller_of_strain: ReducedBody) -> None:
+    traction, slip, pressure, state = at_the_end(roller_of_strain, laws.RegularisedCoulomb(FRICTION, 1e-3), 1.5e-3)
+    size = np.linalg.norm(slip, axis=0)
+    expected = -FRICTION * pressure * slip / np.maximum(size, 1e-3)
+    np.testing.assert_allclose(traction, expected, atol=SOLVED * pressure.max(), rtol=0.0)
+    assert np.any(state == 1) and np.any(state == 2)
 
 
 def test_half_planes_that_differ_creep_without_a_force() -> None:

@@ -20,6 +20,7 @@ import numpy as np
 from warpffrf.model import joints, signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
+from warpffrf.model.friction import FrictionLaw
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh import roller as roller_mesh
@@ -85,7 +86,7 @@ class Drives:
 
 def pair(
     lower: ReducedBody, upper: ReducedBody, approach: float, drives: Drives, *, radius: float = R,
-    crown_radius: float | None = None, friction: float = FRICTION, cells: tuple[int, int] = (21, 21),
+    crown_radius: float | None = None, friction: float | FrictionLaw = FRICTION, cells: tuple[int, int] = (21, 21),
     shift: float = 0.0,
 ) -> Scene:  # fmt: skip
     """The scene; approach [m] of the axles, shift [m] of the upper roller along its axle."""
