@@ -116,7 +116,7 @@ def place_patch_cells(
         z = row_place(elements, pair, m % rows, patch_place, w)[0]
         found = find_cell(model, A, B, s, model.surfaces.theta[A] + x * model.surfaces.pitch[A], z)
         size = area[w, pair, m]
-        if ctl[w].mode == k.DYNAMIC and elements.rolling.coupled[pair] != 0:  # else pressures stand about the middle
+        if ctl[w].mode == k.DYNAMIC:  # without tractions pressures stand about the middle
             arm = model.surfaces.side[A] * (real(m / rows) - real(0.5) * real(columns - 1)) * way
             for i in range(3):
                 more_wrench[w, pair, m, 3 + i] = more_wrench[w, pair, m, 3 + i] + size * arm * found.u_2[i]
