@@ -11,7 +11,7 @@ import warp as wp
 
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
-from warpffrf_kernels.core.model import PATCH, Model
+from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real
 from warpffrf_kernels.friction.cell_shares import line_of
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
@@ -23,9 +23,6 @@ wp.set_module_options(MODULE_OPTIONS)
 # Tractions are converged to this many times the tolerance of forces and gaps (of the largest bound): forces and moments
 # of the tractions at hand are balanced to that tolerance itself.
 TRACTION_SLACK = wp.constant(wp.float64(100.0))
-# The same on cells that travel with the patch, whose compliance is kept from step to step: 1e-6 of the largest bound
-# saves half of the iterations.
-PATCH_SLACK = wp.constant(wp.float64(1000.0))
 OPEN = wp.constant(0)
 STICK = wp.constant(1)
 SLIP = wp.constant(2)
@@ -224,10 +221,7 @@ def add_friction(
                     defect = wp.max(defect, wp.max(wp.abs(y_1 - t_1), wp.abs(y_2 - t_2)))
                 m += 1
             if largest > real(0.0):
-                slack = TRACTION_SLACK
-                if model.pairs.family[pair] == PATCH:
-                    slack = PATCH_SLACK
-                worst = wp.max(worst, defect / (slack * largest))
+                worst = wp.max(worst, defect / largest)
         elastic_energy[w, pair, 1] = energy
         pair += 1
-    gap_defect[w, 0] = wp.max(gap_defect[w, 0], worst)
+    gap_defect[w, 0] = wp.max(gap_defect[w, 0], worst / TRACTION_SLACK)
