@@ -33,6 +33,7 @@ EPSILON = 4e-15  # the same of one sum of a few numbers, shares of cubics among 
 READ = 1e-13  # of the largest displacement: round-off of places in strips
 FORCE, DIRECTION = 1e-3, 0.05  # relative, and degrees: what vibrations of the bodies leave
 LOST = 0.01  # of the elastic energy that passes through a patch
+ONCE = 1.2  # iterations of a steady step: 1 where bodies follow the couple of the pressures in the first, 1.93 else
 DIFFERENCES = 1e-11  # of the largest entry: what is left of differences of displacements
 
 
@@ -468,3 +469,4 @@ def test_rolling_without_slip_gives_its_energy_to_friction(bodies) -> None:
     assert np.diff(history.energy["friction"]).max() <= 0.0
     assert -booked["friction"][-1] > 0.5 * taken
     assert np.abs(booked["contact_grid"]).max() < LOST * taken
+    assert history.iterations[-200:].mean() < ONCE

@@ -24,7 +24,7 @@ from warpffrf_kernels.friction import (
     tangential_fields,
     traction_bounds,
 )
-from warpffrf_kernels.rolling import entering, fields, places, shear, spline_tables, system
+from warpffrf_kernels.rolling import couple, entering, fields, places, shear, spline_tables, system
 from warpffrf_kernels.rolling import history as rolling_history
 
 from warpffrf.online.step.launches import Launch, blocks, once, threads
@@ -144,6 +144,7 @@ FRICTION = Participant(
         blocks(slip_speed.begin_slips, "speed_pair", when=SPEED),
         Loop("rubbing", RUB),
         blocks(stick_slip_problem.take_tractions, z_change="answer_z", **TAU),
+        blocks(couple.follow_couples, when=ROLLING, push="cell_load", **M),
     ],
     answer=[blocks(stick_slip_problem.push_modes, push="cell_push", moved="answer_moved", **J)],
     keep=[
