@@ -15,6 +15,7 @@ from warpffrf_kernels.friction.cell_blocks import COUNT
 import warpffrf as wf
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.online import Engine, run
+from warpffrf.online.engine import KEPT_MARK
 from warpffrf.online.compile.patch_plan import PatchPlan
 
 RADIUS, WIDTH, BALL = 0.05, 0.02, 0.03
@@ -24,6 +25,7 @@ COLUMNS, ROWS = 9, 11  # rows that do not fill their lines
 STRIPS_MANY = 19  # of a patch that a traction is carried through
 STRIPS_AROUND = 3  # whose displacements are kept on either side
 MU = 0.3
+SPEED = 10.0  # rad/s
 # of the largest displacement: near fields of fixed rows lie between levels of W, by cubics
 SAME = {"plane": 2e-5, "rollers": 2e-5, "ball": 1e-10}
 SEEN = 0.02  # of the largest displacement, that each part of it has at least
@@ -444,12 +446,10 @@ def test_what_slides_is_held_back_by_all_of_the_friction(bodies, angle: float, t
     assert abs(off) < DIRECTION
 
 
-def test_rolling_without_slip_gives_its_energy_to_friction(bodies) -> None:
-    """A creepage that moves no cell by slip, with a coefficient that none comes near: what it takes from the bodies is
-    lost by the material that leaves the patch, and is booked as friction, not as made by the cells."""
-    creepage, turning, advance, strips = 3e-4, 10.0, 0.3, 21
+def driven(bodies: dict[str, ReducedBody], creepage: float, friction: Any, strips: int) -> wf.Scene:
+    """Two steel rollers that are turned against each other, bores held; SPEED on the lower one."""
     scene = wf.Scene(gravity=(0, 0, 0))
-    speeds = {"lower": turning, "upper": -turning * (1.0 + creepage)}
+    speeds = {"lower": SPEED, "upper": -SPEED * (1.0 + creepage)}
     for name, speed in speeds.items():
         at = (0, 0, 2 * RADIUS - APPROACH if name == "upper" else 0.0)
         body = scene.add_body(
@@ -458,8 +458,26 @@ def test_rolling_without_slip_gives_its_energy_to_friction(bodies) -> None:
         axle = scene.add(wf.joints.Revolute(scene.ground, body["bore"], axis=(0, 1, 0)))
         scene.add(wf.joints.Drive(axle, wf.signals.Table([0, 100], [speed, speed]), quantity="velocity"))
     lower, upper = scene.bodies
-    scene.add(wf.Contact(lower["rim"], upper["rim"], friction=5.0, grid="patch", cells=(strips, 7), name="pair"))
-    step = advance * 1.1e-3 / strips / (turning * RADIUS)
+    scene.add(wf.Contact(lower["rim"], upper["rim"], friction=friction, grid="patch", cells=(strips, 7), name="pair"))
+    return scene
+
+
+@pytest.mark.parametrize("law", [MU, wf.laws.StribeckCoulomb(0.3, 0.2, 5e-3)], ids=["Coulomb", "Stribeck"])
+def test_a_run_is_continued_bit_for_bit(bodies, law: Any) -> None:
+    """With compliances and factors that serve for many steps."""
+    scene, step = driven(bodies, 2e-3, law, COLUMNS), 0.7 * 1.1e-3 / COLUMNS / (SPEED * RADIUS)
+    whole = run(scene, 40 * step, step=step, start="equilibrium", progress=False)
+    part = run(scene, 13 * step, step=step, start="equilibrium", progress=False)
+    found = run(scene, 27 * step, step=step, start=part, progress=False).checkpoint
+    assert {n for n in found if n.startswith(KEPT_MARK)} >= {f"{KEPT_MARK}cell_G", f"{KEPT_MARK}cell_U"}
+    assert [name for name, array in whole.checkpoint.items() if array.tobytes() != found[name].tobytes()] == []
+
+
+def test_rolling_without_slip_gives_its_energy_to_friction(bodies) -> None:
+    """A creepage that moves no cell by slip, with a coefficient that none comes near: what it takes from the bodies is
+    lost by the material that leaves the patch, and is booked as friction, not as made by the cells."""
+    advance, strips = 0.3, 21
+    scene, step = driven(bodies, 3e-4, 5.0, strips), advance * 1.1e-3 / strips / (SPEED * RADIUS)
     history = run(scene, 400 * step, step=step, start="equilibrium", progress=False)
     assert history.status == "completed"
     friction = history.contacts["pair"].friction

@@ -1,11 +1,12 @@
 """Putting a run back where another one ended.
 
-A checkpoint is the complete device state (`State.to_numpy`): positions, rates, algorithmic accelerations, multipliers,
-active sets, pressures, the ledger, the clock and the control words. Everything else that a step uses is either constant
-(compiled from the scene) or made anew at the start of every step, so a run continued from a checkpoint with the same
-step and the same options gives the same numbers, bit for bit, as one that was never stopped. But for friction on cells
-that travel with the patch, whose compliance and its factors are kept from step to step as long as they are good: there
-the numbers are the same to the tolerance of the iteration.
+A checkpoint (`Engine.checkpoint`) is the complete device state: positions, rates, algorithmic accelerations,
+multipliers, active sets, pressures, the ledger, the clock and the control words; and with friction on cells that travel
+with the patch their compliances and factors, which serve from step to step as long as they are good. Everything else
+that a step uses is either constant (compiled from the scene) or made anew at the start of every step, so a run
+continued from a checkpoint with the same step and the same options gives the same numbers, bit for bit, as one that was
+never stopped. Where what was kept does not fit, or an older file lacks it, compliances are made anew, and the numbers
+are the same to the tolerance of the iteration.
 """
 
 from __future__ import annotations
@@ -73,7 +74,7 @@ def restore(engine: Engine, checkpoint: Mapping[str, np.ndarray], step: float, l
     checkpoint of another scene, with `label` in front.
     """
     check_checkpoint(engine.state.to_numpy(), checkpoint, label)
-    engine.state.assign(dict(checkpoint))
+    engine.resume(checkpoint)
     engine.drained = engine.word("saved")
     if np.any(engine.word("status") & int(k.GAIN)):  # what was made up to there is no reason to end again
         engine.clock(least=engine.state.made.numpy().sum(axis=1))

@@ -10,13 +10,14 @@ from collections.abc import Mapping
 import numpy as np
 import warp as wp
 from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.declaration import DeviceArray
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import GeneralizedAlpha, Integrator
 from warpffrf.model.scene import Scene
 from warpffrf.online.arrays import Ring, Sizes, initial_state, sizes_of
 from warpffrf.online.arrays.ring import SavedRows, joined, taken
-from warpffrf.online.arrays.scratch import scratch_for
+from warpffrf.online.arrays.scratch import KEPT, scratch_for
 from warpffrf.online.compile.outer_pattern import pattern_of
 from warpffrf.online.compile.patch_plan import PatchPlan
 from warpffrf.online.compile.scene import compile_scene
@@ -25,6 +26,7 @@ from warpffrf.online.settings import Settings
 from warpffrf.online.step.graph import StepGraph
 
 ROOM_GROWTH = 2  # of the slots, each time they are too few
+KEPT_MARK = "kept_"  # before the names of arrays in a checkpoint that are no part of the state
 
 
 def _start_warp() -> None:
@@ -200,6 +202,33 @@ class Engine:
     def saved(self, world: int = 0) -> SavedRows:
         """All rows saved of a world so far."""
         return joined(self.chunks[world] or [taken(self.ring.on_host(), world, range(0))])
+
+    # --- checkpoints
+
+    def checkpoint(self) -> dict[str, np.ndarray]:
+        """Copies of all that the next step needs to go on bit for bit: the state and, with friction on cells that travel
+        with the patch, what is kept of them from step to step."""
+        return self.state.to_numpy() | {f"{KEPT_MARK}{name}": a.numpy().copy() for name, a in self._kept().items()}
+
+    def resume(self, checkpoint: Mapping[str, np.ndarray]) -> None:
+        """Overwrite the state; what a checkpoint has kept, where it fits, or else compliances are made anew."""
+        given = {name.removeprefix(KEPT_MARK): a for name, a in checkpoint.items() if name.startswith(KEPT_MARK)}
+        if given:
+            self.make_room(given["answer_hat"].shape[1])
+        self.state.assign(checkpoint)
+        here = self._kept()
+        if {name: a.shape for name, a in here.items()} == {name: a.shape for name, a in given.items()}:
+            for name, array in here.items():
+                array.assign(given[name])
+        else:
+            self.control(stale=1)
+
+    def _kept(self) -> dict[str, DeviceArray]:
+        """Arrays that are kept from step to step beside the state, each once: some stand in for others."""
+        if not self._sizes()["rolling_pair"]:
+            return {}
+        found = {id(array): name for name in reversed(KEPT) for array in (getattr(self.scratch, name),)}
+        return {name: getattr(self.scratch, name) for name in sorted(found.values())}
 
     # --- phases
 

@@ -113,7 +113,7 @@ def run(
     """Simulate `scene` for `duration` [s] in steps of `step` [s]; a solver that fails says so in `History.status`.
 
     start: "initial", "equilibrium", or the History of an earlier run of the same scene, or of its equilibrium, which
-    is continued bit for bit (to the tolerance of the iteration with friction on patches of cells). accuracy: halve
+    is continued bit for bit. accuracy: halve
     steps whose local error exceeds it, see `warpffrf_kernels.step.accuracy`. project_start: initial velocities that do
     not agree with the joints are changed as little as possible (in the kinetic energy of the change) instead of
     refused. Raises InputError for wrong input.
@@ -243,6 +243,7 @@ def _finish(
     engine: Engine, begin: float, built: float, notes: list[str], prefix: str, rejected_before: int = 0
 ) -> History:
     """The History of what was saved; `rejected_before`: attempts that an earlier run, which is continued, rejected."""
+    left = engine.checkpoint()  # before anything is evaluated for notes
     bits = int(engine.word("status")[0])
     if not engine.no_room:
         bits &= ~int(k.ROOM)  # left where the user interrupts
@@ -309,7 +310,7 @@ def _finish(
     contact = [note for note in contact if note not in notes]
     energy = energy_notes(history.energy, round_off_energy(engine))
     history.notes = [*notes, *inertia, *contact, *energy, *history.notes]
-    history.checkpoint = engine.state.to_numpy()
+    history.checkpoint = left
     return history
 
 

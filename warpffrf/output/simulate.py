@@ -62,7 +62,7 @@ def simulate(
 
     start: "initial" (positions and velocities of the scene), "equilibrium" (static state under load first), or the
     Result, or results file, of an earlier run or equilibrium of the same scene, which is continued bit for bit
-    (to the tolerance of the iteration with method="monolithic", and with friction on patches of cells). Saved are every
+    (to the tolerance of the iteration with method="monolithic"). Saved are every
     `save_every`th step and the last.
     project_start: change initial velocities that do not agree with the joints as little as possible, with a note,
     instead of refusing them; a drive changes them in any case, it says what the velocity is. stages:

@@ -479,6 +479,16 @@ class Scratch(
     """Scratch arrays of a step."""
 
 
+KEPT = tuple(
+    name
+    for part in (Patches, Rolling, FrictionCells, FrictionSolve, SlipSpeedSolve)
+    for name, declaration in part.declarations.items()
+    if declaration.carried
+)
+"""Compliances of cells that travel with the patch, and their factors, which serve from step to step as long as they are
+good."""
+
+
 def scratch_for(compiled: CompiledScene, sizes: Sizes, state: State) -> Scratch:
     """Scratch arrays of a run, with the constants of interfaces in them."""
     scratch = Scratch(sizes, compiled.device, state)
