@@ -16,7 +16,7 @@ from warpffrf.demos import two_rollers as demo
 from warpffrf.scene_file import load_scene, run_scene
 from warpffrf.scene_file.document import document_of, to_toml
 from warpffrf.scene_file.forms import item_kinds
-from warpffrf.scene_file.load import scene_of
+from warpffrf.scene_file.load import DOCUMENT_SIGN, scene_of
 from warpffrf.scene_file.source import parse
 
 DATA = Path(__file__).resolve().parent / "data"
@@ -77,7 +77,7 @@ def test_the_demo_gives_the_same_results_bit_for_bit(python_scene: wf.Scene, tmp
     # the file beside the results is the scene that was run: no includes, no parameters, the same scene again
     again = load_scene(tmp_path / "two_rollers.toml")
     assert again.scene.content_hash() == python_scene.content_hash()
-    assert again.to_toml() == (tmp_path / "two_rollers.toml").read_text(encoding="utf-8")
+    assert DOCUMENT_SIGN + again.to_toml() == (tmp_path / "two_rollers.toml").read_text(encoding="utf-8")
 
 
 def test_what_is_left_out_has_the_defaults_of_python() -> None:

@@ -126,11 +126,17 @@ def run_scene_file(
         Path | None, typer.Option("--out", help="Folder for the results; left out: out/NAME of the file NAME.toml.")
     ] = None,
     check: Annotated[bool, typer.Option("--check", help="Build the scene and describe it, but do not run it.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the files of an earlier run.")] = False,
+    resume: Annotated[
+        bool,
+        typer.Option("--resume", help="Go on where a run into the same folder was stopped, or read it if it ended."),
+    ] = False,
 ) -> None:
     """Run the scene of a TOML file: bodies, joints, drives, forces, contacts, and how to simulate them.
 
     Writes the results (.h5), the recording where the file asks for one (.rrd, open it with: rerun FILE), and the scene
-    as it was run (.toml) into a folder, and prints a report. Exit code 1 where a solver gave up; results are kept.
+    as it was run (.toml) into a folder, and prints a report. Exit code 1 where a solver gave up or a file could not be
+    written; results are kept. Ctrl-C ends a run early and keeps what there is; --resume goes on.
 
     Example: warpffrf run press.toml --set upper.load=2000 --set simulate.step=5e-5 --out out/press
     """
@@ -140,10 +146,12 @@ def run_scene_file(
         if check:
             print(load_scene(scene_file, settings=settings or ()).scene.check())
             return
-        results = run_scene(scene_file, settings=settings or (), out=out, progress=not _State.quiet)
+        results = run_scene(
+            scene_file, settings=settings or (), out=out, progress=not _State.quiet, overwrite=overwrite, resume=resume
+        )
         for call, result in results.items():
             print(f"{call}\n{result.report()}")
-        if any(result.status != "completed" for result in results.values()):
+        if any(result.status != "completed" or result.unwritten for result in results.values()):
             raise typer.Exit(1)
 
 
@@ -259,6 +267,7 @@ def reduce_mesh(
     cache: Annotated[
         bool, typer.Option(help="Take an unchanged body from the cache instead of reducing again.")
     ] = True,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a reduced body that is there.")] = False,
 ) -> None:
     """Turn a finite-element mesh into a reduced body that a simulation can use.
 
@@ -268,9 +277,9 @@ def reduce_mesh(
     The names of the sets in a mesh are listed by: warpffrf info MESH --length-unit mm
     """
     with _one_line_errors():
-        from warpffrf.output.paths import checked_output_path
+        from warpffrf.model.output_paths import checked_output_path
 
-        target = checked_output_path(output, "--output")
+        target = checked_output_path(output, "--output", overwrite=overwrite)
         mesh = warpffrf.mesh.read(mesh_file, length_unit=length_unit, part=part_of(part))
         body = warpffrf.reduce(
             mesh,
@@ -290,7 +299,7 @@ def reduce_mesh(
             cache=cache,
             progress=not _State.quiet,
         )
-        body.save(target)
+        body.save(target, overwrite=overwrite)
         print(body.info())
         print(f"written to {target}")
 
@@ -333,12 +342,17 @@ def info(
         Path | None,
         typer.Option(metavar="PNG", help="For a reduced body: also write a picture of its quality here."),
     ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a picture that is there.")] = False,
 ) -> None:
     """Say what is in a file: size, mass, inertia, named sets, modes, or how a run went."""
     with _one_line_errors():
         from warpffrf.cli_info import describe_file
 
-        print(describe_file(file, length_unit=length_unit, part=part_of(part), density=density, page=page))
+        print(
+            describe_file(
+                file, length_unit=length_unit, part=part_of(part), density=density, page=page, overwrite=overwrite
+            )
+        )
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

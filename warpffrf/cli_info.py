@@ -21,6 +21,7 @@ def describe_file(
     density: float | None,
     part: int | str | None = None,
     page: Path | None = None,
+    overwrite: bool = False,
 ) -> str:
     """Readable lines about the file: sizes, bounding box, mass, inertia, and warnings.
 
@@ -34,7 +35,7 @@ def describe_file(
     with path.open("rb") as file:
         start = file.read(len(HDF5_SIGNATURE))
     if start == HDF5_SIGNATURE:
-        return _hdf5(path, page)
+        return _hdf5(path, page, overwrite)
     from warpffrf.model.mesh.reader import SUFFIXES
 
     if path.suffix.lower() in SUFFIXES:
@@ -59,7 +60,7 @@ def _mesh(path: Path, length_unit: str | None, part: int | str | None, density: 
     return str(mesh.report(Material(210e9, 0.3, rho))) + f"\n  note: mass at {rho:g} kg/m3"
 
 
-def _hdf5(path: Path, page: Path | None) -> str:
+def _hdf5(path: Path, page: Path | None, overwrite: bool) -> str:
     import h5py
 
     from warpffrf.model.reduced_body_file import MARK
@@ -71,7 +72,7 @@ def _hdf5(path: Path, page: Path | None) -> str:
     except OSError as error:
         raise InputError(f"{path.name} is damaged ({error}); write it again") from None
     if kind == MARK:
-        return _reduced_body(path, page)
+        return _reduced_body(path, page, overwrite)
     if kind == FORMAT:
         _no_page(page, path)
         return _results(path)
@@ -85,13 +86,13 @@ def _no_page(page: Path | None, path: Path) -> None:
         )
 
 
-def _reduced_body(path: Path, page: Path | None) -> str:
+def _reduced_body(path: Path, page: Path | None, overwrite: bool) -> str:
     from warpffrf.model.reduced_body import ReducedBody
 
     body = ReducedBody.load(path)
     lines = [body.info(), _box(body.surface.points), *_inertia(body.inertia)]
     if page is not None:
-        lines.append(f"quality page written to {body.quality_page(page)}")
+        lines.append(f"quality page written to {body.quality_page(page, overwrite=overwrite)}")
     return "\n".join(lines)
 
 

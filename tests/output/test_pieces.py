@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -13,8 +15,8 @@ from hypothesis import strategies as st
 from synthetic_run import COLUMNS, ROWS, WINDOW, R
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.output_paths import checked_output_path, written_whole
 from warpffrf.output.geometry.thinning import thinned, vertex_normals
-from warpffrf.output.paths import checked_output_path, written_whole
 from warpffrf.output.plots.colors import PRESSURE_STOPS, ColorScale, legend_picture, map_axes_picture
 from warpffrf.output.recording.frames import frame_rows, grid_triangles, patch_frame, relief, round_factor
 from warpffrf.output.recording.patch_map import MapWindow, hat_map
@@ -22,20 +24,45 @@ from warpffrf.output.result import Result
 
 
 def test_output_path_makes_folders_and_keeps_files(tmp_path: Path) -> None:
-    target = checked_output_path(tmp_path / "a" / "b.h5", "results")
+    target = checked_output_path(tmp_path / "a" / "b.h5", "results", overwrite=False)
     assert target.parent.is_dir() and not target.exists()
-    target.write_text("old")
-    checked_output_path(target, "results")
-    assert target.read_text() == "old"
+    target.write_text("old, by warpffrf")
+    checked_output_path(target, "results", overwrite=True)
+    assert target.read_text() == "old, by warpffrf"
+
+
+def test_what_exists_is_replaced_only_if_asked_and_only_what_is_ours(tmp_path: Path) -> None:
+    target = tmp_path / "run.h5"
+    target.write_bytes(b"x" * 100_000 + b" warpffrf")
+    with pytest.raises(InputError, match=r"run.h5' exists; .*overwrite=True"):
+        checked_output_path(target, "results", overwrite=False)
+    checked_output_path(target, "results", overwrite=True)
+    target.write_bytes(b"x" * 100_000)
+    with pytest.raises(InputError, match="was not written by warpffrf and stays"):
+        checked_output_path(target, "results", overwrite=True)
+
+
+def test_files_that_killed_processes_left_are_removed(tmp_path: Path) -> None:
+    """Of the same target, of this machine, and of processes that are no more."""
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    host = socket.gethostname().replace(".", "-")
+    names = [f".run.h5.{host}.{ended.pid}.ab.part", f".run.h5.{host}.{os.getpid()}.ab.part"]
+    names += [f".run.h5.elsewhere.{ended.pid}.ab.part", f".other.h5.{host}.{ended.pid}.ab.part"]
+    for name in names:
+        (tmp_path / name).touch()
+    with written_whole(tmp_path / "run.h5") as partial:
+        partial.touch()
+    assert {file.name for file in tmp_path.iterdir()} == {"run.h5", *names[1:]}
 
 
 def test_output_path_that_cannot_be_written(tmp_path: Path) -> None:
     file = tmp_path / "file"
     file.write_text("")
     with pytest.raises(InputError, match="record: .* cannot be written"):
-        checked_output_path(file / "run.rrd", "record")
+        checked_output_path(file / "run.rrd", "record", overwrite=False)
     with pytest.raises(InputError, match="is a folder"):
-        checked_output_path(tmp_path, "record")
+        checked_output_path(tmp_path, "record", overwrite=False)
 
 
 def test_written_whole_keeps_the_old_file_on_error(tmp_path: Path) -> None:

@@ -103,7 +103,7 @@ def test_saving_does_not_touch_the_old_file_when_it_fails(result: Result, saved:
     before = saved.read_bytes()
     result.history.counters = {"steps": object()}  # pyright: ignore[reportAttributeAccessIssue]
     with pytest.raises(TypeError):
-        result.save(saved)
+        result.save(saved, overwrite=True)
     assert saved.read_bytes() == before
     assert [p.name for p in saved.parent.iterdir()] == [saved.name]
 

@@ -71,10 +71,10 @@ def finish(
     from warpffrf.output.recording.recorder import record
 
     first, *others = results
-    written = [results[first].save(stem.with_suffix(".h5")).name]
-    written += [results[key].save(stem.with_name(f"{stem.name}.{key}.h5")).name for key in others]
-    info = record(results[first], stem.with_suffix(".rrd"), max_frames=frames)
-    written.append(save_panels(panels, stem.with_suffix(".png")).name)
+    written = [results[first].save(stem.with_suffix(".h5"), overwrite=True).name]
+    written += [results[key].save(stem.with_name(f"{stem.name}.{key}.h5"), overwrite=True).name for key in others]
+    info = record(results[first], stem.with_suffix(".rrd"), max_frames=frames, overwrite=True)
+    written.append(save_panels(panels, stem.with_suffix(".png"), overwrite=True).name)
     summary = {
         "status": {key: result.status for key, result in results.items()},
         "checks": [c.describe() for c in checks],

@@ -226,9 +226,9 @@ def main(out: str | Path = "out/two_rollers", *, quick: bool = False, progress: 
     log.info("3/3 writing results, recording and figure")
     begin = time.perf_counter()
     stem = folder / "two_rollers"
-    result.save(stem.with_suffix(".h5"))
-    info = record(result, stem.with_suffix(".rrd"), max_frames=size.frames)
-    write_figure(result, stem.with_suffix(".png"))
+    result.save(stem.with_suffix(".h5"), overwrite=True)
+    info = record(result, stem.with_suffix(".rrd"), max_frames=size.frames, overwrite=True)
+    write_figure(result, stem.with_suffix(".png"), overwrite=True)
     seconds["files"] = time.perf_counter() - begin
     figures = summary(scene, result, seconds, unit_seconds())
     (folder / "summary.json").write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from warpffrf.model.body_summary import summary
+from warpffrf.model.output_paths import checked_output_path
 from warpffrf.model.reduced_body_data import ReducedBodyData
 from warpffrf.model.reduced_body_file import content_hash, read_reduced_body, write_reduced_body
 
@@ -31,9 +32,10 @@ class ReducedBody(ReducedBodyData):
         found += [f"{what} {', '.join(names)}" for what, names in named.items() if names]
         return f"<ReducedBody {'; '.join(found)}>"
 
-    def save(self, path: str | Path) -> Path:
-        """Write one HDF5 file; returns its path. Raises `InputError` where it cannot be written."""
-        return write_reduced_body(self, Path(path))
+    def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
+        """Write one HDF5 file; returns its path. Raises `InputError` where it cannot be written, and for a file that
+        exists, unless `overwrite` is set and warpffrf wrote it."""
+        return write_reduced_body(self, checked_output_path(path, "reduced body", overwrite=overwrite))
 
     @classmethod
     def load(cls, path: str | Path) -> ReducedBody:
@@ -63,12 +65,13 @@ class ReducedBody(ReducedBodyData):
 
         return mesh_error(self, finer, half_width, interface)
 
-    def quality_page(self, path: str | Path) -> Path:
+    def quality_page(self, path: str | Path, *, overwrite: bool = False) -> Path:
         """Write a picture of the body's quality: mode shapes, compliance decay, frequencies covered, key figures.
 
-        The ending of `path` chooses the format (.png, .pdf, .svg). Raises `InputError` where it cannot be written.
+        The ending of `path` chooses the format (.png, .pdf, .svg). Raises `InputError` where it cannot be written, or
+        exists and `overwrite` is not set.
         """
-        return _output("plots.quality_page").write_quality_page(self, path)
+        return _output("plots.quality_page").write_quality_page(self, path, overwrite=overwrite)
 
     def show(
         self,
@@ -77,15 +80,19 @@ class ReducedBody(ReducedBodyData):
         path: str | Path | None = None,
         frames: int = 60,
         scale: float | None = None,
+        overwrite: bool = False,
     ) -> Any:
         """Animate a mode in rerun: in its viewer, or written to `path` (.rrd), which `rerun FILE` opens.
 
         Modes are numbered as finite-element programs number those of a free body: 1 to 6 are the rigid motions, 7 is
         the first elastic mode. None: the elastic modes one after the other, one cycle each. `frames`: pictures a
         cycle. `scale`: largest displacement drawn, as a part of the body's largest extent. Returns what was shown, see
-        `warpffrf.output.recording.show.ShownModes`. Raises `InputError` for a mode that the body does not have.
+        `warpffrf.output.recording.show.ShownModes`. Raises `InputError` for a mode that the body does not have, and for
+        a file that exists where `overwrite` is not set.
         """
-        return _output("recording.show").show_modes(self, mode, path=path, frames=frames, scale=scale)
+        return _output("recording.show").show_modes(
+            self, mode, path=path, frames=frames, scale=scale, overwrite=overwrite
+        )
 
 
 def _output(module: str) -> Any:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -23,6 +22,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.far_field import FarField
 from warpffrf.model.inertia import GeometricStiffness, InertiaTerms
 from warpffrf.model.local_mass import LocalMass
+from warpffrf.model.output_paths import written_whole
 from warpffrf.model.recovery import Recovery
 from warpffrf.model.reduced_body_check import check_body
 from warpffrf.model.reduced_body_data import DisplaySurface, Interface, ReducedBodyData
@@ -278,9 +278,8 @@ def write_reduced_body(body: ReducedBodyData, path: Path) -> Path:
     import h5py
 
     arrays, facts = _flatten(body)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with h5py.File(partial, "w") as file:
+        with written_whole(path) as partial, h5py.File(partial, "w") as file:
             file.attrs["format"] = MARK
             file.attrs["schema"] = SCHEMA
             file.attrs["content_hash"] = _digest(arrays, facts)
@@ -293,11 +292,8 @@ def write_reduced_body(body: ReducedBodyData, path: Path) -> Path:
                 )
                 if unit := _UNITS.get(key.rsplit("/", 1)[-1]):
                     dataset.attrs["units"] = unit
-        os.replace(partial, path)
     except OSError as error:
         raise InputError(f"reduced body: cannot write {path}: {error}; choose a folder that can be written") from None
-    finally:
-        partial.unlink(missing_ok=True)
     return path
 
 

@@ -71,7 +71,7 @@ def store(key: str, body: ReducedBody) -> str | None:
     folder = cache_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        body.save(folder / f"{key}.h5")
+        body.save(folder / f"{key}.h5", overwrite=True)
     except (OSError, InputError) as error:
         logger.warning("the reduced body could not be cached: %s", error)
         return f"not cached: {error}"

@@ -206,8 +206,8 @@ class Engine:
     # --- checkpoints
 
     def checkpoint(self) -> dict[str, np.ndarray]:
-        """Copies of all that the next step needs to go on bit for bit: the state and, with friction on cells that travel
-        with the patch, what is kept of them from step to step."""
+        """Copies of all that the next step needs to go on bit for bit: the state and, with friction on cells that
+        travel with the patch, what is kept of them from step to step."""
         return self.state.to_numpy() | {f"{KEPT_MARK}{name}": a.numpy().copy() for name, a in self._kept().items()}
 
     def resume(self, checkpoint: Mapping[str, np.ndarray]) -> None:

@@ -20,6 +20,7 @@ from warpffrf.model.integrators import (
     RungeKutta4,
     roots_at_infinity,
 )
+from warpffrf.model.interruption import deferred_interrupts
 from warpffrf.model.joints import Drive
 from warpffrf.model.lumped_contact import refuse_lumped_overlap
 from warpffrf.model.overlap import excessive_wedge, refuse_overlap
@@ -40,6 +41,7 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.free_flight.check_run import run_check
 from warpffrf.online.history.history import History
 from warpffrf.online.history.record import history_from_rows
+from warpffrf.online.keeping import Keeper, Keeping, Plan, Unfinished, go_on
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import start_consistently
@@ -47,6 +49,7 @@ from warpffrf.online.start.settle import settle
 
 log = logging.getLogger("warpffrf")
 
+INTERRUPTED = "interrupted"
 MOST_UNDAMPED = 0.95  # spectral radius at infinity up to which an alternation of reactions grows less than tenfold
 VELOCITY_JUMP = 1e-6  # of the largest velocity: rounding of a signal's coefficients
 # times that the first step is halved where there is friction: it acts only after the elastic slip, from the end of a
@@ -100,7 +103,7 @@ def run(
     duration: float,
     *,
     step: float,
-    start: str | History = "initial",
+    start: str | History | Unfinished = "initial",
     integrator: Integrator | RungeKutta4 | EnergyMomentum | None = None,
     local: str | LocalDynamics = "quasi_static",
     accuracy: float | None = None,
@@ -109,11 +112,13 @@ def run(
     progress: bool = True,
     settings: Settings | None = None,
     project_start: bool = False,
+    keeper: Keeper | None = None,
 ) -> History:
     """Simulate `scene` for `duration` [s] in steps of `step` [s]; a solver that fails says so in `History.status`.
 
     start: "initial", "equilibrium", or the History of an earlier run of the same scene, or of its equilibrium, which
-    is continued bit for bit. accuracy: halve
+    is continued bit for bit, or an Unfinished run, which goes on to its end: the History is that of the whole, and
+    `duration` is taken from it. keeper: takes what is saved while the run is under way. accuracy: halve
     steps whose local error exceeds it, see `warpffrf_kernels.step.accuracy`. project_start: initial velocities that do
     not agree with the joints are changed as little as possible (in the kinetic energy of the change) instead of
     refused. Raises InputError for wrong input.
@@ -123,6 +128,8 @@ def run(
             raise InputError(
                 f"simulate: {type(integrator).__name__} takes fixed steps of free bodies; leave accuracy and local out"
             )
+        if isinstance(start, Unfinished):
+            raise InputError(f"simulate: a run by {type(integrator).__name__} is not kept on the way; begin it anew")
         return run_check(
             scene, duration, step=step, integrator=integrator, save_every=save_every, progress=progress, start=start
         )
@@ -130,13 +137,14 @@ def run(
         accuracy = require_number(accuracy, "simulate: accuracy", positive=True)
     steps, uneven = step_count(duration, step)
     refuse_singular_mass(scene)
-    began = time_of(start.checkpoint) if isinstance(start, History) else 0.0
+    continued = isinstance(start, History | Unfinished)
+    began = time_of(start.checkpoint) if isinstance(start, History | Unfinished) else 0.0
     for drive in scene.drives:
         _check_velocity(drive, began, began + steps * step)
     refuse_short_tables(scene, began, began + steps * step)
     save_every = require_count(save_every, "simulate: save_every", 1)
     at_rest = isinstance(start, History) and not is_dynamic(start.checkpoint)  # what `find_equilibrium` leaves
-    if not isinstance(start, History) or at_rest:
+    if not continued or at_rest:
         if start == "initial":
             refuse_positions(scene)
             refuse_overlap(scene)
@@ -155,7 +163,6 @@ def run(
         progress=progress,
     )
     built = time.perf_counter()
-    continued = isinstance(start, History)
     first_step, rejected = 0, 0
     notes = [*engine.compiled.notes, *_reaction_notes(integrator, engine), *uneven]
     if isinstance(start, History) and at_rest and start.status != "completed":
@@ -165,6 +172,8 @@ def run(
     if isinstance(start, History):
         first_step = restore(engine, start.checkpoint, step)
         rejected = int(engine.word("rejected")[0])
+    elif isinstance(start, Unfinished):
+        first_step = go_on(engine, start, step)
     if at_rest:
         rejected = 0
         engine.control(saved=0)
@@ -195,10 +204,14 @@ def run(
     engine.seconds_in_graph = 0.0
     loop = time.perf_counter()
     interrupted = False
-    last_step = first_step + steps
+    plan = Plan(first_step + steps, rejected, tuple(notes))
+    if isinstance(start, Unfinished):
+        plan = start.plan
+    last_step, notes = plan.last_step, list(plan.notes)
+    keeping = Keeping(engine, keeper, plan, len(engine.chunks[0]) if isinstance(start, Unfinished) else 0)
     watch = EnergyWatch(engine, step)
     gain = ""
-    bar = Progress("simulate", steps, enabled=progress)
+    bar = Progress("simulate", last_step - first_step, enabled=progress)
     try:
         chunk = 4
         done = first_step
@@ -213,17 +226,23 @@ def run(
             bar.update(done - first_step)
             if watch.look():
                 gain = watch.end()
+            keeping.look()
     except KeyboardInterrupt:
         interrupted = True
-        engine.drain()
     bar.close()
-    if not interrupted and not np.any(engine.word("status")) and last_step % save_every:
-        engine.save_now()
-    history = _finish(engine, begin, built, notes, "", rejected)
+    with deferred_interrupts() as asked:
+        if interrupted:
+            engine.drain()
+            keeping.end()
+        elif not np.any(engine.word("status")) and last_step % save_every:
+            engine.save_now()
+        history = _finish(engine, begin, built, notes, "", plan.rejected)
+    if asked:
+        history.notes.append("interrupted by the user after the last step, while notes were made")
     history.message = gain or history.message
     history.counters["loop_seconds"] = time.perf_counter() - loop
     if interrupted and history.status == "completed":
-        history.status, history.message = "interrupted", "interrupted by the user; results up to there are kept"
+        history.status, history.message = INTERRUPTED, "interrupted by the user; results up to there are kept"
     return history
 
 

@@ -142,16 +142,22 @@ def _potential(checkpoint: Mapping[str, np.ndarray], scene: Scene) -> np.ndarray
 
 def joined(histories: Sequence[History], names: Sequence[str]) -> History:
     """The histories of consecutive stages as one: rows one after the other, notes marked with the stage's name."""
-    last, whole = histories[-1], {}
-    for entry in fields(History):
-        parts = [getattr(history, entry.name) for history in histories]
-        if entry.name not in ("scene", "checkpoint", "counters", "notes"):
-            whole[entry.name] = _joined(parts)
+    last = histories[-1]
     counters = {**last.counters, **{n: sum(h.counters.get(n, 0.0) for h in histories) for n in SUMMED}}
     notes = [f"stage {n!r}: {note}" for n, history in zip(names, histories, strict=True) for note in history.notes]
     message = f"stage {names[-1]!r}: {last.message}" if last.message else ""
-    whole.update(status=last.status, message=message, counters=counters, notes=list(dict.fromkeys(notes)))
-    return replace(last, scene=histories[0].scene, **whole)
+    return replace(joined_parts(histories), message=message, counters=counters, notes=list(dict.fromkeys(notes)))
+
+
+def joined_parts(histories: Sequence[History]) -> History:
+    """The histories of consecutive parts of a run as one: rows one after the other, and the rest from the last, but for
+    the scene."""
+    rows = {
+        entry.name: _joined([getattr(history, entry.name) for history in histories])
+        for entry in fields(History)
+        if entry.name not in ("scene", "checkpoint", "counters", "notes", "options")
+    }
+    return replace(histories[-1], scene=histories[0].scene, **rows)
 
 
 def _joined(parts: list[Any]) -> Any:

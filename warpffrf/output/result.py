@@ -39,6 +39,7 @@ class Result:
 
     def __init__(self, history: History) -> None:
         self.history = history
+        self.unwritten: list[str] = []  # what `simulate` could not write, and why
         self.view: SceneView = scene_view(history.scene)
 
     @property
@@ -190,25 +191,27 @@ class Result:
 
         return to_xarray(self)
 
-    def to_vtu(self, path: str | os.PathLike[str], *, stride: int = 1) -> Path:
+    def to_vtu(self, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False) -> Path:
         """Write a VTK time series (a .pvd and a folder of .vtu beside it) that ParaView and pyvista open."""
         from warpffrf.output.files.vtu import write_time_series
 
-        return write_time_series(self, path, stride=stride)
+        return write_time_series(self, path, stride=stride, overwrite=overwrite)
 
-    def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the run as one HDF5 file; `Result.load` reads it back, also to continue the run."""
+    def save(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+        """Write the run as one HDF5 file; `Result.load` reads it back, also to continue the run. Raises InputError for
+        a file that exists, unless `overwrite` is set and warpffrf wrote it."""
         from warpffrf.output.files.results import write_results
 
-        return write_results(self, path)
+        return write_results(self, path, overwrite=overwrite)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
-        """Read a results file. Raises InputError for a file that is missing, damaged, of another kind or of a
-        newer version."""
+        """Read a results file, or the folder `.unfinished` of a run that has not ended. Raises InputError for a file
+        that is missing, damaged, of another kind or of a newer version."""
         from warpffrf.output.files.results import read_history
+        from warpffrf.output.files.unfinished import is_unfinished, read_unfinished
 
-        return cls(read_history(path))
+        return cls(read_unfinished(Path(path).expanduser()) if is_unfinished(path) else read_history(path))
 
 
 def _named(items: dict[str, Any], kind: str, name: str) -> Any:

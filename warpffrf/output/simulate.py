@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from warpffrf.model.errors import InputError
+from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.integrators import INTEGRATORS
+from warpffrf.model.interruption import terminated_as_interrupted
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.monolithic import Monolithic
 from warpffrf.monolithic import checkpoint as monolithic_checkpoint
@@ -18,15 +19,16 @@ from warpffrf.online import GeneralizedAlpha, find_equilibrium, run
 from warpffrf.online.checkpoint import time_of
 from warpffrf.online.history.history import History
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics, refuse_other_modes
+from warpffrf.online.run import INTERRUPTED
 from warpffrf.online.stages import Stage, check_stages, joined, with_potential
 from warpffrf.output.files.results import SUFFIXES
+from warpffrf.output.files.unfinished import ENDING
 from warpffrf.output.monolithic_run import refuse_other_method, run_monolithic, same_windows
-from warpffrf.output.paths import check_ending, checked_output_path
+from warpffrf.output.outputs import KEEP_EVERY, Outputs
 from warpffrf.output.result import Result
 
 METHODS = ("separated", "monolithic")
 STARTS = ("initial", "equilibrium")
-RECORD_SUFFIXES = (".rrd",)
 DEFAULT_INTEGRATOR = GeneralizedAlpha(rho_inf=0.8)
 
 log = logging.getLogger("warpffrf")
@@ -57,6 +59,9 @@ def simulate(
     device: str = "cpu",
     progress: bool = True,
     project_start: bool = False,
+    overwrite: bool = False,
+    resume: bool = False,
+    keep_every: float = KEEP_EVERY,
 ) -> Result:
     """Simulate `scene` for `duration` [s] with steps of `step` [s], or in `stages` instead of the two.
 
@@ -74,38 +79,54 @@ def simulate(
     radius of gyration, rotations in rad; stiff local modes do not count); `step` is then the longest. local: treatment
     of the local modes, "quasi_static", or "hht", "exponential", "auto" or a LocalDynamics, for bodies reduced with
     local_dynamics=True. results, record: files to write (.h5, .rrd); both are also
-    written when the run is interrupted (Ctrl-C) or fails, with what there is. With stages, results "run.h5" also means
+    written when the run is interrupted (Ctrl-C, SIGTERM) or fails, with what there is; what cannot be written is in
+    `unwritten` of the Result and in its notes. With stages, results "run.h5" also means
     "run.NAME.h5" at the end of each stage: a checkpoint to start from. A solver that fails does not raise: see `status`
     and `message` of the Result. Wrong input raises InputError before the run.
+
+    overwrite: replace files of an earlier run; without it existing ones are refused, and files that warpffrf did not
+    write always. While it runs, what it has done is put into the folder `run.h5.unfinished` every `keep_every` [s] of
+    wall time (less often where writing would take more than 1 % of the time; method="monolithic" and the check
+    integrators write at their end only). resume: go on from there, or from an interrupted run, with the same options,
+    bit for bit as if it had not been stopped; a finished run is read, and one that never began is begun.
     """
     _known_scene(scene, "simulate")
     _known_method(method)
     as_local_dynamics(local)
     _known_integrator(integrator, "simulate")
+    if resume and results is None:
+        raise InputError("simulate: resume goes on from what stands beside the results; give results")
+    require_number(keep_every, "simulate: keep_every", positive=True)
     beginning = _start(scene, start)
-    _check_outputs(results, record)
+    outputs = Outputs(overwrite, resume, keep_every)
+    outputs.check(results, record)
     options = {"integrator": integrator, "save_every": save_every, "device": device, "progress": progress}
     options |= {"project_start": project_start, "local": local, "accuracy": accuracy, "method": method}
-    if stages is None:
-        if duration is None or step is None:
-            raise InputError("simulate: give duration and step, or stages=[Stage(name, duration, step), ...]")
-        if isinstance(beginning, History):
-            refuse_other_method(beginning.checkpoint, _method_name(method), "simulate: start")
-        return _written(Result(_run(scene, duration, step=step, start=beginning, **options)), results, record)
-    if duration is not None or step is not None:
-        raise InputError("simulate: stages have their own duration and step; leave those of the run out")
-    return _written(_staged(scene, check_stages(scene, stages), beginning, results, options), results, record)
+    with terminated_as_interrupted():
+        if stages is None:
+            if duration is None or step is None:
+                raise InputError("simulate: give duration and step, or stages=[Stage(name, duration, step), ...]")
+            if isinstance(beginning, History):
+                refuse_other_method(beginning.checkpoint, _method_name(method), "simulate: start")
+            return outputs.record(outputs.run(scene, _run, beginning, duration, step, options, results), record)
+        if duration is not None or step is not None:
+            raise InputError("simulate: stages have their own duration and step; leave those of the run out")
+        found = _staged(scene, check_stages(scene, stages), beginning, results, options, outputs)
+        return outputs.record(found, record)
 
 
 def _run(scene: Any, duration: float, *, method: str | Monolithic, integrator: Any, **options: Any) -> History:
     """The run by its method."""
     if _method_name(method) == "monolithic":
+        options.pop("keeper")
         chosen = method if isinstance(method, Monolithic) else None
         return run_monolithic(scene, duration, integrator=integrator, options=chosen, **options)
     return run(scene, duration, integrator=DEFAULT_INTEGRATOR if integrator is None else integrator, **options)
 
 
-def _staged(scene: Any, stages: list[Stage], beginning: Any, results: Any, options: dict[str, Any]) -> StagedResult:
+def _staged(
+    scene: Any, stages: list[Stage], beginning: Any, results: Any, options: dict[str, Any], outputs: Outputs
+) -> StagedResult:
     """The stages one after the other, each from the checkpoint of the one before."""
     methods = []
     for stage in stages:
@@ -115,7 +136,7 @@ def _staged(scene: Any, stages: list[Stage], beginning: Any, results: Any, optio
         as_local_dynamics(stage.options.get("local", options["local"]))
         _known_integrator(stage.options.get("integrator"), f"stage {stage.name!r}")
         if results is not None:
-            checked_output_path(stage_file(results, stage.name), "results")
+            outputs.check(stage_file(results, stage.name), None)
     if len(set(methods)) > 1:
         raise InputError(
             "simulate: all stages must have the same method, because a run of one cannot go on with the state of "
@@ -132,26 +153,43 @@ def _staged(scene: Any, stages: list[Stage], beginning: Any, results: Any, optio
         begin, end = end, end + stage.duration
         refuse_short_tables(stage.scene(scene), begin, end)
     parts: dict[str, Result] = {}
-    for stage in stages:
-        log.info("stage %s: %g s in steps of %g s", stage.name, stage.duration, stage.step)
-        own = {name: value for name, value in stage.options.items() if name in options}
-        staged = stage.scene(scene)
-        if isinstance(beginning, History) and not reference:
-            loaded = with_potential(beginning.checkpoint, scene, staged)
-            beginning = replace(beginning, checkpoint=loaded)
-        history = _run(staged, stage.duration, step=stage.step, start=beginning, **{**options, **own})
+    with outputs.locked(results) as whole:
+        for stage in stages:
+            log.info("stage %s: %g s in steps of %g s", stage.name, stage.duration, stage.step)
+            own = {name: value for name, value in stage.options.items() if name in options}
+            file = None if results is None else stage_file(results, stage.name)
+            run_stage = _in_its_loads(scene, stage.scene(scene), reference)
+            try:
+                part = outputs.run(scene, run_stage, beginning, stage.duration, stage.step, {**options, **own}, file)
+            except KeyboardInterrupt:
+                if not parts:
+                    raise
+                last = parts[next(reversed(parts))].history
+                last.status, last.message = INTERRUPTED, f"interrupted before stage {stage.name!r} had begun"
+                break
+            part.history.scene = scene  # of a stage that was read, what its file tells of it
+            parts[stage.name], beginning = part, part.history
+            if part.status != "completed":
+                break
+        histories = [part.history for part in parts.values()]
+        found = StagedResult(joined(same_windows(histories) if reference else histories, list(parts)), parts)
+        return whole.written(found)
+
+
+def _in_its_loads(scene: Any, staged: Any, reference: bool) -> Callable[..., History]:
+    """`_run` of the scene `staged`, a stage of `scene`, from and to checkpoints of `scene`."""
+
+    def run_stage(_scene: Any, duration: float, *, start: Any, **options: Any) -> History:
+        if isinstance(start, History) and not reference:
+            start = replace(start, checkpoint=with_potential(start.checkpoint, scene, staged))
+        history = _run(staged, duration, start=start, **options)
         # loads of one stage do not make another machine: it is continued with the scene
         history.scene = scene
         if not reference:
             history.checkpoint = with_potential(history.checkpoint, staged, scene)
-        parts[stage.name] = Result(history)
-        if results is not None:
-            log.info("results: %s", parts[stage.name].save(stage_file(results, stage.name)))
-        beginning = history
-        if history.status != "completed":
-            break
-    histories = [part.history for part in parts.values()]
-    return StagedResult(joined(same_windows(histories) if reference else histories, list(parts)), parts)
+        return history
+
+    return run_stage
 
 
 def stage_file(results: str | os.PathLike[str], name: str) -> Path:
@@ -166,14 +204,18 @@ def equilibrium(
     results: str | os.PathLike[str] | None = None,
     record: str | os.PathLike[str] | None = None,
     device: str = "cpu",
+    overwrite: bool = False,
 ) -> Result:
     """The static state of `scene` under its loads and prescribed motions at time 0, as a Result with one row.
 
-    Not converging is a status, not an exception; wrong input raises InputError.
+    Not converging is a status, not an exception; wrong input raises InputError. overwrite: replace files of an earlier
+    call.
     """
     _known_scene(scene, "equilibrium")
-    _check_outputs(results, record)
-    return _written(Result(find_equilibrium(scene, device=device)), results, record)
+    outputs = Outputs(overwrite)
+    outputs.check(results, record)
+    with terminated_as_interrupted(), outputs.locked(results) as whole:
+        return outputs.record(whole.written(Result(find_equilibrium(scene, device=device))), record)
 
 
 def _known(option: str, value: str, values: tuple[str, ...]) -> None:
@@ -205,7 +247,7 @@ def _start(scene: Any, start: str | os.PathLike[str] | Result) -> Any:
     if not isinstance(start, Result):
         if start in STARTS:
             return start
-        if not isinstance(start, str | os.PathLike) or Path(start).suffix.lower() not in SUFFIXES:
+        if not isinstance(start, str | os.PathLike) or Path(start).suffix.lower() not in (*SUFFIXES, ENDING):
             known = ", ".join(repr(v) for v in STARTS)
             raise InputError(f"simulate: start is {start!r}; known: {known}, a Result, or a results file (.h5)")
         start = Result.load(start)
@@ -217,24 +259,3 @@ def _start(scene: Any, start: str | os.PathLike[str] | Result) -> Any:
     if not start.history.checkpoint:
         raise InputError("simulate: start has no checkpoint to continue from; run it again")
     return start.history
-
-
-def _check_outputs(results: Any, record: Any) -> None:
-    for path, what, suffixes in ((results, "results", SUFFIXES), (record, "record", RECORD_SUFFIXES)):
-        if path is not None:
-            check_ending(path, what, suffixes)
-            checked_output_path(path, what)
-
-
-def _written(result: Result, results: Any, record_path: Any) -> Result:
-    """Write the wanted files; a run that ended early is written as well, one without any row is not recorded."""
-    if result.status != "completed":
-        log.warning("run ended early: %s: %s", result.status, result.message)
-    if results is not None:
-        log.info("results: %s", result.save(results))
-    if record_path is not None and len(result.time):
-        from warpffrf.output.recording.recorder import record
-
-        info = record(result, record_path)
-        log.info("recording: %s, %d frames, stride %d", info.path, info.frames, info.stride)
-    return result

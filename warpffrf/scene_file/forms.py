@@ -278,8 +278,10 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
             "place": form_of("place", Scene.place, {"port": "port", "onto": "port"}, ("self",)),
             "close_gap": form_of("close_gap", Scene.close_gap, {"contact": "contacts"}, ("self",)),
         },
-        "equilibrium": {"": form_of("equilibrium", equilibrium, {}, ("scene",))},
-        "simulate": {"": form_of("simulate", simulate, {"stages": "stages"}, ("scene", "progress"))},
+        "equilibrium": {"": form_of("equilibrium", equilibrium, {}, ("scene", "overwrite"))},
+        "simulate": {
+            "": form_of("simulate", simulate, {"stages": "stages"}, ("scene", "progress", "overwrite", "resume"))
+        },
         "stages": {"": form_of("stage", Stage, {"overrides": "overrides"})},
     }
     return {

@@ -14,6 +14,8 @@ from warpffrf.scene_file.build import TITLE, Builder
 from warpffrf.scene_file.document import document_of, read_document, to_toml
 from warpffrf.scene_file.source import Source
 
+DOCUMENT_SIGN = "# the scene as warpffrf ran it\n"
+
 
 @dataclass(frozen=True)
 class LoadedScene:
@@ -71,13 +73,16 @@ def run_scene(
     settings: Sequence[str] = (),
     out: str | os.PathLike[str] | None = None,
     progress: bool = True,
+    overwrite: bool = False,
+    resume: bool = False,
 ) -> dict[str, Any]:
     """Do what the scene file says: its `equilibrium`, its `simulate`, or both; returns {call: Result}.
 
     Files go into the folder `out`, by default out/NAME of the file NAME.toml: what `results` and `record` name, the
     results of a call without `results` as NAME.h5 (NAME_equilibrium.h5), and the document as it was run, NAME.toml.
+    overwrite: replace the files of an earlier run; resume: go on where it was stopped, or read it if it ended, see
+    `simulate`.
     """
-    from warpffrf.output.paths import checked_output_path
     from warpffrf.output.simulate import equilibrium, simulate
 
     name = Path(path).stem
@@ -85,11 +90,14 @@ def run_scene(
     if loaded.equilibrium is None and loaded.simulate is None:
         raise InputError(f"{Path(path).name}: says nothing to run; add the table [simulate] or [equilibrium]")
     folder = Path("out") / name if out is None else Path(out).expanduser()
-    text = checked_output_path(folder / f"{name}.toml", "--out")
+    text = folder / f"{name}.toml"
+    document = DOCUMENT_SIGN + loaded.to_toml()
     if text.resolve() != Path(path).expanduser().resolve():
-        text.write_text(loaded.to_toml(), encoding="utf-8")
+        _write_document(text, document, overwrite)
     found: dict[str, Any] = {}
-    calls: Any = (("equilibrium", equilibrium, {}), ("simulate", simulate, {"progress": progress}))
+    again = {"overwrite": overwrite or resume}  # an equilibrium is found anew in no time
+    further = {"progress": progress, "overwrite": overwrite, "resume": resume}
+    calls: Any = (("equilibrium", equilibrium, again), ("simulate", simulate, further))
     for section, call, options in calls:
         arguments = getattr(loaded, section)
         if arguments is not None:
@@ -97,6 +105,19 @@ def run_scene(
             with loaded.running(section):
                 found[section] = call(loaded.scene, **_in_folder(arguments, folder, default), **options)
     return found
+
+
+def _write_document(file: Path, text: str, overwrite: bool) -> None:
+    """Write the document as it was run; a scene that was not written so is never replaced."""
+    from warpffrf.model.output_paths import checked_output_path, written_whole
+
+    there = file.read_bytes() if file.is_file() else None
+    if there == text.encode():
+        return
+    if there is not None and not there.startswith(DOCUMENT_SIGN.encode()):
+        raise InputError(f"--out: '{file}' is another scene, and is not replaced; choose another folder")
+    with written_whole(checked_output_path(file, "--out", overwrite=overwrite)) as partial:
+        partial.write_text(text, encoding="utf-8")
 
 
 def _in_folder(arguments: dict[str, Any], folder: Path, results: str) -> dict[str, Any]:

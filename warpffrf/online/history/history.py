@@ -201,3 +201,4 @@ class History:
     lumped_contacts: dict[str, LumpedHistory] = field(default_factory=dict)
     sensors: dict[str, SensorHistory] = field(default_factory=dict)
     checkpoint: dict[str, np.ndarray] = field(default_factory=dict)  # the complete device state at the end
+    options: dict[str, str] = field(default_factory=dict)  # of `simulate`, name -> value as text

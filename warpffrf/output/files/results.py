@@ -32,6 +32,7 @@ import h5py
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.output_paths import check_ending, checked_output_path, written_whole
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.surfaces import from_description
 from warpffrf.online.history.history import (
@@ -66,7 +67,6 @@ from warpffrf.output.files.fields import (
 )
 from warpffrf.output.geometry.anchors import Anchor
 from warpffrf.output.geometry.scene_view import GROUND, BodyView, PairView, SceneView, ground_view
-from warpffrf.output.paths import check_ending, checked_output_path, written_whole
 
 FORMAT = "warpffrf-results"
 SCHEMA_VERSION = 1
@@ -82,49 +82,55 @@ _GROUPS = (
 _ONLY_WHERE_THERE = ("lumped_contact",)
 
 
-def write_results(result: Any, path: str | os.PathLike[str]) -> Path:
-    """Write `result` to `path`, whole or not at all. Raises InputError for a path that cannot be written, or that does
-    not end like a results file."""
+def write_results(result: Any, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+    """Write `result` to `path`, whole or not at all. Raises InputError for a path that cannot be written, that does not
+    end like a results file, or that exists, unless `overwrite` is set and it is one of warpffrf."""
     check_ending(path, "results", SUFFIXES)
-    target = checked_output_path(path, "results")
+    target = checked_output_path(path, "results", overwrite=overwrite)
+    with written_whole(target) as partial, h5py.File(partial, "w") as file:
+        put_result(file, result)
+    return target
+
+
+def put_result(file: Any, result: Any, *, bodies: bool = True) -> None:
+    """Write `result` into an open file; without `bodies` the reduced ones are left to another file."""
     history: History = result.history
     steps = len(history.time)
-    with written_whole(target) as partial, h5py.File(partial, "w") as file:
-        file.attrs.update({"format": FORMAT, "schema_version": SCHEMA_VERSION})
-        file.attrs.update({"status": history.status, "message": history.message})
-        file.attrs["counters"] = json.dumps({k: float(v) for k, v in history.counters.items()})
-        file.attrs["notes"] = json.dumps(list(history.notes))
-        for field in RUN_FIELDS:
-            _put(file, field, getattr(history, field.attribute), ())
-        for attribute, dim, fields, _ in _GROUPS:
-            owners: dict[str, Any] = getattr(history, attribute)
-            file.attrs[f"{dim}_names"] = json.dumps(list(owners))
-            if owners or dim not in _ONLY_WHERE_THERE:
-                _put_group(file, dim, fields, owners, steps)
-        file.attrs["joint_coordinates"] = json.dumps({name: j.names for name, j in history.joints.items()})
-        contacts = {name: result.contact(name) for name in history.contacts}
-        _put_group(file, "pair", (*DERIVED_FIELDS, *DERIVED_POSITIONS), contacts, steps)
-        cells = {name: c.cells for name, c in history.contacts.items() if c.cells is not None}
-        file.attrs["cell_names"] = json.dumps(list(cells))
-        if cells:
-            _put_group(file, "cell_pair", CELL_FIELDS, cells, steps)
-        rubbing = {name: c.friction for name, c in contacts.items() if c.has_friction}
-        file.attrs["friction_names"] = json.dumps(list(rubbing))
-        if rubbing:
-            _put_group(file, "friction_pair", (*FRICTION_FIELDS, *FRICTION_DERIVED), rubbing, steps)
-        stuck = {name: force.friction for name, force in history.forces.items() if force.friction is not None}
-        file.attrs["joint_friction_names"] = json.dumps(list(stuck))
-        if stuck:
-            _put_group(file, "joint_friction", JOINT_FRICTION_FIELDS, stuck, steps)
-        lines = np.stack(list(history.energy.values()), axis=1) if history.energy else np.zeros((steps, 0))
-        file.attrs["energy_lines"] = json.dumps(list(history.energy))
-        _put(file, Field("energy", "energy", ENERGY_UNITS, "none", ("line",)), lines, ())
-        _put_sensors(file, result)
-        for name, array in history.checkpoint.items():
-            data = file.create_dataset(f"checkpoint/{_key(name)}", data=np.asarray(array))
-            data.attrs.update({"units": "internal", "frame": "internal", "dims": "internal"})
-        _put_scene(file, result.view)
-    return target
+    file.attrs.update({"format": FORMAT, "schema_version": SCHEMA_VERSION})
+    file.attrs.update({"status": history.status, "message": history.message})
+    file.attrs["counters"] = json.dumps({k: float(v) for k, v in history.counters.items()})
+    file.attrs["notes"] = json.dumps(list(history.notes))
+    file.attrs["options"] = json.dumps(history.options)
+    for field in RUN_FIELDS:
+        _put(file, field, getattr(history, field.attribute), ())
+    for attribute, dim, fields, _ in _GROUPS:
+        owners: dict[str, Any] = getattr(history, attribute)
+        file.attrs[f"{dim}_names"] = json.dumps(list(owners))
+        if owners or dim not in _ONLY_WHERE_THERE:
+            _put_group(file, dim, fields, owners, steps)
+    file.attrs["joint_coordinates"] = json.dumps({name: j.names for name, j in history.joints.items()})
+    contacts = {name: result.contact(name) for name in history.contacts}
+    _put_group(file, "pair", (*DERIVED_FIELDS, *DERIVED_POSITIONS), contacts, steps)
+    cells = {name: c.cells for name, c in history.contacts.items() if c.cells is not None}
+    file.attrs["cell_names"] = json.dumps(list(cells))
+    if cells:
+        _put_group(file, "cell_pair", CELL_FIELDS, cells, steps)
+    rubbing = {name: c.friction for name, c in contacts.items() if c.has_friction}
+    file.attrs["friction_names"] = json.dumps(list(rubbing))
+    if rubbing:
+        _put_group(file, "friction_pair", (*FRICTION_FIELDS, *FRICTION_DERIVED), rubbing, steps)
+    stuck = {name: force.friction for name, force in history.forces.items() if force.friction is not None}
+    file.attrs["joint_friction_names"] = json.dumps(list(stuck))
+    if stuck:
+        _put_group(file, "joint_friction", JOINT_FRICTION_FIELDS, stuck, steps)
+    lines = np.stack(list(history.energy.values()), axis=1) if history.energy else np.zeros((steps, 0))
+    file.attrs["energy_lines"] = json.dumps(list(history.energy))
+    _put(file, Field("energy", "energy", ENERGY_UNITS, "none", ("line",)), lines, ())
+    _put_sensors(file, result)
+    for name, array in history.checkpoint.items():
+        data = file.create_dataset(f"checkpoint/{_key(name)}", data=np.asarray(array))
+        data.attrs.update({"units": "internal", "frame": "internal", "dims": "internal"})
+    _put_scene(file, result.view, bodies)
 
 
 def read_history(path: str | os.PathLike[str]) -> History:
@@ -134,7 +140,9 @@ def read_history(path: str | os.PathLike[str]) -> History:
     """
     source = Path(path).expanduser()
     if not source.is_file():
-        raise InputError(f"results file '{source}' does not exist")
+        beside = source.with_name(f"{source.name}.unfinished")
+        what_is = f"; '{beside}' holds what its run had done when it was stopped" if beside.is_dir() else ""
+        raise InputError(f"results file '{source}' does not exist{what_is}")
     try:
         with h5py.File(source, "r") as file:
             attributes: Any = file.attrs
@@ -146,14 +154,15 @@ def read_history(path: str | os.PathLike[str]) -> History:
                     f"results file '{source}' has schema version {version}, this program reads up to {SCHEMA_VERSION}; "
                     "install a newer warpffrf"
                 )
-            return _read(file)
+            return get_history(file)
     except InputError:
         raise
     except (OSError, KeyError, ValueError, TypeError) as error:
         raise InputError(f"results file '{source}' is damaged ({error}); write it again") from error
 
 
-def _read(file: Any) -> History:
+def get_history(file: Any, scene: SceneView | None = None) -> History:
+    """The `History` in an open results file; `scene`: of a file that holds the bodies, for one that does not."""
     groups = {}
     for attribute, dim, fields, record in _GROUPS:
         names = json.loads(file.attrs.get(f"{dim}_names", "[]"))
@@ -169,12 +178,13 @@ def _read(file: Any) -> History:
     energy = file["energy"][()]
     run = {f.attribute: file[f.name][()] for f in RUN_FIELDS}
     return History(
-        scene=_get_scene(file),
+        scene=_get_scene(file) if scene is None else scene,
         energy={line: energy[:, n] for n, line in enumerate(json.loads(file.attrs["energy_lines"]))},
         status=str(file.attrs["status"]),
         message=str(file.attrs["message"]),
         counters=json.loads(file.attrs["counters"]),
         notes=json.loads(file.attrs["notes"]),
+        options=json.loads(file.attrs.get("options", "{}")),  # older files do not say
         sensors=_get_sensors(file),
         checkpoint={unquote(k): d[()] for k, d in file["checkpoint"].items()} if "checkpoint" in file else {},
         **run,
@@ -246,7 +256,7 @@ def _get_sensors(file: Any) -> dict[str, SensorHistory]:
 # --- the scene, as far as results need it ---
 
 
-def _put_scene(file: Any, view: SceneView) -> None:
+def _put_scene(file: Any, view: SceneView, reduced: bool) -> None:
     group = file.create_group("scene")
     group.attrs["content_hash"] = view.content_hash
     group.attrs["joints"] = json.dumps(list(view.joints))
@@ -256,7 +266,7 @@ def _put_scene(file: Any, view: SceneView) -> None:
         if body.reduced is not None:
             digest = hashes.get(id(body.reduced)) or body.reduced.content_hash()
             hashes[id(body.reduced)] = digest
-            if f"reduced/{digest}" not in file:
+            if reduced and f"reduced/{digest}" not in file:
                 file.create_dataset(f"reduced/{digest}", data=_as_bytes(body.reduced))
                 file[f"reduced/{digest}"].attrs.update(
                     {"units": "bytes", "frame": "a reduced-body file", "dims": "byte"}

@@ -16,20 +16,20 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.output_paths import checked_output_path
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.geometry.grid_places import rotate
-from warpffrf.output.paths import checked_output_path
 
 
-def write_time_series(result: Any, path: str | os.PathLike[str], *, stride: int = 1) -> Path:
+def write_time_series(result: Any, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False) -> Path:
     """Write every `stride`-th saved step; the .vtu files go into a folder named like the .pvd. Returns the .pvd path.
 
     Raises InputError for a path without the ending .pvd or one that cannot be written, for a stride below 1, and for
-    a run without flexible bodies.
+    a run without flexible bodies, and for a .pvd that exists where `overwrite` is not set.
     """
     import meshio
 
-    target = checked_output_path(path, "to_vtu")
+    target = checked_output_path(path, "to_vtu", overwrite=overwrite)
     if target.suffix != ".pvd":
         raise InputError(f"to_vtu: '{target.name}' must end in .pvd")
     if stride < 1:
@@ -48,7 +48,13 @@ def write_time_series(result: Any, path: str | os.PathLike[str], *, stride: int 
             entries.append(
                 f'    <DataSet timestep="{result.time[i]:.17g}" part="{part}" name={quoteattr(name)} file={location}/>'
             )
-    lines = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "  <Collection>", *entries]
+    lines = [
+        '<?xml version="1.0"?>',
+        "<!-- written by warpffrf -->",
+        '<VTKFile type="Collection" version="0.1">',
+        "  <Collection>",
+        *entries,
+    ]
     target.write_text("\n".join([*lines, "  </Collection>", "</VTKFile>", ""]), encoding="utf-8")
     return target
 

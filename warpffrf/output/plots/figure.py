@@ -12,9 +12,9 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
-from warpffrf.output.paths import checked_output_path
 from warpffrf.output.plots.colors import largest
 from warpffrf.output.plots.friction import FRICTION_PLOTS
+from warpffrf.output.plots.picture import write_picture
 
 FINE = 400  # points of a smooth curve
 SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch plots
@@ -250,13 +250,7 @@ def summary_figure(result: Any) -> Any:
     return figure
 
 
-def write_figure(result: Any, path: str | os.PathLike[str], *, dpi: int = 130) -> Path:
+def write_figure(result: Any, path: str | os.PathLike[str], *, dpi: int = 130, overwrite: bool = False) -> Path:
     """Write the summary figure; the ending chooses the format (.png, .pdf, .svg). Raises InputError for a path
-    not writable."""
-    target = checked_output_path(path, "figure")
-    figure = plot(result, "summary")
-    try:
-        figure.savefig(target, dpi=dpi)
-    except ValueError as error:
-        raise InputError(f"figure: '{target.name}': {error}") from error
-    return target
+    not writable, and for a file that exists where `overwrite` is not set."""
+    return write_picture(plot(result, "summary"), path, "figure", overwrite=overwrite, dpi=dpi)

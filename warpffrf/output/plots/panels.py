@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.output.paths import checked_output_path
+from warpffrf.output.plots.picture import write_picture
 
 PANEL_SIZE = (5.2, 3.9)  # inches
 COLUMNS = 3  # side by side at most
@@ -63,25 +63,21 @@ class Panel:
             axes.legend(frameon=False, fontsize=8)
 
 
-def save_panels(panels: Sequence[Drawn], path: str | os.PathLike[str]) -> Path:
+def save_panels(panels: Sequence[Drawn], path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
     """Draw the panels into one picture; the ending of `path` chooses the format (.png, .pdf, .svg); returns its path.
 
-    Raises `InputError` for no panels, a path that cannot be written and an unknown ending.
+    Raises `InputError` for no panels, a path that cannot be written, an unknown ending, and a file that exists where
+    `overwrite` is not set.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     if not panels:
         raise InputError("panels: there is nothing to draw")
-    target = checked_output_path(path, "panels")
     rows = -(-len(panels) // COLUMNS)
     columns = -(-len(panels) // rows)
     figure = Figure(figsize=(PANEL_SIZE[0] * columns, PANEL_SIZE[1] * rows), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     for n, panel in enumerate(panels):
         panel.draw(figure.add_subplot(rows, columns, n + 1))
-    try:
-        figure.savefig(target)
-    except ValueError as error:
-        raise InputError(f"panels: '{target.name}': {error}") from error
-    return target
+    return write_picture(figure, path, "panels", overwrite=overwrite)

@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.contact_surface import ContactSurface
-from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.output.paths import checked_output_path
 from warpffrf.output.plots.colors import ColorScale
 from warpffrf.output.plots.figure import PROFILE, REFERENCE
 from warpffrf.output.plots.mode_picture import MODE_STOPS, draw_skin, eye_axes, mode_skin
+from warpffrf.output.plots.picture import write_picture
 
 GALLERY = (2, 4)  # rows and columns of mode pictures
 FIRST_ELASTIC = 7  # a free body's modes 1 to 6 are its rigid motions
@@ -28,16 +27,10 @@ MOST_SURFACES = 2  # contact surfaces in the plot of decay; more would hide each
 ALONG, OTHER = "#2a9d5c", "#8a5bb5"
 
 
-def write_quality_page(body: ReducedBody, path: str | os.PathLike[str]) -> Path:
+def write_quality_page(body: ReducedBody, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
     """Write the page to `path` (.png, .pdf, .svg); returns the path. Raises `InputError` where it cannot be
-    written."""
-    target = checked_output_path(path, "quality page")
-    figure = quality_figure(body)
-    try:
-        figure.savefig(target, dpi=DPI)
-    except ValueError as error:
-        raise InputError(f"quality page: '{target.name}': {error}") from error
-    return target
+    written, or exists and `overwrite` is not set."""
+    return write_picture(quality_figure(body), path, "quality page", overwrite=overwrite, dpi=DPI)
 
 
 def quality_figure(body: ReducedBody) -> Any:

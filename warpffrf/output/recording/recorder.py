@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.model.output_paths import checked_output_path, written_whole
 from warpffrf.output.geometry.thinning import vertex_normals
-from warpffrf.output.paths import checked_output_path, written_whole
 from warpffrf.output.plots.colors import DISPLACEMENT_STOPS, ColorClasses, ColorScale, largest, legend_picture
 from warpffrf.output.recording import frames as fr
 from warpffrf.output.recording.contact_scene import ContactColors, ContactScene
@@ -73,6 +73,7 @@ def record(
     max_frames: int = 300,
     max_points: int = MAX_POINTS,
     color: str = DISPLACEMENT,
+    overwrite: bool = False,
 ) -> RecordingInfo:
     """Write a .rrd of a Result (or History) that `rerun FILE` opens.
 
@@ -83,7 +84,7 @@ def record(
     motion is never magnified. At most `max_frames` saved rows are drawn, at most `max_points` points of each body's
     surface. Rows with a value that is not finite are left out and listed in the answer and in the recording. Raises
     InputError for a path that cannot be written, a factor or count that is not positive, a colour that the run does not
-    have, and a run without saved rows.
+    have, a run without saved rows, and a file that exists, unless `overwrite` is set and warpffrf wrote it.
     """
     from warpffrf.output.result import Result
 
@@ -96,7 +97,7 @@ def record(
         )
     if len(result.time) == 0:
         raise InputError("record: the run has no saved row to draw")
-    target = checked_output_path(path, "record")
+    target = checked_output_path(path, "record", overwrite=overwrite)
     known = [DISPLACEMENT, *{f: None for skin in result.skins().values() for f in skin.contact_fields}]
     if color not in known:
         raise unknown_name("record: color", color, known)

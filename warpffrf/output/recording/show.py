@@ -22,9 +22,9 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.output_paths import checked_output_path, written_whole
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.output.geometry.thinning import vertex_normals
-from warpffrf.output.paths import checked_output_path, written_whole
 from warpffrf.output.plots.colors import ColorScale, legend_picture
 from warpffrf.output.plots.mode_picture import MODE_STOPS, ModeSkin, eye_axes, mode_skin
 
@@ -53,6 +53,7 @@ def show_modes(
     path: str | os.PathLike[str] | None = None,
     frames: int = 60,
     scale: float | None = None,
+    overwrite: bool = False,
 ) -> ShownModes:
     """Animate mode number `mode`, see `ReducedBody.show`; None: the first `MAX_MODES` elastic modes, a cycle each.
 
@@ -73,7 +74,7 @@ def show_modes(
         animation.view()
         target = None
     else:
-        target = checked_output_path(path, "show: path")
+        target = checked_output_path(path, "show: path", overwrite=overwrite)
         with written_whole(target) as partial:
             animation.write(partial)
     return ShownModes(target, numbers, tuple(_frequency(body, n) for n in numbers))

@@ -1,0 +1,62 @@
+"""Runs that are to be stopped, as a program of its own: `python unfinished_runs.py CASE RESULTS [KEEP_EVERY]`.
+
+It says "going" when the first part is kept, and its status at the end. With RESUME=1 in the environment it goes on.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+import warpffrf as wf
+from warpffrf.online.arrays.ring import SavedRows
+from warpffrf.online.history.history import History
+from warpffrf.online.keeping import Plan
+from warpffrf.output.files.unfinished import UnfinishedRun
+
+STEP, STEPS = 1e-4, 30_000
+OPTIONS: dict[str, Any] = {"progress": False, "keep_every": 0.02}
+
+
+def pendulum() -> wf.Scene:
+    """An arm on a hinge, with a spring."""
+    scene = wf.Scene()
+    arm = scene.add_rigid_body(1.0, (0.1, 0.1, 0.1), name="arm", position=(0.5, 0.0, 0.0))
+    scene.add(wf.joints.Revolute(scene.ground.at((0, 0, 0)), arm.at((-0.5, 0, 0)), axis=(0, 1, 0), name="hinge"))
+    scene.add(wf.forces.JointSpringDamper(scene.joints[0], 20.0, name="spring"))
+    return scene
+
+
+def simulate(case: str, results: Path | None, **more: Any) -> wf.Result:
+    """The run of `case`: in one go, or in stages."""
+    options = OPTIONS | more
+    if case == "stages":
+        half = 0.5 * STEPS * STEP
+        parts = [wf.Stage("swing", half, STEP), wf.Stage("fall", half, STEP, {"gravity": (0.0, 0.0, -3.0)})]
+        return wf.simulate(pendulum(), stages=parts, results=results, **options)
+    every = 7 if case == "sparse" else 1
+    accuracy = 1e-7 if case == "adaptive" else None
+    return wf.simulate(
+        pendulum(), STEPS * STEP, step=STEP, save_every=every, accuracy=accuracy, results=results, **options
+    )  # fmt: skip
+
+
+def main() -> None:
+    keep = UnfinishedRun.keep
+
+    def and_say(self: UnfinishedRun, history: History, rows: SavedRows, plan: Plan) -> bool:
+        done = keep(self, history, rows, plan)
+        print("going", flush=True)
+        return done
+
+    UnfinishedRun.keep = and_say
+    case, results = sys.argv[1], Path(sys.argv[2])
+    every = float(sys.argv[3]) if len(sys.argv) > 3 else OPTIONS["keep_every"]
+    result = simulate(case, results, keep_every=every, resume=os.environ.get("RESUME") == "1")
+    print("status", result.status, flush=True)
+
+
+if __name__ == "__main__":
+    main()

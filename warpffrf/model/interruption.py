@@ -1,0 +1,75 @@
+"""Ctrl-C, and SIGTERM, which is taken as Ctrl-C: work that is asked to end keeps what it has.
+
+Both raise KeyboardInterrupt where it is expected, between two chunks of steps, and wait where a file or the result is
+being finished. Handlers can be set in the main thread alone; in others both contexts do nothing.
+"""
+
+from __future__ import annotations
+
+import logging
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any
+
+log = logging.getLogger("warpffrf")
+
+Handler = Callable[[int, FrameType | None], Any]
+
+
+@contextmanager
+def _handled(handlers: dict[int, Handler]) -> Iterator[None]:
+    """Signals handled in this way inside."""
+    before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    raise KeyboardInterrupt
+
+
+@contextmanager
+def terminated_as_interrupted() -> Iterator[None]:
+    """SIGTERM raises KeyboardInterrupt inside, unless the program has a handler of its own."""
+    free = _in_main_thread() and signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+    with _handled({signal.SIGTERM: _interrupt} if free else {}):
+        yield
+
+
+class Asked:
+    """Whether the work was asked to end while it could not."""
+
+    def __init__(self) -> None:
+        self.asked = False
+
+    def __bool__(self) -> bool:
+        return self.asked
+
+
+@contextmanager
+def deferred_interrupts() -> Iterator[Asked]:
+    """What would raise KeyboardInterrupt waits for the end of the block, which tells it by the answer's truth; a second
+    one comes through."""
+    answer = Asked()
+
+    def wait(number: int, frame: FrameType | None) -> None:
+        if answer.asked:
+            raise KeyboardInterrupt
+        answer.asked = True
+        log.warning("interrupted: what is there is being finished first; once more ends at once")
+
+    own = (signal.default_int_handler, _interrupt)
+    with _handled(
+        {n: wait for n in (signal.SIGINT, signal.SIGTERM) if _in_main_thread() and signal.getsignal(n) in own}
+    ):
+        yield answer
+
+
+def _in_main_thread() -> bool:
+    return threading.current_thread() is threading.main_thread()

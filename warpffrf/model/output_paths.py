@@ -1,0 +1,118 @@
+"""Output paths are checked before a run, not after it, and files are written whole or not at all.
+
+Nothing that exists is replaced unless that is asked for, and then only what warpffrf has written, which its files say
+at their beginning or end. A file is written beside its target, under a name of the process and the machine that write
+it, and renamed: so nobody touches the file of another, and what a killed process has left is removed when its target is
+written the next time.
+"""
+
+from __future__ import annotations
+
+import os
+import secrets
+import socket
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from glob import escape
+from pathlib import Path
+
+from warpffrf.model.errors import InputError
+
+SIGN = b"warpffrf"
+SIGN_WITHIN = 1 << 16  # bytes of the beginning and of the end
+ENDING = ".part"
+
+
+def checked_output_path(path: str | os.PathLike[str], what: str, *, overwrite: bool) -> Path:
+    """`path` as a Path that can be written: missing folders are made, an existing file is left as it is.
+
+    Raises InputError naming `what` (for instance "record") when the path is a folder, when a parent is not a folder,
+    when the folder or file cannot be written, and for a file that exists, unless warpffrf wrote it and `overwrite` is
+    set.
+    """
+    target = Path(path).expanduser()
+    if target.is_dir():
+        raise InputError(f"{what}: '{target}' is a folder; give the name of a file in it")
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=target.parent, prefix=".warpffrf-"):
+            pass
+        if target.exists():
+            _refuse(target, what, overwrite)
+            with target.open("ab"):
+                pass
+    except OSError as error:
+        raise InputError(
+            f"{what}: '{target}' cannot be written ({error.strerror or error}); choose a folder that you may write to"
+        ) from error
+    return target
+
+
+def _refuse(target: Path, what: str, overwrite: bool) -> None:
+    if not overwrite:
+        raise InputError(
+            f"{what}: '{target}' exists; choose another name, or replace it with overwrite=True (--overwrite)"
+        )
+    if not written_here(target):
+        raise InputError(
+            f"{what}: '{target}' was not written by warpffrf and stays; choose another name, or remove it first"
+        )
+
+
+def written_here(file: Path) -> bool:
+    """Whether a file says that warpffrf wrote it, or is empty."""
+    with file.open("rb") as stream:
+        size = stream.seek(0, os.SEEK_END)
+        if not size:
+            return True
+        for at in (0, max(size - SIGN_WITHIN, 0)):
+            stream.seek(at)
+            if SIGN in stream.read(SIGN_WITHIN):
+                return True
+    return False
+
+
+def check_ending(path: str | os.PathLike[str], what: str, endings: tuple[str, ...]) -> None:
+    """Raises `InputError` naming `what` unless `path` ends like one of `endings`: a file whose name promises another
+    format misleads whoever opens it. Folders are left to `checked_output_path`."""
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"{what} must be the name of a file, got {path!r}")
+    if Path(path).suffix.lower() not in endings and not Path(path).is_dir():
+        raise InputError(f"{what}: '{path}' must end in {' or '.join(endings)}")
+
+
+@contextmanager
+def written_whole(path: Path) -> Iterator[Path]:
+    """A neighbouring name to write to; it replaces `path` only when the block ends without error, so no file is
+    left half written."""
+    remove_left_over(path)
+    host = socket.gethostname().replace(".", "-")
+    partial = path.with_name(f".{path.name}.{host}.{os.getpid()}.{secrets.token_hex(4)}{ENDING}")
+    try:
+        yield partial
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def remove_left_over(path: Path) -> None:
+    """Remove what processes of this machine that are no more have left beside `path`."""
+    host = socket.gethostname().replace(".", "-")
+    for file in path.parent.glob(f".{escape(path.name)}.*{ENDING}"):
+        left_by = file.name.removeprefix(f".{path.name}.").removesuffix(ENDING).split(".")
+        if len(left_by) == 3 and left_by[0] == host and left_by[1].isdecimal() and not _lives(int(left_by[1])):
+            file.unlink(missing_ok=True)
+
+
+def _lives(process: int) -> bool:
+    """Whether a process of that number runs on this machine, as far as can be told without touching it."""
+    if os.name != "posix":
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:  # it is another user's
+        return True
+    return True

@@ -1,0 +1,189 @@
+"""Files of one call of `simulate`: what may be written is checked before it, what was done is kept during it, and what
+goes wrong after it loses no result.
+
+A run that ends writes its results, then the folder beside them goes (`files.unfinished`). One that is interrupted
+leaves both: the results up to there, and what it takes to go on. Where the results cannot be written, the folder stays.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.integrators import CHECK_INTEGRATORS
+from warpffrf.model.interruption import deferred_interrupts
+from warpffrf.model.output_paths import check_ending, checked_output_path
+from warpffrf.online.history.history import History
+from warpffrf.online.run import INTERRUPTED
+from warpffrf.output.files.results import SUFFIXES
+from warpffrf.output.files.unfinished import UnfinishedRun, different
+from warpffrf.output.result import Result
+
+KEEP_EVERY = 20.0  # s of wall time between two parts of a run
+RECORD_SUFFIXES = (".rrd",)
+FREE_OPTIONS = ("device", "progress")  # that do not make another run
+
+log = logging.getLogger("warpffrf")
+
+Kind = TypeVar("Kind", bound=Result)
+
+
+class Whole:
+    """The results of one run: the file, and the folder of the run while it is under way."""
+
+    def __init__(self, path: Path, run: UnfinishedRun) -> None:
+        self.path, self.run, self.done = path, run, False
+
+    def written(self, result: Kind) -> Kind:
+        """Write the results; they go with a note where that is not possible."""
+        if result.status != "completed":
+            log.warning("run ended early: %s: %s", result.status, result.message)
+        result.history.notes.extend(self.run.troubles)
+        with deferred_interrupts():
+            self.done = _tried(result, "results", self.path, lambda: result.save(self.path, overwrite=True))
+        self.done = self.done and result.status != INTERRUPTED
+        return result
+
+
+class NoFile(Whole):
+    """Results that nobody wants on disk."""
+
+    def __init__(self) -> None:
+        self.path = None
+
+    def written(self, result: Kind) -> Kind:
+        """The result as it is."""
+        if result.status != "completed":
+            log.warning("run ended early: %s: %s", result.status, result.message)
+        return result
+
+
+class Outputs:
+    """How files of a call are written; see `simulate`."""
+
+    def __init__(self, overwrite: bool, resume: bool = False, keep_every: float = KEEP_EVERY) -> None:
+        self.overwrite, self.resume, self.keep_every = overwrite, resume, keep_every
+
+    def check(self, results: Any, record: Any) -> None:
+        """Raises `InputError` for files that cannot be written or must not be replaced."""
+        for path, what, suffixes in ((results, "results", SUFFIXES), (record, "record", RECORD_SUFFIXES)):
+            if path is not None:
+                check_ending(path, what, suffixes)
+                checked_output_path(path, what, overwrite=self.overwrite or self.resume)
+
+    @contextmanager
+    def locked(self, results: Any, options: dict[str, str] | None = None) -> Iterator[Whole]:
+        """The results of a run, which no other process writes meanwhile."""
+        if results is None:
+            yield NoFile()
+            return
+        path = Path(results).expanduser()
+        run = UnfinishedRun(path, options or {}, self.keep_every, Result)
+        run.open()
+        whole = Whole(path, run)
+        try:
+            yield whole
+        finally:
+            run.close(remove=whole.done)
+
+    def run(
+        self, scene: Any, call: Callable[..., History], start: Any, duration: float, step: float,
+        options: dict[str, Any], results: Any,
+    ) -> Result:  # fmt: skip
+        """One run, or what is left of it, and its results."""
+        named = run_options(scene, start, duration, step, options)
+        with self.locked(results, named) as whole:
+            keeper = None
+            if whole.path is not None:
+                finished = self._finished(whole.path, named)
+                if finished is not None:
+                    whole.done = True
+                    return finished
+                start = self._unfinished(whole.run, start)
+                keeper = None if isinstance(options["integrator"], CHECK_INTEGRATORS) else whole.run
+            history = call(scene, duration, step=step, start=start, keeper=keeper, **options)
+            history.options = named
+            return whole.written(Result(history))
+
+    def _finished(self, path: Path, options: dict[str, str]) -> Result | None:
+        """The run that is to go on, where it has ended."""
+        if not self.resume or self.overwrite or not path.exists():
+            return None
+        found = Result.load(path)
+        if other := different(options, found.history.options):
+            raise InputError(
+                f"results: '{path}' is of another run ({other}); go on with what it was run with, or begin anew with "
+                "overwrite=True (--overwrite)"
+            )
+        if found.status == INTERRUPTED:
+            return None
+        log.info("results: '%s' is finished: %s", path, found.status)
+        return found
+
+    def _unfinished(self, run: UnfinishedRun, start: Any) -> Any:
+        """Where the run starts: from what it has done before, if it is to go on."""
+        if self.resume and not self.overwrite:
+            found = run.load()
+            if found is not None:
+                log.info("results: going on from '%s', %d saved rows", run.folder, len(found.rows["saved_time"]))
+            return start if found is None else found
+        if run.has_checkpoint() and not self.overwrite:
+            raise InputError(
+                f"results: '{run.folder}' holds a run that has not ended; go on with resume=True (--resume), or begin "
+                "anew with overwrite=True (--overwrite)"
+            )
+        run.clear()
+        return start
+
+    def record(self, result: Kind, path: Any) -> Kind:
+        """Write the recording where there are rows to draw; the result goes with a note where that is not possible."""
+        if path is not None and len(result.time):
+            _tried(result, "recording", Path(path), lambda: _record(result, path))
+        return result
+
+
+def _record(result: Result, path: Any) -> Path:
+    from warpffrf.output.recording.recorder import record
+
+    info = record(result, path, overwrite=True)
+    log.info("recording: %d frames, stride %d", info.frames, info.stride)
+    return info.path
+
+
+def _tried(result: Result, what: str, path: Path, write: Callable[[], Path]) -> bool:
+    """Whether `write` wrote what is wanted; else the result says what went wrong."""
+    try:
+        log.info("%s: %s", what, write())
+    except KeyboardInterrupt:
+        trouble = f"{what}: '{path}' was not written: interrupted by the user"
+    except Exception as error:  # a full disk makes libraries raise anything
+        trouble = f"{what}: '{path}' could not be written: {error or type(error).__name__}; save it elsewhere"
+    else:
+        return True
+    log.error(trouble)
+    result.unwritten.append(trouble)
+    result.history.notes.append(trouble)
+    return False
+
+
+def run_options(scene: Any, start: Any, duration: float, step: float, options: dict[str, Any]) -> dict[str, str]:
+    """What tells a run from others, as text: the scene, where it starts, and its options."""
+    found = {"scene": scene.content_hash(), "start": _start_name(start), "duration": repr(float(duration))}
+    found["step"] = repr(float(step))
+    return found | {name: repr(value) for name, value in options.items() if name not in FREE_OPTIONS}
+
+
+def _start_name(start: Any) -> str:
+    if not isinstance(start, History):
+        return repr(start)
+    digest = hashlib.blake2b(digest_size=16)
+    for name in sorted(start.checkpoint):
+        digest.update(name.encode() + np.ascontiguousarray(start.checkpoint[name]).tobytes())
+    return f"state {digest.hexdigest()}"

@@ -1,0 +1,27 @@
+"""A matplotlib figure as a file, which says that warpffrf wrote it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.output_paths import checked_output_path, written_whole
+
+SIGNATURE = {".png": "Software", ".pdf": "Creator", ".svg": "Creator"}
+
+
+def write_picture(
+    figure: Any, path: str | os.PathLike[str], what: str, *, overwrite: bool = False, dpi: int | None = None
+) -> Path:
+    """Write `figure`; the ending chooses the format (.png, .pdf, .svg). Raises InputError naming `what` for an unknown
+    ending, a path that cannot be written, and a file that exists, unless `overwrite` is set and warpffrf wrote it."""
+    target = checked_output_path(path, what, overwrite=overwrite)
+    ending = target.suffix.lower()
+    if ending not in SIGNATURE:
+        raise InputError(f"{what}: '{target.name}' must end in {', '.join(SIGNATURE)}")
+    with written_whole(target) as partial:
+        options = {} if dpi is None else {"dpi": dpi}
+        figure.savefig(partial, format=ending[1:], metadata={SIGNATURE[ending]: "warpffrf"}, **options)
+    return target
