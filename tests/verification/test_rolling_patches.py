@@ -38,7 +38,10 @@ TRANSIENT = 0.02  # of mu N, at any instant
 CONTACT_FORCES, BESIDE_LAW = 0.015, 0.003  # of mu N; CONTACT's own error of about 0.8 % in the first
 KALKER = 0.03  # relative
 MESHES = 0.015  # of mu N
-FREE = 0.002  # relative, creepage without a force from mesh to mesh, cells of 2 to 6 mm
+FREE = 0.002  # relative, creepage without a force at one load from mesh to mesh, cells of 0.6 to 6 mm; 0.0018 is found
+AS_THEY_ARE = (
+    0.004  # the same at one approach: cells of 6 mm make the bodies 0.2 % softer, and xi goes as the half-width
+)
 GROSS, DIRECTION = 1e-3, 0.05  # of mu N, degrees
 WAY, LOSS = 0.01, 0.03  # relative
 LEDGER = 0.01  # of the work of the drives, at a strip a step
@@ -167,10 +170,11 @@ def test_meshes_agree(crown: float | None) -> None:
 
 
 @pytest.mark.slow
-def test_unlike_bodies_creep_alike_on_any_coarse_mesh() -> None:
-    found = [rolling_bodies.free_pair(size, 12e-6, 15, order=1)[0] for size in (6e-3, 4e-3, 2e-3)]
-    print([f"{xi:.5e}" for xi in found])
-    assert np.ptp(found) < FREE * abs(found[0])
+def test_unlike_bodies_creep_alike_on_any_mesh() -> None:
+    found = np.array([rolling_bodies.unlike_on(name) for name in rolling_bodies.UNLIKE_MESHES])
+    print(found)
+    assert np.ptp(found[:, 1]) < FREE * found[-1, 1]
+    assert np.ptp(found[:, 0]) < AS_THEY_ARE * abs(found[-1, 0])
 
 
 @pytest.mark.slow
@@ -206,3 +210,18 @@ def test_patches_that_grow_and_shrink(point: bool) -> None:
     assert found.rejected == 0
     assert found.force < JUMP
     assert rolling_changes.parted(21, 1.0, point=point).force < JUMP
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tilt", [0.0, rolling_changes.TILTED])
+def test_patches_that_split(tilt: float) -> None:
+    """Into two that stay, or one of which goes; rows that open or close carry no pressure then, so that no force jumps:
+    what is found falls with the cells."""
+    found = rolling_changes.split(15, 1.0, 21, tilt=tilt)
+    print(found)
+    assert found.changes == 2 * rolling_changes.SPLITS
+    assert (found.open_rows > 2) == (tilt == 0.0)
+    assert found.jumps.rejected == 0
+    assert found.jumps.force < JUMP
+    assert found.jumps.load < JUMP
+    assert rolling_changes.split(15, 1.0, 21, tilt=tilt, friction=0.0).jumps.load < JUMP

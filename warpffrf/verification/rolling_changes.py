@@ -1,5 +1,5 @@
 r"""Histories of friction on cells of the patch, measured by simulation: the rows of `rolling_patches` on Cattaneo and
-Mindlin, work and energy, and patches that grow, shrink, part and leave an end.
+Mindlin, work and energy, and patches that grow, shrink, part, split and leave an end.
 
 **Cattaneo.** The lower roller is shifted along x to Q = 0.5 mu P and back and forth. Its way is made of that of a patch
 that sticks, C Q with the compliance C of a run with much friction, and of what slip adds,
@@ -7,6 +7,10 @@ that sticks, C Q with the compliance C of a run with much friction, and of what 
     line    (2/(pi E*)) (Q'/2 + (mu P' - Q')/2 ln(1 - Q'/(mu P'))),        point    b(Q) - Q S/(8 a),
 
 so that the rest of the bodies, which half-spaces lack, cancels.
+
+**Splitting.** A roller with two humps, its radius less d ((z/L)^2 - 1)^2, on a straight one: the approach falls and the
+one patch becomes two along the axis, and one again. They stay on one grid, with open cells between them. With an end of
+the profile lower by `tilt`, one of the two goes altogether and comes back.
 
 **Jumps.** How far a value lies from the cubic through its two neighbours either way. A force has a corner where all of
 the patch begins or ceases to slip: steps next to that are left out.
@@ -21,8 +25,11 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model import surfaces
+from warpffrf.model.mesh import roller as roller_mesh
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.signals import Table
+from warpffrf.offline import reduce
 from warpffrf.output.result import Result
 from warpffrf.verification.closed_forms import (
     MindlinLine,
@@ -41,6 +48,7 @@ from warpffrf.verification.rolling_steady import (
     straight,
 )
 from warpffrf.verification.scenes.rolling_pairs import (
+    BORE,
     FRICTION,
     LASTS,
     PAIR,
@@ -67,6 +75,14 @@ TWIST = 2e-6  # m, way by which a locked-in traction is made
 DRIVEN, REVOLUTIONS = 2e-3, 10  # creepage
 PERIOD, SWING = 3.0, 0.6  # half-widths rolled; of the load
 GENTLE = 0.15  # creepage over that of gross slip while the load changes
+HUMP, HOLLOW, TILTED = (
+    5e-3,
+    2e-6,
+    1e-6,
+)  # m: place of the humps off the middle, depth between them, one beside the other
+ONE_PATCH, TWO_PATCHES, SPLIT_HALF_WIDTH = 6e-6, 1.5e-6, 2.2e-4  # m: approaches, a of the largest
+TILTED_APPROACHES = 4e-6, 0.5e-6  # m
+SPLITS, SPLIT_WAY = 2, 20.0  # times that a patch splits, half-widths rolled
 FULL = 0.999  # of mu N from which all of the patch slips
 NEAR = 3  # steps
 
@@ -233,18 +249,25 @@ def beyond_smooth(values: Array) -> Array:
 
 def jumps(scene: Any, steps: int, step: float, skip: int = 8) -> Jumps:
     """Of a run, its first `skip` steps left out."""
-    result = run(scene, steps, step)
+    return jumps_of(run(scene, steps, step), steps, skip)
+
+
+def jumps_of(result: Result, steps: int, skip: int = 8) -> Jumps:
+    """Of the run that made a result."""
     contact: Any = result.contact(PAIR)
-    load, force = np.asarray(contact.normal_load)[skip:], contact.friction.tangential_force[skip:]
-    slips = np.linalg.norm(force, axis=1) >= FULL * FRICTION * load
-    corner = np.flatnonzero(slips[1:] != slips[:-1])
-    smooth = np.ones(len(load), dtype=bool)
-    for i in corner:
-        smooth[max(0, i - NEAR) : i + NEAR + 2] = False
-    most = load.max()
-    found = np.max([beyond_smooth(force[:, k]) for k in (0, 1)], axis=0)[smooth[2:-2]]
+    load = np.asarray(contact.normal_load)[skip:]
+    most, jump = load.max(), 0.0
+    if result.history.contacts[PAIR].friction is not None:
+        force = contact.friction.tangential_force[skip:]
+        slips = np.linalg.norm(force, axis=1) >= FULL * FRICTION * load
+        corner = np.flatnonzero(slips[1:] != slips[:-1])
+        smooth = np.ones(len(load), dtype=bool)
+        for i in corner:
+            smooth[max(0, i - NEAR) : i + NEAR + 2] = False
+        found = np.max([beyond_smooth(force[:, k]) for k in (0, 1)], axis=0)[smooth[2:-2]]
+        jump = float(found.max() / (FRICTION * most))
     return Jumps(
-        float(found.max() / (FRICTION * most)), float(beyond_smooth(load).max() / most), float(load.min() / most),
+        jump, float(beyond_smooth(load).max() / most), float(load.min() / most),
         int(result.history.counters["rejected_steps"]), steps,
     )  # fmt: skip
 
@@ -296,6 +319,79 @@ def off_the_end(strips: int, advance: float, *, point: bool) -> Jumps:
     return jumps(scene, steps, step, skip=6 * strips)
 
 
+@cache
+def humped(tilt: float = 0.0) -> ReducedBody:
+    """A roller with two humps, one of them lower by `tilt` [m]."""
+    z = np.linspace(-0.5 * WIDTH, 0.5 * WIDTH, 161)
+    x = z / HUMP
+    drop, slope = HOLLOW * (x**2 - 1.0) ** 2, 4.0 * HOLLOW * (x**2 - 1.0) * x / HUMP
+    profile = (z, drop + 0.5 * tilt * (x + 1.0), slope + 0.5 * tilt / HUMP)
+    shape = surfaces.ProfiledCylinder(
+        table=profile, radius=R, axis_point=(0.0, 0.0, 0.0), axis_direction=(0.0, 1.0, 0.0)
+    )
+    mesh = roller_mesh(
+        R, BORE, WIDTH, sectors=4 * round(0.5 * np.pi * R / SIZE), layers=7, axial=round(WIDTH / SIZE), profile=shape
+    )
+    return reduce(
+        mesh, PLANE_STEEL, interfaces={"bore": "rigid"}, contact={"rim": shape}, modes=0, patch_grid=True,
+        tangential=True, progress=False,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Split:
+    """Of a patch that splits: jumps; how often the middle row opened or closed; open rows between the two patches at
+    the least load, 0 where one of them is all that is left."""
+
+    jumps: Jumps
+    changes: int
+    open_rows: int
+
+
+def split(strips: int, advance: float, rows: int, *, friction: float = FRICTION, tilt: float = 0.0) -> Split:
+    """The approach falls and rises SPLITS times in SPLIT_WAY half-widths."""
+    a = SPLIT_HALF_WIDTH
+    high, low = TILTED_APPROACHES if tilt else (ONE_PATCH, TWO_PATCHES)
+    step = advance * 2.0 * SPAN * a / strips / SPEED
+    steps = int(round(SPLIT_WAY * a / SPEED / step))
+    turn = 2.0 * np.pi * SPLITS / (steps * step)
+    way = varied(lambda t: -0.5 * (high - low) * (1.0 - np.cos(turn * t)), steps * step)
+    xi = GENTLE * FRICTION * a / (0.5 * R)
+    drives = Drives(creepage=xi, way=way)
+    scene = pair(humped(tilt), straight(), high, drives, cells=(strips, rows), friction=friction)
+    result = run(scene, steps, step)
+    pressed = np.any(result.history.contacts[PAIR].pressure > 0.0, axis=1)  # (steps, rows)
+    whole = pressed[:, rows // 2]
+    found = pressed[np.argmin(np.asarray(result.contact(PAIR).normal_load))]
+    used = np.flatnonzero(found)
+    return Split(
+        jumps_of(result, steps), int(np.count_nonzero(whole[1:] != whole[:-1])),
+        int(np.ptp(used)) + 1 - len(used),
+    )  # fmt: skip
+
+
+SPLIT_HEAD = ["case", "strips", "rows", "strips a step", "force", "load", "load, no friction", "least load", "changes",
+              "open rows", "repeated"]  # fmt: skip
+
+
+def split_rows() -> list[list[str]]:
+    """Cells and steps down; the same without friction, and with one hump that loses contact."""
+    rows = []
+    cases: list[tuple[str, int, float, int, float]] = [
+        ("splits", 15, 1.0, 21, 0.0), ("splits", 15, 0.5, 21, 0.0), ("splits", 15, 2.0, 21, 0.0),
+        ("splits", 21, 1.0, 41, 0.0), ("splits, one part goes", 15, 1.0, 21, TILTED),
+        ("splits, one part goes", 15, 1.0, 41, TILTED),
+    ]  # fmt: skip
+    for name, strips, advance, along, tilt in cases:
+        found = split(strips, advance, along, tilt=tilt)
+        alone = split(strips, advance, along, tilt=tilt, friction=0.0).jumps
+        most = found.jumps
+        rows.append([name, str(strips), str(along), f"{advance:g}", f"{100 * most.force:.2f}", f"{100 * most.load:.2f}",
+                     f"{100 * alone.load:.2f}", f"{100 * most.least:.0f}", str(found.changes), str(found.open_rows),
+                     f"{most.rejected} of {most.steps}"])  # fmt: skip
+    return rows
+
+
 def change_rows() -> list[list[str]]:
     """Cases down."""
     cases: dict[str, Callable[..., Jumps]] = {
@@ -342,4 +438,14 @@ Largest jumps of the force beyond a smooth curve in percent of the largest mu N,
 least load in percent of that, steps that were repeated. Creepage {GENTLE:g} of gross slip's,
 crown {1e3 * CROWN:.0f} mm.
 
-{table(["case", "contact", "strips", "strips a step", "force", "load", "least load", "repeated"], change_rows())}"""
+{table(["case", "contact", "strips", "strips a step", "force", "load", "least load", "repeated"], change_rows())}
+## Patches that split
+
+A roller with two humps {2e3 * HUMP:g} mm apart and {1e6 * HOLLOW:g} µm high on a straight one, creepage {GENTLE:g} of
+gross slip's; the approach falls from {1e6 * ONE_PATCH:g} to {1e6 * TWO_PATCHES:g} µm and rises, {SPLITS} times in
+{SPLIT_WAY:g} half-widths, so that the middle opens and closes. Both patches stay on one grid, open rows between them.
+With one hump {1e6 * TILTED:g} µm lower its patch goes and comes too (from {1e6 * TILTED_APPROACHES[0]:g} to
+{1e6 * TILTED_APPROACHES[1]:g} µm). Jumps as above, of the load also without friction; how often the middle row opened
+or closed, open rows between two patches at the least load.
+
+{table(SPLIT_HEAD, split_rows())}"""

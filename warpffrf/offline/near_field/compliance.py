@@ -40,6 +40,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.far_field import NOTHING, FreeEnd, cutoff
 from warpffrf.model.far_splines import transposed
 from warpffrf.model.material import Material
+from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.offline.contact.contact_grid import GridPlan
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.general.checkpoint import Checkpoint
@@ -56,6 +57,12 @@ Blocks = dict[str, Array]  # T by its functions: "nn", and with tangential tract
 # From the loads to the cut faces, along the surface in spacings of the grid or facet edges, whichever are longer, and
 # below it in facet edges: 2 costs 0.3 % of a force, 4 gains 0.05 %.
 REACH = 3.0
+# Under tangential tractions on linear cells it does not get shorter with the mesh than SAME_REACH radii, up to so many
+# spacings, where windows are few. The cut faces move as the exact half-space; the mesh n spacings h from a load P per
+# width does not quite, which turns up as a strain under the patch that goes with P/(E h) (n + 1)^-2.5. Unlike bodies
+# roll by it: at 3 spacings by 0.5 % of their creepage on cells of 0.02 R, by 1 % on cells of 0.012 R, a/R = 0.0064
+# (docs/studies/rolling_patches.md). Quadratic cells err by a tenth of that.
+SAME_REACH, FARTHEST_REACH, FEW_WINDOWS = 0.24, 12.0, 16
 COVERED = 0.02  # a function counts as inside a window when its area is there to this, the error of a kinked quadrature
 CLUSTER = 48  # functions that share a window, at most
 WIDEST = 0.25  # of the smaller radius of curvature: half the width of a cluster; with NOTHING below a quarter of a turn
@@ -108,12 +115,13 @@ def near_compliance(
     T = {block: np.zeros((*directions, total, rows, c, rows)) for block, directions in blocks.items()}
     largest = 0
     clusters = _clusters(f, c, first, ends)
+    reach = _reach(f, len(clusters))
     for i in progress.track(range(len(clusters)), f"half-space of {f.name}"):
         columns, of_rows = clusters[i]
         key = f"half-space of {f.name}, window {i} of {len(clusters)}"
         found = checkpoint.get(key)
         if found is None:
-            window = _Window(f, columns, of_rows, material, assignment, ends, quarter)
+            window = _Window(f, columns, of_rows, material, assignment, ends, quarter, reach)
             at, means = window.means(total)
             found = {"at": at, **means, "dofs": np.array(3 * window.nodes)}
             checkpoint.put(key, found)
@@ -140,6 +148,15 @@ def _symmetric(lags: Array) -> tuple[Array, float]:
     """Mean of `lags` and of those of the transposed operator, and their largest difference over the largest entry."""
     mirrored = transposed(lags)
     return 0.5 * (lags + mirrored), float(np.max(np.abs(lags - mirrored)) / np.max(np.abs(lags)))
+
+
+def _reach(f: NearFunctions, windows: int) -> float:
+    """From the loads to the cut faces, in spacings of the grid along the surface, in facet edges below it."""
+    curvature = max(abs(float(k)) for k in f.shape.curvatures(f.grid.theta_start, float(np.mean(f.grid.z))))
+    linear = all(facet_kind(kind).degree == 1 for kind in f.surface.blocks)
+    if f.cells is None or not linear or curvature == 0.0 or windows > FEW_WINDOWS:
+        return REACH
+    return float(np.clip(SAME_REACH / (curvature * f.spacing), REACH, FARTHEST_REACH))
 
 
 def _clusters(f: NearFunctions, c: int, first: int, ends: list[FreeEnd]) -> list[tuple[Array, Array]]:
@@ -175,6 +192,7 @@ class _Window:
         assignment: Assignment,
         ends: list[FreeEnd],
         quarter: Any,
+        reach: float,
     ) -> None:
         self.f, self.columns, self.rows, self.material = f, columns, rows, material
         g = f.grid
@@ -184,23 +202,33 @@ class _Window:
         self.tolerance = ON_SURFACE * f.edge
         self.ends = [self._end(end, quarter) for end in ends]
         faces = [on_end(f.shape, f.mesh.points, end, f.edge) for end in ends]
-        self.flat = FlatCells.around(
-            f.mesh.points,
-            f.mesh.cells,
-            self.chart,
-            self.loads.box,
-            REACH * f.spacing,
-            REACH * f.edge,
-            max(self.tolerance, _deviation(f.shape)),
-            [(face, end.t) for face, end in zip(faces, self.ends, strict=True)],
-        )
+        self.reach = reach
+        self.flat = self._laid_flat(faces)
+        if reach > REACH and not _of_one_material(self.flat, material, assignment):
+            self.reach = REACH
+            self.flat = self._laid_flat(faces)
         if not self.flat.cells:
             raise _too_large(f)
-        _require_one_material(f, self.flat, material, assignment)
+        if not _of_one_material(self.flat, material, assignment):
+            raise _other_material(f)
         self.nodes = len(self.flat.points)
         near = [e for e in self.ends if self.flat.reaches(e, self.tolerance)]
         middle = float(np.mean(self.loads.t))
         self.free = min(near, key=lambda e: e.inward(np.asarray(middle)), default=None)
+
+    def _laid_flat(self, faces: list[Array]) -> FlatCells:
+        """The cells of the window; `faces`: which points lie on each end."""
+        f = self.f
+        return FlatCells.around(
+            f.mesh.points,
+            f.mesh.cells,
+            self.chart,
+            self.loads.box,
+            self.reach * f.spacing,
+            self.reach * f.edge,
+            max(self.tolerance, _deviation(f.shape)),
+            [(face, end.t) for face, end in zip(faces, self.ends, strict=True)],
+        )
 
     @cached_property
     def curvatures(self) -> tuple[float, float]:
@@ -247,7 +275,7 @@ class _Window:
         here = self.flat.carriers(f.surface)
         low, high = int(self.columns[0]), int(self.columns[-1])
         pitch = g.pitch * float(np.min(f.shape.radius_at(g.z)))
-        margin = int(np.ceil((REACH * f.spacing + 2.0 * f.edge) / pitch)) + 2
+        margin = int(np.ceil((self.reach * f.spacing + 2.0 * f.edge) / pitch)) + 2
         if g.periodic or total > g.columns:  # no column twice
             margin = min(margin, (total - 1 - (high - low)) // 2)
         columns = np.arange(low - margin, high + margin + 1)
@@ -391,15 +419,19 @@ def _too_large(f: NearFunctions) -> InputError:
     )
 
 
-def _require_one_material(f: NearFunctions, flat: FlatCells, material: Material, assignment: Assignment) -> None:
+def _of_one_material(flat: FlatCells, material: Material, assignment: Assignment) -> bool:
     wanted = {i for i, m in enumerate(assignment.materials) if m == material}
-    for kind, numbers in flat.numbers.items():
-        if not set(np.unique(assignment.of_cell[kind][numbers]).tolist()) <= wanted:
-            raise InputError(
-                f"contact {f.name!r}: cells of another material lie within {REACH:g} facet edges "
-                f"({REACH * f.edge:.3g} m) of the surface; a patch grid needs one material there: use a mesh that is "
-                'finer at the surface than the layer is thick, or grid="material"'
-            )
+    return all(
+        set(np.unique(assignment.of_cell[kind][numbers]).tolist()) <= wanted for kind, numbers in flat.numbers.items()
+    )
+
+
+def _other_material(f: NearFunctions) -> InputError:
+    return InputError(
+        f"contact {f.name!r}: cells of another material lie within {REACH:g} facet edges "
+        f"({REACH * f.edge:.3g} m) of the surface; a patch grid needs one material there: use a mesh that is "
+        'finer at the surface than the layer is thick, or grid="material"'
+    )
 
 
 def _without_gram(g: ContactGrid, shape: Any, lags: Array) -> Array:
