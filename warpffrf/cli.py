@@ -1,7 +1,8 @@
 """The command line: `warpffrf demo | run | modes | reduce | info`.
 
-Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2; no traceback for either. What a
-command finds goes to stdout, progress and warnings go to stderr.
+Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2, Ctrl-C or SIGTERM where nothing
+is to be kept with exit code 130; no traceback for any. What a command finds goes to stdout, progress and warnings go to
+stderr.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from warpffrf.demos import DEMOS
 # (on two busy cores 16 times longer than one thread alone).
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+INTERRUPTED = 130  # exit code, as shells have it
 EQUILIBRIUM = "equilibrium"  # the state that modes are about if nothing else is said
 
 log = logging.getLogger("warpffrf")
@@ -76,9 +78,11 @@ def options(
 @contextmanager
 def _one_line_errors() -> Iterator[None]:
     from warpffrf.model.errors import InputError
+    from warpffrf.model.interruption import terminated_as_interrupted
 
     try:
-        yield
+        with terminated_as_interrupted():
+            yield
     except BrokenPipeError:  # the reader of the output, such as head, has left: nothing more to say to it
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise typer.Exit(0) from None
@@ -87,6 +91,9 @@ def _one_line_errors() -> Iterator[None]:
             log.debug("where it happened:", exc_info=True)
         print(f"error: {error}", file=sys.stderr)
         raise typer.Exit(1) from None
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
 
 
 def _add_demo(module: str, about: str) -> None:

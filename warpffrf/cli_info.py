@@ -30,6 +30,11 @@ def describe_file(
     missing or of no known kind, for a mesh without `length_unit` or with several bodies and no `part`, and for a page
     that cannot be written or of a file that is no reduced body.
     """
+    from warpffrf.output.files.unfinished import is_unfinished
+
+    if is_unfinished(path):
+        _no_page(page, path)
+        return _results(path)
     if not path.is_file():
         raise InputError(f"there is no file {str(path)!r}")
     with path.open("rb") as file:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import sys
@@ -41,15 +40,12 @@ def counters(history: History) -> dict[str, float]:
     return {name: value for name, value in history.counters.items() if name not in TIMES}
 
 
-def started(case: str, results: Path, *, resume: bool = False, going: bool = True) -> subprocess.Popen[str]:
+def started(case: str, results: Path) -> subprocess.Popen[str]:
     """The program under way: it has kept its first part."""
-    environment = {**os.environ, "RESUME": "1" if resume else "0", "WARPFFRF_TEST": "1"}
-    program = subprocess.Popen(
-        [sys.executable, str(PROGRAM), case, str(results)], stdout=subprocess.PIPE, text=True, env=environment
-    )
+    program = subprocess.Popen([sys.executable, str(PROGRAM), case, str(results)], stdout=subprocess.PIPE, text=True)
     assert program.stdout is not None
-    if going:
-        assert program.stdout.readline() == "going\n"
+    for said in ("ready\n", "going\n"):
+        assert program.stdout.readline() == said
     return program
 
 

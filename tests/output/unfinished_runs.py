@@ -1,6 +1,6 @@
 """Runs that are to be stopped, as a program of its own: `python unfinished_runs.py CASE RESULTS [KEEP_EVERY]`.
 
-It says "going" when the first part is kept, and its status at the end. With RESUME=1 in the environment it goes on.
+It says "ready", "going" whenever a part is kept, and its status at the end.
 """
 
 from __future__ import annotations
@@ -36,11 +36,21 @@ def simulate(case: str, results: Path | None, **more: Any) -> wf.Result:
         half = 0.5 * STEPS * STEP
         parts = [wf.Stage("swing", half, STEP), wf.Stage("fall", half, STEP, {"gravity": (0.0, 0.0, -3.0)})]
         return wf.simulate(pendulum(), stages=parts, results=results, **options)
-    every = 7 if case == "sparse" else 1
+    every = {"sparse": 7, "recorded": 100}.get(case, 1)
+    if case == "recorded" and results is not None:
+        options["record"] = results.with_suffix(".rrd")
     accuracy = 1e-7 if case == "adaptive" else None
     return wf.simulate(
         pendulum(), STEPS * STEP, step=STEP, save_every=every, accuracy=accuracy, results=results, **options
     )  # fmt: skip
+
+
+def reduced(results: Path) -> wf.ReducedBody:
+    """A body by the general path, with a cache beside `results`."""
+    os.environ["WARPFFRF_CACHE"] = str(results.parent / "cache")
+    mesh = wf.mesh.box((0.1, 0.05, 0.02), (10, 6, 4))
+    steel = wf.Material(210e9, 0.3, 7850.0)
+    return wf.reduce(mesh, steel, interfaces={"x_min": "rigid"}, contact={"z_max": wf.surfaces.Plane()}, progress=False)
 
 
 def main() -> None:
@@ -54,7 +64,11 @@ def main() -> None:
     UnfinishedRun.keep = and_say
     case, results = sys.argv[1], Path(sys.argv[2])
     every = float(sys.argv[3]) if len(sys.argv) > 3 else OPTIONS["keep_every"]
-    result = simulate(case, results, keep_every=every, resume=os.environ.get("RESUME") == "1")
+    print("ready", flush=True)
+    if case == "reduced":
+        reduced(results).save(results, overwrite=True)
+        return
+    result = simulate(case, results, keep_every=every)
     print("status", result.status, flush=True)
 
 

@@ -237,8 +237,7 @@ def run(
         elif not np.any(engine.word("status")) and last_step % save_every:
             engine.save_now()
         history = _finish(engine, begin, built, notes, "", plan.rejected)
-    if asked:
-        history.notes.append("interrupted by the user after the last step, while notes were made")
+    history.stopping = bool(asked)
     history.message = gain or history.message
     history.counters["loop_seconds"] = time.perf_counter() - loop
     if interrupted and history.status == "completed":

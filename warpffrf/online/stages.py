@@ -155,7 +155,7 @@ def joined_parts(histories: Sequence[History]) -> History:
     rows = {
         entry.name: _joined([getattr(history, entry.name) for history in histories])
         for entry in fields(History)
-        if entry.name not in ("scene", "checkpoint", "counters", "notes", "options")
+        if entry.name not in ("scene", "checkpoint", "counters", "notes", "options", "stopping")
     }
     return replace(histories[-1], scene=histories[0].scene, **rows)
 

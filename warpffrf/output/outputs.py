@@ -46,9 +46,10 @@ class Whole:
         if result.status != "completed":
             log.warning("run ended early: %s: %s", result.status, result.message)
         result.history.notes.extend(self.run.troubles)
-        with deferred_interrupts():
+        with deferred_interrupts() as asked:
             self.done = _tried(result, "results", self.path, lambda: result.save(self.path, overwrite=True))
         self.done = self.done and result.status != INTERRUPTED
+        result.history.stopping |= bool(asked)
         return result
 
 
@@ -150,6 +151,8 @@ class Outputs:
 
 
 def _record(result: Result, path: Any) -> Path:
+    if result.history.stopping:
+        raise KeyboardInterrupt
     from warpffrf.output.recording.recorder import record
 
     info = record(result, path, overwrite=True)

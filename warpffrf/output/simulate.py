@@ -153,6 +153,7 @@ def _staged(
         begin, end = end, end + stage.duration
         refuse_short_tables(stage.scene(scene), begin, end)
     parts: dict[str, Result] = {}
+    interrupted = ""
     with outputs.locked(results) as whole:
         for stage in stages:
             log.info("stage %s: %g s in steps of %g s", stage.name, stage.duration, stage.step)
@@ -160,12 +161,13 @@ def _staged(
             file = None if results is None else stage_file(results, stage.name)
             run_stage = _in_its_loads(scene, stage.scene(scene), reference)
             try:
+                if isinstance(beginning, History) and beginning.stopping:
+                    raise KeyboardInterrupt
                 part = outputs.run(scene, run_stage, beginning, stage.duration, stage.step, {**options, **own}, file)
             except KeyboardInterrupt:
                 if not parts:
                     raise
-                last = parts[next(reversed(parts))].history
-                last.status, last.message = INTERRUPTED, f"interrupted before stage {stage.name!r} had begun"
+                interrupted = f"interrupted before stage {stage.name!r} had begun"
                 break
             part.history.scene = scene  # of a stage that was read, what its file tells of it
             parts[stage.name], beginning = part, part.history
@@ -173,6 +175,8 @@ def _staged(
                 break
         histories = [part.history for part in parts.values()]
         found = StagedResult(joined(same_windows(histories) if reference else histories, list(parts)), parts)
+        if interrupted:
+            found.history.status, found.history.message, found.history.stopping = INTERRUPTED, interrupted, True
         return whole.written(found)
 
 

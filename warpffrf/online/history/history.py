@@ -202,3 +202,4 @@ class History:
     sensors: dict[str, SensorHistory] = field(default_factory=dict)
     checkpoint: dict[str, np.ndarray] = field(default_factory=dict)  # the complete device state at the end
     options: dict[str, str] = field(default_factory=dict)  # of `simulate`, name -> value as text
+    stopping: bool = False  # True where Ctrl-C came while the run was being finished: nothing more is to begin
