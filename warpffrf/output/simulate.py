@@ -76,7 +76,8 @@ def simulate(
     local_dynamics=True. results, record: files to write (.h5, .rrd); both are also
     written when the run is interrupted (Ctrl-C) or fails, with what there is. With stages, results "run.h5" also means
     "run.NAME.h5" at the end of each stage: a checkpoint to start from. A solver that fails does not raise: see `status`
-    and `message` of the Result. Wrong input raises InputError before the run.
+    and `message` of the Result. Wrong input raises InputError before the run. Threads may call it at once, and get the
+    same bits: steps go on side by side, all else one after the other (`warpffrf.online.turn`).
     """
     _known_scene(scene, "simulate")
     _known_method(method)
