@@ -16,6 +16,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.mesh.meshio_files import meshio_package
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.geometry.grid_places import rotate
 from warpffrf.output.paths import checked_output_path
@@ -27,7 +28,7 @@ def write_time_series(result: Any, path: str | os.PathLike[str], *, stride: int 
     Raises InputError for a path without the ending .pvd or one that cannot be written, for a stride below 1, and for
     a run without flexible bodies.
     """
-    import meshio
+    meshio = meshio_package()
 
     target = checked_output_path(path, "to_vtu")
     if target.suffix != ".pvd":
@@ -55,7 +56,7 @@ def write_time_series(result: Any, path: str | os.PathLike[str], *, stride: int 
 
 def body_mesh(result: Any, name: str, skin: Skin, i: int) -> Any:
     """The meshio mesh of one body at saved step `i`."""
-    import meshio
+    meshio = meshio_package()
 
     motion = result.history.bodies[name]
     rotation = motion.rotation[i]
