@@ -9,9 +9,9 @@ CHECKED := warpffrf kernels tests demos bench
 
 # Test workers share the cores, the unit of time is defined on one thread, and on many small matrices the threads of a
 # BLAS wait for each other: one BLAS thread each.
-demo demos test verify bench bench-compare wheel-test: export OPENBLAS_NUM_THREADS ?= 1
+demo demos test test-floor verify bench bench-compare wheel-test: export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: .venv demo demos test verify bench bench-compare lint format types wheel-test clean
+.PHONY: .venv demo demos test test-floor verify bench bench-compare lint format types wheel-test clean
 
 .venv: $(STAMP)
 
@@ -29,6 +29,17 @@ demos: $(STAMP)
 
 test: lint types
 	$(BIN)/python -m pytest
+
+# The lowest versions that pyproject.toml allows, in an environment of their own, with tests that use each of them.
+FLOOR := build/floor
+FLOOR_TESTS := tests/conformance/test_floor.py tests/model/test_mesh_reader.py tests/model/test_mesh_select.py \
+	tests/model/test_public.py tests/offline/test_reduction.py tests/online/test_threads.py tests/output/test_recorder.py \
+	tests/output/test_results_file.py tests/output/test_panels.py tests/test_cli.py tests/test_scene_file.py
+test-floor:
+	$(PYTHON) -m venv --clear $(FLOOR)
+	$(FLOOR)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints-floor.txt \
+		-e . hypothesis psutil pytest pytest-xdist
+	$(FLOOR)/bin/python -m pytest $(FLOOR_TESTS)
 
 # EXUDYN, which some of the slow tests compare with, is installed for them.
 $(VERIFY): $(STAMP)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib.util
 import logging
+import sys
+from importlib.abc import MetaPathFinder
 from pathlib import Path
 from typing import Any
 
@@ -286,3 +288,21 @@ def test_facet_off_the_cells(tmp_path: Path) -> None:
     meshio.Mesh(mesh.points, [("hexahedron", mesh.single[1]), ("quad", quads)], cell_data={"rim": marks}).write(path)
     with pytest.raises(InputError, match="'rim' has a facet that is no face of a cell"):
         wfmesh.read(path, length_unit="m")
+
+
+@pytest.mark.parametrize("error", [ImportError("no module"), AttributeError("np.string_ was removed")])
+def test_a_meshio_that_cannot_be_imported_is_named(
+    error: Exception, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As its versions before 5.3.5 beside NumPy 2."""
+
+    class Broken(MetaPathFinder):
+        def find_spec(self, fullname: str, path: Any, target: Any = None) -> None:
+            if fullname == "meshio":
+                raise error
+
+    monkeypatch.delitem(sys.modules, "meshio")
+    monkeypatch.setattr(sys, "meta_path", [Broken(), *sys.meta_path])
+    (tmp_path / "body.vtu").write_text("")
+    with pytest.raises(InputError, match=rf"package meshio.*{type(error).__name__}.*meshio>=5.3.5"):
+        wfmesh.read(tmp_path / "body.vtu", length_unit="mm")

@@ -57,6 +57,19 @@ def test_energy_from_nowhere_and_energy_that_is_lost_are_named() -> None:
     assert [note.split(",")[0] for note in energy_notes(rows, 0.0)] == ["the integrator took 0.5 J"]
 
 
+@pytest.mark.parametrize("step, taken", [(0.05, True), (0.005, False)])  # 1.6 and 0.16 over the frequency
+def test_an_oscillation_that_the_step_does_not_resolve_is_named(step: float, taken: bool) -> None:
+    """Without any damper: what the integrator takes of it is no gain, and the run completes."""
+    scene = wf.Scene()
+    block = scene.add_rigid_body(1.0, (1.0, 1.0, 1.0), name="block")
+    guide = scene.add(wf.joints.Prismatic(scene.ground, block.at((0.0, 0.0, 0.0)), axis=(0, 0, 1)))
+    scene.add(wf.forces.JointSpringDamper(guide, stiffness=1e3, preload=-10.0))
+    result = wf.simulate(scene, 20.0, step=step, save_every=7, progress=False)
+    assert result.status == "completed" and result.time[-1] == pytest.approx(20.0)
+    said = [note for note in result.history.notes if note.startswith("the integrator took")]
+    assert len(said) == taken and all("smaller step" in note for note in said)
+
+
 def test_a_common_width_between_the_sampling_points_is_refused(coarse) -> None:
     """Two rollers that face each other over 1 mm, rows 10 mm apart: they would fall through each other."""
     scene = wf.Scene()

@@ -18,7 +18,7 @@ class Progress:
     def __init__(self, label: str, total: int, *, enabled: bool, unit: str = "step") -> None:
         self.label, self.total, self.unit, self.done, self.begin = label, total, unit, 0, time.monotonic()
         self.last = self.begin
-        terminal = sys.stderr.isatty()
+        terminal = sys.stderr is not None and sys.stderr.isatty()  # None: a process without a standard error
         self.bar = tqdm(total=total, desc=label, unit=unit, leave=False) if enabled and terminal else None
         self.logs = enabled and not terminal
 

@@ -6,10 +6,12 @@ from warpffrf.online.history.history import History
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.run import find_equilibrium, run
 from warpffrf.online.settings import Settings
+from warpffrf.online.turn import TURN
 
 __all__ = [
     "HHT",
     "INTEGRATORS",
+    "TURN",
     "Engine",
     "EnergyMomentum",
     "GeneralizedAlpha",

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 import time
 from collections.abc import Mapping
 
@@ -24,33 +22,17 @@ from warpffrf.online.compile.scene import compile_scene
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.settings import Settings
 from warpffrf.online.step.graph import StepGraph
+from warpffrf.online.turn import TURN
+from warpffrf.online.warp_start import start_warp
 
 ROOM_GROWTH = 2  # of the slots, each time they are too few
 KEPT_MARK = "kept_"  # before the names of arrays in a checkpoint that are no part of the state
 
 
-def _start_warp() -> None:
-    """Initialise Warp once, quietly: its native part prints on a machine without a GPU that it finds no CUDA driver.
-
-    A device that is asked for and not there is reported by `Engine` itself.
-    """
-    if wp.config.log_level == wp.LOG_WARNING:
-        return
-    wp.config.log_level = wp.LOG_WARNING
-    sys.stderr.flush()
-    kept, null = os.dup(2), os.open(os.devnull, os.O_WRONLY)
-    try:
-        os.dup2(null, 2)
-        wp.init()
-    finally:
-        os.dup2(kept, 2)
-        os.close(null)
-        os.close(kept)
-
-
 class Engine:
-    """A scene on a device in `worlds` copies, ready to step."""
+    """A scene on a device in `worlds` copies, ready to step. Whoever works with one in several threads holds `TURN`."""
 
+    @TURN
     def __init__(
         self,
         scene: Scene,
@@ -66,7 +48,7 @@ class Engine:
     ) -> None:
         """`patches`: the cells of pairs on patches, by number of the contact; None: chosen as the contacts ask for.
         `progress`: a bar while kernels are compiled; the rest as `online.run`."""
-        _start_warp()
+        start_warp()
         try:
             wp.get_device(device)
         except (ValueError, RuntimeError) as error:

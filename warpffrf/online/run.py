@@ -46,6 +46,8 @@ from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
+from warpffrf.online.turn import TURN
+from warpffrf.online.warp_start import untested_warp_note
 
 log = logging.getLogger("warpffrf")
 
@@ -98,6 +100,7 @@ MESSAGES = {
 }
 
 
+@TURN
 def run(
     scene: Scene,
     duration: float,
@@ -164,7 +167,7 @@ def run(
     )
     built = time.perf_counter()
     first_step, rejected = 0, 0
-    notes = [*engine.compiled.notes, *_reaction_notes(integrator, engine), *uneven]
+    notes = [*engine.compiled.notes, *_reaction_notes(integrator, engine), *uneven, *untested_warp_note()]
     if isinstance(start, History) and at_rest and start.status != "completed":
         raise InputError(
             f"simulate: start ended before its first step ({start.status}: {start.message}); repair that first"
@@ -245,6 +248,7 @@ def run(
     return history
 
 
+@TURN
 def find_equilibrium(scene: Scene, *, device: str = "cpu", settings: Settings | None = None) -> History:
     """Static state of `scene` under its loads and prescribed motions at time 0, as a History of one row."""
     refuse_singular_mass(scene)

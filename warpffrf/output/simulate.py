@@ -82,7 +82,8 @@ def simulate(
     written when the run is interrupted (Ctrl-C, SIGTERM) or fails, with what there is; what cannot be written is in
     `unwritten` of the Result and in its notes. With stages, results "run.h5" also means
     "run.NAME.h5" at the end of each stage: a checkpoint to start from. A solver that fails does not raise: see `status`
-    and `message` of the Result. Wrong input raises InputError before the run.
+    and `message` of the Result. Wrong input raises InputError before the run. Threads may call it at once, and get the
+    same bits: steps go on side by side, all else one after the other (`warpffrf.online.turn`).
 
     overwrite: replace files of an earlier run; without it existing ones are refused, and files that warpffrf did not
     write always. While it runs, what it has done is put into the folder `run.h5.unfinished` every `keep_every` [s] of

@@ -71,12 +71,23 @@ def read_meshio(path: Path) -> RawMesh:
     return RawMesh(points, blocks, {name: [parts[b] for b in kept] for name, parts in groups.items()}, {}, tuple(notes))
 
 
-def _load(path: Path) -> Any:
-    import meshio
-    from meshio._mesh import topological_dimension
-
+def meshio_package() -> Any:
+    """The package. Raises InputError where it cannot be imported, as its versions before 5.3.5 beside NumPy 2."""
+    try:
+        import meshio
+        from meshio._mesh import topological_dimension
+    except (ImportError, AttributeError) as error:
+        raise InputError(
+            f"files of meshes need the package meshio, which cannot be imported ({type(error).__name__}: {error}); "
+            'pip install "meshio>=5.3.5"'
+        ) from error
     # meshio 5.3 knows wedge15 but for its dimension, without which no block of it can be made
     topological_dimension.setdefault("wedge15", 3)
+    return meshio
+
+
+def _load(path: Path) -> Any:
+    meshio = meshio_package()
     suffix = path.suffix.lower()
     if suffix == ".vtk":
         _refuse_misread(path)

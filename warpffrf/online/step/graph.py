@@ -8,6 +8,7 @@ while a graph replays.
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from typing import Any
 
 import warp as wp
@@ -18,6 +19,7 @@ from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.step import phases
 from warpffrf.online.step.modules import load
 from warpffrf.online.step.program import Program
+from warpffrf.online.turn import TURN, replays_side_by_side
 
 STARTING = ("v_rate", "v_alg", "omega_rate", "omega_alg", "qd_rate", "qd_alg")
 
@@ -51,7 +53,8 @@ class StepGraph:
         """Attempt steps until every world has reached its target or failed, at most `budget` times."""
         self.scratch.budget.fill_(budget + 1)
         self.program.run(("count",))
-        wp.capture_launch(self.graph)
+        with TURN.left() if replays_side_by_side(self.device) else nullcontext():
+            wp.capture_launch(self.graph)
         if wp.get_device(self.device).is_cuda:
             wp.synchronize_device(self.device)
 

@@ -11,6 +11,7 @@ import warp as wp
 from warpffrf_kernels.core.scalars import BLOCK
 
 from warpffrf.model.progress import Progress
+from warpffrf.online.warp_start import quiet
 
 MOST_AT_ONCE = 8  # a compiler takes some hundred megabytes
 
@@ -21,7 +22,7 @@ def load(modules: Iterable[Any], device: str, *, progress: bool) -> None:
     wanted = list(dict.fromkeys(modules))
     bar = Progress("compile kernels", len(wanted), enabled=progress, unit="module")
     try:
-        with ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, MOST_AT_ONCE)) as pool:
+        with quiet(), ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, MOST_AT_ONCE)) as pool:
             running = [pool.submit(_load, module, device) for module in wanted]
             try:
                 for done, future in enumerate(as_completed(running), start=1):

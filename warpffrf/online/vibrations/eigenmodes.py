@@ -37,6 +37,7 @@ from warpffrf.online.run import describe
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
+from warpffrf.online.turn import TURN
 from warpffrf.online.vibrations.linearise import Linearisation, linearise
 
 Array = np.ndarray
@@ -80,6 +81,7 @@ class SceneModes:
     notes: list[str] = field(default_factory=list)
 
 
+@TURN
 def find_modes(
     scene: Scene,
     count: int = 20,

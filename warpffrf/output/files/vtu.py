@@ -16,6 +16,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.mesh.meshio_files import meshio_package
 from warpffrf.model.output_paths import checked_output_path
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.geometry.grid_places import rotate
@@ -27,7 +28,7 @@ def write_time_series(result: Any, path: str | os.PathLike[str], *, stride: int 
     Raises InputError for a path without the ending .pvd or one that cannot be written, for a stride below 1, and for
     a run without flexible bodies, and for a .pvd that exists where `overwrite` is not set.
     """
-    import meshio
+    meshio = meshio_package()
 
     target = checked_output_path(path, "to_vtu", overwrite=overwrite)
     if target.suffix != ".pvd":
@@ -61,7 +62,7 @@ def write_time_series(result: Any, path: str | os.PathLike[str], *, stride: int 
 
 def body_mesh(result: Any, name: str, skin: Skin, i: int) -> Any:
     """The meshio mesh of one body at saved step `i`."""
-    import meshio
+    meshio = meshio_package()
 
     motion = result.history.bodies[name]
     rotation = motion.rotation[i]

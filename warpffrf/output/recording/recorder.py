@@ -1,4 +1,4 @@
-"""A rerun recording of a run: one of the two modules that import rerun (`show` is the other).
+"""A rerun recording of a run: `show` and `streams` import rerun beside it.
 
 Entities: `/world/<body>` carries the rigid motion as a transform, its child `surface` the deforming skin in the user
 frame with the displacement times the deformation factor, coloured by displacement, or its children `box` and `bars`
@@ -32,6 +32,7 @@ from warpffrf.output.recording.glyphs import Glyphs, force_text, rigid_size
 from warpffrf.output.recording.layout import blueprint
 from warpffrf.output.recording.machine_series import machine_series
 from warpffrf.output.recording.rigid_shapes import RigidShapes
+from warpffrf.output.recording.streams import close_stream, new_stream, save_stream
 
 MAX_POINTS = 8000  # a body: 16 bytes a point and frame, so 300 frames of two bodies stay under 80 MB
 MAX_SERIES = 4000  # points of a scalar plot: more than a screen has pixels
@@ -140,7 +141,7 @@ class _Recorder:
         import rerun as rr
 
         self.rr = rr
-        self.stream = rr.RecordingStream("warpffrf")
+        self.stream = new_stream()
         self.result, self.bodies, self.rows, self.good, self.stride = result, bodies, rows, good, stride
         self.contacts = [result.contact(name) for name in result.contact_names]
         shown = [np.linalg.norm(b.displacement[good], axis=-1) for b in bodies.values()]
@@ -169,8 +170,14 @@ class _Recorder:
         return self.rr.new_entity_path(list(parts))
 
     def write(self, file: Path, skipped: list[int]) -> None:
-        """Log everything to `file`."""
-        self.stream.save(str(file), default_blueprint=blueprint(self))
+        """Log everything to `file` and close the stream."""
+        try:
+            self._write(file, skipped)
+        finally:
+            close_stream(self)
+
+    def _write(self, file: Path, skipped: list[int]) -> None:
+        save_stream(self.stream, file, blueprint(self))
         if skipped:
             self.notes.append(f"left out because a value is not finite: saved rows {', '.join(map(str, skipped))}")
         self._static()
@@ -182,8 +189,6 @@ class _Recorder:
                 self.glyphs.frame(int(i))
                 for scene in self.scenes:
                     scene.frame(int(i))
-        self.stream.flush()
-        self.stream.disconnect()
 
     # --- once ---
 

@@ -27,6 +27,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.output.geometry.thinning import vertex_normals
 from warpffrf.output.plots.colors import ColorScale, legend_picture
 from warpffrf.output.plots.mode_picture import MODE_STOPS, ModeSkin, eye_axes, mode_skin
+from warpffrf.output.recording.streams import close_stream, new_stream, save_stream
 
 RIGID_MODES = 6
 RIGID_NAMES = ("translation x", "translation y", "translation z", "rotation x", "rotation y", "rotation z")
@@ -136,16 +137,17 @@ class _Animation:
         import rerun as rr
 
         self.rr = rr
-        self.stream = rr.RecordingStream("warpffrf")
+        self.stream = new_stream()
         self.name = str(body.provenance.get("mesh_name") or "body")
         self.skin, self.labels, self.shapes, self.frames, self.scale = skin, labels, shapes, frames, scale
 
     def write(self, file: Path) -> None:
-        """Log everything to `file`."""
-        self.stream.save(str(file), default_blueprint=self._blueprint())
-        self._log()
-        self.stream.flush()
-        self.stream.disconnect()
+        """Log everything to `file` and close the stream."""
+        try:
+            save_stream(self.stream, file, self._blueprint())
+            self._log()
+        finally:
+            close_stream(self)
 
     def view(self) -> None:
         """Open rerun's viewer and send everything to it."""

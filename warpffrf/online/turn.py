@@ -1,0 +1,79 @@
+"""One thread at a time in Warp, but for the replay of graphs.
+
+Warp has one capture in a process, and puts every launch of every thread into it; loading a module is not safe from
+several threads either. So whoever builds arrays, captures, launches or copies has the turn, from the beginning of a run
+to its end, and leaves it to others while its graph replays, which is where a run spends its time: a replay is native
+code that works on the arrays of its own graph, and Python's lock is not held.
+
+Replays take turns as well on a GPU, whose one stream is captured, and in debug builds and with blocks of lanes on the
+CPU, where kernels find their shared memory by a static pointer (`shared_tile_storage` of Warp's tile.h). Other kernels
+for the CPU keep that pointer and never follow it, as none here has tiles (`tests/kernels/test_no_tiles.py`).
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Iterator
+from contextlib import ContextDecorator, contextmanager
+
+import warp as wp
+
+
+def replays_side_by_side(device: str) -> bool:
+    """Whether graphs may replay on `device` in several threads at once, as Warp is configured now."""
+    return wp.get_device(device).is_cpu and wp.config.mode != "debug" and not wp.config.enable_cpu_blocks
+
+
+class Turn(ContextDecorator):
+    """A lock that a thread may take again, and leave for a while however often it has taken it."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._owner, self._depth = 0, 0
+
+    def __enter__(self) -> None:
+        if not self._mine():
+            self._lock.acquire()
+            self._owner = threading.get_ident()
+        self._depth += 1
+
+    def __exit__(self, *_: object) -> None:
+        self._depth -= 1
+        if not self._depth:
+            self._owner = 0
+            self._lock.release()
+
+    @contextmanager
+    def left(self) -> Iterator[None]:
+        """Others may have it meanwhile; nothing, where this thread does not have it."""
+        if not self._mine():
+            yield
+            return
+        depth, self._depth, self._owner = self._depth, 0, 0
+        self._lock.release()
+        try:
+            yield
+        finally:
+            interruption = self._wait()
+            self._owner, self._depth = threading.get_ident(), depth
+            if interruption is not None:
+                raise interruption
+
+    def _wait(self) -> KeyboardInterrupt | None:
+        """Take the lock; an interruption meanwhile is answered, because what comes after it needs the turn too."""
+        interruption = None
+        while True:
+            try:
+                self._lock.acquire()
+                return interruption
+            except KeyboardInterrupt as error:
+                interruption = error
+
+    def _mine(self) -> bool:
+        return self._owner == threading.get_ident()
+
+
+TURN = Turn()
+if hasattr(os, "register_at_fork"):  # a child forked in the middle of a capture could never end it
+    os.register_at_fork(before=TURN.__enter__, after_in_parent=TURN.__exit__, after_in_child=TURN.__exit__)

@@ -1,0 +1,75 @@
+"""Warp begins, and loads kernels, without a word, and its settings are left as the user has them."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import warp as wp
+
+TESTED_WARP = "1.19.0"  # the newest that the tests have run with
+STDERR = 2
+
+_started = False
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Warp says warnings only, unless the user has asked for more, or for less, than it says by itself."""
+    asked = wp.config.log_level
+    if asked == wp.LOG_INFO:
+        wp.config.log_level = wp.LOG_WARNING
+    try:
+        yield
+    finally:
+        wp.config.log_level = asked
+
+
+def start_warp() -> None:
+    """Initialise Warp once: its native part prints on a machine without a GPU that it finds no CUDA driver, so what the
+    process writes as errors meanwhile, a fraction of a second, is lost.
+
+    A device that is asked for and not there is reported by `Engine`.
+    """
+    global _started
+    if _started:
+        return
+    with quiet(), _native_errors_away():
+        wp.init()
+    _started = True
+
+
+@contextmanager
+def _native_errors_away() -> Iterator[None]:
+    """The process's standard error goes nowhere; as it is where there is none, as in daemons."""
+    try:
+        kept = os.dup(STDERR)
+    except OSError:
+        yield
+        return
+    null = os.open(os.devnull, os.O_WRONLY)
+    try:
+        if sys.stderr is not None:
+            sys.stderr.flush()
+        os.dup2(null, STDERR)
+        yield
+    finally:
+        os.dup2(kept, STDERR)
+        os.close(null)
+        os.close(kept)
+
+
+def untested_warp_note(installed: str = wp.__version__) -> list[str]:
+    """A note where Warp is newer than the tests have seen: captured graphs and kernel caches are young parts of it."""
+    if _numbers(installed) <= _numbers(TESTED_WARP):
+        return []
+    return [
+        f"Warp {installed} is installed, newer than the {TESTED_WARP} that warpffrf was tested with; if a run fails or "
+        f"its numbers are in doubt, compare with: pip install warp-lang=={TESTED_WARP}"
+    ]
+
+
+def _numbers(version: str) -> tuple[int, ...]:
+    return tuple(int(part) for part in version.split("+")[0].split(".")[:3] if part.isdigit())
