@@ -63,8 +63,10 @@ def _hdf5(path: Path, page: Path | None) -> str:
     import h5py
 
     from warpffrf.model.reduced_body_file import MARK
+    from warpffrf.model.sealed_file import verify
     from warpffrf.output.files.results import FORMAT
 
+    verify(path, path.name, "write it again")
     try:
         with h5py.File(path, "r") as file:
             kind = file.attrs.get("format")

@@ -1,8 +1,9 @@
-"""One HDF5 file for one `ReducedBody`: schema version, arrays, and a content hash that is checked on loading.
+"""One HDF5 file for one `ReducedBody`: schema version, arrays, a content hash, and a seal over the whole file.
 
-The body is flattened to `{path: array}` plus one JSON document for everything that is not an array; the hash runs over
-both (without report and provenance), so a damaged file cannot pass for a body. A file is written beside its target and
-renamed, so that an interrupted run leaves no half-written file.
+The body is flattened to `{path: array}` plus one JSON document for everything that is not an array; the content hash,
+which names a body, runs over both, without report and provenance. Damage is seen by the seal (`sealed_file`), which
+runs over every byte and is looked at before anything else. A file is written beside its target and renamed, so that an
+interrupted run leaves no half-written file.
 """
 
 from __future__ import annotations
@@ -27,12 +28,14 @@ from warpffrf.model.recovery import Recovery
 from warpffrf.model.reduced_body_check import check_body
 from warpffrf.model.reduced_body_data import DisplaySurface, Interface, ReducedBodyData
 from warpffrf.model.sampling import Sampling
+from warpffrf.model.sealed_file import require_seal, sealed, verify
 from warpffrf.model.stress_field import StressField
 from warpffrf.model.tangential import Tangential
 
 Body = TypeVar("Body", bound=ReducedBodyData)
 
-SCHEMA = 7  # 7: far fields of tangential tractions; all older ones are read
+SCHEMA = 8  # 8: sealed; 7: far fields of tangential tractions; all older ones are read
+SEALED_SINCE = 8
 MARK = "warpffrf reduced body"
 _COMPRESSED_FROM = 1 << 16  # bytes; below it a compressed chunk costs more than it saves
 _INERTIA = ("first", "second", "gyroscopic")
@@ -280,7 +283,7 @@ def write_reduced_body(body: ReducedBodyData, path: Path) -> Path:
     arrays, facts = _flatten(body)
     partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with h5py.File(partial, "w") as file:
+        with sealed(partial), h5py.File(partial, "w") as file:
             file.attrs["format"] = MARK
             file.attrs["schema"] = SCHEMA
             file.attrs["content_hash"] = _digest(arrays, facts)
@@ -305,24 +308,25 @@ def _document(file: Any, name: str) -> dict[str, Any]:
     return json.loads(file[name][()])
 
 
-def read_reduced_body(kind: type[Body], path: Path) -> Body:
+def read_reduced_body(kind: type[Body], path: Path, subject: str | None = None) -> Body:
     """The body of class `kind` in the file `path`; raises `InputError` when the file is missing, damaged, no body's, or
-    of a newer schema."""
+    of a newer schema. `subject`: what messages call it, where a reader knows the file by another name."""
     import h5py
 
     if not path.is_file():
         raise InputError(f"reduced body: there is no file {path}; check the path")
-    cure = "run the reduction again"
+    subject, cure = subject or f"reduced body: {path}", "run the reduction again"
+    has_seal = verify(path, subject, cure)
     try:
         with h5py.File(path, "r") as file:
             if file.attrs.get("format") != MARK:
-                raise InputError(f"reduced body: {path} is not a reduced body file; {cure}")
+                raise InputError(f"{subject} is not a reduced body file; {cure}")
             schema = int(np.asarray(file.attrs["schema"]))
             if schema > SCHEMA:
                 raise InputError(
-                    f"reduced body: {path} has schema {schema}, this version reads up to {SCHEMA}; "
-                    f"update warpffrf or {cure}"
+                    f"{subject} has schema {schema}, this version reads up to {SCHEMA}; update warpffrf or {cure}"
                 )
+            require_seal(has_seal, schema, SEALED_SINCE, subject, cure)
 
             facts, report, provenance = (_document(file, k) for k in ("facts", "report", "provenance"))
             arrays: dict[str, np.ndarray] = {}
@@ -335,14 +339,14 @@ def read_reduced_body(kind: type[Body], path: Path) -> Body:
             file.visititems(collect)
             expected = file.attrs["content_hash"]
         if _digest(arrays, facts) != expected:
-            raise InputError(f"reduced body: {path} is damaged (content hash differs); {cure}")
+            raise InputError(f"{subject} is damaged (content hash differs); {cure}")
         body = _restore(kind, arrays, facts, report, provenance)
         try:
             check_body(body, arrays)
         except InputError as error:
-            raise InputError(f"reduced body: {path}: {error}; {cure}") from None
+            raise InputError(f"{subject}: {error}; {cure}") from None
         return body
     except InputError:
         raise
     except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
-        raise InputError(f"reduced body: {path} is damaged or not an HDF5 file ({error}); {cure}") from None
+        raise InputError(f"{subject} is damaged or not an HDF5 file ({error}); {cure}") from None

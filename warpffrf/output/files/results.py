@@ -16,6 +16,8 @@
 Names, energy lines, counters and notes are JSON in the file's attributes. Every dataset has the attributes `units`,
 `frame` and `dims`; `fields.py` is the table. Derived quantities (half-width, positions of the pressure) are written for
 other readers and not read back. Names of owners are percent-encoded where HDF5 needs it ("/", ".").
+
+Behind the last byte stands a checksum of the whole file (`model/sealed_file.py`), which other readers pass over.
 """
 
 from __future__ import annotations
@@ -33,6 +35,8 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced_body_file import read_reduced_body
+from warpffrf.model.sealed_file import require_seal, sealed, verify
 from warpffrf.model.surfaces import from_description
 from warpffrf.online.history.history import (
     BodyHistory,
@@ -69,7 +73,8 @@ from warpffrf.output.geometry.scene_view import GROUND, BodyView, PairView, Scen
 from warpffrf.output.paths import check_ending, checked_output_path, written_whole
 
 FORMAT = "warpffrf-results"
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2  # 2: sealed; older ones are read
+SEALED_SINCE = 2
 SUFFIXES = (".h5", ".hdf5")
 COMPRESSION = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
 _GROUPS = (
@@ -89,7 +94,7 @@ def write_results(result: Any, path: str | os.PathLike[str]) -> Path:
     target = checked_output_path(path, "results")
     history: History = result.history
     steps = len(history.time)
-    with written_whole(target) as partial, h5py.File(partial, "w") as file:
+    with written_whole(target) as partial, sealed(partial), h5py.File(partial, "w") as file:
         file.attrs.update({"format": FORMAT, "schema_version": SCHEMA_VERSION})
         file.attrs.update({"status": history.status, "message": history.message})
         file.attrs["counters"] = json.dumps({k: float(v) for k, v in history.counters.items()})
@@ -135,6 +140,8 @@ def read_history(path: str | os.PathLike[str]) -> History:
     source = Path(path).expanduser()
     if not source.is_file():
         raise InputError(f"results file '{source}' does not exist")
+    subject, cure = f"results file '{source}'", "write it again"
+    has_seal = verify(source, subject, cure)
     try:
         with h5py.File(source, "r") as file:
             attributes: Any = file.attrs
@@ -146,6 +153,7 @@ def read_history(path: str | os.PathLike[str]) -> History:
                     f"results file '{source}' has schema version {version}, this program reads up to {SCHEMA_VERSION}; "
                     "install a newer warpffrf"
                 )
+            require_seal(has_seal, version, SEALED_SINCE, subject, cure)
             return _read(file)
     except InputError:
         raise
@@ -297,7 +305,7 @@ def _get_scene(file: Any) -> SceneView:
     group = file["scene"]
     reduced: dict[str | None, Any] = {None: None}
     for digest in file.get("reduced", {}):
-        reduced[digest] = _from_bytes(file[f"reduced/{digest}"][()])
+        reduced[digest] = _from_bytes(file[f"reduced/{digest}"][()], file.filename)
     bodies = {
         b["name"]: BodyView(
             b["name"], reduced[b["reduced"]], b["mass"], np.array(b["center_of_mass"]),
@@ -327,8 +335,8 @@ def _as_bytes(reduced: Any) -> np.ndarray:
         return np.frombuffer(reduced.save(Path(folder) / "body.h5").read_bytes(), dtype=np.uint8)
 
 
-def _from_bytes(data: np.ndarray) -> ReducedBody:
+def _from_bytes(data: np.ndarray, source: str) -> ReducedBody:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "body.h5"
         file.write_bytes(data.tobytes())
-        return ReducedBody.load(file)
+        return read_reduced_body(ReducedBody, file, f"the reduced body in results file '{source}'")
