@@ -1,0 +1,54 @@
+"""ASCII .msh files: a line with a number too few, too many, or with something else is refused, with its number."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from warpffrf.model import mesh as wfmesh
+from warpffrf.model.errors import InputError
+
+DATA = Path(__file__).resolve().parents[1] / "data"
+FILES = {"2.2": DATA / "gmsh_wedge6.msh", "4.1": DATA / "gmsh_hex8.msh"}
+
+
+def lines_of(text: str, section: str) -> range:
+    """Indices of the lines of a section, without its own first and last."""
+    lines = text.split("\n")
+    return range(lines.index(f"${section}") + 1, lines.index(f"$End{section}"))
+
+
+@pytest.mark.parametrize("version", list(FILES))
+@pytest.mark.parametrize("section", ["Nodes", "Elements"])
+@pytest.mark.parametrize("change", ["a word less", "a word more", "a letter", "a line less"])
+def test_a_wrong_line_is_named(tmp_path: Path, version: str, section: str, change: str) -> None:
+    text = FILES[version].read_text()
+    path = tmp_path / "m.msh"
+    for at in lines_of(text, section):
+        lines = text.split("\n")
+        words = lines[at].split()
+        if change == "a line less":
+            del lines[at]
+        else:
+            words = {"a word less": words[:-1], "a word more": [*words, "1"], "a letter": [words[0] + "x", *words[1:]]}[
+                change
+            ]
+            lines[at] = " ".join(words)
+        path.write_text("\n".join(lines))
+        with pytest.raises(InputError, match=r"m\.msh"):
+            wfmesh.read(path, length_unit="mm")
+
+
+def test_a_node_less_is_not_a_tag_instead(tmp_path: Path) -> None:
+    path = tmp_path / "m.msh"
+    path.write_text(FILES["2.2"].read_text().replace("4 6 2 1 1 1 2 13 7 8 22", "4 6 2 1 1 1 2 13 7 8"))
+    with pytest.raises(InputError, match=r"m\.msh, line 42: '4 6 2 1 1 1 2 13 7 8' is not 'number type tags nodes'"):
+        wfmesh.read(path, length_unit="mm")
+
+
+def test_a_file_that_ends_early_is_refused(tmp_path: Path) -> None:
+    text = FILES["2.2"].read_text()
+    (tmp_path / "m.msh").write_text(text[: text.index("$Elements") + 12])
+    with pytest.raises(InputError, match="m.msh"):
+        wfmesh.read(tmp_path / "m.msh", length_unit="mm")
