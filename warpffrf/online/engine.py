@@ -22,6 +22,7 @@ from warpffrf.online.compile.patch_plan import PatchPlan
 from warpffrf.online.compile.scene import compile_scene
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.settings import Settings
+from warpffrf.online.step import kernel_cache
 from warpffrf.online.step.graph import StepGraph
 
 ROOM_GROWTH = 2  # of the slots, each time they are too few
@@ -34,6 +35,7 @@ def _start_warp() -> None:
     """
     if wp.config.log_level == wp.LOG_WARNING:
         return
+    kernel_cache.check_place()
     wp.config.log_level = wp.LOG_WARNING
     sys.stderr.flush()
     kept, null = os.dup(2), os.open(os.devnull, os.O_WRONLY)
@@ -44,6 +46,7 @@ def _start_warp() -> None:
         os.dup2(kept, 2)
         os.close(null)
         os.close(kept)
+    kernel_cache.remove_unfinished()
 
 
 class Engine:
