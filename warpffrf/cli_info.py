@@ -69,8 +69,8 @@ def _hdf5(path: Path, page: Path | None) -> str:
     verify(path, path.name, "write it again")
     try:
         with h5py.File(path, "r") as file:
-            kind = file.attrs.get("format")
-    except OSError as error:
+            kind = str(file.attrs.get("format"))
+    except (OSError, RuntimeError) as error:
         raise InputError(f"{path.name} is damaged ({error}); write it again") from None
     if kind == MARK:
         return _reduced_body(path, page)

@@ -16,12 +16,13 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from warpffrf.model import surfaces
+from warpffrf.model import hdf5_parts, surfaces
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.cross_compliance import CrossCompliance
 from warpffrf.model.errors import InputError
 from warpffrf.model.far_field import FarField
+from warpffrf.model.hdf5_parts import COMPLEX, REAL
 from warpffrf.model.inertia import GeometricStiffness, InertiaTerms
 from warpffrf.model.local_mass import LocalMass
 from warpffrf.model.recovery import Recovery
@@ -39,6 +40,11 @@ SEALED_SINCE = 8
 MARK = "warpffrf reduced body"
 _COMPRESSED_FROM = 1 << 16  # bytes; below it a compressed chunk costs more than it saves
 _INERTIA = ("first", "second", "gyroscopic")
+_PARTS = (
+    "center_of_mass", "inertia", "frequencies", "surface", "interfaces", "contact_surfaces", "cross", "inertia_terms",
+    "stress",
+)  # fmt: skip
+_COMPLEX = ("transfer",)  # of harmonics
 _CENTRIFUGAL = "inertia_terms/stiffening/centrifugal"
 _PRESTRESSED = "inertia_terms/stiffening/interfaces/"
 _UNITS = {
@@ -132,7 +138,7 @@ def _inertia_arrays(terms: InertiaTerms) -> dict[str, np.ndarray]:
 
 def _inertia_terms(arrays: dict[str, np.ndarray]) -> InertiaTerms | None:
     """The inertia terms; None in files of the schemas 1 and 2, which have none."""
-    if f"inertia_terms/{_INERTIA[0]}" not in arrays:
+    if not any(key.startswith("inertia_terms/") for key in arrays):
         return None
     stiffening = None
     if _CENTRIFUGAL in arrays:
@@ -305,7 +311,25 @@ def write_reduced_body(body: ReducedBodyData, path: Path) -> Path:
 
 
 def _document(file: Any, name: str) -> dict[str, Any]:
-    return json.loads(file[name][()])
+    found = json.loads(hdf5_parts.read_text(file, name))
+    if not isinstance(found, dict):
+        raise InputError(f"{name} is no table")
+    return found
+
+
+def _stored(file: Any) -> dict[str, np.ndarray]:
+    """Every array of a body's parts, by path; what is not one of them is not read."""
+    import h5py
+
+    found: list[str] = []
+    for part in _PARTS:
+        item = hdf5_parts.member(file, part) if part in file else None
+        if isinstance(item, h5py.Group):
+            item.visititems(lambda n, i, at=part: found.append(f"{at}/{n}") if isinstance(i, h5py.Dataset) else None)
+        elif item is not None:
+            found.append(part)
+    kinds = {path: COMPLEX if path.rsplit("/", 1)[-1] in _COMPLEX else REAL for path in found}
+    return {path: hdf5_parts.read(file, path, kinds=kinds[path]) for path in found}
 
 
 def read_reduced_body(kind: type[Body], path: Path, subject: str | None = None) -> Body:
@@ -329,24 +353,15 @@ def read_reduced_body(kind: type[Body], path: Path, subject: str | None = None) 
             require_seal(has_seal, schema, SEALED_SINCE, subject, cure)
 
             facts, report, provenance = (_document(file, k) for k in ("facts", "report", "provenance"))
-            arrays: dict[str, np.ndarray] = {}
-            names = {"facts", "report", "provenance"}
-
-            def collect(name: str, item: Any) -> None:
-                if isinstance(item, h5py.Dataset) and name not in names:
-                    arrays[name] = np.asarray(item[()])
-
-            file.visititems(collect)
+            arrays = _stored(file)
             expected = file.attrs["content_hash"]
         if _digest(arrays, facts) != expected:
             raise InputError(f"{subject} is damaged (content hash differs); {cure}")
         body = _restore(kind, arrays, facts, report, provenance)
-        try:
-            check_body(body, arrays)
-        except InputError as error:
-            raise InputError(f"{subject}: {error}; {cure}") from None
+        check_body(body, arrays)
         return body
-    except InputError:
-        raise
-    except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
-        raise InputError(f"{subject} is damaged or not an HDF5 file ({error}); {cure}") from None
+    except InputError as error:
+        raise error if subject in str(error) else InputError(f"{subject}: {error}; {cure}") from None
+    except Exception as error:  # a document that is not ours raises what it leads to
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{subject} is damaged or not an HDF5 file ({reason}); {cure}") from None

@@ -33,7 +33,9 @@ from urllib.parse import quote, unquote
 import h5py
 import numpy as np
 
+from warpffrf.model import hdf5_parts
 from warpffrf.model.errors import InputError
+from warpffrf.model.hdf5_parts import member, read
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.reduced_body_file import read_reduced_body
 from warpffrf.model.sealed_file import require_seal, sealed, verify
@@ -68,6 +70,7 @@ from warpffrf.output.files.fields import (
     Field,
     of_owner,
 )
+from warpffrf.output.files.history_check import check_history
 from warpffrf.output.geometry.anchors import Anchor
 from warpffrf.output.geometry.scene_view import GROUND, BodyView, PairView, SceneView, ground_view
 from warpffrf.output.paths import check_ending, checked_output_path, written_whole
@@ -154,11 +157,14 @@ def read_history(path: str | os.PathLike[str]) -> History:
                     "install a newer warpffrf"
                 )
             require_seal(has_seal, version, SEALED_SINCE, subject, cure)
-            return _read(file)
-    except InputError:
-        raise
-    except (OSError, KeyError, ValueError, TypeError) as error:
-        raise InputError(f"results file '{source}' is damaged ({error}); write it again") from error
+            history = _read(file)
+        check_history(history)
+        return history
+    except InputError as error:
+        raise error if str(source) in str(error) else InputError(f"{subject}: {error}; {cure}") from None
+    except Exception as error:  # a document that is not ours raises what it leads to
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{subject} is damaged ({reason}); {cure}") from error
 
 
 def _read(file: Any) -> History:
@@ -174,17 +180,17 @@ def _read(file: Any) -> History:
         groups["contacts"][name].friction = FrictionHistory(**_fields_of(file, FRICTION_FIELDS, name, n))
     for n, name in enumerate(json.loads(file.attrs.get("joint_friction_names", "[]"))):
         groups["forces"][name].friction = JointFrictionHistory(**_fields_of(file, JOINT_FRICTION_FIELDS, name, n))
-    energy = file["energy"][()]
-    run = {f.attribute: file[f.name][()] for f in RUN_FIELDS}
+    energy = read(file, "energy")
+    run = {f.attribute: read(file, f.name) for f in RUN_FIELDS}
     return History(
         scene=_get_scene(file),
         energy={line: energy[:, n] for n, line in enumerate(json.loads(file.attrs["energy_lines"]))},
         status=str(file.attrs["status"]),
         message=str(file.attrs["message"]),
-        counters=json.loads(file.attrs["counters"]),
-        notes=json.loads(file.attrs["notes"]),
+        counters={str(k): float(v) for k, v in json.loads(file.attrs["counters"]).items()},
+        notes=[str(note) for note in json.loads(file.attrs["notes"])],
         sensors=_get_sensors(file),
-        checkpoint={unquote(k): d[()] for k, d in file["checkpoint"].items()} if "checkpoint" in file else {},
+        checkpoint={unquote(k): read(file, f"checkpoint/{k}") for k in hdf5_parts.names(file, "checkpoint")},
         **run,
         **groups,
     )
@@ -225,7 +231,7 @@ def _put_group(file: Any, dim: str, fields: tuple[Field, ...], owners: dict[str,
 
 
 def _get(file: Any, field: Field, name: str, n: int) -> np.ndarray:
-    return file[field.name][:, n] if field.stacked else file[field.name][_key(name)][()]
+    return read(file, field.name, np.s_[:, n]) if field.stacked else read(file, f"{field.name}/{_key(name)}")
 
 
 def _put_sensors(file: Any, result: Any) -> None:
@@ -240,13 +246,11 @@ def _put_sensors(file: Any, result: Any) -> None:
 
 
 def _get_sensors(file: Any) -> dict[str, SensorHistory]:
-    found = {
-        unquote(key): SensorHistory(
-            str(d.attrs["kind"]), str(d.attrs["units"]), str(d.attrs["frame"]),
-            tuple(json.loads(d.attrs["components"])), d[()],
-        )
-        for key, d in file.get("sensor", {}).items()
-    }  # fmt: skip
+    found = {}
+    for key in hdf5_parts.names(file, "sensor"):
+        values, said = read(file, f"sensor/{key}"), file[f"sensor/{key}"].attrs
+        what = str(said["kind"]), str(said["units"]), str(said["frame"]), tuple(json.loads(said["components"]))
+        found[unquote(key)] = SensorHistory(*what, values)
     order = json.loads(file.attrs.get("sensor_names", "[]"))  # older files do not say
     return {name: found[name] for name in order or found}
 
@@ -302,10 +306,10 @@ def _shapes(described: dict[str, Any]) -> dict[str, Any]:
 
 
 def _get_scene(file: Any) -> SceneView:
-    group = file["scene"]
+    group = member(file, "scene")
     reduced: dict[str | None, Any] = {None: None}
-    for digest in file.get("reduced", {}):
-        reduced[digest] = _from_bytes(file[f"reduced/{digest}"][()], file.filename)
+    for digest in hdf5_parts.names(file, "reduced"):
+        reduced[digest] = _from_bytes(read(file, f"reduced/{digest}"), file.filename)
     bodies = {
         b["name"]: BodyView(
             b["name"], reduced[b["reduced"]], b["mass"], np.array(b["center_of_mass"]),

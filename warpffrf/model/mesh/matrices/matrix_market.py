@@ -122,7 +122,9 @@ def _numbers(file: Path, text: bytes, head: _Head) -> np.ndarray:
         raise _fault(file, line, f"{_shown(body, end)} is not {what}")
     if head.field == "real":
         body = _WIDE.sub(rb"\1e\2", body.translate(_TO_PLAIN))
-    numbers = np.fromstring(body.decode("ascii"), sep=" ").reshape(-1, len(words))
+    # of nothing NumPy makes one number
+    numbers = np.fromstring(body.decode("ascii"), sep=" ") if body.strip() else np.zeros(0)
+    numbers = numbers.reshape(-1, len(words))
     if len(numbers) != head.entries:
         raise InputError(
             f"matrix file {file.name}: has {len(numbers)} entries, line {head.line - 1} says {head.entries}; "
