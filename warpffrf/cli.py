@@ -125,6 +125,9 @@ def run_scene_file(
     out: Annotated[
         Path | None, typer.Option("--out", help="Folder for the results; left out: out/NAME of the file NAME.toml.")
     ] = None,
+    anywhere: Annotated[
+        bool, typer.Option("--anywhere", help="Let the file name results and recordings outside of the folder, too.")
+    ] = False,
     check: Annotated[bool, typer.Option("--check", help="Build the scene and describe it, but do not run it.")] = False,
 ) -> None:
     """Run the scene of a TOML file: bodies, joints, drives, forces, contacts, and how to simulate them.
@@ -140,7 +143,7 @@ def run_scene_file(
         if check:
             print(load_scene(scene_file, settings=settings or ()).scene.check())
             return
-        results = run_scene(scene_file, settings=settings or (), out=out, progress=not _State.quiet)
+        results = run_scene(scene_file, settings=settings or (), out=out, anywhere=anywhere, progress=not _State.quiet)
         for call, result in results.items():
             print(f"{call}\n{result.report()}")
         if any(result.status != "completed" for result in results.values()):
