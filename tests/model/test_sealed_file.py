@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 import pytest
 
+from warpffrf.model import hdf5_probe
 from warpffrf.model.errors import InputError
 from warpffrf.model.sealed_file import TRAILER, require_seal, seal, sealed, verify
 
@@ -96,3 +97,15 @@ def test_nothing_is_sealed_after_an_error(tmp_path: Path) -> None:
         path.write_bytes(b"half")
         raise ZeroDivisionError
     assert path.read_bytes() == b"half"
+
+
+def test_an_unsealed_file_that_holds_up_the_library(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file.write_bytes(file.read_bytes()[: -TRAILER.size])
+    assert not look(file)  # the library comes back
+    for script, words in (("while True: pass", "does not come back"), ("import os; os.abort()", "breaks down")):
+        monkeypatch.setattr(hdf5_probe, "_LOOK", script)
+        monkeypatch.setattr(hdf5_probe, "SECONDS", 1.0)
+        with pytest.raises(InputError, match=f"^file x is damaged .*{words}.*; write it again$"):
+            look(file)
+    monkeypatch.setattr(hdf5_probe, "_LOOK", "raise OSError")  # left to the reader
+    assert not look(file)

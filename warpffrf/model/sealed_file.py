@@ -26,6 +26,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.hdf5_probe import probe
 
 logger = logging.getLogger("warpffrf.model")
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -55,7 +56,8 @@ def verify(path: Path, subject: str, cure: str) -> bool:
     """Whether the HDF5 file `path` has a seal that is right; False for a whole file without a seal, of older versions.
 
     Raises `InputError`, "`subject` is damaged (why); `cure`", where the bytes are not those that were sealed, where the
-    file is cut off or longer than it says, and where it cannot be read or is no HDF5 file.
+    file is cut off or longer than it says, where it cannot be read or is no HDF5 file, and where one without a seal
+    holds up the HDF5 library.
     """
     try:
         fault, has_seal = _look(path)
@@ -63,6 +65,8 @@ def verify(path: Path, subject: str, cure: str) -> bool:
         raise InputError(f"{subject} cannot be read ({error.strerror or error}); check the path") from None
     if fault:
         raise InputError(f"{subject} is damaged ({fault}); {cure}")
+    if not has_seal:
+        probe(path, subject, cure)
     return has_seal
 
 
