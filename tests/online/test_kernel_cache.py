@@ -76,6 +76,24 @@ def test_nothing_is_sealed_after_an_error(cache: Path) -> None:
     assert compiled(cache)
 
 
+def test_a_cache_that_may_not_be_written_to(
+    cache: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Without seals it is used as it is; damage that a seal tells is said."""
+
+    def refuse(folder: Path) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    compiled(cache)
+    monkeypatch.setattr(shutil, "rmtree", refuse)
+    folder = cache / "wp_some.kernels_0123abc"
+    (folder / kernel_cache.SEAL).rename(folder / "elsewhere")
+    assert not compiled(cache) and "used as it is" in caplog.text
+    (folder / "k.o").write_bytes(b"changed")
+    with pytest.raises(InputError, match="is damaged and cannot be removed .*Permission denied.*WARP_CACHE_PATH"):
+        compiled(cache)
+
+
 def test_what_killed_compilations_left_is_removed(cache: Path) -> None:
     old = time.time() - 2 * kernel_cache.UNFINISHED_FOR
     folders = {number: cache / f"wp_some.kernels_0123abc_p{number}_t17" for number in (ENDED, ENDED - 1, os.getpid())}

@@ -90,12 +90,16 @@ def _folders(root: Path, name: str) -> list[Path]:
 
 
 def _remove(folder: Path) -> None:
-    was = "was not finished" if not (folder / SEAL).is_file() else "is damaged"
-    level = logging.INFO if "not" in was else logging.WARNING
+    damaged = (folder / SEAL).is_file()
+    was = "is damaged" if damaged else "was not finished or is of an earlier version"
+    level = logging.WARNING if damaged else logging.INFO
     logger.log(level, "kernel cache: %s %s, it is compiled anew", folder, was)
     try:
         shutil.rmtree(folder)
     except OSError as error:
+        if not damaged:  # a cache that was made beforehand and may not be written to
+            logger.warning("kernel cache: %s has no seal and cannot be removed, it is used as it is", folder)
+            return
         raise InputError(
             f"kernel cache: {folder} {was} and cannot be removed ({error.strerror or error}); remove it, or set "
             "WARP_CACHE_PATH to another folder"
