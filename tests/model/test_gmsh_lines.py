@@ -52,3 +52,39 @@ def test_a_file_that_ends_early_is_refused(tmp_path: Path) -> None:
     (tmp_path / "m.msh").write_text(text[: text.index("$Elements") + 12])
     with pytest.raises(InputError, match="m.msh"):
         wfmesh.read(tmp_path / "m.msh", length_unit="mm")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("\n24 ", "\n23 ", "not positive and distinct"),
+        ("\n24 ", "\n0 ", "not positive and distinct"),
+        ("\n24 ", "\n2000000000 ", "24 nodes have numbers up to 2000000000; renumber"),
+    ],
+)
+def test_numbers_of_nodes(tmp_path: Path, old: str, new: str, message: str) -> None:
+    text = FILES["2.2"].read_text()
+    begin, end = text.index("$Nodes"), text.index("$EndNodes")
+    (tmp_path / "m.msh").write_text(text[:begin] + text[begin:end].replace(old, new) + text[end:])
+    with pytest.raises(InputError, match=message):
+        wfmesh.read(tmp_path / "m.msh", length_unit="mm")
+
+
+def test_more_nodes_than_there_are(tmp_path: Path) -> None:
+    lines = FILES["4.1"].read_text().split("\n")
+    at = lines.index("$Nodes") + 1
+    blocks, total, *rest = lines[at].split()
+    lines[at] = " ".join([blocks, str(int(total) + 1), *rest])
+    (tmp_path / "m.msh").write_text("\n".join(lines))
+    with pytest.raises(InputError, match=f"has {total} nodes and says {int(total) + 1}"):
+        wfmesh.read(tmp_path / "m.msh", length_unit="mm")
+
+
+def test_nodes_of_a_binary_file(tmp_path: Path) -> None:
+    content = (DATA / "tet_roller.msh").read_bytes()
+    at = content.index(b"\n$Nodes\n") + 8
+    changes = ((0, 10**15), (8, 10**15), (32 + 12, 10**15), (32 + 20, 2**40), (32 + 20, 0))
+    for place, value in ((at + offset, value) for offset, value in changes):
+        (tmp_path / "m.msh").write_bytes(content[:place] + value.to_bytes(8, "little") + content[place + 8 :])
+        with pytest.raises(InputError, match="m.msh"):
+            wfmesh.read(tmp_path / "m.msh", length_unit="mm")
