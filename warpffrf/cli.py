@@ -132,6 +132,9 @@ def run_scene_file(
     out: Annotated[
         Path | None, typer.Option("--out", help="Folder for the results; left out: out/NAME of the file NAME.toml.")
     ] = None,
+    anywhere: Annotated[
+        bool, typer.Option("--anywhere", help="Let the file name results and recordings outside of the folder, too.")
+    ] = False,
     check: Annotated[bool, typer.Option("--check", help="Build the scene and describe it, but do not run it.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the files of an earlier run.")] = False,
     resume: Annotated[
@@ -154,8 +157,9 @@ def run_scene_file(
             print(load_scene(scene_file, settings=settings or ()).scene.check())
             return
         results = run_scene(
-            scene_file, settings=settings or (), out=out, progress=not _State.quiet, overwrite=overwrite, resume=resume
-        )
+            scene_file, settings=settings or (), out=out, anywhere=anywhere, progress=not _State.quiet,
+            overwrite=overwrite, resume=resume,
+        )  # fmt: skip
         for call, result in results.items():
             print(f"{call}\n{result.report()}")
         if any(result.status != "completed" or result.unwritten for result in results.values()):

@@ -69,12 +69,14 @@ def _hdf5(path: Path, page: Path | None, overwrite: bool) -> str:
     import h5py
 
     from warpffrf.model.reduced_body_file import MARK
+    from warpffrf.model.sealed_file import verify
     from warpffrf.output.files.results import FORMAT
 
+    verify(path, path.name, "write it again")
     try:
         with h5py.File(path, "r") as file:
-            kind = file.attrs.get("format")
-    except OSError as error:
+            kind = str(file.attrs.get("format"))
+    except (OSError, RuntimeError) as error:
         raise InputError(f"{path.name} is damaged ({error}); write it again") from None
     if kind == MARK:
         return _reduced_body(path, page, overwrite)

@@ -109,6 +109,11 @@ def test_border() -> None:
         signals.Table([0.0, 1.0], [1.0])
     with pytest.raises(InputError, match="Ramp: duration"):
         signals.Ramp(0.0, 1.0, duration=0.0)
+    for end, duration in ((1.0, 1e-320), (1e300, 1e-20)):
+        with pytest.raises(InputError, match="duration .* is too short to be computed with"):
+            signals.SmoothStep(0.0, end, duration=duration)
+    with pytest.raises(InputError, match="value must be finite"):
+        signals.Constant(10**5000)
     with pytest.raises(InputError, match="SmoothStep: delay"):
         signals.SmoothStep(0.0, 1.0, duration=1.0, delay=-1.0)
     with pytest.raises(InputError, match="force"):

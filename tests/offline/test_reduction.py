@@ -17,6 +17,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, roller
 from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.sealed_file import seal
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 
@@ -224,6 +225,9 @@ def test_damaged_files_are_refused(small_roller, tmp_path):
     with h5py.File(path, "r+") as file:
         frequencies: Any = file["frequencies"]
         frequencies[0] *= 1.0 + 1e-15
+    with pytest.raises(InputError, match="changed by another program"):
+        ReducedBody.load(path)
+    seal(path)
     with pytest.raises(InputError, match="content hash differs"):
         ReducedBody.load(path)
     with h5py.File(path, "r+") as file:

@@ -12,6 +12,7 @@ import pytest
 from synthetic_run import make_history
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.sealed_file import seal
 from warpffrf.output.files.fields import BODY_FIELDS, CONTACT_FIELDS, JOINT_FIELDS
 from warpffrf.output.files.results import SCHEMA_VERSION
 from warpffrf.output.result import Result
@@ -121,7 +122,10 @@ def test_missing_damaged_foreign_and_newer_files_are_refused(saved: Path, tmp_pa
         Result.load(foreign)
     with h5py.File(saved, "a") as file:
         del file["contact_force"]
-    with pytest.raises(InputError, match="damaged"):
+    with pytest.raises(InputError, match="changed by another program"):
+        Result.load(saved)
+    seal(saved)
+    with pytest.raises(InputError, match="damaged .*missing"):
         Result.load(saved)
     with h5py.File(saved, "a") as file:
         file.attrs["schema_version"] = SCHEMA_VERSION + 1
@@ -138,6 +142,7 @@ def test_unknown_names_list_the_known(result: Result) -> None:
 def test_a_quantity_that_had_another_name_is_read(result: Result, saved: Path) -> None:
     with h5py.File(saved, "a") as file:
         file.move("contact_active_hats", "contact_active_modes")
+    seal(saved)
     loaded = Result.load(saved)
     for pair, contact in result.history.contacts.items():
         np.testing.assert_array_equal(loaded.history.contacts[pair].active_hats, contact.active_hats)

@@ -23,6 +23,8 @@ def require_number(value: Any, name: str, *, positive: bool = False, non_negativ
         number = float(value)
     except (TypeError, ValueError):
         raise InputError(f"{name} must be a number, got {value!r}") from None
+    except OverflowError:
+        raise InputError(f"{name} must be finite, got an integer beyond all floating-point numbers") from None
     if not np.isfinite(number):
         raise InputError(f"{name} must be finite, got {number}")
     if positive and number <= 0.0:

@@ -43,6 +43,8 @@ def check_body(body: ReducedBodyData, arrays: Mapping[str, np.ndarray]) -> None:
     if t.size and (t.min() < 0 or t.max() >= n):
         raise InputError(f"surface/triangles name a point that is none of the {n}")
     for name, s in body.contact_surfaces.items():
+        if s.far is not None and s.far.quarter is not None and min(s.far.quarter.coefficients.shape) < 4:
+            raise InputError(f"contact_surfaces/{name}/far/quarter has too few numbers for a spline")
         _check_axes(f"contact_surfaces/{name}/grid/e_0", s.grid.e_0[:, None])
         _check_axes(f"contact_surfaces/{name}/recovery/axes", s.recovery.axes)
 
@@ -61,6 +63,7 @@ def _shapes(body: ReducedBodyData) -> Iterator[tuple[str, Wanted]]:
             yield from ((f"{root}/nodes", (k, 3)), (f"{root}/node_modes", (m, k, 3)))
     for name, surface in body.contact_surfaces.items():
         yield from _contact_shapes(f"contact_surfaces/{name}", surface, m)
+        yield f"contact_surfaces/{name}/recovery/transfer", _transfer_shape(surface, n)
     for cross in body.cross:
         yield from _cross_shapes(f"cross/{cross.target}/{cross.source}", body, cross)
 
@@ -78,7 +81,9 @@ def _contact_shapes(root: str, s: ContactSurface, m: int) -> Iterator[tuple[str,
         if s.far.tangential is not None:
             yield f"{root}/far/tangential/lags_tt", (sectors, 2 * block, 2 * block)
             yield f"{root}/far/tangential/lags_nt", (sectors, block, 2 * block)
-    yield from ((f"{root}/recovery/axes", (3, 3)), (f"{root}/recovery/transfer", (None, None, None)))
+        if s.far.quarter is not None:
+            yield f"{root}/far/quarter", (None, None)
+    yield f"{root}/recovery/axes", (3, 3)
     if s.local_mass is not None:
         yield f"{root}/local_mass/lags_mass", s.lags.shape
         yield f"{root}/local_mass/overlap", (sectors * block, m)
@@ -88,6 +93,13 @@ def _contact_shapes(root: str, s: ContactSurface, m: int) -> Iterator[tuple[str,
         yield f"{root}/tangential/lags_tt", (len(t.lags_tt), 2 * block, 2 * block)
         yield f"{root}/tangential/lags_nt", (len(t.lags_tt), block, 2 * block)
         yield f"{root}/tangential/mode_tangent", (2, t.grid.columns * t.grid.rows, m)
+
+
+def _transfer_shape(s: ContactSurface, points: int) -> Wanted:
+    """Of `Recovery.transfer`, for a skin of that many points."""
+    N = s.recovery.sectors
+    columns = s.grid.columns if N == 1 else s.grid.columns_per_sector
+    return N // 2 + 1, 3 * points // N, columns * s.grid.rows
 
 
 def _cross_shapes(root: str, body: ReducedBodyData, cross: CrossCompliance) -> Iterator[tuple[str, Wanted]]:

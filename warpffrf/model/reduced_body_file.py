@@ -1,8 +1,9 @@
-"""One HDF5 file for one `ReducedBody`: schema version, arrays, and a content hash that is checked on loading.
+"""One HDF5 file for one `ReducedBody`: schema version, arrays, a content hash, and a seal over the whole file.
 
-The body is flattened to `{path: array}` plus one JSON document for everything that is not an array; the hash runs over
-both (without report and provenance), so a damaged file cannot pass for a body. A file is written beside its target and
-renamed, so that an interrupted run leaves no half-written file.
+The body is flattened to `{path: array}` plus one JSON document for everything that is not an array; the content hash,
+which names a body, runs over both, without report and provenance. Damage is seen by the seal (`sealed_file`), which
+runs over every byte and is looked at before anything else. A file is written beside its target and renamed, so that an
+interrupted run leaves no half-written file.
 """
 
 from __future__ import annotations
@@ -14,12 +15,13 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from warpffrf.model import surfaces
+from warpffrf.model import hdf5_parts, surfaces
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.cross_compliance import CrossCompliance
 from warpffrf.model.errors import InputError
 from warpffrf.model.far_field import FarField
+from warpffrf.model.hdf5_parts import COMPLEX, REAL
 from warpffrf.model.inertia import GeometricStiffness, InertiaTerms
 from warpffrf.model.local_mass import LocalMass
 from warpffrf.model.output_paths import written_whole
@@ -27,15 +29,22 @@ from warpffrf.model.recovery import Recovery
 from warpffrf.model.reduced_body_check import check_body
 from warpffrf.model.reduced_body_data import DisplaySurface, Interface, ReducedBodyData
 from warpffrf.model.sampling import Sampling
+from warpffrf.model.sealed_file import require_seal, sealed, verify
 from warpffrf.model.stress_field import StressField
 from warpffrf.model.tangential import Tangential
 
 Body = TypeVar("Body", bound=ReducedBodyData)
 
-SCHEMA = 7  # 7: far fields of tangential tractions; all older ones are read
+SCHEMA = 8  # 8: sealed; 7: far fields of tangential tractions; all older ones are read
+SEALED_SINCE = 8
 MARK = "warpffrf reduced body"
 _COMPRESSED_FROM = 1 << 16  # bytes; below it a compressed chunk costs more than it saves
 _INERTIA = ("first", "second", "gyroscopic")
+_PARTS = (
+    "center_of_mass", "inertia", "frequencies", "surface", "interfaces", "contact_surfaces", "cross", "inertia_terms",
+    "stress",
+)  # fmt: skip
+_COMPLEX = ("transfer",)  # of harmonics
 _CENTRIFUGAL = "inertia_terms/stiffening/centrifugal"
 _PRESTRESSED = "inertia_terms/stiffening/interfaces/"
 _UNITS = {
@@ -129,7 +138,7 @@ def _inertia_arrays(terms: InertiaTerms) -> dict[str, np.ndarray]:
 
 def _inertia_terms(arrays: dict[str, np.ndarray]) -> InertiaTerms | None:
     """The inertia terms; None in files of the schemas 1 and 2, which have none."""
-    if f"inertia_terms/{_INERTIA[0]}" not in arrays:
+    if not any(key.startswith("inertia_terms/") for key in arrays):
         return None
     stiffening = None
     if _CENTRIFUGAL in arrays:
@@ -279,7 +288,7 @@ def write_reduced_body(body: ReducedBodyData, path: Path) -> Path:
 
     arrays, facts = _flatten(body)
     try:
-        with written_whole(path) as partial, h5py.File(partial, "w") as file:
+        with written_whole(path) as partial, sealed(partial), h5py.File(partial, "w") as file:
             file.attrs["format"] = MARK
             file.attrs["schema"] = SCHEMA
             file.attrs["content_hash"] = _digest(arrays, facts)
@@ -298,47 +307,57 @@ def write_reduced_body(body: ReducedBodyData, path: Path) -> Path:
 
 
 def _document(file: Any, name: str) -> dict[str, Any]:
-    return json.loads(file[name][()])
+    found = json.loads(hdf5_parts.read_text(file, name))
+    if not isinstance(found, dict):
+        raise InputError(f"{name} is no table")
+    return found
 
 
-def read_reduced_body(kind: type[Body], path: Path) -> Body:
+def _stored(file: Any) -> dict[str, np.ndarray]:
+    """Every array of a body's parts, by path; what is not one of them is not read."""
+    import h5py
+
+    found: list[str] = []
+    for part in _PARTS:
+        item = hdf5_parts.member(file, part) if part in file else None
+        if isinstance(item, h5py.Group):
+            item.visititems(lambda n, i, at=part: found.append(f"{at}/{n}") if isinstance(i, h5py.Dataset) else None)
+        elif item is not None:
+            found.append(part)
+    kinds = {path: COMPLEX if path.rsplit("/", 1)[-1] in _COMPLEX else REAL for path in found}
+    return {path: hdf5_parts.read(file, path, kinds=kinds[path]) for path in found}
+
+
+def read_reduced_body(kind: type[Body], path: Path, subject: str | None = None) -> Body:
     """The body of class `kind` in the file `path`; raises `InputError` when the file is missing, damaged, no body's, or
-    of a newer schema."""
+    of a newer schema. `subject`: what messages call it, where a reader knows the file by another name."""
     import h5py
 
     if not path.is_file():
         raise InputError(f"reduced body: there is no file {path}; check the path")
-    cure = "run the reduction again"
+    subject, cure = subject or f"reduced body: {path}", "run the reduction again"
+    has_seal = verify(path, subject, cure)
     try:
         with h5py.File(path, "r") as file:
             if file.attrs.get("format") != MARK:
-                raise InputError(f"reduced body: {path} is not a reduced body file; {cure}")
+                raise InputError(f"{subject} is not a reduced body file; {cure}")
             schema = int(np.asarray(file.attrs["schema"]))
             if schema > SCHEMA:
                 raise InputError(
-                    f"reduced body: {path} has schema {schema}, this version reads up to {SCHEMA}; "
-                    f"update warpffrf or {cure}"
+                    f"{subject} has schema {schema}, this version reads up to {SCHEMA}; update warpffrf or {cure}"
                 )
+            require_seal(has_seal, schema, SEALED_SINCE, subject, cure)
 
             facts, report, provenance = (_document(file, k) for k in ("facts", "report", "provenance"))
-            arrays: dict[str, np.ndarray] = {}
-            names = {"facts", "report", "provenance"}
-
-            def collect(name: str, item: Any) -> None:
-                if isinstance(item, h5py.Dataset) and name not in names:
-                    arrays[name] = np.asarray(item[()])
-
-            file.visititems(collect)
+            arrays = _stored(file)
             expected = file.attrs["content_hash"]
         if _digest(arrays, facts) != expected:
-            raise InputError(f"reduced body: {path} is damaged (content hash differs); {cure}")
+            raise InputError(f"{subject} is damaged (content hash differs); {cure}")
         body = _restore(kind, arrays, facts, report, provenance)
-        try:
-            check_body(body, arrays)
-        except InputError as error:
-            raise InputError(f"reduced body: {path}: {error}; {cure}") from None
+        check_body(body, arrays)
         return body
-    except InputError:
-        raise
-    except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
-        raise InputError(f"reduced body: {path} is damaged or not an HDF5 file ({error}); {cure}") from None
+    except InputError as error:
+        raise error if subject in str(error) else InputError(f"{subject}: {error}; {cure}") from None
+    except Exception as error:  # a document that is not ours raises what it leads to
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{subject} is damaged or not an HDF5 file ({reason}); {cure}") from None

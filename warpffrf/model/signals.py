@@ -129,6 +129,9 @@ class _Transition(Signal):
         self.end_value = require_number(end_value, f"{label}: end_value")
         self.duration = require_number(duration, f"{label}: duration", positive=True)
         self.delay = require_number(delay, f"{label}: delay", non_negative=True)
+        shortest, most = self.duration ** len(self.shape), max(map(abs, self.shape))
+        if shortest == 0.0 or not np.isfinite((self.end_value - self.start_value) * most / shortest):
+            raise InputError(f"{label}: duration {self.duration:g} s is too short to be computed with; make it longer")
 
     def polynomial(self) -> tuple[np.ndarray, np.ndarray]:
         T = self.duration

@@ -37,7 +37,7 @@ def time_of(checkpoint: Mapping[str, np.ndarray]) -> float:
 
 def check_checkpoint(present: Mapping[str, np.ndarray], checkpoint: Mapping[str, np.ndarray], label: str) -> None:
     """Raises `InputError`, which begins with `label`, unless `checkpoint` holds the arrays of `present`, names, shapes
-    and types, finite numbers in the clock, the poses and the modes."""
+    and types, and finite numbers in all of them."""
     if not checkpoint:
         raise InputError(f"{label}: there is no checkpoint to continue from; run it again")
     cure = "continue with the scene and the version of warpffrf that wrote it, or start from 'initial'"
@@ -62,7 +62,7 @@ def check_checkpoint(present: Mapping[str, np.ndarray], checkpoint: Mapping[str,
                 f"{label}: {name} of the checkpoint is {given.dtype}{given.shape}, this scene has "
                 f"{array.dtype}{array.shape}: another scene or device; {cure}"
             )
-    for name in ("clk", "r", "p", "q"):
+    for name in present:
         if not np.all(np.isfinite(numbers_of(checkpoint[name]))):
             raise InputError(f"{label}: {name} of the checkpoint holds NaN or infinite numbers: it is damaged; {cure}")
 

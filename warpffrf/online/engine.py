@@ -21,6 +21,7 @@ from warpffrf.online.compile.patch_plan import PatchPlan
 from warpffrf.online.compile.scene import compile_scene
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.settings import Settings
+from warpffrf.online.step import kernel_cache
 from warpffrf.online.step.graph import StepGraph
 from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import start_warp
@@ -48,7 +49,9 @@ class Engine:
     ) -> None:
         """`patches`: the cells of pairs on patches, by number of the contact; None: chosen as the contacts ask for.
         `progress`: a bar while kernels are compiled; the rest as `online.run`."""
-        start_warp()
+        kernel_cache.check_place()
+        if start_warp():
+            kernel_cache.remove_unfinished()
         try:
             wp.get_device(device)
         except (ValueError, RuntimeError) as error:

@@ -27,18 +27,19 @@ def quiet() -> Iterator[None]:
         wp.config.log_level = asked
 
 
-def start_warp() -> None:
-    """Initialise Warp once: its native part prints on a machine without a GPU that it finds no CUDA driver, so what the
-    process writes as errors meanwhile, a fraction of a second, is lost.
+def start_warp() -> bool:
+    """Initialise Warp; False where it is already. Its native part prints on a machine without a GPU that it finds no
+    CUDA driver, so what the process writes as errors meanwhile, a fraction of a second, is lost.
 
     A device that is asked for and not there is reported by `Engine`.
     """
     global _started
     if _started:
-        return
+        return False
     with quiet(), _native_errors_away():
         wp.init()
     _started = True
+    return True
 
 
 @contextmanager

@@ -367,6 +367,11 @@ class Builder:
             raise Refused(
                 f"{refused_place(self.source, (section,), table, str(error))}: {shown((section,))}: {error}"
             ) from error
+        except MemoryError as error:
+            raise Refused(
+                f"{self.source.place((section,))}: {shown((section,))}: there is not enough memory ({error}); save "
+                "fewer rows, or make meshes and grids coarser"
+            ) from error
 
     @contextmanager
     def _blamed(self, path: Path, table: Any) -> Iterator[None]:
@@ -377,5 +382,5 @@ class Builder:
             raise
         except InputError as error:
             raise Refused(f"{refused_place(self.source, path, table, str(error))}: {shown(path)}: {error}") from error
-        except (TypeError, ValueError, OverflowError) as error:
+        except (TypeError, ValueError, OverflowError, MemoryError) as error:
             raise Refused(f"{self.source.place(path)}: {shown(path)} cannot be used: {error}") from error

@@ -21,6 +21,7 @@ from warpffrf.scene_file.expressions import evaluate, is_expression
 from warpffrf.scene_file.source import LARGEST_INTEGER, Path, Place, Source, parse, read_source
 
 MOST_FILES = 100
+MOST_VALUES = 1_000_000  # in a document, its parameters put in
 TYPES = {
     bool: "true or false",
     int: "a whole number",
@@ -85,25 +86,35 @@ def _included(source: Source, above: tuple[FilePath, ...], count: list[int]) -> 
             raise InputError(f"{place}: include {entry!r} does not exist; it is looked for in {place.folder}")
         if file in above:
             raise InputError(f"{place}: include {entry!r} includes itself")
-        _merge(base, _with_includes(file, entry, above, count), ())
-    _merge(base, source, ())
+        _merge(base, _with_includes(file, entry, above, count))
+    _merge(base, source)
     return base
 
 
-def _merge(into: Source, other: Source, path: Path) -> None:
-    """Put what `other` says at `path` above what `into` says."""
+def _merge(into: Source, other: Source) -> None:
+    """Put what `other` says above what `into` says."""
+    replaced: set[Path] = set()
+    _put_above(into, other, (), replaced)
+    into.places = {p: place for p, place in into.places.items() if not _below(p, replaced)}
+    into.places.update({p: place for p, place in other.places.items() if _below(p, replaced)})
+
+
+def _put_above(into: Source, other: Source, path: Path, replaced: set[Path]) -> None:
+    """The same for what is at `path`; paths whose values are those of `other` are added to `replaced`."""
     below, above = _at(into.values, path), _at(other.values, path)
     for key, value in above.items():
         old, here = below.get(key), (*path, key)
         same_thing = isinstance(old, dict) and isinstance(value, dict)
         if same_thing and old.get("kind", value.get("kind")) == value.get("kind", old.get("kind")):
             into.places[here] = other.place(here)
-            _merge(into, other, here)
+            _put_above(into, other, here, replaced)
             continue
-        for known in [p for p in into.places if p[: len(here)] == here]:
-            del into.places[known]
         below[key] = value
-        into.places.update({p: place for p, place in other.places.items() if p[: len(here)] == here})
+        replaced.add(here)
+
+
+def _below(path: Path, places: set[Path]) -> bool:
+    return any(path[:n] in places for n in range(1, len(path) + 1))
 
 
 def _at(values: Any, path: Path) -> Any:
@@ -199,6 +210,7 @@ def resolved(source: Source) -> Source:
     names = [dotted(leaf) for leaf in _leaves(parameters, ())]
     busy: list[str] = []
     done: dict[str, Any] = {}
+    sizes: dict[int, int] = {}  # of the lists in `done`, by their identity
 
     def parameter(name: str) -> Any:
         path = tuple(name.split("."))
@@ -213,6 +225,8 @@ def resolved(source: Source) -> Source:
             busy.append(name)
             done[name] = worked_out(value, ("parameters", *path))
             busy.pop()
+            if _size(done[name], sizes) > MOST_VALUES:
+                raise InputError(f"parameter {name!r} holds more than {MOST_VALUES} values")
         return done[name]
 
     def worked_out(value: Any, path: Path) -> Any:
@@ -236,7 +250,20 @@ def resolved(source: Source) -> Source:
 
     for leaf in _leaves(parameters, ()):
         worked_out(_get(parameters, leaf), ("parameters", *leaf))
-    return Source({key: worked_out(value, (key,)) for key, value in source.values.items()}, source.places)
+    whole = {key: worked_out(value, (key,)) for key, value in source.values.items()}
+    if _size(whole, sizes) > MOST_VALUES:
+        raise InputError(f"{source.place(())}: holds more than {MOST_VALUES} values, its parameters put in")
+    return Source(whole, source.places)
+
+
+def _size(value: Any, known: dict[int, int]) -> int:
+    """Values in `value`, each list that several parameters share counted as often as it stands there. `known`: by
+    identity, of what stays alive."""
+    if not isinstance(value, list | dict):
+        return 1
+    if id(value) not in known:
+        known[id(value)] = sum(_size(v, known) for v in (value.values() if isinstance(value, dict) else value))
+    return known[id(value)]
 
 
 class _Placed(InputError):

@@ -11,6 +11,7 @@ from __future__ import annotations
 import ast
 import math
 import operator
+import reprlib
 from collections.abc import Callable
 from typing import Any
 
@@ -59,7 +60,7 @@ def _value(node: ast.expr, parameter: Callable[[str], Any], text: str) -> Any:
     def number(part: ast.expr) -> float:
         value = _value(part, parameter, text)
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"{text!r}: {ast.unparse(part)} is {value!r}, a number is needed")
+            raise InputError(f"{text!r}: {ast.unparse(part)} is {reprlib.repr(value)}, a number is needed")
         return value
 
     if isinstance(node, ast.Constant) and isinstance(node.value, int | float) and not isinstance(node.value, bool):

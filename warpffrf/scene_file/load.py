@@ -72,6 +72,7 @@ def run_scene(
     *,
     settings: Sequence[str] = (),
     out: str | os.PathLike[str] | None = None,
+    anywhere: bool = False,
     progress: bool = True,
     overwrite: bool = False,
     resume: bool = False,
@@ -80,6 +81,7 @@ def run_scene(
 
     Files go into the folder `out`, by default out/NAME of the file NAME.toml: what `results` and `record` name, the
     results of a call without `results` as NAME.h5 (NAME_equilibrium.h5), and the document as it was run, NAME.toml.
+    A name that leads out of the folder is refused, with InputError, unless `anywhere`.
     overwrite: replace the files of an earlier run; resume: go on where it was stopped, or read it if it ended, see
     `simulate`.
     """
@@ -103,7 +105,7 @@ def run_scene(
         if arguments is not None:
             default = f"{name}.h5" if section == "simulate" else f"{name}_{section}.h5"
             with loaded.running(section):
-                found[section] = call(loaded.scene, **_in_folder(arguments, folder, default), **options)
+                found[section] = call(loaded.scene, **_in_folder(arguments, folder, default, anywhere), **options)
     return found
 
 
@@ -120,7 +122,14 @@ def _write_document(file: Path, text: str, overwrite: bool) -> None:
         partial.write_text(text, encoding="utf-8")
 
 
-def _in_folder(arguments: dict[str, Any], folder: Path, results: str) -> dict[str, Any]:
-    """The arguments with output files in `folder`."""
+def _in_folder(arguments: dict[str, Any], folder: Path, results: str, anywhere: bool) -> dict[str, Any]:
+    """The arguments with output files in `folder`; raises `InputError` for those outside, unless `anywhere`."""
     files = {"results": results, **arguments}
-    return {**arguments, **{key: folder / files[key] for key in ("results", "record") if key in files}}
+    placed = {key: folder / files[key] for key in ("results", "record") if key in files}
+    for key, file in placed.items():
+        if not anywhere and not file.resolve().is_relative_to(folder.resolve()):
+            raise InputError(
+                f"{key} {str(files[key])!r} is outside of the output folder '{folder}'; give a name in it, or say "
+                "--anywhere (anywhere=True)"
+            )
+    return {**arguments, **placed}

@@ -14,10 +14,14 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from warpffrf.model.errors import InputError
+from warpffrf.scene_file.regular_file import read_regular
 
 Path = tuple[str | int, ...]  # keys and list indices from the top of the document
 LARGEST_INTEGER = 2**63 - 1  # TOML promises 64 bits; larger ones overflow in floating point sooner or later
 DEEPEST = 40  # tables in tables: no scene needs more, and recursion has an end
+MOST_BYTES = 1 << 22  # of a file: some hundred thousand numbers
+# a key of more parts than that, before the parser takes it apart (its time grows with the square of them)
+_DEEP_KEY = re.compile(rf"""(?<![\w.'"-])(?>(?>[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{DEEPEST}}}""")
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 _PLAIN = re.compile(r"[^,\]}#\n]+")
 _BLANK = re.compile(r"(?:[ \t\n]|#[^\n]*)*")
@@ -58,7 +62,9 @@ class Source:
 def read_source(file: FilePath, name: str) -> Source:
     """The TOML file, called `name` in messages. Raises `InputError` with the line of what is wrong."""
     try:
-        text = file.read_bytes().decode("utf-8-sig")
+        text = read_regular(file, MOST_BYTES).decode("utf-8-sig")
+    except InputError as error:
+        raise InputError(f"{name}: {error}; tables of numbers can stand in files of their own") from None
     except UnicodeDecodeError as error:
         raise InputError(f"{name}: is no text in UTF-8 ({error.reason} at byte {error.start})") from None
     except (OSError, ValueError) as error:
@@ -69,6 +75,8 @@ def read_source(file: FilePath, name: str) -> Source:
 def parse(text: str, name: str, folder: FilePath) -> Source:
     """`read_source` of a text."""
     text = text.replace("\r\n", "\n")
+    if found := _DEEP_KEY.search(text):
+        raise InputError(f"{name}:{text.count(chr(10), 0, found.start()) + 1}: no valid TOML: nested too deeply")
     try:
         values = tomllib.loads(text)
         lines = _Walk(text).lines()

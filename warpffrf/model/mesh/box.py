@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_count
+from warpffrf.model.mesh.cell_count import require_cells
 from warpffrf.model.mesh.data import FacetSet, Mesh
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.lattice import KINDS, refined
@@ -32,6 +33,7 @@ def box(size: Any, counts: Any, *, center: Any = (0.0, 0.0, 0.0), order: int = 2
     if np.ndim(counts) != 1 or len(counts) != 3:
         raise InputError(f"{name}: counts must be three numbers of cells, along x, y and z, got {counts!r}")
     numbers = [require_count(n, f"{name}: counts along {axis}", 1) for n, axis in zip(counts, "xyz", strict=True)]
+    require_cells(name, *numbers)
     lines = [m + s * np.linspace(-0.5, 0.5, n + 1) for m, s, n in zip(middle, extent, numbers, strict=True)]
     return grid(*lines, order=order, name=name)
 
@@ -49,6 +51,7 @@ def grid(x: Any, y: Any, z: Any, *, filled: Any = None, order: int = 2, name: st
         raise InputError(f"{name}: order must be 1 (hex8) or 2 (hex27), got {order!r}")
     lines = [_increasing(values, f"{name}: {axis}") for values, axis in zip((x, y, z), "xyz", strict=True)]
     shape = tuple(len(line) - 1 for line in lines)
+    require_cells(name, *shape)
     there = np.ones(shape, dtype=bool) if filled is None else np.asarray(filled)
     if there.dtype != bool or there.shape != shape:
         raise InputError(f"{name}: filled must be a bool array {shape}, got {there.dtype} {there.shape}")

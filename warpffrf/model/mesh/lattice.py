@@ -21,6 +21,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_count, require_number
+from warpffrf.model.mesh.cell_count import require_cells
 from warpffrf.model.mesh.data import FacetSet, Mesh
 from warpffrf.model.mesh.elements import cell_kind
 
@@ -136,7 +137,9 @@ def depth_lines(cell: float, depth: float, order: int) -> Array:
 
 def patch_counts(label: str, half: Array, cell: float) -> list[int]:
     """Even numbers of cells of at most `cell` [m] over a patch of half-widths `half` (2,) [m]."""
-    return [2 * require_count(int(np.ceil(h / cell - 1e-9)), f"{label}: cells of half the patch", 1) for h in half]
+    counts = [2 * require_count(int(np.ceil(h / cell - 1e-9)), f"{label}: cells of half the patch", 1) for h in half]
+    require_cells(label, *counts)
+    return counts
 
 
 def require_patch(

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.mesh.gmsh_lines import check_lines
 from warpffrf.model.mesh.raw_mesh import RawMesh
 
 FORMATS = {".msh": "gmsh", ".vtu": "vtu", ".vtk": "vtk"}
@@ -91,6 +92,8 @@ def _load(path: Path) -> Any:
     suffix = path.suffix.lower()
     if suffix == ".vtk":
         _refuse_misread(path)
+    elif suffix == ".msh":
+        check_lines(path)
     try:
         # the format's own reader: meshio.read prints the reason and leaves the program
         return getattr(meshio, FORMATS[suffix]).read(str(path))

@@ -51,6 +51,8 @@ _SHELLS = {
 }
 _CORNERS = {"CTETRA": 4, "CPENTA": 6, "CHEXA": 8}
 _LOCAL = {"CORD2R", "CORD2C", "CORD2S"}
+_INTEGER = re.compile(r"[+-]?[0-9]{1,18}")
+_REAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?")
 _EXPONENT = re.compile(r"(?<=[0-9.])([+-][0-9]+)$")
 
 Array = np.ndarray
@@ -75,22 +77,17 @@ class _Card:
         text = self.text(i)
         if not text and default is not None:
             return default
-        try:
-            return int(text)
-        except ValueError:
-            raise self.fault(f"field {i + 1} must be an integer, got {text!r}; repair the line") from None
+        if not _INTEGER.fullmatch(text):  # Python takes 1_0 for 10
+            raise self.fault(f"field {i + 1} must be an integer, got {text!r}; repair the line")
+        return int(text)
 
     def real(self, i: int, default: float | None = None) -> float:
         text = self.text(i)
         if not text and default is not None:
             return default
-        try:
-            value = float(text)
-        except ValueError:  # Nastran's own forms
-            try:
-                value = float(_EXPONENT.sub(r"e\1", text.lower().replace("d", "e")))
-            except ValueError:
-                value = math.inf
+        # Nastran's own forms: 1.5D6 and 1.5+6
+        plain = _EXPONENT.sub(r"e\1", text.lower().replace("d", "e"))
+        value = float(plain) if _REAL.fullmatch(plain) else math.inf
         if not math.isfinite(value):
             raise self.fault(f"field {i + 1} must be a number, got {text!r}; repair the line")
         return value

@@ -75,16 +75,16 @@ def built(raw: RawMesh, *, scale: float, part: int | str | None, name: str, labe
         if np.any(members >= 0):
             cell_sets[group] = members[members >= 0]
     facet_sets, notes = _facet_sets(raw, cells, new_number, label)
-    mesh = Mesh(
-        raw.points[used] * scale,
-        cells,
-        facet_sets,
-        name=name,
-        cell_sets=cell_sets,
-        materials={group: material for group, material in raw.materials.items() if group in cell_sets},
-        notes=(*raw.notes, *notes),
-    )
     try:
+        mesh = Mesh(
+            raw.points[used] * scale,
+            cells,
+            facet_sets,
+            name=name,
+            cell_sets=cell_sets,
+            materials={group: material for group, material in raw.materials.items() if group in cell_sets},
+            notes=(*raw.notes, *notes),
+        )
         return mesh.check()
     except InputError as error:
         raise InputError(f"{label}: {error}") from None

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_count, require_number
+from warpffrf.model.mesh.cell_count import require_cells
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.facets import FacetSet
 
@@ -53,6 +54,7 @@ def layer_depths(
             )
         count = wall / size if growth == 1.0 else np.log(reach) / np.log(growth)
         layers = max(int(np.ceil(count)), 1)
+        require_cells(label, layers)
     else:
         layers = require_count(layers, f"{label}: layers", 1)
         growth = _growth_for(wall / size, layers) if grading is None else grading

@@ -17,6 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.mesh.cell_count import require_cells
 from warpffrf.model.mesh.cyclic import Cyclic
 from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.facets import FacetSet
@@ -58,6 +59,7 @@ def sleeve(
     inside, outside = _radii(label, inner_radius, outer_radius)
     half = 0.5 * require_number(width, f"{label}: width", positive=True)
     _check_order(label, order)
+    require_cells(label, sectors, layers, axial)
     y = refined(np.linspace(-half, half, require_count(axial, f"{label}: axial", 1) + 1), order)
     return _turned(label, np.full(len(y), inside), outside, y, sectors, layers, grading, fine_arc, order)
 
@@ -98,6 +100,8 @@ def ring(
     Rc = require_number(groove_radius, f"{label}: groove_radius", positive=True)
     deep = require_number(groove_depth, f"{label}: groove_depth", positive=True)
     _check_order(label, order)
+    require_cells(label, sectors, layers, axial)
+    require_cells(label, sectors, layers, lands)
     if deep >= Rc or inside + deep >= outside:
         raise InputError(
             f"{label}: groove_depth {deep:g} must be smaller than groove_radius {Rc:g} and than the wall "

@@ -33,6 +33,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.mesh.cell_count import require_cells
 from warpffrf.model.mesh.cyclic import Cyclic
 from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.disc import CORE, LEAST_SECTORS, disc, standing_cells, standing_points
@@ -135,6 +136,7 @@ def roller(
         )
     boundaries = axial is not None and np.ndim(axial) > 0
     cells_along: Any = axial if boundaries else require_count(axial, "roller: axial", 1)
+    require_cells("roller", sectors, layers, cells_along)
     first = 2.0 * np.pi * R / sectors if size is None else size
     if tread is not None and not boundaries:
         first = min(first, require_number(tread, "roller: tread", positive=True) / cells_along)

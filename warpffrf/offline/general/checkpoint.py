@@ -32,7 +32,7 @@ HEADER = struct.Struct("<4sQI")
 SUFFIX = ".part"
 SECONDS = 3.0  # between writes: longer loses more of a killed run, shorter writes files for reductions of no length
 NAME = "__name__"
-UNREADABLE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile)  # what a damaged archive raises
+UNREADABLE = (OSError, ValueError, KeyError, EOFError, MemoryError, zipfile.BadZipFile)  # what a damaged archive raises
 
 
 class Checkpoint:
@@ -175,8 +175,16 @@ def _packed(name: str, arrays: dict[str, Array]) -> bytes:
     return buffer.getvalue()
 
 
+def _opened(payload: bytes) -> Any:
+    """The archive of a record; ValueError where it is compressed, which ours are not: it could be of any size."""
+    with zipfile.ZipFile(io.BytesIO(payload)) as archive:
+        if any(entry.compress_type != zipfile.ZIP_STORED for entry in archive.infolist()):
+            raise ValueError("its records are compressed")
+    return np.load(io.BytesIO(payload), allow_pickle=False)
+
+
 def _unpacked(payload: bytes) -> dict[str, Array]:
-    with np.load(io.BytesIO(payload), allow_pickle=False) as archive:
+    with _opened(payload) as archive:
         return {key: archive[key] for key in archive.files if key != NAME}
 
 
@@ -196,7 +204,7 @@ def _scan(path: Path) -> tuple[dict[str, tuple[int, int]], int, int]:
             if zlib.crc32(payload) != checksum:
                 break
             try:
-                with np.load(io.BytesIO(payload), allow_pickle=False) as archive:
+                with _opened(payload) as archive:
                     name = str(archive[NAME])
             except UNREADABLE:
                 break

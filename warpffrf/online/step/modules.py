@@ -11,6 +11,7 @@ import warp as wp
 from warpffrf_kernels.core.scalars import BLOCK
 
 from warpffrf.model.progress import Progress
+from warpffrf.online.step import kernel_cache
 from warpffrf.online.warp_start import quiet
 
 MOST_AT_ONCE = 8  # a compiler takes some hundred megabytes
@@ -36,5 +37,6 @@ def load(modules: Iterable[Any], device: str, *, progress: bool) -> None:
 
 
 def _load(module: Any, device: str) -> None:
-    for block_dim in (BLOCK, None):  # for launches of blocks, and of threads
-        wp.force_load(device, modules=[module], block_dim=block_dim, max_workers=0)
+    with kernel_cache.sound(module):
+        for block_dim in (BLOCK, None):  # for launches of blocks, and of threads
+            wp.force_load(device, modules=[module], block_dim=block_dim, max_workers=0)

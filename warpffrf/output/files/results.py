@@ -16,6 +16,8 @@
 Names, energy lines, counters and notes are JSON in the file's attributes. Every dataset has the attributes `units`,
 `frame` and `dims`; `fields.py` is the table. Derived quantities (half-width, positions of the pressure) are written for
 other readers and not read back. Names of owners are percent-encoded where HDF5 needs it ("/", ".").
+
+Behind the last byte stands a checksum of the whole file (`model/sealed_file.py`), which other readers pass over.
 """
 
 from __future__ import annotations
@@ -31,9 +33,13 @@ from urllib.parse import quote, unquote
 import h5py
 import numpy as np
 
+from warpffrf.model import hdf5_parts
 from warpffrf.model.errors import InputError
+from warpffrf.model.hdf5_parts import member, read
 from warpffrf.model.output_paths import check_ending, checked_output_path, written_whole
 from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced_body_file import read_reduced_body
+from warpffrf.model.sealed_file import require_seal, sealed, verify
 from warpffrf.model.surfaces import from_description
 from warpffrf.online.history.history import (
     BodyHistory,
@@ -65,11 +71,13 @@ from warpffrf.output.files.fields import (
     Field,
     of_owner,
 )
+from warpffrf.output.files.history_check import check_history
 from warpffrf.output.geometry.anchors import Anchor
 from warpffrf.output.geometry.scene_view import GROUND, BodyView, PairView, SceneView, ground_view
 
 FORMAT = "warpffrf-results"
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2  # 2: sealed; older ones are read
+SEALED_SINCE = 2
 SUFFIXES = (".h5", ".hdf5")
 COMPRESSION = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
 _GROUPS = (
@@ -87,7 +95,7 @@ def write_results(result: Any, path: str | os.PathLike[str], *, overwrite: bool 
     end like a results file, or that exists, unless `overwrite` is set and it is one of warpffrf."""
     check_ending(path, "results", SUFFIXES)
     target = checked_output_path(path, "results", overwrite=overwrite)
-    with written_whole(target) as partial, h5py.File(partial, "w") as file:
+    with written_whole(target) as partial, sealed(partial), h5py.File(partial, "w") as file:
         put_result(file, result)
     return target
 
@@ -143,6 +151,8 @@ def read_history(path: str | os.PathLike[str]) -> History:
         beside = source.with_name(f"{source.name}.unfinished")
         what_is = f"; '{beside}' holds what its run had done when it was stopped" if beside.is_dir() else ""
         raise InputError(f"results file '{source}' does not exist{what_is}")
+    subject, cure = f"results file '{source}'", "write it again"
+    has_seal = verify(source, subject, cure)
     try:
         with h5py.File(source, "r") as file:
             attributes: Any = file.attrs
@@ -154,11 +164,15 @@ def read_history(path: str | os.PathLike[str]) -> History:
                     f"results file '{source}' has schema version {version}, this program reads up to {SCHEMA_VERSION}; "
                     "install a newer warpffrf"
                 )
-            return get_history(file)
-    except InputError:
-        raise
-    except (OSError, KeyError, ValueError, TypeError) as error:
-        raise InputError(f"results file '{source}' is damaged ({error}); write it again") from error
+            require_seal(has_seal, version, SEALED_SINCE, subject, cure)
+            history = get_history(file)
+        check_history(history)
+        return history
+    except InputError as error:
+        raise error if str(source) in str(error) else InputError(f"{subject}: {error}; {cure}") from None
+    except Exception as error:  # a document that is not ours raises what it leads to
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{subject} is damaged ({reason}); {cure}") from error
 
 
 def get_history(file: Any, scene: SceneView | None = None) -> History:
@@ -175,18 +189,18 @@ def get_history(file: Any, scene: SceneView | None = None) -> History:
         groups["contacts"][name].friction = FrictionHistory(**_fields_of(file, FRICTION_FIELDS, name, n))
     for n, name in enumerate(json.loads(file.attrs.get("joint_friction_names", "[]"))):
         groups["forces"][name].friction = JointFrictionHistory(**_fields_of(file, JOINT_FRICTION_FIELDS, name, n))
-    energy = file["energy"][()]
-    run = {f.attribute: file[f.name][()] for f in RUN_FIELDS}
+    energy = read(file, "energy")
+    run = {f.attribute: read(file, f.name) for f in RUN_FIELDS}
     return History(
         scene=_get_scene(file) if scene is None else scene,
         energy={line: energy[:, n] for n, line in enumerate(json.loads(file.attrs["energy_lines"]))},
         status=str(file.attrs["status"]),
         message=str(file.attrs["message"]),
-        counters=json.loads(file.attrs["counters"]),
-        notes=json.loads(file.attrs["notes"]),
-        options=json.loads(file.attrs.get("options", "{}")),  # older files do not say
+        counters={str(k): float(v) for k, v in json.loads(file.attrs["counters"]).items()},
+        notes=[str(note) for note in json.loads(file.attrs["notes"])],
+        options={str(k): str(v) for k, v in json.loads(file.attrs.get("options", "{}")).items()},  # older: none
         sensors=_get_sensors(file),
-        checkpoint={unquote(k): d[()] for k, d in file["checkpoint"].items()} if "checkpoint" in file else {},
+        checkpoint={unquote(k): read(file, f"checkpoint/{k}") for k in hdf5_parts.names(file, "checkpoint")},
         **run,
         **groups,
     )
@@ -227,7 +241,7 @@ def _put_group(file: Any, dim: str, fields: tuple[Field, ...], owners: dict[str,
 
 
 def _get(file: Any, field: Field, name: str, n: int) -> np.ndarray:
-    return file[field.name][:, n] if field.stacked else file[field.name][_key(name)][()]
+    return read(file, field.name, np.s_[:, n]) if field.stacked else read(file, f"{field.name}/{_key(name)}")
 
 
 def _put_sensors(file: Any, result: Any) -> None:
@@ -242,13 +256,11 @@ def _put_sensors(file: Any, result: Any) -> None:
 
 
 def _get_sensors(file: Any) -> dict[str, SensorHistory]:
-    found = {
-        unquote(key): SensorHistory(
-            str(d.attrs["kind"]), str(d.attrs["units"]), str(d.attrs["frame"]),
-            tuple(json.loads(d.attrs["components"])), d[()],
-        )
-        for key, d in file.get("sensor", {}).items()
-    }  # fmt: skip
+    found = {}
+    for key in hdf5_parts.names(file, "sensor"):
+        values, said = read(file, f"sensor/{key}"), file[f"sensor/{key}"].attrs
+        what = str(said["kind"]), str(said["units"]), str(said["frame"]), tuple(json.loads(said["components"]))
+        found[unquote(key)] = SensorHistory(*what, values)
     order = json.loads(file.attrs.get("sensor_names", "[]"))  # older files do not say
     return {name: found[name] for name in order or found}
 
@@ -304,10 +316,10 @@ def _shapes(described: dict[str, Any]) -> dict[str, Any]:
 
 
 def _get_scene(file: Any) -> SceneView:
-    group = file["scene"]
+    group = member(file, "scene")
     reduced: dict[str | None, Any] = {None: None}
-    for digest in file.get("reduced", {}):
-        reduced[digest] = _from_bytes(file[f"reduced/{digest}"][()])
+    for digest in hdf5_parts.names(file, "reduced"):
+        reduced[digest] = _from_bytes(read(file, f"reduced/{digest}"), file.filename)
     bodies = {
         b["name"]: BodyView(
             b["name"], reduced[b["reduced"]], b["mass"], np.array(b["center_of_mass"]),
@@ -337,8 +349,8 @@ def _as_bytes(reduced: Any) -> np.ndarray:
         return np.frombuffer(reduced.save(Path(folder) / "body.h5").read_bytes(), dtype=np.uint8)
 
 
-def _from_bytes(data: np.ndarray) -> ReducedBody:
+def _from_bytes(data: np.ndarray, source: str) -> ReducedBody:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "body.h5"
         file.write_bytes(data.tobytes())
-        return ReducedBody.load(file)
+        return read_reduced_body(ReducedBody, file, f"the reduced body in results file '{source}'")

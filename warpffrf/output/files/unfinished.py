@@ -19,7 +19,8 @@ import logging
 import os
 import socket
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import IO, Any
@@ -29,6 +30,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.output_paths import remove_left_over, written_whole
+from warpffrf.model.sealed_file import require_seal, sealed, verify
 from warpffrf.online.arrays.ring import SavedRows
 from warpffrf.online.arrays.ring import joined as joined_rows
 from warpffrf.online.history.history import History
@@ -101,7 +103,7 @@ class UnfinishedRun:
         self.parts = about["parts"]
         rows: list[SavedRows] = []
         for file in self._files()[: self.parts]:
-            with h5py.File(file, "r") as part:
+            with _sound(file) as part:
                 group: Any = part[ROWS]
                 rows.append({name: data[()] for name, data in group.items()})
         return Unfinished(
@@ -158,7 +160,8 @@ class UnfinishedRun:
 
     def _write_part(self, history: History, rows: SavedRows) -> None:
         self.parts += 1
-        with written_whole(self.folder / f"part-{self.parts:06d}.h5") as partial, h5py.File(partial, "w") as file:
+        target = self.folder / f"part-{self.parts:06d}.h5"
+        with written_whole(target) as partial, sealed(partial), h5py.File(partial, "w") as file:
             put_result(file, self.result_of(replace(history, checkpoint={})), bodies=self.parts == 1)
             for name, array in rows.items():
                 data = file.create_dataset(f"{ROWS}/{name}", data=array, **(COMPRESSION if array.size else {}))
@@ -167,7 +170,7 @@ class UnfinishedRun:
     def _write_checkpoint(self, checkpoint: Mapping[str, np.ndarray], plan: Plan) -> None:
         about = {"parts": self.parts, "options": self.options, "last_step": plan.last_step}
         about |= {"rejected": plan.rejected, "notes": list(plan.notes)}
-        with written_whole(self.folder / CHECKPOINT) as partial, h5py.File(partial, "w") as file:
+        with written_whole(self.folder / CHECKPOINT) as partial, sealed(partial), h5py.File(partial, "w") as file:
             file.attrs.update({"format": "warpffrf-checkpoint", "about": json.dumps(about)})
             for name, array in checkpoint.items():
                 file.create_dataset(name, data=array)
@@ -177,9 +180,23 @@ def read_checkpoint(folder: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]
     """The checkpoint in `folder`, and what belongs to it; None where there is none yet."""
     if not (folder / CHECKPOINT).is_file():
         return None
-    with h5py.File(folder / CHECKPOINT, "r") as file:
+    with _sound(folder / CHECKPOINT) as file:
         about: Any = file.attrs["about"]
         return {name: data[()] for name, data in file.items()}, json.loads(about)
+
+
+@contextmanager
+def _sound(file: Path) -> Iterator[h5py.File]:
+    """A file of the folder, whose seal holds. Raises `InputError` for a damaged or missing one."""
+    subject, cure = (
+        f"unfinished run '{file.parent}': {file.name}",
+        "begin the run anew with overwrite=True (--overwrite)",
+    )
+    if not file.is_file():
+        raise InputError(f"{subject} is missing; {cure}")
+    require_seal(verify(file, subject, cure), 1, 1, subject, cure)
+    with h5py.File(file, "r") as opened:
+        yield opened
 
 
 def is_unfinished(path: str | os.PathLike[str]) -> bool:
@@ -197,7 +214,7 @@ def read_unfinished(folder: Path) -> History:
     checkpoint, about = found
     parts: list[History] = []
     for file in sorted(folder.glob("part-*.h5"))[: about["parts"]]:
-        with h5py.File(file, "r") as part:
+        with _sound(file) as part:
             parts.append(get_history(part, parts[0].scene if parts else None))
     whole = joined_parts(parts)
     message = GO_ON.format(results=folder.name.removesuffix(ENDING))

@@ -1,0 +1,111 @@
+"""Seals of HDF5 files: any change of the bytes is seen before the HDF5 library opens the file."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from warpffrf.model import hdf5_probe
+from warpffrf.model.errors import InputError
+from warpffrf.model.sealed_file import TRAILER, require_seal, seal, sealed, verify
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "x.h5"
+    with sealed(path), h5py.File(path, "w") as opened:
+        opened["numbers"] = np.arange(3000.0)
+        opened.attrs["title"] = "numbers"
+    return path
+
+
+def look(path: Path) -> bool:
+    return verify(path, "file x", "write it again")
+
+
+def test_a_sealed_file_is_an_hdf5_file(file: Path) -> None:
+    assert look(file)
+    with h5py.File(file, "r") as opened:
+        numbers = opened["numbers"]
+        assert isinstance(numbers, h5py.Dataset) and np.array_equal(numbers[()], np.arange(3000.0))
+
+
+def test_every_kind_of_damage_is_told_in_one_line(file: Path) -> None:
+    whole = file.read_bytes()
+    rng = random.Random(1)
+    n = len(whole)
+    for _ in range(300):
+        at = rng.randrange(n)
+        flipped = bytes([whole[at] ^ 1 << rng.randrange(8)])
+        for damaged in (
+            whole[:at] + flipped + whole[at + 1 :],
+            whole[:at],
+            whole[:at] + b"x" + whole[at:],
+            whole[:at] + whole[at + 7 :],
+            whole[:at] + bytes(len(whole[at : at + 512])) + whole[at + 512 :],
+        ):
+            if damaged == whole:
+                continue
+            file.write_bytes(damaged)
+            if len(damaged) == n - TRAILER.size and damaged == whole[: len(damaged)]:
+                assert not look(file)  # as an older file; its schema tells
+                continue
+            with pytest.raises(InputError, match=r"^file x is damaged \(.*\); write it again$"):
+                look(file)
+
+
+@pytest.mark.parametrize("more", [b"x", bytes(64), bytes(TRAILER.size)])
+def test_bytes_behind_the_seal_are_damage(file: Path, more: bytes) -> None:
+    file.write_bytes(file.read_bytes() + more)
+    with pytest.raises(InputError, match="damaged"):
+        look(file)
+
+
+def test_a_seal_taken_off_is_missed_where_the_schema_has_one(file: Path, caplog: pytest.LogCaptureFixture) -> None:
+    file.write_bytes(file.read_bytes()[: -TRAILER.size])
+    assert not look(file)
+    with pytest.raises(InputError, match="its checksum is missing"):
+        require_seal(False, 8, 8, "file x", "write it again")
+    require_seal(False, 7, 8, "file x", "write it again")
+    assert "file x is of an older version and has no checksum" in caplog.text
+
+
+def test_a_changed_file_may_be_sealed_again(file: Path) -> None:
+    with h5py.File(file, "a") as opened:
+        opened["more"] = np.zeros(10)
+    assert not look(file)
+    seal(file)
+    assert look(file)
+
+
+def test_what_is_no_hdf5_file_is_said(tmp_path: Path) -> None:
+    for content, words in ((b"", "not an HDF5"), (b"text", "not an HDF5"), (b"\x89HDF\r\n\x1a\n", "header")):
+        (tmp_path / "x.h5").write_bytes(content)
+        with pytest.raises(InputError, match=words):
+            look(tmp_path / "x.h5")
+    with pytest.raises(InputError, match="cannot be read"):
+        look(tmp_path / "no.h5")
+
+
+def test_nothing_is_sealed_after_an_error(tmp_path: Path) -> None:
+    path = tmp_path / "x.h5"
+    with pytest.raises(ZeroDivisionError), sealed(path):
+        path.write_bytes(b"half")
+        raise ZeroDivisionError
+    assert path.read_bytes() == b"half"
+
+
+def test_an_unsealed_file_that_holds_up_the_library(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file.write_bytes(file.read_bytes()[: -TRAILER.size])
+    assert not look(file)  # the library comes back
+    for script, words in (("while True: pass", "does not come back"), ("import os; os.abort()", "breaks down")):
+        monkeypatch.setattr(hdf5_probe, "_LOOK", script)
+        monkeypatch.setattr(hdf5_probe, "SECONDS", 1.0)
+        with pytest.raises(InputError, match=f"^file x is damaged .*{words}.*; write it again$"):
+            look(file)
+    monkeypatch.setattr(hdf5_probe, "_LOOK", "raise OSError")  # left to the reader
+    assert not look(file)

@@ -1,0 +1,167 @@
+"""Warp's cache of compiled kernels: what is loaded from it is what the compiler wrote.
+
+Warp loads an object file as it finds it; damage to one crashes the process or stops every run until someone deletes the
+folder. So a module's folder gets a seal, the sha256 of its files, when it has been compiled and loaded. A folder
+without a seal, or with another content, is removed and compiled anew. While one process has a module in hand, others
+wait for it at a lock file (where there are such locks), and find it compiled.
+
+Compilations that were killed leave folders `*_pPID_tTHREAD`; those of processes that have ended are removed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+import os
+import re
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import warp as wp
+
+from warpffrf.model.errors import InputError
+
+try:
+    import fcntl
+except ImportError:  # Windows: processes that start at once compile side by side, as Warp lets them
+    fcntl = None
+
+logger = logging.getLogger("warpffrf.online")
+SEAL = "warpffrf.seal"
+SOURCES = (".cpp", ".cu")
+UNFINISHED = re.compile(r"wp_.*_p([0-9]+)_t[0-9]+")
+UNFINISHED_FOR = 600.0  # seconds without a change; its process may be one of another machine or container
+
+_known: set[Path] = set()  # folders that this process has seen whole, or sealed
+
+
+def check_place() -> None:
+    """Raise `InputError` where the folder that `WARP_CACHE_PATH` names cannot be one that kernels are written to."""
+    place = os.environ.get("WARP_CACHE_PATH")
+    if not place or wp.config.kernel_cache_dir is not None:
+        return
+    try:
+        os.makedirs(place, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"WARP_CACHE_PATH: kernels cannot be kept in '{place}' ({error.strerror or error}); set it to a folder "
+            "that can be written, or leave it out"
+        ) from None
+
+
+def remove_unfinished() -> None:
+    """Remove the folders that killed compilations of this machine have left."""
+    for folder in Path(wp.config.kernel_cache_dir or ".").glob("wp_*_p*_t*"):
+        found = UNFINISHED.fullmatch(folder.name)
+        try:
+            if found and not _alive(int(found[1])) and time.time() - folder.stat().st_mtime > UNFINISHED_FOR:
+                shutil.rmtree(folder)
+                logger.info("kernel cache: %s, left by a process that has ended, is removed", folder.name)
+        except OSError:
+            continue  # it costs space only
+
+
+@contextmanager
+def sound(module: Any) -> Iterator[None]:
+    """Load the Warp `module` within this block: its folders in the cache are whole before and sealed behind.
+
+    Raises `InputError` for a damaged folder that cannot be removed.
+    """
+    root, name = Path(wp.config.kernel_cache_dir or "."), f"wp_{module.name}"
+    with _alone(root / f"{name}.lock"):
+        for folder in _folders(root, name):
+            if not _is_sealed(folder):
+                _remove(folder)
+        yield
+        for folder in _folders(root, name):
+            _seal(folder)
+
+
+def _folders(root: Path, name: str) -> list[Path]:
+    """The folders of a module, one for each content and size of blocks, that this process has not yet looked at."""
+    pattern = re.compile(re.escape(name) + "_[0-9a-f]{7}")
+    found = [root / entry for entry in os.listdir(root) if pattern.fullmatch(entry)]
+    return [folder for folder in found if folder not in _known]
+
+
+def _remove(folder: Path) -> None:
+    damaged = (folder / SEAL).is_file()
+    was = "is damaged" if damaged else "was not finished or is of an earlier version"
+    level = logging.WARNING if damaged else logging.INFO
+    logger.log(level, "kernel cache: %s %s, it is compiled anew", folder, was)
+    try:
+        shutil.rmtree(folder)
+    except OSError as error:
+        if not damaged:  # a cache that was made beforehand and may not be written to
+            logger.warning("kernel cache: %s has no seal and cannot be removed, it is used as it is", folder)
+            return
+        raise InputError(
+            f"kernel cache: {folder} {was} and cannot be removed ({error.strerror or error}); remove it, or set "
+            "WARP_CACHE_PATH to another folder"
+        ) from None
+
+
+def _digests(folder: Path) -> dict[str, str]:
+    """sha256 of each file that is loaded; the sources beside them are not."""
+    return {
+        path.name: hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in sorted(folder.iterdir())
+        if not path.name.startswith(SEAL) and path.suffix not in SOURCES and path.is_file()
+    }
+
+
+def _is_sealed(folder: Path) -> bool:
+    try:
+        found = json.loads((folder / SEAL).read_bytes()) == _digests(folder)
+    except (OSError, ValueError, RecursionError):
+        found = False
+    if found:
+        _known.add(folder)
+    return found
+
+
+def _seal(folder: Path) -> None:
+    """Write the seal. A cache that cannot be written to is compiled anew next time."""
+    part = folder / f"{SEAL}.{os.getpid()}"
+    try:
+        text = json.dumps(_digests(folder))
+        part.write_text(text)
+        part.replace(folder / SEAL)
+        _known.add(folder)
+    except OSError as error:
+        logger.info("kernel cache: %s cannot be sealed (%s)", folder, error)
+
+
+@contextmanager
+def _alone(path: Path) -> Iterator[None]:
+    """Hold the lock file `path`, where the system and the disk have such locks."""
+    try:
+        lock = path.open("ab") if fcntl is not None else None
+    except OSError:
+        lock = None
+    if lock is None or fcntl is None:
+        yield
+        return
+    with lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX)  # let go of when the file is closed, by a kill too
+        except OSError:
+            pass
+        yield
+
+
+def _alive(pid: int) -> bool:
+    if os.name == "nt":  # there a signal of 0 is one that ends a process
+        return True
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):
+        return True
+    return True
