@@ -105,7 +105,7 @@ def make_body(path: Path) -> None:
     steel = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)
     interfaces, contact = {"bore": "rigid"}, {"rim": wf.surfaces.Cylinder()}
     body = wf.reduce(mesh, steel, interfaces=interfaces, contact=contact, modes=4, cache=False, progress=False)
-    body.save(path)
+    body.save(path, overwrite=True)
 
 
 def read_body(path: Path) -> str:
@@ -116,7 +116,7 @@ def read_body(path: Path) -> str:
 def make_results(path: Path) -> None:
     sys.path.insert(0, str(TESTS / "output"))
     synthetic = importlib.import_module("synthetic_run")
-    Result(synthetic.make_history(synthetic.roller())).save(path)
+    Result(synthetic.make_history(synthetic.roller())).save(path, overwrite=True)
 
 
 def read_results(path: Path) -> str:
