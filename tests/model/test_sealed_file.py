@@ -11,13 +11,13 @@ import pytest
 
 from warpffrf.model import hdf5_probe
 from warpffrf.model.errors import InputError
-from warpffrf.model.sealed_file import TRAILER, require_seal, seal, sealed, verify
+from warpffrf.model.sealed_file import TRAILER, require_seal, seal, verify, written_sealed
 
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
     path = tmp_path / "x.h5"
-    with sealed(path), h5py.File(path, "w") as opened:
+    with written_sealed(path) as opened:
         opened["numbers"] = np.arange(3000.0)
         opened.attrs["title"] = "numbers"
     return path
@@ -91,12 +91,13 @@ def test_what_is_no_hdf5_file_is_said(tmp_path: Path) -> None:
         look(tmp_path / "no.h5")
 
 
-def test_nothing_is_sealed_after_an_error(tmp_path: Path) -> None:
+def test_nothing_is_written_after_an_error(tmp_path: Path) -> None:
     path = tmp_path / "x.h5"
-    with pytest.raises(ZeroDivisionError), sealed(path):
-        path.write_bytes(b"half")
+    path.write_bytes(b"old")
+    with pytest.raises(ZeroDivisionError), written_sealed(path) as opened:
+        opened["half"] = np.zeros(3)
         raise ZeroDivisionError
-    assert path.read_bytes() == b"half"
+    assert path.read_bytes() == b"old" and len(list(tmp_path.iterdir())) == 1
 
 
 def test_an_unsealed_file_that_holds_up_the_library(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:

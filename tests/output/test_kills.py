@@ -38,6 +38,25 @@ def expected(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("limit", [int(300 * 1.7**n) for n in range(20)])
+def test_a_disk_that_is_full_at_any_place_loses_no_result(
+    limit: int, expected: dict[str, object], tmp_path: Path
+) -> None:
+    """No file may be longer than `limit` bytes: parts, checkpoint, results or recording fail in the middle."""
+    file = tmp_path / "run.h5"
+    program = subprocess.run(
+        [sys.executable, str(PROGRAM), "recorded", str(file)], capture_output=True, text=True, timeout=BEFORE_LONG,
+        env={**os.environ, "FILE_LIMIT": str(limit)}, check=False,
+    )  # fmt: skip
+    assert program.returncode == 0 and "status completed" in program.stdout, program.stderr
+    assert "Traceback" not in program.stderr
+    assert not list(tmp_path.rglob("*.part"))
+    found = simulate("recorded", file, resume=True)
+    assert found.unwritten == [] and same(expected["recorded"], found.history) in ([], ["/notes"])  # what was not kept
+    assert {path.name for path in tmp_path.iterdir()} == FILES["recorded"]
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(KILLS))
 @pytest.mark.parametrize("name", SIGNALS)
 def test_nothing_is_lost(name: str, number: int, expected: dict[str, object], tmp_path: Path) -> None:

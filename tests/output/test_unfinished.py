@@ -73,7 +73,7 @@ def test_a_killed_run_goes_on_bit_for_bit(case: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT], ids=["SIGTERM", "Ctrl-C"])
 def test_an_interrupted_run_is_written_and_goes_on(number: int, tmp_path: Path) -> None:
     file = tmp_path / "run.h5"
-    assert stopped("plain", file, number) == "status interrupted"
+    assert stopped("plain", file, number) == "status interrupted 0"
     part, whole = wf.Result.load(file), simulate("plain", None)
     assert 0 < len(part.time) < len(whole.time) and np.array_equal(part.time, whole.time[: len(part.time)])
     assert same(whole.history, simulate("plain", file, resume=True).history) == []

@@ -6,6 +6,7 @@ It says "ready", "going" whenever a part is kept, and its status at the end.
 from __future__ import annotations
 
 import os
+import resource
 import sys
 from pathlib import Path
 from typing import Any
@@ -64,12 +65,14 @@ def main() -> None:
     UnfinishedRun.keep = and_say
     case, results = sys.argv[1], Path(sys.argv[2])
     every = float(sys.argv[3]) if len(sys.argv) > 3 else OPTIONS["keep_every"]
+    if limit := os.environ.get("FILE_LIMIT"):  # bytes: as on a full disk, writing more fails
+        resource.setrlimit(resource.RLIMIT_FSIZE, (int(limit), int(limit)))
     print("ready", flush=True)
     if case == "reduced":
         reduced(results).save(results, overwrite=True)
         return
     result = simulate(case, results, keep_every=every)
-    print("status", result.status, flush=True)
+    print("status", result.status, len(result.unwritten), flush=True)
 
 
 if __name__ == "__main__":

@@ -24,12 +24,11 @@ from warpffrf.model.far_field import FarField
 from warpffrf.model.hdf5_parts import COMPLEX, REAL
 from warpffrf.model.inertia import GeometricStiffness, InertiaTerms
 from warpffrf.model.local_mass import LocalMass
-from warpffrf.model.output_paths import written_whole
 from warpffrf.model.recovery import Recovery
 from warpffrf.model.reduced_body_check import check_body
 from warpffrf.model.reduced_body_data import DisplaySurface, Interface, ReducedBodyData
 from warpffrf.model.sampling import Sampling
-from warpffrf.model.sealed_file import require_seal, sealed, verify
+from warpffrf.model.sealed_file import require_seal, verify, written_sealed
 from warpffrf.model.stress_field import StressField
 from warpffrf.model.tangential import Tangential
 
@@ -284,11 +283,9 @@ def content_hash(body: ReducedBodyData) -> str:
 
 def write_reduced_body(body: ReducedBodyData, path: Path) -> Path:
     """Write `body` to the HDF5 file `path`; raises `InputError` where it cannot be written."""
-    import h5py
-
     arrays, facts = _flatten(body)
     try:
-        with written_whole(path) as partial, sealed(partial), h5py.File(partial, "w") as file:
+        with written_sealed(path) as file:
             file.attrs["format"] = MARK
             file.attrs["schema"] = SCHEMA
             file.attrs["content_hash"] = _digest(arrays, facts)

@@ -23,10 +23,11 @@ import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.hdf5_probe import probe
+from warpffrf.model.output_paths import written_whole
 
 logger = logging.getLogger("warpffrf.model")
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -38,10 +39,21 @@ _END_AT = {0: 40, 1: 44, 2: 28, 3: 28}  # where a superblock of that version hol
 
 
 @contextmanager
-def sealed(path: Path) -> Iterator[Path]:
-    """Seal `path` when the block ends without an error. The block must have closed the file."""
-    yield path
-    seal(path)
+def written_sealed(path: Path) -> Iterator[Any]:
+    """An open HDF5 file, which is `path`, sealed, when the block ends without an error; else `path` stays as it was.
+
+    It is made in memory: where a disk is full in the middle of a file, the HDF5 library takes the process with it.
+    Raises OSError where it cannot be written.
+    """
+    import h5py
+
+    with h5py.File(path.name, "w", driver="core", backing_store=False, block_size=BLOCK) as file:
+        yield file
+        file.flush()
+        image = file.id.get_file_image()
+    with written_whole(path) as partial:
+        partial.write_bytes(image)
+        seal(partial)
 
 
 def seal(path: Path) -> None:

@@ -36,10 +36,10 @@ import numpy as np
 from warpffrf.model import hdf5_parts
 from warpffrf.model.errors import InputError
 from warpffrf.model.hdf5_parts import member, read
-from warpffrf.model.output_paths import check_ending, checked_output_path, written_whole
+from warpffrf.model.output_paths import check_ending, checked_output_path
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.reduced_body_file import read_reduced_body
-from warpffrf.model.sealed_file import require_seal, sealed, verify
+from warpffrf.model.sealed_file import require_seal, verify, written_sealed
 from warpffrf.model.surfaces import from_description
 from warpffrf.online.history.history import (
     BodyHistory,
@@ -95,7 +95,7 @@ def write_results(result: Any, path: str | os.PathLike[str], *, overwrite: bool 
     end like a results file, or that exists, unless `overwrite` is set and it is one of warpffrf."""
     check_ending(path, "results", SUFFIXES)
     target = checked_output_path(path, "results", overwrite=overwrite)
-    with written_whole(target) as partial, sealed(partial), h5py.File(partial, "w") as file:
+    with written_sealed(target) as file:
         put_result(file, result)
     return target
 

@@ -29,8 +29,8 @@ import h5py
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.output_paths import remove_left_over, written_whole
-from warpffrf.model.sealed_file import require_seal, sealed, verify
+from warpffrf.model.output_paths import remove_left_over
+from warpffrf.model.sealed_file import require_seal, verify, written_sealed
 from warpffrf.online.arrays.ring import SavedRows
 from warpffrf.online.arrays.ring import joined as joined_rows
 from warpffrf.online.history.history import History
@@ -130,7 +130,7 @@ class UnfinishedRun:
         try:
             self._write_part(history, rows)
             self._write_checkpoint(history.checkpoint, plan)
-        except (OSError, RuntimeError) as error:  # h5py raises both where a disk is full
+        except OSError as error:
             self.parts = max(self.parts - 1, 0)
             if not self.troubles:
                 log.warning("results: '%s' cannot be written during the run (%s); going on", self.folder, error)
@@ -160,8 +160,7 @@ class UnfinishedRun:
 
     def _write_part(self, history: History, rows: SavedRows) -> None:
         self.parts += 1
-        target = self.folder / f"part-{self.parts:06d}.h5"
-        with written_whole(target) as partial, sealed(partial), h5py.File(partial, "w") as file:
+        with written_sealed(self.folder / f"part-{self.parts:06d}.h5") as file:
             put_result(file, self.result_of(replace(history, checkpoint={})), bodies=self.parts == 1)
             for name, array in rows.items():
                 data = file.create_dataset(f"{ROWS}/{name}", data=array, **(COMPRESSION if array.size else {}))
@@ -170,7 +169,7 @@ class UnfinishedRun:
     def _write_checkpoint(self, checkpoint: Mapping[str, np.ndarray], plan: Plan) -> None:
         about = {"parts": self.parts, "options": self.options, "last_step": plan.last_step}
         about |= {"rejected": plan.rejected, "notes": list(plan.notes)}
-        with written_whole(self.folder / CHECKPOINT) as partial, sealed(partial), h5py.File(partial, "w") as file:
+        with written_sealed(self.folder / CHECKPOINT) as file:
             file.attrs.update({"format": "warpffrf-checkpoint", "about": json.dumps(about)})
             for name, array in checkpoint.items():
                 file.create_dataset(name, data=array)

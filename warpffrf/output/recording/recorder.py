@@ -32,7 +32,7 @@ from warpffrf.output.recording.glyphs import Glyphs, force_text, rigid_size
 from warpffrf.output.recording.layout import blueprint
 from warpffrf.output.recording.machine_series import machine_series
 from warpffrf.output.recording.rigid_shapes import RigidShapes
-from warpffrf.output.recording.streams import close_stream, new_stream, save_stream
+from warpffrf.output.recording.streams import close_stream, in_memory, new_stream
 
 MAX_POINTS = 8000  # a body: 16 bytes a point and frame, so 300 frames of two bodies stay under 80 MB
 MAX_SERIES = 4000  # points of a scalar plot: more than a screen has pixels
@@ -172,12 +172,14 @@ class _Recorder:
     def write(self, file: Path, skipped: list[int]) -> None:
         """Log everything to `file` and close the stream."""
         try:
-            self._write(file, skipped)
+            memory = in_memory(self.stream, blueprint(self))
+            self._log(skipped)
+            written = memory.drain_as_bytes()
         finally:
             close_stream(self)
+        file.write_bytes(written)
 
-    def _write(self, file: Path, skipped: list[int]) -> None:
-        save_stream(self.stream, file, blueprint(self))
+    def _log(self, skipped: list[int]) -> None:
         if skipped:
             self.notes.append(f"left out because a value is not finite: saved rows {', '.join(map(str, skipped))}")
         self._static()

@@ -27,7 +27,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.output.geometry.thinning import vertex_normals
 from warpffrf.output.plots.colors import ColorScale, legend_picture
 from warpffrf.output.plots.mode_picture import MODE_STOPS, ModeSkin, eye_axes, mode_skin
-from warpffrf.output.recording.streams import close_stream, new_stream, save_stream
+from warpffrf.output.recording.streams import close_stream, in_memory, new_stream
 
 RIGID_MODES = 6
 RIGID_NAMES = ("translation x", "translation y", "translation z", "rotation x", "rotation y", "rotation z")
@@ -144,10 +144,12 @@ class _Animation:
     def write(self, file: Path) -> None:
         """Log everything to `file` and close the stream."""
         try:
-            save_stream(self.stream, file, self._blueprint())
+            memory = in_memory(self.stream, self._blueprint())
             self._log()
+            written = memory.drain_as_bytes()
         finally:
             close_stream(self)
+        file.write_bytes(written)
 
     def view(self) -> None:
         """Open rerun's viewer and send everything to it."""

@@ -1,13 +1,12 @@
-"""Recording streams of rerun, to files, that leave nothing behind when they are closed.
+"""Recording streams of rerun that leave nothing behind when they are closed.
 
-Left to itself rerun (0.41) keeps four threads and more than a megabyte of every recording until the process ends: two
-threads of a stream that was disconnected, and two of the blueprint that was saved with it, whose stream and memory hold
-one another.
+Left to itself rerun (0.41) keeps four threads and more than a megabyte of every recording that is saved with a
+blueprint until the process ends: two threads of a stream that was disconnected, and two of the blueprint's own, whose
+stream and memory hold one another.
 """
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 APPLICATION = "warpffrf"
@@ -20,25 +19,28 @@ def new_stream() -> Any:
     return rr.RecordingStream(APPLICATION)
 
 
-def save_stream(stream: Any, file: Path, blueprint: Any) -> None:
-    """Let `stream` go to `file`, which opens with `blueprint`.
+def in_memory(stream: Any, blueprint: Any) -> Any:
+    """Let `stream` go to memory, which opens with `blueprint`; `drain_as_bytes` of the answer is a .rrd file.
 
-    As `stream.save(file, default_blueprint=blueprint)`, but with the stream of the blueprint in hand, to disconnect it.
-    That needs names that rerun does not publish: where another version has none of them, it is done by `save`.
+    A stream to a file never comes back from a disk that is full. The blueprint is sent as by
+    `stream.send_blueprint(blueprint)`, but with its own stream in hand, to disconnect it. That needs names that rerun
+    does not publish: where another version has none of them, it is done by that.
     """
     import rerun as rr
     import rerun_bindings as native
 
+    memory = stream.memory_recording()
     try:
         own = native.new_blueprint(APPLICATION, make_default=False, make_thread_default=False)
         beside = rr.RecordingStream._from_native(own)
         beside.set_time("blueprint", sequence=0)
         blueprint._log_to_stream(beside)
-        memory = beside.memory_recording()  # type: ignore[attr-defined]
-        native.save(str(file), default_blueprint=memory.storage, recording=stream.to_native())
+        storage = beside.memory_recording().storage  # type: ignore[attr-defined]
+        native.send_blueprint(storage, True, True, recording=stream.to_native())
         beside.disconnect()
     except (AttributeError, TypeError):
-        stream.save(str(file), default_blueprint=blueprint)
+        stream.send_blueprint(blueprint)
+    return memory
 
 
 def close_stream(owner: Any) -> None:
