@@ -18,6 +18,7 @@ from glob import escape
 from pathlib import Path
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.processes import lives
 
 SIGN = b"warpffrf"
 SIGN_WITHIN = 1 << 16  # bytes of the beginning and of the end
@@ -101,18 +102,5 @@ def remove_left_over(path: Path) -> None:
     host = socket.gethostname().replace(".", "-")
     for file in path.parent.glob(f".{escape(path.name)}.*{ENDING}"):
         left_by = file.name.removeprefix(f".{path.name}.").removesuffix(ENDING).split(".")
-        if len(left_by) == 3 and left_by[0] == host and left_by[1].isdecimal() and not _lives(int(left_by[1])):
+        if len(left_by) == 3 and left_by[0] == host and left_by[1].isdecimal() and not lives(int(left_by[1])):
             file.unlink(missing_ok=True)
-
-
-def _lives(process: int) -> bool:
-    """Whether a process of that number runs on this machine, as far as can be told without touching it."""
-    if os.name != "posix":
-        return True
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:  # it is another user's
-        return True
-    return True

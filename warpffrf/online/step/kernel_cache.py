@@ -25,6 +25,7 @@ from typing import Any
 import warp as wp
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.processes import lives
 
 try:
     import fcntl
@@ -59,7 +60,7 @@ def remove_unfinished() -> None:
     for folder in Path(wp.config.kernel_cache_dir or ".").glob("wp_*_p*_t*"):
         found = UNFINISHED.fullmatch(folder.name)
         try:
-            if found and not _alive(int(found[1])) and time.time() - folder.stat().st_mtime > UNFINISHED_FOR:
+            if found and not lives(int(found[1])) and time.time() - folder.stat().st_mtime > UNFINISHED_FOR:
                 shutil.rmtree(folder)
                 logger.info("kernel cache: %s, left by a process that has ended, is removed", folder.name)
         except OSError:
@@ -153,15 +154,3 @@ def _alone(path: Path) -> Iterator[None]:
         except OSError:
             pass
         yield
-
-
-def _alive(pid: int) -> bool:
-    if os.name == "nt":  # there a signal of 0 is one that ends a process
-        return True
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    except (OSError, OverflowError):
-        return True
-    return True
