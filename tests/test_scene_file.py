@@ -432,3 +432,21 @@ def test_stages_from_a_file(tmp_path: Path) -> None:
         with pytest.raises(wf.InputError, match=re.escape(said)) as caught:
             scene_of(wrong)
         assert str(caught.value).startswith(f"scene.toml:{line}: "), caught.value
+
+
+def test_files_of_other_runs_stay(tmp_path: Path) -> None:
+    """A run into a folder replaces nothing unasked, and another scene never."""
+    file, folder = tmp_path / "oscillator.toml", tmp_path / "out"
+    file.write_text(OSCILLATOR, encoding="utf-8")
+    first = run_scene(file, out=folder, progress=False)["simulate"]
+    for settings in ((), ("simulate.step=2e-3",)):
+        with pytest.raises(wf.InputError, match="exists; choose another name, or replace it with .*--overwrite"):
+            run_scene(file, settings=settings, out=folder, progress=False)
+    with pytest.raises(wf.InputError, match="--resume: .* is not what is to be run now"):
+        run_scene(file, settings=("simulate.step=2e-3",), out=folder, resume=True, progress=False)
+    again = run_scene(file, out=folder, resume=True, progress=False)["simulate"]
+    assert np.array_equal(again.time, first.time)
+    run_scene(file, settings=("simulate.step=2e-3",), out=folder, overwrite=True, progress=False)
+    (folder / "oscillator.toml").write_text("# of warpffrf, by hand\n", encoding="utf-8")
+    with pytest.raises(wf.InputError, match="is another scene, and is not replaced"):
+        run_scene(file, out=folder, overwrite=True, progress=False)

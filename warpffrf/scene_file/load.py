@@ -95,7 +95,7 @@ def run_scene(
     text = folder / f"{name}.toml"
     document = DOCUMENT_SIGN + loaded.to_toml()
     if text.resolve() != Path(path).expanduser().resolve():
-        _write_document(text, document, overwrite)
+        _write_document(text, document, overwrite, resume)
     found: dict[str, Any] = {}
     again = {"overwrite": overwrite or resume}  # an equilibrium is found anew in no time
     further = {"progress": progress, "overwrite": overwrite, "resume": resume}
@@ -109,7 +109,7 @@ def run_scene(
     return found
 
 
-def _write_document(file: Path, text: str, overwrite: bool) -> None:
+def _write_document(file: Path, text: str, overwrite: bool, resume: bool) -> None:
     """Write the document as it was run; a scene that was not written so is never replaced."""
     from warpffrf.model.output_paths import checked_output_path, written_whole
 
@@ -118,6 +118,11 @@ def _write_document(file: Path, text: str, overwrite: bool) -> None:
         return
     if there is not None and not there.startswith(DOCUMENT_SIGN.encode()):
         raise InputError(f"--out: '{file}' is another scene, and is not replaced; choose another folder")
+    if there is not None and resume and not overwrite:
+        raise InputError(
+            f"--resume: '{file}' is what was run, and is not what is to be run now; go on with the same file and the "
+            "same --set, or begin anew with --overwrite"
+        )
     with written_whole(checked_output_path(file, "--out", overwrite=overwrite)) as partial:
         partial.write_text(text, encoding="utf-8")
 
