@@ -439,9 +439,9 @@ def test_files_of_other_runs_stay(tmp_path: Path) -> None:
     file, folder = tmp_path / "oscillator.toml", tmp_path / "out"
     file.write_text(OSCILLATOR, encoding="utf-8")
     first = run_scene(file, out=folder, progress=False)["simulate"]
-    for settings in ((), ("simulate.step=2e-3",)):
+    for changed in ((), ("simulate.step=2e-3",)):
         with pytest.raises(wf.InputError, match="exists; choose another name, or replace it with .*--overwrite"):
-            run_scene(file, settings=settings, out=folder, progress=False)
+            run_scene(file, settings=changed, out=folder, progress=False)
     with pytest.raises(wf.InputError, match="--resume: .* is not what is to be run now"):
         run_scene(file, settings=("simulate.step=2e-3",), out=folder, resume=True, progress=False)
     again = run_scene(file, out=folder, resume=True, progress=False)["simulate"]
