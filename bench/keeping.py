@@ -10,11 +10,15 @@ from __future__ import annotations
 import argparse
 import json
 import tempfile
+import time
 from pathlib import Path
 from statistics import median
 
 from warpffrf.demos import two_rollers
-from warpffrf.output.files import unfinished
+from warpffrf.online.arrays.ring import SavedRows
+from warpffrf.online.history.history import History
+from warpffrf.online.keeping import Plan
+from warpffrf.output.files.unfinished import UnfinishedRun
 from warpffrf.output.outputs import KEEP_EVERY
 from warpffrf.output.simulate import simulate
 from warpffrf.study.step_time import machine
@@ -29,17 +33,17 @@ class Watch:
 
     def __init__(self) -> None:
         self.parts, self.seconds, self.bytes = 0, 0.0, 0
-        keep = unfinished.UnfinishedRun.keep
+        keep = UnfinishedRun.keep
 
-        def timed(run, *given):
-            begin = unfinished.time.monotonic()
-            done = keep(run, *given)
-            self.seconds += unfinished.time.monotonic() - begin
+        def timed(run: UnfinishedRun, history: History, rows: SavedRows, plan: Plan) -> bool:
+            begin = time.monotonic()
+            done = keep(run, history, rows, plan)
+            self.seconds += time.monotonic() - begin
             self.parts += 1
             self.bytes = sum(file.stat().st_size for file in run.folder.iterdir())
             return done
 
-        unfinished.UnfinishedRun.keep = timed
+        UnfinishedRun.keep = timed
 
 
 def measure(scene, steps: int, every: float | None, folder: Path, watch: Watch) -> dict:
