@@ -33,14 +33,14 @@ class Watch:
 
     def __init__(self) -> None:
         self.parts, self.seconds, self.bytes = 0, 0.0, 0
-        keep = UnfinishedRun.keep
+        keep, watch = UnfinishedRun.keep, self
 
-        def timed(run: UnfinishedRun, history: History, rows: SavedRows, plan: Plan) -> bool:
+        def timed(self: UnfinishedRun, history: History, rows: SavedRows, plan: Plan) -> bool:
             begin = time.monotonic()
-            done = keep(run, history, rows, plan)
-            self.seconds += time.monotonic() - begin
-            self.parts += 1
-            self.bytes = sum(file.stat().st_size for file in run.folder.iterdir())
+            done = keep(self, history, rows, plan)
+            watch.seconds += time.monotonic() - begin
+            watch.parts += 1
+            watch.bytes = sum(file.stat().st_size for file in self.folder.iterdir())
             return done
 
         UnfinishedRun.keep = timed
