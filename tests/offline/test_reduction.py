@@ -238,8 +238,8 @@ def test_damaged_files_are_refused(small_roller, tmp_path):
         file.attrs["format"] = "something else"
     with pytest.raises(InputError, match="not a reduced body"):
         ReducedBody.load(tmp_path / "other.h5")
-    with pytest.raises(InputError, match="cannot write"):
-        reduced(small_roller).save(tmp_path / "no" / "folder" / "roller.h5")
+    with pytest.raises(InputError, match="cannot be written"):
+        reduced(small_roller).save(tmp_path / "text.h5" / "roller.h5")
 
 
 def test_unchanged_input_comes_from_the_cache(small_roller, own_cache):

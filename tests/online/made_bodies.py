@@ -45,7 +45,7 @@ def made_body(shape: Any, z: Any, *, pitch: float, columns: int, periodic: bool 
     lags = SOFTNESS * np.exp(-distance / DECAY)[None]
     m = len(nodes)
     mode_normal = 0.05 * rng.normal(size=(m, MODES))
-    recovery = Recovery(np.zeros((1, 3, m), np.float32), 1, np.eye(3))
+    recovery = Recovery(np.zeros((1, 9, m), np.float32), 1, np.eye(3))
     surface = ContactSurface("face", shape, grid, lags, mode_normal, recovery)
     skin = DisplaySurface(nodes[:3], np.array([[0, 1, 2]]), np.zeros((MODES, 3, 3)))
     hold = Interface("rigid", np.array([0.001, -0.002, 0.003]), np.zeros((MODES, 6)))

@@ -18,6 +18,7 @@ import numpy as np
 from warpffrf.model import forces, joints, laws, signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
+from warpffrf.model.recovery import Recovery
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.reduced_body_data import DisplaySurface
 from warpffrf.model.scene import Scene
@@ -52,7 +53,17 @@ def with_nodes(body: ReducedBody) -> ReducedBody:
     i = (np.arange(grid.columns - 1)[:, None] * grid.rows + np.arange(grid.rows - 1)).ravel()
     quads = np.stack([i, i + grid.rows, i + grid.rows + 1, i + 1], axis=1)
     triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-    return replace(body, surface=DisplaySurface(points, triangles, np.zeros((len(body.frequencies), len(points), 3))))
+    skin = DisplaySurface(points, triangles, np.zeros((len(body.frequencies), len(points), 3)))
+    surface = replace(surface, recovery=_nothing_seen(surface.recovery, points))
+    if surface.tangential is not None:
+        seen = _nothing_seen(surface.tangential.recovery, points)
+        surface = replace(surface, tangential=replace(surface.tangential, recovery=seen))
+    return replace(body, surface=skin, contact_surfaces={name: surface})
+
+
+def _nothing_seen(recovery: Recovery, points: np.ndarray) -> Recovery:
+    """A skin of `points` that tractions do not move."""
+    return replace(recovery, transfer=np.zeros((1, points.size, recovery.transfer.shape[2]), np.float32))
 
 
 def line_contact(radius: float) -> LineContact:

@@ -100,8 +100,9 @@ def write_results(result: Any, path: str | os.PathLike[str], *, overwrite: bool 
     return target
 
 
-def put_result(file: Any, result: Any, *, bodies: bool = True) -> None:
-    """Write `result` into an open file; without `bodies` the reduced ones are left to another file."""
+def put_result(file: Any, result: Any, *, bodies: bool = True, packing: dict[str, Any] = COMPRESSION) -> None:
+    """Write `result` into an open file; without `bodies` the reduced ones are left to another file. packing: of the
+    datasets of histories."""
     history: History = result.history
     steps = len(history.time)
     file.attrs.update({"format": FORMAT, "schema_version": SCHEMA_VERSION})
@@ -110,31 +111,31 @@ def put_result(file: Any, result: Any, *, bodies: bool = True) -> None:
     file.attrs["notes"] = json.dumps(list(history.notes))
     file.attrs["options"] = json.dumps(history.options)
     for field in RUN_FIELDS:
-        _put(file, field, getattr(history, field.attribute), ())
+        _put(file, field, getattr(history, field.attribute), (), packing)
     for attribute, dim, fields, _ in _GROUPS:
         owners: dict[str, Any] = getattr(history, attribute)
         file.attrs[f"{dim}_names"] = json.dumps(list(owners))
         if owners or dim not in _ONLY_WHERE_THERE:
-            _put_group(file, dim, fields, owners, steps)
+            _put_group(file, dim, fields, owners, steps, packing)
     file.attrs["joint_coordinates"] = json.dumps({name: j.names for name, j in history.joints.items()})
     contacts = {name: result.contact(name) for name in history.contacts}
-    _put_group(file, "pair", (*DERIVED_FIELDS, *DERIVED_POSITIONS), contacts, steps)
+    _put_group(file, "pair", (*DERIVED_FIELDS, *DERIVED_POSITIONS), contacts, steps, packing)
     cells = {name: c.cells for name, c in history.contacts.items() if c.cells is not None}
     file.attrs["cell_names"] = json.dumps(list(cells))
     if cells:
-        _put_group(file, "cell_pair", CELL_FIELDS, cells, steps)
+        _put_group(file, "cell_pair", CELL_FIELDS, cells, steps, packing)
     rubbing = {name: c.friction for name, c in contacts.items() if c.has_friction}
     file.attrs["friction_names"] = json.dumps(list(rubbing))
     if rubbing:
-        _put_group(file, "friction_pair", (*FRICTION_FIELDS, *FRICTION_DERIVED), rubbing, steps)
+        _put_group(file, "friction_pair", (*FRICTION_FIELDS, *FRICTION_DERIVED), rubbing, steps, packing)
     stuck = {name: force.friction for name, force in history.forces.items() if force.friction is not None}
     file.attrs["joint_friction_names"] = json.dumps(list(stuck))
     if stuck:
-        _put_group(file, "joint_friction", JOINT_FRICTION_FIELDS, stuck, steps)
+        _put_group(file, "joint_friction", JOINT_FRICTION_FIELDS, stuck, steps, packing)
     lines = np.stack(list(history.energy.values()), axis=1) if history.energy else np.zeros((steps, 0))
     file.attrs["energy_lines"] = json.dumps(list(history.energy))
-    _put(file, Field("energy", "energy", ENERGY_UNITS, "none", ("line",)), lines, ())
-    _put_sensors(file, result)
+    _put(file, Field("energy", "energy", ENERGY_UNITS, "none", ("line",)), lines, (), packing)
+    _put_sensors(file, result, packing)
     for name, array in history.checkpoint.items():
         data = file.create_dataset(f"checkpoint/{_key(name)}", data=np.asarray(array))
         data.attrs.update({"units": "internal", "frame": "internal", "dims": "internal"})
@@ -223,34 +224,38 @@ def _key(name: str) -> str:
     return quote(name, safe=" _-+()").replace(".", "%2E")
 
 
-def _put(parent: Any, field: Field, values: Any, owner_dims: tuple[str, ...], key: str | None = None) -> None:
+def _put(
+    parent: Any, field: Field, values: Any, owner_dims: tuple[str, ...], packing: dict[str, Any], key: str | None = None
+) -> None:
     array = np.asarray(values)
-    data = parent.create_dataset(key or field.name, data=array, **(COMPRESSION if array.size else {}))
+    data = parent.create_dataset(key or field.name, data=array, **(packing if array.size else {}))
     data.attrs.update({"units": field.units, "frame": field.frame})
     data.attrs["dims"] = " ".join(("time", *owner_dims, *field.dims))
 
 
-def _put_group(file: Any, dim: str, fields: tuple[Field, ...], owners: dict[str, Any], steps: int) -> None:
+def _put_group(
+    file: Any, dim: str, fields: tuple[Field, ...], owners: dict[str, Any], steps: int, packing: dict[str, Any]
+) -> None:
     for field in fields:
         if field.stacked:
-            _put(file, field, stacked(field, list(owners.values()), steps), (dim,))
+            _put(file, field, stacked(field, list(owners.values()), steps), (dim,), packing)
             continue
         group = file.create_group(field.name)
         for name, owner in owners.items():
-            _put(group, of_owner(field, owner), getattr(owner, field.attribute), (), key=_key(name))
+            _put(group, of_owner(field, owner), getattr(owner, field.attribute), (), packing, key=_key(name))
 
 
 def _get(file: Any, field: Field, name: str, n: int) -> np.ndarray:
     return read(file, field.name, np.s_[:, n]) if field.stacked else read(file, f"{field.name}/{_key(name)}")
 
 
-def _put_sensors(file: Any, result: Any) -> None:
+def _put_sensors(file: Any, result: Any, packing: dict[str, Any]) -> None:
     group = file.create_group("sensor")
     file.attrs["sensor_names"] = json.dumps(result.sensor_names)  # HDF5 lists members by name, not in their order
     for name in result.sensor_names:
         sensor = result.sensor(name)
         values = np.asarray(sensor.values)
-        data = group.create_dataset(_key(name), data=values, **(COMPRESSION if values.size else {}))
+        data = group.create_dataset(_key(name), data=values, **(packing if values.size else {}))
         data.attrs.update({"units": sensor.unit, "frame": sensor.frame, "dims": "time component"})
         data.attrs.update({"kind": sensor.kind, "components": json.dumps(list(sensor.components))})
 

@@ -9,7 +9,8 @@ A part is written whole, then the checkpoint that counts it, so that at any time
 the last that counts was cut and is ignored. The folder is removed when the results are written. As long as another
 process holds the lock, it is refused to run into the same results.
 
-Writing may take SHARE of the time: after a part that took t it waits t/SHARE at least.
+Parts are not compressed. After a part that took t the next one waits t/SHARE at least, which bounds what a body and a
+checkpoint cost; what rows cost goes with their number (bench/keeping.py).
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ from warpffrf.online.arrays.ring import joined as joined_rows
 from warpffrf.online.history.history import History
 from warpffrf.online.keeping import UNFINISHED, Plan, Unfinished
 from warpffrf.online.stages import joined_parts
-from warpffrf.output.files.results import COMPRESSION, get_history, put_result
+from warpffrf.output.files.results import get_history, put_result
 
 try:
     import fcntl
@@ -45,7 +46,7 @@ except ImportError:  # without it two runs on one path are not told apart
 
 ENDING = ".unfinished"
 LOCK, CHECKPOINT = "lock", "checkpoint.h5"
-SHARE = 0.01  # of the time of a run that writing its parts may take
+SHARE = 0.02  # of the time between two parts that writing the one before took
 ROWS = "rows"
 GO_ON = "the run had not ended: go on with results='{results}' and resume=True (--resume)"
 
@@ -161,9 +162,9 @@ class UnfinishedRun:
     def _write_part(self, history: History, rows: SavedRows) -> None:
         self.parts += 1
         with written_sealed(self.folder / f"part-{self.parts:06d}.h5") as file:
-            put_result(file, self.result_of(replace(history, checkpoint={})), bodies=self.parts == 1)
+            put_result(file, self.result_of(replace(history, checkpoint={})), bodies=self.parts == 1, packing={})
             for name, array in rows.items():
-                data = file.create_dataset(f"{ROWS}/{name}", data=array, **(COMPRESSION if array.size else {}))
+                data = file.create_dataset(f"{ROWS}/{name}", data=array)
                 data.attrs.update({"units": "internal", "frame": "internal", "dims": "internal"})
 
     def _write_checkpoint(self, checkpoint: Mapping[str, np.ndarray], plan: Plan) -> None:

@@ -71,9 +71,9 @@ def _body(grid: ContactGrid, C: Array, tangential: Array) -> ReducedBody:
     cells = ContactGrid(grid.e_0, grid.theta_start, grid.pitch, grid.columns, False, grid.z, grid.columns, "cells")
     shear = Tangential(
         cells, tangential.reshape(1, 2 * n, 2 * n), np.zeros((1, n, 2 * n)), np.zeros((2, n, 0)),
-        Recovery(np.zeros((1, 3, 2 * n), np.float32), 1, np.eye(3)),
+        Recovery(np.zeros((1, 9, 2 * n), np.float32), 1, np.eye(3)),
     )  # fmt: skip
-    recovery = Recovery(np.zeros((1, 3, n), np.float32), 1, np.eye(3))
+    recovery = Recovery(np.zeros((1, 9, n), np.float32), 1, np.eye(3))
     surface = ContactSurface(FACE, PLANE, grid, 0.5 * (D + D.T)[None], np.zeros((n, 0)), recovery, tangential=shear)
     corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]) * grid.pitch
     skin = DisplaySurface(corners, np.array([[0, 1, 2]]), np.zeros((0, 3, 3)))
