@@ -1,4 +1,4 @@
-"""What it costs to keep a run on the way: `python bench/keeping.py [--json FILE] [--rounds N] [--seconds S]`.
+"""What it costs to keep a run on the way: `python bench/keeping.py [--json FILE] [--seconds S] [--save-every N]`.
 
 The two rollers of the demo, on its coarser mesh, long enough to take the given seconds; in turn without results,
 with the parts kept as often as `simulate` does by itself, and as often as it may (keep_every next to nothing). Times
@@ -46,12 +46,12 @@ class Watch:
         UnfinishedRun.keep = timed
 
 
-def measure(scene, steps: int, every: float | None, folder: Path, watch: Watch) -> dict:
+def measure(scene, steps: int, every: float | None, folder: Path, watch: Watch, save_every: int) -> dict:
     """Loop seconds of a run, and what was written on the way."""
     watch.parts, watch.seconds, watch.bytes = 0, 0.0, 0
     result = simulate(
         scene, steps * two_rollers.STEP, step=two_rollers.STEP, start="equilibrium", progress=False, overwrite=True,
-        results=None if every is None else folder / "run.h5", keep_every=every or NEVER,
+        save_every=save_every, results=None if every is None else folder / "run.h5", keep_every=every or NEVER,
     )  # fmt: skip
     seconds = result.history.counters["loop_seconds"]
     return {"seconds": seconds, "parts": watch.parts, "writing": watch.seconds, "megabytes": watch.bytes / 1e6}
@@ -62,14 +62,18 @@ def main() -> None:
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--save-every", type=int, default=1)
     given = parser.parse_args()
     watch, rows = Watch(), []
     scene = two_rollers.build(two_rollers.QUICK)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        steps = int(given.seconds / (measure(scene, TRIED, None, folder, watch)["seconds"] / TRIED))
+        steps = int(given.seconds / (measure(scene, TRIED, None, folder, watch, given.save_every)["seconds"] / TRIED))
         for _ in range(given.rounds):
-            rows += [{"kept": kept, **measure(scene, steps, every, folder, watch)} for kept, every in EVERY.items()]
+            rows += [
+                {"kept": kept, **measure(scene, steps, every, folder, watch, given.save_every)}
+                for kept, every in EVERY.items()
+            ]
     print(f"{steps} steps; medians of {given.rounds} rounds")
     print("kept                  seconds  over not kept  parts  writing s     MB")
     base = median(row["seconds"] for row in rows if row["kept"] == "not kept")
