@@ -27,6 +27,10 @@ from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import start_warp
 
 ROOM_GROWTH = 2  # of the slots, each time they are too few
+NOT_KEPT = (
+    "what friction on cells that travel with the patch keeps from step to step is not in the checkpoint, or does not "
+    "fit: the run goes on to the tolerance of the iteration, not bit for bit"
+)
 KEPT_MARK = "kept_"  # before the names of arrays in a checkpoint that are no part of the state
 
 
@@ -196,7 +200,8 @@ class Engine:
         return self.state.to_numpy() | {f"{KEPT_MARK}{name}": a.numpy().copy() for name, a in self._kept().items()}
 
     def resume(self, checkpoint: Mapping[str, np.ndarray]) -> None:
-        """Overwrite the state; what a checkpoint has kept, where it fits, or else compliances are made anew."""
+        """Overwrite the state; what a checkpoint has kept, where it fits, or else compliances are made anew, with a
+        note in `start_notes`."""
         given = {name.removeprefix(KEPT_MARK): a for name, a in checkpoint.items() if name.startswith(KEPT_MARK)}
         if given:
             self.make_room(given["answer_hat"].shape[1])
@@ -207,6 +212,7 @@ class Engine:
                 array.assign(given[name])
         else:
             self.control(stale=1)
+            self.start_notes.append(NOT_KEPT)
 
     def _kept(self) -> dict[str, DeviceArray]:
         """Arrays that are kept from step to step beside the state, each once: some stand in for others."""

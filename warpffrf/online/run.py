@@ -175,6 +175,8 @@ def run(
     if isinstance(start, History):
         first_step = restore(engine, start.checkpoint, step)
         rejected = int(engine.word("rejected")[0])
+        if not at_rest:
+            notes.extend(engine.start_notes)
     elif isinstance(start, Unfinished):
         first_step = go_on(engine, start, step)
     if at_rest:

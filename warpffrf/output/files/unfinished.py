@@ -73,10 +73,11 @@ class UnfinishedRun:
         file = self.folder / LOCK
         stream = file.open("a+", encoding="utf-8")
         if not _locked(stream):
-            stream.seek(0)
+            with stream:
+                stream.seek(0)
+                owner = stream.read().strip() or "unknown process"
             raise InputError(
-                f"results: another run is writing '{self.results}' ({stream.read().strip() or 'unknown process'}); "
-                "wait for it, or choose another name"
+                f"results: another run is writing '{self.results}' ({owner}); wait for it, or choose another name"
             )
         if not _is_file(stream, file):  # whoever had it has just removed it
             stream.close()
@@ -132,7 +133,7 @@ class UnfinishedRun:
             self._write_part(history, rows)
             self._write_checkpoint(history.checkpoint, plan)
         except OSError as error:
-            self.parts = max(self.parts - 1, 0)
+            self.parts -= 1
             if not self.troubles:
                 log.warning("results: '%s' cannot be written during the run (%s); going on", self.folder, error)
             self.troubles = [f"results: what was done could not be kept during the run ({error})"]
@@ -188,10 +189,8 @@ def read_checkpoint(folder: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]
 @contextmanager
 def _sound(file: Path) -> Iterator[h5py.File]:
     """A file of the folder, whose seal holds. Raises `InputError` for a damaged or missing one."""
-    subject, cure = (
-        f"unfinished run '{file.parent}': {file.name}",
-        "begin the run anew with overwrite=True (--overwrite)",
-    )
+    subject = f"unfinished run '{file.parent}': {file.name}"
+    cure = "begin the run anew with overwrite=True (--overwrite)"
     if not file.is_file():
         raise InputError(f"{subject} is missing; {cure}")
     require_seal(verify(file, subject, cure), 1, 1, subject, cure)
