@@ -43,6 +43,7 @@ from warpffrf.online.history.history import History
 from warpffrf.online.history.record import history_from_rows
 from warpffrf.online.keeping import Keeper, Keeping, Plan, Unfinished, go_on
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
+from warpffrf.online.marks import Marks
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
@@ -156,15 +157,11 @@ def run(
             refuse_velocities(scene)
     begin = time.perf_counter()
     integrator = integrator or GeneralizedAlpha()
-    engine = Engine(
-        scene,
-        device=device,
-        settings=settings,
-        integrator=integrator,
-        accuracy=accuracy,
-        local=as_local_dynamics(local),
-        progress=progress,
-    )
+    made_with = {
+        "device": device, "settings": settings, "integrator": integrator, "accuracy": accuracy,
+        "local": as_local_dynamics(local), "progress": progress,
+    }  # fmt: skip
+    engine = Engine(scene, **made_with)
     built = time.perf_counter()
     first_step, rejected = 0, 0
     notes = [*engine.compiled.notes, *_reaction_notes(integrator, engine), *uneven, *untested_warp_note()]
@@ -214,6 +211,8 @@ def run(
         plan = start.plan
     last_step, notes = plan.last_step, list(plan.notes)
     keeping = Keeping(engine, keeper, plan, len(engine.chunks[0]) if isinstance(start, Unfinished) else 0)
+    marks = Marks(engine, made_with, step, first_step, last_step)
+    marks.look(engine, first_step)
     watch = EnergyWatch(engine, step)
     gain = ""
     bar = Progress("simulate", last_step - first_step, enabled=progress)
@@ -221,7 +220,7 @@ def run(
         chunk = 4
         done = first_step
         while done < last_step and not np.any(engine.word("status")):
-            target = min(done + chunk, last_step)
+            target = marks.until(min(done + chunk, last_step), done)
             engine.control(target=target)
             seconds = engine.replay(4 * chunk)
             now = int(engine.word("step").min())
@@ -229,6 +228,7 @@ def run(
             chunk = int(np.clip(rate * engine.settings.chunk_seconds, 1, engine.settings.ring_rows * save_every - 1))
             done = now
             bar.update(done - first_step)
+            marks.look(engine, done)
             if watch.look():
                 gain = watch.end()
             keeping.look()
@@ -243,6 +243,7 @@ def run(
             engine.save_now()
         history = _finish(engine, begin, built, notes, "", plan.rejected)
     history.stopping = bool(asked)
+    history.marks = marks
     history.message = gain or history.message
     history.counters["loop_seconds"] = time.perf_counter() - loop
     if interrupted and history.status == "completed":

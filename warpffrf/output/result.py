@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import (
     BodyHistory,
     ForceHistory,
@@ -162,9 +163,26 @@ class Result:
         numerical = np.asarray(self.energy.get("numerical", np.zeros(len(self.time))))
         return numerical / self.energy_scale if self.energy_scale > 0.0 else np.zeros_like(numerical)
 
+    def error_budget(self, *, progress: bool = False) -> list[BudgetLine]:
+        """What each source of error does to the results: time step, contact grid, sampling points, mesh, inertia terms,
+        local modes, iteration (`warpffrf.output.budget`). Made when first asked for, by stepping the run, or parts of
+        it, once more with twice the step: up to half the time of a short run, a tenth of a long one. It goes into a
+        file with the results that are saved afterwards.
+
+        Raises InputError where it cannot be made: of results that were read from a file without one, of the monolithic
+        method and the check integrators.
+        """
+        from warpffrf.output.budget import budget
+
+        if not self.history.budget:
+            if reason := budget.why_not(self):
+                raise InputError(f"not made: {reason}")
+            self.history.budget = budget.error_budget(self, progress=progress)
+        return self.history.budget
+
     def report(self) -> str:
-        """Status, counters, contact figures at the last saved step, energy balance, and everything neglected
-        or capped."""
+        """Status, counters, contact figures at the last saved step, energy balance, the error budget where it has been
+        made, and everything neglected or capped."""
         from warpffrf.output.report.report import report_text
 
         return report_text(self)

@@ -17,10 +17,12 @@ from warpffrf.monolithic import Monolithic
 from warpffrf.monolithic import checkpoint as monolithic_checkpoint
 from warpffrf.online import GeneralizedAlpha, find_equilibrium, run
 from warpffrf.online.checkpoint import time_of
+from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import History
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics, refuse_other_modes
 from warpffrf.online.run import INTERRUPTED
 from warpffrf.online.stages import Stage, check_stages, joined, with_potential
+from warpffrf.output.budget.budget import largest_of_each
 from warpffrf.output.files.results import SUFFIXES
 from warpffrf.output.files.unfinished import ENDING
 from warpffrf.output.monolithic_run import refuse_other_method, run_monolithic, same_windows
@@ -40,6 +42,13 @@ class StagedResult(Result):
     def __init__(self, history: Any, stages: dict[str, Result]) -> None:
         super().__init__(history)
         self.stages = stages
+
+    def error_budget(self, *, progress: bool = False) -> list[BudgetLine]:
+        """Of each source and quantity the largest over the stages; raises InputError as that of a Result."""
+        if not self.history.budget:
+            lines = [line for stage in self.stages.values() for line in stage.error_budget(progress=progress)]
+            self.history.budget = largest_of_each(lines)
+        return self.history.budget
 
 
 def simulate(

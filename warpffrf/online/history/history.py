@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import unknown_name
+from warpffrf.online.history.budget_line import BudgetLine
 
 ENERGY_LINES = (
     "kinetic",  # rigid motion and global modes
@@ -202,4 +203,6 @@ class History:
     sensors: dict[str, SensorHistory] = field(default_factory=dict)
     checkpoint: dict[str, np.ndarray] = field(default_factory=dict)  # the complete device state at the end
     options: dict[str, str] = field(default_factory=dict)  # of `simulate`, name -> value as text
+    marks: Any = None  # states on the way, `online.marks.Marks`, of a run in this process; a file has none
+    budget: list[BudgetLine] = field(default_factory=list)  # the errors of the run, once they have been looked at
     stopping: bool = False  # True where Ctrl-C came while the run was being finished: nothing more is to begin

@@ -41,6 +41,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.reduced_body_file import read_reduced_body
 from warpffrf.model.sealed_file import require_seal, verify, written_sealed
 from warpffrf.model.surfaces import from_description
+from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import (
     BodyHistory,
     CellHistory,
@@ -110,6 +111,9 @@ def put_result(file: Any, result: Any, *, bodies: bool = True, packing: dict[str
     file.attrs["counters"] = json.dumps({k: float(v) for k, v in history.counters.items()})
     file.attrs["notes"] = json.dumps(list(history.notes))
     file.attrs["options"] = json.dumps(history.options)
+    file.attrs["budget"] = json.dumps(
+        [{**vars(line), "size": line.size if line.found else None} for line in history.budget]
+    )
     for field in RUN_FIELDS:
         _put(file, field, getattr(history, field.attribute), (), packing)
     for attribute, dim, fields, _ in _GROUPS:
@@ -200,11 +204,18 @@ def get_history(file: Any, scene: SceneView | None = None) -> History:
         counters={str(k): float(v) for k, v in json.loads(file.attrs["counters"]).items()},
         notes=[str(note) for note in json.loads(file.attrs["notes"])],
         options={str(k): str(v) for k, v in json.loads(file.attrs.get("options", "{}")).items()},  # older: none
+        budget=[_budget_line(line) for line in json.loads(file.attrs.get("budget", "[]"))],  # older: none
         sensors=_get_sensors(file),
         checkpoint={unquote(k): read(file, f"checkpoint/{k}") for k in hdf5_parts.names(file, "checkpoint")},
         **run,
         **groups,
     )
+
+
+def _budget_line(line: dict[str, Any]) -> BudgetLine:
+    size = line["size"]
+    words = {name: str(line[name]) for name in ("source", "of", "basis", "cure")}
+    return BudgetLine(size=np.nan if size is None else float(size), **words)
 
 
 def _fields_of(file: Any, fields: tuple[Field, ...], name: str, n: int) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.output.budget.budget import budget_text
 from warpffrf.output.contact.hertz import flexible_sides
 from warpffrf.output.contact.hertz_patch import HertzPoint
 from warpffrf.output.report.items import item_lines
@@ -54,7 +55,15 @@ def report_text(result: Any) -> str:
         lines.append(
             f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale moved by the grid defect"
         )
-    return "\n".join([*lines, *_notes(history)])
+    return "\n".join([*lines, *_budget_lines(result), *_notes(history)])
+
+
+def _budget_lines(result: Any) -> list[str]:
+    """The error budget, made here where it has not been and can be."""
+    try:
+        return budget_text(result.error_budget())
+    except InputError as error:
+        return [f"error budget      {error}"]
 
 
 def _contact_lines(contact: Any) -> list[str]:

@@ -1,0 +1,153 @@
+"""What a run says of its own errors, beside the errors that it has."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import warpffrf as wf
+from warpffrf.model.errors import InputError
+from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.online.marks import MARKS, WHOLE
+from warpffrf.output.budget.budget import budget_text, largest_of_each
+from warpffrf.output.budget.quantities import quantities
+from warpffrf.output.budget.time_step import at_end, frequency
+
+FACTOR = 3.0  # by which an estimate may be off, as the budget promises
+TOO_LARGE = 10.0  # windows shorter than a period cannot tell what is forced from what is free, and take the mean
+FINER = 8  # times the step of a run that stands for the exact one: its own error is 1/64 of it
+MOTION = "motion of body 'bob'"
+
+
+def pendulum() -> wf.Scene:
+    scene = wf.Scene(gravity=(0, 0, -9.81))
+    bob = scene.add_rigid_body(2.0, (0.01, 0.01, 0.01), name="bob", position=(0.5, 0.0, 0.0))
+    scene.add(wf.joints.Revolute(scene.ground, bob.at((-0.5, 0.0, 0.0)), axis=(0, 1, 0)))
+    return scene
+
+
+def driven_mass() -> wf.Scene:
+    """A damped mass on a spring under a force of half its frequency: what is left of the start dies out."""
+    scene = wf.Scene()
+    bob = scene.add_rigid_body(1.0, (0.01, 0.01, 0.01), name="bob")
+    guide = scene.add(wf.joints.Prismatic(scene.ground, bob.at((0, 0, 0)), axis=(1, 0, 0)))
+    scene.add(wf.forces.JointSpringDamper(guide, 400.0, 4.0))
+    t = np.linspace(0.0, 5.0, 1001)
+    push = wf.signals.Table(t, 100.0 * np.sin(10.0 * t), cubic=True)
+    scene.add(wf.forces.PointForce(bob.at((0, 0, 0)), (push, (1, 0, 0))))
+    return scene
+
+
+def run(scene: wf.Scene, duration: float, step: float, **options: Any) -> wf.Result:
+    return wf.simulate(scene, duration, step=step, progress=False, **options)
+
+
+def true_error(scene: wf.Scene, result: wf.Result, step: float) -> float:
+    """Root mean square of the error of the motion of the bob over its size."""
+    own = quantities(result.history)[MOTION]
+    finer = quantities(run(scene, float(result.time[-1]), step / FINER, save_every=FINER).history)[MOTION]
+    return float(np.sqrt(np.mean(own.apart(finer.values) ** 2))) / own.size
+
+
+def size(result: wf.Result, source: str, of: str) -> float:
+    return next(line.size for line in result.error_budget() if (line.source, line.of) == (source, of))
+
+
+@pytest.mark.parametrize("step", [1e-2, 4e-4], ids=["whole", "windows"])
+@pytest.mark.parametrize("scene", [pendulum, driven_mass])
+def test_the_error_of_the_step_is_found(scene: Any, step: float) -> None:
+    machine = scene()
+    result = run(machine, 4.0, step)
+    assert (round(4.0 / step) <= WHOLE) == (step == 1e-2)
+    true, found = true_error(machine, result, step), size(result, "time step", MOTION)
+    assert true / FACTOR < found < true * (FACTOR if step == 1e-2 else TOO_LARGE)
+
+
+def test_it_falls_with_the_square_of_the_step() -> None:
+    found = [size(run(pendulum(), 2.0, step), "time step", MOTION) for step in (4e-3, 2e-3, 1e-3)]
+    assert np.allclose(np.divide(found[:-1], found[1:]), 4.0, rtol=0.02)  # second order, to the next term
+
+
+def test_a_continued_run_and_sparse_rows_have_one() -> None:
+    scene = pendulum()
+    first = run(scene, 1.0, 2e-3)
+    rest = run(scene, 1.0, 2e-3, start=first, save_every=5)
+    true = true_error_from(scene, first, rest)
+    assert true / FACTOR < size(rest, "time step", MOTION) < true * FACTOR
+
+
+def true_error_from(scene: wf.Scene, first: wf.Result, rest: wf.Result) -> float:
+    """As `true_error`, of a run that goes on: its own part alone, from the state that it begins with."""
+    own = quantities(rest.history)[MOTION]
+    finer = run(scene, 1.0, 2e-3 / FINER, start=first, save_every=5 * FINER)
+    return float(np.sqrt(np.mean(own.apart(quantities(finer.history)[MOTION].values) ** 2))) / own.size
+
+
+def test_the_run_itself_is_not_changed() -> None:
+    result, other = run(pendulum(), 0.5, 1e-3), run(pendulum(), 0.5, 1e-3)
+    result.error_budget()
+    for name, values in vars(result.body("bob")).items():
+        assert np.array_equal(values, getattr(other.body("bob"), name)), name
+
+
+@pytest.mark.parametrize(("power", "expected"), [(0, 0.0), (1, 100.0), (2, 100.0)])
+def test_what_grows_goes_on_growing(power: int, expected: float) -> None:
+    """A window of a hundredth: differences t^0, t and, of a quantity that turns by one radian in the window, t^2."""
+    t = np.linspace(0.0, 1.0, 201)[1:]
+    assert at_end(t**power, 1.0, 100.0, 1.0 if power == 2 else 100.0) == pytest.approx(expected, rel=0.15)  # LAST
+
+
+def test_frequency_of_a_sine() -> None:
+    t = np.linspace(0.0, 2.0 * np.pi, 1001)
+    assert frequency(t, np.sin(5.0 * t)[:, None]) == pytest.approx(5.0, rel=1e-3)  # of differences
+
+
+def test_a_file_keeps_it(tmp_path: Path) -> None:
+    result = run(pendulum(), 0.2, 1e-2)
+    before, after = tmp_path / "before.h5", tmp_path / "after.h5"
+    result.save(before)
+    lines = result.error_budget()
+    result.save(after)
+    assert repr(wf.Result.load(after).error_budget()) == repr(lines)
+    with pytest.raises(InputError, match="not made: it takes the run itself"):
+        wf.Result.load(before).error_budget()
+    assert "error budget      not made" in wf.Result.load(before).report()
+
+
+def test_stages_have_the_largest_of_each() -> None:
+    scene = pendulum()
+    result = wf.simulate(scene, stages=[wf.Stage("a", 0.2, 1e-2), wf.Stage("b", 0.2, 2e-3)], progress=False)
+    each = [size(part, "time step", MOTION) for part in result.stages.values()]  # type: ignore[attr-defined]
+    assert size(result, "time step", MOTION) == max(each)
+
+
+def test_the_largest_is_named_with_its_cure() -> None:
+    lines = [
+        BudgetLine("time step", "force", 2e-5, "again", "a smaller step"),
+        BudgetLine("contact grid", "force", 0.031, "the rule", "a finer grid"),
+        BudgetLine("contact grid", "force of another", 0.011, "the rule", "a finer grid"),
+        BudgetLine("FE mesh", "force", np.nan, "needs another mesh", "mesh_error"),
+    ]
+    text = "\n".join(budget_text(lines))
+    assert "time step                   < 0.1 % of the force" in text
+    assert "not found: needs another mesh; mesh_error" in text
+    assert text.splitlines()[-1].split() == "largest contact grid, 3.1 %; cure: a finer grid".split()
+
+
+def test_of_two_runs_the_larger_counts() -> None:
+    small, large = BudgetLine("a", "b", 1e-3, ""), BudgetLine("a", "b", 2e-3, "")
+    unknown = BudgetLine("a", "b", np.nan, "")
+    assert largest_of_each([unknown, small, large, unknown]) == [large]
+
+
+def test_a_run_of_one_step_says_so() -> None:
+    lines = run(pendulum(), 1e-3, 1e-3).error_budget()
+    assert [line.found for line in lines] == [False] and "too short" in lines[0].basis
+
+
+def test_long_runs_leave_so_many_states() -> None:
+    result = run(pendulum(), 5.0, 1e-3)
+    assert len(result.history.marks.states) == MARKS

@@ -1,0 +1,143 @@
+r"""States that a run leaves on the way, so that parts of it can be stepped again with another step.
+
+A run of up to `WHOLE` steps leaves its first state, a longer one `MARKS` states in equal distances. They stay in memory
+with the `History` and are not written to files. `Marks.again` makes an engine anew: whoever never asks pays for the
+copies alone.
+
+**Another step from a state in the middle of a run.** In a smooth motion x(t) the velocities and algorithmic
+accelerations of the generalized-alpha method are not those of x, but off by a constant times the step. With v_n = x' +
+c h^2 x''' and a_n = x'' + d h x''', the update of velocities and that of positions (`model.integrators`) give, order by
+order in h,
+
+    d = 1/2 - gamma = alpha_m - alpha_f,        c = 1/6 - beta - d/2.
+
+A state that is to go on with h_2 instead of h takes c (h_2^2 - h^2) x''' and d (h_2 - h) x''' more, or it would jump: a
+mechanism that is driven has its places given, and carries the jump as an alternation of its reactions. x''' is the
+difference of the accelerations over the first step of the run from there. The first state of a run from rest or from
+given velocities has the velocities themselves, and takes nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.scene import Scene
+from warpffrf.online.arrays.ring import SavedRows
+from warpffrf.online.checkpoint import restore
+from warpffrf.online.engine import Engine
+from warpffrf.online.history.history import History
+from warpffrf.online.history.record import history_from_rows
+
+WHOLE = 4000  # steps, up to which a run is stepped again as a whole
+MARKS = 100  # states of a longer one
+MOST_BYTES = 64e6  # of them
+COARSER = 2  # times the step of the run
+ROUGHER = float(COARSER**3)  # times the accuracy asked for: local errors grow with h^3
+MOST_ATTEMPTS = 4  # a user step, in one replay: more follow where steps are halved
+
+Array = np.ndarray
+State = Mapping[str, Array]
+
+
+@dataclass(frozen=True)
+class Again:
+    """A part of a run, `begin` to `end` in its user steps, once more with `COARSER` times the step: `coarse`, and with
+    the step itself: `fine`, None where that is the whole run, whose rows there are. `times`: (T,) s of the rows of
+    `coarse`."""
+
+    begin: int
+    end: int
+    fine: History | None
+    coarse: History
+
+
+class Marks:
+    """States of a run of user steps `first` to `last` of `step` [s]; `options`: what its `Engine` was made with."""
+
+    def __init__(self, engine: Engine, options: Mapping[str, Any], step: float, first: int, last: int) -> None:
+        self.scene: Scene = engine.scene
+        self.options, self.step, self.first, self.last = dict(options), step, first, last
+        steps = last - first
+        if steps <= WHOLE:
+            wanted = np.array([first, last])
+        else:
+            size = sum(array.nbytes for array in engine.state.to_numpy().values())
+            wanted = np.linspace(first, last, int(np.clip(MOST_BYTES // size, 1, MARKS)) + 1).astype(int)
+        self.steps = np.unique(wanted)
+        self.states: dict[int, State] = {}
+
+    @property
+    def whole(self) -> bool:
+        """Whether the run is short enough to be stepped again as a whole."""
+        return len(self.steps) <= 2
+
+    def until(self, target: int, done: int) -> int:
+        """The step to go to from `done`: `target`, or a mark before it."""
+        ahead = self.steps[self.steps > done]
+        return min(target, int(ahead[0])) if len(ahead) else target
+
+    def look(self, engine: Engine, done: int) -> None:
+        """Keep the state where a mark is reached; the last needs none."""
+        if done in self.steps[:-1] and not np.any(engine.word("status")):
+            self.states[done] = engine.state.to_numpy()
+
+    def windows(self, reached: int) -> list[tuple[int, int]]:
+        """Parts of a run up to user step `reached`, between marks."""
+        ends = np.append(self.steps[(self.steps < reached)], reached)
+        return [(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True) if int(a) in self.states]
+
+    def engine(self) -> Engine:
+        """The engine of the run, made anew."""
+        return Engine(self.scene, **self.options)
+
+    def again(self, engine: Engine, begin: int, end: int) -> Again | None:
+        """User steps `begin` to `end` once more, an even number of them; None where they fail with the longer step."""
+        state, pairs = self.states[begin], (end - begin) // COARSER
+        fresh = begin == 0 and not np.any(state["ctl"]["steps"])
+        accuracy = engine.scratch.accuracy.numpy()
+        fine = None
+        if not (fresh and self.whole):
+            rows = _rows(engine, state, self.step, COARSER * pairs if not self.whole else 1)
+            if rows is None:
+                return None
+            fine = None if self.whole else history_from_rows(engine.compiled, rows)
+            state = state if fresh else longer(engine, state, rows, self.step)
+        engine.scratch.accuracy.assign(ROUGHER * accuracy)
+        rows = _rows(engine, state, COARSER * self.step, pairs)
+        engine.scratch.accuracy.assign(accuracy)
+        if rows is None:
+            return None
+        return Again(begin, begin + COARSER * pairs, fine, history_from_rows(engine.compiled, rows))
+
+
+def longer(engine: Engine, state: State, rows: SavedRows, step: float) -> dict[str, Array]:
+    """`state` of a run with `step` [s], whose next step is the first of `rows`, for steps `COARSER` times as long."""
+    alpha_m, alpha_f, beta, _ = engine.scratch.coefficients.numpy()[0]
+    ahead = alpha_m - alpha_f
+    late = 1.0 / 6.0 - beta - 0.5 * ahead
+    found = dict(state)
+    for name in ("v", "omega", "qd"):
+        jerk = (rows[f"saved_{name}_rate"][0] - state[f"{name}_rate"]) / step
+        found[name] = state[name] + late * (COARSER**2 - 1) * step**2 * jerk
+        found[f"{name}_alg"] = state[f"{name}_alg"] + ahead * (COARSER - 1) * step * jerk
+    return found
+
+
+def _rows(engine: Engine, state: State, step: float, steps: int) -> SavedRows | None:
+    """The rows of `steps` user steps of `step` [s] from `state`, without the state itself; None where they fail."""
+    engine.chunks = [[] for _ in range(engine.worlds)]
+    done = restore(engine, state, step)
+    engine.control(every=1, level=int(state["ctl"]["level"][0]))
+    end = done + steps
+    while done < end:
+        target = min(done + engine.settings.ring_rows - 1, end)
+        engine.control(target=target)
+        engine.replay(MOST_ATTEMPTS * (target - done))
+        done = int(engine.word("step").min())
+        if np.any(engine.word("status")):
+            return None
+    return engine.saved()

@@ -1,0 +1,178 @@
+r"""The error of the step of a run, from parts of it that are stepped again with twice the step.
+
+A method of second order errs by e = c h^2 in whatever is looked at, so that two solutions that start together and go on
+with h and 2 h come apart by
+
+    d = 4 e - e = 3 e
+
+(Richardson). Where the step of an impact is the error, of pairs whose contact is impulsive, the order is one, d = 2 e -
+e; of runs with such steps e = d/2 is taken, which is right within a factor of 2 either way.
+
+A run of up to `marks.WHOLE` steps is stepped again as a whole, at half of its cost. Of a longer one it is windows, a
+hundredth each: `SPREAD` evenly spread ones, which stand for all that is not looked at, and the `BUSIEST`, in which
+accelerations change most from row to row, for themselves. In a window both solutions start from the state of the run
+(`marks` says how), so that what they come apart by grows from nothing. With d_1 and d_2 the root mean square of the
+first and second half of a window of length L, in a run of length T and a quantity of the frequency w = |Qdot|/|Q|,
+
+    d_2/d_1 below SETTLED       forced or damped: the error has its size, d
+    above QUADRATIC             free, and the window shorter than a period: a force error f gives d = f L^2/2 first and
+                                then f t/(2 w), hence d T/L max(1, min(1/(w L), T/L)) at the end of the run
+    between, w L > TWO_PERIODS  free, grows with time: d T/L
+    between, else               not to be told: the geometric mean of both, d root(T/L)
+
+and what grows linearly from nothing has 1/root(3) of its last value as root mean square.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from warpffrf.model.progress import Progress
+from warpffrf.online.engine import Engine
+from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.online.history.history import History
+from warpffrf.online.marks import COARSER, Again, Marks
+from warpffrf.output.budget.quantities import Quantity, quantities
+
+SPREAD, BUSIEST = 4, 2  # windows
+SETTLED, QUADRATIC = 1.8, 4.0  # d_2/d_1 is 1 of what has settled, 2.6 of t, 5.6 of t^2
+TWO_PERIODS = 4.0 * np.pi
+LAST = 1.4  # last value over d_2: 1.3 of t, 1.6 of t^2
+SECOND_ORDER, FIRST_ORDER = float(COARSER**2 - 1), float(COARSER)  # d/e, the latter between its two
+SAME_TIME = 1e-3  # of the step: times that differ by round-off
+SOURCE = "time step"
+CURE = "a smaller step"
+
+Array = np.ndarray
+
+
+def time_step_lines(history: History, engine: Engine, *, progress: bool) -> list[BudgetLine]:
+    """One line for each quantity of a run that has left `marks`; `engine`: of the run, at hand for more steps."""
+    marks: Marks = history.marks
+    begin = float(marks.states[marks.first]["clk"]["time"][0]) if marks.states else 0.0
+    reached = marks.first + round((history.time[-1] - begin) / marks.step)
+    parts = [(a, b) for a, b in marks.windows(reached) if b - a >= COARSER]
+    if not parts:
+        return [BudgetLine(SOURCE, "all results", np.nan, "the run is too short for a second one with twice the step")]
+    chosen = [0] if marks.whole else _windows(history, marks, parts)
+    found: list[Again] = []
+    bar = Progress("error budget: time step", len(chosen), enabled=progress, unit="part")
+    for n, i in enumerate(chosen):
+        again = marks.again(engine, *parts[i])
+        if again is None:
+            bar.close()
+            return [
+                BudgetLine(SOURCE, "all results", np.nan, "with twice the step the run fails", "a smaller step, to see")
+            ]
+        found.append(again)
+        bar.update(n + 1)
+    bar.close()
+    own = quantities(history)
+    if marks.whole:
+        return _by_whole(history, own, found[0])
+    return [_by_windows(history, quantity, found, marks.step, _divisor(history)) for quantity in own.values()]
+
+
+def _divisor(history: History) -> float:
+    """d/e of the run."""
+    return FIRST_ORDER if history.counters.get("impulsive_steps") else SECOND_ORDER
+
+
+def _by_whole(history: History, own: dict[str, Quantity], again: Again) -> list[BudgetLine]:
+    """From a whole second run, whose rows are compared at the times that both have saved."""
+    time = again.coarse.time
+    step = float(np.median(np.diff(time))) if len(time) > 1 else float(time[0])
+    at = np.searchsorted(history.time, time - SAME_TIME * step)
+    same = (at < len(history.time)) & (
+        np.abs(history.time[np.minimum(at, len(history.time) - 1)] - time) < SAME_TIME * step
+    )
+    if not np.any(same):
+        return [BudgetLine(SOURCE, "all results", np.nan, "no saved step is an even one; use save_every of 1 or 2")]
+    coarse = quantities(again.coarse)
+    lines = []
+    for name, quantity in own.items():
+        if name not in coarse:
+            continue
+        d = np.linalg.norm(quantity.values[at[same]] - coarse[name].values[same], axis=1)
+        size = float(np.sqrt(np.mean(d**2))) / quantity.size / _divisor(history)
+        lines.append(BudgetLine(SOURCE, name, size, "the run once more with twice the step", CURE))
+    return lines
+
+
+def _windows(history: History, marks: Marks, parts: Sequence[tuple[int, int]]) -> list[int]:
+    """Numbers of the windows to look at, the evenly spread ones first."""
+    spread = [int(x) for x in (np.arange(SPREAD) + 0.5) / SPREAD * len(parts)]
+    times = [float(marks.states[a]["clk"]["time"][0]) for a, _ in parts]
+    busy = busyness(history, times)
+    others = [int(i) for i in np.argsort(-busy, kind="stable") if i not in spread]
+    return [*dict.fromkeys(spread), *others[:BUSIEST]]
+
+
+def busyness(history: History, begins: Sequence[float]) -> Array:
+    """Of windows that begin at `begins` [s], how much accelerations change there from one saved row to the next, at
+    most, over the largest of the body."""
+    change = np.zeros(max(len(history.time) - 1, 0))
+    for motion in history.bodies.values():
+        for values in (motion.acceleration, motion.angular_acceleration, motion.modal_acceleration):
+            largest = float(np.abs(np.nan_to_num(values)).max(initial=0.0))
+            if largest > 0.0:
+                step = np.abs(np.diff(np.nan_to_num(values), axis=0)).max(axis=1) / largest
+                change = np.maximum(change, step)
+    window = np.searchsorted(begins, 0.5 * (history.time[1:] + history.time[:-1]), side="right") - 1
+    found = np.zeros(len(begins))
+    np.maximum.at(found, np.maximum(window, 0), change)
+    return found
+
+
+def _by_windows(
+    history: History, quantity: Quantity, found: Sequence[Again], step: float, divisor: float
+) -> BudgetLine:
+    """From windows, the first `SPREAD` of them evenly spread."""
+    T = float(history.time[-1] - history.time[0])
+    w = frequency(history.time, quantity.values)
+    settled, grown, rest = 0.0, [], T
+    squares = []
+    for number, again in enumerate(found):
+        if again.fine is None:
+            raise TypeError("a window has rows of both steps")
+        fine, coarse = (quantities(h).get(quantity.name) for h in (again.fine, again.coarse))
+        length = (again.end - again.begin) * step
+        if fine is None or coarse is None:  # nothing of it in the window
+            d = np.zeros(2)
+        else:
+            d = np.linalg.norm(fine.values[COARSER - 1 :: COARSER] - coarse.values, axis=1) / divisor
+        square = float(np.mean(d**2))
+        if number < SPREAD:
+            squares.append(square)
+            grown.append(at_end(d, length, T, w))
+        else:
+            settled += square * length
+            rest -= length
+    settled = np.sqrt((settled + rest * np.mean(squares)) / T)
+    size = float(np.hypot(settled, np.mean(grown) / np.sqrt(3.0))) / quantity.size
+    basis = f"{len(found)} parts of the run, {len(found) / 100:.0%} of it, once more with twice the step"
+    return BudgetLine(SOURCE, quantity.name, size, basis, CURE)
+
+
+def frequency(time: Array, values: Array) -> float:
+    """|Qdot|/|Q - mean of Q| [rad/s] of a quantity, of its saved rows."""
+    if len(time) < 3:
+        return 0.0
+    size = np.sqrt(np.mean(np.sum((values - values.mean(axis=0)) ** 2, axis=1)))
+    rate = np.sqrt(np.mean(np.sum(np.diff(values, axis=0) ** 2, axis=1) / np.diff(time) ** 2))
+    return float(rate / size) if size > 0.0 else 0.0
+
+
+def at_end(d: Array, length: float, T: float, w: float) -> float:
+    """What differences d (n,) over a window of `length` [s] have become at the end of a run of T [s], of a quantity of
+    frequency w [rad/s]; 0 of those that do not grow."""
+    half = len(d) // 2
+    first, second = (float(np.sqrt(np.mean(x**2))) if len(x) else 0.0 for x in (d[:half], d[half:]))
+    if second <= SETTLED * first:
+        return 0.0
+    last, windows, turn = LAST * second, T / length, w * length
+    if second > QUADRATIC * first:
+        return last * windows * max(1.0, min(1.0 / max(turn, 1e-300), windows))
+    return last * (windows if turn > TWO_PERIODS else np.sqrt(windows))
