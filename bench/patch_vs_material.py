@@ -107,8 +107,8 @@ def seconds(row: dict[str, Any]) -> float:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
-    parser.add_argument("--rounds", type=int, default=2, help="of each case the fastest round counts")
-    parser.add_argument("--steps", type=int, default=1000)
+    parser.add_argument("--rounds", type=int, default=1, help="of each case the fastest round counts")
+    parser.add_argument("--steps", type=int, default=300)
     given = parser.parse_args()
     reference = cr.straight_reference(LOAD)
     every = cases()
