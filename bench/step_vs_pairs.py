@@ -49,7 +49,7 @@ def suns() -> dict[int, list[Callable[[float], Scene]]]:
 def rings() -> dict[int, list[Callable[[float], Scene]]]:
     """The same of rollers between rings."""
     cells: dict[str, Any] = {"layers": 4, "axial": 4, "grading": 1.6, "order": 1}
-    options: dict[str, Any] = {"tangential": True, "progress": False}
+    options: dict[str, Any] = {"tangential": True, "patch_grid": False, "progress": False}
     bore = RADIUS + 2.0 * ROLLER - INTERFERENCE
     roller, inner = (
         reduce(
