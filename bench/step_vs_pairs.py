@@ -1,4 +1,4 @@
-"""Step time against pairs: `python bench/step_vs_pairs.py [--json FILE] [--steps N] [--only NAME] [--large]`.
+"""Step time against the number of pairs: `python bench/step_vs_pairs.py [--json FILE] [--steps N] [--only NAME]`.
 
 *sun*: a driven roller with one to eight others around it, all on its one surface; *rings*: rollers between two rings,
 two pairs each. Without and with friction. *Per pair* is the time of a step over that of one pair alone times the number
@@ -14,8 +14,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from warpffrf.model import mesh
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Bore, Cylinder
@@ -30,7 +28,6 @@ LOAD, FRICTION, CREEPAGE = 100e3, 0.3, 2e-3  # N on a width of 10 mm, -, -
 RADIUS, ROLLER, INTERFERENCE, WIDTH = 0.05, 0.009, 2e-4, 0.01  # m
 STEP = 1e-4  # s
 ROUNDS = 2
-MOST = (18, 8)  # pairs, without and with friction, of a run without --large
 
 
 def suns() -> dict[int, list[Callable[[float], Scene]]]:
@@ -86,13 +83,10 @@ def timed(scene: Scene, steps: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def table(name: str, friction: float, steps: int, unit: float, most: float = np.inf) -> list[dict[str, Any]]:
-    """Rows of one family of scenes of up to `most` pairs, printed as they come."""
+def table(name: str, friction: float, steps: int, unit: float) -> list[dict[str, Any]]:
+    """Rows of one family of scenes, printed as they come."""
     rows: list[dict[str, Any]] = []
     for pairs, scenes in SCENES[name]().items():
-        if pairs > most:
-            print(f"{name:6s} {friction:8.1f} {pairs:6d} left out; --large has it")
-            continue
         found = [timed(make(friction), steps) for make in scenes]
         mean = {key: sum(f[key] for f in found) / len(found) for key in ("active", "iterations", "seconds_per_step")}
         row = {"scene": name, "friction": friction, "pairs": pairs, "status": found[-1]["status"], **mean}
@@ -111,8 +105,7 @@ def table(name: str, friction: float, steps: int, unit: float, most: float = np.
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
-    parser.add_argument("--steps", type=int, default=30)
-    parser.add_argument("--large", action="store_true", help="add the rings' largest scenes, which take minutes")
+    parser.add_argument("--steps", type=int, default=60)
     parser.add_argument("--only", choices=SCENES, help="one family of scenes")
     given = parser.parse_args()
     about = machine()
@@ -122,9 +115,7 @@ def main() -> None:
         row
         for name in ([given.only] if given.only else SCENES)
         for friction in (0.0, FRICTION)
-        for row in table(
-            name, friction, given.steps, about["unit_seconds"], np.inf if given.large else MOST[friction > 0.0]
-        )
+        for row in table(name, friction, given.steps, about["unit_seconds"])
     ]
     if given.json:
         given.json.write_text(json.dumps({**about, "rows": rows}, indent=1) + "\n")
