@@ -179,31 +179,35 @@ pressures could be tabulated when it is reduced, and any change of the edge woul
 
 
 def read_patch(rows: list[tuple[int, float, float, Ends]]) -> str:
-    """What the table of travelling cells says, with its figures."""
+    """What the table of travelling cells says, with its figures: of the coarser mesh, and of the finer one."""
+    coarser = [e for sectors, _, _, e in rows if sectors == MESHES[0][0]]
+    finer = [e for sectors, _, _, e in rows if sectors != MESHES[0][0]]
 
     def between(way: str) -> str:
-        found = [e.reference[way] for *_, e in rows if not np.isnan(e.reference[way])]
+        found = [e.reference[way] for e in coarser]
         return f"{min(found):.1%} to {max(found):.1%}"
 
     fine, most = PATCHES[-1], STRIPS[-1]
     counts = ", ".join(f"{between(way)} with {n} strips" for way, n in zip(PATCHES, STRIPS, strict=True))
-    beyond = max(e.nodes[fine] - e.reference["nodes"] for *_, e in rows if not np.isnan(e.nodes[fine]))
-    refused = sum(bool(np.isnan(e.reference[way])) for *_, e in rows for way in PATCHES)
+    beyond = max(e.nodes[fine] - e.reference["nodes"] for e in coarser)
+    refused = sum(bool(np.isnan(e.reference[way])) for e in finer for way in PATCHES)
+    silent = [e.reference[way] for e in finer for way in PATCHES if not np.isnan(e.reference[way])]
+    wrong = f"errs by up to {max(silent):.1%} in the others, without a word" if silent else "has no others"
     return f"""\
-What to read from it. Against the reference "semi" errs by {between("hats")}, "full" by {between("nodes")}, cells that
-travel by {counts}. Their edge lies inside a cell
-too, but the cell is as narrow as is asked for, on the same body and mesh: the error falls with the strips, where that
-of hats and nodes falls with the mesh only. From "full" they differ by what "full" errs, with {most} strips by
-{beyond:.1%} more at most: the distance of "semi" from "full" is one of hats and nodes, which end where the mesh lets
-them. The {STRIPS[0]} strips of the default are no finer than the grid here: a strip is a quarter of the half-width,
-and a pressure that is constant in it makes steps which hats narrower than it see. They are chosen for force and largest
-pressure, right to {CELL_ERROR:.1%}; whoever wants the pressure at the edge takes more, by `Contact(cells=)` or
-`Contact(cell_error=)`.
+What to read from it. On {MESHES[0][0]} sectors "semi" errs by {between("hats")} against the reference, "full" by
+{between("nodes")}, cells that travel by {counts}.
+Their edge lies inside a cell too, but the cell is as narrow as is asked for, on the same body and mesh: the error falls
+with the strips, where that of hats and nodes falls with the mesh only. From "full" they differ by what "full" errs,
+with {most} strips by {beyond:.1%} more at most: the distance of "semi" from "full" is one of hats and nodes, which
+end where the mesh lets them. The {STRIPS[0]} strips of the default are no finer than the grid here: a strip is a
+quarter of the half-width, and a pressure that is constant in it makes steps which hats narrower than it see. They are
+chosen for force and largest pressure, right to {CELL_ERROR:.1%}; whoever wants the pressure at the edge takes more, by
+`Contact(cells=)` or `Contact(cell_error=)`.
 
-*Refused* ({refused} of {len(rows) * len(PATCHES)}): the program finds the compliance of the cells not positive
-definite, at one place of the patch at least, and says so. These are narrow arcs of a mesh finer than the cells, its own
-cells fifty times as long as wide: not what the patch grid is made for. What of their far field is wrong is not found
-out here.
+On {MESHES[1][0]} sectors this fails. Of {len(finer) * len(PATCHES)} cases the program *refuses* {refused}, because the
+compliance of the cells is not positive definite at one place of the patch at least, and {wrong}. These
+bodies are narrow arcs of a mesh finer than the cells, its own cells fifty times as long as wide, which is not what the
+patch grid is made for; `reduce` does not refuse them. What of their far field is wrong is not found out here.
 """
 
 
