@@ -9,9 +9,9 @@ CHECKED := warpffrf kernels tests demos bench
 
 # Test workers share the cores, the unit of time is defined on one thread, and on many small matrices the threads of a
 # BLAS wait for each other: one BLAS thread each.
-demo demos test test-floor verify bench bench-compare wheel-test: export OPENBLAS_NUM_THREADS ?= 1
+demo demos test test-floor verify bench bench-store bench-compare wheel-test: export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: .venv demo demos test test-floor verify bench bench-compare lint format types wheel-test clean
+.PHONY: .venv demo demos test test-floor verify bench bench-store bench-compare lint format types wheel-test clean
 
 .venv: $(STAMP)
 
@@ -49,10 +49,17 @@ $(VERIFY): $(STAMP)
 verify: $(VERIFY)
 	$(BIN)/python -m pytest -m "slow or not slow"
 
+# Within 15 minutes on two cores; many scripts have longer runs behind options. The last table compares with the stored run.
 bench: $(STAMP)
+	rm -f out/bench/*.json
 	mkdir -p out/bench
-	set -e; for script in $(filter-out bench/compare_commits.py,$(wildcard bench/*.py)); do \
+	set -e; for script in $(filter-out bench/compare_%.py,$(wildcard bench/*.py)); do \
 		echo "== $$script"; $(BIN)/python $$script --json out/bench/$$(basename $$script .py).json; done
+	$(BIN)/python bench/compare_runs.py
+
+# The last run of `make bench` becomes what later ones on this machine are compared with: only of a quiet machine.
+bench-store: $(STAMP)
+	$(BIN)/python bench/compare_runs.py --store
 
 # The working tree beside another commit: make bench-compare BASE=commit
 BASE ?= HEAD

@@ -5,8 +5,8 @@
 constant approach: force, pressure and stress, on finer and finer meshes, with two layers, on equal and unequal grids.
 *Times* of a step with 8,000 local modes, all three in the same run: "full" with each of its linear solvers, of which
 "full" is the conventional one, a dense LU of all coordinates in each iteration, and "low_rank" condenses the local
-modes. *Layers*: "hyper" against "semi" under laws whose yield is no constant, which are evaluated at points. See
-`warpffrf/study/evaluations.py`.
+modes; without options only the latter, and no errors. *Layers*: "hyper" against "semi" under laws whose yield is no
+constant, which are evaluated at points. See `warpffrf/study/evaluations.py`.
 """
 
 from __future__ import annotations
@@ -47,6 +47,7 @@ SERIES = (960, 14, 8, 444, 60e-6)  # 444 x 9 hats, 3,996 a roller
 COLUMNS_A_STEP = 0.25
 SEPARATED_STEPS, ROUNDS = 150, 15  # the fastest round counts, all in turn: other work on the machine only slows down
 FULL_STEPS = {"low_rank": 10, "modified": 2, "full": 1}
+SHORT_STEPS = {"low_rank": 3}  # of a run without options, which leaves the dense variants out
 LAYER_SERIES = (960, 14, 8, 60, 60e-6)
 POWER, POWER_DEPTH = 1.5, 1e-6  # of the power law; where it has the pressure of the linear layer [m]
 ASPERITIES = (1e6, 1e-6)  # Pa, m: seven decay lengths to the pressure here
@@ -61,12 +62,12 @@ def main() -> None:
     parser.add_argument("--layers", action="store_true", help="layers only, a minute")
     given = parser.parse_args()
     found: dict[str, Any] = machine()
-    every = not (given.errors or given.times or given.layers)
-    if given.errors or every:
+    short = not (given.errors or given.times or given.layers)
+    if given.errors:
         found["errors"] = errors()
-    if given.times or every:
-        found["times"] = times(found["unit_seconds"])
-    if given.layers or every:
+    if given.times or short:
+        found["times"] = times(found["unit_seconds"], FULL_STEPS if given.times else SHORT_STEPS)
+    if given.layers or short:
         found["layers"] = under_layers(found["unit_seconds"])
     if given.json:
         given.json.write_text(json.dumps(found, indent=1) + "\n")
@@ -96,8 +97,8 @@ def errors() -> list[dict[str, Any]]:
     return rows
 
 
-def times(unit: float) -> list[dict[str, Any]]:
-    """Times of a step of all three, and their ratios; printed as they come."""
+def times(unit: float, full_steps: dict[str, int]) -> list[dict[str, Any]]:
+    """Times of a step of all three, of "full" by the steps of each variant, and their ratios; printed as they come."""
     sectors, layers, axial, columns, approach = SERIES
     body = tread(columns, sectors=sectors, layers=layers, axial=axial, sampling_error=SAMPLING_ERROR)
     pitch = 2.0 * np.pi / sectors
@@ -137,7 +138,7 @@ def times(unit: float) -> list[dict[str, Any]]:
         add(best[name])
     scene = scene_of(body, "full", approach, swing, rate, SEPARATED_STEPS * STEP)
     start = run_evaluation(scene, 1)
-    for variant, steps in FULL_STEPS.items():
+    for variant, steps in full_steps.items():
         result = run_evaluation(scene, steps, start=start, variant=variant)
         contact = result.history.contacts[PAIR]
         add({

@@ -102,7 +102,7 @@ def measure(pair: Rollers, roller: wf.ReducedBody, friction: float, saturation: 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
-    parser.add_argument("--steps", type=int, default=200)
+    parser.add_argument("--steps", type=int, default=100)
     given = parser.parse_args()
     about = machine()
     rows = []

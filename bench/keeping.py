@@ -60,8 +60,8 @@ def measure(scene, steps: int, every: float | None, folder: Path, watch: Watch, 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
-    parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--rounds", type=int, default=1)
+    parser.add_argument("--seconds", type=float, default=22.0)
     parser.add_argument("--save-every", type=int, default=1)
     given = parser.parse_args()
     watch, rows = Watch(), []

@@ -30,7 +30,7 @@ def runs(counts: list[int]) -> list[LocalDynamics]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
-    parser.add_argument("--steps", type=int, default=1000)
+    parser.add_argument("--steps", type=int, default=300)
     parser.add_argument("--counts", type=int, nargs="*", default=list(COUNTS), help="local modes with inertia")
     given = parser.parse_args()
     about = machine()

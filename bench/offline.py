@@ -11,7 +11,6 @@ import argparse
 import json
 import multiprocessing
 import os
-import platform
 import sys
 import time
 from pathlib import Path
@@ -168,6 +167,7 @@ def main() -> None:
     options = parser.parse_args()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # inherited by the processes of the rows
     from warpffrf.model.reduced_body import library_versions
+    from warpffrf.study.step_time import machine
 
     rows = []
     context = multiprocessing.get_context("spawn")
@@ -184,15 +184,10 @@ def main() -> None:
         )
     solvers = solver_table(context, BLOCK_NODES if options.large else SMALL_BLOCK_NODES) if options.solvers else []
     if options.json:
-        machine = {
-            "machine": platform.machine(),
-            "processor": platform.processor(),
-            "system": platform.platform(),
-            "cores": os.cpu_count(),
-        }
-        versions = {"python": platform.python_version(), **library_versions(LIBRARIES)}
+        about = machine()
+        versions = {**about["versions"], **library_versions(LIBRARIES)}
         options.json.write_text(
-            json.dumps({"machine": machine, "versions": versions, "rows": rows, "solvers": solvers}, indent=1)
+            json.dumps({**about, "versions": versions, "rows": rows, "solvers": solvers}, indent=1) + "\n"
         )
 
 

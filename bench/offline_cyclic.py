@@ -1,4 +1,4 @@
-"""Time and memory of the cyclic path at the size of a fine roller: `python bench/offline_cyclic.py [--json FILE]`.
+"""Time and memory of the cyclic path on a fine roller: `python bench/offline_cyclic.py [--json FILE] [--large]`.
 
 1.95 million dofs in quadratic cells, 21,000 normal local modes. Rows: normal tractions alone, with tangential ones in
 cells and in hats, and normal ones in complex arithmetic (a sector that is not its own mirror image, here bent around
@@ -23,6 +23,7 @@ ROWS = [
     {"name": "normal, tangential hats", "tangential": "hats", "bent": 0.0},
     {"name": "normal, complex", "tangential": None, "bent": 0.05},
 ]
+SHORT = 2  # rows of a run without --large
 SECTORS, LAYERS, AXIAL = 500, 15, 10
 MAX_FREQUENCY = 20e3  # Hz, as the two-roller demo
 
@@ -76,12 +77,15 @@ def measure(row: dict) -> dict:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--json", type=Path, help="write the rows to this file")
+    parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
+    parser.add_argument("--large", action="store_true", help="all rows; left out: the first two")
     options = parser.parse_args()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # inherited by the processes of the rows
-    rows = []
+    from warpffrf.study.step_time import machine
+
+    about, rows = machine(), []
     print(f"{'case':28} {'dofs':>9} {'local':>7} {'global':>7} {'harmonics':>10} {'seconds':>8} {'GiB':>6}")
-    for row in ROWS:
+    for row in ROWS if options.large else ROWS[:SHORT]:
         with multiprocessing.get_context("spawn").Pool(1) as pool:
             found = pool.apply(measure, (row,))
         rows.append(found)
@@ -91,7 +95,7 @@ def main() -> None:
             f"{found['harmonics']:>10} {found['seconds']:8.1f} {memory:>6}"
         )
     if options.json:
-        options.json.write_text(json.dumps(rows, indent=1))
+        options.json.write_text(json.dumps({**about, "rows": rows}, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ import psutil
 import warpffrf as wf
 from warpffrf.study.step_time import machine
 
-RUNS = 200
+RUNS = 150
 EVERY = 50
 WARM = 10  # runs before the first figures: imports, pools and caches
 

@@ -46,7 +46,7 @@ def suns() -> dict[int, list[Callable[[float], Scene]]]:
 def rings() -> dict[int, list[Callable[[float], Scene]]]:
     """The same of rollers between rings."""
     cells: dict[str, Any] = {"layers": 4, "axial": 4, "grading": 1.6, "order": 1}
-    options: dict[str, Any] = {"tangential": True, "progress": False}
+    options: dict[str, Any] = {"tangential": True, "patch_grid": False, "progress": False}
     bore = RADIUS + 2.0 * ROLLER - INTERFERENCE
     roller, inner = (
         reduce(
@@ -105,7 +105,7 @@ def table(name: str, friction: float, steps: int, unit: float) -> list[dict[str,
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
-    parser.add_argument("--steps", type=int, default=100)
+    parser.add_argument("--steps", type=int, default=60)
     parser.add_argument("--only", choices=SCENES, help="one family of scenes")
     given = parser.parse_args()
     about = machine()

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from warpffrf.study.evaluations import PAIR, hat_means, layer_of, run_evaluation, scene_of, tread
-from warpffrf.study.pressure_ends import WAYS, Pressing, active_set, in_cells
+from warpffrf.study.patch_ends import OnPatch, hats_over
+from warpffrf.study.pressing import WAYS, Pressing, active_set, in_cells
 from warpffrf.study.step_time import RADIUS, WIDTH
 
 APPROACH = 400e-6  # about three columns a half-width
@@ -81,3 +82,28 @@ def test_the_ways_are_those_of_the_program(evaluation: str, way: str, small: Pre
     p = hat_means(small.body, result, full)[0][small.columns].ravel()
     assert np.count_nonzero(p) > 10
     assert small.norm(p - forces / small.area) < 0.01 * small.norm(p)
+
+
+def test_hats_over_intervals_are_their_integrals() -> None:
+    lines, edges = np.array([0.0, 1.0, 3.0, 3.5]), np.array([-0.5, 0.2, 0.9, 1.7, 3.3, 4.0])
+    A = hats_over(lines, edges)
+    n = 4000  # midpoints of each interval: the rule errs at the kinks only, by (interval/n)^2
+    for i, (a, b) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
+        x = a + (b - a) * (np.arange(n) + 0.5) / n
+        for j in range(len(lines)):
+            hat = np.interp(x, lines, np.eye(len(lines))[j], left=0.0, right=0.0)
+            assert A[j, i] == pytest.approx(hat.mean() * (b - a), abs=1e-3)
+    covered = np.clip(edges[1:], 0.0, 3.5) - np.clip(edges[:-1], 0.0, 3.5)
+    np.testing.assert_allclose(A.sum(axis=0), covered, atol=1e-14)  # hats sum to one
+
+
+def test_cells_that_travel_carry_the_force_and_come_to_the_law() -> None:
+    """Bodies that hardly yield: p = k (delta - x^2/R), whose force is 4/3 k delta b times the width."""
+    pressing = Pressing(tread(30, sectors=480, layers=8, axial=2, patch_grid=True), 29)
+    k = 1e-7 * layer_of(pressing.body).stiffness
+    b = np.sqrt(APPROACH * RADIUS)
+    off = []
+    for strips in (11, 41):
+        force = OnPatch(pressing, strips).at(k, 0.3 * pressing.grid.pitch, APPROACH).sum()
+        off.append(abs(force / (4.0 / 3.0 * k * APPROACH * b * WIDTH) - 1.0))
+    assert off[0] < 0.6 / 11**2 and off[1] < 0.6 / 41**2  # the rule of docs/studies/patch_cells.md

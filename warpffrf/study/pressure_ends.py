@@ -1,24 +1,16 @@
-r"""Which of "semi" and "full" is wrong where a patch ends: both beside the law itself, on that mesh and a finer one.
+r"""Which of "semi" and "full" is wrong where a patch ends: both beside the law itself, and cells that travel.
 
-`python -m warpffrf.study.pressure_ends` writes docs/studies/pressure_ends.md. Two minutes.
+`python -m warpffrf.study.pressure_ends` writes docs/studies/pressure_ends.md. Ten minutes.
 
-Two equal treads (`evaluations.tread`) are pressed together by a given force F, mirror images of each other, so that the
-nodes of both lie opposite and the gap at the angle t from the line of centres is `g_0 = 2 R (1 - cos t) - delta`, delta
-the approach. With D the compliance of the hats of one roller, global modes included, u = 2 D f opens the gap under the
-forces f of the hats. Between the rollers lies a layer p = k d. Its law is met in four ways, all of them minima of
-convex energies, on the same displacements u:
+Two equal treads (`evaluations.tread`) are pressed together by a given force with a layer between them, in the ways of
+`pressing`: at *nodes* ("full"), by *hats* ("semi"), by pressures constant in *cells*, at *points*; and by the program
+on STRIPS cells that travel with the patch (`patch_ends`), "patch 11" and so on, on the same bodies.
 
-    nodes    "full":  f = k a <-(g_0 + u)>  at the nodes, a their areas
-    hats     "semi":  p = sum s_j psi_j, f = M s, 0 <= s, 0 <= w + 2 M D M s + M s/k, w the weak gaps of g_0
-    cells    as hats, with functions that are constant in a cell around each node instead: f = B s, B_ij = int psi_i dA
-             over the cell j
-    points   f_i = int psi_i k <-(g_0 + sum_j psi_j u_j)> dA by Gauss points: the law itself, on bodies of that mesh
-
-None of this uses the engine. The *reference* is `points` on a mesh of REFINED times as many sectors. Pressures are
-compared as everywhere, meaned over the hats of the coarse grid, f_i/a_i, which is what its forces can tell, in the L2
-norm of the surface; the reference's forces are shared between the hats of the coarse grid by their values there. The
-stress is that of `evaluations`, von Mises at points under the patch, the largest difference over the largest; it is
-compared on one mesh only, because close to the surface the cells themselves err by more than the pressures.
+The *reference* is `points` on a mesh of REFINED times as many sectors. Pressures are compared as everywhere, meaned
+over the hats of the coarse grid, f_i/a_i, which is what its forces can tell, in the L2 norm of the surface; the
+reference's forces are shared between the hats of the coarse grid by their values there. The stress is that of
+`evaluations`, von Mises at points under the patch, the largest difference over the largest; it is compared on one mesh
+only, because close to the surface the cells themselves err by more than the pressures.
 """
 
 from __future__ import annotations
@@ -29,9 +21,10 @@ from pathlib import Path
 
 import numpy as np
 
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.stress_field import von_mises
-from warpffrf.study.evaluations import POINTS, STIFFER, layer_of, tread
+from warpffrf.model.contact import CELL_ERROR
+from warpffrf.study.evaluations import STIFFER, layer_of, tread
+from warpffrf.study.patch_ends import ROWS, OnPatch, Refused
+from warpffrf.study.pressing import WAYS, Pressing
 from warpffrf.study.step_time import RADIUS
 from warpffrf.verification.markdown import table
 
@@ -44,158 +37,8 @@ WIDER, BESIDE = 1.25, 6  # times the half-width, and columns beside it, that the
 MESHES = ((2400, 17), (3840, 20))  # sectors, layers; 4 cells along the axis
 APPROACHES = (40e-6, 60e-6)  # m
 HARD = 300.0
-WAYS = ("nodes", "hats", "cells", "points")
-SETTLED = 1e-10  # of the force: the secant over the approach
-ROUNDS = 60  # of an active set; a handful in practice
-GAUSS = 6, 2  # points around and along a cell: "semi" has 3 x 2, which miss the corner where pressure begins
-
-
-class Pressing:
-    """A tread against its mirror image; see the module. `columns` of the grid about its middle are looked at."""
-
-    def __init__(self, body: ReducedBody, columns: int) -> None:
-        surface = body.contact_surfaces["tread"]
-        grid = surface.grid
-        self.body, self.grid, self.gram_z = body, grid, np.asarray(surface.gram_z)
-        self.middle = grid.columns // 2
-        half = min(columns // 2, self.middle)
-        self.columns = np.arange(self.middle - half, self.middle + half + 1)
-        nodes = (self.columns[:, None] * grid.rows + np.arange(grid.rows)).ravel()
-        self.phi = surface.mode_normal[nodes] / (2.0 * np.pi * np.asarray(body.frequencies))
-        self.D = 2.0 * (surface.compliance(self.columns) + self.phi @ self.phi.T)
-        n = len(self.columns)
-        around = np.diag(np.full(n, 2.0 / 3.0)) + np.diag(np.full(n - 1, 1.0 / 6.0), 1)
-        self.M = grid.pitch * np.kron(around + np.triu(around, 1).T, self.gram_z)
-        self.area = np.tile(grid.pitch * self.gram_z.sum(axis=1), n)
-        around = in_cells(np.ones(n + 1))[1:-1, 1:-1]  # the grid goes on beyond the columns
-        self.in_cells = self.grid.pitch * np.kron(around, RADIUS * in_cells(np.diff(grid.z)))
-        self.angle = (self.columns - self.middle) * grid.pitch
-        self._sample()
-
-    def _sample(self) -> None:
-        """Values (points, nodes) of the hats at the Gauss points, their areas and angles."""
-        (x, wx), (z, wz) = ((0.5 * (p + 1.0), 0.5 * w) for p, w in map(np.polynomial.legendre.leggauss, GAUSS))
-        n, rows = len(self.columns), self.grid.rows
-        hat_x = np.zeros((n - 1, len(x), n))
-        hat_z = np.zeros((rows - 1, len(z), rows))
-        for j in range(n - 1):
-            hat_x[j, :, j], hat_x[j, :, j + 1] = 1.0 - x, x
-        for k in range(rows - 1):
-            hat_z[k, :, k], hat_z[k, :, k + 1] = 1.0 - z, z
-        self.psi = np.kron(hat_x.reshape(-1, n), hat_z.reshape(-1, rows))
-        along = (np.diff(self.grid.z)[:, None] * wz).ravel() * RADIUS * self.grid.pitch
-        self.dA = np.kron(np.tile(wx, n - 1), along)
-        self.at = np.repeat(((np.arange(n - 1)[:, None] + x).ravel() - (n - 1) // 2) * self.grid.pitch, len(along))
-
-    def norm(self, p: np.ndarray) -> float:
-        """Root of the sum over columns of p.M_z p of means (nodes,)."""
-        line = p.reshape(-1, self.grid.rows)
-        return float(np.sqrt(np.einsum("jk,kl,jl->", line, self.gram_z, line)))
-
-    def means(self, forces: np.ndarray, angle: np.ndarray) -> np.ndarray:
-        """Pressures (nodes,) meaned over the hats, of `forces` (n, rows) at the columns' angles (n,)."""
-        place = (angle - self.angle[0]) / self.grid.pitch
-        column = np.floor(place + 1e-9).astype(int)
-        out = np.zeros((len(self.columns), self.grid.rows))
-        for step, part in ((0, 1.0 - (place - column)), (1, place - column)):
-            inside = (column + step >= 0) & (column + step < len(out))
-            np.add.at(out, (column + step)[inside], forces[inside] * part[inside, None])
-        return out.ravel() / self.area
-
-    def stress(self, forces: np.ndarray) -> np.ndarray:
-        """Von Mises stress [Pa] at the points of the body under inward hat `forces` (nodes,)."""
-        load = np.zeros((self.grid.columns, self.grid.rows))
-        load[self.columns] = -forces.reshape(-1, self.grid.rows)
-        q = self.phi.T @ load[self.columns].ravel() / (2.0 * np.pi * np.asarray(self.body.frequencies))
-        return von_mises(self.body.stress[POINTS].evaluate(q, {"tread": load}))
-
-    def forces(self, way: str, k: float, center: float, load: float) -> np.ndarray:
-        """Forces (nodes,) of the hats under the total force `load` [N], line of centres at the angle `center`; k [Pa/m]
-        of the layer."""
-
-        def at(delta: float) -> np.ndarray:
-            return getattr(self, f"by_{way}")(k, center, delta)
-
-        low, high = 30e-6, 45e-6
-        f_low, found = float(at(low).sum()), at(high)
-        for _ in range(ROUNDS):
-            total = float(found.sum())
-            if abs(total - load) < SETTLED * load:
-                return found
-            low, high, f_low = high, high + (load - total) * (high - low) / (total - f_low), total
-            found = at(high)
-        raise RuntimeError(f"{way}: no approach carries {load:.4g} N")
-
-    def gap(self, angle: np.ndarray, center: float, delta: float) -> np.ndarray:
-        """g_0 [m]."""
-        return 2.0 * RADIUS * (1.0 - np.cos(angle - center)) - delta
-
-    def by_nodes(self, k: float, center: float, delta: float) -> np.ndarray:
-        """Forces (nodes,) at the approach `delta` [m] with the law at the nodes."""
-        gap = np.repeat(self.gap(self.angle, center, delta), self.grid.rows)
-        return active_set(self.D + np.diag(1.0 / (k * self.area)), gap)
-
-    def by_hats(self, k: float, center: float, delta: float) -> np.ndarray:
-        """Forces (nodes,) at the approach `delta` [m] of pressures in hats."""
-        weak = self.psi.T @ (self.dA * self.gap(self.at, center, delta))
-        return self.M @ active_set(self.M @ self.D @ self.M + self.M / k, weak)
-
-    def by_cells(self, k: float, center: float, delta: float) -> np.ndarray:
-        """Forces (nodes,) at the approach `delta` [m] of pressures that are constant in cells around the nodes."""
-        x, w = np.polynomial.legendre.leggauss(GAUSS[0])
-        angle = self.angle[:, None] + 0.5 * self.grid.pitch * x
-        weak = np.repeat(self.gap(angle, center, delta) @ (0.5 * w), self.grid.rows) * self.area
-        B = self.in_cells
-        return B @ active_set(B.T @ self.D @ B + np.diag(self.area) / k, weak)
-
-    def _pressed(self, k: float, on: np.ndarray, gap: np.ndarray) -> np.ndarray:
-        """f = -k (int_on psi g_0 + M_on u), u = D f, for a given set of pressed points."""
-        psi = self.psi[on]
-        nodes = np.flatnonzero(psi.any(axis=0))
-        psi, dA = psi[:, nodes], self.dA[on]
-        held = k * (psi.T * dA) @ psi
-        f = np.zeros(len(self.area))
-        f[nodes] = np.linalg.solve(
-            np.eye(len(nodes)) + held @ self.D[np.ix_(nodes, nodes)], -k * (psi.T @ (dA * gap[on]))
-        )
-        return f
-
-    def by_points(self, k: float, center: float, delta: float) -> np.ndarray:
-        """Forces (nodes,) at the approach `delta` [m] with the law at Gauss points."""
-        gap = self.gap(self.at, center, delta)
-        on = gap + self.psi @ (self.D @ self.by_nodes(k, center, delta)) < 0.0
-        for _ in range(ROUNDS):
-            f = self._pressed(k, on, gap)
-            pressed = gap + self.psi @ (self.D @ f) < 0.0
-            if np.array_equal(pressed, on):
-                return f
-            on = pressed
-        raise RuntimeError("points: the set of pressed points does not settle")
-
-
-def in_cells(steps: np.ndarray) -> np.ndarray:
-    """Integrals of hats (lines) over the cells around their nodes (columns), half way to the next: a half cell of step
-    h holds 3/8 h of its own node's hat and 1/8 h of the next one's. Cells at both ends are halves."""
-    n = len(steps) + 1
-    out = np.zeros((n, n))
-    j = np.arange(n - 1)
-    for a in (0, 1):
-        for b in (0, 1):
-            out[j + a, j + b] += (3.0 if a == b else 1.0) / 8.0 * steps
-    return out
-
-
-def active_set(A: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """x >= 0 with A x + b >= 0 and x (A x + b) = 0, A symmetric positive definite, by the primal-dual active set."""
-    active = b < 0.0
-    for _ in range(ROUNDS):
-        x, inside = np.zeros(len(b)), np.flatnonzero(active)
-        x[inside] = np.linalg.solve(A[np.ix_(inside, inside)], -b[inside])
-        chosen = np.where(active, x > 0.0, A @ x + b < 0.0)
-        if np.array_equal(chosen, active):
-            return x
-        active = chosen
-    raise RuntimeError("the active set does not settle")
+STRIPS = (11, 21, 41)  # of a patch: the first is what `Contact` takes unless it is told otherwise
+PATCHES = tuple(f"patch {n}" for n in STRIPS)
 
 
 @dataclass(frozen=True)
@@ -212,26 +55,35 @@ class Ends:
 
 
 def ends(coarse: Pressing, fine: Pressing, k: float, approach: float) -> Ends:
-    """Errors of the three ways with a layer of stiffness k [Pa/m], under the force of "full" at `approach` [m]."""
+    """Errors of all ways with a layer of stiffness k [Pa/m], under the force of "full" at `approach` [m]."""
     load = float(coarse.by_nodes(k, 0.0, approach).sum())
     kinds = ("reference", "points", "nodes", "stress_points", "stress_nodes")
     worst: dict[str, dict[str, float]] = {kind: {} for kind in kinds}
     widths = []
+    patches = [OnPatch(coarse, strips) for strips in STRIPS]
 
     def note(kind: str, way: str, value: float) -> None:
-        worst[kind][way] = max(worst[kind].get(way, 0.0), value)
+        worst[kind][way] = float(np.maximum(worst[kind].get(way, 0.0), value))  # NaN stays
 
     for phase in PHASES * coarse.grid.pitch:
         f = fine.forces("points", k, phase, load)
         true = coarse.means(f.reshape(-1, fine.grid.rows), fine.angle)
         size = coarse.norm(true)
         forces = {way: coarse.forces(way, k, phase, load) for way in WAYS}
+        for patch in list(patches):
+            try:
+                forces[patch.name] = patch.forces(k, phase, load)
+            except Refused as refusal:
+                print(f"{refusal}, layer {k:.3g} Pa/m", file=sys.stderr)
+                patches.remove(patch)
+                for kind in kinds:
+                    note(kind, patch.name, np.nan)
         p = {way: force / coarse.area for way, force in forces.items()}
         stress = {way: coarse.stress(force) for way, force in forces.items()}
         line = true.reshape(-1, coarse.grid.rows) @ coarse.gram_z.sum(axis=1)
         second = line @ (coarse.angle - phase) ** 2 / line.sum()
         widths.append(2.0 * np.sqrt(second) / coarse.grid.pitch)
-        for way in WAYS:
+        for way in forces:
             note("reference", way, coarse.norm(p[way] - true) / size)
             for other in ("points", "nodes"):
                 note(other, way, coarse.norm(p[way] - p[other]) / size)
@@ -246,7 +98,7 @@ def pressing(sectors: int, layers: int, approach: float, finer: int = 1) -> Pres
     columns = 2 * (int(wide) * finer // 2) + 1
     body = tread(
         columns + 1, sectors=finer * sectors, layers=layers + (GRADED if finer > 1 else 0), axial=4,
-        half_width=half_width if finer == 1 else None,
+        half_width=half_width if finer == 1 else None, patch_grid=finer == 1,
     )  # fmt: skip
     return Pressing(body, columns)
 
@@ -269,7 +121,7 @@ def page(rows: list[tuple[int, float, float, Ends]]) -> str:
     fixed = ["sectors", "approach [µm]", "layer", "columns"]
     of_law, of_full = WAYS[:-1], WAYS[1:]
     sides = [f"{way} / law" for way in of_law] + [f"{way} / full" for way in of_full]
-    pressure, stress = [], []
+    pressure, stress, travelling = [], [], []
     for sectors, approach, stiffer, e in rows:
         line = [str(sectors), f"{approach * 1e6:.0f}", f"{stiffer:g}", f"{e.half_width:.1f}"]
         values = (
@@ -278,7 +130,14 @@ def page(rows: list[tuple[int, float, float, Ends]]) -> str:
         pressure.append(line + [f"{value:.2%}" for value in values])
         values = [e.stress_points[way] for way in of_law] + [e.stress_nodes[way] for way in of_full]
         stress.append(line + [f"{value:.2%}" for value in values])
+        values = [e.reference[way] for way in ("nodes", "hats", *PATCHES)]
+        values += [e.nodes[way] for way in ("hats", *PATCHES)] + [e.stress_nodes[way] for way in ("hats", *PATCHES)]
+        travelling.append(line + ["refused" if np.isnan(value) else f"{value:.2%}" for value in values])
     head = [*fixed, *(f"{way} / reference" for way in WAYS), *sides]
+    patch_head = [
+        *fixed, *(f"{way} / reference" for way in ("nodes", "hats", *PATCHES)),
+        *(f"{way} / full" for way in ("hats", *PATCHES)), *(f"{way} / full, stress" for way in ("hats", *PATCHES)),
+    ]  # fmt: skip
     return f"""# Where a patch ends: "semi" and "full" beside the law itself
 
 {MADE}
@@ -295,6 +154,18 @@ against the *law* at points of the same mesh; against *full* on the same mesh.
 Stress under the patch, von Mises, the largest difference over the largest, on the same mesh:
 
 {table([*fixed, *sides], stress)}
+{READ_MATERIAL}
+## On cells that travel with the patch
+
+The same bodies, layers, forces and reference with `Contact(grid="patch")`, on {", ".join(map(str, STRIPS))} strips
+across ({STRIPS[0]} is what `Contact` takes by itself) by {ROWS} rows. Its pressures are meaned over the hats of the
+bodies' grid, as all others are.
+
+{table(patch_head, travelling)}
+{read_patch(rows)}"""
+
+
+READ_MATERIAL = """\
 What to read from it. Nodes err where a patch ends between two of them: a node has its whole share of the surface or
 nothing. Hats that are not negative cannot end inside a cell: the outermost one reaches beyond the patch, or is missing,
 and its neighbours make up for it. Under a layer that yields like the penalties of practice both err by about the same,
@@ -304,6 +175,39 @@ difference is an error of "semi": it excludes tension at every point of the surf
 Pressures in cells have less of it. The law at points, in hats that are cut off at the edge of the patch, would have
 none, at a price: products of hats over a part of a cell are no constants of a body, so that no compliance of the
 pressures could be tabulated when it is reduced, and any change of the edge would need rows of the local solve again.
+"""
+
+
+def read_patch(rows: list[tuple[int, float, float, Ends]]) -> str:
+    """What the table of travelling cells says, with its figures: of the coarser mesh, and of the finer one."""
+    coarser = [e for sectors, _, _, e in rows if sectors == MESHES[0][0]]
+    finer = [e for sectors, _, _, e in rows if sectors != MESHES[0][0]]
+
+    def between(way: str) -> str:
+        found = [e.reference[way] for e in coarser]
+        return f"{min(found):.1%} to {max(found):.1%}"
+
+    fine, most = PATCHES[-1], STRIPS[-1]
+    counts = ", ".join(f"{between(way)} with {n} strips" for way, n in zip(PATCHES, STRIPS, strict=True))
+    beyond = max(e.nodes[fine] - e.reference["nodes"] for e in coarser)
+    refused = sum(bool(np.isnan(e.reference[way])) for e in finer for way in PATCHES)
+    silent = [e.reference[way] for e in finer for way in PATCHES if not np.isnan(e.reference[way])]
+    wrong = f"errs by up to {max(silent):.1%} in the others, without a word" if silent else "has no others"
+    return f"""\
+What to read from it. On {MESHES[0][0]} sectors "semi" errs by {between("hats")} against the reference, "full" by
+{between("nodes")}, cells that travel by {counts}.
+Their edge lies inside a cell too, but the cell is as narrow as is asked for, on the same body and mesh: the error falls
+with the strips, where that of hats and nodes falls with the mesh only. From "full" they differ by what "full" errs,
+with {most} strips by {beyond:.1%} more at most: the distance of "semi" from "full" is one of hats and nodes, which
+end where the mesh lets them. The {STRIPS[0]} strips of the default are no finer than the grid here: a strip is a
+quarter of the half-width, and a pressure that is constant in it makes steps which hats narrower than it see. They are
+chosen for force and largest pressure, right to {CELL_ERROR:.1%}; whoever wants the pressure at the edge takes more, by
+`Contact(cells=)` or `Contact(cell_error=)`.
+
+On {MESHES[1][0]} sectors this fails. Of {len(finer) * len(PATCHES)} cases the program *refuses* {refused}, because the
+compliance of the cells is not positive definite at one place of the patch at least, and {wrong}. These
+bodies are narrow arcs of a mesh finer than the cells, its own cells fifty times as long as wide, which is not what the
+patch grid is made for; `reduce` does not refuse them. What of their far field is wrong is not found out here.
 """
 
 

@@ -12,8 +12,10 @@ followed the number of local modes, the last row would be many times the first.
 
 from __future__ import annotations
 
+import os
 import platform
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -63,7 +65,7 @@ def tread_body(
     local_dynamics: bool = False,
 ) -> ReducedBody:
     """A roller of linear hexahedra whose hats cover `columns` grid columns about the angle zero; None: the whole rim.
-    `local_dynamics` keeps the inertia of its local modes."""
+    Contact stands on these hats (no `patch_grid`). `local_dynamics` keeps the inertia of its local modes."""
     mesh = roller(RADIUS, BORE, WIDTH, sectors=sectors, layers=layers, axial=axial, grading=1.3, order=1)
     name = "rim"
     if columns is not None:
@@ -72,7 +74,7 @@ def tread_body(
         name = "tread"
     return reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={name: Cylinder()}, modes=modes,
-        local_dynamics=local_dynamics, progress=False,
+        local_dynamics=local_dynamics, patch_grid=False, progress=False,
     )  # fmt: skip
 
 
@@ -158,12 +160,23 @@ def time_swing(
     return measured(history, body.local_modes)
 
 
+def processor() -> str:
+    """The model of the processor, as exactly as the system tells it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    models = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return (models or [platform.processor() or platform.machine()])[0]
+
+
 def machine() -> dict[str, Any]:
     """What the times were taken on."""
     return {
         "machine": {
             "platform": platform.platform(),
-            "processor": platform.processor(),
+            "processor": processor(),
+            "cores": os.cpu_count(),
             "python": platform.python_version(),
         },
         "versions": library_versions(("warpffrf", "warp-lang", "numpy", "scipy")),

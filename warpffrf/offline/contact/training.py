@@ -24,9 +24,9 @@ rows are far apart). Only the areas are those of the exact surface.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -38,6 +38,7 @@ MARGIN = 3  # columns beside a patch whose displacement its hats see
 PRIMES = (2, 3, 5, 7, 11, 13, 17)  # bases of the sequence, one a parameter
 LINE = 0.25  # share of patches that reach over all rows: lines
 SKEW = 0.5 * np.pi  # largest angle between a patch and the columns [rad]
+StripField: TypeAlias = Callable[[int], np.ndarray]  # values (n,) at places that are shifted by so many columns
 MODES = 12  # global modes, the lowest: a surface is small beside the waves of any of them
 
 
@@ -109,14 +110,19 @@ def families(surface: Any, candidates: Places, patches: int = PATCHES) -> Iterat
         columns = (middle + np.arange(-2, 3)) % surface.grid.columns
         found.append(family(f"mode {m + 1}", [_folded(p, h, _Field(p, modes[columns, :, m], -2)) for p, h in at]))
     yield from (f for f in found if f is not None)
-    for number in range(patches):
+    for name, field, patch in patch_fields(surface, range(patches)):
+        one = family(name, [_folded(p, h, field(p), patch) for p, h in at])
+        if one is not None:
+            yield one
+
+
+def patch_fields(surface: Any, numbers: Iterable[int]) -> Iterator[tuple[str, Callable[[Places], StripField], Patch]]:
+    """Gap and response of the patches of these numbers of the sequence: name, field at places, and patch. Training has
+    the first ones; those behind are held out."""
+    for number in numbers:
         patch = Patch.of(surface, number)
-        pressed = _response(surface, patch)
-        for name, field in (("gap", patch.gap), ("response", pressed)):
-            snapshots = [_folded(p, h, field(p), patch) for p, h in at]
-            one = family(f"{name} {number + 1}", snapshots)
-            if one is not None:
-                yield one
+        yield f"gap {number + 1}", patch.gap, patch
+        yield f"response {number + 1}", _response(surface, patch), patch
 
 
 @dataclass(frozen=True)
