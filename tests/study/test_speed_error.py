@@ -105,3 +105,22 @@ def test_refusals_name_the_thing_and_the_cure() -> None:
         wf.study.speed_error(pendulum, 0.1, step=1e-3, choices={"step": [1e-3] + [1e-3 / n for n in range(2, 300)]})
     with pytest.raises(InputError, match="no choice of a Scene"):
         wf.study.speed_error(pendulum(), 0.1, step=1e-3, choices={"arm": [0.4, 0.5]}, progress=False)
+
+
+def test_command_runs_a_scene_file_and_refuses_in_one_line(tmp_path: Path) -> None:
+    from typer.testing import CliRunner
+
+    from warpffrf.cli import app
+
+    file = tmp_path / "bob.toml"
+    file.write_text(
+        "[scene]\ngravity = [0, 0, -9.81]\n[bodies.bob]\nmass = 2.0\ninertia_tensor = [0.01, 0.01, 0.01]\n"
+        "[simulate]\nduration = 0.02\nstep = 1e-3\n"
+    )
+    out = tmp_path / "out"
+    args = ["study", "speed-error", str(file), "--out", str(out), "--choice", "step=2e-3,1e-3", "--rounds", "1"]
+    found = CliRunner().invoke(app, args)
+    assert found.exit_code == 0, found.output
+    assert (out / "speed_error.csv").is_file() and "Reference: step=0.00025" in found.output
+    refused = CliRunner().invoke(app, [*args, "--measure", "force"])
+    assert refused.exit_code == 1
