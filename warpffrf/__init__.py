@@ -13,6 +13,7 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from warpffrf import study
     from warpffrf.model import bases, damping, forces, integrators, joints, laws, mesh, sensors, signals, surfaces
     from warpffrf.model.contact import Contact
     from warpffrf.model.errors import InputError
@@ -60,6 +61,7 @@ __all__ = [
     "sensors",
     "signals",
     "simulate",
+    "study",
     "surfaces",
 ]
 
@@ -92,6 +94,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "sensors": ("warpffrf.model.sensors", None),
     "signals": ("warpffrf.model.signals", None),
     "simulate": ("warpffrf.output.simulate", "simulate"),
+    "study": ("warpffrf.study", None),
     "surfaces": ("warpffrf.model.surfaces", None),
 }
 

@@ -19,6 +19,7 @@ from typing import Annotated, Any
 import typer
 
 import warpffrf
+from warpffrf.cli_study import study_app
 from warpffrf.demos import DEMOS
 
 # Set before anything loads NumPy: on the many small matrices of a reduction the threads of a BLAS wait for each other
@@ -94,6 +95,9 @@ def _one_line_errors() -> Iterator[None]:
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
+
+
+app.add_typer(study_app(_one_line_errors, lambda: _State.quiet), name="study")
 
 
 def _add_demo(module: str, about: str) -> None:

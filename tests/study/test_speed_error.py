@@ -1,0 +1,126 @@
+"""Studies of speed against error: times, errors, fronts, orders, going on, refusals."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import warpffrf as wf
+from warpffrf.model.errors import InputError
+from warpffrf.model.surfaces import Plane
+from warpffrf.study.speed_against_error.errors import relative, relative_largest
+from warpffrf.study.speed_against_error.fields import POINTS, Field, squares
+from warpffrf.study.speed_against_error.front import fastest, front
+from warpffrf.study.speed_against_error.runs import Row
+from warpffrf.study.speed_against_error.times import common_interval, common_rows
+
+ROUND_OFF = 1e-12
+FLAT = Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0), direction=(1.0, 0.0, 0.0))
+
+
+def pendulum(arm: float = 0.5) -> wf.Scene:
+    scene = wf.Scene(gravity=(0.0, 0.0, -9.81))
+    bob = scene.add_rigid_body(2.0, (0.01, 0.01, 0.01), name="bob", position=(arm, 0.0, 0.0))
+    scene.add(wf.joints.Revolute(scene.ground, bob.at((-arm, 0.0, 0.0)), axis=(0, 1, 0), name="hinge"))
+    return scene
+
+
+def test_times_are_common_multiples_and_none_is_made_up() -> None:
+    assert common_interval([2e-3, 1e-3, 1.5e-3], 0.1) == pytest.approx(6e-3, rel=ROUND_OFF)
+    time = np.array([0.0, 0.5, 1.0, 1.7, 2.0])
+    rows = common_rows(time, 1.0, 2.0)
+    assert rows is not None and rows.tolist() == [0, 2, 4]
+    assert common_rows(time[:4], 1.0, 2.0) is None
+    with pytest.raises(InputError, match="no times in common"):
+        common_interval([1e-3, 1e-3 / np.pi], 1.0)
+
+
+def test_errors_of_histories_in_closed_form() -> None:
+    t = np.arange(64) / 64.0
+    ref = np.stack([np.sin(2 * np.pi * t), 0 * t, np.cos(2 * np.pi * t)], axis=1)
+    assert relative(1.03 * ref, ref) == pytest.approx(0.03, rel=1e-10)
+    bumped = ref.copy()
+    bumped[5, 1] += 0.2
+    assert relative_largest(bumped, ref) == pytest.approx(0.2, rel=1e-10)
+    assert relative(bumped, ref) == pytest.approx(0.2 / 8.0, rel=1e-10)  # |ref| = sqrt(64)
+
+
+def test_pressure_on_two_grids_of_one_linear_field_is_the_same() -> None:
+    def field(nodes: int) -> Field:
+        x, z = np.linspace(0.0, 1.0, nodes), np.linspace(0.0, 2.0, 3)
+        return Field(x, z, np.outer(x, np.ones(3)), (0.0, 1.0), (0.0, 2.0))
+
+    apart, size = squares(field(5), field(9), FLAT)
+    assert apart < ROUND_OFF
+    # int x^2 dx dz = 2/3; middles of n strips make 1/3 - 1/(12 n^2) of int x^2
+    assert size == pytest.approx(2.0 * (1.0 / 3.0 - 1.0 / (12.0 * POINTS[0] ** 2)), rel=1e-10)
+
+
+def test_front_is_that_of_brute_force() -> None:
+    numbers = np.random.default_rng(1).random((40, 2))
+    rows = [Row({"step": float(i)}, "completed", errors={"force": e}, walls=[w]) for i, (w, e) in enumerate(numbers)]
+    beaten = [any((numbers[j] <= numbers[i]).all() and j != i for j in range(40)) for i in range(40)]
+    assert {id(r) for r in front(rows, "force")} == {id(r) for r, b in zip(rows, beaten, strict=True) if not b}
+    best = fastest(rows, 0.3, ["force"])
+    assert best is not None
+    assert best.fastest == min(w for w, e in numbers if e <= 0.3)
+
+
+def test_order_two_of_a_pendulum_and_going_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from warpffrf.study.speed_against_error import study as room
+
+    how = {"step": 2e-3, "choices": {"step": [8e-3, 4e-3, 2e-3]}, "rounds": 2, "progress": False}
+    whole = wf.study.speed_error(pendulum, 0.4, **how)
+    (order,) = whole.orders()
+    assert np.all(np.abs(order.orders - 2.0) < 0.15)  # next term is of third order in the step
+    steps, errors = zip(*((r.setting["step"], r.errors["displacement"]) for r in whole.rows), strict=True)
+    assert errors[0] > errors[1] > errors[2]
+    assert steps[0] == 8e-3
+    run, calls = room.run_setting, []
+
+    def interrupted(*args):
+        calls.append(args)
+        if len(calls) == 5:
+            raise KeyboardInterrupt
+        return run(*args)
+
+    monkeypatch.setattr(room, "run_setting", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        wf.study.speed_error(pendulum, 0.4, out=tmp_path, **how)
+    resumed = wf.study.speed_error(pendulum, 0.4, out=tmp_path, **how)
+    assert len(calls) == 2 + 2 * 3 + 1
+    assert [r.label for r in resumed.rows] == [r.label for r in whole.rows]
+    assert [r.errors for r in resumed.rows] == [r.errors for r in whole.rows]
+    assert all(len(r.walls) == 2 for r in resumed.rows)
+    with pytest.raises(InputError, match="another scene"):
+        wf.study.speed_error(pendulum, 0.4, out=tmp_path, parameters={"arm": 0.4}, **how)
+    with pytest.raises(InputError, match="least reached"):
+        whole.recommended(1e-12)
+
+
+def test_refusals_name_the_thing_and_the_cure() -> None:
+    with pytest.raises(InputError, match="no contact; add a Contact"):
+        wf.study.speed_error(pendulum, 0.1, step=1e-3, measures=["force"], progress=False)
+    with pytest.raises(InputError, match="more than 200"):
+        wf.study.speed_error(pendulum, 0.1, step=1e-3, choices={"step": [1e-3] + [1e-3 / n for n in range(2, 300)]})
+    with pytest.raises(InputError, match="no choice of a Scene"):
+        wf.study.speed_error(pendulum(), 0.1, step=1e-3, choices={"arm": [0.4, 0.5]}, progress=False)
+
+
+def test_command_runs_a_scene_file_and_refuses_in_one_line(tmp_path: Path) -> None:
+    from typer.testing import CliRunner
+
+    from warpffrf.cli import app
+
+    file = tmp_path / "bob.toml"
+    file.write_text(
+        "[scene]\ngravity = [0, 0, -9.81]\n[bodies.bob]\nmass = 2.0\ninertia_tensor = [0.01, 0.01, 0.01]\n"
+        "[simulate]\nduration = 0.02\nstep = 1e-3\n"
+    )
+    out = tmp_path / "out"
+    args = ["study", "speed-error", str(file), "--out", str(out), "--choice", "step=2e-3,1e-3", "--rounds", "1"]
+    found = CliRunner().invoke(app, args)
+    assert found.exit_code == 0, found.output
+    assert (out / "speed_error.csv").is_file() and "Reference: step=0.00025" in found.output
+    refused = CliRunner().invoke(app, [*args, "--measure", "force"])
+    assert refused.exit_code == 1

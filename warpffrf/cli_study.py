@@ -1,0 +1,57 @@
+"""The commands `warpffrf study ...`."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+
+def choice_of(text: str) -> tuple[str, list[Any]]:
+    """`NAME=V1,V2` as a name and values: numbers and truth values as TOML has them, else texts. Raises `InputError`."""
+    from warpffrf.model.errors import InputError
+
+    name, equals, values = text.partition("=")
+    if not equals or not name.strip() or not values.strip():
+        raise InputError(f"--choice {text!r}: write --choice NAME=V1,V2, for example --choice step=2e-4,1e-4")
+    try:
+        return name.strip(), list(tomllib.loads(f"v = [{values}]")["v"])
+    except tomllib.TOMLDecodeError:
+        return name.strip(), [value.strip() for value in values.split(",")]
+
+
+def study_app(one_line_errors: Callable[[], AbstractContextManager[None]], quiet: Callable[[], bool]) -> typer.Typer:
+    """The commands; one_line_errors: what turns errors into exit codes, quiet: whether no progress is wanted."""
+    app = typer.Typer(help="Speed against error.", no_args_is_help=True, rich_markup_mode=None)
+    app.callback()(lambda: None)
+
+    @app.command("speed-error")
+    def speed_error(
+        scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file, .toml.")],
+        settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="As of run.")] = None,
+        choice: Annotated[
+            list[str] | None,
+            typer.Option("--choice", metavar="NAME=V1,V2", help="Values to combine, coarse to fine. Repeat for more."),
+        ] = None,
+        measure: Annotated[list[str] | None, typer.Option("--measure", help="Errors to measure; all if none.")] = None,
+        rounds: Annotated[int, typer.Option(help="How often every setting is run.")] = 3,
+        out: Annotated[Path | None, typer.Option("--out", help="Folder; left out: out/NAME_speed_error.")] = None,
+        overwrite: Annotated[bool, typer.Option("--overwrite", help="Begin anew.")] = False,
+    ) -> None:
+        """Run a scene with many settings beside a reference. A study that was stopped goes on in its folder."""
+        with one_line_errors():
+            from warpffrf.study import speed_error as run
+
+            folder = Path("out") / f"{scene_file.stem}_speed_error" if out is None else out
+            found = run(
+                scene_file, settings=settings or (), choices=dict(map(choice_of, choice)) if choice else None,
+                measures=measure or None, rounds=rounds, out=folder, overwrite=overwrite, progress=not quiet(),
+            )  # fmt: skip
+            found.write(folder, overwrite=True)
+            print(found.report())
+
+    return app

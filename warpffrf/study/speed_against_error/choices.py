@@ -1,0 +1,157 @@
+"""What may be chosen in a study, and which combinations are run.
+
+    step, local, method, integrator     options of `simulate`
+    grid, evaluation, cell_error        of all distributed contacts of the scene
+    inertia                             of all flexible bodies
+    any other name                      a parameter of what builds the scene: mesh, modes, spacing, ...
+
+A *setting* is a value for each name that the study changes. Without the user's choices the steps (2, 1, 1/2 and 1/4 of
+the given one), the treatments of local modes, and grids and evaluations are combined with each other, because they
+interact; integrators, inertia levels and errors of the cells of a patch are changed one at a time about the given
+setting. With choices, they are combined with each other, and the rest stays as given.
+
+What a scene cannot do is left out with its reason. In a default study that is seen beforehand, from its bodies; of the
+user's own choices a refusal of the run is the reason.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from warpffrf.model.bodies import INERTIA_LEVELS
+from warpffrf.model.contact import CELL_ERROR
+from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.integrators import HHT, GeneralizedAlpha
+from warpffrf.online.local_dynamics import TREATMENTS
+from warpffrf.output.simulate import DEFAULT_INTEGRATOR
+
+RUN = ("step", "local", "method", "integrator")
+CONTACT = ("grid", "evaluation", "cell_error")
+BODY = ("inertia",)
+BUILT_IN = (*RUN, *CONTACT, *BODY)
+STEP_RATIOS = (2.0, 1.0, 0.5, 0.25)
+INTEGRATORS = (DEFAULT_INTEGRATOR, GeneralizedAlpha(rho_inf=0.5), HHT(alpha=-0.3))
+MOST_SETTINGS = 200  # of a study; each is run in every round
+
+Setting = dict[str, Any]
+
+
+@dataclass
+class Choices:
+    """`settings` to be run, the given one first, and what was `left_out`: (name, value as text, reason)."""
+
+    settings: list[Setting]
+    left_out: list[tuple[str, str, str]] = field(default_factory=list)
+
+
+def text_of(value: Any) -> str:
+    """A value as tables and folders have it."""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def label_of(setting: Setting) -> str:
+    """A setting as text, the same in every study."""
+    return ", ".join(f"{name}={text_of(value)}" for name, value in setting.items())
+
+
+def given_choices(choices: Mapping[str, Sequence[Any]], base: Setting) -> Choices:
+    """All combinations of the user's `choices`, name -> values, about the setting `base`, which gives the rest.
+    Raises `InputError` for lists without values, values twice, and too many combinations."""
+    if not choices:
+        raise InputError("speed_error: choices are empty; leave them out for the default ones, or name some")
+    count = 1
+    for name, values in choices.items():
+        if isinstance(values, str) or not isinstance(values, Sequence) or not len(values):
+            raise InputError(f"speed_error: choice {name!r} must be a list of values, got {values!r}")
+        texts = [text_of(value) for value in values]
+        if len(set(texts)) < len(texts):
+            raise InputError(f"speed_error: choice {name!r} has a value twice: {', '.join(texts)}")
+        if name == "step":
+            for value in values:
+                require_number(value, "speed_error: choice 'step'", positive=True)
+        count *= len(values)
+    if count > MOST_SETTINGS:
+        sizes = " x ".join(f"{len(values)} of {name}" for name, values in choices.items())
+        raise InputError(
+            f"speed_error: {sizes} are {count} settings, more than {MOST_SETTINGS}; give fewer values, or make several "
+            "studies of a few choices each"
+        )
+    names = list(choices)
+    return Choices([{**base, **dict(zip(names, c, strict=True))} for c in itertools.product(*choices.values())])
+
+
+def default_choices(scene: Any, base: Setting) -> Choices:
+    """The combinations that make sense for `scene` about the setting `base` (module docstring)."""
+    found = Choices([base])
+    flexible = [body for body in scene.bodies if body.reduced is not None]
+    local = [base["local"], *_other_local(scene, base, found)]
+    contact = _contact_choices(scene, base, found)
+    steps = [base["step"] * ratio for ratio in STEP_RATIOS]
+    found.settings += [
+        {**base, **pair, "local": treatment, "step": step}
+        for pair, treatment, step in itertools.product(contact, local, steps)
+    ]
+    alone: list[tuple[str, Any]] = [("integrator", integrator) for integrator in INTEGRATORS]
+    if flexible:
+        alone += [("inertia", level) for level in _levels(flexible, found)]
+    else:
+        found.left_out.append(("inertia", "all", "no body is flexible"))
+    if any(_patch_ready(contact) for contact in scene.contacts):
+        alone += [("cell_error", error) for error in (4.0 * CELL_ERROR, CELL_ERROR, 0.2 * CELL_ERROR)]
+    elif scene.contacts:
+        found.left_out.append(("cell_error", "all", "no contact has cells that travel with the patch"))
+    found.settings += [{**base, name: value} for name, value in alone]
+    found.left_out.append(("method", "monolithic", 'the slow reference; ask for it: choices={"method": [...]}'))
+    unique = {label_of(setting): setting for setting in found.settings}
+    found.settings = list(unique.values())
+    return found
+
+
+def _other_local(scene: Any, base: Setting, found: Choices) -> list[str]:
+    """Treatments of local modes beside the given one that the scene has the mass for."""
+    others = [t for t in TREATMENTS if t not in ("auto", text_of(base["local"]))]
+    surfaces = [port.surface for contact in scene.contacts for port in contact.ports if not port.rigid]
+    if not surfaces:
+        found.left_out.append(("local", "all others", "no flexible body is in distributed contact"))
+        return []
+    if any(surface.local_mass is None for surface in surfaces):
+        reason = "a body in contact was reduced without local_dynamics=True"
+        found.left_out.append(("local", ", ".join(t for t in others if t != "quasi_static"), reason))
+        return [t for t in others if t == "quasi_static"]
+    return others
+
+
+def _levels(flexible: list[Any], found: Choices) -> list[str]:
+    """Inertia levels that all flexible bodies have terms for."""
+    names = [level for level in INERTIA_LEVELS if level != "auto"]
+    without = [body.name for body in flexible if body.mode_count and body.reduced.inertia_terms is None]
+    if without:
+        found.left_out.append(("inertia", "all but constant", f"body {without[0]!r} has no inertia terms"))
+        return ["constant"]
+    return names
+
+
+def _patch_ready(contact: Any) -> bool:
+    """Whether all flexible surfaces of `contact` have what a patch of cells needs."""
+    return all(port.rigid or port.surface.far is not None for port in contact.ports)
+
+
+def _contact_choices(scene: Any, base: Setting, found: Choices) -> list[Setting]:
+    """Grids and evaluations that go together."""
+    if not scene.contacts:
+        found.left_out.append(("grid, evaluation", "all", "the scene has no distributed contact"))
+        return [{}]
+    pairs: list[Setting] = [{}]  # "auto" takes the patch where it can
+    if all(_patch_ready(contact) for contact in scene.contacts):
+        pairs.append({"grid": "patch" if all(c.grid == "material" for c in scene.contacts) else "material"})
+    else:
+        found.left_out.append(("grid", "patch", "a body in contact was reduced without patch_grid=True"))
+    if all(contact.a.surface.sampling is not None for contact in scene.contacts):
+        pairs.append({"grid": "material", "evaluation": "hyper"})
+    else:
+        found.left_out.append(("evaluation", "hyper", "a first body was reduced without sampling_error"))
+    found.left_out.append(("evaluation", "full", 'the slow reference; ask for it: choices={"evaluation": [...]}'))
+    return pairs

@@ -1,0 +1,80 @@
+"""Pareto fronts of time and error, the fastest setting for a wanted error, and the observed order in the step.
+
+A setting is on the front where none is both faster and at least as right. The order in the step needs no reference: of
+three runs with steps in the constant ratio r and everything else the same, results a, b, c from coarse to fine,
+
+    p = log(|a - b| / |b - c|) / log r.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpffrf.study.speed_against_error.choices import label_of
+from warpffrf.study.speed_against_error.runs import Row
+
+WANTED = (0.10, 0.03, 0.01, 0.003, 0.001)
+SAME_RATIO = 1e-6  # of steps that are written as decimals
+
+
+def front(rows: Sequence[Row], measure: str) -> list[Row]:
+    """The rows that are on the front of `measure`, from fast to slow."""
+    known = sorted((r for r in rows if measure in r.errors and r.timed), key=lambda r: (r.fastest, r.errors[measure]))
+    found: list[Row] = []
+    for row in known:
+        if not found or row.errors[measure] < found[-1].errors[measure]:
+            found.append(row)
+    return found
+
+
+def fastest(rows: Sequence[Row], error: float, measures: Sequence[str]) -> Row | None:
+    """The fastest row whose errors of all `measures` are at most `error`; None where there is none."""
+    good = [r for r in rows if r.timed and all(r.errors.get(m, np.inf) <= error for m in measures)]
+    return min(good, key=lambda r: r.fastest, default=None)
+
+
+@dataclass(frozen=True)
+class Order:
+    """One group of runs that differ in the step only: `steps` (n,) s from coarse to fine, `apart` (n - 1,) relative
+    difference of each from the next finer one, `orders` (n - 2,), NaN where the ratio of steps changes."""
+
+    group: str
+    local: str
+    measure: str
+    steps: np.ndarray
+    apart: np.ndarray
+    orders: np.ndarray
+
+
+def orders(rows: Sequence[Row], series: Mapping[str, Mapping[str, np.ndarray]]) -> list[Order]:
+    """Orders of all groups of at least three steps, by measure; `series`: label -> measure -> values of the run."""
+    groups: dict[str, list[Row]] = {}
+    for row in rows:
+        if row.label in series:
+            rest = {name: value for name, value in row.setting.items() if name != "step"}
+            groups.setdefault(label_of(rest), []).append(row)
+    found = []
+    for group, members in groups.items():
+        members = sorted(members, key=lambda r: -r.setting["step"])
+        if len(members) < 3:
+            continue
+        steps = np.array([r.setting["step"] for r in members])
+        for measure in series[members[0].label]:
+            values = [series[r.label][measure] for r in members]
+            size = float(np.linalg.norm(values[-1]))
+            if size == 0.0 or any(v.shape != values[-1].shape for v in values):
+                continue
+            apart = np.array([np.linalg.norm(a - b) for a, b in zip(values, values[1:], strict=False)]) / size
+            local = str(members[0].setting.get("local"))
+            found.append(Order(group, local, measure, steps, apart, _rates(steps, apart)))
+    return found
+
+
+def _rates(steps: np.ndarray, apart: np.ndarray) -> np.ndarray:
+    ratio = steps[:-1] / steps[1:]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rates = np.log(apart[:-1] / apart[1:]) / np.log(ratio[:-1])
+    return np.where(np.isclose(ratio[:-1], ratio[1:], rtol=SAME_RATIO) & np.isfinite(rates), rates, np.nan)

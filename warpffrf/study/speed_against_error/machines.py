@@ -1,0 +1,208 @@
+"""Where the scenes of a study come from: a `Scene`, a function that builds one, or a scene file; and a setting applied.
+
+A scene is built once for each combination of the parameters that build it, and runs of the study share it: options of
+contacts and bodies are set before a run and put back after it.
+"""
+
+from __future__ import annotations
+
+import inspect
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Protocol
+
+from warpffrf.model.bodies import INERTIA_LEVELS
+from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.scene_file import load_scene
+from warpffrf.study.speed_against_error.choices import BODY, BUILT_IN, CONTACT, RUN, Setting, label_of
+
+DROPPED = ("results", "record", "save_every", "overwrite", "resume", "keep_every", "device", "progress")
+
+
+class Source(Protocol):
+    """What builds scenes."""
+
+    title: str
+
+    def options(self) -> dict[str, Any]:
+        """Options of `simulate` that come with the scene."""
+        ...
+
+    def check(self, names: Sequence[str]) -> None:
+        """Raises `InputError` for a name that is no parameter of what builds the scene."""
+        ...
+
+    def build(self, parameters: Mapping[str, Any]) -> Any:
+        """A scene with other values for these parameters."""
+        ...
+
+
+class GivenScene:
+    """A `Scene` as it stands."""
+
+    title = "scene"
+
+    def __init__(self, scene: Any) -> None:
+        self.scene = scene
+
+    def options(self) -> dict[str, Any]:
+        """None come with it."""
+        return {}
+
+    def check(self, names: Sequence[str]) -> None:
+        """A scene that is built has no parameters."""
+        if names:
+            raise InputError(
+                f"speed_error: {names[0]!r} is no choice of a Scene, which is built already; known: "
+                f"{', '.join(map(repr, BUILT_IN))}; for other parameters give a function that builds the scene from "
+                "them, or a scene file"
+            )
+
+    def build(self, parameters: Mapping[str, Any]) -> Any:
+        """The scene."""
+        return self.scene
+
+
+class BuiltScene:
+    """A function `build(**parameters) -> Scene`."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.function = function
+        self.title = getattr(function, "__name__", "build")
+
+    def options(self) -> dict[str, Any]:
+        """None come with it."""
+        return {}
+
+    def check(self, names: Sequence[str]) -> None:
+        """Its keyword arguments are the parameters."""
+        signature = inspect.signature(self.function).parameters.values()
+        if any(p.kind is p.VAR_KEYWORD for p in signature):
+            return
+        known = [p.name for p in signature if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
+        for name in names:
+            if name not in known:
+                raise unknown_name(f"speed_error: choice or parameter of {self.title}()", name, [*BUILT_IN, *known])
+
+    def build(self, parameters: Mapping[str, Any]) -> Any:
+        """Calls it."""
+        scene = self.function(**parameters)
+        if not hasattr(scene, "content_hash"):
+            raise InputError(f"speed_error: {self.title}() must return a Scene, got {scene!r}")
+        return scene
+
+
+class FileScene:
+    """A scene file; parameters are dotted names as of `--set`."""
+
+    def __init__(self, path: str | os.PathLike[str], settings: Sequence[str]) -> None:
+        self.path, self.settings = path, tuple(settings)
+        self.loaded: Any = load_scene(path, settings=self.settings)
+        self.title = str(self.loaded.title)
+
+    def options(self) -> dict[str, Any]:
+        """Those of its table [simulate]."""
+        found = dict(self.loaded.simulate or {})
+        if found.pop("stages", None) is not None:
+            raise InputError(
+                f"speed_error: {Path(self.path).name} runs in stages; a study compares one run, give it duration and "
+                "step in [simulate], and start from the results of the stage before"
+            )
+        return {name: value for name, value in found.items() if name not in DROPPED}
+
+    def check(self, names: Sequence[str]) -> None:
+        """Names are checked when the file is read with them."""
+
+    def build(self, parameters: Mapping[str, Any]) -> Any:
+        """Reads the file again with the parameters set."""
+        if not parameters:
+            return self.loaded.scene
+        more = [f"{name}={_toml(value)}" for name, value in parameters.items()]
+        return load_scene(self.path, settings=(*self.settings, *more)).scene
+
+
+def _toml(value: Any) -> str:
+    """A value as `--set` takes it."""
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def source_of(scene: Any, settings: Sequence[str]) -> Source:
+    """The source behind what the user gave; raises `InputError` for anything else."""
+    if hasattr(scene, "content_hash") and hasattr(scene, "contacts"):
+        source: Source = GivenScene(scene)
+    elif isinstance(scene, str | os.PathLike):
+        return FileScene(scene, settings)
+    elif callable(scene):
+        source = BuiltScene(scene)
+    else:
+        raise InputError(f"speed_error: give a Scene, a function that builds one, or a scene file, got {scene!r}")
+    if settings:
+        raise InputError("speed_error: settings are those of a scene file; a function takes parameters={...}")
+    return source
+
+
+class Machines:
+    """The scenes of a study by their parameters, each built when it is first asked for."""
+
+    def __init__(self, source: Source, parameters: Mapping[str, Any]) -> None:
+        source.check(list(parameters))
+        self.source, self.parameters = source, dict(parameters)
+        self._built: dict[str, Any] = {}
+
+    def scene(self, setting: Setting) -> Any:
+        """The scene of a setting, without its options applied."""
+        parameters = {**self.parameters, **{k: v for k, v in setting.items() if k not in BUILT_IN}}
+        label = label_of(parameters)
+        if label not in self._built:
+            self._built[label] = self.source.build(parameters)
+        return self._built[label]
+
+
+def run_options(setting: Setting) -> dict[str, Any]:
+    """Options of `simulate` in a setting."""
+    return {name: value for name, value in setting.items() if name in RUN}
+
+
+@contextmanager
+def applied(scene: Any, setting: Setting) -> Iterator[None]:
+    """Inside, contacts and bodies of `scene` have the options of the setting. Raises `InputError` where they cannot."""
+    level = setting.get("inertia")
+    if level is not None and level not in INERTIA_LEVELS:
+        raise unknown_name("speed_error: inertia", level, INERTIA_LEVELS)
+    if not scene.contacts and (asked := [name for name in CONTACT if name in setting]):
+        raise InputError(f"the scene has no distributed contact, and no {' or '.join(asked)} to choose")
+    flexible = [body for body in scene.bodies if body.reduced is not None]
+    if level is not None and not flexible:
+        raise InputError(f"no body is flexible, and there is no {BODY[0]} level to choose")
+    wanted = {name: setting[name] for name in CONTACT if name in setting}
+    before = [(contact, {name: getattr(contact, name) for name in wanted}) for contact in scene.contacts]
+    levels = [body.level for body in flexible]
+    try:
+        for contact, old in before:
+            _set_all(contact, old, wanted)
+        for body in flexible if level is not None else []:
+            body.level = level
+        yield
+    finally:
+        for contact, old in before:
+            _set_all(contact, {}, {"grid": "material"} if "grid" in old else {})
+            _set_all(contact, {}, dict(sorted(old.items(), key=lambda item: item[0] == "grid")))
+        for body, old_level in zip(flexible, levels, strict=True):
+            body.level = old_level
+
+
+def _set_all(contact: Any, old: Mapping[str, Any], values: Mapping[str, Any]) -> None:
+    """Set options of a contact that must fit together: first the grid to what allows all, the asked one last."""
+    if "grid" in values and "evaluation" in values:
+        contact.grid = "material"
+    for name in sorted(values, key=lambda name: name == "grid"):
+        setattr(contact, name, values[name])
+
+
+def offline_seconds(scene: Any) -> float:
+    """What the reductions of the bodies of `scene` took when they were made [s], each body once; NaN if unknown."""
+    bodies = {id(body.reduced): body.reduced for body in scene.bodies if body.reduced is not None}
+    found = [body.report.get("seconds") for body in bodies.values()]
+    return float("nan") if any(value is None for value in found) else float(sum(found))

@@ -1,0 +1,274 @@
+"""`speed_error`: one scene with many settings beside a reference that it computes itself.
+
+The reference has REFINED steps in the finest step of the study, of the other choices the last value of each, all
+inertia terms where all flexible bodies have them, and what the user asks of it. A second one with twice its step says
+how far it is converged: of a method of second order its own error is a third of their difference.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from warpffrf import __version__
+from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.output_paths import checked_output_path, written_whole
+from warpffrf.model.progress import Progress
+from warpffrf.study.speed_against_error.choices import (
+    BUILT_IN,
+    Choices,
+    Setting,
+    default_choices,
+    given_choices,
+    label_of,
+    text_of,
+)
+from warpffrf.study.speed_against_error.errors import contact_forces, errors_of, measures_of
+from warpffrf.study.speed_against_error.folder import Folder
+from warpffrf.study.speed_against_error.front import WANTED, Order, fastest, front, orders
+from warpffrf.study.speed_against_error.machines import Machines, source_of
+from warpffrf.study.speed_against_error.places import check_points, motion_of
+from warpffrf.study.speed_against_error.runs import Row, refused, run_setting
+from warpffrf.study.speed_against_error.times import check_interval, common_interval, common_rows
+from warpffrf.verification.markdown import table
+
+REFINED = 4
+RECOMMENDED = ("force", "pressure", "displacement", "deformation", "stress")  # that a wanted error is of
+
+
+class SpeedError:
+    """A study: `rows`, the `reference` (setting, differences from twice its step), `left_out` (name, value, reason)."""
+
+    def __init__(
+        self,
+        title: str,
+        measures: tuple[str, ...],
+        rows: list[Row],
+        reference: dict[str, Any],
+        left_out: list[tuple[str, str, str]],
+        series: dict[str, dict[str, Any]],
+    ) -> None:
+        self.title, self.measures, self.rows = title, measures, rows
+        self.reference, self.left_out, self._series = reference, left_out, series
+
+    def front(self, measure: str) -> list[Row]:
+        """Rows that no other is both faster and at least as right as, from fast to slow."""
+        if measure not in self.measures:
+            raise InputError(f"speed_error: {measure!r} was not measured; known: {', '.join(self.measures)}")
+        return front(self.rows, measure)
+
+    def recommended(self, error: float, measures: Sequence[str] | None = None) -> Row:
+        """The fastest row with at most `error` (a fraction) in all `measures`, by default all against the reference.
+        Raises `InputError` where none has it, which says the least that was reached."""
+        require_number(error, "speed_error: error", positive=True)
+        wanted = [m for m in RECOMMENDED if m in self.measures] if measures is None else list(measures)
+        found = fastest(self.rows, error, wanted)
+        if found is None:
+            worst = [max(r.errors.get(m, float("inf")) for m in wanted) for r in self.rows if r.timed]
+            least = f"the least reached is {min(worst):.2g}" if worst else "no run was completed"
+            raise InputError(f"speed_error: no setting of this study is within {error:g}; {least}; refine its choices")
+        return found
+
+    def orders(self) -> list[Order]:
+        """Observed orders in the step."""
+        return orders(self.rows, self._series)
+
+    def table(self) -> tuple[list[str], list[list[str]]]:
+        """Head and rows of the table, the marks of fronts in the last column but one."""
+        names = [n for n in self.rows[0].setting] if self.rows else []
+        names += [n for row in self.rows for n in row.setting if n not in names]
+        names = list(dict.fromkeys(names))
+        names = [n for n in names if len({text_of(row.setting.get(n, "as given")) for row in self.rows}) > 1]
+        marks = {m: {id(row) for row in front(self.rows, m)} for m in self.measures}
+        head = [*names, *(f"{m} [%]" for m in self.measures), "wall s/s, fastest", "median", "in graph",
+                "set-up s", "offline s", "on the front of", "status"]  # fmt: skip
+        lines = []
+        for row in self.rows:
+            errors = [f"{100.0 * row.errors[m]:.3g}" if m in row.errors else "-" for m in self.measures]
+            times = (
+                [f"{row.fastest:.4g}", f"{row.median:.4g}", f"{min(row.graphs):.4g}", f"{row.set_up[0]:.3g}"]
+                if row.walls
+                else ["-"] * 4
+            )
+            on = ", ".join(m for m in self.measures if id(row) in marks[m])
+            values = [text_of(row.setting.get(n, "as given")) for n in names]
+            lines.append(
+                [*values, *errors, *times, f"{row.offline:.3g}", on, f"{row.status}: {row.reason}".rstrip(": ")]
+            )
+        return head, lines
+
+    def report(self) -> str:
+        """Everything as Markdown."""
+        apart = ", ".join(f"{m} {100.0 * e:.2g} %" for m, e in self.reference["apart"].items())
+        lines = [
+            f"Reference: {self.reference['label']}; from twice its step it differs by {apart or 'nothing measured'}.",
+            "",
+        ]
+        lines += [table(*self.table()), "", "Fastest within a wanted error of all measures against the reference:", ""]
+        for error in WANTED:
+            try:
+                lines.append(f"- {error:.1%}: {self.recommended(error).label}")
+            except InputError as none:
+                lines.append(f"- {error:.1%}: {none}")
+        lines += ["", *(f"Left out: {name} {value}: {reason}." for name, value, reason in self.left_out)]
+        for order in self.orders():
+            shown = ", ".join(f"{p:.2f}" for p in order.orders)
+            lines.append(f"Order in the step, {order.measure}: {shown} ({order.group})")
+        return "\n".join(lines) + "\n"
+
+    def write(self, folder: str | Path, *, overwrite: bool = False) -> list[Path]:
+        """Write speed_error.csv and speed_error.md."""
+        head, lines = self.table()
+        text = io.StringIO()
+        csv.writer(text).writerows([["warpffrf speed_error", self.title], head, *lines])
+        files = {"speed_error.csv": text.getvalue(), "speed_error.md": f"<!-- warpffrf -->\n{self.report()}"}
+        paths = [checked_output_path(Path(folder) / name, "speed_error", overwrite=overwrite) for name in files]
+        for path, content in zip(paths, files.values(), strict=True):
+            with written_whole(path) as partial:
+                partial.write_text(content, encoding="utf-8")
+        return paths
+
+
+def speed_error(
+    scene: Any,
+    duration: float | None = None,
+    *,
+    step: float | None = None,
+    start: Any = None,
+    choices: Mapping[str, Sequence[Any]] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    settings: Sequence[str] = (),
+    reference: Mapping[str, Any] | None = None,
+    measures: Sequence[str] | None = None,
+    points: Mapping[str, Any] | None = None,
+    saved_every: float | None = None,
+    rounds: int = 3,
+    out: str | Path | None = None,
+    overwrite: bool = False,
+    resume: bool = True,
+    progress: bool = True,
+) -> SpeedError:
+    """Run a scene with many settings, in `rounds` of changing order, and hold them against a reference.
+
+    scene: a Scene, a function `build(**parameters)` that returns one, or a scene file with `settings` as of `--set`.
+    duration, step [s], start: as of `simulate`, of a file those of its [simulate]. choices {name: values}, from coarse
+    to fine; None: see `choices`. reference: other values for the reference. points {body: (n, 3)} [m, user frame]:
+    where displacement is compared. saved_every [s]: the common times. out: a folder, in which an interrupted study
+    goes on. Raises `InputError`.
+    """
+    source = source_of(scene, settings)
+    machines = Machines(source, parameters or {})
+    given = {"step": step, "start": start}
+    options = {"start": "initial", **source.options(), **{k: v for k, v in given.items() if v is not None}}
+    duration = options.pop("duration", None) if duration is None else duration
+    options.pop("duration", None)
+    if duration is None or "step" not in options:
+        raise InputError("speed_error: give duration and step, or a scene file whose [simulate] has them")
+    duration = require_number(duration, "speed_error: duration", positive=True)
+    base: Setting = {"step": require_number(options.pop("step"), "speed_error: step", positive=True)}
+    base |= {"local": options.pop("local", "quasi_static"), "method": options.pop("method", "separated"),
+             "integrator": options.pop("integrator", None)}  # fmt: skip
+    rounds = require_count(rounds, "speed_error: rounds", 1)
+    built = machines.scene(base)
+    names = measures_of(built, measures)
+    places = check_points(points, [body.name for body in built.bodies])
+    if choices is not None:
+        source.check([name for name in choices if name not in BUILT_IN])
+    plan = default_choices(built, base) if choices is None else given_choices(choices, base)
+    finest = _reference_setting(plan, choices or {}, built, reference or {})
+    steps = [setting["step"] for setting in plan.settings]
+    if saved_every is None:
+        interval = common_interval([*steps, 2.0 * finest["step"]], duration)
+    else:
+        interval = check_interval(saved_every, [*steps, 2.0 * finest["step"]], duration)
+    identity = {
+        "title": source.title, "scene": built.content_hash(), "version": __version__, "duration": duration,
+        "saved_every": interval, "options": {k: str(v) for k, v in options.items()}, "measures": list(names),
+        "parameters": {k: str(v) for k, v in machines.parameters.items()}, "reference": label_of(finest),
+        "points": {name: x.tolist() for name, x in places.items()},
+    }  # fmt: skip
+    folder = Folder(out, identity, overwrite=overwrite, resume=resume)
+    bar = Progress("speed-error", 2 + rounds * len(plan.settings), enabled=progress, unit="run")
+    try:
+        kept = folder.reference()
+        if kept is None:
+            best, _ = run_setting(machines, finest, interval, duration, options)
+            bar.update(1)
+            coarse, _ = run_setting(machines, {**finest, "step": 2.0 * finest["step"]}, interval, duration, options)
+            for result in (best, coarse):
+                if common_rows(result.time, interval, duration) is None:
+                    raise InputError(f"speed_error: the reference ended early, {result.status}: {result.message}; "
+                                     "give it other values, reference={...}")  # fmt: skip
+            at, at_coarse = (common_rows(r.time, interval, duration) for r in (best, coarse))
+            assert at is not None and at_coarse is not None
+            apart = errors_of(coarse, at_coarse, best, at, names, places)
+            apart.pop("energy", None)
+            folder.keep_reference(best, {"label": label_of(finest), "apart": apart})
+            kept = best, folder.content["reference"]
+        bar.update(2)
+        best, facts = kept
+        at = common_rows(best.time, interval, duration)
+        assert at is not None
+        rows = _rounds(machines, plan, folder, bar, rounds, (interval, duration, options), (best, at, names, places))
+    finally:
+        bar.close()
+    names = tuple(n for n in names if n == "energy" or n in facts["apart"])  # the others are zero in the reference
+    series = {row.label: found for row in rows if (found := folder.series(row.label)) is not None}
+    return SpeedError(source.title, names, rows, facts, plan.left_out, series)
+
+
+def _reference_setting(plan: Choices, choices: Mapping[str, Any], scene: Any, asked: Mapping[str, Any]) -> Setting:
+    finest = {**plan.settings[0], **{name: values[-1] for name, values in choices.items()}}
+    finest["step"] = min(setting["step"] for setting in plan.settings) / REFINED
+    flexible = [body for body in scene.bodies if body.reduced is not None]
+    if flexible and all(body.reduced.inertia_terms is not None for body in flexible):
+        finest["inertia"] = "full"
+    return {**finest, **asked}
+
+
+def _rounds(
+    machines: Machines, plan: Choices, folder: Folder, bar: Progress, rounds: int, how: Any, against: Any
+) -> list[Row]:
+    """All settings in rounds, each from another one on and every second backwards; what is kept is not run again."""
+    (interval, duration, options), (best, at, names, places) = how, against
+    rows = {label_of(s): Row(s, **(folder.row(label_of(s)) or {})) for s in plan.settings}
+    order, done = list(rows), 2
+    for number in range(rounds):
+        shift = number * len(order) // rounds
+        turn = (order[shift:] + order[:shift])[:: -1 if number % 2 else 1]
+        for label in turn:
+            row = rows[label]
+            if not row.status or (row.timed and len(row.walls) <= number):
+                try:
+                    result, now = run_setting(machines, row.setting, interval, duration, options)
+                except InputError as error:
+                    rows[label] = refused(row.setting, error)
+                else:
+                    if not row.status:
+                        found = common_rows(result.time, interval, duration)
+                        if result.status == "completed" and found is not None:
+                            now.errors = errors_of(result, found, best, at, names, places)
+                            folder.keep_series(label, _series(result, found, names, places))
+                        rows[label] = now
+                    else:
+                        row.walls += now.walls
+                        row.graphs += now.graphs
+                        row.set_up += now.set_up
+                folder.keep_row(label, rows[label].plain())
+            done += 1
+            bar.update(done)
+    return list(rows.values())
+
+
+def _series(result: Any, rows: Any, names: Sequence[str], places: Any) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    if "force" in names:
+        found["force"] = contact_forces(result, rows)
+    motion = motion_of(result, rows, places)
+    found["displacement"] = motion.world - motion.world[:1]
+    if motion.elastic.size:
+        found["deformation"] = motion.elastic
+    return found
