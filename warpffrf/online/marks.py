@@ -35,7 +35,7 @@ from warpffrf.online.history.record import history_from_rows
 WHOLE = 4000  # steps, up to which a run is stepped again as a whole
 MARKS = 100  # states of a longer one
 MOST_BYTES = 64e6  # of them
-COARSER = 2  # times the step of the run
+COARSER, FINER = 2, 2  # times the step of the run, parts of it
 ROUGHER = float(COARSER**3)  # times the accuracy asked for: local errors grow with h^3
 MOST_ATTEMPTS = 4  # a user step, in one replay: more follow where steps are halved
 
@@ -113,6 +113,16 @@ class Marks:
             return None
         return Again(begin, begin + COARSER * pairs, fine, history_from_rows(engine.compiled, rows))
 
+    def begin_again(self, engine: Engine, steps: int) -> tuple[History, History] | None:
+        """The first `steps` user steps of the run once more, and with half the step, at the same times; None where one
+        of them fails."""
+        state = self.states[self.first]
+        own = _rows(engine, state, self.step, steps)
+        finer = None if own is None else _rows(engine, state, self.step / FINER, FINER * steps, FINER)
+        if own is None or finer is None:
+            return None
+        return history_from_rows(engine.compiled, own), history_from_rows(engine.compiled, finer)
+
 
 def longer(engine: Engine, state: State, rows: SavedRows, step: float) -> dict[str, Array]:
     """`state` of a run with `step` [s], whose next step is the first of `rows`, for steps `COARSER` times as long."""
@@ -127,11 +137,12 @@ def longer(engine: Engine, state: State, rows: SavedRows, step: float) -> dict[s
     return found
 
 
-def _rows(engine: Engine, state: State, step: float, steps: int) -> SavedRows | None:
-    """The rows of `steps` user steps of `step` [s] from `state`, without the state itself; None where they fail."""
+def _rows(engine: Engine, state: State, step: float, steps: int, every: int = 1) -> SavedRows | None:
+    """Each `every`th of the rows of `steps` user steps of `step` [s] from `state`, without the state itself; None where
+    they fail."""
     engine.chunks = [[] for _ in range(engine.worlds)]
     done = restore(engine, state, step)
-    engine.control(every=1, level=int(state["ctl"]["level"][0]))
+    engine.control(every=every, level=int(state["ctl"]["level"][0]))
     end = done + steps
     while done < end:
         target = min(done + engine.settings.ring_rows - 1, end)

@@ -21,11 +21,19 @@ first and second half of a window of length L, in a run of length T and a quanti
     between, else               not to be told: the geometric mean of both, d root(T/L)
 
 and what grows linearly from nothing has 1/root(3) of its last value as root mean square.
+
+Neither of two steps sees a vibration that both are too long for: the integrator damps it before it has done anything.
+So the first `BEGINNING` of a run, where vibrations are that its start excites, is stepped once more with half the step,
+too; the larger of this d (4/3 of it is e at order two, but such a d is the error itself) and of the above counts. What
+is excited later is not seen: of machines that have such vibrations, of modes and of bodies on their contacts, the line
+says from which frequency on, 1/(2 pi 2 h).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -41,6 +49,8 @@ SETTLED, QUADRATIC = 1.8, 4.0  # d_2/d_1 is 1 of what has settled, 2.6 of t, 5.6
 TWO_PERIODS = 4.0 * np.pi
 LAST = 1.4  # last value over d_2: 1.3 of t, 1.6 of t^2
 SECOND_ORDER, FIRST_ORDER = float(COARSER**2 - 1), float(COARSER)  # d/e, the latter between its two
+BEGINNING, FEWEST, MOST = 20, 8, 400  # a part of the run, but so many steps of it
+RESOLVED = 1.0  # rad of a vibration in the longer step: beyond, the method has no order any more
 SAME_TIME = 1e-3  # of the step: times that differ by round-off
 SOURCE = "time step"
 CURE = "a smaller step"
@@ -71,8 +81,47 @@ def time_step_lines(history: History, engine: Engine, *, progress: bool) -> list
     bar.close()
     own = quantities(history)
     if marks.whole:
-        return _by_whole(history, own, found[0])
-    return [_by_windows(history, quantity, found, marks.step, _divisor(history)) for quantity in own.values()]
+        lines = _by_whole(history, own, found[0])
+    else:
+        lines = [_by_windows(history, quantity, found, marks.step, _divisor(history)) for quantity in own.values()]
+    lines = _with_beginning(lines, own, marks.begin_again(engine, _beginning(reached - marks.first)))
+    return [replace(line, basis=line.basis + _unseen(history, marks.step)) for line in lines]
+
+
+def _beginning(steps: int) -> int:
+    """Steps of a run of so many, of which the first are stepped once more with half the step."""
+    return min(max(steps // BEGINNING, min(FEWEST, steps)), MOST)
+
+
+def _with_beginning(
+    lines: list[BudgetLine], own: dict[str, Quantity], begin: tuple[History, History] | None
+) -> list[BudgetLine]:
+    """`lines`, where the beginning with half the step does not say more."""
+    if begin is None:
+        return lines
+    fine, finer = (quantities(history) for history in begin)
+    found = []
+    for line in lines:
+        if line.of in fine and line.of in finer:
+            d = fine[line.of].apart(finer[line.of].values)
+            size = float(np.sqrt(np.mean(d**2))) / own[line.of].size
+            if not line.size >= size:
+                line = replace(line, size=size, basis="the beginning of the run once more with half the step")
+        found.append(line)
+    return found
+
+
+def _unseen(history: History, step: float) -> str:
+    """What is said of vibrations that the steps do not resolve, of a machine that can have them."""
+    highest = RESOLVED / (2.0 * np.pi * COARSER * step)
+    touching = bool(history.contacts or history.lumped_contacts)
+    if not touching and not any(np.any(body.reduced.frequencies > highest) for body in _flexible(history)):
+        return ""
+    return f"; vibrations above {highest:.3g} Hz, which it does not resolve, are not in it"
+
+
+def _flexible(history: History) -> list[Any]:
+    return [body for body in history.scene.bodies if body.reduced is not None]
 
 
 def _divisor(history: History) -> float:
