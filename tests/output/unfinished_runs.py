@@ -12,9 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import warpffrf as wf
-from warpffrf.online.arrays.ring import SavedRows
-from warpffrf.online.history.history import History
-from warpffrf.online.keeping import Plan
+from warpffrf.model.keeping import Unfinished
 from warpffrf.output.files.unfinished import UnfinishedRun
 
 STEP, STEPS = 1e-4, 30_000
@@ -55,14 +53,13 @@ def reduced(results: Path) -> wf.ReducedBody:
 
 
 def main() -> None:
-    keep = UnfinishedRun.keep
+    write = UnfinishedRun._write
 
-    def and_say(self: UnfinishedRun, history: History, rows: SavedRows, plan: Plan) -> bool:
-        done = keep(self, history, rows, plan)
+    def and_say(self: UnfinishedRun, run: Unfinished) -> None:
+        write(self, run)
         print("going", flush=True)
-        return done
 
-    UnfinishedRun.keep = and_say
+    UnfinishedRun._write = and_say
     case, results = sys.argv[1], Path(sys.argv[2])
     every = float(sys.argv[3]) if len(sys.argv) > 3 else OPTIONS["keep_every"]
     if limit := os.environ.get("FILE_LIMIT"):  # bytes: as on a full disk, writing more fails

@@ -22,6 +22,7 @@ from warpffrf.model.integrators import (
 )
 from warpffrf.model.interruption import deferred_interrupts
 from warpffrf.model.joints import Drive
+from warpffrf.model.keeping import Keeper, Plan, Unfinished
 from warpffrf.model.lumped_contact import refuse_lumped_overlap
 from warpffrf.model.overlap import excessive_wedge, refuse_overlap
 from warpffrf.model.progress import Progress
@@ -41,7 +42,7 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.free_flight.check_run import run_check
 from warpffrf.online.history.history import History
 from warpffrf.online.history.record import history_from_rows
-from warpffrf.online.keeping import Keeper, Keeping, Plan, Unfinished, go_on
+from warpffrf.online.keeping import Keeping, go_on
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import start_consistently
@@ -213,7 +214,7 @@ def run(
     if isinstance(start, Unfinished):
         plan = start.plan
     last_step, notes = plan.last_step, list(plan.notes)
-    keeping = Keeping(engine, keeper, plan, len(engine.chunks[0]) if isinstance(start, Unfinished) else 0)
+    keeping = Keeping(engine, keeper, plan)
     watch = EnergyWatch(engine, step)
     gain = ""
     bar = Progress("simulate", last_step - first_step, enabled=progress)

@@ -45,6 +45,7 @@ class Whole:
         """Write the results; they go with a note where that is not possible."""
         if result.status != "completed":
             log.warning("run ended early: %s: %s", result.status, result.message)
+        self.run.settle()
         result.history.notes.extend(self.run.troubles)
         with deferred_interrupts() as asked:
             self.done = _tried(result, "results", self.path, lambda: result.save(self.path, overwrite=True))
@@ -86,7 +87,7 @@ class Outputs:
             yield NoFile()
             return
         path = Path(results).expanduser()
-        run = UnfinishedRun(path, options or {}, self.keep_every, Result)
+        run = UnfinishedRun(path, options or {}, self.keep_every)
         run.open()
         whole = Whole(path, run)
         try:
@@ -133,7 +134,7 @@ class Outputs:
         if self.resume and not self.overwrite:
             found = run.load()
             if found is not None:
-                log.info("results: going on from '%s', %d saved rows", run.folder, len(found.rows["saved_time"]))
+                log.info("results: going on from '%s', %d parts", run.folder, run.parts)
             return start if found is None else found
         if run.has_checkpoint() and not self.overwrite:
             raise InputError(
