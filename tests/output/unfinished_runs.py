@@ -12,10 +12,12 @@ from pathlib import Path
 from typing import Any
 
 import warpffrf as wf
+from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
 from warpffrf.model.keeping import Unfinished
 from warpffrf.output.files.unfinished import UnfinishedRun
 
 STEP, STEPS = 1e-4, 30_000
+CHECKS = {"runge-kutta": RungeKutta4(), "energy-momentum": EnergyMomentum()}
 OPTIONS: dict[str, Any] = {"progress": False, "keep_every": 0.02}
 
 
@@ -28,6 +30,13 @@ def pendulum() -> wf.Scene:
     return scene
 
 
+def top() -> wf.Scene:
+    """A free body that tumbles."""
+    scene = wf.Scene()
+    scene.add_rigid_body(1.0, (0.1, 0.2, 0.3), name="top", velocity=(1.0, 0.0, 2.0), angular_velocity=(0.1, 9.0, 0.2))
+    return scene
+
+
 def simulate(case: str, results: Path | None, **more: Any) -> wf.Result:
     """The run of `case`: in one go, or in stages."""
     options = OPTIONS | more
@@ -35,6 +44,10 @@ def simulate(case: str, results: Path | None, **more: Any) -> wf.Result:
         half = 0.5 * STEPS * STEP
         parts = [wf.Stage("swing", half, STEP), wf.Stage("fall", half, STEP, {"gravity": (0.0, 0.0, -3.0)})]
         return wf.simulate(pendulum(), stages=parts, results=results, **options)
+    if case in CHECKS:
+        return wf.simulate(
+            top(), STEPS / 4 * STEP, step=STEP, integrator=CHECKS[case], save_every=3, results=results, **options
+        )
     every = {"sparse": 7, "recorded": 100}.get(case, 1)
     if case == "recorded" and results is not None:
         options["record"] = results.with_suffix(".rrd")

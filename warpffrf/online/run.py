@@ -132,20 +132,20 @@ def run(
             raise InputError(
                 f"simulate: {type(integrator).__name__} takes fixed steps of free bodies; leave accuracy and local out"
             )
-        if isinstance(start, Unfinished):
-            raise InputError(f"simulate: a run by {type(integrator).__name__} is not kept on the way; begin it anew")
         return run_check(
-            scene, duration, step=step, integrator=integrator, save_every=save_every, progress=progress, start=start
-        )
+            scene, duration, step=step, integrator=integrator, save_every=save_every, progress=progress, start=start,
+            keeper=keeper,
+        )  # fmt: skip
     if accuracy is not None:
         accuracy = require_number(accuracy, "simulate: accuracy", positive=True)
     steps, uneven = step_count(duration, step)
     refuse_singular_mass(scene)
     continued = isinstance(start, History | Unfinished)
-    began = time_of(start.checkpoint) if isinstance(start, History | Unfinished) else 0.0
-    for drive in scene.drives:
-        _check_velocity(drive, began, began + steps * step)
-    refuse_short_tables(scene, began, began + steps * step)
+    if not isinstance(start, Unfinished):
+        began = time_of(start.checkpoint) if isinstance(start, History) else 0.0
+        for drive in scene.drives:
+            _check_velocity(drive, began, began + steps * step)
+        refuse_short_tables(scene, began, began + steps * step)
     save_every = require_count(save_every, "simulate: save_every", 1)
     at_rest = isinstance(start, History) and not is_dynamic(start.checkpoint)  # what `find_equilibrium` leaves
     if not continued or at_rest:

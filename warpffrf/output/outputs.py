@@ -17,7 +17,6 @@ from typing import Any, TypeVar
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.integrators import CHECK_INTEGRATORS
 from warpffrf.model.interruption import deferred_interrupts
 from warpffrf.model.output_paths import check_ending, checked_output_path
 from warpffrf.online.history.history import History
@@ -109,7 +108,7 @@ class Outputs:
                     whole.done = True
                     return finished
                 start = self._unfinished(whole.run, start)
-                keeper = None if isinstance(options["integrator"], CHECK_INTEGRATORS) else whole.run
+                keeper = whole.run
             history = call(scene, duration, step=step, start=start, keeper=keeper, **options)
             history.options = named
             return whole.written(Result(history))

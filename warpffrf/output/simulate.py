@@ -119,7 +119,6 @@ def simulate(
 def _run(scene: Any, duration: float, *, method: str | Monolithic, integrator: Any, **options: Any) -> History:
     """The run by its method."""
     if _method_name(method) == "monolithic":
-        options.pop("keeper")
         chosen = method if isinstance(method, Monolithic) else None
         return run_monolithic(scene, duration, integrator=integrator, options=chosen, **options)
     return run(scene, duration, integrator=DEFAULT_INTEGRATOR if integrator is None else integrator, **options)

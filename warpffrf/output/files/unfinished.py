@@ -36,7 +36,9 @@ from warpffrf.model.output_paths import remove_left_over
 from warpffrf.model.sealed_arrays import read_arrays, write_arrays
 from warpffrf.online import keeping
 from warpffrf.online.arrays.ring import joined
+from warpffrf.online.free_flight import check_run
 from warpffrf.online.history.history import History
+from warpffrf.output import monolithic_run
 
 try:
     import fcntl
@@ -48,7 +50,11 @@ LOCK, SCENE, CHECKPOINT, PART = "lock", "scene.arrays", "checkpoint.arrays", "pa
 PARTS = "part-*.arrays"
 SHARE = 0.02  # of the time between two parts that writing the checkpoint before took
 GO_ON = "the run had not ended: go on with results='{results}' and resume=True (--resume)"
-HISTORY_OF: dict[str, Callable[..., History]] = {keeping.METHOD: keeping.history_of}  # by `Source.method`
+HISTORY_OF: dict[str, Callable[..., History]] = {  # by `Source.method`
+    keeping.METHOD: keeping.history_of,
+    check_run.METHOD: check_run.history_of,
+    monolithic_run.METHOD: monolithic_run.history_of,
+}
 
 log = logging.getLogger("warpffrf")
 
