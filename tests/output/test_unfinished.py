@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import copy
 import signal
+import socket
 import subprocess
 import sys
+import threading
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -221,6 +223,29 @@ def test_two_runs_into_one_file_are_told_apart(tmp_path: Path) -> None:
         program.send_signal(signal.SIGCONT)
         program.communicate(timeout=BEFORE_LONG)
     assert wf.Result.load(file).status == "completed"
+
+
+def test_what_a_killed_writer_left_does_not_keep_the_folder(tmp_path: Path) -> None:
+    """A file that was being written belongs to a process that is no more, and no part of it follows."""
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    folder = tmp_path / "run.h5.unfinished"
+    folder.mkdir()
+    host = socket.gethostname().replace(".", "-")
+    (folder / f".part-000007.arrays.{host}.{dead.pid}.0123abcd.part").write_bytes(b"cut")
+    (folder / "scene.arrays").write_bytes(b"of another run")
+    assert simulate("plain", tmp_path / "run.h5", resume=True).status == "completed"
+    assert [path.name for path in tmp_path.iterdir()] == ["run.h5"]
+
+
+def test_a_process_without_threads_writes_by_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class NoThread(threading.Thread):
+        def start(self) -> None:
+            raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(unfinished, "threading", SimpleNamespace(Thread=NoThread))
+    found, _ = kept(tmp_path, pendulum(), 3000, STEP)
+    assert len(found.time) > 0
 
 
 def test_a_full_disk_loses_no_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

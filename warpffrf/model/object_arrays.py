@@ -44,7 +44,7 @@ def from_arrays(document: list[Any], arrays: Mapping[str, np.ndarray]) -> Any:
     this version does not have."""
     try:
         return _Unpacking(document, arrays).at(0)
-    except (KeyError, IndexError, TypeError, ValueError, AttributeError, ImportError, RecursionError) as error:
+    except (LookupError, TypeError, ValueError, AttributeError, ImportError, OverflowError, RecursionError) as error:
         raise InputError(f"it is of another version of warpffrf ({error})") from None
 
 

@@ -65,7 +65,7 @@ def read_arrays(path: Path, subject: str, cure: str) -> tuple[dict[str, Any], di
         return dict(header["about"]), found
     except OSError as error:
         raise InputError(f"{subject} cannot be read ({error.strerror or error}); check the path") from None
-    except (ValueError, TypeError, KeyError, struct.error, RecursionError) as error:
+    except (ValueError, TypeError, KeyError, OverflowError, struct.error, RecursionError) as error:
         raise InputError(f"{subject} is damaged ({error}); {cure}") from None
 
 

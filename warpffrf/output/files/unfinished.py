@@ -32,7 +32,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.keeping import UNFINISHED, Plan, Rows, Source, Unfinished
 from warpffrf.model.object_arrays import from_arrays, to_arrays
-from warpffrf.model.output_paths import remove_left_over
+from warpffrf.model.output_paths import remove_left_over_in
 from warpffrf.model.sealed_arrays import read_arrays, write_arrays
 from warpffrf.online import keeping
 from warpffrf.online.arrays.ring import joined
@@ -92,8 +92,7 @@ class UnfinishedRun:
         stream.write(f"process {os.getpid()} on {socket.gethostname()}\n")
         stream.flush()
         self._lock = stream
-        for file in {self.folder / CHECKPOINT, *self._files()}:
-            remove_left_over(file)
+        remove_left_over_in(self.folder)
         return None
 
     def load(self) -> Unfinished | None:
@@ -123,8 +122,8 @@ class UnfinishedRun:
         self.parts = self.taken = 0
 
     def begin(self, source: Source) -> None:
-        """What rows are of; it is written with the first part, unless an earlier run that goes on has done so."""
-        self._source = None if (self.folder / SCENE).is_file() else source
+        """What rows are of; it is written before the next part."""
+        self._source = source
 
     def due(self) -> bool:
         """Whether it is time for another part, and the last one is written."""
@@ -136,7 +135,11 @@ class UnfinishedRun:
         fails, the same comes with the next."""
         self.settle()
         self._writer = threading.Thread(target=self._write, args=(run,), name="warpffrf keeping", daemon=True)
-        self._writer.start()
+        try:
+            self._writer.start()
+        except RuntimeError:  # no more threads in this process
+            self._writer = None
+            self._write(run)
 
     def settle(self) -> None:
         """Wait for what is being written."""
