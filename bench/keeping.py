@@ -2,7 +2,8 @@
 
 The two rollers of the demo, on its coarser mesh, long enough to take the given seconds; in turn without results,
 with the parts kept as often as `simulate` does by itself, and as often as it may (keep_every next to nothing). Times
-are those of the loop over steps, in which parts are written; the share spent is that of writing, at least.
+are those of the loop over steps, beside which a thread writes the parts. Each round begins with another of the three;
+what is over is the median of the rounds, each beside its own run that is not kept.
 """
 
 from __future__ import annotations
@@ -15,9 +16,7 @@ from pathlib import Path
 from statistics import median
 
 from warpffrf.demos import two_rollers
-from warpffrf.online.arrays.ring import SavedRows
-from warpffrf.online.history.history import History
-from warpffrf.online.keeping import Plan
+from warpffrf.model.keeping import Unfinished
 from warpffrf.output.files.unfinished import UnfinishedRun
 from warpffrf.output.outputs import KEEP_EVERY
 from warpffrf.output.simulate import simulate
@@ -29,32 +28,33 @@ TRIED = 500  # steps, to find how many take the seconds
 
 
 class Watch:
-    """How long `UnfinishedRun.keep` took, and how often."""
+    """How long the thread beside a run wrote, how often, and how much; seconds of the clock, and of the processor."""
 
     def __init__(self) -> None:
-        self.parts, self.seconds, self.bytes = 0, 0.0, 0
-        keep, watch = UnfinishedRun.keep, self
+        self.parts, self.seconds, self.bytes, self.processor = 0, 0.0, 0, 0.0
+        write, watch = UnfinishedRun._write, self
 
-        def timed(self: UnfinishedRun, history: History, rows: SavedRows, plan: Plan) -> bool:
-            begin = time.monotonic()
-            done = keep(self, history, rows, plan)
+        def timed(self: UnfinishedRun, run: Unfinished) -> None:
+            begin, busy = time.monotonic(), time.thread_time()
+            write(self, run)
             watch.seconds += time.monotonic() - begin
+            watch.processor += time.thread_time() - busy
             watch.parts += 1
             watch.bytes = sum(file.stat().st_size for file in self.folder.iterdir())
-            return done
 
-        UnfinishedRun.keep = timed
+        UnfinishedRun._write = timed
 
 
 def measure(scene, steps: int, every: float | None, folder: Path, watch: Watch, save_every: int) -> dict:
     """Loop seconds of a run, and what was written on the way."""
-    watch.parts, watch.seconds, watch.bytes = 0, 0.0, 0
+    watch.parts, watch.seconds, watch.bytes, watch.processor = 0, 0.0, 0, 0.0
     result = simulate(
         scene, steps * two_rollers.STEP, step=two_rollers.STEP, start="equilibrium", progress=False, overwrite=True,
         save_every=save_every, results=None if every is None else folder / "run.h5", keep_every=every or NEVER,
     )  # fmt: skip
     seconds = result.history.counters["loop_seconds"]
-    return {"seconds": seconds, "parts": watch.parts, "writing": watch.seconds, "megabytes": watch.bytes / 1e6}
+    spent = {"writing": watch.seconds, "processor": watch.processor}
+    return {"seconds": seconds, "parts": watch.parts, **spent, "megabytes": watch.bytes / 1e6}
 
 
 def main() -> None:
@@ -69,19 +69,20 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         steps = int(given.seconds / (measure(scene, TRIED, None, folder, watch, given.save_every)["seconds"] / TRIED))
-        for _ in range(given.rounds):
-            rows += [
-                {"kept": kept, **measure(scene, steps, every, folder, watch, given.save_every)}
-                for kept, every in EVERY.items()
-            ]
+        for number in range(given.rounds):
+            turn = [*EVERY][number % len(EVERY) :] + [*EVERY][: number % len(EVERY)]
+            for kept in turn:
+                row = measure(scene, steps, EVERY[kept], folder, watch, given.save_every)
+                rows.append({"kept": kept, "round": number, **row})
     print(f"{steps} steps; medians of {given.rounds} rounds")
-    print("kept                  seconds  over not kept  parts  writing s     MB")
-    base = median(row["seconds"] for row in rows if row["kept"] == "not kept")
+    print("kept                  seconds  over not kept  parts  writing s  of CPU     MB")
+    base = {row["round"]: row["seconds"] for row in rows if row["kept"] == "not kept"}
     for kept in EVERY:
         own = [row for row in rows if row["kept"] == kept]
-        seconds, writing = (median(row[key] for row in own) for key in ("seconds", "writing"))
-        counts = f"{own[-1]['parts']:6d} {writing:10.2f} {own[-1]['megabytes']:6.1f}"
-        print(f"{kept:20s} {seconds:8.2f} {seconds / base - 1.0:+13.1%} {counts}")
+        seconds, writing, busy = (median(row[key] for row in own) for key in ("seconds", "writing", "processor"))
+        over = median(row["seconds"] / base[row["round"]] - 1.0 for row in own)
+        counts = f"{own[-1]['parts']:6d} {writing:10.2f} {busy:7.2f} {own[-1]['megabytes']:6.1f}"
+        print(f"{kept:20s} {seconds:8.2f} {over:+13.1%} {counts}")
     if given.json:
         given.json.write_text(json.dumps({**machine(), "steps": steps, "rows": rows}, indent=1) + "\n")
 

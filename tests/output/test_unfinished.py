@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 import signal
+import socket
 import subprocess
 import sys
+import threading
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -14,7 +17,9 @@ import pytest
 from unfinished_runs import OPTIONS, STEP, STEPS, pendulum, simulate
 
 import warpffrf as wf
+from warpffrf.demos import two_rollers
 from warpffrf.model.errors import InputError
+from warpffrf.model.keeping import Plan, Unfinished
 from warpffrf.online.history.history import History
 from warpffrf.output import outputs
 from warpffrf.output.files import unfinished
@@ -57,7 +62,7 @@ def stopped(case: str, results: Path, number: int) -> str:
     return said.split("\n")[-2] if "\n" in said else ""
 
 
-@pytest.mark.parametrize("case", ["plain", "sparse", "adaptive", "stages"])
+@pytest.mark.parametrize("case", ["plain", "sparse", "adaptive", "stages", "runge-kutta", "energy-momentum"])
 def test_a_killed_run_goes_on_bit_for_bit(case: str, tmp_path: Path) -> None:
     file = tmp_path / "run.h5"
     assert "status" not in stopped(case, file, signal.SIGKILL)
@@ -92,6 +97,96 @@ def test_an_unfinished_run_can_be_looked_at_and_continued(tmp_path: Path) -> Non
     rest = STEPS * STEP - float(part.history.checkpoint["clk"]["time"][0])
     end = wf.simulate(pendulum(), rest, step=STEP, start=folder, progress=False).history
     assert same(whole.history.checkpoint, end.checkpoint) in ([], ["/ctl"])  # rows are counted from the start of each
+
+
+def first_rows(value: Any, rows: int) -> Any:
+    """The first saved rows of a history, or of a part of it."""
+    if isinstance(value, np.ndarray):
+        return value[:rows]
+    if isinstance(value, dict):
+        return {name: first_rows(member, rows) for name, member in value.items()}
+    if hasattr(value, "__dataclass_fields__"):
+        found = copy.copy(value)
+        vars(found).update({name: first_rows(member, rows) for name, member in vars(value).items()})
+        return found
+    return value
+
+
+def kept(folder: Path, scene: wf.Scene, steps: int, step: float, **options: Any) -> tuple[wf.Result, wf.Result]:
+    """A run of some parts that is interrupted after half its steps, as its folder has it; and the whole run."""
+    whole = wf.simulate(scene, steps * step, step=step, progress=False, **options)
+    looked = 0
+
+    def due(self: unfinished.UnfinishedRun) -> bool:
+        nonlocal looked
+        looked += 1
+        if looked == 6:
+            raise KeyboardInterrupt
+        return True
+
+    with pytest.MonkeyPatch.context() as context:
+        context.setattr(unfinished.UnfinishedRun, "due", due)
+        part = wf.simulate(scene, steps * step, step=step, progress=False, results=folder / "run.h5", **options)
+    assert part.status == "interrupted"
+    return wf.Result.load(folder / "run.h5.unfinished"), whole
+
+
+def test_a_run_with_contact_reads_as_far_as_it_went(tmp_path: Path) -> None:
+    """Pressures, friction, joints and energy are made of the rows and of the scene that the folder holds."""
+    scene = two_rollers.build(two_rollers.QUICK, progress=False)
+    found, whole = kept(tmp_path, scene, 2000, two_rollers.STEP, start="equilibrium")
+    rows = len(found.time)
+    assert 0 < rows < len(whole.time) and found.view.content_hash == scene.content_hash()
+    for name in ("time", "energy", "bodies", "joints", "contacts", "forces", "sensors", "step_size", "iterations"):
+        assert same(first_rows(getattr(whole.history, name), rows), getattr(found.history, name), name) == []
+    again = wf.simulate(
+        scene, 2000 * two_rollers.STEP, step=two_rollers.STEP, progress=False, start="equilibrium", resume=True,
+        results=tmp_path / "run.h5",
+    )  # fmt: skip
+    assert same(whole.history, again.history) == []
+
+
+def test_damage_in_the_folder_is_named(tmp_path: Path) -> None:
+    file, folder = tmp_path / "run.h5", tmp_path / "run.h5.unfinished"
+    stopped("plain", file, signal.SIGKILL)
+    for name in ("checkpoint.arrays", "part-000001.arrays", "scene.arrays"):
+        whole = (folder / name).read_bytes()
+        for data in (whole[: len(whole) // 2], whole[:-200] + b"?" + whole[-199:], b""):
+            (folder / name).write_bytes(data)
+            with pytest.raises(
+                InputError, match=rf"unfinished run '.*': {name} is damaged .*; begin the run anew with"
+            ):
+                wf.Result.load(folder)
+            if name != "scene.arrays":
+                with pytest.raises(InputError, match=rf"unfinished run '.*': {name} is damaged .*; begin the run anew"):
+                    simulate("plain", file, resume=True)
+        (folder / name).write_bytes(whole)
+    (folder / "part-000001.arrays").rename(folder / "elsewhere")
+    with pytest.raises(InputError, match=r"part-000001.arrays is missing; begin the run anew"):
+        wf.Result.load(folder)
+    (folder / "elsewhere").rename(folder / "part-000001.arrays")
+    assert same(simulate("plain", None).history, simulate("plain", file, resume=True).history) == []
+
+
+def test_a_scene_that_no_file_can_hold_can_be_gone_on_with(tmp_path: Path) -> None:
+    scene = pendulum()
+    scene.bodies[0].__dict__["told_by"] = lambda: "a program around it"
+    with pytest.raises(
+        InputError, match=r"cannot be made a scene again \(it holds a builtins.function\); go on with the"
+    ):
+        kept(tmp_path, scene, 3000, STEP)
+    options = {"step": STEP, "progress": False}
+    found = wf.simulate(scene, 3000 * STEP, results=tmp_path / "run.h5", resume=True, **options)
+    assert same(wf.simulate(scene, 3000 * STEP, **options).history, found.history) == []
+
+
+def test_a_table_that_ends_with_the_run_serves_what_is_left_of_it(tmp_path: Path) -> None:
+    scene, end = pendulum(), 3000 * STEP
+    push = wf.signals.Table([0.0, end], [0.0, 1.0])
+    scene.add(wf.forces.PointForce(scene.bodies[0].at((0.5, 0, 0)), (0.0, 0.0, push), name="push"))
+    _, whole = kept(tmp_path, scene, 3000, STEP)
+    found = wf.simulate(scene, end, step=STEP, progress=False, results=tmp_path / "run.h5", resume=True)
+    assert same(whole.history, found.history) == []
 
 
 def test_what_is_unfinished_is_not_lost_by_mistake(tmp_path: Path) -> None:
@@ -130,6 +225,29 @@ def test_two_runs_into_one_file_are_told_apart(tmp_path: Path) -> None:
     assert wf.Result.load(file).status == "completed"
 
 
+def test_what_a_killed_writer_left_does_not_keep_the_folder(tmp_path: Path) -> None:
+    """A file that was being written belongs to a process that is no more, and no part of it follows."""
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    folder = tmp_path / "run.h5.unfinished"
+    folder.mkdir()
+    host = socket.gethostname().replace(".", "-")
+    (folder / f".part-000007.arrays.{host}.{dead.pid}.0123abcd.part").write_bytes(b"cut")
+    (folder / "scene.arrays").write_bytes(b"of another run")
+    assert simulate("plain", tmp_path / "run.h5", resume=True).status == "completed"
+    assert [path.name for path in tmp_path.iterdir()] == ["run.h5"]
+
+
+def test_a_process_without_threads_writes_by_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class NoThread(threading.Thread):
+        def start(self) -> None:
+            raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(unfinished, "threading", SimpleNamespace(Thread=NoThread))
+    found, _ = kept(tmp_path, pendulum(), 3000, STEP)
+    assert len(found.time) > 0
+
+
 def test_a_full_disk_loses_no_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Full while it runs, then at its end."""
     file = tmp_path / "run.h5"
@@ -138,7 +256,7 @@ def test_a_full_disk_loses_no_result(tmp_path: Path, monkeypatch: pytest.MonkeyP
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as context:
-        context.setattr(unfinished, "put_result", full)
+        context.setattr(unfinished, "write_arrays", full)
         found = simulate("sparse", file)
     assert found.status == "completed" and wf.Result.load(file).status == "completed"
     assert any("could not be kept during the run" in note for note in found.history.notes)
@@ -162,10 +280,10 @@ def test_what_goes_wrong_after_a_run_loses_no_result(tmp_path: Path, monkeypatch
 
 
 def test_parts_are_kept_no_more_often_than_they_may_cost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    history, clock = simulate("sparse", None).history, iter([0.0, 5.0, 7.0, 8.0])
+    clock = iter([0.0, 5.0, 7.0, 7.0, 8.0])
     monkeypatch.setattr(unfinished, "time", SimpleNamespace(monotonic=lambda: next(clock)))
-    run = unfinished.UnfinishedRun(tmp_path / "run.h5", {}, OPTIONS["keep_every"], wf.Result)
-    monkeypatch.setattr(run, "_write_part", lambda *given: None)
-    monkeypatch.setattr(run, "_write_checkpoint", lambda *given: None)
-    run.keep(history, {}, unfinished.Plan(0, 0, ()))
+    run = unfinished.UnfinishedRun(tmp_path / "run.h5", {}, OPTIONS["keep_every"])
+    monkeypatch.setattr(unfinished, "write_arrays", lambda *given: None)
+    run.keep(Unfinished([{"saved_time": np.zeros(3)}], {}, Plan(0, 0, ())))
+    run.settle()
     assert run.wait == 2.0 / unfinished.SHARE and not run.due()

@@ -12,12 +12,12 @@ from pathlib import Path
 from typing import Any
 
 import warpffrf as wf
-from warpffrf.online.arrays.ring import SavedRows
-from warpffrf.online.history.history import History
-from warpffrf.online.keeping import Plan
+from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
+from warpffrf.model.keeping import Unfinished
 from warpffrf.output.files.unfinished import UnfinishedRun
 
 STEP, STEPS = 1e-4, 30_000
+CHECKS = {"runge-kutta": RungeKutta4(), "energy-momentum": EnergyMomentum()}
 OPTIONS: dict[str, Any] = {"progress": False, "keep_every": 0.02}
 
 
@@ -30,6 +30,13 @@ def pendulum() -> wf.Scene:
     return scene
 
 
+def top() -> wf.Scene:
+    """A free body that tumbles."""
+    scene = wf.Scene()
+    scene.add_rigid_body(1.0, (0.1, 0.2, 0.3), name="top", velocity=(1.0, 0.0, 2.0), angular_velocity=(0.1, 9.0, 0.2))
+    return scene
+
+
 def simulate(case: str, results: Path | None, **more: Any) -> wf.Result:
     """The run of `case`: in one go, or in stages."""
     options = OPTIONS | more
@@ -37,6 +44,10 @@ def simulate(case: str, results: Path | None, **more: Any) -> wf.Result:
         half = 0.5 * STEPS * STEP
         parts = [wf.Stage("swing", half, STEP), wf.Stage("fall", half, STEP, {"gravity": (0.0, 0.0, -3.0)})]
         return wf.simulate(pendulum(), stages=parts, results=results, **options)
+    if case in CHECKS:
+        return wf.simulate(
+            top(), STEPS / 4 * STEP, step=STEP, integrator=CHECKS[case], save_every=3, results=results, **options
+        )
     every = {"sparse": 7, "recorded": 100}.get(case, 1)
     if case == "recorded" and results is not None:
         options["record"] = results.with_suffix(".rrd")
@@ -55,14 +66,13 @@ def reduced(results: Path) -> wf.ReducedBody:
 
 
 def main() -> None:
-    keep = UnfinishedRun.keep
+    write = UnfinishedRun._write
 
-    def and_say(self: UnfinishedRun, history: History, rows: SavedRows, plan: Plan) -> bool:
-        done = keep(self, history, rows, plan)
+    def and_say(self: UnfinishedRun, run: Unfinished) -> None:
+        write(self, run)
         print("going", flush=True)
-        return done
 
-    UnfinishedRun.keep = and_say
+    UnfinishedRun._write = and_say
     case, results = sys.argv[1], Path(sys.argv[2])
     every = float(sys.argv[3]) if len(sys.argv) > 3 else OPTIONS["keep_every"]
     if limit := os.environ.get("FILE_LIMIT"):  # bytes: as on a full disk, writing more fails

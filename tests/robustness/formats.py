@@ -20,9 +20,12 @@ import scipy.sparse as sp
 from scipy.io import mmwrite
 
 import warpffrf as wf
+from warpffrf.model.keeping import Source
 from warpffrf.model.mesh.matrices import read_matrix
 from warpffrf.model.reduced_body_file import _digest, _flatten
-from warpffrf.model.sealed_file import seal
+from warpffrf.model.sealed_arrays import HEAD
+from warpffrf.model.sealed_file import TRAILER, seal
+from warpffrf.output.files import unfinished
 from warpffrf.output.result import Result
 
 TESTS = Path(__file__).resolve().parents[1]
@@ -97,6 +100,16 @@ def array_of_results(path: Path, rng: random.Random) -> str:
     return what
 
 
+def header_of_arrays(path: Path, rng: random.Random) -> str:
+    """A faulty writer of a file of arrays: its header is wrong, its length and the seal are right."""
+    data = path.read_bytes()[: -TRAILER.size]
+    mark, size = HEAD.unpack(data[: HEAD.size])
+    header, what = mutations.of_text(data[HEAD.size : HEAD.size + size], rng)
+    path.write_bytes(HEAD.pack(mark, len(header)) + header + data[HEAD.size + size :])
+    seal(path)
+    return what
+
+
 # --- sound files, and what is read from them ---
 
 
@@ -126,6 +139,20 @@ def read_results(path: Path) -> str:
     bodies = [(b.name, b.mass, b.center_of_mass, b.inertia, b.reduced and b.reduced.content_hash())
               for b in view.bodies.values()]  # fmt: skip
     return digest(kept, bodies, view.content_hash, result.report())
+
+
+def make_source(path: Path) -> None:
+    """What rows of a run under way are of."""
+    make_toml(path.with_suffix(".toml"))
+    unfinished._write_source(path, Source("separated", wf.load_scene(path.with_suffix(".toml")).scene))
+
+
+def read_source(path: Path) -> str:
+    folder = path.with_name(f"{path.name}.unfinished")
+    folder.mkdir(exist_ok=True)
+    shutil.copy(path, folder / unfinished.SCENE)
+    found = unfinished._read_source(folder)
+    return digest(found.scene.content_hash(), found.method)
 
 
 def copied(name: str) -> Callable[[Path], Any]:
@@ -242,6 +269,8 @@ FORMATS: dict[str, Format] = {
     "results .h5": Format(".h5", make_results, read_results, bytewise, exact=True),
     "body .h5, arrays": Format(".h5", make_body, read_body, array_of_body),
     "results .h5, arrays": Format(".h5", make_results, read_results, array_of_results),
+    "run under way": Format(".arrays", make_source, read_source, bytewise, exact=True),
+    "run under way, header": Format(".arrays", make_source, read_source, header_of_arrays),
     ".msh 4.1": Format(".msh", copied("gmsh_hex8.msh"), read_mesh, textwise),
     ".msh 2.2": Format(".msh", copied("gmsh_wedge6.msh"), read_mesh, textwise),
     ".msh binary": Format(".msh", copied("tet_roller.msh"), read_mesh, bytewise),

@@ -99,8 +99,18 @@ def written_whole(path: Path) -> Iterator[Path]:
 
 def remove_left_over(path: Path) -> None:
     """Remove what processes of this machine that are no more have left beside `path`."""
-    host = socket.gethostname().replace(".", "-")
     for file in path.parent.glob(f".{escape(path.name)}.*{ENDING}"):
-        left_by = file.name.removeprefix(f".{path.name}.").removesuffix(ENDING).split(".")
-        if len(left_by) == 3 and left_by[0] == host and left_by[1].isdecimal() and not lives(int(left_by[1])):
-            file.unlink(missing_ok=True)
+        _remove_of_the_dead(file, file.name.removeprefix(f".{path.name}.").removesuffix(ENDING).split("."))
+
+
+def remove_left_over_in(folder: Path) -> None:
+    """Remove what processes of this machine that are no more have left in `folder`, whatever it was to be."""
+    for file in folder.glob(f".*{ENDING}"):
+        _remove_of_the_dead(file, file.name.removesuffix(ENDING).rsplit(".", 3)[1:])
+
+
+def _remove_of_the_dead(file: Path, left_by: list[str]) -> None:
+    """Remove `file` if the process that wrote it is no more; left_by: its host, its number, and a random word."""
+    host = socket.gethostname().replace(".", "-")
+    if len(left_by) == 3 and left_by[0] == host and left_by[1].isdecimal() and not lives(int(left_by[1])):
+        file.unlink(missing_ok=True)

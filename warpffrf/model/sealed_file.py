@@ -1,4 +1,5 @@
-"""A checksum over a whole HDF5 file, behind its last byte, looked at before the HDF5 library opens the file.
+"""A checksum over a whole file, behind its last byte, looked at before anything else of it: before the HDF5 library
+opens a file of its own, and before arrays are read from one without it (`sealed_arrays`).
 
 The library may loop for ever, or allocate what a damaged header asks for, so damage has to be seen in the raw bytes.
 The seal is 96 bytes behind the file,
@@ -60,8 +61,12 @@ def seal(path: Path) -> None:
     """Append the seal to the closed HDF5 file `path`. Raises OSError where it cannot be written."""
     with path.open("r+b") as file:
         digest = hashlib.file_digest(file, "sha256").digest()
-        length = file.tell()
-        file.write(TRAILER.pack(MARK, length, VERSION, digest, MARK))
+        file.write(seal_of(file.tell(), digest))
+
+
+def seal_of(length: int, digest: bytes) -> bytes:
+    """The seal of `length` bytes with the sha256 `digest`."""
+    return TRAILER.pack(MARK, length, VERSION, digest, MARK)
 
 
 def verify(path: Path, subject: str, cure: str) -> bool:
@@ -82,6 +87,20 @@ def verify(path: Path, subject: str, cure: str) -> bool:
     return has_seal
 
 
+def require_sealed(path: Path, subject: str, cure: str) -> int:
+    """Bytes before the seal of `path`, which may hold anything. Raises `InputError`, "`subject` is damaged (why);
+    `cure`", without a seal, where the bytes are not those that were sealed, and where it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            size, end = _end_of(file)
+            fault = _broken(file, size, end)
+    except OSError as error:
+        raise InputError(f"{subject} cannot be read ({error.strerror or error}); check the path") from None
+    if fault:
+        raise InputError(f"{subject} is damaged ({fault}); {cure}")
+    return size - TRAILER.size
+
+
 def require_seal(has_seal: bool, schema: int, since: int, subject: str, cure: str) -> None:
     """Raise `InputError` for a file without a seal of a schema that has one, `since` and later; log that damage to an
     older one cannot be seen."""
@@ -99,9 +118,7 @@ def _look(path: Path) -> tuple[str, bool]:
     """What is wrong with the bytes of `path`, "" for nothing, and whether they are sealed."""
     with path.open("rb") as file:
         start = file.read(64)
-        size = file.seek(0, 2)
-        file.seek(max(size - TRAILER.size, 0))
-        end = file.read(TRAILER.size)
+        size, end = _end_of(file)
         if end.startswith(MARK) or end.endswith(MARK):
             return _broken(file, size, end), True
     if not start.startswith(SIGNATURE):
@@ -114,9 +131,16 @@ def _look(path: Path) -> tuple[str, bool]:
     return "", False
 
 
+def _end_of(file: BinaryIO) -> tuple[int, bytes]:
+    """The size of an open file, and what stands where its seal would."""
+    size = file.seek(0, 2)
+    file.seek(max(size - TRAILER.size, 0))
+    return size, file.read(TRAILER.size)
+
+
 def _broken(file: BinaryIO, size: int, end: bytes) -> str:
     """What is wrong with the open `file` of `size` bytes with the seal `end`."""
-    if len(end) < TRAILER.size:
+    if len(end) < TRAILER.size or not (end.startswith(MARK) or end.endswith(MARK)):
         return "it is cut off"
     length = TRAILER.unpack(end)[1]
     if length != size - TRAILER.size:
@@ -129,7 +153,7 @@ def _broken(file: BinaryIO, size: int, end: bytes) -> str:
             return "it changed while it was read"
         sha.update(block)
         left -= len(block)
-    if TRAILER.pack(MARK, length, VERSION, sha.digest(), MARK) != end:
+    if seal_of(length, sha.digest()) != end:
         return "its checksum differs"
     return ""
 

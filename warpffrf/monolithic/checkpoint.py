@@ -1,16 +1,26 @@
-"""The state at the end of a monolithic run as plain arrays, so that a results file holds it, and back."""
+"""The state at the end of a monolithic run as plain arrays, so that a results file holds it, and back.
+
+A run under way has more: the time it began at and the steps since, from which times of steps are counted; what it has
+spent; how far the windows of pairs reach; and, of variant "modified", the factor that goes on over steps. With these
+one that goes on gives the same numbers, bit for bit.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.monolithic.core.linear import Dense
 from warpffrf.monolithic.core.state import State
+from warpffrf.monolithic.newton import System
 
 MARK = "monolithic_"  # in front of every name: a checkpoint of the separated solver is none of these
+COUNTS = MARK + "counts"  # steps, iterations, factorisations
+BEGIN, REACH, FACTOR = MARK + "begin", MARK + "reach", MARK + "factor_"
+FACTOR_PARTS = ("scale", "factor", "pivots")
 YOUNGER = ("nodes", "lost")  # fields that files of before the law at nodes of true shapes lack
 
 
@@ -53,3 +63,38 @@ def from_arrays(checkpoint: Mapping[str, np.ndarray]) -> State:
         active[int(pair)][int(number)] = float(value)
     time = float(values.pop("time"))
     return State(time=time, active=active, **values)
+
+
+@dataclass
+class Progressed:
+    """Where a run stands: the time [s] it began at, and the steps done since."""
+
+    begin: float
+    steps: int = 0
+
+
+def under_way(system: System, state: State, done: Progressed) -> dict[str, np.ndarray]:
+    """The checkpoint of a run under way; nothing in it changes any more."""
+    spent = system.counters
+    found = to_arrays(state)
+    found[BEGIN] = np.array(done.begin)
+    found[COUNTS] = np.array([done.steps, spent.iterations, spent.factorisations])
+    found[REACH] = np.array([pair.half for pair in system.pairs if not system.nodal], dtype=int)
+    if system.variant == "modified" and isinstance(system.kept, Dense):
+        found |= {FACTOR + part: getattr(system.kept, part).copy() for part in FACTOR_PARTS}
+    return found
+
+
+def goes_on(system: System, state: State, kept_for: tuple, checkpoint: Mapping[str, np.ndarray]) -> Progressed:
+    """Bring system and state to where a checkpoint of `under_way` was taken; kept_for: step size and coefficients of
+    the run. Raises `InputError` as `from_arrays`."""
+    for name, value in vars(from_arrays(checkpoint)).items():
+        setattr(state, name, value)
+    steps, spent = (int(checkpoint[COUNTS][0]), system.counters)
+    spent.steps, spent.iterations, spent.factorisations = (int(value) for value in checkpoint[COUNTS])
+    if not system.nodal:
+        for pair, half in zip(system.pairs, checkpoint[REACH], strict=True):
+            pair.half = int(half)
+    if FACTOR + "factor" in checkpoint:
+        system.kept, system.kept_for = Dense.of(*(checkpoint[FACTOR + part] for part in FACTOR_PARTS)), kept_for
+    return Progressed(float(checkpoint[BEGIN]), steps)

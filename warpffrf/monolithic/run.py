@@ -8,23 +8,24 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.evaluations import all_full
 from warpffrf.model.friction import friction_notes
+from warpffrf.model.interruption import deferred_interrupts
+from warpffrf.model.keeping import Keeper, Plan, Unfinished
 from warpffrf.model.progress import Progress
 from warpffrf.model.step_count import step_count
+from warpffrf.monolithic.checkpoint import Progressed, goes_on, under_way
 from warpffrf.monolithic.core.description import describe_scene
 from warpffrf.monolithic.core.integrator import REST, Formula, coefficients_of
 from warpffrf.monolithic.core.local_coordinates import TREATMENTS
 from warpffrf.monolithic.core.state import State, initial_state, layout_of
-from warpffrf.monolithic.history import BodyMotion, ContactForces, MonolithicHistory
+from warpffrf.monolithic.history import MonolithicHistory
 from warpffrf.monolithic.line_of_centres.pair import pair_data
-from warpffrf.monolithic.line_of_centres.record import ContactRow, contact_arrays, contact_row, joined
 from warpffrf.monolithic.local_systems import local_systems
 from warpffrf.monolithic.newton import Evaluation, Solution, System, solve_step
 from warpffrf.monolithic.nodal.build import memory, node_pairs
-from warpffrf.monolithic.nodal.record import FrictionRow, friction_arrays, node_row
+from warpffrf.monolithic.records import Records, history_of
 from warpffrf.monolithic.refusals import needs_nodes, refuse_contacts
 from warpffrf.monolithic.settings import TOLERANCE, Monolithic, contact_layers
 from warpffrf.monolithic.start import begin, standing
@@ -98,10 +99,12 @@ def run(
     save_every: int = 1,
     tolerance: float = TOLERANCE,
     progress: bool = True,
+    keeper: Keeper | None = None,
 ) -> MonolithicHistory:
     """Simulate `scene` for `duration` [s] in fixed steps of `step` [s], all coordinates in one Newton system.
 
-    start: "initial", "equilibrium", or the history of an earlier run. integrator: see `coefficients_of`; None is HHT
+    start: "initial", "equilibrium", the history of an earlier run, or an Unfinished run, which goes on to its end, bit
+    for bit. keeper: takes what is saved while the run is under way. integrator: see `coefficients_of`; None is HHT
     with alpha = -0.3. variant: "full", "modified" or "low_rank" (`linear`). law: "hats", the weak unilateral law of the
     separated solver, or "nodes", a layer of `layer_stiffness` [Pa/m] at every node of the first surface
     (`line_of_centres`); contacts of evaluation "full" are nodes with the layer of their own law and with friction, for
@@ -121,12 +124,17 @@ def run(
         layer_stiffness=layer_stiffness, stick_stiffness=stick_stiffness, tolerance=tolerance,
     )  # fmt: skip
     built = clock.perf_counter()
-    records = _Records(scene, system)
-    status, message = _begin(system, state, start, records)
+    records = Records(system, start.rows if isinstance(start, Unfinished) else ())
+    formula = Formula(coefficients, step)
+    if isinstance(start, Unfinished):
+        (status, message), done = ("completed", ""), goes_on(system, state, (formula.h, coefficients), start.checkpoint)
+    else:
+        status, message = _begin(system, state, start, records)
+        done = Progressed(state.time)
     if status == "completed":
         system.counters.seconds.clear()
-        status, message = _loop(system, state, coefficients, step, steps, save_every, records, progress)
-    history = records.history(status, message, state)
+        status, message = _loop(system, state, formula, done, steps, save_every, records, progress, keeper)
+    history = history_of(scene, system, records.joined(), status, message, state)
     spent = system.counters
     history.counters = {
         "steps": spent.steps,
@@ -143,7 +151,7 @@ def run(
     return history
 
 
-def _begin(system: System, state: State, start: Any, records: _Records) -> tuple[str, str]:
+def _begin(system: System, state: State, start: Any, records: Records) -> tuple[str, str]:
     """Bring `state` to where the run starts, and save it."""
     if isinstance(start, MonolithicHistory):
         final = start.final
@@ -194,24 +202,33 @@ def _settle(system: System, state: State) -> str:
 
 
 def _loop(
-    system: System, state: State, coefficients: Any, step: float, steps: int, save_every: int, records: _Records,
-    progress: bool,
+    system: System, state: State, formula: Formula, done: Progressed, steps: int, save_every: int, records: Records,
+    progress: bool, keeper: Keeper | None,
 ) -> tuple[str, str]:  # fmt: skip
-    formula, first = Formula(coefficients, step), state.time
-    bar = Progress("monolithic", steps, enabled=progress)
-    entered = clock.perf_counter()
+    def keep(keeper: Keeper) -> None:
+        keeper.keep(Unfinished(tuple(records.chunks()), under_way(system, state, done), Plan(steps, 0, ())))
+
+    step = formula.h
+    bar = Progress("monolithic", steps - done.steps, enabled=progress)
+    entered, before = clock.perf_counter(), done.steps
     try:
-        for n in range(steps):
-            solution = solve_step(system, state, formula, first + (n + 1) * step)
-            system.counters.iterations += solution.iterations
-            system.counters.factorisations += solution.factorisations
-            if solution.failure or solution.evaluation is None:
-                return solution.failure, f"at {first + (n + 1) * step:g} s: " + MESSAGES[solution.failure]
-            _accept(system, state, formula, solution)
-            system.counters.steps += 1
-            if (n + 1) % save_every == 0 or n + 1 == steps:
-                records.save(state, solution, step)
-            bar.update(n + 1)
+        with deferred_interrupts() as asked:
+            for n in range(before, steps):
+                solution = solve_step(system, state, formula, done.begin + (n + 1) * step)
+                system.counters.iterations += solution.iterations
+                system.counters.factorisations += solution.factorisations
+                if solution.failure or solution.evaluation is None:
+                    return solution.failure, f"at {done.begin + (n + 1) * step:g} s: " + MESSAGES[solution.failure]
+                _accept(system, state, formula, solution)
+                system.counters.steps += 1
+                done.steps = n + 1
+                if (n + 1) % save_every == 0 or n + 1 == steps:
+                    records.save(state, solution, step)
+                bar.update(n + 1 - before)
+                if keeper is not None and (asked or keeper.due()):
+                    keep(keeper)
+                if asked:
+                    raise KeyboardInterrupt
     except KeyboardInterrupt:
         return "interrupted", "interrupted by the user; results up to there are kept"
     finally:
@@ -270,100 +287,3 @@ def _keep_rest(system: System, state: State, solution: Solution) -> None:
 def _assign(state: State, other: State) -> None:
     for name, value in vars(other.copy()).items():
         setattr(state, name, value)
-
-
-class _Records:
-    """Saved steps of a run being collected."""
-
-    def __init__(self, scene: Any, system: System) -> None:
-        self.scene, self.system = scene, system
-        self.states: list[State] = []
-        self.rows: list[tuple[float, int, int]] = []
-        self.energy: list[dict[str, float]] = []
-        self.reactions: list[np.ndarray] = []
-        self.springs: list[np.ndarray] = []
-        self.contacts: list[list[ContactRow]] = []
-        self.friction: list[list[FrictionRow | None]] = []
-
-    def save(self, state: State, solution: Solution, step: float) -> None:
-        """Append the accepted state."""
-        evaluation = solution.evaluation
-        if evaluation is None:
-            return
-        self.states.append(state.copy())
-        self.rows.append((step, solution.iterations, solution.factorisations))
-        energy = dict(evaluation.balance.energy)
-        if self.system.nodal:
-            energy["contact"] += sum(pair.stored for pair in evaluation.pairs)
-            energy |= {"friction": -float(state.lost[0]), "layer": float(state.lost[1])}
-        self.energy.append(energy)
-        self.reactions.append(-solution.increment.lam[:, None] * evaluation.balance.wrenches)
-        self.springs.append(evaluation.balance.springs)
-        if self.system.nodal:
-            found = [node_row(pair) for pair in evaluation.pairs]
-            self.contacts.append([row for row, _ in found])
-            self.friction.append([rub for _, rub in found])
-            return
-        self.contacts.append(
-            [contact_row(*found) for found in zip(evaluation.pairs, evaluation.pressures, strict=True)]
-        )
-
-    def history(self, status: str, message: str, final: State) -> MonolithicHistory:
-        """All that was saved."""
-        states, system = self.states, self.system
-
-        def stack(name: str) -> np.ndarray:
-            return np.array([getattr(s, name) for s in states]).reshape(len(states), *getattr(final, name).shape)
-
-        r, p, v, v_rate, w, w_rate, q, qd, qdd = map(stack, ("r", "p", "v", "v_rate", "w", "w_rate", "q", "qd", "qdd"))
-        bodies: dict[str, BodyMotion] = {}
-        for b, body in enumerate(self.scene.bodies):
-            A = np.array([rot.matrix(x) for x in p[:, b]]).reshape(-1, 3, 3)
-            arm, omega, alpha = A @ body.center_of_mass, _apply(A, w[:, b]), _apply(A, w_rate[:, b])
-            swing, at = np.cross(omega, arm), system.layout.body_modes(b)
-            bodies[body.name] = BodyMotion(
-                r[:, b] - arm, p[:, b], v[:, b] - swing, omega, q[:, at],
-                v_rate[:, b] - np.cross(alpha, arm) - np.cross(omega, swing), alpha, qd[:, at], qdd[:, at],
-            )  # fmt: skip
-        rows = np.array(self.reactions).reshape(len(states), system.layout.rows, 6)
-        owner = np.array([c.joint for c in system.data.constraints])
-        reactions = {}
-        for joint in self.scene.joints:
-            total = rows[:, owner == str(joint.name)].sum(axis=1) if len(owner) else np.zeros((len(states), 6))
-            reactions[str(joint.name)] = (total[:, :3], total[:, 3:])
-        contacts = {}
-        for n, data in enumerate(system.pairs):
-            sides = (data.a, data.b)
-            grounds = [side.body < 0 for side in sides]
-            owners = tuple(
-                self.scene.ground if ground else self.scene.bodies[side.body]
-                for side, ground in zip(sides, grounds, strict=True)
-            )
-            A = tuple(
-                np.tile(np.eye(3), (len(states), 1, 1)) if ground
-                else np.array([rot.matrix(x) for x in p[:, side.body]]).reshape(-1, 3, 3)
-                for side, ground in zip(sides, grounds, strict=True)
-            )  # fmt: skip
-            found = contact_arrays([x[n] for x in self.contacts], owners, A, [side.grid for side in sides])
-            local = [np.zeros((len(states), 0)) if s is None else q[:, s] for s in system.local_slices(n)]
-            rub = None
-            if system.nodal and data.rough:
-                rub = friction_arrays([x[n] for x in self.friction], joined, data.a.grid.rows)
-            contacts[data.name] = ContactForces(
-                **found, friction=rub, active=np.array([len(s.active[n]) for s in states], dtype=int),
-                pressures=[s.active[n] for s in states], local=(local[0], local[1]),
-            )  # fmt: skip
-        numbers = np.array(self.rows).reshape(-1, 3)
-        springs = np.array(self.springs).reshape(len(states), len(final.stretch), 7)
-        lines = ("kinetic", "strain", "contact", "potential", *(("friction", "layer") if system.nodal else ()))
-        return MonolithicHistory(
-            self.scene, np.array([s.time for s in states]), numbers[:, 0], bodies, reactions, contacts,
-            {line: np.array([e[line] for e in self.energy]) for line in lines},
-            numbers[:, 1].astype(int), numbers[:, 2].astype(int), status, message, final=final.copy(),
-            spring_rows=springs, dropped=system.data.dropped,
-        )  # fmt: skip
-
-
-def _apply(A: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """A_t x_t of (T, 3, 3) and (T, 3)."""
-    return np.einsum("tij,tj->ti", A, x)

@@ -22,6 +22,7 @@ from warpffrf.model.integrators import (
 )
 from warpffrf.model.interruption import deferred_interrupts
 from warpffrf.model.joints import Drive
+from warpffrf.model.keeping import Keeper, Plan, Unfinished
 from warpffrf.model.lumped_contact import refuse_lumped_overlap
 from warpffrf.model.overlap import excessive_wedge, refuse_overlap
 from warpffrf.model.progress import Progress
@@ -41,7 +42,7 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.free_flight.check_run import run_check
 from warpffrf.online.history.history import History
 from warpffrf.online.history.record import history_from_rows
-from warpffrf.online.keeping import Keeper, Keeping, Plan, Unfinished, go_on
+from warpffrf.online.keeping import Keeping, go_on
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
 from warpffrf.online.marks import Marks
 from warpffrf.online.settings import Settings
@@ -132,20 +133,20 @@ def run(
             raise InputError(
                 f"simulate: {type(integrator).__name__} takes fixed steps of free bodies; leave accuracy and local out"
             )
-        if isinstance(start, Unfinished):
-            raise InputError(f"simulate: a run by {type(integrator).__name__} is not kept on the way; begin it anew")
         return run_check(
-            scene, duration, step=step, integrator=integrator, save_every=save_every, progress=progress, start=start
-        )
+            scene, duration, step=step, integrator=integrator, save_every=save_every, progress=progress, start=start,
+            keeper=keeper,
+        )  # fmt: skip
     if accuracy is not None:
         accuracy = require_number(accuracy, "simulate: accuracy", positive=True)
     steps, uneven = step_count(duration, step)
     refuse_singular_mass(scene)
     continued = isinstance(start, History | Unfinished)
-    began = time_of(start.checkpoint) if isinstance(start, History | Unfinished) else 0.0
-    for drive in scene.drives:
-        _check_velocity(drive, began, began + steps * step)
-    refuse_short_tables(scene, began, began + steps * step)
+    if not isinstance(start, Unfinished):
+        began = time_of(start.checkpoint) if isinstance(start, History) else 0.0
+        for drive in scene.drives:
+            _check_velocity(drive, began, began + steps * step)
+        refuse_short_tables(scene, began, began + steps * step)
     save_every = require_count(save_every, "simulate: save_every", 1)
     at_rest = isinstance(start, History) and not is_dynamic(start.checkpoint)  # what `find_equilibrium` leaves
     if not continued or at_rest:
@@ -210,7 +211,7 @@ def run(
     if isinstance(start, Unfinished):
         plan = start.plan
     last_step, notes = plan.last_step, list(plan.notes)
-    keeping = Keeping(engine, keeper, plan, len(engine.chunks[0]) if isinstance(start, Unfinished) else 0)
+    keeping = Keeping(engine, keeper, plan)
     marks = Marks(engine, made_with, step, first_step, last_step)
     marks.look(engine, first_step)
     watch = EnergyWatch(engine, step)

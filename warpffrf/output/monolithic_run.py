@@ -20,11 +20,14 @@ from warpffrf import monolithic
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces.notes import characteristic_notes
+from warpffrf.model.keeping import Keeper, Rows, Source, Unfinished
 from warpffrf.model.overlap import refuse_overlap
 from warpffrf.model.scene import Scene
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
+from warpffrf.monolithic import records
 from warpffrf.monolithic.checkpoint import from_arrays, is_monolithic, time_of, to_arrays
+from warpffrf.monolithic.run import build
 from warpffrf.online.compile.forces import ForceTable
 from warpffrf.online.history.history import (
     ENERGY_LINES,
@@ -36,8 +39,9 @@ from warpffrf.online.history.history import (
 )
 from warpffrf.online.history.joint_motion import coordinates, half_turn_notes, left_out_notes
 from warpffrf.online.history.sensors import force_histories, sensor_histories
-from warpffrf.online.local_dynamics import LocalPlan, as_local_dynamics
+from warpffrf.online.local_dynamics import LocalDynamics, LocalPlan, as_local_dynamics
 
+METHOD = "monolithic"
 CONTACT_FIELDS = (
     "force", "torque", "force_second", "torque_second", "first_column", "center_column", "pressure",
     "first_column_second", "load_second", "approach",
@@ -62,6 +66,7 @@ def run_monolithic(
     progress: bool = True,
     project_start: bool = False,
     options: monolithic.Monolithic | None = None,
+    keeper: Keeper | None = None,
 ) -> History:
     """Simulate `scene` by the monolithic reference; arguments as of `warpffrf.online.run`, `integrator` None is HHT
     with alpha -0.3. Raises InputError for what the reference does not do: adaptive steps, other devices, exponential
@@ -78,23 +83,23 @@ def run_monolithic(
         )
     integrator = monolithic.DEFAULT_INTEGRATOR if integrator is None else integrator
     refuse_singular_mass(scene)
-    continued = isinstance(start, History)
+    continued = isinstance(start, History | Unfinished)
     began = time_of(start.checkpoint) if isinstance(start, History) else 0.0
-    refuse_short_tables(scene, began, began + step_count(duration, step)[0] * step)
+    if not isinstance(start, Unfinished):
+        refuse_short_tables(scene, began, began + step_count(duration, step)[0] * step)
     if not continued:
         if start == "initial":
             refuse_positions(scene)
             refuse_overlap(scene)
         if not project_start:
             refuse_velocities(scene)
-    plan = LocalPlan.of(scene, treatment)
-    dynamic = treatment.treatment != "quasi_static"
-    modes = {(scene.bodies[i].name, name): m for i, own in plan.modes.items() for name, m in own.items()}
+    if keeper is not None:
+        keeper.begin(Source(METHOD, scene, {"local": treatment, "options": options}))
+    plan, modes = _local_modes(scene, treatment)
     found = monolithic.run(
         scene, duration, step=step, start=_continued(start) if isinstance(start, History) else start,
-        integrator=integrator, variant=options.variant, law=options.law, local="hht" if dynamic else "quasi_static",
-        local_modes=modes, local_damping=treatment.ratio, layer_stiffness=options.layer_stiffness,
-        stick_stiffness=options.stick_stiffness, save_every=save_every, tolerance=options.tolerance, progress=progress,
+        integrator=integrator, save_every=save_every, progress=progress, keeper=keeper,
+        **_system_options(treatment, modes, options),
     )  # fmt: skip
     notes = [*plan.notes, NO_LEDGER]
     if modes and monolithic.coefficients_of(integrator) != treatment.coefficients:
@@ -111,6 +116,28 @@ def run_monolithic(
         if contact.grid == "auto" and all(port.rigid or port.surface.far is not None for port in contact.ports)
     ]
     return to_history(found, notes)
+
+
+def history_of(scene: Scene, rows: Rows, *, local: LocalDynamics, options: monolithic.Monolithic) -> History:
+    """The History of rows that a run of `scene` has given out; options as its `Source` has them."""
+    system, _ = build(scene, **_system_options(local, _local_modes(scene, local)[1], options))
+    return to_history(records.history_of(scene, system, rows, "completed", "", None), [])
+
+
+def _local_modes(scene: Scene, local: LocalDynamics) -> tuple[LocalPlan, dict[tuple[str, str], Any]]:
+    """The plan of the local modes with inertia, and the modes by (body, surface)."""
+    plan = LocalPlan.of(scene, local)
+    return plan, {(scene.bodies[i].name, name): m for i, own in plan.modes.items() for name, m in own.items()}
+
+
+def _system_options(local: LocalDynamics, modes: dict[tuple[str, str], Any], chosen: monolithic.Monolithic) -> dict:
+    """What the system of equations depends on, as arguments of `warpffrf.monolithic.run.build`."""
+    return {
+        "variant": chosen.variant, "law": chosen.law, "layer_stiffness": chosen.layer_stiffness,
+        "stick_stiffness": chosen.stick_stiffness, "tolerance": chosen.tolerance,
+        "local": "quasi_static" if local.treatment == "quasi_static" else "hht", "local_modes": modes,
+        "local_damping": local.ratio,
+    }  # fmt: skip
 
 
 def _continued(start: History) -> monolithic.MonolithicHistory:

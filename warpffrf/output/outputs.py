@@ -17,7 +17,6 @@ from typing import Any, TypeVar
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.integrators import CHECK_INTEGRATORS
 from warpffrf.model.interruption import deferred_interrupts
 from warpffrf.model.output_paths import check_ending, checked_output_path
 from warpffrf.online.history.history import History
@@ -45,6 +44,7 @@ class Whole:
         """Write the results; they go with a note where that is not possible."""
         if result.status != "completed":
             log.warning("run ended early: %s: %s", result.status, result.message)
+        self.run.settle()
         result.history.notes.extend(self.run.troubles)
         with deferred_interrupts() as asked:
             self.done = _tried(result, "results", self.path, lambda: result.save(self.path, overwrite=True))
@@ -86,7 +86,7 @@ class Outputs:
             yield NoFile()
             return
         path = Path(results).expanduser()
-        run = UnfinishedRun(path, options or {}, self.keep_every, Result)
+        run = UnfinishedRun(path, options or {}, self.keep_every)
         run.open()
         whole = Whole(path, run)
         try:
@@ -108,7 +108,7 @@ class Outputs:
                     whole.done = True
                     return finished
                 start = self._unfinished(whole.run, start)
-                keeper = None if isinstance(options["integrator"], CHECK_INTEGRATORS) else whole.run
+                keeper = whole.run
             history = call(scene, duration, step=step, start=start, keeper=keeper, **options)
             history.options = named
             return whole.written(Result(history))
@@ -133,7 +133,7 @@ class Outputs:
         if self.resume and not self.overwrite:
             found = run.load()
             if found is not None:
-                log.info("results: going on from '%s', %d saved rows", run.folder, len(found.rows["saved_time"]))
+                log.info("results: going on from '%s', %d parts", run.folder, run.parts)
             return start if found is None else found
         if run.has_checkpoint() and not self.overwrite:
             raise InputError(

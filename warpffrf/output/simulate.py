@@ -96,9 +96,9 @@ def simulate(
 
     overwrite: replace files of an earlier run; without it existing ones are refused, and files that warpffrf did not
     write always. While it runs, what it has done is put into the folder `run.h5.unfinished` every `keep_every` [s] of
-    wall time (less often where a part takes more than 2 % of that; method="monolithic" and the check integrators write
-    at their end only). resume: go on from there, or from an interrupted run, with the same options,
-    bit for bit as if it had not been stopped; a finished run is read, and one that never began is begun.
+    wall time, by a thread beside it (less often where a checkpoint takes more than 2 % of that). resume: go on from
+    there, or from an interrupted run, with the same options, bit for bit as if it had not been stopped, by every method
+    and integrator; a finished run is read, and one that never began is begun.
     """
     _known_scene(scene, "simulate")
     _known_method(method)
@@ -128,7 +128,6 @@ def simulate(
 def _run(scene: Any, duration: float, *, method: str | Monolithic, integrator: Any, **options: Any) -> History:
     """The run by its method."""
     if _method_name(method) == "monolithic":
-        options.pop("keeper")
         chosen = method if isinstance(method, Monolithic) else None
         return run_monolithic(scene, duration, integrator=integrator, options=chosen, **options)
     return run(scene, duration, integrator=DEFAULT_INTEGRATOR if integrator is None else integrator, **options)

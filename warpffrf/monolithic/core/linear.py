@@ -95,6 +95,13 @@ class Dense:
         if info != 0:
             raise SingularError
 
+    @classmethod
+    def of(cls, scale: np.ndarray, factor: np.ndarray, pivots: np.ndarray) -> Dense:
+        """The factor that has these."""
+        found = cls.__new__(cls)
+        found.scale, found.factor, found.pivots = scale, np.asfortranarray(factor), pivots
+        return found
+
     def solve(self, right: np.ndarray) -> np.ndarray:
         """K^-1 times `right`."""
         x, info = lapack.dgetrs(self.factor, self.pivots, (right.T * self.scale).T)

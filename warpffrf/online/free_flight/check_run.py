@@ -3,23 +3,30 @@
 The integrators differ in one function, `advance(body, state, t, h)`; bodies are independent of each other. What comes
 out is the same `History` that `run` makes, with the same ledger; the line `numerical` closes it, so that it shows what
 the method lost or gained. The checkpoint holds positions, velocities and the ledger; another run of either kind, host
-or device, leaves these too, so a check can start from an equilibrium or from a stage that the kernels computed.
+or device, leaves these too, so a check can start from an equilibrium or from a stage that the kernels computed. A run
+under way gives out the same with its counts (`_Counts`): time is counted in steps from where it began, so that one that
+goes on from there meets the same times, bit for bit.
 """
 
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from warpffrf_kernels.core.control import Clock
 
 from warpffrf.model.errors import InputError, require_count
 from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
+from warpffrf.model.interruption import deferred_interrupts
+from warpffrf.model.keeping import Keeper, Plan, Rows, Source, Unfinished
 from warpffrf.model.progress import Progress
 from warpffrf.model.scene import Scene
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.online.arrays.declaration import host_structs
+from warpffrf.online.arrays.ring import joined
 from warpffrf.online.checkpoint import is_dynamic, time_of
 from warpffrf.online.compile.forces import ForceTable
 from warpffrf.online.compile.inertia_plan import InertiaPlan
@@ -28,7 +35,10 @@ from warpffrf.online.free_flight.free_bodies import FreeBody, Motion, check_free
 from warpffrf.online.history.history import ENERGY_LINES, History
 from warpffrf.online.history.sensors import force_histories, sensor_histories
 from warpffrf.online.history.user_frame import user_frame
+from warpffrf.online.warp_start import start_warp
 
+METHOD = "check"
+COUNTS = "check_counts"  # in the checkpoint of a run under way
 ADVANCE = {EnergyMomentum: energy_momentum.advance, RungeKutta4: runge_kutta.advance}
 WITH_LOADS = {EnergyMomentum: False, RungeKutta4: True}
 
@@ -64,22 +74,55 @@ class _Ledger:
 
 
 class _Rows:
-    """Saved steps being collected."""
+    """Saved steps being collected, as `history_of` takes them; `chunks`: of an earlier run, which goes on."""
 
-    def __init__(self, bodies: list[FreeBody]) -> None:
+    def __init__(self, bodies: list[FreeBody], chunks: Sequence[Rows] = ()) -> None:
         self.bodies = bodies
-        self.times: list[float] = []
-        self.energy: list[list[float]] = []
-        self.iterations: list[int] = []
-        self.motions: list[list[np.ndarray]] = [[] for _ in bodies]
+        self._chunks = list(chunks)
+        self._fresh: list[tuple[float, float, int, list[float], np.ndarray]] = []
 
-    def add(self, t: float, states: list[Motion], energy: list[float], iterations: int) -> None:
-        self.times.append(t)
-        self.energy.append(energy)
-        self.iterations.append(iterations)
-        for body, state, rows in zip(self.bodies, states, self.motions, strict=True):
+    def add(self, t: float, step: float, states: list[Motion], energy: list[float], iterations: int) -> None:
+        """Append a step of size `step` [s] to time t [s]."""
+        motion: list[np.ndarray] = []
+        for body, state in zip(self.bodies, states, strict=True):
             rates = body.rates(state, t)
-            rows.append(np.concatenate([*state, rates.v, rates.w, rates.qd]))
+            motion += [*state, rates.v, rates.w, rates.qd]
+        self._fresh.append((t, step, iterations, energy, np.concatenate(motion)))
+
+    def chunks(self) -> list[Rows]:
+        """All rows so far; what was added since the last call is a chunk of its own."""
+        if self._fresh or not self._chunks:
+            columns = [list(column) for column in zip(*self._fresh, strict=True)] or [[]] * 5
+            T, width = len(self._fresh), sum(19 + 3 * len(body.stiffness) for body in self.bodies)
+            shapes = {"time": (T,), "step": (T,), "iterations": (T,), "energy": (T, len(ENERGY_LINES))}
+            shapes["motion"] = (T, width)
+            self._chunks.append(
+                {
+                    name: np.array(column, dtype=int if name == "iterations" else float).reshape(shape)
+                    for (name, shape), column in zip(shapes.items(), columns, strict=True)
+                }
+            )
+            self._fresh = []
+        return self._chunks
+
+
+@dataclass
+class _Counts:
+    """Where a run stands: the time [s] it began at, steps done, and iterations: of all, of the worst, since the last
+    saved row."""
+
+    begin: float
+    done: int = 0
+    total: int = 0
+    worst: int = 0
+    pending: int = 0
+
+    def to_array(self) -> np.ndarray:
+        return np.array(list(vars(self).values()))
+
+    @classmethod
+    def of(cls, array: np.ndarray) -> _Counts:
+        return cls(float(array[0]), *(int(value) for value in array[1:]))
 
 
 def run_check(
@@ -90,11 +133,13 @@ def run_check(
     integrator: EnergyMomentum | RungeKutta4,
     save_every: int = 1,
     progress: bool = True,
-    start: str | History = "initial",
+    start: str | History | Unfinished = "initial",
+    keeper: Keeper | None = None,
 ) -> History:
     """Simulate the free bodies of `scene` for `duration` [s] in steps of `step` [s] on the host.
 
-    start: "initial", or the History of an earlier run or equilibrium of the same scene, which is continued. A step that
+    start: "initial", the History of an earlier run or equilibrium of the same scene, which is continued, or an
+    Unfinished run, which goes on to its end. keeper: takes what is saved while the run is under way. A step that
     fails is a status of the History ("not_converged", "not_finite"), as is an interruption; what was computed is kept.
     Raises `InputError` for wrong numbers, for scenes with more than free bodies (`check_free`), and for a step beyond
     the stability limit of an explicit method."""
@@ -104,41 +149,60 @@ def run_check(
     steps, notes = step_count(duration, step)
     save_every = require_count(save_every, "simulate: save_every", 1)
     check_free(scene, kind.__name__, loads=WITH_LOADS[kind])
-    continued = isinstance(start, History)
-    if start != "initial" and not (continued and is_dynamic(start.checkpoint)):
+    continued = isinstance(start, History | Unfinished)
+    if not isinstance(start, Unfinished) and start != "initial" and not (continued and is_dynamic(start.checkpoint)):
         raise InputError("simulate: free bodies have no equilibrium; start from 'initial' or from an earlier run")
-    t0 = time_of(start.checkpoint) if continued else 0.0
-    refuse_short_tables(scene, t0, t0 + steps * step)
+    count = _Counts(time_of(start.checkpoint) if isinstance(start, History) else 0.0)
+    if isinstance(start, Unfinished):
+        count = _Counts.of(start.checkpoint[COUNTS])
+    refuse_short_tables(scene, count.begin, count.begin + steps * step)
     began = time.perf_counter()
+    start_warp()  # the clock of the checkpoint is a structure of Warp
     plan = InertiaPlan.of(scene)
     bodies = [free_body(scene, body, own) for body, own in zip(scene.bodies, plan.bodies, strict=True)]
     if kind is RungeKutta4:
         for body in bodies:
             runge_kutta.check_step(body, step)
-    states, before = _restored(scene, start) if continued else ([initial_motion(b) for b in scene.bodies], None)
-    ledger, rows = _Ledger(bodies, states, before), _Rows(bodies)
+    states, before = [initial_motion(b) for b in scene.bodies], None
+    if isinstance(start, History | Unfinished):
+        states, before = _restored(scene, start.checkpoint)
+    ledger = _Ledger(bodies, states, before)
+    rows = _Rows(bodies, start.rows if isinstance(start, Unfinished) else ())
     accepted = list(ledger.lines.values())
     if not continued:
-        rows.add(t0, states, accepted, 0)
+        rows.add(count.begin, 0.0, states, accepted, 0)
+    if keeper is not None:
+        keeper.begin(Source(METHOD, scene))
+
+    def keep(keeper: Keeper) -> None:
+        checkpoint = _checkpoint(states, accepted, count.begin + count.done * step) | {COUNTS: count.to_array()}
+        keeper.keep(Unfinished(tuple(rows.chunks()), checkpoint, Plan(steps, 0, ())))
+
     loop = time.perf_counter()
     status, message = "completed", ""
-    done = total = worst = pending = 0
     bar = Progress("simulate", steps, enabled=progress)
     try:
-        with np.errstate(over="ignore", invalid="ignore"):
-            for n in range(1, steps + 1):
-                moved = [ADVANCE[kind](b, s, t0 + (n - 1) * step, step) for b, s in zip(bodies, states, strict=True)]
+        with np.errstate(over="ignore", invalid="ignore"), deferred_interrupts() as asked:
+            for n in range(count.done + 1, steps + 1):
+                t = count.begin + (n - 1) * step
+                moved = [ADVANCE[kind](b, s, t, step) for b, s in zip(bodies, states, strict=True)]
                 energy = ledger.book(bodies, [m[0] for m in moved], sum(m[1] for m in moved), sum(m[2] for m in moved))
                 if not np.all(np.isfinite(energy)):
                     status, message = "not_finite", "a NaN or infinite number arose; reduce step"
                     break
-                states, accepted, done = [m[0] for m in moved], energy, n
+                states, accepted, count.done = [m[0] for m in moved], energy, n
                 most = max(m[3] for m in moved)
-                total, worst, pending = total + most, max(worst, most), pending + most
+                count.total, count.worst, count.pending = (
+                    count.total + most, max(count.worst, most), count.pending + most,
+                )  # fmt: skip
                 if n % save_every == 0 or n == steps:
-                    rows.add(t0 + n * step, states, energy, pending)
-                    pending = 0
+                    rows.add(count.begin + n * step, step, states, energy, count.pending)
+                    count.pending = 0
                 bar.update(n)
+                if keeper is not None and (asked or keeper.due()):
+                    keep(keeper)
+                if asked:
+                    raise KeyboardInterrupt
     except energy_momentum.NotConverged as error:
         status, message = "not_converged", str(error)
     except np.linalg.LinAlgError:
@@ -146,37 +210,35 @@ def run_check(
     except KeyboardInterrupt:
         status, message = "interrupted", "interrupted by the user; results up to there are kept"
     bar.close()
-    history = _history(scene, rows, step, 0 if continued else 1)
+    history = history_of(scene, joined(rows.chunks()))
     history.status, history.message = status, message
     history.notes = [*plan.notes, *notes, f"integrated on the host by {kind.__name__}"]
     history.counters = {
-        "steps": done, "rejected_steps": 0, "max_iterations": worst, "mean_iterations": total / max(done, 1),
+        "steps": count.done, "rejected_steps": 0, "max_iterations": count.worst,
+        "mean_iterations": count.total / max(count.done, 1),
         "build_seconds": loop - began, "seconds_in_graph": 0.0, "loop_seconds": time.perf_counter() - loop,
     }  # fmt: skip
-    history.checkpoint = _checkpoint(states, accepted, t0 + done * step)
+    history.checkpoint = _checkpoint(states, accepted, count.begin + count.done * step)
     return history
 
 
-def _history(scene: Scene, rows: _Rows, step: float, first: int) -> History:
-    """The saved rows as a History; `first` row without a step before it."""
-    T = len(rows.times)
-    times = np.array(rows.times)
-    bodies = {}
-    for body, found in zip(scene.bodies, rows.motions, strict=True):
+def history_of(scene: Scene, rows: Rows) -> History:
+    """The saved rows as a History."""
+    T, times, energy = len(rows["time"]), rows["time"], rows["energy"]
+    bodies, first = {}, 0
+    for body in scene.bodies:
         m = body.mode_count
-        x = np.array(found).reshape(T, 19 + 3 * m)
+        x = rows["motion"][:, first : first + 19 + 3 * m]
+        first += 19 + 3 * m
         ends = np.cumsum([3, 4, 3, 3, m, m, 3, 3])
         r, p, v, w, q, qd, vdot, wdot, qdd = np.split(x, ends, axis=1)
         bodies[body.name] = user_frame(body.center_of_mass, r, p, v, w, vdot, wdot, q, qd, qdd)
     forces = force_histories(scene, ForceTable(), times, np.zeros((T, 0)), np.zeros((T, 0, 6)), bodies)
-    energy = np.array(rows.energy).reshape(T, len(ENERGY_LINES))
-    sizes = np.full(T, step)
-    sizes[: min(first, T)] = 0.0
     return History(
-        scene=scene, time=times, step_size=sizes, bodies=bodies, joints={}, contacts={}, forces=forces,
+        scene=scene, time=times, step_size=rows["step"], bodies=bodies, joints={}, contacts={}, forces=forces,
         sensors=sensor_histories(scene, T, bodies, {}, forces),
         energy={name: energy[:, i].copy() for i, name in enumerate(ENERGY_LINES)},
-        iterations=np.array(rows.iterations, dtype=int), factorisations=np.zeros(T, dtype=int),
+        iterations=rows["iterations"], factorisations=np.zeros(T, dtype=int),
     )  # fmt: skip
 
 
@@ -193,9 +255,9 @@ def _checkpoint(states: list[Motion], energy: list[float], t: float) -> dict[str
 _FIELDS = {"r": "r", "p": "p", "v": "v", "omega": "w"}
 
 
-def _restored(scene: Scene, start: History) -> tuple[list[Motion], np.ndarray]:
+def _restored(scene: Scene, checkpoint: Mapping[str, np.ndarray]) -> tuple[list[Motion], np.ndarray]:
     """States of all bodies and the ledger from the checkpoint of an earlier run, of this or of the other kind."""
-    checkpoint, B, Q = start.checkpoint, len(scene.bodies), sum(body.mode_count for body in scene.bodies)
+    B, Q = len(scene.bodies), sum(body.mode_count for body in scene.bodies)
     shapes = {"r": (B, 3), "p": (B, 4), "v": (B, 3), "omega": (B, 3), "q": (Q,), "qd": (Q,)}
     for name, shape in shapes.items():
         given = np.asarray(checkpoint[name])[0] if name in checkpoint else None

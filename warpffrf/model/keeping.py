@@ -1,0 +1,65 @@
+"""What a run gives out while it is under way, whatever its method.
+
+A *keeper* is asked now and then whether it is due, and is given all rows of the run so far with a checkpoint. A run
+that was stopped, by whatever, goes on from the last of these bit for bit: `Unfinished` holds its rows as the run
+collects them, beside the checkpoint, so that what is made of rows is made of all of them at once, as in a run that
+never stopped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+UNFINISHED = "unfinished"  # status of what is made of a run under way
+
+Rows = dict[str, np.ndarray]
+"""Saved rows by name. Those of later chunks follow along the first axis, in which arrays need not be alike."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """What it takes, beside rows, to make their history: the method ("separated", "check", "monolithic"), the scene,
+    and what of the method's options the history depends on."""
+
+    method: str
+    scene: Any
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a run is to reach, and what it brings from its start."""
+
+    last_step: int  # user steps, counted as the checkpoint does
+    rejected: int  # attempts that an earlier run, which this one continues, had rejected
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Unfinished:
+    """A run up to its last checkpoint; `rows` in chunks as they came, which nobody changes any more."""
+
+    rows: Sequence[Rows]
+    checkpoint: Mapping[str, np.ndarray]
+    plan: Plan
+
+
+class Keeper(Protocol):
+    """Somewhere to put what a run has done so far."""
+
+    def begin(self, source: Source) -> None:
+        """Of a run that is about to give something out: what its rows are of."""
+        ...
+
+    def due(self) -> bool:
+        """Whether it is time to be given something, and the last of it has been put away."""
+        ...
+
+    def keep(self, run: Unfinished) -> None:
+        """Take the run so far, of which chunks that were put away before are not taken again. It may be put away later,
+        in another thread."""
+        ...
