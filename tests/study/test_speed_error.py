@@ -11,6 +11,7 @@ from warpffrf.model.surfaces import Plane
 from warpffrf.study.speed_against_error.errors import relative, relative_largest
 from warpffrf.study.speed_against_error.fields import POINTS, Field, squares
 from warpffrf.study.speed_against_error.front import fastest, front
+from warpffrf.study.speed_against_error.picture import pareto_figure, steps_figure
 from warpffrf.study.speed_against_error.runs import Row
 from warpffrf.study.speed_against_error.times import common_interval, common_rows
 
@@ -96,6 +97,32 @@ def test_order_two_of_a_pendulum_and_going_on(tmp_path: Path, monkeypatch: pytes
         wf.study.speed_error(pendulum, 0.4, out=tmp_path, parameters={"arm": 0.4}, **how)
     with pytest.raises(InputError, match="least reached"):
         whole.recommended(1e-12)
+
+
+def test_pictures_hold_the_rows_and_the_reference(tmp_path: Path) -> None:
+    found = wf.study.speed_error(
+        pendulum, 0.4, step=2e-3, choices={"step": [8e-3, 4e-3, 2e-3], "arm": [0.4, 0.5]},
+        reference={"arm": 0.5}, measures=["displacement"], rounds=1, progress=False,
+    )  # fmt: skip
+    files = [file.name for file in found.write(tmp_path)]
+    assert files == ["speed_error.csv", "speed_error.md", "speed_error.png", "speed_error_steps.png"]
+    assert all((tmp_path / name).stat().st_size for name in files)
+    about = found.rows, found.measures, found.reference["apart"]
+    figures = {"fastest": pareto_figure(*about, "t"), "step": steps_figure(*about, found.orders(), "t")}
+    for name, figure in figures.items():
+        (ax,) = figure.axes
+        drawn = {(float(x), float(y)) for line in ax.lines[:2] for x, y in line.get_xydata()}
+        wanted = [
+            (r.setting["step"] if name == "step" else r.fastest, 100.0 * r.errors["displacement"]) for r in found.rows
+        ]
+        assert drawn == set(wanted)
+        assert ax.get_xscale() == ax.get_yscale() == "log"
+        assert ax.lines[-1].get_ydata()[0] == 100.0 * found.reference["apart"]["displacement"]
+    circled = {float(x) for x in figures["fastest"].axes[0].lines[2].get_xdata()}
+    assert circled == {row.fastest for row in found.front("displacement")}
+    assert "quasi_static: order" in figures["step"].axes[0].get_title()
+    alone = wf.study.speed_error(pendulum, 0.1, step=2e-3, choices={"arm": [0.5, 0.4]}, rounds=1, progress=False)
+    assert steps_figure(alone.rows, alone.measures, alone.reference["apart"], [], "t") is None
 
 
 def test_refusals_name_the_thing_and_the_cure() -> None:

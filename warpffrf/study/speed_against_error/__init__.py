@@ -9,5 +9,6 @@ errors     measures of two results
 folder     what is kept of a study, so that it can go on
 runs       a run and what it costs
 front      Pareto fronts, orders in the step
+picture    error against time, error against step
 study      the reference, the rounds, tables: what users see
 """

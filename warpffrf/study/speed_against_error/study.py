@@ -17,6 +17,7 @@ from warpffrf import __version__
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.output_paths import checked_output_path, written_whole
 from warpffrf.model.progress import Progress
+from warpffrf.output.plots.picture import write_picture
 from warpffrf.study.speed_against_error.choices import (
     BUILT_IN,
     Choices,
@@ -28,8 +29,9 @@ from warpffrf.study.speed_against_error.choices import (
 )
 from warpffrf.study.speed_against_error.errors import contact_forces, errors_of, measures_of
 from warpffrf.study.speed_against_error.folder import Folder
-from warpffrf.study.speed_against_error.front import WANTED, Order, fastest, front, orders
+from warpffrf.study.speed_against_error.front import WANTED, Order, changed_names, fastest, front, orders
 from warpffrf.study.speed_against_error.machines import Machines, source_of
+from warpffrf.study.speed_against_error.picture import pareto_figure, steps_figure
 from warpffrf.study.speed_against_error.places import check_points, motion_of
 from warpffrf.study.speed_against_error.runs import Row, refused, run_setting
 from warpffrf.study.speed_against_error.times import check_interval, common_interval, common_rows
@@ -78,10 +80,7 @@ class SpeedError:
 
     def table(self) -> tuple[list[str], list[list[str]]]:
         """Head and rows of the table, the marks of fronts in the last column but one."""
-        names = [n for n in self.rows[0].setting] if self.rows else []
-        names += [n for row in self.rows for n in row.setting if n not in names]
-        names = list(dict.fromkeys(names))
-        names = [n for n in names if len({text_of(row.setting.get(n, "as given")) for row in self.rows}) > 1]
+        names = changed_names(self.rows)
         marks = {m: {id(row) for row in front(self.rows, m)} for m in self.measures}
         head = [*names, *(f"{m} [%]" for m in self.measures), "wall s/s, fastest", "median", "in graph",
                 "set-up s", "offline s", "on the front of", "status"]  # fmt: skip
@@ -120,7 +119,8 @@ class SpeedError:
         return "\n".join(lines) + "\n"
 
     def write(self, folder: str | Path, *, overwrite: bool = False) -> list[Path]:
-        """Write speed_error.csv and speed_error.md."""
+        """Write speed_error.csv, .md and .png, the fronts, and speed_error_steps.png where steps were chosen. Raises
+        `InputError` for files that cannot be written, or exist where `overwrite` is not set."""
         head, lines = self.table()
         text = io.StringIO()
         csv.writer(text).writerows([["warpffrf speed_error", self.title], head, *lines])
@@ -129,7 +129,15 @@ class SpeedError:
         for path, content in zip(paths, files.values(), strict=True):
             with written_whole(path) as partial:
                 partial.write_text(content, encoding="utf-8")
-        return paths
+        return paths + self.draw(Path(folder) / "speed_error", overwrite=overwrite)
+
+    def draw(self, stem: str | Path, *, overwrite: bool = False) -> list[Path]:
+        """Write the pictures STEM.png and, where steps were chosen, STEM_steps.png; raises as `write` does."""
+        about = self.rows, self.measures, self.reference["apart"]
+        pareto = pareto_figure(*about, self.title)
+        steps = steps_figure(*about, self.orders(), self.title)
+        figures = {f"{stem}.png": pareto} | ({} if steps is None else {f"{stem}_steps.png": steps})
+        return [write_picture(figure, path, "speed_error", overwrite=overwrite) for path, figure in figures.items()]
 
 
 def speed_error(
