@@ -26,6 +26,11 @@ def changed_names(rows: Sequence[Row]) -> list[str]:
     return [n for n in names if len({text_of(row.setting.get(n, "as given")) for row in rows}) > 1]
 
 
+def label_in(names: Sequence[str], row: Row) -> str:
+    """What `row` has for the choices `names`, as text."""
+    return ", ".join(f"{name}={text_of(row.setting.get(name, 'as given'))}" for name in names)
+
+
 def front(rows: Sequence[Row], measure: str) -> list[Row]:
     """The rows that are on the front of `measure`, from fast to slow."""
     known = sorted((r for r in rows if measure in r.errors and r.timed), key=lambda r: (r.fastest, r.errors[measure]))

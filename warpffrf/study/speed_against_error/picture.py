@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.output.plots.panels import COLORS, COLUMNS, DPI, MARKS, PANEL_SIZE, REFERENCE_DASH
-from warpffrf.study.speed_against_error.choices import text_of
-from warpffrf.study.speed_against_error.front import Order, changed_names, front
+from warpffrf.study.speed_against_error.front import Order, changed_names, front, label_in
 from warpffrf.study.speed_against_error.runs import Row
 
 MOST_NAMED = 24  # curves in the legend: so many differ in colour and mark
@@ -30,8 +29,7 @@ def grouped(rows: Sequence[Row]) -> dict[str, Group]:
     found: dict[str, Group] = {}
     for row in rows:
         if row.timed:
-            label = ", ".join(f"{name}={text_of(row.setting.get(name, 'as given'))}" for name in names)
-            found.setdefault(label or "all", []).append(row)
+            found.setdefault(label_in(names, row) or "all", []).append(row)
     return {label: sorted(group, key=lambda row: -row.setting["step"]) for label, group in found.items()}
 
 
@@ -55,8 +53,9 @@ def pareto_figure(rows: Sequence[Row], measures: Sequence[str], apart: Mapping[s
 def steps_figure(
     rows: Sequence[Row], measures: Sequence[str], apart: Mapping[str, float], found: Sequence[Order], title: str
 ) -> Any | None:
-    """Errors [%] against the step [s], beside the slope of order two; the titles have the range of the observed orders
-    (of the finest steps) by treatment of local modes. None where no group has two steps."""
+    """Errors [%] against the step [s], beside the slope of order two. Of measures that have histories titles give the
+    range of the observed orders, between the finest steps, by treatment of local modes. None where no group has two
+    steps."""
     if all(len(group) < 2 for group in grouped(rows).values()):
         return None
 
@@ -71,9 +70,11 @@ def steps_figure(
             coarse, fine = max(h for h, _ in ends), min(h for h, _ in ends)
             top = 100.0 * max(e for h, e in ends if h == coarse)
             ax.plot([fine, coarse], [top * (fine / coarse) ** EXPECTED, top], color="0.6", lw=0.9, ls="-.")
+        shown = sorted({row.setting["step"] for row in rows if row.timed})
+        ax.set_xticks(shown, [f"{step:g}" for step in shown])
+        ax.set_xticks([], minor=True)
         ax.set(xlabel="step [s]")
-        shown = observed_orders(found, measure)
-        ax.set_title(f"{measure}\n{'; '.join(shown) or 'no order: not in the series'}", fontsize=9)
+        ax.set_title("\n".join([measure, "; ".join(observed_orders(found, measure))]), fontsize=9)
 
     return _figure(rows, measures, apart, f"{title}: error against step (dash-dotted: order 2)", draw)
 
@@ -115,10 +116,10 @@ def _figure(
     for n, measure in enumerate(measures):
         ax = figure.add_subplot(down, across, n + 1)
         ax.set_title(measure, fontsize=9)
+        ax.set(xscale="log", yscale="log", ylabel="error [%]")
         draw(ax, measure)
         if measure in apart:
             ax.axhline(100.0 * apart[measure], color="black", lw=0.9, ls=REFERENCE_DASH)
-        ax.set(xscale="log", yscale="log", ylabel="error [%]")
         ax.grid(which="both", alpha=0.25, lw=0.5)
         zero = sum(row.timed and row.errors.get(measure) == 0.0 for row in rows)
         if zero:

@@ -29,7 +29,7 @@ from warpffrf.study.speed_against_error.choices import (
 )
 from warpffrf.study.speed_against_error.errors import contact_forces, errors_of, measures_of
 from warpffrf.study.speed_against_error.folder import Folder
-from warpffrf.study.speed_against_error.front import WANTED, Order, changed_names, fastest, front, orders
+from warpffrf.study.speed_against_error.front import WANTED, Order, changed_names, fastest, front, label_in, orders
 from warpffrf.study.speed_against_error.machine import load_before, sitting, stated, unit_of
 from warpffrf.study.speed_against_error.machines import Machines, source_of
 from warpffrf.study.speed_against_error.picture import pareto_figure, steps_figure
@@ -96,7 +96,7 @@ class SpeedError:
         names = changed_names(self.rows)
         marks = {m: {id(row) for row in front(self.rows, m)} for m in self.measures}
         head = [*names, *(f"{m} [%]" for m in self.measures), "wall s/s, fastest", "median", "in graph",
-                "step U", "set-up s", "offline s", "on the front of", "status"]  # fmt: skip
+                "step U", "set-up s", "checks s", "offline s", "on the front of", "status"]  # fmt: skip
         lines, unit = [], unit_of(self.sittings)
         for row in self.rows:
             errors = [f"{100.0 * row.errors[m]:.3g}" if m in row.errors else "-" for m in self.measures]
@@ -107,9 +107,10 @@ class SpeedError:
                     f"{min(row.graphs):.4g}",
                     f"{row.fastest * row.setting['step'] / unit:.3g}" if unit else "-",
                     f"{row.set_up[0]:.3g}",
+                    f"{min(row.after):.3g}",
                 ]
                 if row.walls
-                else ["-"] * 5
+                else ["-"] * 6
             )
             on = ", ".join(m for m in self.measures if id(row) in marks[m])
             values = [text_of(row.setting.get(n, "as given")) for n in names]
@@ -127,9 +128,11 @@ class SpeedError:
             "",
         ]
         lines += [table(*self.table()), "", "Fastest within a wanted error of all measures against the reference:", ""]
+        names = changed_names(self.rows)
         for error in WANTED:
             try:
-                lines.append(f"- {error:.1%}: {self.recommended(error).label}")
+                best = self.recommended(error)
+                lines.append(f"- {error:.1%}: {label_in(names, best) or best.label}")
             except InputError as none:
                 lines.append(f"- {error:.1%}: {none}")
         lines += ["", *(f"Left out: {name} {value}: {reason}." for name, value, reason in self.left_out)]
@@ -291,6 +294,7 @@ def _rounds(
                         row.walls += now.walls
                         row.graphs += now.graphs
                         row.set_up += now.set_up
+                        row.after += now.after
                 folder.keep_row(label, rows[label].plain())
             done += 1
             bar.update(done)
