@@ -18,6 +18,7 @@ from warpffrf.study.speed_against_error.runs import Row
 
 MOST_NAMED = 24  # curves in the legend: so many differ in colour and mark
 LEGEND_LINE = 0.19  # inches
+TICKS = (1.0, 2.0, 5.0)  # of each decade of times
 EXPECTED = 2.0  # order in the step, of all integrators that simulate takes
 
 Group = list[Row]
@@ -106,6 +107,7 @@ def _figure(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
+    from matplotlib.ticker import LogLocator, NullFormatter
 
     down = -(-len(measures) // COLUMNS)
     across = -(-len(measures) // down)
@@ -117,6 +119,9 @@ def _figure(
         ax = figure.add_subplot(down, across, n + 1)
         ax.set_title(measure, fontsize=9)
         ax.set(xscale="log", yscale="log", ylabel="error [%]")
+        ax.xaxis.set_major_locator(LogLocator(subs=TICKS))
+        ax.xaxis.set_major_formatter("{x:g}")
+        ax.xaxis.set_minor_formatter(NullFormatter())
         draw(ax, measure)
         if measure in apart:
             ax.axhline(100.0 * apart[measure], color="black", lw=0.9, ls=REFERENCE_DASH)
