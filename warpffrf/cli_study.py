@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+
+IN_FILE = "simulate."  # before an option of the run, as `--set` names it
 
 
 def choice_of(text: str) -> tuple[str, list[Any]]:
@@ -22,6 +24,41 @@ def choice_of(text: str) -> tuple[str, list[Any]]:
         return name.strip(), list(tomllib.loads(f"v = [{values}]")["v"])
     except tomllib.TOMLDecodeError:
         return name.strip(), [value.strip() for value in values.split(",")]
+
+
+def choices_of(texts: Sequence[str]) -> dict[str, list[Any]]:
+    """All `--choice` of a command. Options of the run may be written as the scene file has them, `simulate.step`, and
+    integrators, local treatments and methods as its kinds: `hht`, `{kind="hht", alpha=-0.3}`. Raises `InputError`."""
+    from warpffrf.model.errors import InputError
+    from warpffrf.study.speed_against_error.choices import RUN
+
+    found: dict[str, list[Any]] = {}
+    for name, values in map(choice_of, texts):
+        short = name.removeprefix(IN_FILE)
+        name = short if short in RUN else name
+        if name in found:
+            raise InputError(f"--choice {name!r} is given twice; give all its values in one, NAME=V1,V2")
+        found[name] = [_made(name, value) for value in values] if name in RUN else values
+    return found
+
+
+def _made(name: str, value: Any) -> Any:
+    """The object that a kind of scene files stands for; other values as they are."""
+    from warpffrf.model.errors import InputError, unknown_name
+    from warpffrf.model.integrators import INTEGRATORS
+    from warpffrf.scene_file.forms import value_kinds
+
+    table = {"kind": value} if name == "integrator" and isinstance(value, str) else value
+    if not isinstance(table, dict):
+        return value
+    kind, kinds = table.get("kind"), value_kinds()
+    known = [k for k in kinds if k in INTEGRATORS] if name == "integrator" else list(kinds)
+    if kind not in known:
+        raise unknown_name(f"--choice {name}: kind", kind, known)
+    try:
+        return kinds[kind].call(**{key: entry for key, entry in table.items() if key != "kind"})
+    except TypeError as error:
+        raise InputError(f"--choice {name}: {table} cannot be used: {error}") from error
 
 
 def study_app(one_line_errors: Callable[[], AbstractContextManager[None]], quiet: Callable[[], bool]) -> typer.Typer:
@@ -48,7 +85,7 @@ def study_app(one_line_errors: Callable[[], AbstractContextManager[None]], quiet
 
             folder = Path("out") / f"{scene_file.stem}_speed_error" if out is None else out
             found = run(
-                scene_file, settings=settings or (), choices=dict(map(choice_of, choice)) if choice else None,
+                scene_file, settings=settings or (), choices=choices_of(choice) if choice else None,
                 measures=measure or None, rounds=rounds, out=folder, overwrite=overwrite, progress=not quiet(),
             )  # fmt: skip
             found.write(folder, overwrite=True)

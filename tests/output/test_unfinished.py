@@ -26,7 +26,7 @@ from warpffrf.output.files import unfinished
 
 PROGRAM = Path(__file__).with_name("unfinished_runs.py")
 BEFORE_LONG = 100.0  # s, before a program has started and said something
-TIMES = ("build_seconds", "seconds_in_graph", "loop_seconds")  # counters of the clock
+TIMES = ("build_seconds", "seconds_in_graph", "loop_seconds", "finish_seconds")  # counters of the clock
 
 
 def same(a: Any, b: Any, path: str = "") -> list[str]:

@@ -1,16 +1,22 @@
 """Studies of speed against error: times, errors, fronts, orders, going on, refusals."""
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import warpffrf as wf
+from warpffrf.cli_study import choices_of
 from warpffrf.model.errors import InputError
+from warpffrf.model.integrators import HHT, GeneralizedAlpha, Newmark
 from warpffrf.model.surfaces import Plane
+from warpffrf.study.speed_against_error.choices import text_of
 from warpffrf.study.speed_against_error.errors import relative, relative_largest
 from warpffrf.study.speed_against_error.fields import POINTS, Field, squares
 from warpffrf.study.speed_against_error.front import fastest, front
+from warpffrf.study.speed_against_error.machine import stated, unit_of
+from warpffrf.study.speed_against_error.picture import pareto_figure, steps_figure
 from warpffrf.study.speed_against_error.runs import Row
 from warpffrf.study.speed_against_error.times import common_interval, common_rows
 
@@ -94,8 +100,58 @@ def test_order_two_of_a_pendulum_and_going_on(tmp_path: Path, monkeypatch: pytes
     assert all(len(r.walls) == 2 for r in resumed.rows)
     with pytest.raises(InputError, match="another scene"):
         wf.study.speed_error(pendulum, 0.4, out=tmp_path, parameters={"arm": 0.4}, **how)
+    apart, least = whole.reference["apart"]["displacement"], min(errors)
+    assert apart < least
     with pytest.raises(InputError, match="least reached"):
-        whole.recommended(1e-12)
+        whole.recommended(0.5 * (apart + least))
+    with pytest.raises(InputError, match=re.escape(f"differs from twice its own step by {apart:.2g}")):
+        whole.recommended(0.9 * apart)
+    assert [len(found.sittings) for found in (whole, resumed)] == [1, 2]
+    again = wf.study.speed_error(pendulum, 0.4, out=tmp_path, **how)
+    assert again.sittings == resumed.sittings  # nothing was timed
+    (facts,) = whole.sittings
+    assert f"U = {facts['unit_seconds'] * 1e6:.4g} us" in whole.report()
+    assert f"warpffrf {facts['versions']['warpffrf']}" in whole.report()
+    head, lines = whole.table()
+    in_units = [float(line[head.index("step U")]) for line in lines]
+    wanted = [r.fastest * r.setting["step"] / facts["unit_seconds"] for r in whole.rows]
+    assert in_units == pytest.approx(wanted, rel=0.01)  # shown with three digits
+
+
+def test_a_sitting_says_what_it_was_beside() -> None:
+    on = {"processor": "P", "cores": 2, "platform": "L", "python": "3"}
+    facts = {"machine": on, "versions": {"numpy": "2"}, "unit_seconds": 4e-5, "load_before": 0.1}
+    assert "quiet machine" in stated(facts)
+    assert "preliminary" in stated({**facts, "load_before": 1.7})
+    assert "not known" in stated({**facts, "load_before": None})
+    assert unit_of([facts, {**facts, "unit_seconds": 5e-5}]) == 4e-5
+    assert unit_of([facts, {**facts, "machine": {**on, "processor": "Q"}}]) is None
+
+
+def test_pictures_hold_the_rows_and_the_reference(tmp_path: Path) -> None:
+    found = wf.study.speed_error(
+        pendulum, 0.4, step=2e-3, choices={"step": [8e-3, 4e-3, 2e-3], "arm": [0.4, 0.5]},
+        reference={"arm": 0.5}, measures=["displacement"], rounds=1, progress=False,
+    )  # fmt: skip
+    files = [file.name for file in found.write(tmp_path)]
+    assert files == ["speed_error.csv", "speed_error.md", "speed_error.png", "speed_error_steps.png"]
+    assert all((tmp_path / name).stat().st_size for name in files)
+    about = found.rows, found.measures, found.reference["apart"]
+    figures = {"fastest": pareto_figure(*about, "t"), "step": steps_figure(*about, found.orders(), "t")}
+    for name, figure in figures.items():
+        (ax,) = figure.axes
+        drawn = {(float(x), float(y)) for line in ax.lines[:2] for x, y in line.get_xydata()}
+        wanted = [
+            (r.setting["step"] if name == "step" else r.fastest, 100.0 * r.errors["displacement"]) for r in found.rows
+        ]
+        assert drawn == set(wanted)
+        assert ax.get_xscale() == ax.get_yscale() == "log"
+        assert ax.lines[-1].get_ydata()[0] == 100.0 * found.reference["apart"]["displacement"]
+    circled = {float(x) for x in figures["fastest"].axes[0].lines[2].get_xdata()}
+    assert circled == {row.fastest for row in found.front("displacement")}
+    assert "quasi_static: order" in figures["step"].axes[0].get_title()
+    alone = wf.study.speed_error(pendulum, 0.1, step=2e-3, choices={"arm": [0.5, 0.4]}, rounds=1, progress=False)
+    assert steps_figure(alone.rows, alone.measures, alone.reference["apart"], [], "t") is None
 
 
 def test_refusals_name_the_thing_and_the_cure() -> None:
@@ -118,9 +174,36 @@ def test_command_runs_a_scene_file_and_refuses_in_one_line(tmp_path: Path) -> No
         "[simulate]\nduration = 0.02\nstep = 1e-3\n"
     )
     out = tmp_path / "out"
-    args = ["study", "speed-error", str(file), "--out", str(out), "--choice", "step=2e-3,1e-3", "--rounds", "1"]
+    args = [
+        "study",
+        "speed-error",
+        str(file),
+        "--out",
+        str(out),
+        "--choice",
+        "simulate.step=2e-3,1e-3",
+        "--choice",
+        "integrator=hht",
+        "--rounds",
+        "1",
+    ]
     found = CliRunner().invoke(app, args)
     assert found.exit_code == 0, found.output
     assert (out / "speed_error.csv").is_file() and "Reference: step=0.00025" in found.output
+    assert "integrator=HHT()" in found.output
     refused = CliRunner().invoke(app, [*args, "--measure", "force"])
     assert refused.exit_code == 1
+
+
+def test_choices_name_integrators_and_the_step_as_scene_files_do() -> None:
+    found = choices_of(['integrator={kind="hht", alpha=-0.3}, "generalized_alpha"', "simulate.step=2e-3,1e-3"])
+    assert found == {"integrator": [HHT(alpha=-0.3), GeneralizedAlpha()], "step": [2e-3, 1e-3]}
+    assert choices_of(["integrator=hht,newmark", "local=hht"]) == {"integrator": [HHT(), Newmark()], "local": ["hht"]}
+    assert choices_of(["bodies.bob.mass=1,2"]) == {"bodies.bob.mass": [1, 2]}
+    with pytest.raises(InputError, match="'hhtt'.*generalized_alpha"):
+        choices_of(["integrator=hhtt"])
+    with pytest.raises(InputError, match="given twice"):
+        choices_of(["step=1e-3", "simulate.step=2e-3"])
+    with pytest.raises(InputError, match="alfa"):
+        choices_of(['integrator={kind="hht", alfa=-0.3}'])
+    assert text_of(HHT(alpha=-0.3)) == "HHT(alpha=-0.3)"

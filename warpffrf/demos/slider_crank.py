@@ -81,10 +81,15 @@ def build(size: Size = FULL, *, inertia: str = "full", stiffening: bool = True, 
     Bodies `crank`, `rod`, `piston`; joints `axle`, `big_end`, `wrist`, `liner`. inertia, stiffening: of the rod, as in
     `Scene.add_body`.
     """
+    return machine(rod_body(size, progress=progress), inertia=inertia, stiffening=stiffening)
+
+
+def machine(reduced: wf.ReducedBody, *, inertia: str = "full", stiffening: bool = True) -> wf.Scene:
+    """The scene of `build` around a rod that is reduced already."""
     scene = wf.Scene()
     crank = scene.add_rigid_body(CRANK_MASS, CRANK_INERTIA, name="crank", position=(0.5 * CRANK, 0, 0))
     rod = scene.add_body(
-        rod_body(size, progress=progress), name="rod", position=(CRANK + 0.5 * ROD, 0, 0), damping=0.0,
+        reduced, name="rod", position=(CRANK + 0.5 * ROD, 0, 0), damping=0.0,
         inertia=inertia, stiffening=stiffening,
     )  # fmt: skip
     piston = scene.add_rigid_body(PISTON_MASS, PISTON_INERTIA, name="piston", position=(CRANK + ROD, 0, 0))

@@ -65,6 +65,11 @@ def build(size: Size = FULL, *, load: float = LOAD, load_after: float = LOAD_AFT
     Bodies `lower`, `upper`, `carriage`; joints `axle`, `guide`, `upper_axle`; contact pair `lower-upper`. The cache of
     reduced bodies is not used, because the demo reports what the reduction costs.
     """
+    return machine(roller_body(size, progress=progress), load=load, load_after=load_after)
+
+
+def roller_body(size: Size = FULL, *, patch_grid: bool | None = None, progress: bool = True) -> wf.ReducedBody:
+    """The reduced roller, with interface `bore` and contact surface `rim`; `patch_grid` as of `reduce`."""
     steel = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850, name="steel")
     mesh = wf.mesh.roller(
         OUTER_RADIUS,
@@ -76,20 +81,28 @@ def build(size: Size = FULL, *, load: float = LOAD, load_after: float = LOAD_AFT
         grading=GRADING,
         order=1,
     )
-    roller = wf.reduce(
+    return wf.reduce(
         mesh,
         steel,
         interfaces={"bore": "rigid"},
         contact={"rim": wf.surfaces.Cylinder()},
         max_frequency=MAX_FREQUENCY,
+        patch_grid=patch_grid,
         cache=False,
         progress=progress,
     )
-    return machine(roller, load=load, load_after=load_after)
 
 
-def machine(roller: wf.ReducedBody, *, load: float = LOAD, load_after: float = LOAD_AFTER) -> wf.Scene:
-    """The scene of `build` around a roller that is reduced already, with interface `bore` and contact surface `rim`."""
+def machine(
+    roller: wf.ReducedBody,
+    *,
+    load: float = LOAD,
+    load_after: float = LOAD_AFTER,
+    load_step_at: float = LOAD_STEP_AT,
+    speed: float = SPEED,
+) -> wf.Scene:
+    """The scene of `build` around a roller that is reduced already, with interface `bore` and contact surface `rim`;
+    the force changes from `load_step_at` [s] on, and the axles are driven to `speed` [rad/s]."""
     scene = wf.Scene(gravity=(0, 0, -GRAVITY))
     lower = scene.add_body(roller, name="lower")
     upper = scene.add_body(roller, name="upper", position=(0, 0, 2 * OUTER_RADIUS))
@@ -103,10 +116,10 @@ def machine(roller: wf.ReducedBody, *, load: float = LOAD, load_after: float = L
     guide = scene.add(wf.joints.Prismatic(scene.ground, center, axis=(0, 0, 1), name=GUIDE))
     upper_axle = scene.add(wf.joints.Revolute(center, upper["bore"], axis=(0, 1, 0), name="upper_axle"))
     scene.add(wf.forces.JointSpringDamper(guide, GUIDE_STIFFNESS, GUIDE_DAMPING))
-    for joint, speed in ((axle, SPEED), (upper_axle, -SPEED)):
-        spin = wf.signals.SmoothStep(0.0, speed, duration=SPIN_UP)
+    for joint, end in ((axle, speed), (upper_axle, -speed)):
+        spin = wf.signals.SmoothStep(0.0, end, duration=SPIN_UP)
         scene.add(wf.joints.Drive(joint, spin, quantity="velocity"))
-    press = wf.signals.SmoothStep(load, load_after, duration=LOAD_STEP_TAKES, delay=LOAD_STEP_AT)
+    press = wf.signals.SmoothStep(load, load_after, duration=LOAD_STEP_TAKES, delay=load_step_at)
     scene.add(wf.forces.PointForce(center, (press, (0, 0, -1))))
     return scene
 

@@ -242,11 +242,13 @@ def run(
             keeping.end()
         elif not np.any(engine.word("status")) and last_step % save_every:
             engine.save_now()
+        ended = time.perf_counter()
         history = _finish(engine, begin, built, notes, "", plan.rejected)
     history.stopping = bool(asked)
     history.marks = marks
     history.message = gain or history.message
-    history.counters["loop_seconds"] = time.perf_counter() - loop
+    history.counters["loop_seconds"] = ended - loop
+    history.counters["finish_seconds"] = time.perf_counter() - ended  # notes, and what cells are held against
     if interrupted and history.status == "completed":
         history.status, history.message = INTERRUPTED, "interrupted by the user; results up to there are kept"
     return history

@@ -32,7 +32,8 @@ from warpffrf.online.history.history import ENERGY_LINES, History, JointHistory
 
 RUN_OPTIONS = ("save_every", "integrator", "local", "method", "accuracy")
 SCENE_VALUES = ("gravity", "forces")
-SUMMED = ("build_seconds", "seconds_in_graph", "loop_seconds")  # the other counters run on through the stages
+# the other counters run on through the stages
+SUMMED = ("build_seconds", "seconds_in_graph", "loop_seconds", "finish_seconds")
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,9 @@ places     motion of points
 fields     pressure on common points
 errors     measures of two results
 folder     what is kept of a study, so that it can go on
+machine    what times were taken on
 runs       a run and what it costs
 front      Pareto fronts, orders in the step
+picture    error against time, error against step
 study      the reference, the rounds, tables: what users see
 """

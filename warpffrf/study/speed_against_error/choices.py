@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any
 
 from warpffrf.model.bodies import INERTIA_LEVELS
@@ -48,7 +48,10 @@ class Choices:
 
 
 def text_of(value: Any) -> str:
-    """A value as tables and folders have it."""
+    """A value as tables and folders have it: of integrators and the like what is not as usual."""
+    if is_dataclass(value) and not isinstance(value, type):
+        chosen = [(f.name, getattr(value, f.name)) for f in fields(value) if getattr(value, f.name) != f.default]
+        return f"{type(value).__name__}({', '.join(f'{name}={text_of(v)}' for name, v in chosen)})"
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 

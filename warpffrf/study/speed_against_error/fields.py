@@ -78,7 +78,7 @@ def field_of(pair: PairResult, i: int) -> Field:
         x, z = np.concatenate([x[:1] - pitch, x, x[-1:] + pitch]), z
     p = pair.history.pressure[i] if pair.view.at_nodes else pair.mean_pressure[i]
     p = np.asarray(p, dtype=float)
-    return Field(x, z, np.pad(p, ((1, 1), (0, 0))) if len(x) > len(p) else p, x_ends, z_ends)
+    return Field(x, z, np.pad(p, np.array([[1, 1], [0, 0]])) if len(x) > len(p) else p, x_ends, z_ends)
 
 
 def squares(field: Field, reference: Field, shape: object) -> tuple[float, float]:

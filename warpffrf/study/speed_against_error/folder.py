@@ -1,6 +1,6 @@
 """What is kept of a study in its folder, so that one that was interrupted goes on where it stopped.
 
-    study.json        what the study is, what its reference is, and a row for each setting that was run
+    study.json        what the study is, what its reference is, a row for each setting that was run, and on what machine
     reference.h5      results of the reference run
     series/KEY.npz    forces and motions of each run at the common times, for the order in the step
 
@@ -35,7 +35,13 @@ class Folder:
     ) -> None:
         self.path = None if path is None else Path(path).expanduser()
         self.identity = json.loads(json.dumps(dict(identity)))
-        self.content: dict[str, Any] = {"kind": KIND, "study": self.identity, "reference": None, "rows": {}}
+        self.content: dict[str, Any] = {
+            "kind": KIND,
+            "study": self.identity,
+            "reference": None,
+            "rows": {},
+            "taken_on": [],
+        }
         self._series: dict[str, dict[str, np.ndarray]] = {}
         self._reference: Result | None = None
         if self.path is None:
@@ -111,6 +117,15 @@ class Folder:
 
     # --- runs
 
+    def keep_machine(self, facts: Mapping[str, Any]) -> None:
+        """Keep what runs of this sitting were timed on."""
+        self.content.setdefault("taken_on", []).append(dict(facts))
+        self.write()
+
+    def machines(self) -> list[dict[str, Any]]:
+        """What runs were timed on, of each sitting in which there were some."""
+        return list(self.content.get("taken_on", []))
+
     def keep_row(self, label: str, row: Mapping[str, Any]) -> None:
         """Keep a row of numbers and texts."""
         self.content["rows"][label] = dict(row)
@@ -119,6 +134,10 @@ class Folder:
     def row(self, label: str) -> dict[str, Any] | None:
         """The row of a setting, None before it was run."""
         return self.content["rows"].get(label)
+
+    def times(self) -> int:
+        """How many runs were timed so far."""
+        return sum(len(row["walls"]) for row in self.content["rows"].values())
 
     def keep_series(self, label: str, series: Mapping[str, np.ndarray]) -> None:
         """Keep arrays of a run."""

@@ -13,11 +13,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpffrf.study.speed_against_error.choices import label_of
+from warpffrf.study.speed_against_error.choices import label_of, text_of
 from warpffrf.study.speed_against_error.runs import Row
 
 WANTED = (0.10, 0.03, 0.01, 0.003, 0.001)
 SAME_RATIO = 1e-6  # of steps that are written as decimals
+
+
+def changed_names(rows: Sequence[Row]) -> list[str]:
+    """Names of choices that the rows differ in, in the order of their settings."""
+    names = list(dict.fromkeys(name for row in rows for name in row.setting))
+    return [n for n in names if len({text_of(row.setting.get(n, "as given")) for row in rows}) > 1]
+
+
+def label_in(names: Sequence[str], row: Row) -> str:
+    """What `row` has for the choices `names`, as text."""
+    return ", ".join(f"{name}={text_of(row.setting.get(name, 'as given'))}" for name in names)
 
 
 def front(rows: Sequence[Row], measure: str) -> list[Row]:

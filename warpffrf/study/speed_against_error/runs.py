@@ -20,8 +20,8 @@ REFUSED = "refused"
 @dataclass
 class Row:
     """A setting, how its runs ended, its `errors` as fractions, and its costs: `walls` and `graphs`, seconds of the
-    time loop and in its graph per simulated second, `set_up` [s] (compiling and building) of each run; `offline` [s] of
-    its bodies."""
+    time loop and in its graph per simulated second; of each run `set_up` [s] (compiling and building) and `after` [s]
+    (what it checks when it has ended); `offline` [s] of its bodies."""
 
     setting: Setting
     status: str = ""
@@ -30,6 +30,7 @@ class Row:
     walls: list[float] = field(default_factory=list)
     graphs: list[float] = field(default_factory=list)
     set_up: list[float] = field(default_factory=list)
+    after: list[float] = field(default_factory=list)
     offline: float = float("nan")
 
     @property
@@ -74,6 +75,7 @@ def run_setting(
         row.walls.append(float(counters["loop_seconds"]) / span)
         row.graphs.append(float(counters.get("seconds_in_graph", counters["loop_seconds"])) / span)
         row.set_up.append(float(counters["build_seconds"]))
+        row.after.append(float(counters.get("finish_seconds", 0.0)))  # of the monolithic reference nothing is checked
     return result, row
 
 
