@@ -12,7 +12,7 @@ from typing import Any
 
 from warpffrf.study.step_time import machine
 
-BUSY = 0.5  # processes: below it the machine was idle but for the odd job
+BUSY = 1.5  # processes: this one, which may have reduced bodies before, and the odd job
 
 
 def load_before() -> float | None:
