@@ -9,9 +9,9 @@ CHECKED := warpffrf kernels tests demos bench
 
 # Test workers share the cores, the unit of time is defined on one thread, and on many small matrices the threads of a
 # BLAS wait for each other: one BLAS thread each.
-demo demos test test-floor verify bench bench-store bench-compare wheel-test: export OPENBLAS_NUM_THREADS ?= 1
+demo demos test test-floor verify bench bench-store bench-compare wheel-test study: export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: .venv demo demos test test-floor verify bench bench-store bench-compare lint format types wheel-test clean
+.PHONY: .venv demo demos test test-floor verify bench bench-store bench-compare lint format types wheel-test clean study
 
 .venv: $(STAMP)
 
@@ -60,6 +60,11 @@ bench: $(STAMP)
 # The last run of `make bench` becomes what later ones on this machine are compared with: only of a quiet machine.
 bench-store: $(STAMP)
 	$(BIN)/python bench/compare_runs.py --store
+
+# docs/speed_error.md and its pictures, docs/stability.md: some minutes, on a quiet machine.
+study: $(STAMP)
+	$(BIN)/python -m warpffrf.demos.speed_studies docs
+	$(BIN)/python -m warpffrf.study.stability.suite docs
 
 # The working tree beside another commit: make bench-compare BASE=commit
 BASE ?= HEAD
