@@ -61,10 +61,10 @@ bench: $(STAMP)
 bench-store: $(STAMP)
 	$(BIN)/python bench/compare_runs.py --store
 
-# docs/speed_error.md and its pictures, docs/stability.md: some minutes, on a quiet machine.
+# docs/speed_error.md and its pictures, docs/stability: some minutes, on a quiet machine.
 study: $(STAMP)
 	$(BIN)/python -m warpffrf.demos.speed_studies docs
-	$(BIN)/python -m warpffrf.study.stability.suite docs
+	$(BIN)/warpffrf study stability --overwrite --out docs/stability
 
 # The working tree beside another commit: make bench-compare BASE=commit
 BASE ?= HEAD

@@ -11,7 +11,7 @@ from warpffrf.study.hard_cases.classes import CLASSES, DEGRADED, FAIL, PASS, REF
 from warpffrf.study.hard_cases.run import Row
 from warpffrf.verification.markdown import table
 
-MADE = "Made by `warpffrf study stability --out docs`; do not edit."
+MADE = "Made by `warpffrf study stability --out docs/stability`; do not edit."
 COLORS = {PASS: "#4c9f70", DEGRADED: "#ffd166", FAIL: "#ef8354", REFUSED: "#9aa5b1", SILENT: "#7b1e3a"}
 LONGEST = 240  # characters of a reason in the page; the table has all
 

@@ -8,7 +8,6 @@ from warpffrf.study.hard_cases.cases import (
     fast_impact,
     friction_ladder,
     heavy_on_light,
-    jam,
     long_chain,
     mass_ratio,
     redundant_loop,
@@ -19,7 +18,7 @@ from warpffrf.study.hard_cases.cases import (
 
 _ALL = (
     stiffness_ratio.CASE, mass_ratio.CASE, fast_impact.CASE, heavy_on_light.CASE, bounces.CASE, bounces.DAMPED,
-    friction_ladder.CASE, jam.CASE, redundant_loop.CASE, singular_pose.CASE, squeezer.CASE, long_chain.CASE,
+    friction_ladder.CASE, redundant_loop.CASE, singular_pose.CASE, squeezer.CASE, long_chain.CASE,
 )  # fmt: skip
 
 CASES: dict[str, Case] = {case.name: case for case in _ALL}
