@@ -59,7 +59,7 @@ def build(*, progress: bool = True) -> wf.Scene:
         contact={"rim": wf.surfaces.Cylinder()}, stress={"below": below}, patch_grid=True,
         max_frequency=fine.MAX_FREQUENCY, cache=False, progress=progress,
     )  # fmt: skip
-    return fine.machine(roller)
+    return fine.machine(roller, load_step_at=fine.LOAD_STEP_AT)
 
 
 def ripple(result: wf.Result) -> float:

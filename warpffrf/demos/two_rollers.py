@@ -65,7 +65,7 @@ def build(size: Size = FULL, *, load: float = LOAD, load_after: float = LOAD_AFT
     Bodies `lower`, `upper`, `carriage`; joints `axle`, `guide`, `upper_axle`; contact pair `lower-upper`. The cache of
     reduced bodies is not used, because the demo reports what the reduction costs.
     """
-    return machine(roller_body(size, progress=progress), load=load, load_after=load_after)
+    return machine(roller_body(size, progress=progress), load=load, load_after=load_after, load_step_at=LOAD_STEP_AT)
 
 
 def roller_body(size: Size = FULL, *, patch_grid: bool | None = None, progress: bool = True) -> wf.ReducedBody:
@@ -98,7 +98,7 @@ def machine(
     *,
     load: float = LOAD,
     load_after: float = LOAD_AFTER,
-    load_step_at: float = LOAD_STEP_AT,
+    load_step_at: float,
     speed: float = SPEED,
 ) -> wf.Scene:
     """The scene of `build` around a roller that is reduced already, with interface `bore` and contact surface `rim`;
