@@ -1,5 +1,5 @@
 """Speed against error: refinement, contact grids, bases, inertia levels, evaluations, step times, another program;
-`speed_error` studies any scene. It is loaded when first used."""
+`speed_error` studies any scene, `stability` the hard cases. They are loaded when first used."""
 
 from __future__ import annotations
 
@@ -7,12 +7,19 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from warpffrf.study.hard_cases import stability
     from warpffrf.study.speed_against_error.study import speed_error
 
-__all__ = ["speed_error"]
+__all__ = ["speed_error", "stability"]
+
+# public name -> module; rooms have other names than what they give, or importing one would hide the other
+_WHERE = {
+    "speed_error": "warpffrf.study.speed_against_error.study",
+    "stability": "warpffrf.study.hard_cases",
+}
 
 
 def __getattr__(name: str) -> Any:
-    if name != "speed_error":
+    if name not in _WHERE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return importlib.import_module("warpffrf.study.speed_against_error.study").speed_error
+    return getattr(importlib.import_module(_WHERE[name]), name)
