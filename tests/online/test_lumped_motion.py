@@ -82,36 +82,6 @@ def test_a_bouncing_ball_keeps_its_energy(step: float) -> None:
     assert tops < 1.004 * height
 
 
-def two_balls(offset: float) -> Scene:
-    """They fly at each other at 10 m/s, `offset` [m] beside each other."""
-    scene = Scene()
-    skins = []
-    for name, side in (("left", -1.0), ("right", 1.0)):
-        skin = surfaces.Sphere(radius=RADIUS, axis_point=ORIGIN)
-        ball = scene.add_rigid_body(
-            MASS, (0.4 * MASS * RADIUS**2,) * 3, name=name, position=(1.2 * side * RADIUS, 0.5 * side * offset, 0.0),
-            velocity=(-5.0 * side, 0.0, 0.0), surfaces={"skin": skin},
-        )  # fmt: skip
-        skins.append(ball["skin"])
-    scene.add(LumpedContact(*skins, law=HERTZ, name="pair"))
-    return scene
-
-
-@pytest.mark.parametrize("step", [1e-3, 4e-3, 1e-2])
-def test_fast_balls_do_not_leap_over_each_other(step: float) -> None:
-    """In a step they move by half a diameter to five diameters; head-on they exchange their velocities all the same."""
-    history = run(two_balls(0.0), 5 * step, step=step, progress=False)
-    assert history.status == "completed"
-    assert history.bodies["left"].velocity[-1, 0] == pytest.approx(-5.0, rel=2e-3 if step > 1e-3 else 3e-2)
-
-
-def test_balls_that_pass_by_are_left_alone() -> None:
-    """Steps are halved until the normal turns by less than a right angle, and nothing touches."""
-    history = run(two_balls(2.5 * RADIUS), 0.05, step=1e-2, progress=False)
-    assert history.status == "completed" and history.counters["rejected_steps"] < 10
-    np.testing.assert_allclose(history.bodies["left"].velocity[-1], (5.0, 0.0, 0.0), atol=1e-12)
-
-
 def test_the_ledger_of_friction_is_of_second_order() -> None:
     """A ball driven into a wedge and out of it: friction grows and falls while it slides. Booked with the force at the
     end of each step it was off by 1e-3 and 1e-4."""

@@ -97,8 +97,7 @@ MESSAGES = {
     ),
     k.LEAPT: (
         "leapt",
-        "two surfaces in lumped contact change sides in a step without a touch, so that they may pass through each "
-        "other; reduce step",
+        "two surfaces change sides in a step without a touch, so that they may pass through each other; reduce step",
     ),
     k.GAIN: ("energy", "energy came from nowhere; reduce step"),
     k.ENERGY: ("energy", "the energy ledger does not close at an impact; reduce step"),

@@ -18,10 +18,6 @@ pair is judged, what contact gains or loses counts as well; and where a lumped c
 integrator loses: nothing else limits that where all that yields is the law of the contact. Elsewhere a step is halved
 in which impulsive pairs create more than `energy_tolerance` of the energy at hand, by whatever mean of their forces:
 contact came too suddenly for it.
-
-A step is halved, too, in which two convex surfaces of a lumped contact that do not touch at either end change sides,
-which shows as a normal turned by more than a right angle: they may have passed through each other. Of any two that pass
-by, it turns by little in a step that is short enough.
 """
 
 import warp as wp
@@ -51,16 +47,6 @@ LEAST_GAIN = wp.constant(wp.float64(0.0625))
 UPHILL = wp.constant(wp.float64(1.0e-2))
 
 
-@wp.func
-def leapt(model: Model, w: int, place: int, lumped_normal: wp.array3d(dtype=vec3)) -> bool:
-    """Whether the surfaces of a place are convex and its normal has turned by more than a right angle."""
-    contact = model.elements[0].lumped.contact[place]
-    first = model.elements[0].lumped.first[contact]
-    second = model.elements[0].lumped.second[contact]
-    convex = model.surfaces.side[first] > real(0.0) and model.surfaces.side[second] > real(0.0)
-    return convex and wp.dot(lumped_normal[w, 0, place], lumped_normal[w, 1, place]) < real(0.0)
-
-
 @wp.kernel
 def decide(
     models: wp.array(dtype=Model),
@@ -72,7 +58,6 @@ def decide(
     created: wp.array2d(dtype=real),
     lumped_force: wp.array3d(dtype=real),
     lumped_energy: wp.array3d(dtype=real),
-    lumped_normal: wp.array3d(dtype=vec3),
     impulsive: inout(wp.array2d(dtype=int)),
     ctl: inout(wp.array(dtype=Control)),
     clk: inout(wp.array(dtype=Clock)),
@@ -118,8 +103,6 @@ def decide(
         if before != after:
             event = int(1)
             struck = int(1)
-        if ctl[w].mode == k.DYNAMIC and not before and not after and leapt(model, w, place, lumped_normal):
-            ctl[w].failure = ctl[w].failure | k.LEAPT
         bounced += lumped_energy[w, 1, place] - lumped_energy[w, 0, place]
         place += 1
     dynamic = ctl[w].mode == k.DYNAMIC
