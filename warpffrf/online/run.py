@@ -96,6 +96,10 @@ MESSAGES = {
         "a patch with friction advances by more than its own length in a step, so that none of its material was in it "
         "before; reduce step, to a tenth of that length over the rolling speed",
     ),
+    k.LEAPT: (
+        "leapt",
+        "two surfaces change sides in a step without a touch, so that they may pass through each other; reduce step",
+    ),
     k.GAIN: ("energy", "energy came from nowhere; reduce step"),
     k.ENERGY: ("energy", "the energy ledger does not close at an impact; reduce step"),
     k.ACCURACY: ("accuracy", "the local error of a step exceeds the accuracy asked for; reduce step, or ask for less"),

@@ -115,6 +115,7 @@ STENCIL = wp.constant(256)
 ACCURACY = wp.constant(512)
 GAIN = wp.constant(2048)  # more energy has come from nowhere than allowed, see `energy_watch`
 PASSED = wp.constant(4096)  # a patch with friction has advanced by more than its own length
+LEAPT = wp.constant(8192)  # two surfaces have changed sides without a touch, see `leaps`
 ROOM = wp.constant(1024)  # more slots are in play than there is room for: `Engine` makes more and tries again
 
 # --- values of `Control.impulsive`

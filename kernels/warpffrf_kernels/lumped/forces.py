@@ -16,7 +16,11 @@ least rotation that takes the old normal to the new one. c = min(1, k/k_0): wher
 keeps its stretch, and where it rises its force. Either loses energy: 1/2 f^2/k never grows by a change of the normal
 force, as that of a spring with f = k times stretch would in loading (Elata and Berryman 1996). So
 
-    energy   1/2 f^2/k,      dissipated   (1/2 f_0^2/k_0 - 1/2 (c f_0)^2/k) + |f| (|f_tr| - |f|)/k   >= 0.
+    energy   1/2 f^2/k,      dissipated   (1/2 f_0^2/k_0 - 1/2 (c f_0)^2/k) + f_m (|f_tr| - |f|)/k   >= 0,
+
+f_m = max(0, (T f_0 . e + |f|)/2) with e along f: the mean force of the step times what slides for good. With f alone a
+bound that grows or falls while it slides would be booked with an error of first order in the step. For c = 1 this is
+the work of the mean force less the change of the energy, exactly.
 
 The slip is that of the points of the bodies that lie at the contact, s = D_1 - D_2 with D = dr + psi x (mean lever),
 dr and psi the increments of the step. A body that rolls has D = 0: the levers are those of the place, which goes along.
@@ -235,7 +239,8 @@ def find_forces(
             if bounded and size > mu * out.force:
                 out.regime = SLIPS
                 out.friction = (mu * out.force / size) * out.trial
-                rubbed = mu * out.force * (size - mu * out.force) / out.shear
+                mean = real(0.5) * (wp.dot(out.turned, out.trial) / size + mu * out.force)
+                rubbed = wp.max(mean, real(0.0)) * (size - mu * out.force) / out.shear
             held = real(0.5) * wp.dot(out.friction, out.friction) / out.shear
             old_energy -= real(0.5) * wp.dot(base, base) / out.shear
         rubbed += wp.max(old_energy, real(0.0))

@@ -22,6 +22,7 @@ from warpffrf_kernels.normal import (
     pair_elimination,
 )
 from warpffrf_kernels.patch import between, cells, fields, near, place, spline_tables, system
+from warpffrf_kernels.step import leaps
 
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.outer import FACTOR
@@ -107,6 +108,7 @@ CONTACT = Participant(
     correct=[blocks(contact_solve.correct_set, "pair"), threads(contact_solve.accept_set)],
     finish=[blocks(impulsive_memory.finish_rates)],
     judge=[
+        threads(leaps.refuse_leaps_of_pairs),
         threads(impulsive_means.judge_pairs, "pair", created="created_now"),
         threads(impulsive_means.find_restless, "pair", when="dynamic_mode", offset="patch_offset"),
     ],

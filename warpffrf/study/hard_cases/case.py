@@ -80,7 +80,9 @@ class Case:
 
     tests: what it tests, in a sentence or two. build: makes the scene anew for every run. duration [s], steps [s] and
     middle [s], the step at which tolerances are varied. check: comparisons of a Result with what is known from
-    elsewhere. options: of the run (start, integrator, local). quick: whether `--quick` runs it, at its middle and its
+    elsewhere. options: of the run (start, integrator, local). said: words of notes that warn of what the check finds.
+    twin, alike: another scene that has to do the same, run with the same setting, and comparisons of the two results.
+    quick: whether `--quick` runs it, at its middle and its
     longest step. slow: run only where it is named. Raises `InputError` for a middle that is none of the steps.
     """
 
@@ -97,7 +99,10 @@ class Case:
     options: Mapping[str, Any] = field(default_factory=dict)
     most_steps: int = MOST_STEPS
     rows: int = ROWS
+    twin: Callable[[], Any] | None = None
+    alike: Callable[[Result, Result], Sequence[Finding]] | None = None
     ledger: Ledger = Ledger()
+    said: tuple[str, ...] = ()
     quick: bool = False
     slow: bool = False
 

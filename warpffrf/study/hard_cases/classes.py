@@ -10,8 +10,9 @@ scene's length or in rad. Of a run that was completed
     something is wrong, and the run says so            fail
     something is wrong, and nothing is said            silent
 
-A run says so by a note that warns (`WARNS`: notes that only tell what was done do not count), or by an error budget
-that states at least `STATED` of the error. One that ends early with a message is a fail, wrong input is refused.
+A run says so by a note that warns (`WARNS`; notes that tell what was done, or that a grid is coarse, which says nothing
+of motion or energy, do not count unless the case says so), or by an error budget that states at least `STATED` of the
+error. One that ends early with a message is a fail, wrong input is refused.
 """
 
 from __future__ import annotations
@@ -32,8 +33,8 @@ PASS, DEGRADED, FAIL, REFUSED, SILENT = CLASSES = ("pass", "degraded", "fail", "
 JOINTS = (1e-8, 1e-6)  # of the length of the scene, or rad: projected positions leave round-off; more is noted
 STATED = 1.0 / 3.0  # of an error: what an error budget may be too small by
 WARNS = (
-    "smaller step", "reduce step", "shorter step", "accuracy=", "wrong", "off by", "too coarse", "finer", "is cut",
-    "does not resolve", "larger contact surface", "pass through", "overlap of", "left the table", "singular",
+    "smaller step", "reduce step", "shorter step", "accuracy=", "results are wrong", "does not resolve", "pass through",
+    "that nothing supplied", "left the table",
 )  # fmt: skip
 
 
@@ -87,9 +88,9 @@ def joint_violation(result: Result) -> float:
     return most
 
 
-def warnings_of(notes: Sequence[str]) -> list[str]:
-    """Notes that warn of results."""
-    return [note for note in notes if any(word in note for word in WARNS)]
+def warnings_of(notes: Sequence[str], said: Sequence[str] = ()) -> list[str]:
+    """Notes that warn of results; `said`: other words that a case takes for a warning."""
+    return [note for note in notes if any(word in note for word in (*WARNS, *said))]
 
 
 def stated_error(result: Result) -> float:
@@ -100,8 +101,8 @@ def stated_error(result: Result) -> float:
         return 0.0
 
 
-def judge(result: Result, own: Sequence[Finding], limits: Ledger) -> Verdict:
-    """The class of a run that was made; `own`: the case's comparisons."""
+def judge(result: Result, own: Sequence[Finding], limits: Ledger, said: Sequence[str] = ()) -> Verdict:
+    """The class of a run that was made; `own`: the case's comparisons, `said`: words of notes that warn of them."""
     if result.status != "completed":
         return Verdict(FAIL, f"{result.status}: {result.message}", list(own))
     findings = [*ledger_findings(result, limits), *own]
@@ -114,7 +115,7 @@ def judge(result: Result, own: Sequence[Finding], limits: Ledger) -> Verdict:
     found.kind, found.why = DEGRADED, f"{worst.of} {worst.error:.3g}"
     if worst.level == 1:
         return found
-    if warnings := warnings_of(result.history.notes):
+    if warnings := warnings_of(result.history.notes, said):
         found.kind, found.why = FAIL, f"{found.why}; the run says: {warnings[0]}"
         return found
     stated = stated_error(result)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,7 +11,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.online import Settings
 from warpffrf.online.run import INTERRUPTED, run
 from warpffrf.output.result import Result
-from warpffrf.study.hard_cases.case import Case, Setting
+from warpffrf.study.hard_cases.case import Case, Finding, Setting
 from warpffrf.study.hard_cases.classes import FAIL, REFUSED, Verdict, judge
 
 CRASHES = (ArithmeticError, ValueError, LookupError, TypeError, RuntimeError, MemoryError)
@@ -41,25 +42,16 @@ def run_case(case: Case, setting: Setting) -> tuple[Result | None, Row]:
     """One run, judged; the result is None where the input was refused or the program broke down. Raises
     KeyboardInterrupt where the run was interrupted."""
     begin = time.perf_counter()
-    steps = case.step_count(setting.step)
-    every = -(-steps // case.rows)
     result = None
     try:
-        scene = case.build()
-        settings = Settings(residual_tolerance=setting.tolerance, energy_tolerance=setting.energy)
-        history = run(
-            scene, steps * setting.step, step=setting.step, save_every=every, accuracy=setting.error,
-            settings=settings, progress=False, **case.options,
-        )  # fmt: skip
-        if history.status == INTERRUPTED:
-            raise KeyboardInterrupt
-        result = Result(history)
-        own = case.check(result) if history.status == "completed" else []
-        verdict = judge(result, own, case.ledger)
+        result = _run(case, case.build, setting)
+        twin = None if case.twin is None else _run(case, case.twin, setting)
     except InputError as error:
         verdict = Verdict(REFUSED, str(error))
     except CRASHES as error:
         verdict = Verdict(FAIL, f"{type(error).__name__}: {error}")
+    else:
+        verdict = judge(result, _own(case, result, twin), case.ledger, case.said)
     row = Row(case.name, setting.column, verdict.kind, verdict.why, seconds=time.perf_counter() - begin)
     row.findings = [[f.of, float(f.error), f.good, f.bad] for f in verdict.findings]
     if result is not None:
@@ -68,3 +60,27 @@ def run_case(case: Case, setting: Setting) -> tuple[Result | None, Row]:
         row.steps = int(result.history.counters["steps"])
         row.halved = int(result.history.counters["rejected_steps"])
     return result, row
+
+
+def _run(case: Case, build: Callable[[], Any], setting: Setting) -> Result:
+    steps = case.step_count(setting.step)
+    history = run(
+        build(), steps * setting.step, step=setting.step, save_every=-(-steps // case.rows), accuracy=setting.error,
+        settings=Settings(residual_tolerance=setting.tolerance, energy_tolerance=setting.energy), progress=False,
+        **case.options,
+    )  # fmt: skip
+    if history.status == INTERRUPTED:
+        raise KeyboardInterrupt
+    return Result(history)
+
+
+def _own(case: Case, result: Result, twin: Result | None) -> list[Finding]:
+    """The case's comparisons of runs that were completed."""
+    if result.status != "completed":
+        return []
+    found = list(case.check(result))
+    if twin is not None and case.alike is not None:
+        if twin.status != result.status or len(twin.time) != len(result.time):
+            return [*found, Finding("end of the twin", float("nan"), 0.0, 0.0)]
+        found += case.alike(result, twin)
+    return found

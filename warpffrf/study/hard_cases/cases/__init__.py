@@ -4,21 +4,32 @@ from __future__ import annotations
 
 from warpffrf.study.hard_cases.case import Case
 from warpffrf.study.hard_cases.cases import (
+    bars,
+    bearing,
     bounces,
+    edge_contact,
     fast_impact,
+    fine_grid,
     friction_ladder,
+    grazing,
     heavy_on_light,
+    incompressible,
+    jam,
     long_chain,
     mass_ratio,
+    over_the_end,
     redundant_loop,
     singular_pose,
     squeezer,
+    stick_slip,
     stiffness_ratio,
 )
 
 _ALL = (
-    stiffness_ratio.CASE, mass_ratio.CASE, fast_impact.CASE, heavy_on_light.CASE, bounces.CASE, bounces.DAMPED,
-    friction_ladder.CASE, redundant_loop.CASE, singular_pose.CASE, squeezer.CASE, long_chain.CASE,
+    stiffness_ratio.CASE, mass_ratio.CASE, heavy_on_light.CASE, long_chain.CASE, redundant_loop.CASE,
+    singular_pose.CASE, squeezer.CASE, fast_impact.CASE, bars.CASE, bounces.CASE, bounces.DAMPED,
+    grazing.CASE, grazing.LONG_STEPS, over_the_end.CASE, edge_contact.CASE, fine_grid.CASE, incompressible.CASE,
+    bearing.CASE, stick_slip.CASE, friction_ladder.CASE, jam.CASE,
 )  # fmt: skip
 
 CASES: dict[str, Case] = {case.name: case for case in _ALL}

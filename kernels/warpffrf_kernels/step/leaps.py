@@ -1,0 +1,107 @@
+"""Convex surfaces that leap over each other: a step in which two that do not touch at either end change sides.
+
+In a step that is long for the speed of two bodies one may pass through the other, and neither end of the step shows it.
+What shows is that each lies on the other's other side: the line from one to the other has turned by more than a right
+angle. Such an attempt is rejected, and halved. Of any two that pass by, the line turns by little in a step that is
+short enough.
+
+The line is the normal of a lumped contact, and of a pair the one between the places of the two surfaces, in the plane
+across the first one's axis unless it is a ball.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import changed
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.rotation import matrix
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
+from warpffrf_kernels.lumped.places import is_ball
+from warpffrf_kernels.normal.pair_forces import is_closed
+from warpffrf_kernels.surfaces.surface import axes_of, origin_of
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.func
+def convex(model: Model, s: int) -> bool:
+    """Whether a body with surface s has another side."""
+    return model.surfaces.side[s] > real(0.0) and model.surfaces.planar[s] == 0
+
+
+@wp.func
+def axes_before(p: wp.array2d(dtype=quat), w: int, body: int) -> mat33:
+    if body < 0:
+        return wp.identity(n=3, dtype=real)
+    return matrix(p[w, body])
+
+
+@wp.func
+def line_between(model: Model, first: int, second: int, r_1: vec3, A_1: mat33, r_2: vec3, A_2: mat33) -> vec3:
+    """From the place of a surface to that of another, of bodies at r with axes A."""
+    d = r_2 + A_2 * model.surfaces.origin[second] - r_1 - A_1 * model.surfaces.origin[first]
+    if is_ball(model, first) != 0:
+        return d
+    frame = A_1 * model.surfaces.frame[first]
+    axis = vec3(frame[0, 2], frame[1, 2], frame[2, 2])
+    return d - wp.dot(axis, d) * axis
+
+
+@wp.kernel
+def refuse_leaps_of_places(
+    models: wp.array(dtype=Model),
+    lumped_force: wp.array3d(dtype=real),
+    lumped_normal: wp.array3d(dtype=vec3),
+    ctl: changed(wp.array(dtype=Control)),
+):
+    """Per world: fail an attempt in which the surfaces of a lumped contact have changed sides."""
+    w = wp.tid()
+    model = models[0]
+    if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC:
+        return
+    place = int(0)
+    while place < model.elements[0].lumped.places:
+        contact = model.elements[0].lumped.contact[place]
+        both = convex(model, model.elements[0].lumped.first[contact])
+        both = both and convex(model, model.elements[0].lumped.second[contact])
+        apart = lumped_force[w, 0, place] == real(0.0) and lumped_force[w, 1, place] == real(0.0)
+        if both and apart and wp.dot(lumped_normal[w, 0, place], lumped_normal[w, 1, place]) < real(0.0):
+            ctl[w].failure = ctl[w].failure | k.LEAPT
+        place += 1
+
+
+@wp.kernel
+def refuse_leaps_of_pairs(
+    models: wp.array(dtype=Model),
+    pair_force: wp.array4d(dtype=real),
+    r: wp.array2d(dtype=vec3),
+    p: wp.array2d(dtype=quat),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    ctl: changed(wp.array(dtype=Control)),
+):
+    """Per world: fail an attempt in which the surfaces of a pair have changed sides."""
+    w = wp.tid()
+    model = models[0]
+    if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC:
+        return
+    pair = int(0)
+    while pair < model.pairs.count:
+        first = model.pairs.first[pair]
+        second = model.pairs.second[pair]
+        if convex(model, first) and convex(model, second):
+            b_1 = model.surfaces.body[first]
+            b_2 = model.surfaces.body[second]
+            before = line_between(
+                model, first, second, origin_of(r, w, b_1), axes_before(p, w, b_1), origin_of(r, w, b_2),
+                axes_before(p, w, b_2),
+            )  # fmt: skip
+            after = line_between(
+                model, first, second, origin_of(r1, w, b_1), axes_of(axes, w, b_1), origin_of(r1, w, b_2),
+                axes_of(axes, w, b_2),
+            )  # fmt: skip
+            if wp.dot(before, after) < real(0.0):
+                if not is_closed(pair_force, w, pair, 0) and not is_closed(pair_force, w, pair, 1):
+                    ctl[w].failure = ctl[w].failure | k.LEAPT
+        pair += 1
