@@ -89,8 +89,8 @@ def test_every_integrator_can_be_written() -> None:
 
 
 def test_accuracy_and_start() -> None:
-    found = _options("accuracy = 1e-6\nproject_start = true")
-    assert found["accuracy"] == 1e-6 and found["project_start"] is True
+    found = _options("step_error = 1e-6\nproject_start = true")
+    assert found["step_error"] == 1e-6 and found["project_start"] is True
     _refused(BLOCK + RUN + "project_start = 1", "project_start", "must be true or false")
 
 

@@ -15,7 +15,7 @@ def test_no_kernel_is_left_out() -> None:
         scene = case.build()
         if not scene.bodies:
             continue  # made where it is run
-        options = {name: case.options[name] for name in ("integrator", "accuracy") if name in case.options}
+        options = {name: case.options[name] for name in ("integrator", "step_error") if name in case.options}
         local = as_local_dynamics(case.options.get("local", "quasi_static"))
         engine = Engine(scene, local=local, **options)
         launched |= {launch.kernel for launch in engine.graph.program.launches()}

@@ -1,4 +1,4 @@
-"""Steps halved to an accuracy asked for, and velocities projected onto what the joints allow."""
+"""Steps halved by the local error allowed, and velocities projected onto what the joints allow."""
 
 from __future__ import annotations
 
@@ -84,8 +84,8 @@ def test_projection_leaves_reactions_their_order(make: type) -> None:
 
 
 def test_error_follows_the_accuracy_asked_for() -> None:
-    """Eight times the accuracy takes twice the steps (local error of third order), and the energy is kept better."""
-    runs = [run(pendulum(), 1.0, step=0.05, accuracy=a, progress=False) for a in (1e-4, 1e-4 / 8.0, 1e-4 / 64.0)]
+    """An eighth of the error allowed takes twice the steps (local error of third order) and keeps the energy better."""
+    runs = [run(pendulum(), 1.0, step=0.05, step_error=a, progress=False) for a in (1e-4, 1e-4 / 8.0, 1e-4 / 64.0)]
     steps = np.array([history.counters["steps"] for history in runs])
     assert np.all(steps[1:] / steps[:-1] > 1.5) and np.all(steps[1:] / steps[:-1] < 2.6)
     defects = np.array([energy_defect(history) for history in runs])
@@ -100,18 +100,18 @@ def test_only_the_pulse_is_resolved() -> None:
     pulse = signals.Table([0.0, 0.5, 0.515, 0.53, 1.0], [0.0, 0.0, 400.0, 0.0, 0.0])
     scene.add(forces.PointForce(body.at((0.0, 0.0, 0.0)), (pulse, 0.0, 0.0)))
     coarse = run(scene, 1.0, step=0.02, progress=False)
-    fine = run(scene, 1.0, step=0.02, accuracy=1e-5, progress=False)
+    fine = run(scene, 1.0, step=0.02, step_error=1e-5, progress=False)
     exact = 400.0 * 0.015
     assert fine.bodies["body"].velocity[-1, 0] == pytest.approx(exact, rel=1e-3)
     assert abs(coarse.bodies["body"].velocity[-1, 0] - exact) > 0.02 * exact
     assert fine.counters["steps"] < 400  # the whole in steps of the pulse would be some thousands
     assert fine.counters["coarse_steps"] == 0
-    assert any("halved (accuracy)" in note for note in fine.notes)
+    assert any("halved (step error)" in note for note in fine.notes)
 
 
 def test_halved_steps_are_told_of_the_run_that_halved_them() -> None:
     """A run that goes on with the user's steps does not repeat the note of the one before."""
-    first = run(pendulum(), 0.1, step=0.05, accuracy=1e-5, progress=False)
+    first = run(pendulum(), 0.1, step=0.05, step_error=1e-5, progress=False)
     assert first.counters["rejected_steps"] and any("halved" in note for note in first.notes)
     second = run(pendulum(), 0.05, step=1e-3, start=first, progress=False)
     assert not any("halved" in note for note in second.notes)
@@ -119,5 +119,5 @@ def test_halved_steps_are_told_of_the_run_that_halved_them() -> None:
 
 def test_wrong_accuracy_is_refused() -> None:
     for value in (0.0, -1.0, float("nan"), "fine"):
-        with pytest.raises(InputError, match="accuracy"):
-            run(pendulum(), 0.1, step=0.01, accuracy=value, progress=False)  # type: ignore[arg-type]
+        with pytest.raises(InputError, match="step_error"):
+            run(pendulum(), 0.1, step=0.01, step_error=value, progress=False)  # type: ignore[arg-type]

@@ -160,7 +160,7 @@ RUNS: dict[str, dict[str, Any]] = {
     "friction": {"friction": 0.3},
     "every third": {"friction": 0.3, "save_every": 3},
     "projected": {"friction": 0.3, "integrator": GeneralizedAlpha(0.8, project_velocities=True)},
-    "adaptive": {"friction": 0.3, "accuracy": 1e-5},
+    "adaptive": {"friction": 0.3, "step_error": 1e-5},
     "impulsive": {"local": "hht"},
     "damped": {"law": DAMPED},
 }

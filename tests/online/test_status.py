@@ -134,7 +134,7 @@ def test_an_empty_scene_is_refused() -> None:
 def test_halved_steps_are_reported(plain_body: ReducedBody) -> None:
     """A hard landing at a long step that is to be accurate: it is halved, the run completes and its notes say so."""
     scene = guided_pair(plain_body, plain_body, load=0.0, stiffness=0.0, damping=0.0, gap=1e-3)
-    history = run(scene, 0.02, step=1e-3, accuracy=1e-6, progress=False)
+    history = run(scene, 0.02, step=1e-3, step_error=1e-6, progress=False)
     assert history.status == "completed"
     assert history.counters["rejected_steps"] > 0
     assert any("halved" in note for note in history.notes)

@@ -152,7 +152,7 @@ def falling() -> Scene:
 @pytest.mark.parametrize(
     ("more", "word"),
     [
-        ({"accuracy": 1e-6}, "accuracy"),
+        ({"step_error": 1e-6}, "step_error"),
         ({"local": "exponential"}, "exponential"),
         ({"device": "cuda:0"}, "CPU"),
         ({"integrator": RungeKutta4()}, "alpha_m"),

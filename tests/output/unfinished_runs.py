@@ -51,9 +51,9 @@ def simulate(case: str, results: Path | None, **more: Any) -> wf.Result:
     every = {"sparse": 7, "recorded": 100}.get(case, 1)
     if case == "recorded" and results is not None:
         options["record"] = results.with_suffix(".rrd")
-    accuracy = 1e-7 if case == "adaptive" else None
+    step_error = 1e-7 if case == "adaptive" else None
     return wf.simulate(
-        pendulum(), STEPS * STEP, step=STEP, save_every=every, accuracy=accuracy, results=results, **options
+        pendulum(), STEPS * STEP, step=STEP, save_every=every, step_error=step_error, results=results, **options
     )  # fmt: skip
 
 

@@ -46,7 +46,7 @@ class Engine:
         device: str = "cpu",
         settings: Settings | None = None,
         integrator: Integrator | None = None,
-        accuracy: float | None = None,
+        step_error: float | None = None,
         local: LocalDynamics | None = None,
         patches: Mapping[int, PatchPlan] | None = None,
         progress: bool = False,
@@ -63,7 +63,7 @@ class Engine:
         self.settings = settings or Settings()
         self.scene, self.worlds = scene, worlds
         self.compiled = compile_scene(scene, self.settings, device, local, patches)
-        self._integrator, self._accuracy, self._progress = integrator or GeneralizedAlpha(), accuracy, progress
+        self._integrator, self._step_error, self._progress = integrator or GeneralizedAlpha(), step_error, progress
         self._projected = self._integrator.project_velocities and self.compiled.model.rows.count > 0
         self._pattern = pattern_of(self.compiled)
         self.state = initial_state(self.compiled, self._sizes())
@@ -84,7 +84,7 @@ class Engine:
         self.scratch.coefficients.assign(np.tile(integrator.coefficients, (worlds, 1)))
         self.scratch.local_coefficients.assign(np.tile(compiled.local.options.coefficients, (worlds, 1)))
         self.scratch.project.fill_(int(integrator.project_velocities))
-        self.scratch.accuracy.fill_(self._accuracy or 0.0)
+        self.scratch.step_error.fill_(self._step_error or 0.0)
         self.graph = StepGraph(
             compiled, sizes, self.state, self.ring, self.scratch, self._pattern, progress=self._progress
         )
@@ -92,7 +92,7 @@ class Engine:
     def _sizes(self) -> Sizes:
         return sizes_of(
             self.compiled, self.worlds, self.settings.ring_rows, self._pattern, projected=self._projected,
-            adaptive=self._accuracy is not None,
+            adaptive=self._step_error is not None,
         )  # fmt: skip
 
     def make_room(self, slots: int) -> None:

@@ -36,7 +36,7 @@ WHOLE = 4000  # steps, up to which a run is stepped again as a whole
 MARKS = 100  # states of a longer one
 MOST_BYTES = 64e6  # of them
 COARSER, FINER = 2, 2  # times the step of the run, parts of it
-ROUGHER = float(COARSER**3)  # times the accuracy asked for: local errors grow with h^3
+ROUGHER = float(COARSER**3)  # times the error of a step allowed: local errors grow with h^3
 MOST_ATTEMPTS = 4  # a user step, in one replay: more follow where steps are halved
 
 Array = np.ndarray
@@ -98,7 +98,7 @@ class Marks:
         """User steps `begin` to `end` once more, an even number of them; None where they fail with the longer step."""
         state, pairs = self.states[begin], (end - begin) // COARSER
         fresh = begin == 0 and not np.any(state["ctl"]["steps"])
-        accuracy = engine.scratch.accuracy.numpy()
+        step_error = engine.scratch.step_error.numpy()
         fine = None
         if not (fresh and self.whole):
             rows = _rows(engine, state, self.step, COARSER * pairs if not self.whole else 1)
@@ -106,9 +106,9 @@ class Marks:
                 return None
             fine = None if self.whole else history_from_rows(engine.compiled, rows)
             state = state if fresh else longer(engine, state, rows, self.step)
-        engine.scratch.accuracy.assign(ROUGHER * accuracy)
+        engine.scratch.step_error.assign(ROUGHER * step_error)
         rows = _rows(engine, state, COARSER * self.step, pairs)
-        engine.scratch.accuracy.assign(accuracy)
+        engine.scratch.step_error.assign(step_error)
         if rows is None:
             return None
         return Again(begin, begin + COARSER * pairs, fine, history_from_rows(engine.compiled, rows))

@@ -102,7 +102,7 @@ MESSAGES = {
     ),
     k.GAIN: ("energy", "energy came from nowhere; reduce step"),
     k.ENERGY: ("energy", "the energy ledger does not close at an impact; reduce step"),
-    k.ACCURACY: ("accuracy", "the local error of a step exceeds the accuracy asked for; reduce step, or ask for less"),
+    k.STEP_ERROR: ("step error", "the local error of a step exceeds step_error; reduce step, or allow more"),
 }
 
 
@@ -115,7 +115,7 @@ def run(
     start: str | History | Unfinished = "initial",
     integrator: Integrator | RungeKutta4 | EnergyMomentum | None = None,
     local: str | LocalDynamics = "quasi_static",
-    accuracy: float | None = None,
+    step_error: float | None = None,
     save_every: int = 1,
     device: str = "cpu",
     progress: bool = True,
@@ -127,22 +127,22 @@ def run(
 
     start: "initial", "equilibrium", or the History of an earlier run of the same scene, or of its equilibrium, which
     is continued bit for bit, or an Unfinished run, which goes on to its end: the History is that of the whole, and
-    `duration` is taken from it. keeper: takes what is saved while the run is under way. accuracy: halve
+    `duration` is taken from it. keeper: takes what is saved while the run is under way. step_error: halve
     steps whose local error exceeds it, see `warpffrf_kernels.step.accuracy`. project_start: initial velocities that do
     not agree with the joints are changed as little as possible (in the kinetic energy of the change) instead of
     refused. Raises InputError for wrong input.
     """
     if isinstance(integrator, CHECK_INTEGRATORS):
-        if accuracy is not None or as_local_dynamics(local).treatment != "quasi_static":
+        if step_error is not None or as_local_dynamics(local).treatment != "quasi_static":
             raise InputError(
-                f"simulate: {type(integrator).__name__} takes fixed steps of free bodies; leave accuracy and local out"
+                f"simulate: {type(integrator).__name__} steps free bodies at a fixed step; leave step_error and local out"
             )
         return run_check(
             scene, duration, step=step, integrator=integrator, save_every=save_every, progress=progress, start=start,
             keeper=keeper,
         )  # fmt: skip
-    if accuracy is not None:
-        accuracy = require_number(accuracy, "simulate: accuracy", positive=True)
+    if step_error is not None:
+        step_error = require_number(step_error, "simulate: step_error", positive=True)
     steps, uneven = step_count(duration, step)
     refuse_singular_mass(scene)
     continued = isinstance(start, History | Unfinished)
@@ -163,7 +163,7 @@ def run(
     begin = time.perf_counter()
     integrator = integrator or GeneralizedAlpha()
     made_with = {
-        "device": device, "settings": settings, "integrator": integrator, "accuracy": accuracy,
+        "device": device, "settings": settings, "integrator": integrator, "step_error": step_error,
         "local": as_local_dynamics(local), "progress": progress,
     }  # fmt: skip
     engine = Engine(scene, **made_with)

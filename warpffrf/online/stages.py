@@ -6,7 +6,7 @@ A stage begins where the one before it ended, from its checkpoint; time runs on.
 stage alone, the next one is back at the scene and the options of the run:
 
     save_every, integrator, local, method,
-    accuracy                                  options of `simulate`
+    step_error                                options of `simulate`
     gravity                                   (3,) m/s2
     forces                                    {name: force}: takes the place of the scene's force of that name
 
@@ -30,7 +30,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online.checkpoint import is_dynamic
 from warpffrf.online.history.history import ENERGY_LINES, History, JointHistory
 
-RUN_OPTIONS = ("save_every", "integrator", "local", "method", "accuracy")
+RUN_OPTIONS = ("save_every", "integrator", "local", "method", "step_error")
 SCENE_VALUES = ("gravity", "forces")
 # the other counters run on through the stages
 SUMMED = ("build_seconds", "seconds_in_graph", "loop_seconds", "finish_seconds")

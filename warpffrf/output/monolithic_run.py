@@ -60,7 +60,7 @@ def run_monolithic(
     start: Any = "initial",
     integrator: Any = None,
     local: Any = "quasi_static",
-    accuracy: float | None = None,
+    step_error: float | None = None,
     save_every: int = 1,
     device: str = "cpu",
     progress: bool = True,
@@ -73,8 +73,8 @@ def run_monolithic(
     local modes, and going on from a run of the separated solver."""
     options = options or monolithic.Monolithic()
     treatment = as_local_dynamics(local)
-    if accuracy is not None:
-        raise InputError("method 'monolithic' takes fixed steps; leave accuracy out")
+    if step_error is not None:
+        raise InputError("method 'monolithic' takes fixed steps; leave step_error out")
     if device != "cpu":
         raise InputError(f"method 'monolithic' runs on the CPU, got device {device!r}")
     if treatment.treatment not in ("quasi_static", "hht", "auto"):

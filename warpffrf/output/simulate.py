@@ -61,7 +61,7 @@ def simulate(
     method: str | Monolithic = "separated",
     local: str | LocalDynamics = "quasi_static",
     integrator: Any = None,
-    accuracy: float | None = None,
+    step_error: float | None = None,
     save_every: int = 1,
     results: str | os.PathLike[str] | None = None,
     record: str | os.PathLike[str] | None = None,
@@ -84,7 +84,7 @@ def simulate(
     reference with all coordinates in one Newton system (`warpffrf.output.monolithic_run`): fixed steps, thousands of
     times slower with thousands of local modes. integrator: GeneralizedAlpha, HHT or Newmark; RungeKutta4 and
     EnergyMomentum for checks on free bodies; None: GeneralizedAlpha(rho_inf=0.8), of the monolithic method
-    HHT(alpha=-0.3). accuracy: halve steps whose local error exceeds it (positions by the
+    HHT(alpha=-0.3). step_error: halve steps whose local error exceeds it (positions by the
     radius of gyration, rotations in rad; stiff local modes do not count); `step` is then the longest. local: treatment
     of the local modes, "quasi_static", or "hht", "exponential", "auto" or a LocalDynamics, for bodies reduced with
     local_dynamics=True. results, record: files to write (.h5, .rrd); both are also
@@ -111,7 +111,7 @@ def simulate(
     outputs = Outputs(overwrite, resume, keep_every)
     outputs.check(results, record)
     options = {"integrator": integrator, "save_every": save_every, "device": device, "progress": progress}
-    options |= {"project_start": project_start, "local": local, "accuracy": accuracy, "method": method}
+    options |= {"project_start": project_start, "local": local, "step_error": step_error, "method": method}
     with terminated_as_interrupted():
         if stages is None:
             if duration is None or step is None:

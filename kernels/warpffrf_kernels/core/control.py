@@ -86,7 +86,7 @@ class Clock:
     next_time: real
     move: real  # largest displacement of a static step [m]
     done_step: real  # size of the last accepted step
-    error: real  # local error of the attempt over the accuracy asked for
+    error: real  # local error of the attempt over the one allowed
     gained: real  # energy gained in impacts so far, each over the energy at hand, losses taken off
     rise: real  # what a static step gained in energy, over the largest change of a line of it
     most: real  # largest energy of the run so far [J] of all lines but the potential
@@ -112,7 +112,7 @@ SINGULAR = wp.constant(32)
 ENERGY = wp.constant(64)
 INDEFINITE = wp.constant(128)
 STENCIL = wp.constant(256)
-ACCURACY = wp.constant(512)
+STEP_ERROR = wp.constant(512)
 GAIN = wp.constant(2048)  # more energy has come from nowhere than allowed, see `energy_watch`
 PASSED = wp.constant(4096)  # a patch with friction has advanced by more than its own length
 LEAPT = wp.constant(8192)  # two surfaces have changed sides without a touch, see `leaps`

@@ -7,7 +7,7 @@ so that, with vddot = (vdot_1 - vdot_0)/h, the increments of a step are wrong by
 
 (Zienkiewicz and Xie 1991). Positions are measured by the body's radius of gyration, turns in rad, modal coordinates by
 the displacement at the point of the body that moves most, over the radius of gyration. Stiff local modes follow the
-load without inertia and are not in it. A step whose largest e exceeds the accuracy asked for is halved; it may be
+load without inertia and are not in it. A step whose largest e exceeds the one allowed is halved; it may be
 doubled when e is below 1/16 of it, since e grows with h^3. A load that begins and ends within one step is not seen.
 
 Projection. Index-3 steps keep the joints at position level; velocities then miss C v = s'(t) by the error of the step.
@@ -42,7 +42,7 @@ wp.set_module_options(MODULE_OPTIONS)
 def estimate_error(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
-    accuracy: wp.array(dtype=real),
+    step_error: wp.array(dtype=real),
     v_rate: wp.array2d(dtype=vec3),
     v1_rate: wp.array2d(dtype=vec3),
     omega_rate: wp.array2d(dtype=vec3),
@@ -51,13 +51,13 @@ def estimate_error(
     qd1_rate: wp.array2d(dtype=real),
     clk: inout(wp.array(dtype=Clock)),
 ):
-    """Per world: clk[ERROR], the local error as a fraction of the accuracy asked for; 0 where none is."""
+    """Per world: clk[ERROR], the local error as a fraction of the one allowed; 0 where none is."""
     w = wp.tid()
     model = models[0]
     if ctl[w].attempt == 0:
         return
     clk[w].error = real(0.0)
-    if accuracy[w] <= real(0.0) or ctl[w].mode != k.DYNAMIC:
+    if step_error[w] <= real(0.0) or ctl[w].mode != k.DYNAMIC:
         return
     worst = real(0.0)
     b = int(0)
@@ -71,7 +71,7 @@ def estimate_error(
             n += 1
         b += 1
     h = clk[w].h
-    clk[w].error = wp.abs(clk[w].outer.beta - real(1.0) / real(6.0)) * h * h * worst / accuracy[w]
+    clk[w].error = wp.abs(clk[w].outer.beta - real(1.0) / real(6.0)) * h * h * worst / step_error[w]
 
 
 @wp.kernel

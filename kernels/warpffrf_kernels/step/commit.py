@@ -139,9 +139,9 @@ def decide(
     if ctl[w].mode == k.STATIC and ctl[w].downhill != 0 and clk[w].rise > UPHILL:
         ctl[w].failure = ctl[w].failure | k.ENERGY
     if dynamic and clk[w].error > real(1.0):
-        ctl[w].failure = ctl[w].failure | k.ACCURACY
+        ctl[w].failure = ctl[w].failure | k.STEP_ERROR
     failure = ctl[w].failure
-    bearable = (failure | k.ENERGY | k.ACCURACY) == (k.ENERGY | k.ACCURACY)
+    bearable = (failure | k.ENERGY | k.STEP_ERROR) == (k.ENERGY | k.STEP_ERROR)
     if dynamic and failure == 0 and ctl[w].turned != 0 and ctl[w].forget == 0:
         ctl[w].forget = 1
         ctl[w].repeated = ctl[w].repeated + 1
@@ -170,7 +170,7 @@ def decide(
     ctl[w].again = 0
     deep = ctl[w].level >= model.limits.max_level
     if dynamic and deep and failure != 0 and bearable:
-        ctl[w].coarse = ctl[w].coarse + failure / k.ACCURACY
+        ctl[w].coarse = ctl[w].coarse + failure / k.STEP_ERROR
         failure = 0  # as fine as allowed: the ledger and the report show what is left
     if (failure & k.ROOM) != 0:  # the same attempt comes again, with more room
         ctl[w].status = k.ROOM

@@ -152,7 +152,7 @@ NAMES = {
     "slot_beside": "hats in play, where pairs answer to each other by local modes",
     "outer_beside": "outer unknowns there",
     "friction_outer": "outer unknowns, in scenes with friction",
-    "adaptive_world": "worlds, where steps follow the wanted accuracy",
+    "adaptive_world": "worlds, where steps follow an allowed local error",
     "line_pair": "pairs whose gaps are taken along the line of centres",
     "point_pair": "pairs whose gaps are taken at points",
     "grid_rubbing": "pairs with friction whose cells are those of the first surface's grid",

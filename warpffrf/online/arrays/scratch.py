@@ -24,7 +24,7 @@ class RunWords(Arrays):
 
     coefficients: DeviceArray = reals("world", 4, note="of the integrator", carried=True)
     local_coefficients: DeviceArray = reals("world", 4, note="of local modes", carried=True)
-    accuracy: DeviceArray = reals("world", note="wanted local error", carried=True)
+    step_error: DeviceArray = reals("world", note="allowed local error", carried=True)
     project: DeviceArray = integers("world", note="1: velocities are projected", carried=True)
     running: DeviceArray = integers("one", note="1 while the iteration of a world goes on")
     rubbing: DeviceArray = integers("one", note="1 while pressures and tractions go on answering each other")

@@ -191,13 +191,13 @@ def energy_notes(energy: dict[str, np.ndarray], nothing: float) -> list[str]:
     if gained > max(GAINED * hand, nothing):
         notes.append(
             f"the run gained {gained:.3g} J, {gained / max(hand, 1e-300):.1%} of the largest energy of the ledger, "
-            "that nothing supplied (ledger lines numerical and contact grid): use a smaller step, accuracy=, or "
+            "that nothing supplied (ledger lines numerical and contact grid): use a smaller step, step_error=, or "
             "initial velocities that agree with the drives"
         )
     if taken > max(TAKEN * hand, nothing):
         notes.append(
             f"the integrator took {taken:.3g} J, {taken / max(hand, 1e-300):.1%} of the largest energy of the ledger "
-            "(ledger line numerical), from motions that the step does not resolve: use a smaller step, accuracy=, or "
+            "(ledger line numerical), from motions that the step does not resolve: use a smaller step, step_error=, or "
             "less numerical damping (rho_inf=)"
         )
     return notes

@@ -78,7 +78,7 @@ class EnergyWatch:
             step = self.step / finer
             found = self._made_with(step, int(np.ceil((end - began) / step)))
             if found < HELPS * made:
-                return f"with step={step:.3g} ({tried}) it gains {found / most:.2%}: use that, or accuracy="
+                return f"with step={step:.3g} ({tried}) it gains {found / most:.2%}: use that, or step_error="
         return (
             f"steps down to {self.step / FINER[-1]:.3g} s ({tried}) do not help: give the contact surfaces a finer "
             "grid (half_width=, expected_half_width=) or the machine some damping, or go on with Settings(most_made=0)"

@@ -33,8 +33,8 @@ PASS, DEGRADED, FAIL, REFUSED, SILENT = CLASSES = ("pass", "degraded", "fail", "
 JOINTS = (1e-8, 1e-6)  # of the length of the scene, or rad: projected positions leave round-off; more is noted
 STATED = 1.0 / 3.0  # of an error: what an error budget may be too small by
 WARNS = (
-    "smaller step", "reduce step", "shorter step", "accuracy=", "results are wrong", "does not resolve", "pass through",
-    "that nothing supplied", "left the table",
+    "smaller step", "reduce step", "shorter step", "step_error=", "results are wrong", "does not resolve",
+    "pass through", "that nothing supplied", "left the table",
 )  # fmt: skip
 
 

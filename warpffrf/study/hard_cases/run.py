@@ -65,7 +65,7 @@ def run_case(case: Case, setting: Setting) -> tuple[Result | None, Row]:
 def _run(case: Case, build: Callable[[], Any], setting: Setting) -> Result:
     steps = case.step_count(setting.step)
     history = run(
-        build(), steps * setting.step, step=setting.step, save_every=-(-steps // case.rows), accuracy=setting.error,
+        build(), steps * setting.step, step=setting.step, save_every=-(-steps // case.rows), step_error=setting.error,
         settings=Settings(residual_tolerance=setting.tolerance, energy_tolerance=setting.energy), progress=False,
         **case.options,
     )  # fmt: skip
