@@ -37,7 +37,7 @@ CASES = [(t, p) for t in TRACTIONS for p in PATCHES]
 
 
 def _states(patch, traction: str, low: float, high: float, count: int, seed: int) -> np.ndarray:
-    """(n, 4) absolute errors at random b/s, positions and, with hats, positions of the opposite grid."""
+    """(n, 5) absolute errors at random b/s, positions and, with hats, positions of the opposite grid."""
     random = np.random.default_rng(seed)
     dimension, found = len(patch.axes), []
     for _ in range(count):

@@ -1,4 +1,4 @@
-"""Do the tables of a scene cover the time that is simulated?
+"""The signals of a scene: do its tables cover the time that is simulated, and how soon do signals change?
 
 A `Table` holds its end values outside its times, which is right for what is evaluated in passing but wrong for a run: a
 measured load that ends early would go on unnoticed as a constant one. `Table(hold=True)` says that it should.
@@ -9,12 +9,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from warpffrf.model.errors import InputError
 from warpffrf.model.signals import Signal, Table
 
 if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
 
+SAMPLES = 9  # points of a piece where it is looked at: polynomials of degree 7
 ROUNDING = 1e-9  # of the duration: ends that differ by less were meant to be the same
 
 
@@ -22,7 +25,9 @@ def refuse_short_tables(scene: Scene, begin: float, end: float) -> None:
     """Raises `InputError` naming the drive or force whose table does not cover `begin` to `end` [s]."""
     slack = ROUNDING * (end - begin)
     for item in (*scene.drives, *scene.forces):
-        for table in _tables(vars(item)):
+        for table in signals_in(vars(item)):
+            if not isinstance(table, Table):
+                continue
             first, last = float(table.times[0]), float(table.times[-1])
             if not table.hold and (first > begin + slack or last < end - slack):
                 raise InputError(
@@ -31,12 +36,30 @@ def refuse_short_tables(scene: Scene, begin: float, end: float) -> None:
                 )
 
 
-def _tables(value: Any) -> Iterator[Table]:
-    if isinstance(value, Table):
+def quickest_rise(scene: Scene, begin: float, end: float) -> float:
+    """The shortest time [s] in which a signal of a drive or force would pass its whole range, at the largest slope that
+    it has within `begin` to `end` [s]; infinite where nothing changes."""
+    shortest = np.inf
+    for item in (*scene.drives, *scene.forces):
+        for signal in signals_in(vars(item)):
+            breaks, c = signal.polynomial()
+            inside = (breaks[1:] > begin) & (breaks[:-1] < end)
+            x = np.diff(breaks)[inside][:, None] * np.linspace(0.0, 1.0, SAMPLES)
+            powers = np.arange(c.shape[1])
+            values = np.sum(c[inside][:, None] * x[..., None] ** powers, axis=-1)
+            slopes = np.sum((c * powers)[inside][:, None, 1:] * x[..., None] ** powers[:-1], axis=-1)
+            if (steepest := float(np.abs(slopes).max(initial=0.0))) > 0.0:
+                shortest = min(shortest, float(np.ptp(values)) / steepest)
+    return shortest
+
+
+def signals_in(value: Any) -> Iterator[Signal]:
+    """All signals in the attributes of a drive or force, `vars(item)`."""
+    if isinstance(value, Signal):
         yield value
     elif isinstance(value, dict):
         for entry in value.values():
-            yield from _tables(entry)
-    elif isinstance(value, (list, tuple)) and not isinstance(value, Signal):
+            yield from signals_in(entry)
+    elif isinstance(value, (list, tuple)):
         for entry in value:
-            yield from _tables(entry)
+            yield from signals_in(entry)

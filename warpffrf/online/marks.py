@@ -1,7 +1,7 @@
 r"""States that a run leaves on the way, so that parts of it can be stepped again with another step.
 
-A run of up to `WHOLE` steps leaves its first state, a longer one `MARKS` states in equal distances. They stay in memory
-with the `History` and are not written to files. `Marks.again` makes an engine anew: whoever never asks pays for the
+A run of up to `WHOLE` steps leaves `FEW` states in equal distances, a longer one `MARKS`. They stay in memory with the
+`History` and are not written to files. `Marks.again` makes an engine anew: whoever never asks pays for the
 copies alone.
 
 **Another step from a state in the middle of a run.** In a smooth motion x(t) the velocities and algorithmic
@@ -33,9 +33,9 @@ from warpffrf.online.history.history import History
 from warpffrf.online.history.record import history_from_rows
 
 WHOLE = 4000  # steps, up to which a run is stepped again as a whole
-MARKS = 100  # states of a longer one
+FEW, MARKS = 32, 100  # states of such a one, and of a longer one
 MOST_BYTES = 64e6  # of them
-COARSER, FINER = 2, 2  # times the step of the run, parts of it
+COARSER, FINER = 2, 4  # times the step of the run, parts of it
 ROUGHER = float(COARSER**3)  # times the error of a step allowed: local errors grow with h^3
 MOST_ATTEMPTS = 4  # a user step, in one replay: more follow where steps are halved
 
@@ -61,19 +61,15 @@ class Marks:
     def __init__(self, engine: Engine, options: Mapping[str, Any], step: float, first: int, last: int) -> None:
         self.scene: Scene = engine.scene
         self.options, self.step, self.first, self.last = dict(options), step, first, last
-        steps = last - first
-        if steps <= WHOLE:
-            wanted = np.array([first, last])
-        else:
-            size = sum(array.nbytes for array in engine.state.to_numpy().values())
-            wanted = np.linspace(first, last, int(np.clip(MOST_BYTES // size, 1, MARKS)) + 1).astype(int)
-        self.steps = np.unique(wanted)
+        size = sum(array.nbytes for array in engine.state.to_numpy().values())
+        count = int(np.clip(MOST_BYTES // size, 1, FEW if self.whole else MARKS))
+        self.steps = np.unique(np.linspace(first, last, count + 1).astype(int))
         self.states: dict[int, State] = {}
 
     @property
     def whole(self) -> bool:
         """Whether the run is short enough to be stepped again as a whole."""
-        return len(self.steps) <= 2
+        return self.last - self.first <= WHOLE
 
     def until(self, target: int, done: int) -> int:
         """The step to go to from `done`: `target`, or a mark before it."""
@@ -101,11 +97,11 @@ class Marks:
         step_error = engine.scratch.step_error.numpy()
         fine = None
         if not (fresh and self.whole):
-            rows = _rows(engine, state, self.step, COARSER * pairs if not self.whole else 1)
+            rows = _rows(engine, state, self.step, 1 if self.whole else COARSER * pairs)
             if rows is None:
                 return None
             fine = None if self.whole else history_from_rows(engine.compiled, rows)
-            state = state if fresh else longer(engine, state, rows, self.step)
+            state = state if fresh else other_step(engine, state, rows, self.step, COARSER)
         engine.scratch.step_error.assign(ROUGHER * step_error)
         rows = _rows(engine, state, COARSER * self.step, pairs)
         engine.scratch.step_error.assign(step_error)
@@ -113,27 +109,31 @@ class Marks:
             return None
         return Again(begin, begin + COARSER * pairs, fine, history_from_rows(engine.compiled, rows))
 
-    def begin_again(self, engine: Engine, steps: int) -> tuple[History, History] | None:
-        """The first `steps` user steps of the run once more, and with half the step, at the same times; None where one
-        of them fails."""
-        state = self.states[self.first]
+    def finer(self, engine: Engine, begin: int, steps: int) -> tuple[History, History] | None:
+        """`steps` user steps from `begin` once more, and with a `FINER`th of the step, at the same times; None where
+        one of them fails."""
+        state = self.states[begin]
         own = _rows(engine, state, self.step, steps)
-        finer = None if own is None else _rows(engine, state, self.step / FINER, FINER * steps, FINER)
-        if own is None or finer is None:
+        if own is None:
+            return None
+        if begin or np.any(state["ctl"]["steps"]):
+            state = other_step(engine, state, own, self.step, 1.0 / FINER)
+        finer = _rows(engine, state, self.step / FINER, FINER * steps, FINER)
+        if finer is None:
             return None
         return history_from_rows(engine.compiled, own), history_from_rows(engine.compiled, finer)
 
 
-def longer(engine: Engine, state: State, rows: SavedRows, step: float) -> dict[str, Array]:
-    """`state` of a run with `step` [s], whose next step is the first of `rows`, for steps `COARSER` times as long."""
+def other_step(engine: Engine, state: State, rows: SavedRows, step: float, ratio: float) -> dict[str, Array]:
+    """`state` of a run with `step` [s], whose next step is the first of `rows`, for steps `ratio` times as long."""
     alpha_m, alpha_f, beta, _ = engine.scratch.coefficients.numpy()[0]
     ahead = alpha_m - alpha_f
     late = 1.0 / 6.0 - beta - 0.5 * ahead
     found = dict(state)
     for name in ("v", "omega", "qd"):
         jerk = (rows[f"saved_{name}_rate"][0] - state[f"{name}_rate"]) / step
-        found[name] = state[name] + late * (COARSER**2 - 1) * step**2 * jerk
-        found[f"{name}_alg"] = state[f"{name}_alg"] + ahead * (COARSER - 1) * step * jerk
+        found[name] = state[name] + late * (ratio**2 - 1.0) * step**2 * jerk
+        found[f"{name}_alg"] = state[f"{name}_alg"] + ahead * (ratio - 1.0) * step * jerk
     return found
 
 

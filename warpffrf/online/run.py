@@ -31,7 +31,7 @@ from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.model.wedge import find_wedge
 from warpffrf.online.checkpoint import is_dynamic, restore, time_of
-from warpffrf.online.diagnosis.cell_check import cell_check_notes
+from warpffrf.online.diagnosis.cell_check import cell_check_notes, check_cells
 from warpffrf.online.diagnosis.contact_notes import contact_notes, energy_notes, overlap_notes
 from warpffrf.online.diagnosis.energy_watch import EnergyWatch, round_off_energy
 from warpffrf.online.diagnosis.failure_report import failure_owner
@@ -135,7 +135,7 @@ def run(
     if isinstance(integrator, CHECK_INTEGRATORS):
         if step_error is not None or as_local_dynamics(local).treatment != "quasi_static":
             raise InputError(
-                f"simulate: {type(integrator).__name__} steps free bodies at a fixed step; leave step_error and local out"
+                f"simulate: {type(integrator).__name__} steps free bodies evenly; leave step_error and local out"
             )
         return run_check(
             scene, duration, step=step, integrator=integrator, save_every=save_every, progress=progress, start=start,
@@ -338,7 +338,8 @@ def _finish(
     families = engine.compiled.model.pairs.family.numpy()
     on_axes = [c.name for c, f in zip(engine.scene.contacts, families, strict=False) if f == LINE_OF_CENTRES]
     contact = [*contact_notes(engine.scene, history, on_axes), *sampling_notes(engine.scene, history)]
-    contact += cell_check_notes(engine, history)
+    history.cell_checks = check_cells(engine, history)
+    contact += cell_check_notes(engine, history.cell_checks)
     contact = [note for note in contact if note not in notes]
     energy = energy_notes(history.energy, round_off_energy(engine))
     history.notes = [*notes, *inertia, *contact, *energy, *history.notes]

@@ -64,6 +64,14 @@ class Result:
         return self.history.energy
 
     @property
+    def scene(self) -> Any:
+        """The scene of the run, to go on with: of `simulate(accuracy=)` with what was chosen. Raises InputError for a
+        result that was read from a file."""
+        if not hasattr(self.history.scene, "content_hash") or not hasattr(self.history.scene, "contacts"):
+            raise InputError("the result was read from a file, which holds no scene; build the scene anew")
+        return self.history.scene
+
+    @property
     def contact_names(self) -> list[str]:
         """Names of the contact pairs."""
         return list(self.history.contacts)

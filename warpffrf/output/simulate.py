@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.integrators import INTEGRATORS
+from warpffrf.model.integrators import CHECK_INTEGRATORS, INTEGRATORS
 from warpffrf.model.interruption import terminated_as_interrupted
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.monolithic import Monolithic
@@ -22,6 +22,8 @@ from warpffrf.online.history.history import History
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics, refuse_other_modes
 from warpffrf.online.run import INTERRUPTED
 from warpffrf.online.stages import Stage, check_stages, joined, with_potential
+from warpffrf.output.accuracy.choose import refuse_other_options, run_to_accuracy
+from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.budget.budget import largest_of_each
 from warpffrf.output.files.results import SUFFIXES
 from warpffrf.output.files.unfinished import ENDING
@@ -61,6 +63,7 @@ def simulate(
     method: str | Monolithic = "separated",
     local: str | LocalDynamics = "quasi_static",
     integrator: Any = None,
+    accuracy: float | None = None,
     step_error: float | None = None,
     save_every: int = 1,
     results: str | os.PathLike[str] | None = None,
@@ -79,20 +82,24 @@ def simulate(
     (to the tolerance of the iteration with method="monolithic"). Saved are every
     `save_every`th step and the last.
     project_start: change initial velocities that do not agree with the joints as little as possible, with a note,
-    instead of refusing them; a drive changes them in any case, it says what the velocity is. stages:
-    see `warpffrf.online.stages`; returns a StagedResult. method: "separated", or "monolithic" or a Monolithic for the
+    instead of refusing them; a drive changes them in any case, it says what the velocity is. stages: see
+    `warpffrf.online.stages`; returns a StagedResult. method: "separated", or "monolithic" or a Monolithic for the
     reference with all coordinates in one Newton system (`warpffrf.output.monolithic_run`): fixed steps, thousands of
     times slower with thousands of local modes. integrator: GeneralizedAlpha, HHT or Newmark; RungeKutta4 and
     EnergyMomentum for checks on free bodies; None: GeneralizedAlpha(rho_inf=0.8), of the monolithic method
-    HHT(alpha=-0.3). step_error: halve steps whose local error exceeds it (positions by the
-    radius of gyration, rotations in rad; stiff local modes do not count); `step` is then the longest. local: treatment
-    of the local modes, "quasi_static", or "hht", "exponential", "auto" or a LocalDynamics, for bodies reduced with
-    local_dynamics=True. results, record: files to write (.h5, .rrd); both are also
-    written when the run is interrupted (Ctrl-C, SIGTERM) or fails, with what there is; what cannot be written is in
-    `unwritten` of the Result and in its notes. With stages, results "run.h5" also means
-    "run.NAME.h5" at the end of each stage: a checkpoint to start from. A solver that fails does not raise: see `status`
-    and `message` of the Result. Wrong input raises InputError before the run. Threads may call it at once, and get the
-    same bits: steps go on side by side, all else one after the other (`warpffrf.online.turn`).
+    HHT(alpha=-0.3). accuracy: the error wanted of forces, motions and deformations (0.01 for one per cent; pressures
+    may err by twice): chooses step, inertia levels, stiffening, contact grids and cells, and the treatment of local
+    modes from the error budgets of coarse runs (`warpffrf.output.accuracy`), says in the notes what and why, and what
+    only another reduction could give; `step` may be left out, or is the longest. What the scene sets itself is kept,
+    and the scene is not changed: go on with `result.scene`. step_error: halve steps whose local error exceeds it
+    (positions by the radius of gyration, rotations in rad; stiff local modes do not count); `step` is then the longest.
+    local: treatment of the local modes, "quasi_static", or "hht", "exponential", "auto" or a LocalDynamics, for bodies
+    reduced with local_dynamics=True. results, record: files to write (.h5, .rrd); both are also written when the run is
+    interrupted (Ctrl-C, SIGTERM) or fails, with what there is; what cannot be written is in `unwritten` of the Result
+    and in its notes. With stages, results "run.h5" also means "run.NAME.h5" at the end of each stage: a checkpoint to
+    start from. A solver that fails does not raise: see `status` and `message` of the Result. Wrong input raises
+    InputError before the run. Threads may call it at once, and get the same bits: steps go on side by side, all else
+    one after the other (`warpffrf.online.turn`).
 
     overwrite: replace files of an earlier run; without it existing ones are refused, and files that warpffrf did not
     write always. While it runs, what it has done is put into the folder `run.h5.unfinished` every `keep_every` [s] of
@@ -110,14 +117,24 @@ def simulate(
     beginning = _start(scene, start)
     outputs = Outputs(overwrite, resume, keep_every)
     outputs.check(results, record)
+    limits = None
+    if accuracy is not None:
+        limits = Limits.of(accuracy)
+        refuse_other_options(
+            stages=stages, step_error=step_error, separated=_method_name(method) == "separated",
+            fixed=isinstance(integrator, CHECK_INTEGRATORS), resume=resume,
+        )  # fmt: skip
     options = {"integrator": integrator, "save_every": save_every, "device": device, "progress": progress}
     options |= {"project_start": project_start, "local": local, "step_error": step_error, "method": method}
     with terminated_as_interrupted():
         if stages is None:
-            if duration is None or step is None:
+            if duration is None or (step is None and limits is None):
                 raise InputError("simulate: give duration and step, or stages=[Stage(name, duration, step), ...]")
             if isinstance(beginning, History):
                 refuse_other_method(beginning.checkpoint, _method_name(method), "simulate: start")
+            if limits is not None:
+                found = _accurate(scene, beginning, duration, step, limits, options, outputs, results)
+                return outputs.record(found, record)
             return outputs.record(outputs.run(scene, _run, beginning, duration, step, options, results), record)
         if duration is not None or step is not None:
             raise InputError("simulate: stages have their own duration and step; leave those of the run out")
@@ -131,6 +148,34 @@ def _run(scene: Any, duration: float, *, method: str | Monolithic, integrator: A
         chosen = method if isinstance(method, Monolithic) else None
         return run_monolithic(scene, duration, integrator=integrator, options=chosen, **options)
     return run(scene, duration, integrator=DEFAULT_INTEGRATOR if integrator is None else integrator, **options)
+
+
+def _accurate(
+    scene: Any, beginning: Any, duration: float, step: float | None, limits: Limits, options: dict[str, Any],
+    outputs: Outputs, results: Any,
+) -> Result:  # fmt: skip
+    """The run whose error budget is within the limits."""
+    require_number(duration, "simulate: duration", positive=True)
+    if step is not None:
+        require_number(step, "simulate: step", positive=True)
+
+    def one(scene: Any, steps: int, local: Any) -> History:
+        own = {**options, "local": local}
+        return _run(scene, duration, step=duration / steps, start=beginning, **own)
+
+    with outputs.locked(results) as whole:
+        return whole.written(
+            run_to_accuracy(
+                scene,
+                duration,
+                limits,
+                step,
+                options["local"],
+                one,
+                start=beginning,
+                progress=options["progress"],
+            )  # fmt: skip
+        )
 
 
 def _staged(

@@ -1,8 +1,8 @@
 """The error of the time step that a run states of itself beside the one that it has: `python -m
-warpffrf.study.budget_check [FOLDER]`, half a minute.
+warpffrf.study.budget_check [FOLDER]`, a minute or two.
 
 Machines of every kind of motion, free, driven and damped, in contact and in impact, each with a coarse and a fine step.
-True errors are those beside a run with a step `FINER` times smaller, whose own is 1/16 of them; both are root mean
+True errors are those beside a run with a step `FINER` times smaller, whose own is 1/256 of them; both are root mean
 squares over the run, over the size of the quantity (`warpffrf.output.budget.quantities`).
 """
 
@@ -26,7 +26,7 @@ from warpffrf.study.step_time import swinging_pair, tread_body
 from warpffrf.verification import colliding_bars as bars
 from warpffrf.verification.markdown import table
 
-FINER = 4
+FINER = 16
 ROUND_OFF = 1e-9  # errors below it are those of numbers, not of steps
 MADE = "Made by `python -m warpffrf.study.budget_check`; do not edit.\n"
 
@@ -124,12 +124,12 @@ def page() -> str:
 {MADE}
 Root mean square errors over the size of the quantity, beside a run with a step {FINER} times smaller, and as the error
 budget of the run itself states them: by the whole run once more with twice the step, of runs of more than 4,000 steps
-by six windows of a hundredth, and by the beginning with half the step.
+by six windows of a hundredth, and by the beginning and the busiest part with a quarter of the step.
 {within} of {len(found)} are right within a factor of 3; ratios are {min(ratios):.2f} to {max(ratios):.2f}.
 
-What is missed: vibrations that the step is too long for. The integrator damps them in the first steps, of the run and
-of the one with twice the step alike; those that the start excites are seen by half the step, those of later loads are
-not. The report says from which frequency on they are not in the estimate.
+Vibrations that the step is too long for are damped by the integrator in the first steps, of the run and of the one
+with twice the step alike. They are seen where the quarter of the step resolves them, at the start and where
+accelerations change most; the report says from which frequency on they may be missed elsewhere.
 
 {table(head, rows)}"""
 

@@ -36,8 +36,8 @@ MADE = "Made by `python -m warpffrf.study.contact_grid`; do not edit.\n"
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """Errors of one patch and traction: `errors` (n, 4) signed, in the order of `QUANTITIES`, at `fineness` b/s (n,);
-    `centred` (bins, 4) with a function in the middle of the patch, a single body, at the lower end of each bin."""
+    """Errors of one patch and traction: `errors` (n, 5) signed, in the order of `QUANTITIES`, at `fineness` b/s (n,);
+    `centred` (bins, 5) with a function in the middle of the patch, a single body, at the lower end of each bin."""
 
     traction: str
     name: str
@@ -47,7 +47,7 @@ class Sweep:
     centred: np.ndarray
 
     def worst(self) -> np.ndarray:
-        """(bins, 4) largest absolute error in each bin."""
+        """(bins, 5) largest absolute error in each bin."""
         bin_of = np.searchsorted(self.bins, self.fineness, side="right") - 1
         return np.array([np.abs(self.errors[bin_of == i]).max(axis=0) for i in range(len(self.bins) - 1)])
 
@@ -58,15 +58,15 @@ class Sweep:
 
     @property
     def rule(self) -> np.ndarray:
-        """(4, 2) factor and rate of the rule."""
+        """(5, 2) factor and rate of the rule."""
         return np.array([RULES[self.traction, self.patch][q] for q in QUANTITIES])
 
     def factors(self) -> np.ndarray:
-        """(4,) largest error over (s/b)^p."""
+        """(5,) largest error over (s/b)^p."""
         return (np.abs(self.errors) * self.fineness[:, None] ** self.rule[:, 1]).max(axis=0)
 
     def rates(self) -> np.ndarray:
-        """(4,) slope of the worst errors of the bins, by least squares in the logarithms."""
+        """(5,) slope of the worst errors of the bins, by least squares in the logarithms."""
         x = np.log(np.sqrt(np.array(self.bins[1:]) * np.array(self.bins[:-1])))
         return -np.polyfit(x, np.log(self.worst()), 1)[0]
 

@@ -8,7 +8,8 @@ displacement u inside the patch and `a(p, p)` known in closed form:
   all functions that reach the patch, whatever their sign. Also the error of the mean approach under p.
 * **contact**: at Hertz's approach, `0 <= f, 0 <= g + G f, f (g + G f) = 0` with the weak gaps
   `g_i = int psi_i (curvature - approach)`. The force, the largest mean pressure of a function as results report it
-  (of a hat: weighed with the hat), and the half-width from the second moment of the pressure beside Hertz's.
+  (of a hat: weighed with the hat), the half-width from the second moment of the pressure, and the whole field of
+  pressures in the L2 norm beside Hertz's.
 
 Two bodies: the one that carries the pressures takes them as they are, the other as the L2 projection on its own grid,
 whose position is free (`compliances.facing`). Two equal bodies have the mean of both compliances.
@@ -40,6 +41,7 @@ class GridErrors(NamedTuple):
     force: float
     peak_pressure: float
     half_width: float  # the larger of both directions
+    pressure: float  # L2 norm of the difference over that of Hertz's pressure
 
 
 def grid_errors(
@@ -81,6 +83,7 @@ def grid_errors(
         float(area * f.sum() / patch.force - 1.0),
         float(mean.max() - 1.0),
         float(max(widths, key=abs)),
+        field_error(patch, traction, x, spacing, f),
     )
 
 
@@ -115,21 +118,40 @@ def weak_displacement(
     patch: Patch, traction: str, x: tuple[Array, ...], spacing: tuple[float, ...], field=None
 ) -> Array:
     """`int psi_i field` over the functions with middles `x`, composite Gauss; field: the patch's displacement."""
+    points, functions, weights = _quadrature(traction, x, spacing)
+    values = (field or patch.displacement)(*np.meshgrid(*points, indexing="ij", sparse=True))
+    for axis, (psi, weight) in enumerate(zip(functions, weights, strict=True)):
+        values = np.moveaxis(np.tensordot(psi * weight, values, axes=(1, axis)), 0, axis)
+    return values
+
+
+def field_error(patch: Patch, traction: str, x: tuple[Array, ...], spacing: tuple[float, ...], f: Array) -> float:
+    """L2 norm of `sum f_i psi_i` less Hertz's pressure, over that of Hertz's pressure."""
+    points, functions, weights = _quadrature(traction, x, spacing)
+    hertz = patch.pressure(*np.meshgrid(*points, indexing="ij", sparse=True))
+    found = f
+    for axis, psi in enumerate(functions):
+        found = np.moveaxis(np.tensordot(psi, found, axes=(0, axis)), 0, axis)
+    area = weights[0] if len(weights) == 1 else np.multiply.outer(*weights)
+    return float(np.sqrt(np.sum(area * (found - hertz) ** 2) / np.sum(area * hertz**2)))
+
+
+def _quadrature(
+    traction: str, x: tuple[Array, ...], spacing: tuple[float, ...]
+) -> tuple[list[Array], list[Array], list[Array]]:
+    """Points (q,), functions (n, q) there and weights (q,) of composite Gauss in each direction."""
     t, w = np.polynomial.legendre.leggauss(GAUSS)
     parts = PARTS[len(x)]
-    points, weights = [], []
+    points, functions, weights = [], [], []
     for middles, s in zip(x, spacing, strict=True):
         start = middles[0] - s
         cuts = start + s * np.arange((len(middles) + 1) * parts) / parts
         at = (cuts[:, None] + 0.5 * (t + 1.0) * s / parts).ravel()
         away = np.abs(at[None] - middles[:, None]) / s
-        psi = np.maximum(1.0 - away, 0.0) if traction == "hats" else (away < 0.5) * 1.0
         points.append(at)
-        weights.append(psi * np.tile(0.5 * w * s / parts, len(cuts)))
-    values = (field or patch.displacement)(*np.meshgrid(*points, indexing="ij", sparse=True))
-    for axis, weight in enumerate(weights):
-        values = np.moveaxis(np.tensordot(weight, values, axes=(1, axis)), 0, axis)
-    return values
+        functions.append(np.maximum(1.0 - away, 0.0) if traction == "hats" else (away < 0.5) * 1.0)
+        weights.append(np.tile(0.5 * w * s / parts, len(cuts)))
+    return points, functions, weights
 
 
 def _middles(patch: Patch, spacing: tuple[float, ...], position: tuple[float, ...]) -> tuple[Array, ...]:

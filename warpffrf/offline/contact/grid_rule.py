@@ -14,7 +14,8 @@ the patch pass the lines of the grid. The *force* is dW/dd, and that derivative 
 that changes with position and size. Around an ellipse the edge passes the lines at all phases and only the stretches
 along a line add up, of length sqrt(s): p = 2.5. The *half-width*, which is that of the second moment of the pressure,
 goes with the force. Inside the patch the mean over a function misses s^2 times the curvature of the pressure: *peak
-pressure*, p = 2.
+pressure*, p = 2. The *pressure* as a field, in the L2 norm: a square root that ends inside a length s is missed by
+sqrt(s) over s, which is s^2 in the square of the norm, p = 1.
 
 **Factors** c are the largest found by `warpffrf.study.contact_grid`, which sweeps sizes, positions and positions of
 the opposite grid (docs/studies/contact_grid.md), rounded up. They hold for b/s >= 1; the rule gives no coarser grid.
@@ -32,31 +33,35 @@ from warpffrf.model.errors import InputError, require_number
 from warpffrf.offline.contact.cell_depth import DEEPEST
 
 FINER_BEHIND = "let its layers grow more slowly (mesh.roller: more layers, grading=1.2), or use quadratic cells"
-QUANTITIES = ("compliance", "force", "peak_pressure", "half_width")
+QUANTITIES = ("compliance", "force", "peak_pressure", "half_width", "pressure")
 RULES: dict[tuple[str, str], dict[str, tuple[float, float]]] = {  # (c, p) by (traction, patch), written from the study
     ("hats", "line"): {
         "compliance": (0.012, 3.0),
         "force": (0.062, 2.0),
         "peak_pressure": (0.35, 2.0),
         "half_width": (0.34, 2.0),
+        "pressure": (0.46, 1.0),
     },
     ("hats", "ellipse"): {
         "compliance": (0.062, 3.0),
         "force": (0.22, 2.5),
         "peak_pressure": (0.66, 2.0),
         "half_width": (0.56, 2.5),
+        "pressure": (0.67, 1.0),
     },
     ("cells", "line"): {
         "compliance": (0.024, 2.5),
         "force": (0.058, 2.0),
         "peak_pressure": (0.22, 2.0),
         "half_width": (0.36, 2.0),
+        "pressure": (0.63, 1.0),
     },
     ("cells", "ellipse"): {
         "compliance": (0.13, 2.5),
         "force": (0.31, 2.5),
         "peak_pressure": (0.48, 2.0),
         "half_width": (0.67, 2.5),
+        "pressure": (0.86, 1.0),
     },
 }
 PATCHES = ("line", "ellipse")
@@ -87,7 +92,7 @@ def contact_spacing(
         smallest that shall be right.
     error: relative, between 0 and 1.
     quantity: what `error` is of. "force": contact force at a given approach; "compliance": mean approach under a given
-        pressure; "peak_pressure"; "half_width" of the patch.
+        pressure; "peak_pressure"; "half_width" of the patch; "pressure": all pressures, in the L2 norm.
     patch: "line" (long beside its width; along it the pressure varies slowly and the spacing may be far larger) or
         "ellipse" (circle included).
     traction: "hats" (normal pressure) or "cells" (friction).

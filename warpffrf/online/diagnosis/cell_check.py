@@ -57,11 +57,11 @@ class CellCheck:
         return f"{text}; use more strips or rows in cells= where that matters"
 
 
-def cell_check_notes(engine: Engine, history: History) -> list[str]:
-    """One note for each contact of a run of `engine` whose cells carried a load."""
+def cell_check_notes(engine: Engine, checks: Mapping[int, CellCheck]) -> list[str]:
+    """One note for each contact of `engine` whose cells carried a load, by its number."""
     return [
         check.note(engine.scene.contacts[i], (engine.compiled.patches[i].columns, len(engine.compiled.patches[i].z)))
-        for i, check in check_cells(engine, history).items()
+        for i, check in checks.items()
     ]
 
 

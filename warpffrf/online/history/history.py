@@ -204,5 +204,6 @@ class History:
     checkpoint: dict[str, np.ndarray] = field(default_factory=dict)  # the complete device state at the end
     options: dict[str, str] = field(default_factory=dict)  # of `simulate`, name -> value as text
     marks: Any = None  # states on the way, `online.marks.Marks`, of a run in this process; a file has none
+    cell_checks: dict[int, Any] = field(default_factory=dict)  # by contact, `online.diagnosis.cell_check`, as marks
     budget: list[BudgetLine] = field(default_factory=list)  # the errors of the run, once they have been looked at
     stopping: bool = False  # True where Ctrl-C came while the run was being finished: nothing more is to begin

@@ -1,8 +1,9 @@
 """Errors of contacts: the grid or the cells of the pressure, few sampling points, the mesh, and the iteration.
 
-*Hats of the material grid*: what the grid leaves of the force at a given approach, at most, for a patch of the size
-found at the largest load, by the rule of `offline.contact.grid_rule` (worst position of the patch on the grid; the
-mean one is about half of it). *Cells of a patch*: other cells at sampled steps (`online.diagnosis.cell_check`).
+*Hats of the material grid*: what the grid leaves of the force at a given approach, and of the pressures in the L2
+norm, at most, for a patch of the size found at the largest load, by the rule of `offline.contact.grid_rule` (worst
+position of the patch on the grid; the mean one is about half of it). *Cells of a patch*: other cells at sampled steps
+(`online.diagnosis.cell_check`).
 *Points*: all points at sampled steps (`online.diagnosis.sampling_check`). The mesh needs a second one,
 `ReducedBody.mesh_error`.
 """
@@ -15,52 +16,65 @@ import numpy as np
 
 from warpffrf.model.evaluations import evaluation_of
 from warpffrf.offline.contact.grid_rule import grid_error
-from warpffrf.online.diagnosis.cell_check import check_cells
 from warpffrf.online.diagnosis.sampling_check import check_sampling
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.budget_line import BudgetLine
 
 PATCHES = {"line": "line", "point": "ellipse"}  # kinds of patches that the rule knows
+FORCE, PRESSURE = "force", "pressure"
 GRID, POINTS, MESH, TOLERANCE = "contact grid", "sampling points", "FE mesh", "iteration"
 
 
 def grid_lines(result: Any, engine: Engine) -> list[BudgetLine]:
     """One line for each contact that was loaded."""
     history = result.history
-    checks = check_cells(engine, history) if engine.compiled.patches else {}
+    checks = history.cell_checks
     lines = []
     for number, contact in enumerate(history.scene.contacts):
         found = result.contact(contact.name)
-        of = _force(contact.name)
         if not np.any(found.touching):
             continue
         if number in engine.compiled.patches:
             check = checks.get(number)
-            size = check.force if check is not None and check.rows else np.nan
-            other = "other cells at sampled steps" if np.isfinite(size) else "other cells found no state at the steps"
-            lines.append(BudgetLine(GRID, of, size, other, "a smaller cell_error, or more cells"))
+            known = check is not None and bool(check.rows)
+            other = "other cells at sampled steps" if known else "other cells found no state at these"
+            sizes = (check.force, check.pressure) if check is not None and known else (np.nan, np.nan)
+            cure = "a smaller cell_error, or more cells"
+            lines += [
+                BudgetLine(GRID, f"{of} of contact {contact.name!r}", size, other, cure)
+                for of, size in zip((FORCE, PRESSURE), sizes, strict=True)
+            ]
         else:
-            lines.append(_of_hats(found, of))
+            lines += [_of_hats(found, of) for of in (FORCE, PRESSURE)]
     return lines
 
 
-def _of_hats(found: Any, of: str) -> BudgetLine:
+def _of_hats(found: Any, quantity: str) -> BudgetLine:
     """By the rule, at the largest load."""
     cure = "a finer grid (half_width= or traction_spacing= of reduce), or patch_grid=True"
+    of = f"{quantity} of contact {found.name!r}"
+    if found.patch_kind not in PATCHES:
+        return BudgetLine(GRID, of, np.nan, f"there is no rule for a patch that is {found.patch_kind!r}", cure)
+    size = hats_error(found, found.spacing, quantity)
+    if np.isnan(size):
+        return BudgetLine(GRID, of, np.nan, "the patch is smaller than a column of the grid", cure)
+    return BudgetLine(GRID, of, size, "the rule of the grid at the largest load, worst position", cure)
+
+
+def hats_error(found: Any, spacing: float, quantity: str) -> float:
+    """What hats of `spacing` [m] around leave of a patch as it was `found` at its largest load; NaN where it is smaller
+    than a hat, or of a kind without a rule."""
     kind = PATCHES.get(found.patch_kind)
     if kind is None:
-        return BudgetLine(GRID, of, np.nan, f"there is no rule for a patch that is {found.patch_kind!r}", cure)
+        return np.nan
     row = int(np.argmax(found.force_magnitude))
     widths = found.half_widths[row] if kind == "ellipse" else found.half_width[row : row + 1]
-    rows = float(np.max(np.diff(found.view.first.grid.z)))
+    along = float(np.max(np.diff(found.view.first.grid.z)))
     sizes = [
-        grid_error(float(spacing), float(width), patch=kind) if width > 0.0 else None
-        for spacing, width in zip((found.spacing, rows), widths, strict=False)
+        grid_error(float(s), float(width), quantity=quantity, patch=kind) if width > 0.0 else None
+        for s, width in zip((spacing, along), widths, strict=False)
     ]
-    known = [size for size in sizes if size is not None]
-    if len(known) < len(sizes):
-        return BudgetLine(GRID, of, np.nan, "the patch is smaller than a column of the grid", cure)
-    return BudgetLine(GRID, of, max(known), "the rule of the grid at the largest load, worst position", cure)
+    return max((np.nan if size is None else size for size in sizes), key=lambda size: (np.isnan(size), size))
 
 
 def point_lines(result: Any) -> list[BudgetLine]:

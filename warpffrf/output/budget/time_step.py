@@ -23,14 +23,20 @@ first and second half of a window of length L, in a run of length T and a quanti
 and what grows linearly from nothing has 1/root(3) of its last value as root mean square.
 
 Neither of two steps sees a vibration that both are too long for: the integrator damps it before it has done anything.
-So the first `BEGINNING` of a run, where vibrations are that its start excites, is stepped once more with half the step,
-too; the larger of this d (4/3 of it is e at order two, but such a d is the error itself) and of the above counts. What
-is excited later is not seen: of machines that have such vibrations, of modes and of bodies on their contacts, the line
-says from which frequency on, 1/(2 pi 2 h).
+So the first `PART` of a run, where vibrations are that its start excites, and the one in which accelerations change
+most, are stepped once more with a `FINER`th of the step, too (16/15 of this d is e at order two, but such a d is the
+error itself). With d_1 and d_2 of the halves of such a part it goes on as it began, d_2/d_1 = r <= 1 from half to half,
+so that of the whole run it is
+
+    e^2 = (L/2T) d_1^2 (1 + r^2 + r^4 + ...),       2 T/L terms.
+
+The largest of these and of the above counts. What is excited elsewhere is not seen: of machines that have such
+vibrations, of modes and of bodies on their contacts, the line says from which frequency on, 1/(2 pi 2 h).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -41,7 +47,7 @@ from warpffrf.model.progress import Progress
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import History
-from warpffrf.online.marks import COARSER, Again, Marks
+from warpffrf.online.marks import COARSER, FINER, Again, Marks
 from warpffrf.output.budget.quantities import Quantity, quantities
 
 SPREAD, BUSIEST = 4, 2  # windows
@@ -49,7 +55,7 @@ SETTLED, QUADRATIC = 1.8, 4.0  # d_2/d_1 is 1 of what has settled, 2.6 of t, 5.6
 TWO_PERIODS = 4.0 * np.pi
 LAST = 1.4  # last value over d_2: 1.3 of t, 1.6 of t^2
 SECOND_ORDER, FIRST_ORDER = float(COARSER**2 - 1), float(COARSER)  # d/e, the latter between its two
-BEGINNING, FEWEST, MOST = 20, 8, 400  # a part of the run, but so many steps of it
+PART, FEWEST, MOST = 32, 8, 400  # of the run, but so many steps of it
 RESOLVED = 1.0  # rad of a vibration in the longer step: beyond, the method has no order any more
 SAME_TIME = 1e-3  # of the step: times that differ by round-off
 SOURCE = "time step"
@@ -63,12 +69,13 @@ def time_step_lines(history: History, engine: Engine, *, progress: bool) -> list
     marks: Marks = history.marks
     begin = float(marks.states[marks.first]["clk"]["time"][0]) if marks.states else 0.0
     reached = marks.first + round((history.time[-1] - begin) / marks.step)
-    parts = [(a, b) for a, b in marks.windows(reached) if b - a >= COARSER]
+    windows = [(a, b) for a, b in marks.windows(reached) if b - a >= COARSER]
+    parts = [(marks.first, reached)] if marks.whole and reached - marks.first >= COARSER else windows
     if not parts:
         return [BudgetLine(SOURCE, "all results", np.nan, "the run is too short for a second one with twice the step")]
     chosen = [0] if marks.whole else _windows(history, marks, parts)
     found: list[Again] = []
-    bar = Progress("error budget: time step", len(chosen), enabled=progress, unit="part")
+    bar = Progress("error budget: time step", len(chosen) + 2, enabled=progress, unit="part")
     for n, i in enumerate(chosen):
         again = marks.again(engine, *parts[i])
         if again is None:
@@ -78,37 +85,51 @@ def time_step_lines(history: History, engine: Engine, *, progress: bool) -> list
             ]
         found.append(again)
         bar.update(n + 1)
-    bar.close()
     own = quantities(history)
     if marks.whole:
         lines = _by_whole(history, own, found[0])
     else:
         lines = [_by_windows(history, quantity, found, marks.step, _divisor(history)) for quantity in own.values()]
-    lines = _with_beginning(lines, own, marks.begin_again(engine, _beginning(reached - marks.first)))
+    steps = min(max((reached - marks.first) // PART, min(FEWEST, reached - marks.first)), MOST)
+    parts_of = (reached - marks.first) / steps
+    lines = _with_finer(lines, own, marks.finer(engine, marks.first, steps), parts_of, "the beginning")
+    bar.update(len(chosen) + 1)
+    if windows:
+        busiest = windows[int(np.argmax(busyness(history, _begins(marks, windows))))][0]
+        again = marks.finer(engine, busiest, min(steps, reached - busiest))
+        lines = _with_finer(lines, own, again, parts_of, "the busiest part")
+    bar.close()
     return [replace(line, basis=line.basis + _unseen(history, marks.step)) for line in lines]
 
 
-def _beginning(steps: int) -> int:
-    """Steps of a run of so many, of which the first are stepped once more with half the step."""
-    return min(max(steps // BEGINNING, min(FEWEST, steps)), MOST)
-
-
-def _with_beginning(
-    lines: list[BudgetLine], own: dict[str, Quantity], begin: tuple[History, History] | None
+def _with_finer(
+    lines: list[BudgetLine], own: dict[str, Quantity], again: tuple[History, History] | None, parts: float, part: str
 ) -> list[BudgetLine]:
-    """`lines`, where the beginning with half the step does not say more."""
-    if begin is None:
+    """`lines`, where one of so many `parts` of the run, with a shorter step, does not say more."""
+    if again is None:
         return lines
-    fine, finer = (quantities(history) for history in begin)
+    fine, finer = (quantities(history) for history in again)
     found = []
     for line in lines:
         if line.of in fine and line.of in finer:
             d = fine[line.of].apart(finer[line.of].values)
-            size = float(np.sqrt(np.mean(d**2))) / own[line.of].size
+            size = going_on(d, parts) / own[line.of].size
             if not line.size >= size:
-                line = replace(line, size=size, basis="the beginning of the run once more with half the step")
+                line = replace(line, size=size, basis=f"{part} of the run once more with 1/{FINER} of the step")
         found.append(line)
     return found
+
+
+def going_on(d: Array, parts: float) -> float:
+    """Root mean square over a run of differences that are d (n,) in the first of its `parts` and go on as they
+    began."""
+    half = max(len(d) // 2, 1)
+    first, second = (float(np.sqrt(np.mean(x**2))) if len(x) else 0.0 for x in (d[:half], d[half:]))
+    if first == 0.0:
+        return second / np.sqrt(2.0 * parts)
+    r = min(second / first, 1.0)
+    terms = float(np.sum(r ** (2.0 * np.arange(math.ceil(2.0 * parts)))))
+    return first * np.sqrt(terms / (2.0 * parts))
 
 
 def _unseen(history: History, step: float) -> str:
@@ -153,10 +174,14 @@ def _by_whole(history: History, own: dict[str, Quantity], again: Again) -> list[
 def _windows(history: History, marks: Marks, parts: Sequence[tuple[int, int]]) -> list[int]:
     """Numbers of the windows to look at, the evenly spread ones first."""
     spread = [int(x) for x in (np.arange(SPREAD) + 0.5) / SPREAD * len(parts)]
-    times = [float(marks.states[a]["clk"]["time"][0]) for a, _ in parts]
-    busy = busyness(history, times)
+    busy = busyness(history, _begins(marks, parts))
     others = [int(i) for i in np.argsort(-busy, kind="stable") if i not in spread]
     return [*dict.fromkeys(spread), *others[:BUSIEST]]
+
+
+def _begins(marks: Marks, parts: Sequence[tuple[int, int]]) -> list[float]:
+    """When they begin [s]."""
+    return [float(marks.states[a]["clk"]["time"][0]) for a, _ in parts]
 
 
 def busyness(history: History, begins: Sequence[float]) -> Array:

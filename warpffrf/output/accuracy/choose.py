@@ -1,0 +1,164 @@
+r"""A run to a wanted accuracy: `simulate(..., accuracy=0.01)`.
+
+The error budget of a run (`output.budget`) says of each source what it does, without a run to compare with. So the
+machine is run with few steps first (`first`), and what its budget asks for is chosen for the next (`demands`), until a
+budget asks for nothing more; that run is the result. As errors fall with the square of the step, the runs before it
+take a part of its time:
+
+    n_k+1 = 1.15 n_k root(error/limit)        1.2 to 8 times n_k
+
+At most `RUNS` are made. Where two of them in turn, each with more steps, do not lower the error of the step, more would
+not either: hats of a surface that rolls pass faster than the steps. A contact that can have cells then gets them; if
+none can, the run ends there, and its result says so, as it says of all else that is above the wanted accuracy, with
+what would lower it: mostly another reduction.
+
+Choices follow from results alone, never from the clock: the same call chooses the same again.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.scene import Scene
+from warpffrf.online.checkpoint import time_of
+from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.online.history.history import History
+from warpffrf.online.run import INTERRUPTED
+from warpffrf.output.accuracy.demands import next_setting
+from warpffrf.output.accuracy.first import first_setting
+from warpffrf.output.accuracy.limits import Limits
+from warpffrf.output.accuracy.setting import GRID, HATS, PATCH, Setting
+from warpffrf.output.budget import contacts, time_step
+from warpffrf.output.result import Result
+
+RUNS = 10
+MOST_STEPS = 1_000_000
+AFTER_FAILURE = 4  # times the steps, where a run does not get through
+FALLS = 0.8  # of the error before: with 1.2 times the steps it is 0.7 at second order
+PATIENCE = 2  # runs in turn whose error does not fall: vibrations that more steps begin to see let it rise once
+
+Run = Callable[[Scene, int, Any], History]
+
+log = logging.getLogger("warpffrf")
+
+
+def run_to_accuracy(
+    scene: Scene, duration: float, limits: Limits, longest: float | None, local: Any, run: Run, *, start: Any,
+    progress: bool,
+) -> Result:  # fmt: skip
+    """The run of `scene` over `duration` [s] that is within `limits`, or the last one tried. longest: step [s] that the
+    user allows. local: treatment of local modes that he asked for. run: makes a run of a scene in so many steps. start:
+    where it begins; one that goes on from another run has the options of that, and only its steps are chosen."""
+    begin = time.perf_counter()
+    continued = isinstance(start, History)
+    at = time_of(start.checkpoint) if isinstance(start, History) else 0.0
+    now = first_setting(scene, at, duration, longest, local, limits)
+    if continued:
+        now = replace(now, options={})
+    refused = ""
+    stuck = Stuck()
+    for number in range(1, RUNS + 1):
+        own = time.perf_counter()
+        result = Result(run(now.scene(scene), now.steps, now.local))
+        log.info("accuracy %g, run %d: %d steps of %.3g s: %s", limits.accuracy, number, now.steps,
+                 duration / now.steps, result.status)  # fmt: skip
+        if result.status == INTERRUPTED:
+            return _told(result, duration, limits, now, ["the run was interrupted before its errors were known"])
+        if result.status != "completed":
+            if now.steps * AFTER_FAILURE > MOST_STEPS or number == RUNS:
+                return _told(result, duration, limits, now, [])
+            now = replace(now, steps=now.steps * AFTER_FAILURE)
+            continue
+        lines = result.error_budget(progress=progress)
+        wanted, why = next_setting(scene, result, now, lines, limits, first=number == 1)
+        if continued:
+            wanted, why = replace(wanted, local=local, options={}), [why[0], "the rest is that of the run before"]
+        log.info("accuracy %g: %s", limits.accuracy, "; ".join(why))
+        if wanted == now:
+            break
+        if stuck.look(now.steps, lines):
+            wanted = _with_cells(scene, now)
+            if wanted == now:
+                refused = f"it does not fall with more steps, {stuck.told}"
+                break
+        if number == RUNS or wanted.steps > MOST_STEPS:
+            refused = f"{number} runs were made, of at most {RUNS} and {MOST_STEPS} steps"
+            break
+        now = wanted
+    result.history.counters["accuracy_runs"] = number
+    result.history.counters["accuracy_seconds"] = own - begin  # of the runs before
+    return _told(result, duration, limits, now, why + ([f"not reached: {refused}"] if refused else []))
+
+
+class Stuck:
+    """Whether the error of the step falls from run to run."""
+
+    def __init__(self) -> None:
+        self.steps, self.size, self.times, self.told = 0, 0.0, 0, ""
+
+    def look(self, steps: int, lines: list[BudgetLine]) -> bool:
+        """Look at the budget of a run of so many `steps`; whether it is time to give up."""
+        known = [line for line in lines if line.source == time_step.SOURCE and line.found]
+        if not known:
+            return False
+        worst = max(known, key=lambda line: line.size)
+        if self.steps and steps > self.steps:
+            self.times = self.times + 1 if worst.size > FALLS * self.size else 0
+            self.told = f"{self.size:.2%} with {self.steps} and {worst.size:.2%} with {steps} of the {worst.of}"
+        self.steps, self.size = steps, worst.size
+        if self.times < PATIENCE:
+            return False
+        self.times = 0
+        return True
+
+
+def _with_cells(scene: Scene, now: Setting) -> Setting:
+    """`now` with cells for contacts on hats that can have them."""
+    options = dict(now.options)
+    for contact in scene.contacts:
+        if options.get((GRID, contact.name)) == HATS and contact.without_patch() is None:
+            options[GRID, contact.name] = PATCH
+    return replace(now, options=options)
+
+
+def _told(result: Result, duration: float, limits: Limits, now: Setting, why: list[str]) -> Result:
+    """The result with what was chosen for it and why, and what is above the wanted accuracy."""
+    head = f"accuracy {limits.accuracy:g}"
+    step = f"{head}: step={duration / now.steps:.6g} was chosen" + (f", {why[0]}" if why else "")
+    notes = [step, *(f"{head}: {line}" for line in why[1:])]
+    for line in result.history.budget or []:
+        allowed = limits.accuracy * (limits.pressure / limits.force if line.of.startswith(contacts.PRESSURE) else 1.0)
+        if line.found and line.size > allowed:
+            cure = f"; {line.cure}" if line.cure else ""
+            notes.append(f"{head} is not kept: {line.source}, {line.size:.2%} of the {line.of}{cure}")
+        elif not line.found:
+            notes.append(f"{head} is not known to be kept: {line.source} of the {line.of}, {line.basis}; {line.cure}")
+    result.history.notes[:0] = notes
+    return result
+
+
+def refuse_other_options(
+    *, stages: Any, step_error: Any, separated: bool, fixed: bool, resume: bool
+) -> None:  # what `simulate` takes beside accuracy=
+    """Raises `InputError` for what does not go together with a run whose step and options are chosen."""
+    if stages is not None:
+        raise InputError(
+            "simulate: accuracy= is that of one run; run the stages one after the other, each from the result before "
+            "(start=), with the step that its notes name"
+        )
+    if step_error is not None:
+        raise InputError("simulate: accuracy= chooses the step and step_error= halves it; give one of the two")
+    if not separated:
+        raise InputError("simulate: accuracy= goes by error budgets, which method 'monolithic' does not make")
+    if fixed:
+        raise InputError("simulate: accuracy= goes by error budgets, which integrators for checks do not make")
+    if resume:
+        raise InputError(
+            "simulate: a run with accuracy= is not kept on the way; leave resume out, or run with the step and options "
+            "that were chosen (they are in the notes and the log)"
+        )

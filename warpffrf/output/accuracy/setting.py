@@ -1,0 +1,41 @@
+"""What is chosen for a run: its step and treatment of local modes, and options of bodies and contacts of its scene.
+
+The scene of the user is left as it is: a run has a copy of its own, around the same reduced bodies.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from warpffrf.model.scene import Scene
+
+INERTIA, STIFFENING = "inertia", "stiffening"  # of bodies
+GRID, CELL_ERROR = "grid", "cell_error"  # of contacts
+AUTO = "auto"  # left to the program
+HATS, PATCH = "material", "patch"  # grids
+
+
+@dataclass(frozen=True)
+class Setting:
+    """`steps` of the whole run, treatment of `local` modes, and `options` {(option, name of body or contact): value};
+    what is not in them is as the scene has it."""
+
+    steps: int
+    local: Any
+    options: Mapping[tuple[str, str], Any] = field(default_factory=dict)
+
+    def scene(self, scene: Scene) -> Scene:
+        """A copy of `scene` with the options."""
+        shared = {id(body.reduced): body.reduced for body in scene.bodies if body.reduced is not None}
+        found = copy.deepcopy(scene, shared)
+        for (option, name), value in self.options.items():
+            if option == INERTIA:
+                found.body(name).level = value
+            elif option == STIFFENING:
+                found.body(name).stiffening = value
+            else:
+                setattr(found.contact(name), option, value)
+        return found
