@@ -128,13 +128,16 @@ def simulate(
     options |= {"project_start": project_start, "local": local, "step_error": step_error, "method": method}
     with terminated_as_interrupted():
         if stages is None:
-            if duration is None or (step is None and limits is None):
-                raise InputError("simulate: give duration and step, or stages=[Stage(name, duration, step), ...]")
             if isinstance(beginning, History):
                 refuse_other_method(beginning.checkpoint, _method_name(method), "simulate: start")
-            if limits is not None:
+            if limits is not None and duration is not None:
                 found = _accurate(scene, beginning, duration, step, limits, options, outputs, results)
                 return outputs.record(found, record)
+            if duration is None or step is None:
+                raise InputError(
+                    "simulate: give duration and step, or duration and accuracy, or stages=[Stage(name, duration, "
+                    "step), ...]"
+                )
             return outputs.record(outputs.run(scene, _run, beginning, duration, step, options, results), record)
         if duration is not None or step is not None:
             raise InputError("simulate: stages have their own duration and step; leave those of the run out")

@@ -60,7 +60,7 @@ def run_to_accuracy(
     now = first_setting(scene, at, duration, longest, local, limits)
     if continued:
         now = replace(now, options={})
-    refused = ""
+    refused, why = "", list[str]()
     stuck = Stuck()
     for number in range(1, RUNS + 1):
         own = time.perf_counter()
