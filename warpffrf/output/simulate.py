@@ -135,8 +135,8 @@ def simulate(
                 return outputs.record(found, record)
             if duration is None or step is None:
                 raise InputError(
-                    "simulate: give duration and step, or duration and accuracy, or stages=[Stage(name, duration, "
-                    "step), ...]"
+                    "simulate: give duration and step, or stages=[Stage(name, duration, step), ...], or duration and "
+                    "accuracy="
                 )
             return outputs.record(outputs.run(scene, _run, beginning, duration, step, options, results), record)
         if duration is not None or step is not None:
