@@ -147,3 +147,27 @@ def test_a_singular_system_is_reported() -> None:
     A[-1, -1] = A[-2, -2]
     _, fallback, failure = solve(pattern, A, np.ones(len(A)))
     assert failure == int(k.SINGULAR) and fallback[1] == 1
+
+
+@pytest.mark.parametrize("ratio", [1e3, 1e6, 1e10])
+def test_a_light_body_between_heavy_ones_is_factored(ratio: float) -> None:
+    """Rows that a light body holds give small pivots in which nothing cancels: no fallback, and digits are lost by how
+    much more easily it gives way, as no pivot is sought outside a block."""
+    pattern, A = system([(GROUND, 0, 5), (0, 1, 5)], 0)
+    A[:6, :6] /= ratio
+    A[:6, 6:12] = A[6:12, :6] = 0.0
+    b = np.concatenate([np.zeros(6), np.ones(6), np.zeros(len(A) - 12)])
+    z, fallback, failure = solve(pattern, A, b)
+    exact = np.linalg.solve(A, b)
+    assert failure == 0 and fallback.tolist() == [0, 0]
+    assert np.abs(z - exact).max() < DEVIATION * (ratio + np.linalg.cond(A)) * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("ratio", [1e-8, 1e8])
+def test_rows_that_depend_on_each_other_are_found_whatever_the_masses(ratio: float) -> None:
+    pattern, A = system([(GROUND, 0, 5), (0, 1, 4), (0, 1, 1)], 0)
+    A[:6, :6] *= ratio
+    A[:6, 6:12] = A[6:12, :6] = 0.0
+    A[-1], A[:, -1] = A[-2], A[:, -2]
+    A[-1, -1] = A[-2, -2]
+    assert solve(pattern, A, np.ones(len(A)))[2] == int(k.SINGULAR)

@@ -11,6 +11,7 @@ from scipy.linalg import null_space
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
+from warpffrf.model.far_field import UNUSABLE
 from warpffrf.online import run
 from warpffrf.online.compile.patch_plan import MIDDLE_ROW, crowned_edges
 from warpffrf.online.engine import Engine
@@ -295,6 +296,20 @@ def test_what_a_patch_cannot_is_refused(roller) -> None:
     scene.add(wf.Contact(third["rim"], scene.bodies[0]["rim"], grid="material"))
     with pytest.raises(InputError, match="body 'lower' is loaded by 'third-lower' too, .*give both the same grid="):
         find_equilibrium(scene)
+
+
+def test_a_mesh_whose_half_space_is_not_symmetric_is_refused(roller) -> None:
+    """As of cells fifty times as long as wide (docs/studies/pressure_ends.md): named, with the cure."""
+    rim = roller.contact_surfaces["rim"]
+    skew = replace(roller, contact_surfaces={"rim": replace(rim, far=replace(rim.far, asymmetry=2.0 * UNUSABLE))})
+    with pytest.raises(InputError, match="half-space on the mesh of .*rim.*is not symmetric .50%.*squarer cells"):
+        pair(skew, 1e-5)
+    history = find_equilibrium(pair(skew, 1e-5, grid="auto"))
+    assert history.contacts[NAME].cells is None
+    assert any("pressures on the material grid" in n and "not symmetric" in n for n in history.notes)
+    doubtful = replace(roller, contact_surfaces={"rim": replace(rim, far=replace(rim.far, asymmetry=0.1))})
+    said = "is not symmetric (10%): forces of a patch of cells may err by more than 1 %"
+    assert any(said in note for note in find_equilibrium(pair(doubtful, 1e-5)).notes)
 
 
 def test_the_grid_is_chosen(roller) -> None:

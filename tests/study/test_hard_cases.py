@@ -21,6 +21,7 @@ from warpffrf.study.hard_cases import suite as suites
 from warpffrf.study.hard_cases.case import Case, Finding, Ledger, Setting
 from warpffrf.study.hard_cases.cases import CASES
 from warpffrf.study.hard_cases.classes import DEGRADED, FAIL, JOINTS, PASS, REFUSED, SILENT, joint_violation, judge
+from warpffrf.study.hard_cases.memory import STATM, MemoryWatch, resident
 from warpffrf.study.hard_cases.run import run_case
 from warpffrf.study.hard_cases.suite import chosen, run_suite
 
@@ -201,6 +202,35 @@ def test_page_table_and_map(tmp_path: Path) -> None:
     assert paths[2].read_bytes().startswith(b"\x89PNG")
     with pytest.raises(InputError, match="exists"):
         found.write(tmp_path)
+
+
+def test_rows_of_other_cases_stay_in_the_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    first, second = (replace(counted([]), name=name) for name in ("first", "second"))
+    monkeypatch.setattr(suites, "CASES", {case.name: case for case in (first, second)})
+    run_suite(tmp_path, [second], quick=False, overwrite=False, progress=False)
+    found = run_suite(tmp_path, [first], quick=False, overwrite=False, progress=False)
+    assert [case.name for case in found.cases] == ["first", "second"]
+    assert len(found.rows) == len(first.settings()) + len(second.settings())
+    assert [c.name for c in run_suite(None, [second], quick=True, overwrite=False, progress=False).cases] == ["second"]
+
+
+def test_memory_that_grows_after_the_first_quarter_counts() -> None:
+    watch = MemoryWatch()
+    assert np.isnan(watch.grown)
+    watch.samples = [(0.0, 100.0), (0.5, 150.0), (1.5, 151.0), (3.0, 180.0), (4.0, 170.0)]  # s, MB
+    assert watch.grown == 29.0
+    if Path(STATM).exists():
+        size = resident()
+        assert size is not None and 10.0 < size < 1e6
+        with watch:
+            pass
+        assert len(watch.samples) > 5
+
+
+def test_memory_is_judged_where_a_case_asks_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(MemoryWatch, "grown", 50.0)
+    kinds = [run_case(counted([], memory=limits), Setting(STEP))[1].kind for limits in (None, (60.0, 90.0), (1.0, 9.0))]
+    assert kinds == [PASS, PASS, SILENT]
 
 
 def test_refused_input_is_a_class() -> None:

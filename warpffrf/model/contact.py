@@ -12,6 +12,7 @@ from typing import Any
 
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
+from warpffrf.model.far_field import UNUSABLE
 from warpffrf.model.friction import FrictionLaw, as_friction
 from warpffrf.model.laws import Law, Unilateral, as_law
 
@@ -225,6 +226,15 @@ class Contact:
                 return (
                     f"friction on a patch needs the tangential far field of {port.label}, body {port.body.name!r} "
                     "was reduced without it; reduce(..., patch_grid=True, tangential=True)"
+                )
+            tangential = far.tangential if self.friction.acts else None
+            asymmetry = max(far.asymmetry, 0.0 if tangential is None else tangential.asymmetry)
+            if asymmetry > UNUSABLE:
+                return (
+                    f"the half-space on the mesh of {port.label}, body {port.body.name!r}, is not symmetric "
+                    f"({asymmetry:.0%}, {UNUSABLE:.0%} is allowed), so that its far field is wrong: its cells are too "
+                    "long beside their width, or too coarse; reduce it with squarer cells at the surface, finer along "
+                    "the longer side, or quadratic ones"
                 )
         if self.evaluation != "semi":
             return (

@@ -37,6 +37,11 @@ def cutoff(cosine: Any) -> Array:
     return 1.0 - x**3 * (10.0 - 15.0 * x + 6.0 * x * x)
 
 
+# Of `FarField.asymmetry`: beyond ASYMMETRIC the mesh's error near a load is no longer alike in both directions, beyond
+# UNUSABLE nobody knows what the far field is.
+ASYMMETRIC, UNUSABLE = 0.02, 0.25
+
+
 @dataclass(frozen=True)
 class FreeEnd:
     """An end face at the place `z` [m] along the meridian, at right angles to the surface; `side` +1 at the upper end,

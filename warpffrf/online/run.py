@@ -35,6 +35,7 @@ from warpffrf.online.diagnosis.cell_check import cell_check_notes, check_cells
 from warpffrf.online.diagnosis.contact_notes import contact_notes, energy_notes, overlap_notes
 from warpffrf.online.diagnosis.energy_watch import EnergyWatch, round_off_energy
 from warpffrf.online.diagnosis.failure_report import failure_owner
+from warpffrf.online.diagnosis.hidden_inertia import hidden_inertia
 from warpffrf.online.diagnosis.indicator import indicator_lines, term_sizes, unheld_lines
 from warpffrf.online.diagnosis.sampling_check import sampling_notes
 from warpffrf.online.diagnosis.steep_falls import steep_notes
@@ -283,8 +284,9 @@ def _finish(
     at_rest = prefix.startswith("equilibrium")
     if at_rest and bits:
         message = UPHILL if bits & int(k.ENERGY) else message.replace("; reduce step", STATIC_CURE)
-    owner = failure_owner(engine, bits) if bits else ""
-    message += f" ({owner})" if owner else ""
+    hidden = hidden_inertia(engine) if bits & int(k.SINGULAR) else ""
+    owner = failure_owner(engine, bits) if bits and not hidden else ""
+    message = hidden or (f"{message} ({owner})" if owner else message)
     if (at_rest or bits & UNSOLVED) and bits and (wedge := find_wedge(engine.scene)) is not None:
         said = message.split("; ")[0] if prefix else message
         message = str(wedge) if wedge.all_round else f"{said}; {wedge}"

@@ -20,6 +20,7 @@ import numpy as np
 
 from warpffrf.model import joints
 from warpffrf.model.contact import Contact
+from warpffrf.model.errors import InputError
 from warpffrf.model.laws import LinearLayer
 from warpffrf.model.scene import Scene
 from warpffrf.online import History
@@ -33,7 +34,7 @@ ROWS = 21  # along: as many as the program takes with eleven strips
 
 
 class Refused(RuntimeError):
-    """The program found no state of rest; says why."""
+    """The program takes no such cells, or found no state of rest; says why."""
 
 
 @dataclass(frozen=True)
@@ -65,9 +66,12 @@ class OnPatch:
         return scene
 
     def at(self, k: float, center: float, delta: float) -> np.ndarray:
-        """Forces (nodes,) [N] of the hats at the approach `delta` [m]. Raises `Refused` where there is no state of
-        rest."""
-        result = equilibrium(self.scene(k, center, delta))
+        """Forces (nodes,) [N] of the hats at the approach `delta` [m]. Raises `Refused` where the bodies take no cells
+        that travel, and where there is no state of rest."""
+        try:
+            result = equilibrium(self.scene(k, center, delta))
+        except InputError as error:
+            raise Refused(f"{self.name}: {error}") from error
         if result.status != "completed":
             raise Refused(f"{self.name}: {result.status}: {result.message}")
         return hat_forces(self.pressing, result.history)

@@ -180,7 +180,9 @@ def solve(
     if renew != 0:
         dense = 1
         if held == 0:
-            dense = factorise(model, p, w, wp.block_dim(), PIVOT_TOLERANCE, matrix, scaling, pivots, factor, lines)
+            dense = factorise(
+                model, p, w, wp.block_dim(), PIVOT_TOLERANCE, matrix, scaling, pivots, factor, lines, vector
+            )
     if dense == 0:
         solve_factored(p, w, factor, scaling, pivots, right, w * N, vector, z)
         if renew != 0:

@@ -7,6 +7,11 @@ For node e of `Pattern`, with the diagonal block D, the lines U to its right and
 with row pivoting inside the node only. The matrix is equilibrated first, as in `outer_solve.invert`: bodies by the
 roots of their diagonal, rows by their largest entry. Solve: y <- L^-1 P y, y_f <- y_f - X_f y, then
 z = R^-1 (y - U z_f) backwards. Native for contiguous inner loops like `scalars.axpy`.
+
+A pivot of rows that is no more than what round-off leaves of the terms that cancel in it says that one depends on the
+others. It is compared with the root of the sums of |terms| that its line and its column have had on their diagonals.
+That does not change with the scale of a line: a light body between heavy ones makes pivots small, but cancels nothing
+in them. Those of a body are positive (`outer_pattern`); what round-off leaves of them is judged by the residual.
 """
 
 import warp as wp
@@ -43,9 +48,9 @@ class Pattern:
     row_flexible: wp.array(dtype=int)
 
 
-# Factor of the equilibrated matrix; returns 1 if a pivot is below `tolerance`. Lanes over the columns of a node while
-# it is eliminated, over the lines of its update after that; each lane collects a line of the update before it is
-# spread, so that the inner loops are contiguous.
+# Factor of the equilibrated matrix; returns 1 if a pivot of rows is below `tolerance` of its terms, or one vanishes.
+# Lanes over the columns of a node while it is eliminated, over the lines of its update after that; each lane collects a
+# line of the update before it is spread, so that the inner loops are contiguous. `vector` is scratch: sums of terms.
 @wp.func_native("""
     const int n = p.outer_count, rigid = model.outer.row_offset, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
     const double* A = tangent.data + (size_t)w * n * n;
@@ -53,6 +58,7 @@ class Pattern:
     double* scale = scaling.data + (size_t)w * n;
     int* swapped = pivots.data + (size_t)w * n;
     double* __restrict sum = lines.data + ((size_t)w * lanes + L) * p.widest;
+    double* terms = vector.data + (size_t)w * 2 * n; double* of_line = terms + n;
     for (int i = L; i < n; i += NL) {
         const double d = ::fabs(A[(size_t)i * n + i]);
         scale[i] = i < rigid && d > 0.0 ? 1.0 / ::sqrt(d) : 1.0;
@@ -73,15 +79,27 @@ class Pattern:
         const int i = p.gather_line.data[e], j = p.gather_column.data[e];
         a[e] = i < 0 ? 0.0 : A[(size_t)i * n + j] * scale[i] * scale[j];
     }
+    for (int i = L; i < n; i += NL) {
+        const int o = p.order.data[i];
+        terms[i] = ::fabs(A[(size_t)o * n + o]) * scale[o] * scale[o];
+    }
     WP_TILE_SYNC();
     for (int node = 0; node < p.node_count; ++node) {
-        const int s = p.size.data[node], t = p.width.data[node];
+        const int s = p.size.data[node], t = p.width.data[node], first = p.first.data[node];
         double* D = a + p.start.data[node]; double* U = D + s * s; double* X = U + s * t;
+        const double least = p.order.data[first] < rigid ? 0.0 : tolerance;
+        for (int q = L; q < s; q += NL) of_line[first + q] = terms[first + q];
+        WP_TILE_SYNC();
         for (int q = 0; q < s; ++q) {
             int best = q;
             for (int i = q + 1; i < s; ++i) if (::fabs(D[i * s + q]) > ::fabs(D[best * s + q])) best = i;
             WP_TILE_SYNC();
-            if (L == 0) swapped[p.first.data[node] + q] = best;
+            if (L == 0) {
+                const double swap = of_line[first + q];
+                swapped[first + q] = best;
+                of_line[first + q] = of_line[first + best];
+                of_line[first + best] = swap;
+            }
             if (best != q) {
                 double* x = D + q * s; double* y = D + best * s; double* u = U + q * t; double* v = U + best * t;
                 for (int j = L; j < s; j += NL) { const double swap = x[j]; x[j] = y[j]; y[j] = swap; }
@@ -89,7 +107,7 @@ class Pattern:
             }
             WP_TILE_SYNC();
             const double pivot = D[q * s + q];
-            if (!(::fabs(pivot) > tolerance)) return 1;
+            if (!(::fabs(pivot) > least * ::sqrt(of_line[first + q] * terms[first + q]))) return 1;
             const double r = 1.0 / pivot;
             for (int i = q + 1; i < s; ++i) {
                 const double m = D[i * s + q] * r;
@@ -113,7 +131,11 @@ class Pattern:
         }
         WP_TILE_SYNC();
         const int* target = p.target.data + p.target_start.data[node];
+        const int* panel = p.panel.data + p.panel_start.data[node];
         for (int i = L; i < t; i += NL) {
+            double taken = 0.0;
+            for (int q = 0; q < s; ++q) taken += ::fabs(X[q * t + i] * U[q * t + i]);
+            terms[panel[i]] += taken;
             for (int j = 0; j < t; ++j) sum[j] = X[i] * U[j];
             int q = 1;
             for (; q + 1 < s; q += 2) {
@@ -143,6 +165,7 @@ def factorise(
     pivots: wp.array2d(dtype=int),
     factor: wp.array(dtype=real),
     lines: wp.array(dtype=real),
+    vector: wp.array(dtype=real),
 ) -> int: ...
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
-from warpffrf.model.far_field import FarField, FarTangential
+from warpffrf.model.far_field import ASYMMETRIC, FarField, FarTangential
 from warpffrf.model.far_splines import FarSplines
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
@@ -37,7 +37,6 @@ NODES_PER_HALF_WIDTH = 4
 # quadratic ones -2.2, -0.6, -0.2, -0.1 %. By degree; walls that would err by more than THIN are named.
 WALL_ERROR = {1: (0.105, 2.3), 2: (0.022, 3.2)}
 THIN = 0.01
-ASYMMETRIC = 0.02  # of the half-space on the mesh: beyond, the mesh's error near a load is no longer alike in both
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ import numpy as np
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
-from warpffrf.model.far_field import WHOLE
+from warpffrf.model.far_field import ASYMMETRIC, WHOLE
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.patch_plan import end_places, rows_follow
 from warpffrf.online.diagnosis.undeformed_normal import normal_notes
@@ -51,9 +51,22 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
             f"contact {contact.name!r}: the patch spans {widest:.2g} rad of a surface, and the half-space under it is "
             f'flat; beyond {WHOLE:g} rad pressures err by more than 2 %: use grid="material", with a finer mesh'
         )
+    notes += _unsymmetric(contact)
     half_width = strips * float(cells.half_width[last]) / found.pressure.shape[1]
     notes += normal_notes(contact, half_width, {})
     return notes + (_near_end(contact, found) if rows_follow(contact) else _travelled(contact, found, history))
+
+
+def _unsymmetric(contact: Contact) -> list[str]:
+    """Surfaces on whose mesh the half-space that was taken out of the far field is not symmetric."""
+    sides = [(port.label, getattr(port.surface.far, "asymmetry", 0.0)) for port in contact.ports if not port.rigid]
+    return [
+        f"contact {contact.name!r}: the half-space on the mesh of {label} is not symmetric ({asymmetry:.0%}): forces "
+        "of a patch of cells may err by more than 1 %; reduce the body with quadratic cells, or finer and squarer ones "
+        "at the surface"
+        for label, asymmetry in sides
+        if asymmetry > ASYMMETRIC
+    ]
 
 
 def _near_end(contact: Contact, found: ContactHistory) -> list[str]:

@@ -34,6 +34,8 @@ CUT = 0.05  # of the load: hats that hang over the end of the second surface by 
 GAINED = 0.01  # of the largest energy at hand: what a run may gain without a word
 TAKEN = 0.01  # the same of what the integrator takes
 UNLOADED, TINY = 1e-12, 1e-15  # of the largest contact force, N: round-off of contacts that carry nothing
+LEAST_TILT = 1e-7  # rad: less is round-off of poses
+MOMENT_LEFT = 0.01  # of the moment of a pair on the line of centres
 MOST_SKEW = 0.07  # rad: e^2/2 is 0.25 %; measured against gaps at points: force 0.1 %, peak pressure 0.2 % up to there
 SHALLOW = 1e-6  # of the radius: overlaps that round-off of positions makes
 
@@ -104,12 +106,31 @@ def _skewed(contact: Contact, found: ContactHistory, history: History) -> list[s
     loaded = np.any(found.pressure > 0.0, axis=(1, 2))
     angles = angle_between_axes(contact, history)[loaded]
     if angles.max() <= MOST_SKEW:
-        return []
+        return _tilted(contact, found, history)
     return [
         f"contact {contact.name!r}: the axes of the two surfaces turned against each other by up to "
         f"{angles.max():.3g} rad, more than the {MOST_SKEW:g} that gaps along the line of centres are good for, and "
         f"pressures are wrong by the order of {0.5 * angles.max() ** 2:.1%}; begin the run with the axes turned about "
         f"so far (more than {SKEW:g} rad at the start takes gaps at points)"
+    ]
+
+
+def _tilted(contact: Contact, found: ContactHistory, history: History) -> list[str]:
+    """Gaps along lines of centres leave out R_B tilt^2/2, and so the moment R_B tilt F, where axes lean towards each
+    other; said where it is a noticeable part of the moment of the pair."""
+    force, moment = np.linalg.norm(found.force, axis=1), np.linalg.norm(found.torque, axis=1)
+    axes = [turned(history.bodies[port.body.name].rotation, port.surface.shape.e_a) for port in (contact.a, contact.b)]
+    normal = found.force / np.maximum(force, 1e-300)[:, None]
+    tilt = np.abs(np.subtract(*(np.einsum("ti,ti->t", normal, axis) for axis in axes)))
+    left = force * float(contact.b.surface.shape.radius) * np.where(tilt > LEAST_TILT, tilt, 0.0)
+    at = int(np.argmax(left))
+    if left[at] <= MOMENT_LEFT * moment[at]:
+        return []
+    return [
+        f"contact {contact.name!r}: the axes of the two surfaces lean towards each other by up to {tilt[at]:.2g} rad; "
+        f"gaps along the line of centres leave about {left[at]:.2g} N m of the moment out that this gives, of "
+        f"{moment[at]:.2g} N m in all; begin the run with the axes turned against each other by more than {SKEW:g} rad "
+        "where that matters (it takes gaps at points)"
     ]
 
 

@@ -82,7 +82,7 @@ class Case:
     middle [s], the step at which tolerances are varied. check: comparisons of a Result with what is known from
     elsewhere. options: of the run (start, integrator, local). said: words of notes that warn of what the check finds.
     twin, alike: another scene that has to do the same, run with the same setting, and comparisons of the two results.
-    quick: whether `--quick` runs it, at its middle and its
+    memory: limits [MB] of what a run may grow by (`memory`). quick: whether `--quick` runs it, at its middle and its
     longest step. slow: run only where it is named. Raises `InputError` for a middle that is none of the steps.
     """
 
@@ -102,6 +102,7 @@ class Case:
     twin: Callable[[], Any] | None = None
     alike: Callable[[Result, Result], Sequence[Finding]] | None = None
     ledger: Ledger = Ledger()
+    memory: tuple[float, float] | None = None
     said: tuple[str, ...] = ()
     quick: bool = False
     slow: bool = False

@@ -7,12 +7,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from warpffrf.model.errors import InputError
 from warpffrf.online import Settings
 from warpffrf.online.run import INTERRUPTED, run
 from warpffrf.output.result import Result
 from warpffrf.study.hard_cases.case import Case, Finding, Setting
 from warpffrf.study.hard_cases.classes import FAIL, REFUSED, Verdict, judge
+from warpffrf.study.hard_cases.memory import MemoryWatch
 
 CRASHES = (ArithmeticError, ValueError, LookupError, TypeError, RuntimeError, MemoryError)
 
@@ -44,14 +47,18 @@ def run_case(case: Case, setting: Setting) -> tuple[Result | None, Row]:
     begin = time.perf_counter()
     result = None
     try:
-        result = _run(case, case.build, setting)
+        with MemoryWatch() as memory:
+            result = _run(case, case.build, setting)
         twin = None if case.twin is None else _run(case, case.twin, setting)
     except InputError as error:
         verdict = Verdict(REFUSED, str(error))
     except CRASHES as error:
         verdict = Verdict(FAIL, f"{type(error).__name__}: {error}")
     else:
-        verdict = judge(result, _own(case, result, twin), case.ledger, case.said)
+        own = _own(case, result, twin)
+        if case.memory is not None and np.isfinite(memory.grown):
+            own.append(Finding("memory grown by [MB]", memory.grown, *case.memory))
+        verdict = judge(result, own, case.ledger, case.said)
     row = Row(case.name, setting.column, verdict.kind, verdict.why, seconds=time.perf_counter() - begin)
     row.findings = [[f.of, float(f.error), f.good, f.bad] for f in verdict.findings]
     if result is not None:

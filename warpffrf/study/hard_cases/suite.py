@@ -66,14 +66,15 @@ def chosen(names: Sequence[str] | None, *, quick: bool) -> list[Case]:
 def run_suite(
     folder: str | os.PathLike[str] | None, cases: Sequence[Case], *, quick: bool, overwrite: bool, progress: bool
 ) -> Stability:
-    """Run what `folder` does not hold yet of the cases; with None nothing is kept."""
+    """Run what `folder` does not hold yet of the cases; with None nothing is kept. Rows that it holds of other cases
+    are found with them, as they were run."""
     kept = _read(folder, overwrite)
     plan = [(case, setting) for case in cases for setting in case.settings(quick=quick)]
     bar = Progress("stability", len(plan), enabled=progress, unit="run")
     rows: dict[tuple[str, str], Row] = {}
     try:
         for done, (case, setting) in enumerate(plan):
-            key, label = _identity(case, setting), f"{case.name} | {setting.column}"
+            key, label = _identity(case, setting), _label(case, setting)
             found = kept.get(label)
             if found is None or found["identity"] != key:
                 row = run_case(case, setting)[1]
@@ -83,7 +84,25 @@ def run_suite(
             bar.update(done + 1)
     finally:
         bar.close()
-    return Stability(cases, rows)
+    return _with_others(cases, rows, kept)
+
+
+def _with_others(cases: Sequence[Case], rows: dict[tuple[str, str], Row], kept: dict[str, Any]) -> Stability:
+    """The cases that were run, and those of the registry of which rows are `kept`, in the order of the registry."""
+    names, found = {case.name for case in cases}, dict(rows)
+    others = [case for case in CASES.values() if case.name not in names]
+    for case in others:
+        labels = {setting.column: _label(case, setting) for setting in case.settings()}
+        found |= {(case.name, column): Row(**kept[at]["row"]) for column, at in labels.items() if at in kept}
+    there = {name for name, _ in found} | names
+    order = {name: place for place, name in enumerate(CASES)}
+    together = [*cases, *(case for case in others if case.name in there)]
+    return Stability(sorted(together, key=lambda case: order.get(case.name, len(order))), found)
+
+
+def _label(case: Case, setting: Setting) -> str:
+    """Under which a row is kept."""
+    return f"{case.name} | {setting.column}"
 
 
 def _identity(case: Case, setting: Setting) -> str:

@@ -7,6 +7,7 @@ from warpffrf.study.hard_cases.cases import (
     bars,
     bearing,
     bounces,
+    duplicate_modes,
     edge_contact,
     fast_impact,
     fine_grid,
@@ -16,20 +17,25 @@ from warpffrf.study.hard_cases.cases import (
     incompressible,
     jam,
     long_chain,
+    long_rolling,
     mass_ratio,
+    misaligned,
     over_the_end,
     redundant_loop,
+    rotor,
     singular_pose,
     squeezer,
     stick_slip,
     stiffness_ratio,
+    units,
 )
 
 _ALL = (
     stiffness_ratio.CASE, mass_ratio.CASE, heavy_on_light.CASE, long_chain.CASE, redundant_loop.CASE,
-    singular_pose.CASE, squeezer.CASE, fast_impact.CASE, bars.CASE, bounces.CASE, bounces.DAMPED,
-    grazing.CASE, grazing.LONG_STEPS, over_the_end.CASE, edge_contact.CASE, fine_grid.CASE, incompressible.CASE,
-    bearing.CASE, stick_slip.CASE, friction_ladder.CASE, jam.CASE,
+    singular_pose.CASE, squeezer.CASE, rotor.CASE, duplicate_modes.CASE, units.CASE, fast_impact.CASE, bars.CASE,
+    bounces.CASE, bounces.DAMPED, grazing.CASE, grazing.LONG_STEPS, over_the_end.CASE, edge_contact.CASE,
+    misaligned.CASE, misaligned.SKEWED, fine_grid.CASE, incompressible.CASE, bearing.CASE, stick_slip.CASE,
+    friction_ladder.CASE, jam.CASE, long_rolling.CASE,
 )  # fmt: skip
 
 CASES: dict[str, Case] = {case.name: case for case in _ALL}
