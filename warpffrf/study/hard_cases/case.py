@@ -2,7 +2,7 @@
 
 A case is run over `STEPS`, as many of them as it names, and at its middle step with other tolerances: that of the
 iteration (`Settings.residual_tolerance`), of the energy in a step of an impact (`Settings.energy_tolerance`) where
-impacts are what it is about, and with a local error that halves steps. No run takes more than `most_steps`
+impacts are what it is about, with a local error that halves steps, and with nothing but a wanted `accuracy`. No run takes more than `most_steps`
 steps of the size asked for: with the smallest steps only the beginning is run, and the checks judge what was reached.
 """
 
@@ -19,6 +19,7 @@ from warpffrf.output.result import Result
 STEPS = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)  # s
 TOLERANCES = (1e-4, 1e-6, 1e-11)  # of the iteration, beside the usual one
 ERROR = 1e-4  # of a step, that halves it
+ACCURACY = 1e-3  # wanted of a run that finds its setting itself: what most comparisons pass to
 MOST_STEPS = 10_000
 FEWEST_STEPS = 5  # a run is longer than its case asks for where that is less
 ROWS = 4000  # saved at most
@@ -55,16 +56,19 @@ class Ledger:
 @dataclass(frozen=True)
 class Setting:
     """How a case is run: step [s], tolerances of the iteration and of the energy in a step of an impact, local error
-    allowed (None: steps as they are)."""
+    allowed (None: steps as they are); accuracy that the run finds its own setting for, whatever the rest says."""
 
     step: float
     tolerance: float = Settings.residual_tolerance
     energy: float = Settings.energy_tolerance
     error: float | None = None
+    accuracy: float | None = None
 
     @property
     def column(self) -> str:
         """Its column in table and map."""
+        if self.accuracy is not None:
+            return f"accuracy {self.accuracy:g}"
         if self.error is not None:
             return f"error {self.error:g}"
         if self.energy != Settings.energy_tolerance:
@@ -96,6 +100,7 @@ class Case:
     tolerances: tuple[float, ...] = TOLERANCES
     energies: tuple[float, ...] = ()
     errors: tuple[float, ...] = (ERROR,)
+    accuracies: tuple[float, ...] = (ACCURACY,)
     options: Mapping[str, Any] = field(default_factory=dict)
     most_steps: int = MOST_STEPS
     rows: int = ROWS
@@ -118,7 +123,8 @@ class Case:
         found = [Setting(step) for step in self.steps]
         found += [Setting(self.middle, tolerance=tolerance) for tolerance in self.tolerances]
         found += [Setting(self.middle, energy=energy) for energy in self.energies]
-        return found + [Setting(self.middle, error=error) for error in self.errors]
+        found += [Setting(self.middle, error=error) for error in self.errors]
+        return found + [Setting(self.middle, accuracy=accuracy) for accuracy in self.accuracies]
 
     def step_count(self, step: float) -> int:
         """Steps of a run with steps of `step` [s]."""

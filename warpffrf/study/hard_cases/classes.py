@@ -34,7 +34,7 @@ JOINTS = (1e-8, 1e-6)  # of the length of the scene, or rad: projected positions
 STATED = 1.0 / 3.0  # of an error: what an error budget may be too small by
 WARNS = (
     "smaller step", "reduce step", "shorter step", "step_error=", "results are wrong", "does not resolve",
-    "pass through", "that nothing supplied", "left the table",
+    "pass through", "that nothing supplied", "left the table", "is not kept",
 )  # fmt: skip
 
 

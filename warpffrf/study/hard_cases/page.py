@@ -13,6 +13,7 @@ from warpffrf.verification.markdown import table
 
 MADE = "Made by `warpffrf study stability --out docs/stability`; do not edit."
 COLORS = {PASS: "#4c9f70", DEGRADED: "#ffd166", FAIL: "#ef8354", REFUSED: "#9aa5b1", SILENT: "#7b1e3a"}
+BY_ACCURACY = "accuracy "  # how columns of that kind begin
 LONGEST = 240  # characters of a reason in the page; the table has all
 
 Rows = Mapping[tuple[str, str], Row]
@@ -79,12 +80,12 @@ def page(cases: Sequence[Case], rows: Rows, map_name: str) -> str:
 {MADE}
 
 Every case is run with steps from 1e-7 to 1e-2 s, a bounded number of them, and at its middle step with other tolerances
-of the iteration and with halving by the local error. *pass*, *degraded*: by the energy ledger, the joints and what is
+of the iteration, with halving by the local error, and with `accuracy=` alone, which finds its own setting. *pass*, *degraded*: by the energy ledger, the joints and what is
 known of the case from elsewhere. *fail*: wrong, and the run says so. *refused*: the input is not accepted. *silent*:
 wrong without a word, which must never be. How classes are found: `warpffrf/study/hard_cases/classes.py`.
 
 {len(rows)} runs: {summary}. Cases that pass at some setting: {len(passes)} of {len(cases)}{_named(never)}.
-
+{_unaided(cases, rows)}
 ![cases against steps and tolerances]({map_name})
 
 {table(["case", *columns], grid)}
@@ -98,6 +99,15 @@ def save_map(cases: Sequence[Case], rows: Rows, path: Path) -> Path:
     columns = used_columns(cases, rows)
     kinds = [[rows[case.name, c].kind if (case.name, c) in rows else None for c in columns] for case in cases]
     return save_class_map([case.name for case in cases], columns, kinds, COLORS, path, title="Hard cases")
+
+
+def _unaided(cases: Sequence[Case], rows: Rows) -> str:
+    """How many cases pass with `accuracy=` alone."""
+    own = {name: row.kind for (name, column), row in rows.items() if column.startswith(BY_ACCURACY)}
+    if not own:
+        return ""
+    others = [f"{case.name} ({own[case.name]})" for case in cases if own.get(case.name, PASS) != PASS]
+    return f"With `accuracy=` alone {sum(kind == PASS for kind in own.values())} of {len(own)} pass{_named(others)}.\n"
 
 
 def _named(names: Sequence[str]) -> str:

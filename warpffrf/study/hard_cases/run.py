@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.online import Settings
 from warpffrf.online.run import INTERRUPTED, run
 from warpffrf.output.result import Result
+from warpffrf.output.simulate import simulate
 from warpffrf.study.hard_cases.case import Case, Finding, Setting
 from warpffrf.study.hard_cases.classes import FAIL, REFUSED, Verdict, judge
 from warpffrf.study.hard_cases.memory import MemoryWatch
@@ -49,7 +50,7 @@ def run_case(case: Case, setting: Setting) -> tuple[Result | None, Row]:
     try:
         with MemoryWatch() as memory:
             result = _run(case, case.build, setting)
-        twin = None if case.twin is None else _run(case, case.twin, setting)
+        twin = None if case.twin is None else _run(case, case.twin, _same_steps(setting, result))
     except InputError as error:
         verdict = Verdict(REFUSED, str(error))
     except CRASHES as error:
@@ -69,7 +70,19 @@ def run_case(case: Case, setting: Setting) -> tuple[Result | None, Row]:
     return result, row
 
 
+def _same_steps(setting: Setting, result: Result) -> Setting:
+    """The setting of a run beside one of `setting` that has found its own step."""
+    if setting.accuracy is None or len(result.time) < 2:
+        return setting
+    return replace(setting, accuracy=None, step=float(result.time[1] - result.time[0]))
+
+
 def _run(case: Case, build: Callable[[], Any], setting: Setting) -> Result:
+    if setting.accuracy is not None:
+        result = simulate(build(), case.duration, accuracy=setting.accuracy, progress=False, **case.options)
+        if result.status == INTERRUPTED:
+            raise KeyboardInterrupt
+        return result
     steps = case.step_count(setting.step)
     history = run(
         build(), steps * setting.step, step=setting.step, save_every=-(-steps // case.rows), step_error=setting.error,
