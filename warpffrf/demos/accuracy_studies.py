@@ -1,9 +1,9 @@
-"""Makes docs/studies/accuracy.md: `python -m warpffrf.demos.accuracy_studies [FOLDER] [NAME ...]`, some minutes.
+"""Makes docs/studies/accuracy.md: `python -m warpffrf.demos.accuracy_studies [FOLDER] [NAME ...]`, minutes.
 
-Machines are run with `simulate(accuracy=)`, and what it chose is held against runs of the same machine with other steps,
-contact grids and inertia levels: whether the wanted error is kept, and how much faster the fastest of those is that
-keep it too. Errors are those of the studies of speed against error (`warpffrf.study.speed_against_error.errors`), beside
-a run with FINER times the steps, all inertia terms, and the smallest cells where bodies have what those need.
+Machines are run with `simulate(accuracy=)`, and what it chose is held against runs of the same machine with other
+steps, contact grids and inertia levels: whether the wanted error is kept, and how much faster the fastest of those is
+that keep it too. Errors are those of the studies of speed against error (`warpffrf.study.speed_against_error.errors`),
+beside a run with FINER times the steps, all inertia terms, and the smallest cells where bodies have what those need.
 """
 
 from __future__ import annotations
@@ -76,7 +76,8 @@ MACHINES: dict[str, Machine] = {
         {"start": "equilibrium"},
     ),
     "slider_crank": Machine(
-        "slider-crank, elastic rod", lambda: crank.machine(crank.rod_body(crank.FULL, progress=False)), studies.CRANK_RUN,
+        "slider-crank, elastic rod", lambda: crank.machine(crank.rod_body(crank.FULL, progress=False)),
+        studies.CRANK_RUN,
         points={"rod": [(0.0, 0.0, 0.5 * crank.SECTION)]},
     ),
     "colliding_bars": Machine("two bars collide", colliding_bars, 1.15 * bars.EXACT.duration),

@@ -2,8 +2,9 @@
 
 A case is run over `STEPS`, as many of them as it names, and at its middle step with other tolerances: that of the
 iteration (`Settings.residual_tolerance`), of the energy in a step of an impact (`Settings.energy_tolerance`) where
-impacts are what it is about, with a local error that halves steps, and with nothing but a wanted `accuracy`. No run takes more than `most_steps`
-steps of the size asked for: with the smallest steps only the beginning is run, and the checks judge what was reached.
+impacts are what it is about, with a local error that halves steps, and with nothing but a wanted `accuracy`. No run
+takes more than `most_steps` steps of the size asked for: with the smallest steps only the beginning is run, and the
+checks judge what was reached.
 """
 
 from __future__ import annotations

@@ -67,7 +67,8 @@ def check(result: Result) -> list[Finding]:
 CASE = Case(
     "grazing contact",
     "A roller dips into a plate by 10 um and leaves it, a thousand times: a patch that vanishes and comes back.",
-    build, DIPS * PERIOD, check, steps=(1e-6, 1e-5, 1e-4), most_steps=200_000, tolerances=(), errors=(), rows=20_000,
+    build, DIPS * PERIOD, check, steps=(1e-6, 1e-5, 1e-4), most_steps=200_000, tolerances=(), errors=(),
+    accuracies=(), rows=20_000,
 )  # fmt: skip
 LONG_STEPS = Case(
     "grazing, long steps",
