@@ -67,6 +67,6 @@ CASE = Case(
     "1e6 steps of rolling",
     "Two rollers with friction roll on each other for a million steps, one driven: nothing may drift.",
     build, STEPS * STEP, check, steps=(STEP,), middle=STEP, tolerances=(), errors=(), accuracies=(), most_steps=STEPS,
-    rows=ROWS, ledger=Ledger(gain=(1e-3, 1e-2), loss=(1e-3, 1e-2)), memory=(32.0, 128.0), options={"start": "equilibrium"},
-    slow=True,
+    rows=ROWS, ledger=Ledger(gain=(1e-3, 1e-2), loss=(1e-3, 1e-2)), memory=(32.0, 128.0),
+    options={"start": "equilibrium"}, slow=True,
 )  # fmt: skip
