@@ -88,18 +88,18 @@ def simulate(
     times slower with thousands of local modes. integrator: GeneralizedAlpha, HHT or Newmark; RungeKutta4 and
     EnergyMomentum for checks on free bodies; None: GeneralizedAlpha(rho_inf=0.8), of the monolithic method
     HHT(alpha=-0.3). accuracy: the error wanted of forces, motions and deformations (0.01 for one per cent; pressures
-    may err by twice): chooses step, inertia levels, stiffening, contact grids and cells, and the treatment of local
-    modes from the error budgets of coarse runs (`warpffrf.output.accuracy`), says in the notes what and why, and what
-    only another reduction could give; `step` may be left out, or is the longest. What the scene sets itself is kept,
-    and the scene is not changed: go on with `result.scene`. step_error: halve steps whose local error exceeds it
-    (positions by the radius of gyration, rotations in rad; stiff local modes do not count); `step` is then the longest.
-    local: treatment of the local modes, "quasi_static", or "hht", "exponential", "auto" or a LocalDynamics, for bodies
-    reduced with local_dynamics=True. results, record: files to write (.h5, .rrd); both are also written when the run is
-    interrupted (Ctrl-C, SIGTERM) or fails, with what there is; what cannot be written is in `unwritten` of the Result
-    and in its notes. With stages, results "run.h5" also means "run.NAME.h5" at the end of each stage: a checkpoint to
-    start from. A solver that fails does not raise: see `status` and `message` of the Result. Wrong input raises
-    InputError before the run. Threads may call it at once, and get the same bits: steps go on side by side, all else
-    one after the other (`warpffrf.online.turn`).
+    may err by twice): chooses step, inertia levels, stiffening, contact grids and cells from the error budgets of
+    coarse runs (`warpffrf.output.accuracy`), says in the notes what and why, and what only another reduction could
+    give; `step` may be left out, or is the longest. What the scene sets itself is kept, and the scene is not changed:
+    go on with `result.scene`. step_error: halve steps whose local error exceeds it (positions by the radius of
+    gyration, rotations in rad; stiff local modes do not count); `step` is then the longest. local: treatment of the
+    local modes, "quasi_static", or "hht", "exponential", "auto" or a LocalDynamics, for bodies reduced with
+    local_dynamics=True. results, record: files to write (.h5, .rrd); both are also written when the run is interrupted
+    (Ctrl-C, SIGTERM) or fails, with what there is; what cannot be written is in `unwritten` of the Result and in its
+    notes. With stages, results "run.h5" also means "run.NAME.h5" at the end of each stage: a checkpoint to start from.
+    A solver that fails does not raise: see `status` and `message` of the Result. Wrong input raises InputError before
+    the run. Threads may call it at once, and get the same bits: steps go on side by side, all else one after the other
+    (`warpffrf.online.turn`).
 
     overwrite: replace files of an earlier run; without it existing ones are refused, and files that warpffrf did not
     write always. While it runs, what it has done is put into the folder `run.h5.unfinished` every `keep_every` [s] of

@@ -1,16 +1,16 @@
-"""What the error budget of a run asks for: other options of bodies and contacts, other local modes, another step.
+"""What the error budget of a run asks for: other options of bodies and contacts, another step.
 
     inertia level    the least that keeps every term above the limit (`online.diagnosis.indicator`)
     stiffening       where the deformed inertia, which is of its size, is above the limit
     contact grid     hats of the material grid where they are right enough (`budget.contacts.hats_error`), else cells
     cells            smaller ones, where other cells differ by more than the limit
-    local modes      with inertia, where their quasi-static response is above the limit and the bodies have their mass
     step             h (limit/error)^(1/2), of second order
 
 Options that the user has set are kept: an inertia level other than "auto", a grid other than "auto", stiffening. What
 has been chosen once is only ever made finer, so that runs do not swing between two settings; a run whose budget asks
 for nothing finer is the result, even where something coarser would have done, for it is there. Friction has no rule
-that says how hats err: such contacts keep their grid.
+that says how hats err: such contacts keep their grid. The treatment of local modes stays as it is: faces that have mass
+chatter in an impact, with forces that do not settle with shorter steps; the budget says what their missing inertia is.
 """
 
 from __future__ import annotations
@@ -31,13 +31,12 @@ from warpffrf.online.diagnosis.indicator import TermSize, term_sizes
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.accuracy.setting import AUTO, CELL_ERROR, GRID, HATS, INERTIA, PATCH, STIFFENING, Setting
-from warpffrf.output.budget import bodies, contacts, time_step
+from warpffrf.output.budget import contacts, time_step
 
 ON_MESH = 2.0  # times the rule: linear cells as wide as the spacing of hats add as much again (`grid_rule`)
 FINER = 1.15  # times the steps that second order asks for
 LEAST, MOST = 1.2, 8.0  # times the steps of the run before
 WITHOUT_ESTIMATE = 2.0  # times the steps, where twice the step fails
-STATIC, DYNAMIC = "quasi_static", "hht"
 
 
 @dataclass(frozen=True)
@@ -64,11 +63,11 @@ def inertia_choices(scene: Scene, result: Any, limits: Limits) -> list[Choice]:
         if body.level == AUTO:
             level = least_level([_largest(own, name) > limits.force for name in TERM_NAMES])
             left = [_largest(own, name) for name, kept in zip(TERM_NAMES, LEVELS[level], strict=True) if not kept]
-            why = f"{level!r} leaves out {_percent(float(np.hypot.reduce(left)))}" if left else "all terms count"
+            why = f"{level!r} leaves out {percent(float(np.hypot.reduce(left)))}" if left else "all terms count"
             found.append(Choice(INERTIA, body.name, level, why))
         softened = next(size.on_modes for size in own if size.term == TERM_NAMES[1])
         if not body.stiffening and terms is not None and terms.stiffening is not None and softened > limits.force:
-            found.append(Choice(STIFFENING, body.name, True, f"it is of the size of {_percent(softened)}"))
+            found.append(Choice(STIFFENING, body.name, True, f"it is of the size of {percent(softened)}"))
     return found
 
 
@@ -109,26 +108,13 @@ def _grid(contact: Any, loaded: Any, limits: Limits) -> Choice | None:
     spacing = float(shape.radius_at(0.5 * (grid.z[0] + grid.z[-1]))) * float(grid.pitch)
     errors = [contacts.hats_error(loaded, spacing, of) for of in (contacts.FORCE, contacts.PRESSURE)]
     errors[0] *= ON_MESH
-    told = f"hats would err by {_percent(errors[0])} of the force, {_percent(errors[1])} of pressures"
+    told = f"hats would err by {percent(errors[0])} of the force, {percent(errors[1])} of pressures"
     if np.all(np.isfinite(errors)) and errors[0] <= limits.force and errors[1] <= limits.pressure:
         return Choice(GRID, contact.name, HATS, told)
     if contact.without_patch() is not None:
         return None
     told = told if np.all(np.isfinite(errors)) else "no rule tells how hats would err"
     return Choice(GRID, contact.name, PATCH, told)
-
-
-def local_choice(result: Any, lines: Sequence[BudgetLine], local: Any, limits: Limits) -> tuple[Any, str]:
-    """Treatment of the local modes, and why."""
-    sizes = [line.size for line in lines if line.source == bodies.LOCAL and line.found]
-    if local != STATIC or not sizes:
-        return local, ""
-    why = f"local modes without inertia err by {_percent(max(sizes))}"
-    pairs = result.history.scene.contacts
-    surfaces = [port.surface for contact in pairs for port in contact.ports if not port.rigid]
-    ready = all(surface.local_mass is not None for surface in surfaces)
-    on_hats = all(contact.history.cells is None for contact in map(result.contact, result.contact_names))
-    return (DYNAMIC if max(sizes) > limits.force and ready and on_hats else STATIC), why
 
 
 def steps_wanted(steps: int, lines: Sequence[BudgetLine], limits: Limits) -> tuple[int, str]:
@@ -140,7 +126,7 @@ def steps_wanted(steps: int, lines: Sequence[BudgetLine], limits: Limits) -> tup
     if not known:
         return steps, "nothing moves"
     worst = max(known, key=lambda line: line.size)
-    told = f"it errs by {_percent(worst.size)} of the {worst.of}"
+    told = f"it errs by {percent(worst.size)} of the {worst.of}"
     if worst.size <= limits.force:
         return steps, told
     more = FINER * math.sqrt(worst.size / limits.force)
@@ -161,12 +147,10 @@ def next_setting(
         kind = "body" if choice.option in (INERTIA, STIFFENING) else "contact"
         value = f"{choice.value:.3g}" if isinstance(choice.value, float) else repr(options[key])
         why.append(f"{choice.option}={value} of {kind} {choice.name!r} ({choice.why})")
-    local, told = local_choice(result, lines, now.local, limits)
-    why += [f"local={local!r} ({told})"] if told else []
     steps, told = steps_wanted(now.steps, lines, limits)
-    if steps == now.steps and local == now.local and not finer:
+    if steps == now.steps and not finer:
         return now, [told, *why]
-    return Setting(steps, local, options), [told, *why]
+    return Setting(steps, now.local, options), [told, *why]
 
 
 def _finer(choice: Choice, before: Any) -> bool:
@@ -191,5 +175,6 @@ def _even(steps: float) -> int:
     return whole + whole % 2
 
 
-def _percent(size: float) -> str:
+def percent(size: float) -> str:
+    """A size in words."""
     return f"{100.0 * size:.2g} %"

@@ -1,8 +1,14 @@
-"""The quantities that errors are told of, and what they are beside."""
+"""The quantities that errors are told of, and what they are beside.
+
+The force of a contact in an impact of bodies whose faces have mass is an impulse over one step, J/h. It has no limit as
+the step goes to zero, and its square none that is finite. Rows in which a force is more than `SPIKE` times its median
+are therefore not compared; what such an impulse does is in the motions.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -10,19 +16,24 @@ from warpffrf.model import rotation as rot
 from warpffrf.online.history.history import History
 
 Array = np.ndarray
+SPIKE = 10.0  # times the median of a force under load: the largest of a bounce of balls is 1.4 times
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """One quantity of a run: `values` (T, n) at its saved steps. Errors are lengths of differences over `size`."""
+    """One quantity of a run: `values` (T, n) at its saved steps. Errors are lengths of differences over `size`; values
+    of more than `most` are not compared."""
 
     name: str
     values: Array
     size: float
+    most: float = np.inf
 
-    def apart(self, other: Array) -> Array:
-        """(T,) lengths of the differences from `other` (T, n)."""
-        return np.linalg.norm(self.values - other, axis=1)
+    def apart(self, other: Array, rows: Any = slice(None)) -> Array:
+        """(T,) lengths of the differences from `other` (T, n) of its `rows`."""
+        own = self.values[rows]
+        one, two = (np.linalg.norm(values, axis=1) <= self.most for values in (own, other))
+        return np.where(one & two, np.linalg.norm(own - other, axis=1), 0.0)
 
 
 def quantities(history: History) -> dict[str, Quantity]:
@@ -34,9 +45,9 @@ def quantities(history: History) -> dict[str, Quantity]:
     """
     found = []
     for name, contact in history.contacts.items():
-        found.append(_over_mean_square(f"force of contact {name!r}", contact.force))
+        found.append(_of_force(f"force of contact {name!r}", contact.force))
     for name, contact in history.lumped_contacts.items():
-        found.append(_over_mean_square(f"force of contact {name!r}", contact.force))
+        found.append(_of_force(f"force of contact {name!r}", contact.force))
     for body in history.scene.bodies:
         motion = history.bodies[body.name]
         T = len(motion.position)
@@ -49,6 +60,12 @@ def quantities(history: History) -> dict[str, Quantity]:
             strain = 2.0 * np.pi * np.asarray(body.reduced.frequencies) * motion.modal
             found.append(_over_mean_square(f"deformation of body {body.name!r}", strain))
     return {quantity.name: quantity for quantity in found if quantity.size > 0.0}
+
+
+def _of_force(name: str, values: Array) -> Quantity:
+    sizes = np.linalg.norm(values, axis=1)
+    most = SPIKE * float(np.median(sizes[sizes > 0.0])) if np.any(sizes > 0.0) else np.inf
+    return replace(_over_mean_square(name, values[sizes <= most]), values=values, most=most)
 
 
 def _over_mean_square(name: str, values: Array) -> Quantity:

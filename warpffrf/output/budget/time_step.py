@@ -112,7 +112,7 @@ def _with_finer(
     found = []
     for line in lines:
         if line.of in fine and line.of in finer:
-            d = fine[line.of].apart(finer[line.of].values)
+            d = replace(fine[line.of], most=own[line.of].most).apart(finer[line.of].values)
             size = going_on(d, parts) / own[line.of].size
             if not line.size >= size:
                 line = replace(line, size=size, basis=f"{part} of the run once more with 1/{FINER} of the step")
@@ -165,7 +165,7 @@ def _by_whole(history: History, own: dict[str, Quantity], again: Again) -> list[
     for name, quantity in own.items():
         if name not in coarse:
             continue
-        d = np.linalg.norm(quantity.values[at[same]] - coarse[name].values[same], axis=1)
+        d = quantity.apart(coarse[name].values[same], at[same])
         size = float(np.sqrt(np.mean(d**2))) / quantity.size / _divisor(history)
         lines.append(BudgetLine(SOURCE, name, size, "the run once more with twice the step", CURE))
     return lines
@@ -216,7 +216,8 @@ def _by_windows(
         if fine is None or coarse is None:  # nothing of it in the window
             d = np.zeros(2)
         else:
-            d = np.linalg.norm(fine.values[COARSER - 1 :: COARSER] - coarse.values, axis=1) / divisor
+            rows = slice(COARSER - 1, None, COARSER)
+            d = replace(fine, most=quantity.most).apart(coarse.values, rows) / divisor
         square = float(np.mean(d**2))
         if number < SPREAD:
             squares.append(square)
