@@ -37,8 +37,14 @@ def worst_of(row: Row) -> str:
     """The comparison furthest beyond its limit in words; "" of a run without any."""
     if not row.findings:
         return ""
-    of, error, good, _ = max(row.findings, key=lambda f: f[1] / f[2])
+    of, error, good, _ = max(row.findings, key=_beyond)
     return f"{of} {error:.2g} (passes to {good:g})"
+
+
+def _beyond(finding: Sequence[float]) -> float:
+    """A comparison's error over what passes; over what is wrong where nothing but zero passes."""
+    _, error, good, bad = finding
+    return error / (good or bad or 1.0)
 
 
 def csv_rows(cases: Sequence[Case], rows: Rows) -> list[list[str]]:
