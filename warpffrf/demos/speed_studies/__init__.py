@@ -15,6 +15,7 @@ from warpffrf.demos.speed_studies.bearing import BEARING
 from warpffrf.demos.speed_studies.colliding_bars import COLLIDING_BARS
 from warpffrf.demos.speed_studies.local_treatments import LOCAL_TREATMENTS
 from warpffrf.demos.speed_studies.pressed_rollers import PRESSED_ROLLERS
+from warpffrf.demos.speed_studies.rolling_cells import ROLLING_CELLS
 from warpffrf.demos.speed_studies.rolling_friction import ROLLING_FRICTION
 from warpffrf.demos.speed_studies.slider_crank import SLIDER_CRANK
 from warpffrf.demos.speed_studies.study import Study
@@ -25,6 +26,7 @@ STUDIES: dict[str, Study] = {
     for study in (
         TWO_ROLLERS,
         PRESSED_ROLLERS,
+        ROLLING_CELLS,
         LOCAL_TREATMENTS,
         COLLIDING_BARS,
         SLIDER_CRANK,

@@ -78,7 +78,7 @@ def write_index(studies: Mapping[str, Study], folder: str | Path) -> Path:
         facts = json.loads(file.read_text(encoding="utf-8"))
         heading = f"[{study.heading}]({PAGES}/{name}.md)" + (" (quick)" if facts["quick"] else "")
         best = [facts["wanted"][error] for error in SHOWN]
-        cells = [text for one in best for text in (one["setting"], one["wall"])]
+        cells = [text for one in best for text in (one["setting"] if one["wall"] != "-" else "none", one["wall"])]
         lines.append([heading, str(facts["settings"]), *cells, str(facts["seconds"])])
     head = ["study", "settings", *(text for error in SHOWN for text in (f"fastest within {error}", "wall s/s"))]
     index = folder / INDEX
@@ -98,7 +98,7 @@ reference too is not in these errors.
 
 {table([*head, "made in s"], lines)}
 Figures of one machine, on which each page says what else ran; the table has the fastest setting with at most the error
-of its column in all measures against the reference.
+of its column in all measures against the reference, "none" where there is none or the reference cannot tell.
 """,
         encoding="utf-8",
     )
