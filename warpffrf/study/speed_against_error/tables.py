@@ -107,6 +107,10 @@ def front_table(rows: Sequence[Row], measures: Sequence[str], unit: float | None
     return head, lines
 
 
+def _orders(order: Order) -> str:
+    return ", ".join(f"{p:.2f}" if isfinite(p) else NONE for p in order.orders)
+
+
 def order_table(found: Sequence[Order]) -> tuple[Head, Lines]:
     """A row for each combination of the other choices, a column for each measure: orders from coarse to fine."""
     groups: dict[str, dict[str, Order]] = {}
@@ -115,7 +119,7 @@ def order_table(found: Sequence[Order]) -> tuple[Head, Lines]:
     measures = list(dict.fromkeys(order.measure for order in found))
     lines = []
     for group, by_measure in groups.items():
-        shown = [", ".join(f"{p:.2f}" for p in by_measure[m].orders) if m in by_measure else NONE for m in measures]
+        shown = [_orders(by_measure[m]) if m in by_measure else NONE for m in measures]
         steps = next(iter(by_measure.values())).steps
         lines.append([group, f"{steps[0]:.3g} to {steps[-1]:.3g}", *shown])
     return ["runs", "steps [s]", *measures], lines
