@@ -23,6 +23,7 @@ def test_cells_and_motion_are_of_second_order_in_the_step() -> None:
         history = run(scene, DURATION, step=step, start="equilibrium", save_every=round(EVERY / step), progress=False)
         assert history.status == "completed", history.message
         found = history.contacts[PAIR]
+        assert found.cells is not None
         widths.append(np.asarray(found.cells.half_width))
         forces.append(np.asarray(found.force))
         places.append(history.bodies["upper"].position - history.bodies["upper"].position[0])
