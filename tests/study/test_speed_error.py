@@ -71,6 +71,8 @@ def test_front_is_that_of_brute_force() -> None:
     best = fastest(rows, 0.3, ["force"])
     assert best is not None
     assert best.fastest == min(w for w, e in numbers if e <= 0.3)
+    alike = [Row({"step": w}, "completed", errors={"force": e}, walls=[w]) for w, e in ((1.0, 0.1), (2.0, 0.0999999))]
+    assert front(alike, "force") == alike[:1]
 
 
 def test_order_two_of_a_pendulum_and_going_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

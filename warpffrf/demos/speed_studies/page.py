@@ -92,8 +92,8 @@ Errors are fractions of the whole history (`warpffrf.study.speed_against_error.e
 loop per simulated second, the fastest run of each, and `step U` is the same for one step in units of U. What a run
 costs once stands beside: `set-up`, `checks` when it ends (cells that travel are held against finer ones, for the error
 that the run states), and the reduction, `offline`. A setting is on the front where none is both faster and at least as
-right. Where rounds differ by more than fronts do (`fastest` beside `median`), the order of neighbours on a front is
-chance. Bodies are the same in all runs of a study but for what it chooses: what their meshes and modes leave out in the
+right, to three digits. Where rounds differ by more than fronts do (`fastest` beside `median`), the order of neighbours
+on a front is chance. Bodies are the same in all runs of a study but for what it chooses: what their meshes and modes leave out in the
 reference too is not in these errors.
 
 {table([*head, "made in s"], lines)}

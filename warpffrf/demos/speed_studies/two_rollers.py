@@ -42,6 +42,6 @@ TWO_ROLLERS = Study(
     f"The rim runs at {SURFACE_SPEED:g} m/s, so that hats pass the contact at {SURFACE_SPEED / PITCH * 1e-3:.0f} "
     "kHz, which no step of this study resolves: forces on hats do not converge with these steps. Without rolling "
     "they do, [see there](pressed_rollers.md). Curves of the two inertia levels lie on each other where the level does "
-    "not matter, and which of the two is on a front is then round-off.",
+    "not matter.",
     make,
 )

@@ -1,7 +1,8 @@
 """Pareto fronts of time and error, the fastest setting for a wanted error, and the observed order in the step.
 
-A setting is on the front where none is both faster and at least as right. The order in the step needs no reference: of
-three runs with steps in the constant ratio r and everything else the same, results a, b, c from coarse to fine,
+A setting is on the front where none is both faster and at least as right, to within ALIKE: choices that do not matter
+leave errors that differ by round-off. The order in the step needs no reference: of three runs with steps in the
+constant ratio r and everything else the same, results a, b, c from coarse to fine,
 
     p = log(|a - b| / |b - c|) / log r.
 """
@@ -18,6 +19,7 @@ from warpffrf.study.speed_against_error.runs import Row
 
 STEP = "step"
 WANTED = (0.10, 0.03, 0.01, 0.003, 0.001)
+ALIKE = 1e-3  # relative difference of errors that are the same
 SAME_RATIO = 1e-6  # of steps that are written as decimals
 
 
@@ -46,7 +48,7 @@ def front(rows: Sequence[Row], measure: str) -> list[Row]:
     known = sorted((r for r in rows if measure in r.errors and r.timed), key=lambda r: (r.fastest, r.errors[measure]))
     found: list[Row] = []
     for row in known:
-        if not found or row.errors[measure] < found[-1].errors[measure]:
+        if not found or row.errors[measure] < (1.0 - ALIKE) * found[-1].errors[measure]:
             found.append(row)
     return found
 
