@@ -15,7 +15,7 @@ from warpffrf.demos.speed_studies import slider_crank as crank_study
 from warpffrf.demos.speed_studies.page import write_index, write_study
 
 CRANK_RUN = 0.004  # s
-ORDER = 1.7  # steps of 40 us and less on vibrations of 0.3 ms: 1.9 measured
+ORDER = 1.9  # 2.00 to 2.03 measured
 
 
 def test_a_page_holds_a_row_for_each_run_and_its_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -50,7 +50,6 @@ def test_each_treatment_of_local_modes_is_of_second_order_under_a_smooth_load() 
     assert {row.status for row in found.rows} == {"completed"}
     orders = {(order.group, order.measure): order.orders for order in found.orders()}
     assert len(orders) == 3 * 3  # treatments, measures with histories
-    print(orders)
     assert min(p.min() for p in orders.values()) > ORDER
 
 

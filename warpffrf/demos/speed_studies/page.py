@@ -93,8 +93,8 @@ loop per simulated second, the fastest run of each, and `step U` is the same for
 costs once stands beside: `set-up`, `checks` when it ends (cells that travel are held against finer ones, for the error
 that the run states), and the reduction, `offline`. A setting is on the front where none is both faster and at least as
 right, to three digits. Where rounds differ by more than fronts do (`fastest` beside `median`), the order of neighbours
-on a front is chance. Bodies are the same in all runs of a study but for what it chooses: what their meshes and modes leave out in the
-reference too is not in these errors.
+on a front is chance. Bodies are the same in all runs of a study but for what it chooses: what their meshes and modes
+leave out in the reference too is not in these errors.
 
 {table([*head, "made in s"], lines)}
 Figures of one machine, on which each page says what else ran; the table has the fastest setting with at most the error

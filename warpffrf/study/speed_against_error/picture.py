@@ -68,7 +68,7 @@ def steps_figure(
         ax.set_xticks(shown, [f"{step:g}" for step in shown])
         ax.set_xticks([], minor=True)
         ax.set(xlabel="step [s]")
-        ax.set_title("\n".join([measure, "; ".join(observed_orders(found, measure))]), fontsize=9)
+        ax.set_title("\n".join([measure, *observed_orders(found, measure)]), fontsize=9)
 
     return _figure(rows, measures, apart, f"{title}: error against step (dash-dotted: order 2)", draw)
 
