@@ -4,23 +4,18 @@ Cells are `columns` equal strips across, over the width 2 W around the place whe
 along the meridian of the first surface. Rows of a *line* contact stay where they are; rows of a contact that is short
 (`follows`) lie about the nearest place and grow with W, so that the cells keep their shape.
 
-W follows the pressures: V is `span` times the half-width b, twice the root of the second moment of a strip's pressure,
-sqrt(5) times that of a whole ellipse. (The extent of the active set would jump from cell to cell, and the force with
-it.) An attempt of length h that begins at t_n knows V_n and, kept from the step before, of length h', V_(n-1):
-
-    W = V_n + (V_n - V_(n-1)) h/h',
-
-at most SURE of V_n away from it. V_n alone would be of first order in h, and with it all that the cells' own error,
-which depends on b/W, leaves in pressures and forces. What has no pressure yet is as wide as the surfaces overlap.
-Within an attempt W only changes where the patch reaches the outermost strips, or fills less than half of them.
-Pressures go from old cells to new ones by linear interpolation.
+W follows the pressures of the state that the attempt begins from: `span` times the half-width b, twice the root of the
+second moment of a strip's pressure, sqrt(5) times that of a whole ellipse. (The extent of the active set would jump
+from cell to cell, and the force with it.) What has no pressure yet is as wide as the surfaces overlap. Within an
+attempt W only changes where the patch reaches the outermost strips, or fills less than half of them. Pressures go from
+old cells to new ones by linear interpolation.
 """
 
 import warp as wp
 
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.kinematics.closest_point import (
@@ -43,7 +38,6 @@ COUNTED = wp.constant(wp.float64(0.05))  # of the largest line load: rows with l
 FELT = wp.constant(wp.float64(1.0e-3))
 CONTENT = wp.constant(wp.float64(0.99))  # of the wanted W: pressures in the outermost strips are then what is cut off
 SETTLING = wp.constant(3)  # iterations in which W may shrink
-SURE = wp.constant(wp.float64(0.1))  # of W: what it is expected to change by during an attempt
 FASTEST = wp.constant(wp.float64(1.6))  # change of W from one attempt to the next
 GROWTH = wp.constant(wp.float64(1.5))  # of W where the outermost strips are under pressure
 # of W: what it may be off while a static state is looked for by its energy, which other cells would change by 1e-3
@@ -240,19 +234,9 @@ def move_pressures(
         turn += 1
 
 
-@wp.func
-def expected_width(clock: Clock, wanted: real, before: real) -> real:
-    """W [m] at the end of an attempt, from what is `wanted` at its begin and was `before` the last step (0: none)."""
-    if not (before > real(0.0) and clock.done_step > real(0.0)):
-        return wanted
-    change = (wanted - before) * clock.h / clock.done_step
-    return wanted + wp.clamp(change, -SURE * wanted, SURE * wanted)
-
-
 @wp.kernel
 def locate_patches(
     models: wp.array(dtype=Model),
-    clk: wp.array(dtype=Clock),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
     ctl: inout(wp.array(dtype=Control)),
@@ -262,7 +246,6 @@ def locate_patches(
     active: inout(wp.array3d(dtype=int)),
     pressure: inout(wp.array3d(dtype=real)),
     patch_width: inout(wp.array2d(dtype=real)),
-    patch_wanted: inout(wp.array2d(dtype=real)),
     touched: out(wp.array3d(dtype=int)),
     patch_buffer: out(wp.array3d(dtype=real)),
     patch_place: out(wp.array3d(dtype=real)),
@@ -317,16 +300,11 @@ def locate_patches(
         new = least
     found = extent_of(elements, w, pair, rows, new, active, pressure)
     if found.count == 0:
-        patch_wanted[w, pair] = real(0.0)
         overlap = overlap_width(model, elements, pair, A, B, view, x, z)
         if overlap > new or overlap > real(0.0) and overlap < SPARSE * new:
             new = overlap
     elif ctl[w].iteration == 0:
-        wanted = found.wanted
-        if ctl[w].mode == k.DYNAMIC:
-            wanted = expected_width(clk[w], found.wanted, patch_wanted[w, pair])
-        wanted = wp.clamp(wanted, new / FASTEST, new * FASTEST)
-        patch_wanted[w, pair] = found.wanted
+        wanted = wp.clamp(found.wanted, new / FASTEST, new * FASTEST)
         if ctl[w].downhill == 0 or wp.abs(wanted - new) > LOOSE * new:
             new = wanted
     elif found.reaches != 0:

@@ -68,13 +68,6 @@ class ContactState(Arrays, carried=True):
     patch_width: DeviceArray = reals(
         "world", "pair", unit="m", note="half-width W of cells that travel, 0 before the first look", restored=True
     )
-    patch_wanted: DeviceArray = reals(
-        "world",
-        "pair",
-        unit="m",
-        note="W that the pressures at the begin of the attempt ask for, 0: none",
-        restored=True,
-    )
     pair_force: DeviceArray = reals(
         "world", "pair", 2, 12, unit="N, N m", note="accepted, trial: by the pressures, see `impulsive_contact`"
     )
