@@ -9,6 +9,10 @@ the `dgemm` of the contact stiffness, timed inside the run; other matrix product
 Variants: full (dense LU in each iteration), modified (kept LU), low_rank (local coordinates condensed, contact of low
 rank), each with the weak law of the separated solver ("hats") and with a stiff layer at every FE node ("nodes").
 
+`--columns N`: treads of N columns, 5 N local modes or so a roller, alone (without *demo*): the curve over modes. Steps
+are timed from a state that the settling has left, so that 20 of them are enough (`--steps 20`); `--law` and `--rounds`
+shorten what dense matrices of many thousand rows make long.
+
 `--series` instead: the force of the two laws on treads of finer and finer grids, and what the layer does to it.
 """
 
@@ -17,6 +21,7 @@ from __future__ import annotations
 import argparse
 import json
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -67,6 +72,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
     parser.add_argument("--steps", type=int, default=15)
+    parser.add_argument("--columns", type=int, help="of the tread, which is then the only scene")
+    parser.add_argument("--law", action="append", choices=LAWS, help="of the monolithic variants; repeat, all if none")
+    parser.add_argument("--rounds", type=int, default=ROUNDS, help="how often each is run, the fastest counts")
     parser.add_argument("--series", action="store_true", help="forces of the two laws instead of times")
     given = parser.parse_args()
     about = machine()
@@ -74,30 +82,30 @@ def main() -> None:
         found: dict[str, Any] = {"series": series()}
     else:
         duration = given.steps * STEP
-        body = tread_body(COLUMNS, sectors=SECTORS, layers=LAYERS, axial=AXIAL, modes=0)
-        scenes = {
-            "tread": swinging_pair(body, APPROACH, SWING, RATE, duration),
-            "demo": two_rollers.build(DEMO, progress=False),
-        }
-        for contact in scenes["demo"].contacts:
-            contact.grid = "material"  # the reference has no other; its coarse mesh would get cells that travel
+        body = tread_body(given.columns or COLUMNS, sectors=SECTORS, layers=LAYERS, axial=AXIAL, modes=0)
+        scenes = {"tread": swinging_pair(body, APPROACH, SWING, RATE, duration)}
+        if given.columns is None:
+            scenes["demo"] = two_rollers.build(DEMO, progress=False)
+            for contact in scenes["demo"].contacts:
+                contact.grid = "material"  # the reference has no other; its coarse mesh would get cells that travel
         print(f"U = {about['unit_seconds'] * 1e6:.1f} us")
-        found = {name: compare(name, scene, given.steps, about["unit_seconds"]) for name, scene in scenes.items()}
+        how = given.steps, about["unit_seconds"], given.rounds, given.law or list(LAWS)
+        found = {name: compare(name, scene, *how) for name, scene in scenes.items()}
     if given.json:
         given.json.write_text(json.dumps({**about, **found}, indent=1) + "\n")
 
 
-def compare(name: str, scene: Any, steps: int, unit: float) -> dict[str, Any]:
-    """Time all variants on `scene`, print and return their rows."""
+def compare(name: str, scene: Any, steps: int, unit: float, rounds: int, laws: Sequence[str]) -> dict[str, Any]:
+    """Time all variants with `laws` on `scene`, print and return their rows."""
     duration = steps * STEP
     for item in scene.bodies:
         item.level = "constant"
     histories, best = [], {}
-    for _ in range(ROUNDS):  # all in turn, the fastest of each counts: other work on the machine only slows down
+    for _ in range(rounds):  # all in turn, the fastest of each counts: other work on the machine only slows down
         histories.append(
             run(scene, duration, step=STEP, start="equilibrium", integrator=GeneralizedAlpha(RHO), progress=False)
         )
-        for law in LAWS:
+        for law in laws:
             for variant in VARIANTS:
                 row = measure(scene, duration, variant, law)
                 known = best.get((law, variant))

@@ -1,7 +1,7 @@
-"""Step time against local modes per roller: `python bench/step_vs_modes.py [--json FILE] [--steps N]`.
+"""Step time against local modes per roller: `python bench/step_vs_modes.py [--json FILE] [--steps N] [--large]`.
 
 Same mesh, contact grid, approach and speed; the arc of the rim that carries hats grows, and the patch runs over fresh
-hats.
+hats. `--large`: to 16,000 local modes on a mesh with twice as many cells around; its reductions take minutes.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ from pathlib import Path
 
 from warpffrf.study.step_time import StepTime, machine, time_swing, tread_body
 
-COLUMNS = (56, 222, 889)  # of 960, with 9 hats each: 504, 1,998 and 8,001 local modes
+SECTORS, COLUMNS = 960, (56, 222, 889)  # with 9 hats each: 504, 1,998 and 8,001 local modes
+LARGE_SECTORS, LARGE_COLUMNS = 1920, (56, 222, 889, 1778)  # to 16,002
 APPROACH = 60e-6  # m: about 45 active hats
 ROUNDS = 3  # the fastest counts: other work on the machine only slows down
 
@@ -21,10 +22,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
     parser.add_argument("--steps", type=int, default=2000)
+    parser.add_argument("--large", action="store_true", help="to 16,000 local modes, on a finer mesh")
     given = parser.parse_args()
+    sectors, columns = (LARGE_SECTORS, LARGE_COLUMNS) if given.large else (SECTORS, COLUMNS)
     about = machine()
     unit = about["unit_seconds"]
-    bodies = [tread_body(columns) for columns in COLUMNS]
+    bodies = [tread_body(count, sectors=sectors) for count in columns]
     best: dict[int, StepTime] = {}
     for _ in range(ROUNDS):
         for body in bodies:

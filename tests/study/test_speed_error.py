@@ -14,10 +14,11 @@ from warpffrf.model.surfaces import Plane
 from warpffrf.study.speed_against_error.choices import text_of
 from warpffrf.study.speed_against_error.errors import relative, relative_largest
 from warpffrf.study.speed_against_error.fields import POINTS, Field, squares
-from warpffrf.study.speed_against_error.front import fastest, front
+from warpffrf.study.speed_against_error.front import fastest, front, orders
 from warpffrf.study.speed_against_error.machine import stated, unit_of
 from warpffrf.study.speed_against_error.picture import pareto_figure, steps_figure
 from warpffrf.study.speed_against_error.runs import Row
+from warpffrf.study.speed_against_error.tables import front_table, full_table, order_table, shortened
 from warpffrf.study.speed_against_error.times import common_interval, common_rows
 
 ROUND_OFF = 1e-12
@@ -70,6 +71,8 @@ def test_front_is_that_of_brute_force() -> None:
     best = fastest(rows, 0.3, ["force"])
     assert best is not None
     assert best.fastest == min(w for w, e in numbers if e <= 0.3)
+    alike = [Row({"step": w}, "completed", errors={"force": e}, walls=[w]) for w, e in ((1.0, 0.1), (2.0, 0.0999999))]
+    assert front(alike, "force") == alike[:1]
 
 
 def test_order_two_of_a_pendulum_and_going_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -116,6 +119,33 @@ def test_order_two_of_a_pendulum_and_going_on(tmp_path: Path, monkeypatch: pytes
     in_units = [float(line[head.index("step U")]) for line in lines]
     wanted = [r.fastest * r.setting["step"] / facts["unit_seconds"] for r in whole.rows]
     assert in_units == pytest.approx(wanted, rel=0.01)  # shown with three digits
+
+
+def test_tables_group_runs_and_leave_out_what_says_nothing() -> None:
+    def row(grid: str, step: float, error: float) -> Row:
+        return Row(
+            {"step": step, "grid": grid, "local": "quasi_static"}, "completed", errors={"force": error},
+            walls=[1e-4 / step], graphs=[0.9e-4 / step], set_up=[0.1], after=[0.2], offline=3.0,
+        )  # fmt: skip
+
+    rows = [row("patch", 1e-4, 0.02), row("material", 1e-4, 0.1), row("patch", 2e-4, 0.08), row("material", 2e-4, 0.4)]
+    head, lines = full_table(rows, ["force"], 5e-5)
+    assert head[:3] == ["grid", "step", "force [%]"]
+    assert [line[:2] for line in lines] == [
+        ["patch", "0.0002"], ["patch", "0.0001"], ["material", "0.0002"], ["material", "0.0001"],
+    ]  # fmt: skip
+    assert [line[head.index("step U")] for line in lines] == ["2"] * 4  # 1e-4 s a step, U = 50 us
+    short, kept, same = shortened(head, lines)
+    assert "median" not in short and not set(same) & set(short) and len(kept) == len(rows)
+    assert {"status", "offline s", "step U"} <= set(same) and same["offline s"] == "3"
+    by_front = front_table(rows, ["force"], 5e-5)[1]
+    assert [line[:2] for line in by_front] == [["patch", "0.0002"], ["patch", "0.0001"]]
+    more = [*rows, row("patch", 4e-4, 0.32), row("material", 4e-4, 1.6)]
+    series = {r.label: {"force": np.array([1.0 + r.errors["force"]]), "half": np.array([0.5])} for r in more}
+    head, lines = order_table(orders(more, series))
+    assert head == ["runs", "steps [s]", "force", "half"] and len(lines) == 2
+    # errors fall by four: the differences of runs too; what does not change has no order
+    assert lines[0] == ["grid=patch", "0.0004 to 0.0001", "2.00", "-"]
 
 
 def test_a_sitting_says_what_it_was_beside() -> None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from bearing_scenes import RAMP, Bearing, angles, rings, run_up, sjovall
 
 from warpffrf.online import History, run
+from warpffrf.verification.scenes.bearing import RAMP, Bearing, angles, rings, run_up, sjovall
 
 GAINED, TAKEN = 0.01, 0.02  # of the work done: promised
 LOADS = 0.03  # of the largest load, against rings that keep their round shape but where they touch (Sjoevall)

@@ -68,8 +68,10 @@ def build(size: Size = FULL, *, load: float = LOAD, load_after: float = LOAD_AFT
     return machine(roller_body(size, progress=progress), load=load, load_after=load_after, load_step_at=LOAD_STEP_AT)
 
 
-def roller_body(size: Size = FULL, *, patch_grid: bool | None = None, progress: bool = True) -> wf.ReducedBody:
-    """The reduced roller, with interface `bore` and contact surface `rim`; `patch_grid` as of `reduce`."""
+def roller_body(
+    size: Size = FULL, *, patch_grid: bool | None = None, local_dynamics: bool = False, progress: bool = True
+) -> wf.ReducedBody:
+    """The reduced roller, with interface `bore` and contact surface `rim`; the options as of `reduce`."""
     steel = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850, name="steel")
     mesh = wf.mesh.roller(
         OUTER_RADIUS,
@@ -88,6 +90,7 @@ def roller_body(size: Size = FULL, *, patch_grid: bool | None = None, progress: 
         contact={"rim": wf.surfaces.Cylinder()},
         max_frequency=MAX_FREQUENCY,
         patch_grid=patch_grid,
+        local_dynamics=local_dynamics,
         cache=False,
         progress=progress,
     )

@@ -16,7 +16,6 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.model import joints, signals
-from warpffrf.model.contact import Contact
 from warpffrf.model.forces import JointSpringDamper, PointForce
 from warpffrf.model.scene import Scene
 from warpffrf.output.budget.quantities import quantities
@@ -69,11 +68,7 @@ def driven_mass() -> Scene:
 
 def colliding_bars() -> Scene:
     """Two bars with 20 modes, one of which runs into the other."""
-    body, scene = bars.bar(20), Scene()
-    first = scene.add_body(body, name="first", velocity=(bars.SPEED, 0.0, 0.0))
-    second = scene.add_body(body, name="second", position=(bars.LENGTH + bars.GAP, 0.0, 0.0))
-    scene.add(Contact(first["right"], second["left"], name="pair"))
-    return scene
+    return bars.meeting(bars.bar(20))
 
 
 def swinging_rollers() -> Scene:

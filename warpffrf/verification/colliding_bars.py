@@ -101,16 +101,22 @@ class Collision:
     status: str
 
 
+def meeting(body: ReducedBody, *, speed: float = SPEED, gap: float = GAP, damping: Any = None) -> Scene:
+    """Two bars "first", which comes at `speed` [m/s], and "second", at rest behind a `gap` [m]; contact "pair".
+    damping: of the modes, None for the default of a body."""
+    scene = Scene()
+    first = scene.add_body(body, name="first", velocity=(speed, 0.0, 0.0), damping=damping)
+    second = scene.add_body(body, name="second", position=(LENGTH + gap, 0.0, 0.0), damping=damping)
+    scene.add(Contact(first["right"], second["left"], name="pair"))
+    return scene
+
+
 def collide(modes: int, *, damping: Any = None, local: Any = "quasi_static", phase: float = 0.0) -> Result:
-    """The left bar comes at SPEED, the right one is at rest. damping: of the modes, None for the default; phase: of the
-    touch in a step."""
+    """Bars with `modes` modes meet at SPEED. damping: of the modes, None for the default; phase: of the touch in a
+    step."""
     body = bar(modes)
     h = 1.0 / (STEPS * body.frequencies[-1])
-    scene = Scene()
-    place = (LENGTH + GAP + phase * SPEED * h, 0.0, 0.0)
-    first = scene.add_body(body, name="first", velocity=(SPEED, 0.0, 0.0), damping=damping)
-    second = scene.add_body(body, name="second", position=place, damping=damping)
-    scene.add(Contact(first["right"], second["left"], name="pair"))
+    scene = meeting(body, gap=GAP + phase * SPEED * h, damping=damping)
     steps = int(np.ceil(AFTER * EXACT.duration / h))
     return simulate(scene, steps * h, step=h, local=local, progress=False)
 

@@ -11,5 +11,8 @@ machine    what times were taken on
 runs       a run and what it costs
 front      Pareto fronts, orders in the step
 picture    error against time, error against step
-study      the reference, the rounds, tables: what users see
+tables     of all runs, of fronts, of orders in the step
+report     everything as Markdown
+outcome    what a study returns: fronts, the setting for a wanted error, files
+study      the reference, the rounds: what users call
 """

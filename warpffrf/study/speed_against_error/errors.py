@@ -25,6 +25,8 @@ from warpffrf.study.speed_against_error.places import motion_of
 
 MEASURES = ("force", "force_max", "pressure", "displacement", "deformation", "stress", "energy")
 OF_CONTACT = ("force", "force_max", "pressure")
+OWN = ("energy",)  # of a run by itself, without a reference
+RECOMMENDED = ("force", "pressure", "displacement", "deformation", "stress")  # that a wanted error is of
 
 
 def relative(values: np.ndarray, reference: np.ndarray) -> float:

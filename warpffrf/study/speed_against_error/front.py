@@ -1,7 +1,8 @@
 """Pareto fronts of time and error, the fastest setting for a wanted error, and the observed order in the step.
 
-A setting is on the front where none is both faster and at least as right. The order in the step needs no reference: of
-three runs with steps in the constant ratio r and everything else the same, results a, b, c from coarse to fine,
+A setting is on the front where none is both faster and at least as right, to within ALIKE: choices that do not matter
+leave errors that differ by round-off. The order in the step needs no reference: of three runs with steps in the
+constant ratio r and everything else the same, results a, b, c from coarse to fine,
 
     p = log(|a - b| / |b - c|) / log r.
 """
@@ -13,10 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpffrf.study.speed_against_error.choices import label_of, text_of
+from warpffrf.study.speed_against_error.choices import text_of
 from warpffrf.study.speed_against_error.runs import Row
 
+STEP = "step"
 WANTED = (0.10, 0.03, 0.01, 0.003, 0.001)
+ALIKE = 1e-3  # relative difference of errors that are the same
 SAME_RATIO = 1e-6  # of steps that are written as decimals
 
 
@@ -31,12 +34,21 @@ def label_in(names: Sequence[str], row: Row) -> str:
     return ", ".join(f"{name}={text_of(row.setting.get(name, 'as given'))}" for name in names)
 
 
+def grouped(rows: Sequence[Row]) -> dict[str, list[Row]]:
+    """Rows that differ in the step only, coarse steps first, by what sets the group apart."""
+    names = [name for name in changed_names(rows) if name != STEP]
+    found: dict[str, list[Row]] = {}
+    for row in rows:
+        found.setdefault(label_in(names, row) or "all", []).append(row)
+    return {label: sorted(group, key=lambda row: -row.setting[STEP]) for label, group in found.items()}
+
+
 def front(rows: Sequence[Row], measure: str) -> list[Row]:
     """The rows that are on the front of `measure`, from fast to slow."""
     known = sorted((r for r in rows if measure in r.errors and r.timed), key=lambda r: (r.fastest, r.errors[measure]))
     found: list[Row] = []
     for row in known:
-        if not found or row.errors[measure] < found[-1].errors[measure]:
+        if not found or row.errors[measure] < (1.0 - ALIKE) * found[-1].errors[measure]:
             found.append(row)
     return found
 
@@ -62,24 +74,19 @@ class Order:
 
 def orders(rows: Sequence[Row], series: Mapping[str, Mapping[str, np.ndarray]]) -> list[Order]:
     """Orders of all groups of at least three steps, by measure; `series`: label -> measure -> values of the run."""
-    groups: dict[str, list[Row]] = {}
-    for row in rows:
-        if row.label in series:
-            rest = {name: value for name, value in row.setting.items() if name != "step"}
-            groups.setdefault(label_of(rest), []).append(row)
     found = []
-    for group, members in groups.items():
-        members = sorted(members, key=lambda r: -r.setting["step"])
+    for group, members in grouped([row for row in rows if row.label in series]).items():
         if len(members) < 3:
             continue
-        steps = np.array([r.setting["step"] for r in members])
+        steps = np.array([r.setting[STEP] for r in members])
         for measure in series[members[0].label]:
             values = [series[r.label][measure] for r in members]
             size = float(np.linalg.norm(values[-1]))
             if size == 0.0 or any(v.shape != values[-1].shape for v in values):
                 continue
             apart = np.array([np.linalg.norm(a - b) for a, b in zip(values, values[1:], strict=False)]) / size
-            local = str(members[0].setting.get("local"))
+            local = members[0].setting.get("local")
+            local = str(getattr(local, "treatment", local))
             found.append(Order(group, local, measure, steps, apart, _rates(steps, apart)))
     return found
 

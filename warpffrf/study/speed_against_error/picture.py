@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.output.plots.panels import COLORS, COLUMNS, DPI, MARKS, PANEL_SIZE, REFERENCE_DASH
-from warpffrf.study.speed_against_error.front import Order, changed_names, front, label_in
+from warpffrf.study.speed_against_error.front import Order, front, grouped
 from warpffrf.study.speed_against_error.runs import Row
 
 MOST_NAMED = 24  # curves in the legend: so many differ in colour and mark
@@ -21,24 +21,17 @@ LEGEND_LINE = 0.19  # inches
 TICKS = (1.0, 2.0, 5.0)  # of each decade of times
 EXPECTED = 2.0  # order in the step, of all integrators that simulate takes
 
-Group = list[Row]
 
-
-def grouped(rows: Sequence[Row]) -> dict[str, Group]:
+def curves(rows: Sequence[Row]) -> dict[str, list[Row]]:
     """Rows with times that differ in the step only, coarse steps first, by what sets the group apart."""
-    names = [name for name in changed_names(rows) if name != "step"]
-    found: dict[str, Group] = {}
-    for row in rows:
-        if row.timed:
-            found.setdefault(label_in(names, row) or "all", []).append(row)
-    return {label: sorted(group, key=lambda row: -row.setting["step"]) for label, group in found.items()}
+    return grouped([row for row in rows if row.timed])
 
 
 def pareto_figure(rows: Sequence[Row], measures: Sequence[str], apart: Mapping[str, float], title: str) -> Any:
     """Errors [%] of all `rows` against the fastest wall time per simulated second; those on the front are circled."""
 
     def draw(ax: Any, measure: str) -> None:
-        for n, group in enumerate(grouped(rows).values()):
+        for n, group in enumerate(curves(rows).values()):
             with_error = [row for row in group if measure in row.errors]
             _curve(ax, n, [row.fastest for row in with_error], [row.errors[measure] for row in with_error])
         best = front(rows, measure)
@@ -57,12 +50,12 @@ def steps_figure(
     """Errors [%] against the step [s], beside the slope of order two. Of measures that have histories titles give the
     range of the observed orders, between the finest steps, by treatment of local modes. None where no group has two
     steps."""
-    if all(len(group) < 2 for group in grouped(rows).values()):
+    if all(len(group) < 2 for group in curves(rows).values()):
         return None
 
     def draw(ax: Any, measure: str) -> None:
         ends: list[tuple[float, float]] = []
-        for n, group in enumerate(grouped(rows).values()):
+        for n, group in enumerate(curves(rows).values()):
             with_error = [row for row in group if measure in row.errors]
             steps, errors = [row.setting["step"] for row in with_error], [row.errors[measure] for row in with_error]
             _curve(ax, n, steps, errors)
@@ -75,7 +68,7 @@ def steps_figure(
         ax.set_xticks(shown, [f"{step:g}" for step in shown])
         ax.set_xticks([], minor=True)
         ax.set(xlabel="step [s]")
-        ax.set_title("\n".join([measure, "; ".join(observed_orders(found, measure))]), fontsize=9)
+        ax.set_title("\n".join([measure, *observed_orders(found, measure)]), fontsize=9)
 
     return _figure(rows, measures, apart, f"{title}: error against step (dash-dotted: order 2)", draw)
 
@@ -111,7 +104,7 @@ def _figure(
 
     down = -(-len(measures) // COLUMNS)
     across = -(-len(measures) // down)
-    labels = list(grouped(rows))[:MOST_NAMED]
+    labels = list(curves(rows))[:MOST_NAMED]
     size = (PANEL_SIZE[0] * across, PANEL_SIZE[1] * down + LEGEND_LINE * (len(labels) + 2))
     figure = Figure(figsize=size, dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
@@ -137,6 +130,6 @@ def _figure(
     figure.legend(
         keys, [*labels, "reference, from twice its step"], loc="outside lower left", fontsize=8, frameon=False
     )
-    more = len(grouped(rows)) - len(labels)
+    more = len(curves(rows)) - len(labels)
     figure.suptitle(title + (f"; {more} more curves are not named" if more else ""), fontsize=10)
     return figure

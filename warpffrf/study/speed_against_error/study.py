@@ -7,17 +7,13 @@ how far it is converged: of a method of second order its own error is a third of
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from warpffrf import __version__
 from warpffrf.model.errors import InputError, require_count, require_number
-from warpffrf.model.output_paths import checked_output_path, written_whole
 from warpffrf.model.progress import Progress
-from warpffrf.output.plots.picture import write_picture
 from warpffrf.study.speed_against_error.choices import (
     BUILT_IN,
     Choices,
@@ -25,142 +21,17 @@ from warpffrf.study.speed_against_error.choices import (
     default_choices,
     given_choices,
     label_of,
-    text_of,
 )
 from warpffrf.study.speed_against_error.errors import contact_forces, errors_of, measures_of
 from warpffrf.study.speed_against_error.folder import Folder
-from warpffrf.study.speed_against_error.front import WANTED, Order, changed_names, fastest, front, label_in, orders
-from warpffrf.study.speed_against_error.machine import load_before, sitting, stated, unit_of
+from warpffrf.study.speed_against_error.machine import load_before, sitting
 from warpffrf.study.speed_against_error.machines import Machines, source_of
-from warpffrf.study.speed_against_error.picture import pareto_figure, steps_figure
+from warpffrf.study.speed_against_error.outcome import SpeedError
 from warpffrf.study.speed_against_error.places import check_points, motion_of
 from warpffrf.study.speed_against_error.runs import Row, refused, run_setting
 from warpffrf.study.speed_against_error.times import check_interval, common_interval, common_rows
-from warpffrf.verification.markdown import table
 
 REFINED = 4
-RECOMMENDED = ("force", "pressure", "displacement", "deformation", "stress")  # that a wanted error is of
-
-
-class SpeedError:
-    """A study: `rows`, the `reference` (setting, differences from twice its step), `left_out` (name, value, reason),
-    `sittings`, the machines that times were taken on."""
-
-    def __init__(
-        self,
-        title: str,
-        measures: tuple[str, ...],
-        rows: list[Row],
-        reference: dict[str, Any],
-        left_out: list[tuple[str, str, str]],
-        series: dict[str, dict[str, Any]],
-        sittings: list[dict[str, Any]],
-    ) -> None:
-        self.title, self.measures, self.rows = title, measures, rows
-        self.reference, self.left_out, self._series = reference, left_out, series
-        self.sittings = sittings
-
-    def front(self, measure: str) -> list[Row]:
-        """Rows that no other is both faster and at least as right as, from fast to slow."""
-        if measure not in self.measures:
-            raise InputError(f"speed_error: {measure!r} was not measured; known: {', '.join(self.measures)}")
-        return front(self.rows, measure)
-
-    def recommended(self, error: float, measures: Sequence[str] | None = None) -> Row:
-        """The fastest row with at most `error` (a fraction) in all `measures`, by default all against the reference.
-        Raises `InputError` for an error below what the reference itself differs by from twice its step, and where no
-        row has it, which says the least that was reached."""
-        require_number(error, "speed_error: error", positive=True)
-        wanted = [m for m in RECOMMENDED if m in self.measures] if measures is None else list(measures)
-        known = {m: float(self.reference["apart"].get(m, 0.0)) for m in wanted}
-        least_known = max(known, key=lambda m: known[m], default=None)
-        if least_known is not None and error < known[least_known]:
-            raise InputError(
-                f"speed_error: an error of {error:g} cannot be told by this study: in {least_known} its reference "
-                f"differs from twice its own step by {known[least_known]:.2g}; "
-                "give it a finer step, reference={'step': ...}"
-            )
-        found = fastest(self.rows, error, wanted)
-        if found is None:
-            worst = [max(r.errors.get(m, float("inf")) for m in wanted) for r in self.rows if r.timed]
-            least = f"the least reached is {min(worst):.2g}" if worst else "no run was completed"
-            raise InputError(f"speed_error: no setting of this study is within {error:g}; {least}; refine its choices")
-        return found
-
-    def orders(self) -> list[Order]:
-        """Observed orders in the step."""
-        return orders(self.rows, self._series)
-
-    def table(self) -> tuple[list[str], list[list[str]]]:
-        """Head and rows of the table, the marks of fronts in the last column but one."""
-        names = changed_names(self.rows)
-        marks = {m: {id(row) for row in front(self.rows, m)} for m in self.measures}
-        head = [*names, *(f"{m} [%]" for m in self.measures), "wall s/s, fastest", "median", "in graph",
-                "step U", "set-up s", "checks s", "offline s", "on the front of", "status"]  # fmt: skip
-        lines, unit = [], unit_of(self.sittings)
-        for row in self.rows:
-            errors = [f"{100.0 * row.errors[m]:.3g}" if m in row.errors else "-" for m in self.measures]
-            times = (
-                [
-                    f"{row.fastest:.4g}",
-                    f"{row.median:.4g}",
-                    f"{min(row.graphs):.4g}",
-                    f"{row.fastest * row.setting['step'] / unit:.3g}" if unit else "-",
-                    f"{row.set_up[0]:.3g}",
-                    f"{min(row.after):.3g}",
-                ]
-                if row.walls
-                else ["-"] * 6
-            )
-            on = ", ".join(m for m in self.measures if id(row) in marks[m])
-            values = [text_of(row.setting.get(n, "as given")) for n in names]
-            lines.append(
-                [*values, *errors, *times, f"{row.offline:.3g}", on, f"{row.status}: {row.reason}".rstrip(": ")]
-            )
-        return head, lines
-
-    def report(self) -> str:
-        """Everything as Markdown."""
-        apart = ", ".join(f"{m} {100.0 * e:.2g} %" for m, e in self.reference["apart"].items())
-        lines = [
-            f"Reference: {self.reference['label']}; from twice its step it differs by {apart or 'nothing measured'}.",
-            *("\n" + stated(facts) for facts in self.sittings),
-            "",
-        ]
-        lines += [table(*self.table()), "", "Fastest within a wanted error of all measures against the reference:", ""]
-        names = changed_names(self.rows)
-        for error in WANTED:
-            try:
-                best = self.recommended(error)
-                lines.append(f"- {error:.1%}: {label_in(names, best) or best.label}")
-            except InputError as none:
-                lines.append(f"- {error:.1%}: {none}")
-        lines += ["", *(f"Left out: {name} {value}: {reason}." for name, value, reason in self.left_out)]
-        for order in self.orders():
-            shown = ", ".join(f"{p:.2f}" for p in order.orders)
-            lines.append(f"Order in the step, {order.measure}: {shown} ({order.group})")
-        return "\n".join(lines) + "\n"
-
-    def write(self, folder: str | Path, *, overwrite: bool = False) -> list[Path]:
-        """Write speed_error.csv, .md and .png, the fronts, and speed_error_steps.png where steps were chosen. Raises
-        `InputError` for files that cannot be written, or exist where `overwrite` is not set."""
-        head, lines = self.table()
-        text = io.StringIO()
-        csv.writer(text).writerows([["warpffrf speed_error", self.title], head, *lines])
-        files = {"speed_error.csv": text.getvalue(), "speed_error.md": f"<!-- warpffrf -->\n{self.report()}"}
-        paths = [checked_output_path(Path(folder) / name, "speed_error", overwrite=overwrite) for name in files]
-        for path, content in zip(paths, files.values(), strict=True):
-            with written_whole(path) as partial:
-                partial.write_text(content, encoding="utf-8")
-        return paths + self.draw(Path(folder) / "speed_error", overwrite=overwrite)
-
-    def draw(self, stem: str | Path, *, overwrite: bool = False) -> list[Path]:
-        """Write the pictures STEM.png and, where steps were chosen, STEM_steps.png; raises as `write` does."""
-        about = self.rows, self.measures, self.reference["apart"]
-        pareto = pareto_figure(*about, self.title)
-        steps = steps_figure(*about, self.orders(), self.title)
-        figures = {f"{stem}.png": pareto} | ({} if steps is None else {f"{stem}_steps.png": steps})
-        return [write_picture(figure, path, "speed_error", overwrite=overwrite) for path, figure in figures.items()]
 
 
 def speed_error(

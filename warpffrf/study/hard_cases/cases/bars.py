@@ -10,13 +10,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from warpffrf.model.contact import Contact
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.output.result import Result
 from warpffrf.study.hard_cases.case import Case, Finding
 from warpffrf.verification.closed_forms.impact import BarImpact
-from warpffrf.verification.colliding_bars import LENGTH, SIDE, STEEL, bar
+from warpffrf.verification.colliding_bars import LENGTH, SIDE, STEEL, bar, meeting
 
 SPEED, GAP, MODES = 10.0, 1e-4, 20  # m/s, m
 EXACT = BarImpact(STEEL, LENGTH, SIDE**2, SPEED)
@@ -30,11 +29,7 @@ def _body() -> ReducedBody:
 
 def build() -> Scene:
     """The left bar comes, the right one is at rest."""
-    scene = Scene()
-    first = scene.add_body(_body(), name="first", velocity=(SPEED, 0.0, 0.0))
-    second = scene.add_body(_body(), name="second", position=(LENGTH + GAP, 0.0, 0.0))
-    scene.add(Contact(first["right"], second["left"], name="pair"))
-    return scene
+    return meeting(_body(), speed=SPEED, gap=GAP)
 
 
 def check(result: Result) -> list[Finding]:

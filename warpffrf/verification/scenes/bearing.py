@@ -1,4 +1,8 @@
-"""A bearing of light rigid rollers between two flexible rings, run up under a radial load."""
+"""A bearing of light rigid rollers between two flexible rings, run up under a radial load.
+
+Shaft and cage are driven from rest to speed; the load hangs on the shaft, which slides on soft springs. Each roller
+stands in a pocket of the cage, on a soft spring that keeps it on one ring where it is not pressed.
+"""
 
 from __future__ import annotations
 
@@ -29,10 +33,12 @@ class Bearing:
 
     @property
     def radius(self) -> float:
+        """Of a roller [m]."""
         return 0.0045 if self.count > 15 else 0.005
 
     @property
     def outer(self) -> float:
+        """Of the outer raceway [m]."""
         return INNER + 2.0 * self.radius + self.clearance
 
     @property
@@ -41,22 +47,25 @@ class Bearing:
         return INNER / (INNER + self.outer)
 
 
-def rings(bearing: Bearing, half_width: float) -> tuple[ReducedBody, ReducedBody]:
+def rings(bearing: Bearing, half_width: float, *, patch_grid: bool | None = None) -> tuple[ReducedBody, ReducedBody]:
+    """Inner ring and outer ring in linear cells of half of `half_width` [m]; patch_grid: as of `reduce`."""
     sectors = int(2.0 * np.pi * bearing.outer / (0.5 * half_width))
     inner = reduce(
         roller(INNER, BORE, WIDTH, half_width=half_width, order=1, axial=4), STEEL, interfaces={"bore": "rigid"},
-        contact={"rim": surfaces.Cylinder()}, modes=10, cache=False, progress=False,
+        contact={"rim": surfaces.Cylinder()}, modes=10, patch_grid=patch_grid, cache=False,
+        progress=False,
     )  # fmt: skip
     outer = reduce(
         sleeve(bearing.outer, bearing.outer + WALL, WIDTH, sectors=sectors, order=1, axial=4), STEEL,
-        interfaces={"outside": "rigid"}, contact={"bore": surfaces.Bore()}, modes=10, cache=False, progress=False,
+        interfaces={"outside": "rigid"}, contact={"bore": surfaces.Bore()}, modes=10, patch_grid=patch_grid,
+        cache=False, progress=False,
     )  # fmt: skip
     return inner, outer
 
 
 def run_up(bearing: Bearing, bodies: tuple[ReducedBody, ReducedBody], ramp: float = RAMP) -> Scene:
-    """Shaft and cage driven from rest to speed in `ramp` [s]; the load [N] hangs on the shaft, which slides on springs.
-    Rollers stand in pockets of the cage, a soft spring each that keeps them on one ring where they are not pressed."""
+    """The scene around the rings `bodies`, inner and outer, which reaches its speed in `ramp` [s]; pairs "in 0",
+    "out 0", ..."""
     inner, outer = bodies
     scene = Scene(gravity=(0.0, 0.0, -9.81))
     housing = scene.add_body(outer, name="outer")
