@@ -31,10 +31,9 @@ ROLLING_CELLS = Study(
     "The machine of [the two rollers](two_rollers.md) on cells that travel with the patch, spun up while the load "
     "rises. In the steps of that study errors of the force are round about 1e-5 and of no order: what is left then is "
     f"the vibration of the rollers on their contact, of 0.3 ms, which steps of {STEPS[0]:g} s and less resolve.\n\n"
-    "The force is of order two here. Where bodies are, and pressures, are of order one, and small: cells have the "
-    "width "
-    "that the pressures at the begin of a step ask for [`patch.place`], which is late by a step, and the cells' own "
-    "error depends on it. A width extrapolated to the end of the step makes all of it order two, but follows the "
-    "vibration of light bodies, such as the rollers of [the bearing](bearing.md), and is not taken for that.",
+    "The force is of order two here. Where bodies are, and pressures, are of order one, and their errors small: cells "
+    "have the width that the pressures at the begin of a step ask for [`patch.place`], which is late by a step, and "
+    "the cells' own error depends on it. A width extrapolated to the end of the step makes all of it of order two, and "
+    "is not taken: in [the bearing](bearing.md) it made runs of neighbouring steps differ by far more than now.",
     make,
 )
