@@ -71,12 +71,7 @@ BEARING = Study(
     "stand on: nodes of rings in linear cells of that size, or cells that travel with the patch, chosen for an error "
     "of so many percent. Contacts are about 0.13 mm wide to each side, where they are loaded most. The mesh of the "
     f"reference, {REFERENCE}, is the coarse one: what it leaves out of the rings is not in these errors. "
-<<<<<<< HEAD
-    "The rollers are light and vibrate between the rings far above the frequencies that these steps resolve: there is "
-    "no order in the step to be seen.",
-=======
     "The rollers weigh 7 g between contacts of some 1e9 N/m: by that estimate they vibrate at about 80 kHz, which no "
     "step of this study resolves, and an order in the step is not to be expected.",
->>>>>>> studies
     make,
 )
