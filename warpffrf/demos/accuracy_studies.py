@@ -20,14 +20,15 @@ import numpy as np
 
 import warpffrf as wf
 from warpffrf.demos import slider_crank as crank
-from warpffrf.demos import speed_studies as studies
 from warpffrf.demos import two_rollers as rollers
 from warpffrf.demos.checks import writable_folder
+from warpffrf.demos.speed_studies import slider_crank as crank_study
+from warpffrf.demos.speed_studies import two_rollers as roller_study
+from warpffrf.demos.speed_studies.reduced import roller
 from warpffrf.model.contact import CELL_ERRORS
-from warpffrf.study.budget_check import driven_mass, pendulum
+from warpffrf.study.budget_check import BARS, colliding_bars, driven_mass, pendulum
 from warpffrf.study.speed_against_error.errors import errors_of, measures_of
 from warpffrf.study.speed_against_error.machines import applied
-from warpffrf.verification import colliding_bars as bars
 from warpffrf.verification.markdown import table
 
 ACCURACY = 0.01
@@ -51,36 +52,27 @@ class Machine:
     measures: tuple[str, ...] | None = None
 
 
-def colliding_bars() -> wf.Scene:
-    """Two bars with 20 modes, one of which runs into the other."""
-    body, scene = bars.bar(20), wf.Scene()
-    first = scene.add_body(body, name="first", velocity=(bars.SPEED, 0.0, 0.0))
-    second = scene.add_body(body, name="second", position=(bars.LENGTH + bars.GAP, 0.0, 0.0))
-    scene.add(wf.Contact(first["right"], second["left"], name="pair"))
-    return scene
-
-
 MACHINES: dict[str, Machine] = {
     "pendulum": Machine("a pendulum", pendulum, 4.0),
     "driven_mass": Machine("a mass on a spring, driven", driven_mass, 4.0),
     "two_rollers": Machine(
         "two rollers, spun up and loaded",
-        lambda: rollers.machine(studies._roller(False), load_step_at=studies.ROLLER_LOAD_STEP),
-        studies.ROLLER_RUN,
+        lambda: rollers.machine(roller(False), load_step_at=roller_study.LOAD_STEP),
+        roller_study.RUN,
         {"start": "equilibrium"},
     ),
     "pressed_rollers": Machine(
         "the rollers without rolling",
-        lambda: rollers.machine(studies._roller(False), load_step_at=studies.ROLLER_LOAD_STEP, speed=0.0),
-        studies.ROLLER_RUN,
+        lambda: rollers.machine(roller(False), load_step_at=roller_study.LOAD_STEP, speed=0.0),
+        roller_study.RUN,
         {"start": "equilibrium"},
     ),
     "slider_crank": Machine(
         "slider-crank, elastic rod", lambda: crank.machine(crank.rod_body(crank.FULL, progress=False)),
-        studies.CRANK_RUN,
+        crank_study.RUN,
         points={"rod": [(0.0, 0.0, 0.5 * crank.SECTION)]},
     ),
-    "colliding_bars": Machine("two bars collide", colliding_bars, 1.15 * bars.EXACT.duration),
+    "colliding_bars": Machine("two bars collide", colliding_bars, BARS),
 }  # fmt: skip
 
 

@@ -1,0 +1,19 @@
+"""The study of runs to a wanted accuracy."""
+
+from __future__ import annotations
+
+from warpffrf.demos.accuracy_studies import FINER, MACHINES, RATIOS, measure, others, page
+
+
+def test_other_steps_meet_those_of_the_reference() -> None:
+    for steps in (64, 206, 1450):
+        found = others(steps)
+        assert len(found) >= 3 and all(FINER * steps % n == 0 for n in found)
+        assert min(found) < steps < max(found) <= 2 * max(RATIOS) * steps
+
+
+def test_a_machine_is_measured() -> None:
+    found = measure(MACHINES["pendulum"], progress=False)
+    assert found.chosen.kept and found.best is not None
+    assert found.best.seconds <= found.chosen.seconds
+    assert "| a pendulum |" in page([found])
