@@ -61,7 +61,7 @@ bench: $(STAMP)
 bench-store: $(STAMP)
 	$(BIN)/python bench/compare_runs.py --store
 
-# docs/speed_error.md and its pictures, docs/stability: some minutes, on a quiet machine.
+# docs/speed_error.md with a page a study, docs/stability: half an hour, on a quiet machine.
 study: $(STAMP)
 	$(BIN)/python -m warpffrf.demos.speed_studies docs
 	$(BIN)/warpffrf study stability --overwrite --out docs/stability
