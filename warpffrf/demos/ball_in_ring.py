@@ -161,7 +161,7 @@ def panels(result: wf.Result) -> list:
     arm, ball = speeds(result)
     i = len(t) - 1
     middle = int(np.argmax(pair.mean_pressure[i].max(axis=1)))
-    z = pair.z
+    z = pair.rows[i]
     fine = np.linspace(z[0], z[-1], 201)
     moving = np.abs(arm) > 0.01 * np.abs(arm).max()
     return [
