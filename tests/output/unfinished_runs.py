@@ -16,7 +16,7 @@ from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
 from warpffrf.model.keeping import Unfinished
 from warpffrf.output.files.unfinished import UnfinishedRun
 
-STEP, STEPS = 1e-4, 30_000
+STEP, STEPS = 1e-4, 60_000
 CHECKS = {"runge-kutta": RungeKutta4(), "energy-momentum": EnergyMomentum()}
 OPTIONS: dict[str, Any] = {"progress": False, "keep_every": 0.02}
 

@@ -123,7 +123,7 @@ def test_energy_at_hand_has_a_floor(swing: Result) -> None:
 def test_settings_of_a_case() -> None:
     case = replace(CASES["mass ratio"], steps=(1e-3, 1e-2), tolerances=(1e-6,), energies=(1e-5,), errors=(1e-4,))
     columns = [setting.column for setting in case.settings()]
-    assert columns == ["0.001 s", "0.01 s", "tolerance 1e-06", "energy 1e-05", "error 0.0001"]
+    assert columns == ["0.001 s", "0.01 s", "tolerance 1e-06", "energy 1e-05", "error 0.0001", "accuracy 0.001"]
     assert [setting.step for setting in case.settings(quick=True)] == [case.middle, 1e-2]
     assert case.step_count(1e-9) == case.most_steps and case.step_count(1e3) == 5
     with pytest.raises(InputError, match="middle must be one of its steps"):
