@@ -335,3 +335,18 @@ def test_fine_meshes_need_none() -> None:
     assert reduced(mesh, patch_grid=None).contact_surfaces["rim"].far is not None
     soft = reduced(mesh, patch_grid=None, expected_half_width=0.02, contact_error=0.1)
     assert soft.contact_surfaces["rim"].far is None
+
+
+@pytest.mark.parametrize("half", [6.5, 7.0])
+def test_an_arc_of_an_even_number_of_columns_is_as_symmetric_as_one_of_an_odd_number(half: float) -> None:
+    """Beside the middle of an even number there is one more column on one side, which has no counterpart."""
+    mesh = roller(sectors=120, layers=4, axial=2)
+    pitch = 2.0 * np.pi / 120
+    mesh = mesh.select("tread", "rim", lambda x: np.abs(np.arctan2(-x[:, 2], x[:, 0]) - 0.25 * pitch) < half * pitch)
+    body = wf.reduce(
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"tread": wf.surfaces.Cylinder()}, modes=0, patch_grid=True,
+        cache=False, progress=False,
+    )  # fmt: skip
+    surface = body.contact_surfaces["tread"]
+    assert surface.grid.columns > 8 and not surface.grid.periodic
+    assert surface.far.asymmetry < 0.02

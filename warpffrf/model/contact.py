@@ -10,9 +10,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
-from warpffrf.model.far_field import UNUSABLE
+from warpffrf.model.far_field import LONGEST, UNUSABLE
 from warpffrf.model.friction import FrictionLaw, as_friction
 from warpffrf.model.laws import Law, Unilateral, as_law
 
@@ -227,6 +229,12 @@ class Contact:
                     f"friction on a patch needs the tangential far field of {port.label}, body {port.body.name!r} "
                     "was reduced without it; reduce(..., patch_grid=True, tangential=True)"
                 )
+            if (long := _longer_than_wide(port.surface)) > LONGEST:
+                return (
+                    f"the contact grid of {port.label}, body {port.body.name!r}, is {long:.0f} times as long as wide, "
+                    f"more than the {LONGEST:g} up to which cells that travel are known to be right; use a mesh with "
+                    "shorter facets along, or wider ones across"
+                )
             tangential = far.tangential if self.friction.acts else None
             asymmetry = max(far.asymmetry, 0.0 if tangential is None else tangential.asymmetry)
             if asymmetry > UNUSABLE:
@@ -270,3 +278,10 @@ def _require_surface(port: Any, place: str) -> None:
             f"contact: the {place} surface, {port.label}, was reduced with traction={kind!r}; normal contact "
             "is solved with hats: reduce the body with traction='hats'"
         )
+
+
+def _longer_than_wide(surface: Any) -> float:
+    """Longest spacing of a contact grid along the meridian over that across."""
+    z, planar = np.asarray(surface.grid.z), surface.shape.profile().planar
+    across = surface.grid.pitch * (1.0 if planar else float(np.max(surface.shape.radius_at(z))))
+    return float(np.diff(z).max(initial=0.0)) / across

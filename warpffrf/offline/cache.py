@@ -21,7 +21,7 @@ from warpffrf.model.reduced_body_file import SCHEMA
 from warpffrf.offline.general.checkpoint import SUFFIX
 
 logger = logging.getLogger("warpffrf.offline")
-METHOD = 13  # raised whenever the reduction gives other numbers for the same input
+METHOD = 14  # raised whenever the reduction gives other numbers for the same input
 VARIABLE = "WARPFFRF_CACHE"
 
 

@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.model.contact import CELL_ERROR
-from warpffrf.model.far_field import UNUSABLE
+from warpffrf.model.far_field import LONGEST
 from warpffrf.study.evaluations import STIFFER, layer_of, tread
 from warpffrf.study.patch_ends import ROWS, OnPatch, Refused
 from warpffrf.study.pressing import WAYS, Pressing
@@ -193,7 +193,7 @@ def read_patch(rows: list[tuple[int, float, float, Ends]]) -> str:
     beyond = max(e.nodes[fine] - e.reference["nodes"] for e in coarser)
     refused = sum(bool(np.isnan(e.reference[way])) for e in finer for way in PATCHES)
     silent = [e.reference[way] for e in finer for way in PATCHES if not np.isnan(e.reference[way])]
-    wrong = f" In the others it errs by up to {max(silent):.1%}, without a word." if silent else ""
+    wrong = f" In the others it errs by up to {max(silent):.1%}." if silent else ""
     return f"""\
 What to read from it. On {MESHES[0][0]} sectors "semi" errs by {between("hats")} against the reference, "full" by
 {between("nodes")}, cells that travel by {counts}.
@@ -205,11 +205,11 @@ quarter of the half-width, and a pressure that is constant in it makes steps whi
 chosen for force and largest pressure, right to {CELL_ERROR:.1%}; whoever wants the pressure at the edge takes more, by
 `Contact(cells=)` or `Contact(cell_error=)`.
 
-On {MESHES[1][0]} sectors the program *refuses* {refused} of {len(finer) * len(PATCHES)} cases.{wrong} These bodies are
-narrow arcs of a mesh finer than the cells, its own cells fifty times as long as wide: the half-space on such a mesh is
-not symmetric, which `reduce` warns of, and with more than {UNUSABLE:.0%} of asymmetry `Contact` takes no cells that
-travel: they would err by several percent, or their compliance is not positive definite. The cure is a mesh that is
-squarer at the surface. What of the far field is wrong is not found out here.
+On {MESHES[1][0]} sectors the program *refuses* {refused} of {len(finer) * len(PATCHES)} cases.{wrong}
+These bodies are narrow arcs of a mesh finer than the cells, its own cells sixty times as long as wide; from {LONGEST:g}
+times on `Contact` takes no cells that travel. Without that bound they err by up to a fifth, or their compliance is not
+positive definite. It is not their far field, which is that of {MESHES[0][0]} sectors to 1e-4 of the whole, nor that the
+arcs are narrow: why is not found out here. The cure is a mesh with squarer cells at the surface.
 """
 
 

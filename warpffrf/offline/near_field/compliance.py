@@ -130,24 +130,36 @@ def near_compliance(
             whole[(..., *place)] = found[block]
         largest = max(largest, int(found["dofs"]))
     size = c * rows
-    lags, asymmetry = _symmetric(T["nn"].reshape(sectors, size, size))
+    known = _known(g, sectors, first)
+    lags, asymmetry = _symmetric(T["nn"].reshape(sectors, size, size), known)
     area = np.tile(f.hats.area, c)
     forces = lags * area[:, None] * area
     tangential = None
     if f.cells is not None:
         by_sector = T["tt"].reshape(2, 2, sectors, size, size).transpose(2, 0, 3, 1, 4)
-        lags_tt, _ = _symmetric(by_sector.reshape(sectors, 2 * size, 2 * size))
-        asymmetry_tt = max(_symmetric(T["tt"][d, d].reshape(sectors, size, size))[1] for d in (0, 1))
+        lags_tt, _ = _symmetric(by_sector.reshape(sectors, 2 * size, 2 * size), known)
+        asymmetry_tt = max(_symmetric(T["tt"][d, d].reshape(sectors, size, size), known)[1] for d in (0, 1))
         lags_tn = T["tn"].reshape(2, sectors, size, size).transpose(1, 0, 2, 3).reshape(sectors, 2 * size, size)
         lags_nt = _targets_without_gram(g, f.shape, transposed(lags_tn) * area[:, None])
         tangential = NearTangential(lags_tt, lags_nt, asymmetry_tt)
     return NearCompliance(_without_gram(g, f.shape, forces), asymmetry, len(clusters), largest, tangential)
 
 
-def _symmetric(lags: Array) -> tuple[Array, float]:
-    """Mean of `lags` and of those of the transposed operator, and their largest difference over the largest entry."""
+def _symmetric(lags: Array, known: Array) -> tuple[Array, float]:
+    """Mean of `lags` and of those of the transposed operator, and their largest difference at `known` lags over the
+    largest entry."""
     mirrored = transposed(lags)
-    return 0.5 * (lags + mirrored), float(np.max(np.abs(lags - mirrored)) / np.max(np.abs(lags)))
+    return 0.5 * (lags + mirrored), float(np.max(np.abs(lags - mirrored)[known]) / np.max(np.abs(lags)))
+
+
+def _known(g: ContactGrid, sectors: int, first: int) -> Array:
+    """Lags (sectors,) bool to which columns of the surface lie on either side of the sector that begins at column
+    `first`: all of a turn, and of an arc up to half of it."""
+    if sectors == 1 or g.periodic:
+        return np.ones(sectors, dtype=bool)
+    c, lag = g.columns_per_sector, np.arange(sectors)
+    beside = min(first, g.columns - first - c)
+    return np.minimum(lag, sectors - lag) * c <= beside
 
 
 def _reach(f: NearFunctions, windows: int) -> float:
