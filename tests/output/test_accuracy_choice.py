@@ -168,3 +168,18 @@ def test_a_scene_that_turns_begins_with_shorter_steps() -> None:
     axle = scene.add(joints.Revolute(scene.ground, wheel.at((0, 0, 0)), axis=(0, 0, 1)))
     scene.add(joints.Drive(axle, signals.Constant(100.0), quantity="velocity"))
     assert first_setting(scene, 0.0, 1.0, None, "quasi_static", Limits.of(0.01)).steps == 200
+
+
+def test_cells_are_never_forced() -> None:
+    """What the program takes by itself, or hats: other contacts and conformal surfaces may rule cells out."""
+    scene = pressed(patch_grid=True)
+    result = simulate(scene, 0.01, accuracy=0.1, start="equilibrium", progress=False)
+    assert result.scene.contact(PAIR).grid in ("auto", "material")
+
+
+def test_what_signals_do_too_quickly_is_told() -> None:
+    scene = driven_mass()
+    pulse = signals.Table([0.0, 0.5, 0.50001, 0.50002, 1.0], [0.0, 0.0, 5.0, 0.0, 0.0])
+    scene.add(wf.forces.PointForce(scene.body("bob").at((0, 0, 0)), (pulse, (1, 0, 0))))
+    result = simulate(scene, 1.0, accuracy=0.2, progress=False)
+    assert any("to see all of them" in note for note in result.history.notes)

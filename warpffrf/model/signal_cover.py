@@ -17,7 +17,6 @@ from warpffrf.model.signals import Signal, Table
 if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
 
-SAMPLES = 9  # points of a piece where it is looked at: polynomials of degree 7
 ROUNDING = 1e-9  # of the duration: ends that differ by less were meant to be the same
 
 
@@ -42,12 +41,7 @@ def quickest_rise(scene: Scene, begin: float, end: float) -> float:
     shortest = np.inf
     for item in (*scene.drives, *scene.forces):
         for signal in signals_in(vars(item)):
-            breaks, c = signal.polynomial()
-            inside = (breaks[1:] > begin) & (breaks[:-1] < end)
-            x = np.diff(breaks)[inside][:, None] * np.linspace(0.0, 1.0, SAMPLES)
-            powers = np.arange(c.shape[1])
-            values = np.sum(c[inside][:, None] * x[..., None] ** powers, axis=-1)
-            slopes = np.sum((c * powers)[inside][:, None, 1:] * x[..., None] ** powers[:-1], axis=-1)
+            values, slopes = signal.samples(begin, end)
             if (steepest := float(np.abs(slopes).max(initial=0.0))) > 0.0:
                 shortest = min(shortest, float(np.ptp(values)) / steepest)
     return shortest

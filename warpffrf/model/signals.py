@@ -20,6 +20,7 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_array, require_number
 
 TERMS = 8  # coefficients of a piece: degree up to 7
+SAMPLES = 9  # points of a piece where it is looked at
 
 
 class Signal:
@@ -28,6 +29,16 @@ class Signal:
     def polynomial(self) -> tuple[np.ndarray, np.ndarray]:
         """Breaks (n+1,) [s] and coefficients (n, 8) in ascending powers of (t - breaks[i]); see the module."""
         raise TypeError(f"{type(self).__name__} does not say what its pieces are")
+
+    def samples(self, begin: float = -np.inf, end: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
+        """Values and slopes [1/s], both (pieces, SAMPLES), at even times of each piece that reaches into `begin` to
+        `end` [s]."""
+        breaks, c = self._pieces
+        inside = (breaks[1:] > begin) & (breaks[:-1] < end)
+        x = np.diff(breaks)[inside][:, None, None] * np.linspace(0.0, 1.0, SAMPLES)[:, None]
+        powers = np.arange(TERMS)
+        terms = c[inside][:, None]
+        return (terms * x**powers).sum(axis=-1), ((terms * powers)[..., 1:] * x ** powers[:-1]).sum(axis=-1)
 
     @cached_property
     def _pieces(self) -> tuple[np.ndarray, np.ndarray]:

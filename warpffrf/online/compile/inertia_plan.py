@@ -35,7 +35,6 @@ from warpffrf.model.scene import Scene
 AUTO = 0.01  # a neglected term estimated above 1 % is kept: what a force or displacement is usually wanted to
 NOTICEABLE = 1e-5  # a deformation of 1e-5 of the size, in steel a stress of 2 MPa: less than what tolerances leave open
 BOUNDS = {"centrifugal": NOTICEABLE, "deformed inertia": AUTO, "gyroscopic": AUTO}
-SAMPLES = 9  # points of a piece of a drive's signal where its speed is looked at: polynomials of degree 7
 
 
 @dataclass(frozen=True)
@@ -111,11 +110,8 @@ def fastest_turning(scene: Scene) -> float:
     for drive in scene.drives:
         if not drive.coordinate.endswith("rotation"):
             continue
-        breaks, c = drive.position().polynomial()
-        for i in range(len(c)):
-            x = np.linspace(0.0, breaks[i + 1] - breaks[i], SAMPLES)
-            slope = np.polynomial.polynomial.polyval(x, np.arange(1, c.shape[1]) * c[i, 1:])
-            speeds.append(float(np.abs(slope).max()))
+        _, slopes = drive.position().samples()
+        speeds.append(float(np.abs(slopes).max()))
     return max(speeds, default=0.0)
 
 

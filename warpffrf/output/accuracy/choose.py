@@ -8,9 +8,9 @@ take a part of its time:
     n_k+1 = 1.15 n_k root(error/limit)        1.2 to 8 times n_k
 
 At most `RUNS` are made. Where two of them in turn, each with more steps, do not lower the error of the step, more would
-not either: hats of a surface that rolls pass faster than the steps. A contact that can have cells then gets them; if
-none can, the run ends there, and its result says so, as it says of all else that is above the wanted accuracy, with
-what would lower it: mostly another reduction.
+not either: hats of a surface that rolls pass faster than the steps. A contact that was put on hats then gets its cells
+back; if there is none, the run ends there, and its result says so, as it says of all else that is above the wanted
+accuracy, with what would lower it: mostly another reduction.
 
 Choices follow from results alone, never from the clock: the same call chooses the same again.
 """
@@ -30,9 +30,9 @@ from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import History
 from warpffrf.online.run import INTERRUPTED
 from warpffrf.output.accuracy.demands import next_setting
-from warpffrf.output.accuracy.first import first_setting
+from warpffrf.output.accuracy.first import first_setting, steps_to_see
 from warpffrf.output.accuracy.limits import Limits
-from warpffrf.output.accuracy.setting import GRID, HATS, PATCH, Setting
+from warpffrf.output.accuracy.setting import AUTO, GRID, HATS, Setting
 from warpffrf.output.budget import contacts, time_step
 from warpffrf.output.result import Result
 
@@ -92,7 +92,13 @@ def run_to_accuracy(
         now = wanted
     result.history.counters["accuracy_runs"] = number
     result.history.counters["accuracy_seconds"] = own - begin  # of the runs before
-    return _told(result, duration, limits, now, why + ([f"not reached: {refused}"] if refused else []))
+    if refused:
+        why.append(f"not reached: {refused}")
+    if now.steps < (needed := steps_to_see(scene, at, duration)):
+        why.append(
+            f"signals or driven turns change so quickly that it takes {needed:.3g} steps to see all of them; give step="
+        )
+    return _told(result, duration, limits, now, why)
 
 
 class Stuck:
@@ -118,11 +124,11 @@ class Stuck:
 
 
 def _with_cells(scene: Scene, now: Setting) -> Setting:
-    """`now` with cells for contacts on hats that can have them."""
+    """`now` with cells again for contacts that could have them and were put on hats."""
     options = dict(now.options)
     for contact in scene.contacts:
-        if options.get((GRID, contact.name)) == HATS and contact.without_patch() is None:
-            options[GRID, contact.name] = PATCH
+        if options.get((GRID, contact.name)) == HATS:
+            options[GRID, contact.name] = AUTO
     return replace(now, options=options)
 
 
@@ -142,10 +148,8 @@ def _told(result: Result, duration: float, limits: Limits, now: Setting, why: li
     return result
 
 
-def refuse_other_options(
-    *, stages: Any, step_error: Any, separated: bool, fixed: bool, resume: bool
-) -> None:  # what `simulate` takes beside accuracy=
-    """Raises `InputError` for what does not go together with a run whose step and options are chosen."""
+def refuse_other_options(*, stages: Any, step_error: Any, separated: bool, fixed: bool, resume: bool) -> None:
+    """Raises `InputError` for what `simulate` does not take beside accuracy=."""
     if stages is not None:
         raise InputError(
             "simulate: accuracy= is that of one run; run the stages one after the other, each from the result before "

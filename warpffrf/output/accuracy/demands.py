@@ -2,15 +2,16 @@
 
     inertia level    the least that keeps every term above the limit (`online.diagnosis.indicator`)
     stiffening       where the deformed inertia, which is of its size, is above the limit
-    contact grid     hats of the material grid where they are right enough (`budget.contacts.hats_error`), else cells
+    contact grid     hats of the material grid in place of cells, where they are right enough for all contacts
     cells            smaller ones, where other cells differ by more than the limit
     step             h (limit/error)^(1/2), of second order
 
 Options that the user has set are kept: an inertia level other than "auto", a grid other than "auto", stiffening. What
 has been chosen once is only ever made finer, so that runs do not swing between two settings; a run whose budget asks
 for nothing finer is the result, even where something coarser would have done, for it is there. Friction has no rule
-that says how hats err: such contacts keep their grid. The treatment of local modes stays as it is: faces that have mass
-chatter in an impact, with forces that do not settle with shorter steps; the budget says what their missing inertia is.
+that says how hats err: with such a contact on cells all grids stay. The treatment of local modes stays as it is: faces
+that have mass chatter in an impact, with forces that do not settle with shorter steps; the budget says what their
+missing inertia is.
 """
 
 from __future__ import annotations
@@ -30,8 +31,9 @@ from warpffrf.online.compile.inertia_plan import InertiaPlan, least_level
 from warpffrf.online.diagnosis.indicator import TermSize, term_sizes
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.output.accuracy.limits import Limits
-from warpffrf.output.accuracy.setting import AUTO, CELL_ERROR, GRID, HATS, INERTIA, PATCH, STIFFENING, Setting
+from warpffrf.output.accuracy.setting import AUTO, CELL_ERROR, GRID, HATS, INERTIA, STIFFENING, Setting
 from warpffrf.output.budget import contacts, time_step
+from warpffrf.output.budget.budget import percent
 
 ON_MESH = 2.0  # times the rule: linear cells as wide as the spacing of hats add as much again (`grid_rule`)
 FINER = 1.15  # times the steps that second order asks for
@@ -77,18 +79,11 @@ def _largest(sizes: Sequence[TermSize], name: str) -> float:
 
 def contact_choices(scene: Scene, result: Any, lines: Sequence[BudgetLine], limits: Limits) -> list[Choice]:
     """Grids and cells of contacts that were loaded; `scene`: as the user gave it."""
-    found = []
+    found = _grids(scene, result, limits)
     for contact in scene.contacts:
         loaded = result.contact(contact.name)
-        if not np.any(loaded.touching):
-            continue
         used = result.history.scene.contact(contact.name)
-        on_patch = loaded.history.cells is not None
-        if contact.grid == AUTO and not contact.friction.acts and evaluation_of(contact) == "semi":
-            choice = _grid(contact, loaded, limits)
-            if choice is not None:
-                found.append(choice)
-        if on_patch and contact.cells is None:
+        if loaded.history.cells is not None and contact.cells is None and np.any(loaded.touching):
             own = [line for line in lines if line.source == contacts.GRID and line.of.endswith(f"{contact.name!r}")]
             over = [_over(line, limits) for line in own if line.found]
             if over and max(over) > 1.0:
@@ -102,19 +97,36 @@ def _over(line: BudgetLine, limits: Limits) -> float:
     return line.size / (limits.pressure if line.of.startswith(contacts.PRESSURE) else limits.force)
 
 
-def _grid(contact: Any, loaded: Any, limits: Limits) -> Choice | None:
-    """Hats, if they are right enough, else cells where the bodies have what those need; None where no rule tells."""
+def _grids(scene: Scene, result: Any, limits: Limits) -> list[Choice]:
+    """Of contacts whose grid is left to the program and that can have cells: hats, if they are right enough for all of
+    them, since one body has no contacts on both; else what the program takes by itself. None without a rule for each.
+    """
+    runs = {contact.name: result.contact(contact.name) for contact in scene.contacts}
+    chosen = {contact.name for contact in result.history.scene.contacts if contact.grid == HATS}
+    free = [
+        c for c in scene.contacts if c.grid == AUTO and (c.name in chosen or runs[c.name].history.cells is not None)
+    ]
+    ruled = [not c.friction.acts and evaluation_of(c) == "semi" and np.any(runs[c.name].touching) for c in free]
+    if not all(ruled):
+        return []
+    errors = {c.name: _hats_errors(c, runs[c.name]) for c in free}
+    right = all(force <= limits.force and pressure <= limits.pressure for force, pressure in errors.values())
+    return [Choice(GRID, name, HATS if right else AUTO, _told(*pair)) for name, pair in errors.items()]
+
+
+def _told(force: float, pressure: float) -> str:
+    """Errors of hats in words."""
+    if np.isnan(force + pressure):
+        return "no rule tells how hats would err"
+    return f"hats would err by {percent(force)} of the force, {percent(pressure)} of pressures"
+
+
+def _hats_errors(contact: Any, loaded: Any) -> tuple[float, float]:
+    """Of force and pressures on the material grid of a contact, for its patch as it was `loaded`; NaN without rule."""
     grid, shape = contact.a.surface.grid, loaded.view.first.shape
     spacing = float(shape.radius_at(0.5 * (grid.z[0] + grid.z[-1]))) * float(grid.pitch)
-    errors = [contacts.hats_error(loaded, spacing, of) for of in (contacts.FORCE, contacts.PRESSURE)]
-    errors[0] *= ON_MESH
-    told = f"hats would err by {percent(errors[0])} of the force, {percent(errors[1])} of pressures"
-    if np.all(np.isfinite(errors)) and errors[0] <= limits.force and errors[1] <= limits.pressure:
-        return Choice(GRID, contact.name, HATS, told)
-    if contact.without_patch() is not None:
-        return None
-    told = told if np.all(np.isfinite(errors)) else "no rule tells how hats would err"
-    return Choice(GRID, contact.name, PATCH, told)
+    force, pressure = (contacts.hats_error(loaded, spacing, of) for of in (contacts.FORCE, contacts.PRESSURE))
+    return ON_MESH * force, pressure
 
 
 def steps_wanted(steps: int, lines: Sequence[BudgetLine], limits: Limits) -> tuple[int, str]:
@@ -158,7 +170,7 @@ def _finer(choice: Choice, before: Any) -> bool:
     if choice.option == INERTIA:
         return any(wanted and not kept for wanted, kept in zip(LEVELS[choice.value], LEVELS[before], strict=True))
     if choice.option == GRID:
-        return choice.value == PATCH != before
+        return choice.value == AUTO != before
     return choice.value > before if choice.option == STIFFENING else choice.value < before
 
 
@@ -173,8 +185,3 @@ def _even(steps: float) -> int:
     """An even number of steps, so that twice the step takes a whole number too."""
     whole = math.ceil(steps)
     return whole + whole % 2
-
-
-def percent(size: float) -> str:
-    """A size in words."""
-    return f"{100.0 * size:.2g} %"

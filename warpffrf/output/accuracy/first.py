@@ -13,7 +13,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.signal_cover import quickest_rise
 from warpffrf.online.compile.inertia_plan import InertiaPlan, fastest_turning
 from warpffrf.output.accuracy.limits import Limits
-from warpffrf.output.accuracy.setting import AUTO, CELL_ERROR, GRID, HATS, INERTIA, PATCH, Setting
+from warpffrf.output.accuracy.setting import AUTO, CELL_ERROR, GRID, INERTIA, Setting
 
 FEWEST = 64  # steps: below, twice the step says little
 A_RISE = 4  # steps in the quickest rise of a signal: a load that begins and ends between two steps is not seen
@@ -26,9 +26,7 @@ def first_setting(
 ) -> Setting:
     """Of a run from `begin` [s] on, with what the scene itself would take. longest: step [s] that the user allows, None
     for any."""
-    seen = [float(FEWEST), A_RISE * duration / quickest_rise(scene, begin, begin + duration)]
-    seen.append(duration * fastest_turning(scene) / TURN)
-    steps = math.ceil(min(max(seen), MOST))
+    steps = math.ceil(min(max(FEWEST, steps_to_see(scene, begin, duration)), MOST))
     if longest is not None:
         steps = max(steps, math.ceil(duration / longest * (1.0 - 1e-9)))
     options: dict[tuple[str, str], Any] = {}
@@ -37,7 +35,13 @@ def first_setting(
             options[INERTIA, body.name] = plan.level
     for contact in scene.contacts:
         if contact.grid == AUTO:
-            options[GRID, contact.name] = HATS if contact.without_patch() else PATCH
+            options[GRID, contact.name] = AUTO
         if contact.cells is None and contact.cell_error == USUAL_CELL_ERROR and contact.without_patch() is None:
             options[CELL_ERROR, contact.name] = float(np.clip(limits.force, *CELL_ERRORS))
     return Setting(steps + steps % 2, local, options)
+
+
+def steps_to_see(scene: Scene, begin: float, duration: float) -> float:
+    """Steps of a run from `begin` [s] on that see what signals do, and what the scene states of its turning."""
+    rise = quickest_rise(scene, begin, begin + duration)
+    return duration * max(A_RISE / rise, fastest_turning(scene) / TURN)

@@ -15,7 +15,7 @@ from warpffrf.model.scene import Scene
 INERTIA, STIFFENING = "inertia", "stiffening"  # of bodies
 GRID, CELL_ERROR = "grid", "cell_error"  # of contacts
 AUTO = "auto"  # left to the program
-HATS, PATCH = "material", "patch"  # grids
+HATS = "material"  # a grid
 
 
 @dataclass(frozen=True)
