@@ -88,7 +88,8 @@ class Tried:
     @property
     def kept(self) -> bool:
         """Whether all errors are within what is wanted."""
-        return all(e <= ACCURACY * (PRESSURES if m == "pressure" else 1.0) for m, e in self.errors.items() if m in OF)
+        own = {m: e for m, e in self.errors.items() if m in OF}
+        return bool(own) and all(e <= ACCURACY * (PRESSURES if m == "pressure" else 1.0) for m, e in own.items())
 
     def text(self) -> str:
         """The setting in words."""
@@ -146,12 +147,11 @@ def others(steps: int) -> list[int]:
 
 def _reference(machine: Machine, scene: wf.Scene, steps: int) -> wf.Result:
     setting: dict[str, Any] = {}
-    if all(body.reduced.inertia_terms is not None for body in scene.bodies if body.reduced is not None):
+    flexible = [body.reduced for body in scene.bodies if body.reduced is not None]
+    if flexible and all(body.inertia_terms is not None for body in flexible):
         setting["inertia"] = "full"
     if scene.contacts and all(contact.without_patch() is None for contact in scene.contacts):
         setting |= {"grid": "patch", "cell_error": 4.0 * CELL_ERRORS[0]}
-    if not any(body.reduced is not None for body in scene.bodies):
-        setting = {}
     with applied(scene, setting):
         return wf.simulate(
             scene, machine.duration, step=machine.duration / steps / FINER, progress=False, **machine.options
