@@ -352,4 +352,4 @@ def test_an_arc_of_an_even_number_of_columns_is_as_symmetric_as_one_of_an_odd_nu
     )  # fmt: skip
     surface = body.contact_surfaces["tread"]
     assert surface.grid.columns > 8 and not surface.grid.periodic
-    assert surface.far.asymmetry < OF_THE_MESH
+    assert surface.far is not None and surface.far.asymmetry < OF_THE_MESH

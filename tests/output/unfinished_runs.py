@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import resource
+import signal
 import sys
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
 from warpffrf.model.keeping import Unfinished
 from warpffrf.output.files.unfinished import UnfinishedRun
 
-STEP, STEPS = 1e-4, 60_000
+STEP, STEPS = 1e-4, 30_000
 CHECKS = {"runge-kutta": RungeKutta4(), "energy-momentum": EnergyMomentum()}
 OPTIONS: dict[str, Any] = {"progress": False, "keep_every": 0.02}
 
@@ -73,6 +74,9 @@ def main() -> None:
         print("going", flush=True)
 
     UnfinishedRun._write = and_say
+    signal.signal(
+        signal.SIGINT, signal.default_int_handler
+    )  # of tests that a shell runs in the background it is ignored
     case, results = sys.argv[1], Path(sys.argv[2])
     every = float(sys.argv[3]) if len(sys.argv) > 3 else OPTIONS["keep_every"]
     if limit := os.environ.get("FILE_LIMIT"):  # bytes: as on a full disk, writing more fails
