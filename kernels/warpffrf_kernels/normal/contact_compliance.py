@@ -18,6 +18,7 @@ from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, sync, vec3
+from warpffrf_kernels.normal.lasting import BEGUN, COUNT, OLDER, PATIENCE, ROWS
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -32,24 +33,47 @@ def short_of(model: Model) -> int:
     return int(k.CAPACITY)
 
 
+@wp.func
+def lacks_rows(
+    model: Model, w: int, active: wp.array3d(dtype=int), slot_of: wp.array3d(dtype=int)
+) -> bool:  # fmt: skip
+    """Whether an active hat has no slot."""
+    lacking = bool(False)
+    pair = int(0)
+    while pair < model.pairs.count:
+        m = int(0)
+        while m < model.window.hats:
+            if active[w, pair, m] != 0 and slot_of[w, pair, m] < 0:
+                lacking = True
+            m += 1
+        pair += 1
+    return lacking
+
+
 @wp.kernel
 def take_slots(
     models: wp.array(dtype=Model),
     active: wp.array3d(dtype=int),
     ctl: inout(wp.array(dtype=Control)),
+    lasting: inout(wp.array2d(dtype=int)),
     phase: inout(wp.array3d(dtype=real)),
     slot_of: inout(wp.array3d(dtype=int)),
     slot_hat: out(wp.array3d(dtype=int)),
 ):
     """Per world: a slot for each active hat that has none; all slots are given back first when the grids have
-    moved.
+    moved, or where rows of an earlier attempt do not serve.
     """
     w = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
         return
     capacity = model.window.hats
+    if lasting[w, OLDER] != 0 and (ctl[w].iteration >= PATIENCE or lacks_rows(model, w, active, slot_of)):
+        ctl[w].reassemble = 1
+    lasting[w, BEGUN] = 0
     if ctl[w].reassemble != 0:
+        lasting[w, OLDER] = 0
+        lasting[w, ROWS] = 1
         ctl[w].slots = 0
         pair = int(0)
         while pair < model.pairs.count:
@@ -91,6 +115,7 @@ def take_slots(
         count = model.capacity.slots
     ctl[w].slots = count
     ctl[w].active = number
+    lasting[w, COUNT] = count
 
 
 @wp.func
