@@ -48,7 +48,8 @@ def order_slots(
     row_scale: out(wp.array2d(dtype=real)),
 ):
     """Per world: the active slots, pair by pair, then those that have left the set; and what of the elimination is that
-    of the solve before, of the same rows of G: U (FACTOR), with L also W and W^T W (LINES)."""
+    of the solve before, of the same rows of G: U (FACTOR), with L and the outer matrix also W, W^T W and its factor
+    (LINES)."""
     w = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
@@ -250,6 +251,7 @@ def pose_pressures(
     slot_hat: wp.array3d(dtype=int),
     order: wp.array2d(dtype=int),
     block: wp.array3d(dtype=int),
+    kept: wp.array(dtype=int),
     square: wp.array(dtype=real),
     row_scale: wp.array2d(dtype=real),
     G: wp.array3d(dtype=real),
@@ -262,12 +264,13 @@ def pose_pressures(
     bordered_rhs: out(wp.array2d(dtype=real)),
     right: out(wp.array2d(dtype=real)),
 ):
-    """Per world: A + sum W^T W, and both right-hand sides with what leaves the active set."""
+    """Per world: A + sum W^T W, unless it is `kept` too, and both right-hand sides with what leaves the active set."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
         return
-    add_borders(model, patterns[0], w, tangent, block, square, bordered)
+    if kept[w] != LINES:
+        add_borders(model, patterns[0], w, tangent, block, square, bordered)
     i = lane
     while i < model.outer.count:
         bordered_rhs[w, i] = rhs[w, i]
@@ -397,6 +400,7 @@ def solve_pressures(
     slot_hat: wp.array3d(dtype=int),
     order: wp.array2d(dtype=int),
     block: wp.array3d(dtype=int),
+    kept: wp.array(dtype=int),
     weight: wp.array2d(dtype=real),
     row_scale: wp.array2d(dtype=real),
     U: wp.array(dtype=real),
@@ -420,7 +424,7 @@ def solve_pressures(
     pressure: out(wp.array3d(dtype=real)),
 ):
     """Per world: the outer increments, and pressures of the active set, without what pairs do to each other by local
-    modes."""
+    modes. The factor of the outer matrix is that of the solve before where this is `kept`."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
@@ -433,7 +437,7 @@ def solve_pressures(
         i += wp.block_dim()
     sync()
     bad = eliminated(
-        model, patterns[0], w, lane, 1, held_motions(ctl, w, hold_count), block, U, W, bordered, hold, scaling, pivots,
+        model, patterns[0], w, lane, int(kept[w] != LINES), held_motions(ctl, w, hold_count), block, U, W, bordered, hold, scaling, pivots,
         factor, vector, lines, fallback, work, inverse_transposed, solution, at, bordered_rhs, z,
     )  # fmt: skip
     if bad != 0 and lane == 0:

@@ -6,7 +6,7 @@ as `contact_compliance` and `contact_assembly` do for hats; Phi, the modes on th
 What a cell displaces of the splines is read by all cells before it at once, place by place (`spline_tables`).
 
 Residuals are never read off G (`fields`). Where rows do not stand from step to step (`lasting`), they are made anew in
-every attempt, and when W has changed in one; how the modes open the gaps is found anew in every iteration.
+every attempt, and when W has changed in one; how the modes open the gaps is found anew with the outer matrix.
 """
 
 import warp as wp
@@ -124,6 +124,8 @@ def answer_splines(
         return
     wanted = int(WHOLE)
     if lasting[w, OLDER] != 0:
+        if ctl[w].refresh == 0 or ctl[w].moved == 0:
+            return
         wanted = int(LOADS)
     elif ctl[w].fresh == ctl[w].slots:
         return
@@ -319,7 +321,7 @@ def assemble_cells(
             )  # fmt: skip
         slot += 1
     slot = ctl[w].fresh
-    if lasting[w, OLDER] != 0:
+    if lasting[w, OLDER] != 0 and ctl[w].refresh != 0 and ctl[w].moved != 0:
         slot = int(0)
     while slot < ctl[w].slots:
         pair = slot_hat[w, slot, 0]
