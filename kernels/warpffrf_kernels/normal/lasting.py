@@ -11,7 +11,9 @@ An attempt therefore begins with the rows of the one before. They are made anew
 - where W is off by more than `NEAR` from where they were made;
 - where a cell comes under pressure that has no row;
 - after `PATIENCE` solves: what these have not brought about needs a better G;
-- after an attempt that was not accepted.
+- after an attempt that was not accepted;
+- in every one of the next `REST` attempts where rows have served for none but the one they were made in: a patch whose
+  edge changes from step to step would have them made anew each time, after solves in vain.
 
 Only in scenes all of whose pairs are patches that answer to their own pressures, by constants (`patches.lasting`).
 
@@ -19,6 +21,8 @@ Only in scenes all of whose pairs are patches that answer to their own pressures
     lasting[w, OLDER]   1: those in use are of an earlier attempt
     lasting[w, BEGUN]   1: the attempt has begun, and nothing of it has been solved
     lasting[w, COUNT]   how many rows there are
+    lasting[w, AGE]     attempts that they have served for
+    lasting[w, RESTS]   attempts to come that do without
 """
 
 import warp as wp
@@ -35,8 +39,11 @@ ROWS = wp.constant(0)
 OLDER = wp.constant(1)
 BEGUN = wp.constant(2)
 COUNT = wp.constant(3)
+AGE = wp.constant(4)
+RESTS = wp.constant(5)
 NEAR = wp.constant(wp.float64(0.05))  # relative change of W: G by a tenth of it, beside a factor that is W^2
 PATIENCE = wp.constant(2)  # solves of an attempt by rows of an earlier one
+REST = wp.constant(32)
 
 WIDTH = wp.constant(0)  # columns of `patch_made`
 TANGENT = wp.constant(1)
@@ -57,8 +64,12 @@ def begin_rows(
     lasting[w, OLDER] = 0
     if ctl[w].mode != k.DYNAMIC or models[0].elements[0].patches.lasting == 0:
         lasting[w, ROWS] = 0
+    if lasting[w, RESTS] > 0:
+        lasting[w, RESTS] = lasting[w, RESTS] - 1
+        lasting[w, ROWS] = 0
     if lasting[w, ROWS] != 0:
         lasting[w, OLDER] = 1
+        lasting[w, AGE] = lasting[w, AGE] + 1
         ctl[w].slots = lasting[w, COUNT]
         ctl[w].fresh = lasting[w, COUNT]
         ctl[w].reassemble = 0

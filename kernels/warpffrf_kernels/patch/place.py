@@ -11,8 +11,9 @@ attempt W only changes where the patch reaches the outermost strips, or fills le
 old cells to new ones by linear interpolation.
 
 Cells travel and grow with the patch, so that the pressure of each hardly changes from step to step, and smoothly. An
-attempt therefore begins with p_n + (h/h_n)(p_n - p_(n-1)), cell by cell, where W is nearly what it was: of second order
-in the step, where p_n alone is of first. This is where the iteration starts, not where it ends.
+attempt therefore begins with p_n + (h/h_n)(p_n - p_(n-1)), cell by cell, where W is nearly what it was and the change
+does not undo the one before it: of second order in the step, where p_n alone is of first. This is where the iteration
+starts, not where it ends.
 """
 
 import warp as wp
@@ -284,22 +285,27 @@ def keep_change(
     active_before: wp.array3d(dtype=int),
     pressure_before: wp.array3d(dtype=real),
     patch_width_before: wp.array2d(dtype=real),
-    patch_change: out(wp.array3d(dtype=real)),
+    patch_steady: out(wp.array2d(dtype=int)),
+    patch_change: inout(wp.array3d(dtype=real)),
 ):
-    """Per (world, pair of family 2), of an accepted attempt: what the pressure of each cell has changed by."""
+    """Per (world, pair of family 2), of an accepted attempt: what the pressure of each cell has changed by, and whether
+    that does not undo the change before."""
     w, pair = wp.tid()
     model = models[0]
     if ctl[w].accept == 0 or model.pairs.family[pair] != PATCH:
         return
     width = patch_width[w, pair]
     alike = ctl[w].mode == k.DYNAMIC and wp.abs(width - patch_width_before[w, pair]) <= ALIKE * width
+    both = real(0.0)
     m = int(0)
     while m < model.window.hats:
         change = real(0.0)
         if alike and active[w, pair, m] != 0 and active_before[w, pair, m] != 0:
             change = pressure[w, pair, m] - pressure_before[w, pair, m]
+        both += change * patch_change[w, pair, m]
         patch_change[w, pair, m] = change
         m += 1
+    patch_steady[w, pair] = int(both >= real(0.0))
 
 
 @wp.kernel
@@ -311,6 +317,7 @@ def locate_patches(
     lasting: wp.array2d(dtype=int),
     weight: wp.array2d(dtype=real),
     patch_made: wp.array3d(dtype=real),
+    patch_steady: wp.array2d(dtype=int),
     patch_change: wp.array3d(dtype=real),
     ctl: inout(wp.array(dtype=Control)),
     phase: inout(wp.array3d(dtype=real)),
@@ -386,6 +393,8 @@ def locate_patches(
         new = found.wanted
     new = wp.clamp(new, least, most)
     ahead = goes_on(ctl, clk, lasting, w, old, new)
+    if patch_steady[w, pair] == 0:
+        ahead = real(0.0)
     if wp.abs(new - old) > STEADY * new:
         if found.count > 0 and ahead == real(0.0):
             move_pressures(elements, w, pair, rows, new / old, active, pressure, patch_buffer)

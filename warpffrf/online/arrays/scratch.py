@@ -174,6 +174,9 @@ class Patches(Arrays):
     patch_made: DeviceArray = reals(
         "world", "patch_pair", 3, note="W, tangent of the step and weight for which rows of G were made", carried=True
     )
+    patch_steady: DeviceArray = integers(
+        "world", "patch_pair", note="1: the next one does not undo the one before it", carried=True
+    )
     patch_change: DeviceArray = reals(
         "world", "patch_pair", "patch_hat", unit="Pa", note="of pressures in the last accepted step", carried=True
     )
@@ -270,7 +273,7 @@ class ContactFields(Arrays):
 class ContactSolve(Arrays):
     """The system of the hats in play."""
 
-    lasting: DeviceArray = integers("world", 4, note="see `normal.lasting`", carried=True)
+    lasting: DeviceArray = integers("world", 6, note="see `normal.lasting`", carried=True)
     slot_of: DeviceArray = integers("world", "pair", "hat", carried=True)
     slot_hat: DeviceArray = integers("world", "slot", 2, note="pair and hat", zero_without=True, carried=True)
     T: DeviceArray = reals("world", "slot", "node", note="response of the second surface", run=True)
@@ -500,7 +503,7 @@ KEPT = tuple(
 """With friction on cells that travel with the patch: their compliances and factors, which serve from step to step as long
 as they are good."""
 KEPT_OF_PATCHES = (
-    "patch_change", "patch_made", "lasting", "slot_of", "slot_hat", "J", "G", "order", "block", "factor",
+    "patch_change", "patch_steady", "patch_made", "lasting", "slot_of", "slot_hat", "J", "G", "order", "block", "factor",
 )  # fmt: skip
 """Without: what an attempt begins with, and rows of G that stand from step to step. (Tables that are carried too are the
 same bits whenever they are laid.)"""
