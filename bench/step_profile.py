@@ -4,14 +4,16 @@ The two-roller demo, spun up and loaded as in `docs/speed_error.md`: pressures o
 are chosen by themselves that travel with the patch, and on fewer of them over a mesh of 4 mm, which keep within 1 % of
 force and 2 % of the largest pressure.
 
-A step is one recorded graph, in which nothing can be timed from outside. So it is recorded once more with a launch after
-every kernel that reads the cycle counter of the processor and adds what has passed since the one before to the number of
-that kernel. What such a launch costs itself is measured by one that follows another, and taken off. Shares are those of
-this graph, of each kernel the least of some rounds, as other work on the machine only adds; microseconds are shares of a
-step of the graph without the counter, the fastest of all rounds. U is timed in the same run.
+A step is one recorded graph, in which nothing can be timed from outside. So it is recorded once more with a launch
+after every kernel that reads the cycle counter of the processor and adds what has passed since the one before to the
+number of that kernel. What such a launch costs itself is measured by one that follows another, and taken off. Shares
+are those of this graph, of each kernel the least of some rounds, as other work on the machine only adds; microseconds
+are shares of a step of the graph without the counter, the fastest of all rounds. U is timed in the same run.
 
 Kernels count that have nothing to do in a world whose loop has ended: what they show then is what their launch costs.
 """
+
+# pyright: reportInvalidTypeForm=false
 
 from __future__ import annotations
 
@@ -69,7 +71,9 @@ def cycles() -> wp.int64: ...
 
 
 @wp.kernel
-def read_counter(place: int, last: wp.array(dtype=wp.int64), spent: wp.array(dtype=wp.int64), calls: wp.array(dtype=int)):
+def read_counter(
+    place: int, last: wp.array(dtype=wp.int64), spent: wp.array(dtype=wp.int64), calls: wp.array(dtype=int)
+):
     """Adds the cycles since `last` to those of a place."""
     now = cycles()
     spent[place] = spent[place] + now - last[0]
@@ -120,11 +124,11 @@ def counted(cycles_of: Cycles) -> Iterator[None]:
         finally:
             Launch.go, program.Program.run = go, run_phases
 
-    def counted_go(self: Launch, *about: Any) -> None:
+    def counted_go(self: Launch, arrays: Any, sizes: Any, device: str) -> None:
         if cycles_of.phase == "begin" and self.label.endswith("begin_step"):
             cycles_of.read(BETWEEN)
             cycles_of.read(COUNTER)
-        go(self, *about)
+        go(self, arrays, sizes, device)
         cycles_of.read((cycles_of.phase, self.label))
 
     def counted_run(self: program.Program, names: Any) -> None:

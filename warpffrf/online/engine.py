@@ -204,8 +204,9 @@ class Engine:
         """Overwrite the state; what a checkpoint has kept, where it fits, or else compliances are made anew, with a
         note in `start_notes`."""
         given = {name.removeprefix(KEPT_MARK): a for name, a in checkpoint.items() if name.startswith(KEPT_MARK)}
-        if "answer_hat" in given:
-            self.make_room(given["answer_hat"].shape[1])
+        for name in ("answer_hat", "order"):  # lists over slots
+            if name in given:
+                self.make_room(given[name].shape[1])
         self.state.assign(checkpoint)
         here = self._kept()
         if {name: a.shape for name, a in here.items()} == {name: a.shape for name, a in given.items()}:

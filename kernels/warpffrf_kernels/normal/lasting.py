@@ -105,7 +105,7 @@ def note_rows(
 
 
 @wp.kernel
-def keep_rows(ctl: wp.array(dtype=Control), lasting: inout(wp.array2d(dtype=int))):
+def keep_rows(ctl: wp.array(dtype=Control), lasting: out(wp.array2d(dtype=int))):
     """Per world: of an attempt that was not accepted no rows stand."""
     w = wp.tid()
     if ctl[w].attempt != 0 and ctl[w].accept == 0:

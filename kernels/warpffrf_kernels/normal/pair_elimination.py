@@ -388,7 +388,9 @@ def put_pressures(
     while i < count:
         pair = slot_hat[w, order[w, i], 0]
         m = slot_hat[w, order[w, i], 1]
-        pressure[w, pair, m] = base[w, pair, m] + row_scale[w, pair] * solution[w * model.capacity.slots + i] / weight[w, pair]
+        pressure[w, pair, m] = (
+            base[w, pair, m] + row_scale[w, pair] * solution[w * model.capacity.slots + i] / weight[w, pair]
+        )
         i += wp.block_dim()
 
 
@@ -437,8 +439,8 @@ def solve_pressures(
         i += wp.block_dim()
     sync()
     bad = eliminated(
-        model, patterns[0], w, lane, int(kept[w] != LINES), held_motions(ctl, w, hold_count), block, U, W, bordered, hold, scaling, pivots,
-        factor, vector, lines, fallback, work, inverse_transposed, solution, at, bordered_rhs, z,
+        model, patterns[0], w, lane, int(kept[w] != LINES), held_motions(ctl, w, hold_count), block, U, W, bordered,
+        hold, scaling, pivots, factor, vector, lines, fallback, work, inverse_transposed, solution, at, bordered_rhs, z,
     )  # fmt: skip
     if bad != 0 and lane == 0:
         ctl[w].failure = ctl[w].failure | k.SINGULAR

@@ -245,8 +245,13 @@ def move_pressures(
 
 @wp.func
 def goes_on(
-    ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), lasting: wp.array2d(dtype=int), w: int, old: real, new: real
-) -> real:  # fmt: skip
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    lasting: wp.array2d(dtype=int),
+    w: int,
+    old: real,
+    new: real,
+) -> real:
     """How often the change of pressure of the last step is added when an attempt begins; 0 where it says nothing."""
     if lasting[w, BEGUN] == 0 or ctl[w].again != 0 or ctl[w].mode != k.DYNAMIC or not clk[w].done_step > real(0.0):
         return real(0.0)

@@ -27,9 +27,9 @@ WHOLE = wp.constant(1)  # of `far_answered`: what unit pressures displace of the
 LOADS = wp.constant(2)  # loads on the modes only
 
 
-# What a unit pressure on each place displaces of the splines of one side by S + Phi sigma^-1 Phi^T, line by line, unless
-# `loads` alone are asked for, and the loads of all places on the modes. Strips that load the same columns of splines are taken at once. Native for
-# contiguous inner loops along places.
+# What a unit pressure on each place displaces of the splines of one side by S + Phi sigma^-1 Phi^T, line by line,
+# unless `loads` alone are asked for, and the loads of all places on the modes. Strips that load the same columns of
+# splines are taken at once. Native for contiguous inner loops along places.
 @wp.func_native("""
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM, nodes = elements.patches.far_nodes;
     const int columns = elements.patches.columns.data[pair], stride = elements.patches.places;

@@ -190,7 +190,9 @@ class Patches(Arrays):
     far_load: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="N")
     far_field: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m")
     far_modes: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m")
-    far_answered: DeviceArray = integers("world", "patch_pair", note="which of the next three are those of the evaluation")
+    far_answered: DeviceArray = integers(
+        "world", "patch_pair", note="which of the next three are those of the evaluation"
+    )
     far_soft: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m/N", note="a line", run=True)
     far_answer: DeviceArray = reals("world", "patch_pair", "2*far_node", "patch_place", unit="m/Pa", run=True)
     far_gradient: DeviceArray = reals("world", "patch_pair", "patch_mode", "patch_place", run=True)
@@ -277,7 +279,9 @@ class ContactSolve(Arrays):
     slot_of: DeviceArray = integers("world", "pair", "hat", carried=True)
     slot_hat: DeviceArray = integers("world", "slot", 2, note="pair and hat", zero_without=True, carried=True)
     T: DeviceArray = reals("world", "slot", "node", note="response of the second surface", run=True)
-    J: DeviceArray = reals("world", "slot", "pair_mode", note="d(gap)/d(modes)", run=True, zero_without=True, carried=True)
+    J: DeviceArray = reals(
+        "world", "slot", "pair_mode", note="d(gap)/d(modes)", run=True, zero_without=True, carried=True
+    )
     G: DeviceArray = reals("world", "slot", "slot", unit="m/Pa", note="gaps by pressures", carried=True)
     L: DeviceArray = reals("world", "slot", "coupled", note="d(gap)/d(outer)")
     soft: DeviceArray = reals("world", "layer_slot", "layer_slot", note="G with the yield of layers", instead="G")
@@ -500,13 +504,14 @@ KEPT = tuple(
     for name, declaration in part.declarations.items()
     if declaration.carried
 )
-"""With friction on cells that travel with the patch: their compliances and factors, which serve from step to step as long
-as they are good."""
+"""With friction on cells that travel with the patch: their compliances and factors, which serve from step to step as
+long as they are good."""
 KEPT_OF_PATCHES = (
-    "patch_change", "patch_steady", "patch_made", "lasting", "slot_of", "slot_hat", "J", "G", "order", "block", "factor",
+    "patch_change", "patch_steady", "patch_made", "lasting", "slot_of", "slot_hat", "J", "G", "order", "block",
+    "factor",
 )  # fmt: skip
-"""Without: what an attempt begins with, and rows of G that stand from step to step. (Tables that are carried too are the
-same bits whenever they are laid.)"""
+"""Without: what an attempt begins with, and rows of G that stand from step to step. (Tables that are carried too are
+the same bits whenever they are laid.)"""
 
 
 def scratch_for(compiled: CompiledScene, sizes: Sizes, state: State) -> Scratch:

@@ -181,11 +181,10 @@ def fill_patches(collector: Any, m: Model) -> None:
     if beside["beside_side"]:
         m.pairs.beside = 1
     collector.fill(
-        collector.elements.patches, **beside,
-        count=len(plans), touching=len(beside["beside_side"]), lasting=int(_last(collector, m)), far_nodes=nodes, places=places, **per_pair, **far,
-        far_of=far_of, row_z=np.concatenate(z), row_length=np.concatenate(length), near=np.concatenate(near),
-        end_z=end_z, end_strength=strength, far=np.concatenate(operators), knot=np.concatenate(knots),
-        mode=np.concatenate(modes),
+        collector.elements.patches, **beside, count=len(plans), touching=len(beside["beside_side"]),
+        lasting=int(_last(collector, m)), far_nodes=nodes, places=places, **per_pair, **far, far_of=far_of,
+        row_z=np.concatenate(z), row_length=np.concatenate(length), near=np.concatenate(near), end_z=end_z,
+        end_strength=strength, far=np.concatenate(operators), knot=np.concatenate(knots), mode=np.concatenate(modes),
     )  # fmt: skip
 
 
