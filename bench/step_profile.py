@@ -2,7 +2,7 @@
 
 The two-roller demo, spun up and loaded as in `docs/speed_error.md`: pressures on hats of its mesh, on as many cells as
 are chosen by themselves that travel with the patch, and on fewer of them over a mesh of 4 mm, which keep within 1 % of
-force and 2 % of the largest pressure.
+force and 2 % of pressure.
 
 A step is one recorded graph, in which nothing can be timed from outside. So it is recorded once more with a launch
 after every kernel that reads the cycle counter of the processor and adds what has passed since the one before to the
@@ -47,7 +47,7 @@ COARSE = demo.Size(sectors=80, layers=8, axial=5)  # hexahedra of 4 mm
 SCENES: dict[str, tuple[demo.Size, str, tuple[int, int] | None]] = {
     "hats of the mesh": (demo.QUICK, "material", None),
     "cells, as many as are chosen": (demo.QUICK, "patch", None),
-    "9 x 9 cells over 4 mm": (COARSE, "patch", (9, 9)),
+    "9 x 7 cells over 4 mm": (COARSE, "patch", (9, 7)),
 }
 BETWEEN, COUNTER = ("between", "steps and chunks"), ("counter", "a launch that reads it")
 PHASES = {  # of `online.step.phases`, as a reader of docs/method.md knows them
