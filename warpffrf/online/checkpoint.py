@@ -1,12 +1,12 @@
 """Putting a run back where another one ended.
 
 A checkpoint (`Engine.checkpoint`) is the complete device state: positions, rates, algorithmic accelerations,
-multipliers, active sets, pressures, the ledger, the clock and the control words; and with friction on cells that travel
-with the patch their compliances and factors, which serve from step to step as long as they are good. Everything else
-that a step uses is either constant (compiled from the scene) or made anew at the start of every step, so a run
-continued from a checkpoint with the same step and the same options gives the same numbers, bit for bit, as one that was
-never stopped. Where what was kept does not fit, or an older file lacks it, compliances are made anew, and the numbers
-are the same to the tolerance of the iteration.
+multipliers, active sets, pressures, the ledger, the clock and the control words; of cells that travel with the patch
+the last change of their pressures, from which the next ones are predicted, and their compliances and factors, which
+serve from step to step as long as they are good. Everything else that a step uses is either constant (compiled from the
+scene) or made anew at the start of every step, so a run continued from a checkpoint with the same step and the same
+options gives the same numbers, bit for bit, as one that was never stopped. Where what was kept does not fit, or an
+older file lacks it, compliances are made anew, and the numbers are the same to the tolerance of the iteration.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ from warpffrf.model.integrators import GeneralizedAlpha, Integrator
 from warpffrf.model.scene import Scene
 from warpffrf.online.arrays import Ring, Sizes, initial_state, sizes_of
 from warpffrf.online.arrays.ring import SavedRows, joined, taken
-from warpffrf.online.arrays.scratch import KEPT, scratch_for
+from warpffrf.online.arrays.scratch import KEPT, KEPT_OF_PATCHES, scratch_for
 from warpffrf.online.compile.outer_pattern import pattern_of
 from warpffrf.online.compile.patch_plan import PatchPlan
 from warpffrf.online.compile.scene import compile_scene
@@ -28,8 +28,8 @@ from warpffrf.online.warp_start import start_warp
 
 ROOM_GROWTH = 2  # of the slots, each time they are too few
 NOT_KEPT = (
-    "what friction on cells that travel with the patch keeps from step to step is not in the checkpoint, or does not "
-    "fit: the run goes on to the tolerance of the iteration, not bit for bit"
+    "what cells that travel with the patch keep from step to step is not in the checkpoint, or does not fit: the run "
+    "goes on to the tolerance of the iteration, not bit for bit"
 )
 KEPT_MARK = "kept_"  # before the names of arrays in a checkpoint that are no part of the state
 
@@ -118,6 +118,7 @@ class Engine:
         for name, array in vars(self.scratch).items():
             if name in before and before[name].shape == array.shape:
                 array.assign(before[name])
+        self.scratch.lasting.zero_()
         self.control(stale=1)  # compliances of cells that are kept from step to step have another shape now
 
     def _relieve(self) -> bool:
@@ -195,16 +196,17 @@ class Engine:
     # --- checkpoints
 
     def checkpoint(self) -> dict[str, np.ndarray]:
-        """Copies of all that the next step needs to go on bit for bit: the state and, with friction on cells that
-        travel with the patch, what is kept of them from step to step."""
+        """Copies of all that the next step needs to go on bit for bit: the state and, with cells that travel with the
+        patch, what is kept of them from step to step."""
         return self.state.to_numpy() | {f"{KEPT_MARK}{name}": a.numpy().copy() for name, a in self._kept().items()}
 
     def resume(self, checkpoint: Mapping[str, np.ndarray]) -> None:
         """Overwrite the state; what a checkpoint has kept, where it fits, or else compliances are made anew, with a
         note in `start_notes`."""
         given = {name.removeprefix(KEPT_MARK): a for name, a in checkpoint.items() if name.startswith(KEPT_MARK)}
-        if given:
-            self.make_room(given["answer_hat"].shape[1])
+        for name in ("answer_hat", "order"):  # lists over slots
+            if name in given:
+                self.make_room(given[name].shape[1])
         self.state.assign(checkpoint)
         here = self._kept()
         if {name: a.shape for name, a in here.items()} == {name: a.shape for name, a in given.items()}:
@@ -216,9 +218,11 @@ class Engine:
 
     def _kept(self) -> dict[str, DeviceArray]:
         """Arrays that are kept from step to step beside the state, each once: some stand in for others."""
-        if not self._sizes()["rolling_pair"]:
+        sizes = self._sizes()
+        if not sizes["patch_pair"]:
             return {}
-        found = {id(array): name for name in reversed(KEPT) for array in (getattr(self.scratch, name),)}
+        names = KEPT if sizes["rolling_pair"] else KEPT_OF_PATCHES
+        found = {id(array): name for name in reversed(names) for array in (getattr(self.scratch, name),)}
         return {name: getattr(self.scratch, name) for name in sorted(found.values())}
 
     # --- phases

@@ -438,6 +438,7 @@ class Patches:
     far_nodes: int  # splines of a far window, the most, filled up to eights
     places: int  # of the cells of a pair, the most: strips whose rows are filled up to eights
     touching: int  # bodies' sides that carry several of these patches, counted by pairs of them
+    lasting: int  # 1: rows of G stand from step to step, see `normal.lasting`
     columns: DeviceArray = integers("pair", note="strips across")
     first: DeviceArray = integers("pair", note="surface with the mesh; pairs.first is the grid of cells on it")
     second: DeviceArray = integers("pair", note="likewise, or rigid")

@@ -84,6 +84,7 @@ def solve_between(
     order: wp.array2d(dtype=int),
     block: wp.array3d(dtype=int),
     weight: wp.array2d(dtype=real),
+    row_scale: wp.array2d(dtype=real),
     G: wp.array3d(dtype=real),
     U: wp.array(dtype=real),
     W: wp.array(dtype=real),
@@ -187,4 +188,4 @@ def solve_between(
             i += wp.block_dim()
         sync()
         step += 1
-    put_pressures(model, w, lane, count, base, slot_hat, order, weight, solution, pressure)
+    put_pressures(model, w, lane, count, base, slot_hat, order, weight, row_scale, solution, pressure)

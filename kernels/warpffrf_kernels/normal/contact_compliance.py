@@ -18,6 +18,7 @@ from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, sync, vec3
+from warpffrf_kernels.normal.lasting import AGE, BEGUN, COUNT, OLDER, PATIENCE, REST, RESTS, ROWS
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -32,24 +33,54 @@ def short_of(model: Model) -> int:
     return int(k.CAPACITY)
 
 
+@wp.func
+def lacks_rows(
+    model: Model, w: int, active: wp.array3d(dtype=int), slot_of: wp.array3d(dtype=int)
+) -> bool:  # fmt: skip
+    """Whether an active hat has no slot."""
+    lacking = bool(False)
+    pair = int(0)
+    while pair < model.pairs.count:
+        m = int(0)
+        while m < model.window.hats:
+            if active[w, pair, m] != 0 and slot_of[w, pair, m] < 0:
+                lacking = True
+            m += 1
+        pair += 1
+    return lacking
+
+
 @wp.kernel
 def take_slots(
     models: wp.array(dtype=Model),
     active: wp.array3d(dtype=int),
+    area: wp.array3d(dtype=real),
     ctl: inout(wp.array(dtype=Control)),
+    lasting: inout(wp.array2d(dtype=int)),
     phase: inout(wp.array3d(dtype=real)),
     slot_of: inout(wp.array3d(dtype=int)),
     slot_hat: out(wp.array3d(dtype=int)),
 ):
     """Per world: a slot for each active hat that has none; all slots are given back first when the grids have
-    moved.
+    moved, or where rows of an earlier attempt do not serve. Where rows stand from step to step, all cells of a patch
+    take one then, as far as there is room: those at its edge come under pressure and leave it.
     """
     w = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
         return
     capacity = model.window.hats
+    spare = int(0)
+    if lasting[w, OLDER] != 0 and (ctl[w].iteration >= PATIENCE or lacks_rows(model, w, active, slot_of)):
+        ctl[w].reassemble = 1
+        if lasting[w, AGE] <= 1:
+            lasting[w, RESTS] = REST
+    lasting[w, BEGUN] = 0
     if ctl[w].reassemble != 0:
+        lasting[w, OLDER] = 0
+        lasting[w, ROWS] = 1
+        lasting[w, AGE] = 0
+        spare = int(ctl[w].mode == k.DYNAMIC and model.elements[0].patches.lasting != 0)
         ctl[w].slots = 0
         pair = int(0)
         while pair < model.pairs.count:
@@ -84,6 +115,18 @@ def take_slots(
                     count += 1
             m += 1
         pair += 1
+    pair = int(0)
+    while pair < model.pairs.count and spare != 0:
+        m = int(0)
+        cells = model.elements[0].patches.columns[pair] * model.surfaces.rows[model.pairs.first[pair]]
+        while m < cells and count < model.capacity.slots:
+            if slot_of[w, pair, m] < 0 and area[w, pair, m] > real(0.0):
+                slot_of[w, pair, m] = count
+                slot_hat[w, count, 0] = pair
+                slot_hat[w, count, 1] = m
+                count += 1
+            m += 1
+        pair += 1
     if count > model.capacity.slots:
         ctl[w].failure = ctl[w].failure | short_of(model)
         ctl[w].spare = wp.max(ctl[w].spare, count)
@@ -91,6 +134,7 @@ def take_slots(
         count = model.capacity.slots
     ctl[w].slots = count
     ctl[w].active = number
+    lasting[w, COUNT] = count
 
 
 @wp.func

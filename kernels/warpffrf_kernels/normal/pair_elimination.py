@@ -1,6 +1,11 @@
 """The active hats of the pairs eliminated pair by pair, and the outer system with what is left of them.
 
-Equations and names: `contact_solve`.
+Equations and names: `contact_solve`. Where rows of G stand from step to step (`lasting`), cells have grown since they
+were made, all by the same factor s = W/W_made, and G by s^2 but for what hardly changes. With G the rows that are there
+
+    L z + s^2 G ds = b   <=>   (L/s) z + G y = b/s,      ds = y/s,      L^T ds = (L/s)^T y,
+
+so that lines and right-hand sides are multiplied by `row_scale` = 1/s, and what comes out is too.
 """
 
 import warp as wp
@@ -8,11 +13,12 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, weighted
 from warpffrf_kernels.linear import block_elimination
 from warpffrf_kernels.linear.outer_solve import held_motions, solve
 from warpffrf_kernels.linear.sparse_factor import Pattern
+from warpffrf_kernels.normal.lasting import WIDTH
 from warpffrf_kernels.normal.pair_forces import surface_of
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -34,12 +40,16 @@ def order_slots(
     active: wp.array3d(dtype=int),
     base: wp.array3d(dtype=real),
     slot_hat: wp.array3d(dtype=int),
+    patch_width: wp.array2d(dtype=real),
+    patch_made: wp.array3d(dtype=real),
     order: inout(wp.array2d(dtype=int)),
     block: inout(wp.array3d(dtype=int)),
     kept: out(wp.array(dtype=int)),
+    row_scale: out(wp.array2d(dtype=real)),
 ):
     """Per world: the active slots, pair by pair, then those that have left the set; and what of the elimination is that
-    of the solve before, of the same rows of G: U (FACTOR), with L also W and W^T W (LINES)."""
+    of the solve before, of the same rows of G: U (FACTOR), with L and the outer matrix also W, W^T W and its factor
+    (LINES)."""
     w = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
@@ -56,6 +66,9 @@ def order_slots(
     while pair < model.pairs.count:
         block[w, pair, COUNT] = 0
         block[w, pair, LEFT_COUNT] = 0
+        row_scale[w, pair] = real(1.0)
+        if model.pairs.family[pair] == PATCH:
+            row_scale[w, pair] = patch_made[w, pair, WIDTH] / patch_width[w, pair]
         pair += 1
     slot = int(0)
     while slot < ctl[w].slots:
@@ -118,7 +131,7 @@ def gather_block(
 ): ...
 
 
-# The lines of L of n slots from place `start` of `order` on, to W.
+# The lines of L of n slots from place `start` of `order` on, times `scale`, to W.
 @wp.func_native("""
     const int cap = model.capacity.slots, width = model.pairs.coupled_capacity;
     const int count = model.pairs.coupled_count.data[pair];
@@ -126,7 +139,7 @@ def gather_block(
     for (int i = 0; i < n; ++i) {
         const double* l = L.data + ((size_t)w * cap + list[i]) * width;
         double* x = W.data + ((size_t)w * cap + start + i) * width;
-        for (int c = WP_TILE_THREAD_IDX; c < count; c += WP_TILE_BLOCK_DIM) x[c] = l[c];
+        for (int c = WP_TILE_THREAD_IDX; c < count; c += WP_TILE_BLOCK_DIM) x[c] = scale * l[c];
     }
     WP_TILE_SYNC();
 """)
@@ -136,6 +149,7 @@ def gather_lines(
     pair: int,
     start: int,
     n: int,
+    scale: real,
     L: wp.array3d(dtype=real),
     order: wp.array2d(dtype=int),
     W: wp.array(dtype=real),
@@ -162,6 +176,7 @@ def eliminate_pairs(
     order: wp.array2d(dtype=int),
     block: wp.array3d(dtype=int),
     kept: wp.array(dtype=int),
+    row_scale: wp.array2d(dtype=real),
     ctl: inout(wp.array(dtype=Control)),
     factor: inout(wp.array(dtype=real)),
     W: inout(wp.array(dtype=real)),
@@ -183,7 +198,7 @@ def eliminate_pairs(
         gather_block(model, w, start, n, G, order, factor)
         if block_elimination.factor(factor, at, cap, n) != 0 and lane == 0:
             ctl[w].failure = ctl[w].failure | k.INDEFINITE
-    gather_lines(model, w, pair, start, n, L, order, W)
+    gather_lines(model, w, pair, start, n, row_scale[w, pair], L, order, W)
     block_elimination.forward_lines(factor, at, cap, n, W, line, width, coupled)
     block_elimination.square_of(n, W, line, width, coupled, square, (w * model.pairs.count + pair) * width * width)
 
@@ -236,7 +251,9 @@ def pose_pressures(
     slot_hat: wp.array3d(dtype=int),
     order: wp.array2d(dtype=int),
     block: wp.array3d(dtype=int),
+    kept: wp.array(dtype=int),
     square: wp.array(dtype=real),
+    row_scale: wp.array2d(dtype=real),
     G: wp.array3d(dtype=real),
     weight: wp.array2d(dtype=real),
     J: wp.array(dtype=real),
@@ -247,12 +264,13 @@ def pose_pressures(
     bordered_rhs: out(wp.array2d(dtype=real)),
     right: out(wp.array2d(dtype=real)),
 ):
-    """Per world: A + sum W^T W, and both right-hand sides with what leaves the active set."""
+    """Per world: A + sum W^T W, unless it is `kept` too, and both right-hand sides with what leaves the active set."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
         return
-    add_borders(model, patterns[0], w, tangent, block, square, bordered)
+    if kept[w] != LINES:
+        add_borders(model, patterns[0], w, tangent, block, square, bordered)
     i = lane
     while i < model.outer.count:
         bordered_rhs[w, i] = rhs[w, i]
@@ -271,7 +289,8 @@ def pose_pressures(
             slot = order[w, first_left + e]
             other = slot_hat[w, slot, 0]
             if other == pair or model.pairs.beside != 0:
-                total += G[w, a, slot] * weight[w, other] * base[w, other, slot_hat[w, slot, 1]]
+                s = real(1.0) / (row_scale[w, pair] * row_scale[w, other])
+                total += s * G[w, a, slot] * weight[w, other] * base[w, other, slot_hat[w, slot, 1]]
             e += 1
         line = (w * model.capacity.slots + a) * model.pairs.most_modes
         for side in range(2):
@@ -280,7 +299,7 @@ def pose_pressures(
             n = model.surfaces.modal_count[surface]
             total += weighted(n, J, line, receptance, modes, modal_residual, modes)
             line += n
-        right[w, i] = total
+        right[w, i] = row_scale[w, pair] * total
         i += wp.block_dim()
     if lane != 0:
         return
@@ -360,6 +379,7 @@ def put_pressures(
     slot_hat: wp.array3d(dtype=int),
     order: wp.array2d(dtype=int),
     weight: wp.array2d(dtype=real),
+    row_scale: wp.array2d(dtype=real),
     solution: wp.array(dtype=real),
     pressure: wp.array3d(dtype=real),
 ):
@@ -368,7 +388,9 @@ def put_pressures(
     while i < count:
         pair = slot_hat[w, order[w, i], 0]
         m = slot_hat[w, order[w, i], 1]
-        pressure[w, pair, m] = base[w, pair, m] + solution[w * model.capacity.slots + i] / weight[w, pair]
+        pressure[w, pair, m] = (
+            base[w, pair, m] + row_scale[w, pair] * solution[w * model.capacity.slots + i] / weight[w, pair]
+        )
         i += wp.block_dim()
 
 
@@ -380,7 +402,9 @@ def solve_pressures(
     slot_hat: wp.array3d(dtype=int),
     order: wp.array2d(dtype=int),
     block: wp.array3d(dtype=int),
+    kept: wp.array(dtype=int),
     weight: wp.array2d(dtype=real),
+    row_scale: wp.array2d(dtype=real),
     U: wp.array(dtype=real),
     W: wp.array(dtype=real),
     bordered: wp.array3d(dtype=real),
@@ -402,7 +426,7 @@ def solve_pressures(
     pressure: out(wp.array3d(dtype=real)),
 ):
     """Per world: the outer increments, and pressures of the active set, without what pairs do to each other by local
-    modes."""
+    modes. The factor of the outer matrix is that of the solve before where this is `kept`."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
@@ -415,9 +439,9 @@ def solve_pressures(
         i += wp.block_dim()
     sync()
     bad = eliminated(
-        model, patterns[0], w, lane, 1, held_motions(ctl, w, hold_count), block, U, W, bordered, hold, scaling, pivots,
-        factor, vector, lines, fallback, work, inverse_transposed, solution, at, bordered_rhs, z,
+        model, patterns[0], w, lane, int(kept[w] != LINES), held_motions(ctl, w, hold_count), block, U, W, bordered,
+        hold, scaling, pivots, factor, vector, lines, fallback, work, inverse_transposed, solution, at, bordered_rhs, z,
     )  # fmt: skip
     if bad != 0 and lane == 0:
         ctl[w].failure = ctl[w].failure | k.SINGULAR
-    put_pressures(model, w, lane, count, base, slot_hat, order, weight, solution, pressure)
+    put_pressures(model, w, lane, count, base, slot_hat, order, weight, row_scale, solution, pressure)

@@ -9,13 +9,18 @@ second moment of a strip's pressure, sqrt(5) times that of a whole ellipse. (The
 from cell to cell, and the force with it.) What has no pressure yet is as wide as the surfaces overlap. Within an
 attempt W only changes where the patch reaches the outermost strips, or fills less than half of them. Pressures go from
 old cells to new ones by linear interpolation.
+
+Cells travel and grow with the patch, so that the pressure of each hardly changes from step to step, and smoothly. An
+attempt therefore begins with p_n + (h/h_n)(p_n - p_(n-1)), cell by cell, where W is nearly what it was and the change
+does not undo the one before it: of second order in the step, where p_n alone is of first. This is where the iteration
+starts, not where it ends.
 """
 
 import warp as wp
 
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.kinematics.closest_point import (
@@ -27,6 +32,7 @@ from warpffrf_kernels.kinematics.closest_point import (
     view_of,
 )
 from warpffrf_kernels.kinematics.line_of_centres import FARTHEST, PHASE_TOLERANCE, wrap
+from warpffrf_kernels.normal.lasting import BEGUN, OLDER, are_near
 from warpffrf_kernels.surfaces.surface import chart_of, local_point, radius_of
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -44,6 +50,9 @@ GROWTH = wp.constant(wp.float64(1.5))  # of W where the outermost strips are und
 LOOSE = wp.constant(wp.float64(0.2))
 SPARSE = wp.constant(wp.float64(0.5))  # of the strips: a patch on fewer is laid anew within an attempt
 STEADY = wp.constant(wp.float64(1.0e-9))  # relative change of W that is none
+# relative change of W in a step up to which pressures are extrapolated cell by cell: more is an impact, or a first step
+ALIKE = wp.constant(wp.float64(0.05))
+LONGER = wp.constant(wp.float64(2.0))  # of the last step: what a change of pressure is extrapolated over at most
 
 
 @wp.struct
@@ -234,11 +243,87 @@ def move_pressures(
         turn += 1
 
 
+@wp.func
+def goes_on(
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    lasting: wp.array2d(dtype=int),
+    w: int,
+    old: real,
+    new: real,
+) -> real:
+    """How often the change of pressure of the last step is added when an attempt begins; 0 where it says nothing."""
+    if lasting[w, BEGUN] == 0 or ctl[w].again != 0 or ctl[w].mode != k.DYNAMIC or not clk[w].done_step > real(0.0):
+        return real(0.0)
+    if wp.abs(new - old) > ALIKE * new:
+        return real(0.0)
+    return wp.min(clk[w].h / clk[w].done_step, LONGER)
+
+
+@wp.func
+def extrapolate(
+    w: int,
+    pair: int,
+    cells: int,
+    factor: real,
+    active: wp.array3d(dtype=int),
+    patch_change: wp.array3d(dtype=real),
+    pressure: wp.array3d(dtype=real),
+):
+    """Pressures of active cells with their last change, `factor` times; those that it would end stay as they are."""
+    m = int(0)
+    while m < cells:
+        if active[w, pair, m] != 0:
+            ahead = pressure[w, pair, m] + factor * patch_change[w, pair, m]
+            if ahead > real(0.0):
+                pressure[w, pair, m] = ahead
+        m += 1
+
+
+@wp.kernel
+def keep_change(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    patch_width: wp.array2d(dtype=real),
+    active_before: wp.array3d(dtype=int),
+    pressure_before: wp.array3d(dtype=real),
+    patch_width_before: wp.array2d(dtype=real),
+    patch_steady: out(wp.array2d(dtype=int)),
+    patch_change: inout(wp.array3d(dtype=real)),
+):
+    """Per (world, pair of family 2), of an accepted attempt: what the pressure of each cell has changed by, and whether
+    that does not undo the change before."""
+    w, pair = wp.tid()
+    model = models[0]
+    if ctl[w].accept == 0 or model.pairs.family[pair] != PATCH:
+        return
+    width = patch_width[w, pair]
+    alike = ctl[w].mode == k.DYNAMIC and wp.abs(width - patch_width_before[w, pair]) <= ALIKE * width
+    both = real(0.0)
+    m = int(0)
+    while m < model.window.hats:
+        change = real(0.0)
+        if alike and active[w, pair, m] != 0 and active_before[w, pair, m] != 0:
+            change = pressure[w, pair, m] - pressure_before[w, pair, m]
+        both += change * patch_change[w, pair, m]
+        patch_change[w, pair, m] = change
+        m += 1
+    patch_steady[w, pair] = int(both >= real(0.0))
+
+
 @wp.kernel
 def locate_patches(
     models: wp.array(dtype=Model),
+    clk: wp.array(dtype=Clock),
     r1: wp.array2d(dtype=vec3),
     axes: wp.array2d(dtype=mat33),
+    lasting: wp.array2d(dtype=int),
+    weight: wp.array2d(dtype=real),
+    patch_made: wp.array3d(dtype=real),
+    patch_steady: wp.array2d(dtype=int),
+    patch_change: wp.array3d(dtype=real),
     ctl: inout(wp.array(dtype=Control)),
     phase: inout(wp.array3d(dtype=real)),
     nearest: inout(wp.array3d(dtype=real)),
@@ -312,11 +397,17 @@ def locate_patches(
     elif real(found.strips) < SPARSE * real(elements.patches.columns[pair]) and ctl[w].iteration <= SETTLING:
         new = found.wanted
     new = wp.clamp(new, least, most)
+    ahead = goes_on(ctl, clk, lasting, w, old, new)
+    if patch_steady[w, pair] == 0:
+        ahead = real(0.0)
     if wp.abs(new - old) > STEADY * new:
-        if found.count > 0:
+        if found.count > 0 and ahead == real(0.0):
             move_pressures(elements, w, pair, rows, new / old, active, pressure, patch_buffer)
         patch_width[w, pair] = new
-        ctl[w].reassemble = 1
+        if lasting[w, OLDER] == 0:
+            ctl[w].reassemble = 1
+    if ahead > real(0.0):
+        extrapolate(w, pair, elements.patches.columns[pair] * rows, ahead, active, patch_change, pressure)
 
     phase[w, pair, 4] = x
     phase[w, pair, 5] = x_b
@@ -328,7 +419,10 @@ def locate_patches(
     for i in range(2):
         largest = wp.max(largest, wp.abs(phase[w, pair, 4 + i] - phase[w, pair, i]))
         largest = wp.max(largest, wp.abs(phase[w, pair, 10 + i] - phase[w, pair, 8 + i]))
-    if largest > PHASE_TOLERANCE or ctl[w].iteration == 0:
+    if lasting[w, OLDER] != 0:
+        if not are_near(clk, w, pair, new, weight, patch_made):
+            ctl[w].reassemble = 1
+    elif largest > PHASE_TOLERANCE or ctl[w].iteration == 0:
         ctl[w].reassemble = 1
     patch_place[w, pair, 0] = x
     patch_place[w, pair, 1] = z

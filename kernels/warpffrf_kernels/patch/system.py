@@ -5,7 +5,8 @@
 as `contact_compliance` and `contact_assembly` do for hats; Phi, the modes on the splines, times the weight of the pair.
 What a cell displaces of the splines is read by all cells before it at once, place by place (`spline_tables`).
 
-Residuals are never read off G (`fields`). Rows are made anew in every attempt, and when W has changed in one.
+Residuals are never read off G (`fields`). Where rows do not stand from step to step (`lasting`), they are made anew in
+every attempt, and when W has changed in one; how the modes open the gaps is found anew with the outer matrix.
 """
 
 import warp as wp
@@ -14,6 +15,7 @@ from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.normal.lasting import OLDER
 from warpffrf_kernels.patch.between import strip_width
 from warpffrf_kernels.patch.far_splines import beside_block, turned_column
 from warpffrf_kernels.patch.fields import rows_of
@@ -21,10 +23,13 @@ from warpffrf_kernels.patch.spline_tables import line_of, real_side, trace_at
 
 wp.set_module_options(MODULE_OPTIONS)
 
+WHOLE = wp.constant(1)  # of `far_answered`: what unit pressures displace of the splines, and load of the modes
+LOADS = wp.constant(2)  # loads on the modes only
 
-# What a unit pressure on each place displaces of the splines of one side by S + Phi sigma^-1 Phi^T, line by line, and
-# the loads of all places on the modes. Strips that load the same columns of splines are taken at once. Native for
-# contiguous inner loops along places.
+
+# What a unit pressure on each place displaces of the splines of one side by S + Phi sigma^-1 Phi^T, line by line,
+# unless `loads` alone are asked for, and the loads of all places on the modes. Strips that load the same columns of
+# splines are taken at once. Native for contiguous inner loops along places.
 @wp.func_native("""
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM, nodes = elements.patches.far_nodes;
     const int columns = elements.patches.columns.data[pair], stride = elements.patches.places;
@@ -39,7 +44,7 @@ wp.set_module_options(MODULE_OPTIONS)
     double* const soft = far_soft.data + p * nodes;
     double* const answer = far_answer.data + p * nodes * stride;
     double* const gradient = far_gradient.data + (p / 2 * model.pairs.most_modes + first_mode) * stride;
-    for (int n = 0; n < count + modes; ++n) {
+    for (int n = loads ? count : 0; n < count + modes; ++n) {
         if (n < count) {
             for (int k = lane; k < count; k += lanes) soft[k] = table[(size_t)n * nodes + k];
             for (int m = 0; m < modes; ++m) {
@@ -81,6 +86,7 @@ def answer_side(
     weight: real,
     trace_start: int,
     first_mode: int,
+    loads: int,
     far_window: wp.array4d(dtype=int),
     far_strip: wp.array4d(dtype=int),
     far_share: wp.array(dtype=real),
@@ -104,18 +110,26 @@ def answer_splines(
     far_trace: wp.array(dtype=real),
     weight: wp.array2d(dtype=real),
     receptance: wp.array2d(dtype=real),
+    lasting: wp.array2d(dtype=int),
     far_answered: changed(wp.array2d(dtype=int)),
     far_soft: inout(wp.array(dtype=real)),
     far_answer: inout(wp.array(dtype=real)),
     far_gradient: inout(wp.array(dtype=real)),
 ):
-    """Per (world, pair of family 2), where slots are fresh and the splines have been laid out anew: what unit pressures
-    displace of the splines of both sides, and load of the modes."""
+    """Per (world, pair of family 2), where the splines have been laid out anew: what unit pressures load of the modes
+    and, where slots are fresh, displace of the splines of both sides."""
     w, pair, lane = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].fresh == ctl[w].slots or model.pairs.family[pair] != PATCH:
+    if ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
         return
-    if far_answered[w, pair] != 0:
+    wanted = int(WHOLE)
+    if lasting[w, OLDER] != 0:
+        if ctl[w].refresh == 0 or ctl[w].moved == 0:
+            return
+        wanted = int(LOADS)
+    elif ctl[w].fresh == ctl[w].slots:
+        return
+    if far_answered[w, pair] == WHOLE or far_answered[w, pair] == wanted:
         return
     elements = model.elements[0]
     first_mode = int(0)
@@ -124,30 +138,27 @@ def answer_splines(
         if s >= 0:
             answer_side(
                 model, elements, w, pair, side, s, line_of(model.surfaces.rows[model.pairs.first[pair]]),
-                weight[w, pair], trace_at(model, elements, w, pair, side), first_mode, far_window, far_strip, far_share,
-                far_table, far_trace, receptance, far_soft, far_answer, far_gradient,
+                weight[w, pair], trace_at(model, elements, w, pair, side), first_mode, int(wanted == LOADS), far_window,
+                far_strip, far_share, far_table, far_trace, receptance, far_soft, far_answer, far_gradient,
             )  # fmt: skip
         first_mode += model.surfaces.modal_count[model.pairs.first[pair]]
     sync()
     if lane == 0:
-        far_answered[w, pair] = 1
+        far_answered[w, pair] = wanted
 
 
 # Row `slot` of G, of the cell at place `at`, against the slots of its pair up to itself: laid out over the places of
-# all strips that these have cells in, then picked; and its line of J, minus `weight` times its loads on the modes.
+# all strips that these have cells in, then picked.
 @wp.func_native("""
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM, line = (rows + 7) / 8 * 8;
-    const int column = at / line, row = at % line, modes = model.pairs.most_modes;
+    const int column = at / line, row = at % line;
     const int stride = elements.patches.places, nodes = elements.patches.far_nodes, cap = model.capacity.slots;
     const size_t p = ((size_t)w * model.pairs.count + pair) * 2;
     const int* const slots = slot_hat.data + (size_t)w * cap * 2;
     const int* const place = slot_place.data + (size_t)w * cap;
     const double* const near = patch_near.data + p / 2 * patch_near.shape[2] + (size_t)row * line;
-    const double* const gradient = far_gradient.data + p / 2 * modes * stride + at;
     double* const g = far_line.data + (size_t)w * stride;
     double* const out = G.data + ((size_t)w * cap + slot) * cap;
-    double* const j = J.data + ((size_t)w * cap + slot) * modes;
-    for (int m = lane; m < modes; m += lanes) j[m] = -weight * gradient[(size_t)m * stride];
     const int last = slot_reach.data[(size_t)w * cap + slot] / line + 1;
     for (int c = 0; c < last; ++c) {
         const double* const t = near + (size_t)(c < column ? column - c : c - column) * rows * line;
@@ -201,7 +212,6 @@ def lay_row(
     rows: int,
     first_rows: int,
     second_rows: int,
-    weight: real,
     yielded: real,
     slot_hat: wp.array3d(dtype=int),
     slot_place: wp.array2d(dtype=int),
@@ -210,10 +220,29 @@ def lay_row(
     far_strip: wp.array4d(dtype=int),
     far_share: wp.array(dtype=real),
     far_answer: wp.array(dtype=real),
-    far_gradient: wp.array(dtype=real),
     far_line: wp.array2d(dtype=real),
-    J: wp.array(dtype=real),
     G: wp.array3d(dtype=real),
+): ...
+
+
+# The line of J of a slot, minus `weight` times the loads of its cell, at place `at`, on the modes.
+@wp.func_native("""
+    const int modes = model.pairs.most_modes, stride = elements.patches.places;
+    const size_t p = (size_t)w * model.pairs.count + pair;
+    const double* const gradient = far_gradient.data + p * modes * stride + at;
+    double* const j = J.data + ((size_t)w * model.capacity.slots + slot) * modes;
+    for (int m = WP_TILE_THREAD_IDX; m < modes; m += WP_TILE_BLOCK_DIM) j[m] = -weight * gradient[(size_t)m * stride];
+""")
+def lay_line(
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    slot: int,
+    at: int,
+    weight: real,
+    far_gradient: wp.array(dtype=real),
+    J: wp.array(dtype=real),
 ): ...
 
 
@@ -250,14 +279,15 @@ def assemble_cells(
     far_answer: wp.array(dtype=real),
     far_gradient: wp.array(dtype=real),
     weight: wp.array2d(dtype=real),
+    lasting: wp.array2d(dtype=int),
     slot_place: inout(wp.array2d(dtype=int)),
     slot_reach: inout(wp.array2d(dtype=int)),
     far_line: inout(wp.array2d(dtype=real)),
     J: out(wp.array(dtype=real)),
     G: inout(wp.array3d(dtype=real)),
 ):
-    """Per world: of the fresh slots of patches the gradient of the weak gap by the modes of A, then of B, times the
-    weight of the pair; and rows of G within their pairs."""
+    """Per world: of the slots of patches the gradient of the weak gap by the modes of A, then of B, times the weight of
+    the pair, where they are fresh or of an earlier attempt; and fresh rows of G within their pairs."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0:
@@ -285,9 +315,21 @@ def assemble_cells(
         if model.pairs.family[pair] == PATCH:
             lay_row(
                 model, elements, w, pair, slot, slot_place[w, slot], model.surfaces.rows[model.pairs.first[pair]],
-                rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1), weight[w, pair],
+                rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
                 elements.patches.layer[pair] * area[w, pair, slot_hat[w, slot, 1]], slot_hat, slot_place, slot_reach,
-                patch_near, far_strip, far_share, far_answer, far_gradient, far_line, J, G,
+                patch_near, far_strip, far_share, far_answer, far_line, G,
+            )  # fmt: skip
+        slot += 1
+    slot = ctl[w].fresh
+    if lasting[w, OLDER] != 0 and ctl[w].refresh != 0 and ctl[w].moved != 0:
+        slot = int(0)
+    while slot < ctl[w].slots:
+        pair = slot_hat[w, slot, 0]
+        if model.pairs.family[pair] == PATCH:
+            rows = model.surfaces.rows[model.pairs.first[pair]]
+            m = slot_hat[w, slot, 1]
+            lay_line(
+                model, elements, w, pair, slot, m / rows * line_of(rows) + m % rows, weight[w, pair], far_gradient, J
             )  # fmt: skip
         slot += 1
     mirror_within(model, w, ctl[w].fresh, ctl[w].slots, PATCH, slot_hat, G)

@@ -15,8 +15,9 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
-# residual below which the inverse of the last iteration serves once more
-REFRESH_ABOVE = wp.constant(wp.float64(1.0e-7))
+# Residual below which the matrix of the last iteration serves once more: within an attempt it changes by less than
+# 1e-4, which is what a solve with it leaves.
+REFRESH_ABOVE = wp.constant(wp.float64(1.0e-5))
 # of the coordinates: a joint defect is not measured against less, or round-off would exceed the tolerance
 SHORT = wp.constant(wp.float64(1.0e-5))
 # of accelerations, times the residual tolerance: a few digits above machine precision

@@ -171,6 +171,15 @@ class Patches(Arrays):
 
     patch_place: DeviceArray = reals("world", "patch_pair", 4, note="column and z [m] of A, W [m], column of B")
     patch_buffer: DeviceArray = reals("world", "patch_pair", "patch_hat", unit="Pa")
+    patch_made: DeviceArray = reals(
+        "world", "patch_pair", 3, note="W, tangent of the step and weight for which rows of G were made", carried=True
+    )
+    patch_steady: DeviceArray = integers(
+        "world", "patch_pair", note="1: the next one does not undo the one before it", carried=True
+    )
+    patch_change: DeviceArray = reals(
+        "world", "patch_pair", "patch_hat", unit="Pa", note="of pressures in the last accepted step", carried=True
+    )
     patch_row: DeviceArray = structs(Row, "world", "patch_pair", "patch_row", note="what its cells have in common")
     patch_ball: DeviceArray = matrices("world", "patch_pair")
     patch_laid: DeviceArray = reals("world", "patch_pair", 2, note="W and ends of the next", carried=True)
@@ -181,7 +190,9 @@ class Patches(Arrays):
     far_load: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="N")
     far_field: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m")
     far_modes: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m")
-    far_answered: DeviceArray = integers("world", "patch_pair", note="1: the next three are those of the evaluation")
+    far_answered: DeviceArray = integers(
+        "world", "patch_pair", note="which of the next three are those of the evaluation"
+    )
     far_soft: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m/N", note="a line", run=True)
     far_answer: DeviceArray = reals("world", "patch_pair", "2*far_node", "patch_place", unit="m/Pa", run=True)
     far_gradient: DeviceArray = reals("world", "patch_pair", "patch_mode", "patch_place", run=True)
@@ -264,20 +275,28 @@ class ContactFields(Arrays):
 class ContactSolve(Arrays):
     """The system of the hats in play."""
 
-    slot_of: DeviceArray = integers("world", "pair", "hat")
-    slot_hat: DeviceArray = integers("world", "slot", 2, note="pair and hat", zero_without=True)
+    lasting: DeviceArray = integers("world", 6, note="see `normal.lasting`", carried=True)
+    slot_of: DeviceArray = integers("world", "pair", "hat", carried=True)
+    slot_hat: DeviceArray = integers("world", "slot", 2, note="pair and hat", zero_without=True, carried=True)
     T: DeviceArray = reals("world", "slot", "node", note="response of the second surface", run=True)
-    J: DeviceArray = reals("world", "slot", "pair_mode", note="d(gap)/d(modes)", run=True, zero_without=True)
-    G: DeviceArray = reals("world", "slot", "slot", unit="m/Pa", note="gaps by pressures")
+    J: DeviceArray = reals(
+        "world", "slot", "pair_mode", note="d(gap)/d(modes)", run=True, zero_without=True, carried=True
+    )
+    G: DeviceArray = reals("world", "slot", "slot", unit="m/Pa", note="gaps by pressures", carried=True)
     L: DeviceArray = reals("world", "slot", "coupled", note="d(gap)/d(outer)")
     soft: DeviceArray = reals("world", "layer_slot", "layer_slot", note="G with the yield of layers", instead="G")
     scaled_modes: DeviceArray = reals("world", "pair_mode", run=True)
     field_beside: DeviceArray = reals("world", "surface_place", run=True)
     right: DeviceArray = reals("world", "slot", unit="m")
-    order: DeviceArray = integers("world", "slot", note="slots under pressure, pair by pair, then those that left")
-    block: DeviceArray = integers("world", "pair", 4, note="where a pair's begin and how many; of those that left")
+    order: DeviceArray = integers(
+        "world", "slot", note="slots under pressure, pair by pair, then those that left", carried=True
+    )
+    block: DeviceArray = integers(
+        "world", "pair", 4, note="where a pair's begin and how many; of those that left", carried=True
+    )
+    row_scale: DeviceArray = reals("world", "pair", note="W of a patch where its rows were made over W; 1 of hats")
     kept: DeviceArray = integers("world", note="what of the next three is that of the solve before")
-    factor: DeviceArray = reals("world", "slot", "slot", note="U of each pair's block of G")
+    factor: DeviceArray = reals("world", "slot", "slot", note="U of each pair's block of G", carried=True)
     W: DeviceArray = reals("world", "slot", "coupled", note="U^-T L")
     square: DeviceArray = reals("world", "pair", "coupled", "coupled", note="W^T W")
     bordered: DeviceArray = reals("world", "contact_outer", "contact_outer", note="outer matrix with the pressures")
@@ -485,8 +504,14 @@ KEPT = tuple(
     for name, declaration in part.declarations.items()
     if declaration.carried
 )
-"""Compliances of cells that travel with the patch, and their factors, which serve from step to step as long as they are
-good."""
+"""With friction on cells that travel with the patch: their compliances and factors, which serve from step to step as
+long as they are good."""
+KEPT_OF_PATCHES = (
+    "patch_change", "patch_steady", "patch_made", "lasting", "slot_of", "slot_hat", "J", "G", "order", "block",
+    "factor",
+)  # fmt: skip
+"""Without: what an attempt begins with, and rows of G that stand from step to step. (Tables that are carried too are
+the same bits whenever they are laid.)"""
 
 
 def scratch_for(compiled: CompiledScene, sizes: Sizes, state: State) -> Scratch:

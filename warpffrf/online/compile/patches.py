@@ -181,12 +181,18 @@ def fill_patches(collector: Any, m: Model) -> None:
     if beside["beside_side"]:
         m.pairs.beside = 1
     collector.fill(
-        collector.elements.patches, **beside,
-        count=len(plans), touching=len(beside["beside_side"]), far_nodes=nodes, places=places, **per_pair, **far,
-        far_of=far_of, row_z=np.concatenate(z), row_length=np.concatenate(length), near=np.concatenate(near),
-        end_z=end_z, end_strength=strength, far=np.concatenate(operators), knot=np.concatenate(knots),
-        mode=np.concatenate(modes),
+        collector.elements.patches, **beside, count=len(plans), touching=len(beside["beside_side"]),
+        lasting=int(_rows_stand(collector, m)), far_nodes=nodes, places=places, **per_pair, **far, far_of=far_of,
+        row_z=np.concatenate(z), row_length=np.concatenate(length), near=np.concatenate(near), end_z=end_z,
+        end_strength=strength, far=np.concatenate(operators), knot=np.concatenate(knots), mode=np.concatenate(modes),
     )  # fmt: skip
+
+
+def _rows_stand(collector: Any, m: Model) -> bool:
+    """Whether rows of the local compliance may stand from step to step: all pairs on patches, which answer to nothing
+    but their own pressures, by constants."""
+    alone = not (m.capacity.cells or collector.elements.layers.count or m.modes.dynamic_count or m.pairs.beside)
+    return alone and 0 < len(collector.patches) == len(collector.scene.contacts)
 
 
 def _spline_modes(body: Body | Ground, collector: Any, surface: ContactSurface) -> Array:

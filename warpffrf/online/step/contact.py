@@ -19,6 +19,7 @@ from warpffrf_kernels.normal import (
     contact_fields,
     contact_record,
     contact_solve,
+    lasting,
     pair_elimination,
 )
 from warpffrf_kernels.patch import between, cells, fields, near, place, spline_tables, system
@@ -38,7 +39,7 @@ STEP = {"amplitude": "modal_step", "of_state": 0, "first_field": "first_step", "
 CONTACT = Participant(
     "contact",
     when="pair",
-    begin=[blocks(impulsive_contact.begin_contact)],
+    begin=[blocks(impulsive_contact.begin_contact), threads(lasting.begin_rows, when=PATCH)],
     locate=[
         threads(line_of_centres.locate, "pair", when=LINE),
         threads(closest_point.locate_points, "pair", when=POINT),
@@ -85,6 +86,7 @@ CONTACT = Participant(
     respond=[
         blocks(impulsive_contact.compare_receptances, when="dynamic_mode"),
         threads(contact_compliance.take_slots),
+        threads(lasting.note_rows, "pair", when=PATCH),
         blocks(contact_compliance.respond, when=HATS),
         blocks(contact_compliance.modal_rows, when=HATS),
         blocks(system.answer_splines, "pair", when=PATCH, receptance="contact_receptance"),
@@ -114,6 +116,8 @@ CONTACT = Participant(
     ],
     keep=[
         blocks(impulsive_memory.keep_memory, "pair", created="created_now", created_so_far="created"),
+        threads(place.keep_change, "pair", when=PATCH),
+        threads(lasting.keep_rows, when=PATCH),
     ],
     measure=[
         threads(contact_record.sum_second, "pair", when=LINE),

@@ -90,6 +90,7 @@ class _Probe:
     def __init__(self, engine: Engine) -> None:
         self.engine, self.state, self.scratch = engine, engine.state, engine.scratch
         self.model = engine.compiled.model
+        self.scratch.lasting.zero_()
         self.bodies, self.modes, self.rows = self.model.bodies.count, self.model.modes.count, self.model.rows.count
         self.count = 6 * self.bodies + self.modes
         self.base = engine.state.to_numpy()
