@@ -13,7 +13,7 @@ from warpffrf.model.integrators import HHT, GeneralizedAlpha, Newmark
 from warpffrf.model.surfaces import Plane
 from warpffrf.study.speed_against_error.choices import text_of
 from warpffrf.study.speed_against_error.errors import relative, relative_largest
-from warpffrf.study.speed_against_error.fields import POINTS, Field, squares
+from warpffrf.study.speed_against_error.fields import Field, squares
 from warpffrf.study.speed_against_error.front import fastest, front, orders
 from warpffrf.study.speed_against_error.machine import stated, unit_of
 from warpffrf.study.speed_against_error.picture import pareto_figure, steps_figure
@@ -52,15 +52,30 @@ def test_errors_of_histories_in_closed_form() -> None:
     assert relative(bumped, ref) == pytest.approx(0.2 / 8.0, rel=1e-10)  # |ref| = sqrt(64)
 
 
-def test_pressure_on_two_grids_of_one_linear_field_is_the_same() -> None:
-    def field(nodes: int) -> Field:
-        x, z = np.linspace(0.0, 1.0, nodes), np.linspace(0.0, 2.0, 3)
-        return Field(x, z, np.outer(x, np.ones(3)), (0.0, 1.0), (0.0, 2.0))
+def means_of_a_ramp(lines: np.ndarray) -> Field:
+    """p = x as means over boxes, on two rows."""
+    return Field(lines, np.array([0.0, 0.5, 2.0]), np.outer(0.5 * (lines[1:] + lines[:-1]), np.ones(2)))
 
-    apart, size = squares(field(5), field(9), FLAT)
-    assert apart < ROUND_OFF
-    # int x^2 dx dz = 2/3; middles of n strips make 1/3 - 1/(12 n^2) of int x^2
-    assert size == pytest.approx(2.0 * (1.0 / 3.0 - 1.0 / (12.0 * POINTS[0] ** 2)), rel=1e-10)
+
+@pytest.mark.parametrize("coarse", [np.linspace(0.0, 1.0, 5), np.array([0.0, 0.1, 0.5, 1.0])])
+def test_pressure_on_two_grids_of_one_field_is_the_same(coarse: np.ndarray) -> None:
+    """Lines of the fine grid are those of the coarse one and some between them: means of means are means."""
+    fine = np.sort(np.concatenate([coarse, coarse[:-1] + 0.3 * np.diff(coarse), coarse[:-1] + 0.7 * np.diff(coarse)]))
+    for one, other in ((coarse, fine), (fine, coarse)):
+        apart, size = squares(means_of_a_ramp(one), means_of_a_ramp(other), FLAT)
+        assert apart < ROUND_OFF
+        expected = 2.0 * float(np.diff(coarse) @ (0.5 * (coarse[1:] + coarse[:-1])) ** 2)
+        assert size == pytest.approx(expected, rel=ROUND_OFF)
+
+
+def test_pressure_where_only_one_run_has_cells_is_an_error() -> None:
+    """p = 1 over [0, 1], and over [0, 3] in the reference, on boxes of 0.5 and 0.75: 2 of 3 are missing, less what one
+    box shares."""
+    z = np.array([0.0, 1.0])
+    one, other = (Field(np.linspace(0.0, end, 1 + n), z, np.ones((n, 1))) for end, n in ((1.0, 2), (3.0, 4)))
+    apart, size = squares(one, other, FLAT)
+    assert size == pytest.approx(3.0, rel=ROUND_OFF)
+    assert apart == pytest.approx(0.75 * (2.0 / 3.0) ** 2 + 1.5, rel=ROUND_OFF)  # a third of the second box is pressed
 
 
 def test_front_is_that_of_brute_force() -> None:

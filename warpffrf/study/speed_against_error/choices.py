@@ -3,12 +3,13 @@
     step, local, method, integrator     options of `simulate`
     grid, evaluation, cell_error        of all distributed contacts of the scene
     inertia                             of all flexible bodies
+    stiffening                          of those that were reduced with it
     any other name                      a parameter of what builds the scene: mesh, modes, spacing, ...
 
 A *setting* is a value for each name that the study changes. Without the user's choices the steps (2, 1, 1/2 and 1/4 of
 the given one), the treatments of local modes, and grids and evaluations are combined with each other, because they
-interact; integrators, inertia levels and errors of the cells of a patch are changed one at a time about the given
-setting. With choices, they are combined with each other, and the rest stays as given.
+interact; integrators, inertia levels, stiffening and errors of the cells of a patch are changed one at a time about the
+given setting. With choices, they are combined with each other, and the rest stays as given.
 
 What a scene cannot do is left out with its reason. In a default study that is seen beforehand, from its bodies; of the
 user's own choices a refusal of the run is the reason.
@@ -30,7 +31,7 @@ from warpffrf.output.simulate import DEFAULT_INTEGRATOR
 
 RUN = ("step", "local", "method", "integrator")
 CONTACT = ("grid", "evaluation", "cell_error")
-BODY = ("inertia",)
+BODY = ("inertia", "stiffening")
 BUILT_IN = (*RUN, *CONTACT, *BODY)
 STEP_RATIOS = (2.0, 1.0, 0.5, 0.25)
 INTEGRATORS = (DEFAULT_INTEGRATOR, GeneralizedAlpha(rho_inf=0.5), HHT(alpha=-0.3))
@@ -100,8 +101,12 @@ def default_choices(scene: Any, base: Setting) -> Choices:
     alone: list[tuple[str, Any]] = [("integrator", integrator) for integrator in INTEGRATORS]
     if flexible:
         alone += [("inertia", level) for level in _levels(flexible, found)]
+        if any(map(can_stiffen, flexible)):
+            alone += [("stiffening", kept) for kept in (False, True)]
+        else:
+            found.left_out.append(("stiffening", "True", "no body was reduced with stiffening=True"))
     else:
-        found.left_out.append(("inertia", "all", "no body is flexible"))
+        found.left_out.append(("inertia, stiffening", "all", "no body is flexible"))
     if any(_patch_ready(contact) for contact in scene.contacts):
         alone += [("cell_error", error) for error in (4.0 * CELL_ERROR, CELL_ERROR, 0.2 * CELL_ERROR)]
     elif scene.contacts:
@@ -125,6 +130,11 @@ def _other_local(scene: Any, base: Setting, found: Choices) -> list[str]:
         found.left_out.append(("local", ", ".join(t for t in others if t != "quasi_static"), reason))
         return [t for t in others if t == "quasi_static"]
     return others
+
+
+def can_stiffen(body: Any) -> bool:
+    """Whether a flexible body was reduced with stiffening."""
+    return body.reduced.inertia_terms is not None and body.reduced.inertia_terms.stiffening is not None
 
 
 def _levels(flexible: list[Any], found: Choices) -> list[str]:

@@ -2,7 +2,7 @@ r"""How far a run is from the reference, as fractions, over the times t_k that t
 
     force         |F - F_ref|_2 / |F_ref|_2 over times, pairs and directions; pairs are distributed and lumped contacts
     force_max     the largest |F - F_ref| over the largest |F_ref| of a pair and time
-    pressure      L2 norm of p - p_ref over surface, times and pairs, over that of p_ref (`fields`)
+    pressure      L2 norm of P - P_ref over surface, times and pairs, over that of P_ref, as means over boxes (`fields`)
     displacement  |x - x_ref|_2 / |x_ref - x_ref(0)|_2 of points in the world (`places`)
     deformation   |u - u_ref|_2 / |u_ref|_2 of points of flexible bodies, in the frame of their body
     stress        |s - s_ref|_2 / |s_ref|_2, all components at all stress points and stress sensors

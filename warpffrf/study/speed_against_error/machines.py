@@ -16,7 +16,7 @@ from typing import Any, Protocol
 from warpffrf.model.bodies import INERTIA_LEVELS
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.scene_file import load_scene
-from warpffrf.study.speed_against_error.choices import BODY, BUILT_IN, CONTACT, RUN, Setting, label_of
+from warpffrf.study.speed_against_error.choices import BODY, BUILT_IN, CONTACT, RUN, Setting, can_stiffen, label_of
 
 DROPPED = ("results", "record", "save_every", "overwrite", "resume", "keep_every", "device", "progress")
 
@@ -174,23 +174,28 @@ def applied(scene: Any, setting: Setting) -> Iterator[None]:
     if not scene.contacts and (asked := [name for name in CONTACT if name in setting]):
         raise InputError(f"the scene has no distributed contact, and no {' or '.join(asked)} to choose")
     flexible = [body for body in scene.bodies if body.reduced is not None]
-    if level is not None and not flexible:
-        raise InputError(f"no body is flexible, and there is no {BODY[0]} level to choose")
+    if not flexible and (asked := [name for name in BODY if name in setting]):
+        raise InputError(f"no body is flexible, and there is no {' or '.join(asked)} to choose")
+    stiffened = [body for body in flexible if can_stiffen(body)] if "stiffening" in setting else []
+    if setting.get("stiffening") and not stiffened:
+        raise InputError("stiffening is asked for, and no body was reduced with it; reduce(..., stiffening=True)")
     wanted = {name: setting[name] for name in CONTACT if name in setting}
     before = [(contact, {name: getattr(contact, name) for name in wanted}) for contact in scene.contacts]
-    levels = [body.level for body in flexible]
+    levels = [(body, body.level, body.stiffening) for body in flexible]
     try:
         for contact, old in before:
             _set_all(contact, old, wanted)
         for body in flexible if level is not None else []:
             body.level = level
+        for body in stiffened:
+            body.stiffening = bool(setting["stiffening"])
         yield
     finally:
         for contact, old in before:
             _set_all(contact, {}, {"grid": "material"} if "grid" in old else {})
             _set_all(contact, {}, dict(sorted(old.items(), key=lambda item: item[0] == "grid")))
-        for body, old_level in zip(flexible, levels, strict=True):
-            body.level = old_level
+        for body, old_level, old_stiffening in levels:
+            body.level, body.stiffening = old_level, old_stiffening
 
 
 def _set_all(contact: Any, old: Mapping[str, Any], values: Mapping[str, Any]) -> None:

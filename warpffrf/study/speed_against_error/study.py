@@ -18,6 +18,7 @@ from warpffrf.study.speed_against_error.choices import (
     BUILT_IN,
     Choices,
     Setting,
+    can_stiffen,
     default_choices,
     given_choices,
     label_of,
@@ -134,6 +135,8 @@ def _reference_setting(plan: Choices, choices: Mapping[str, Any], scene: Any, as
     flexible = [body for body in scene.bodies if body.reduced is not None]
     if flexible and all(body.reduced.inertia_terms is not None for body in flexible):
         finest["inertia"] = "full"
+    if any(map(can_stiffen, flexible)):
+        finest["stiffening"] = True
     return {**finest, **asked}
 
 

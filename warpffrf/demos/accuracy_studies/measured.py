@@ -1,32 +1,18 @@
-"""Makes docs/studies/accuracy.md: `python -m warpffrf.demos.accuracy_studies [FOLDER] [NAME ...]`, minutes.
-
-Machines are run with `simulate(accuracy=)`, and what it chose is held against runs of the same machine with other
-steps, contact grids and inertia levels: whether the wanted error is kept, and how much faster the fastest of those is
-that keep it too. Errors are those of the studies of speed against error (`warpffrf.study.speed_against_error.errors`),
-beside a run with FINER times the steps, all inertia terms, and the smallest cells where bodies have what those need.
-"""
+"""Each machine with `simulate(accuracy=)`, and what it chose beside other settings: `measure`, `page`."""
 
 from __future__ import annotations
 
 import itertools
-import sys
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 import warpffrf as wf
-from warpffrf.demos import slider_crank as crank
-from warpffrf.demos import two_rollers as rollers
-from warpffrf.demos.checks import writable_folder
-from warpffrf.demos.speed_studies import slider_crank as crank_study
-from warpffrf.demos.speed_studies import two_rollers as roller_study
-from warpffrf.demos.speed_studies.reduced import roller
+from warpffrf.demos.accuracy_studies.machines import Machine
 from warpffrf.model.contact import CELL_ERRORS
-from warpffrf.study.budget_check import BARS, colliding_bars, driven_mass, pendulum
+from warpffrf.study.speed_against_error.choices import can_stiffen
 from warpffrf.study.speed_against_error.errors import errors_of, measures_of
 from warpffrf.study.speed_against_error.machines import applied
 from warpffrf.verification.markdown import table
@@ -36,44 +22,7 @@ PRESSURES = 2.0  # times the accuracy, as `output.accuracy` has it
 FINER = 8  # times the steps that were chosen, in the reference
 RATIOS = (0.125, 0.25, 0.5, 1.0, 2.0)  # of those steps, that are tried
 TIMES = 2  # each; the faster counts
-FOLDER, PAGE = "docs/studies", "accuracy.md"
 MADE = "Made by `python -m warpffrf.demos.accuracy_studies`; do not edit.\n"
-
-
-@dataclass(frozen=True)
-class Machine:
-    """A machine, how long it runs [s], from where, and points of flexible bodies whose motion is looked at."""
-
-    title: str
-    build: Callable[[], wf.Scene]
-    duration: float
-    options: dict[str, Any] = field(default_factory=dict)
-    points: dict[str, Any] = field(default_factory=dict)
-    measures: tuple[str, ...] | None = None
-
-
-MACHINES: dict[str, Machine] = {
-    "pendulum": Machine("a pendulum", pendulum, 4.0),
-    "driven_mass": Machine("a mass on a spring, driven", driven_mass, 4.0),
-    "two_rollers": Machine(
-        "two rollers, spun up and loaded",
-        lambda: rollers.machine(roller(False), load_step_at=roller_study.LOAD_STEP),
-        roller_study.RUN,
-        {"start": "equilibrium"},
-    ),
-    "pressed_rollers": Machine(
-        "the rollers without rolling",
-        lambda: rollers.machine(roller(False), load_step_at=roller_study.LOAD_STEP, speed=0.0),
-        roller_study.RUN,
-        {"start": "equilibrium"},
-    ),
-    "slider_crank": Machine(
-        "slider-crank, elastic rod", lambda: crank.machine(crank.rod_body(crank.FULL, progress=False)),
-        crank_study.RUN,
-        points={"rod": [(0.0, 0.0, 0.5 * crank.SECTION)]},
-    ),
-    "colliding_bars": Machine("two bars collide", colliding_bars, BARS),
-}  # fmt: skip
 
 
 @dataclass
@@ -123,19 +72,26 @@ def measure(machine: Machine, *, progress: bool = True) -> Found:
     whole = time.perf_counter() - begin
     steps = len(result.time) - 1
     exact = _reference(machine, result.scene, steps)
-    flexible = [body for body in scene.bodies if body.reduced is not None]
-    settings = [{"inertia": level} for level in ("constant", "full")] if flexible else [{}]
-    if scene.contacts:
-        ready = all(contact.without_patch() is None for contact in scene.contacts)
-        settings = [{**s, "grid": g} for s in settings for g in (("material", "patch") if ready else ("material",))]
     tried = []
-    for setting, other in itertools.product(settings, others(steps)):
+    for setting, other in itertools.product(_settings(scene), others(steps)):
         try:
             tried.append(_timed(machine, scene, setting, other, exact))
         except wf.InputError:  # a body without inertia terms
             continue
     chosen = _timed(machine, result.scene, {}, steps, exact)
     return Found(machine, chosen, int(result.history.counters["accuracy_runs"]), whole, tried)
+
+
+def _settings(scene: wf.Scene) -> list[dict[str, Any]]:
+    """What is tried beside steps: inertia level, stiffening, grid."""
+    flexible = [body for body in scene.bodies if body.reduced is not None]
+    choices: dict[str, tuple[Any, ...]] = {"inertia": ("constant", "full")} if flexible else {}
+    if any(map(can_stiffen, flexible)):
+        choices["stiffening"] = (False, True)
+    if scene.contacts:
+        ready = all(contact.without_patch() is None for contact in scene.contacts)
+        choices["grid"] = ("material", "patch") if ready else ("material",)
+    return [dict(zip(choices, values, strict=True)) for values in itertools.product(*choices.values())]
 
 
 def others(steps: int) -> list[int]:
@@ -150,6 +106,8 @@ def _reference(machine: Machine, scene: wf.Scene, steps: int) -> wf.Result:
     flexible = [body.reduced for body in scene.bodies if body.reduced is not None]
     if flexible and all(body.inertia_terms is not None for body in flexible):
         setting["inertia"] = "full"
+    if any(can_stiffen(body) for body in scene.bodies if body.reduced is not None):
+        setting["stiffening"] = True
     if scene.contacts and all(contact.without_patch() is None for contact in scene.contacts):
         setting |= {"grid": "patch", "cell_error": 4.0 * CELL_ERRORS[0]}
     with applied(scene, setting):
@@ -192,23 +150,10 @@ def page(found: list[Found]) -> str:
 
 {MADE}
 `simulate(accuracy={ACCURACY:g})` beside runs of the same machine with about {", ".join(f"{r:g}" for r in RATIOS)} times
-its steps, on both contact grids where bodies are prepared for them, and inertia levels constant and full. Errors are
+its steps, on both contact grids where bodies are prepared for them, inertia levels constant and full, and with and
+without stiffening where bodies have it. Errors are
 beside a run with {FINER} times the steps, all inertia terms and finer cells where bodies can have them; wanted are 1 %
 of forces, displacements and deformations and 2 % of pressures. Times are wall time of the loop over steps, the faster
 of {TIMES}; the whole call has all runs that it took to choose, their set-up and their budgets.
 
 {table(head, rows)}"""
-
-
-def main() -> None:
-    arguments = sys.argv[1:]
-    folder = Path(arguments[0]) if arguments else writable_folder(FOLDER)
-    names = arguments[1:] or list(MACHINES)
-    text = page([measure(MACHINES[name]) for name in names])
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / PAGE).write_text(text, encoding="utf-8")
-    print(folder / PAGE)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,0 +1,29 @@
+"""`python -m warpffrf.demos.accuracy_studies [FOLDER] [NAME ...]`"""
+
+from __future__ import annotations
+
+import sys
+
+from warpffrf.demos.accuracy_studies.machines import MACHINES
+from warpffrf.demos.accuracy_studies.measured import measure, page
+from warpffrf.demos.checks import writable_folder
+from warpffrf.model.errors import unknown_name
+
+FOLDER, PAGE = "docs/studies", "accuracy.md"
+
+
+def main() -> None:
+    """Write the page, of all machines or those that are named."""
+    arguments = sys.argv[1:]
+    folder = writable_folder(arguments[0] if arguments else FOLDER)
+    names = arguments[1:] or list(MACHINES)
+    for name in names:
+        if name not in MACHINES:
+            raise unknown_name("accuracy_studies: machine", name, MACHINES)
+    text = page([measure(MACHINES[name]) for name in names])
+    (folder / PAGE).write_text(text, encoding="utf-8")
+    print(folder / PAGE)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,91 @@
+"""The machines: those of the studies of speed against error, two simple ones, and NEW ones, which the rules of
+`accuracy=` have not been tuned on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import warpffrf as wf
+from warpffrf.demos import crowned_on_raceway as crowned
+from warpffrf.demos import rolling_friction as rolling
+from warpffrf.demos import slider_crank as crank
+from warpffrf.demos import spinning_beam as beam
+from warpffrf.demos import two_rollers as rollers
+from warpffrf.demos.speed_studies import bearing as bearing_study
+from warpffrf.demos.speed_studies import rolling_friction as friction_study
+from warpffrf.demos.speed_studies import slider_crank as crank_study
+from warpffrf.demos.speed_studies import two_rollers as roller_study
+from warpffrf.demos.speed_studies.reduced import roller
+from warpffrf.study.budget_check import BARS, colliding_bars, driven_mass, pendulum
+from warpffrf.verification.scenes import bearing as bearings
+
+NEW = ("spinning_beam", "crowned_on_raceway")
+AT_REST: dict[str, Any] = {"start": "equilibrium"}
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A machine, how long it runs [s], from where, and points of flexible bodies whose motion is looked at."""
+
+    title: str
+    build: Callable[[], wf.Scene]
+    duration: float
+    options: dict[str, Any] = field(default_factory=dict)
+    points: dict[str, Any] = field(default_factory=dict)
+    measures: tuple[str, ...] | None = None
+
+
+def _rolling() -> wf.Scene:
+    """The rolling-friction demo on a mesh of 4 mm, its grid and cells left to the program."""
+    scene = rolling.build(rolling.BIG_CELLS, progress=False)
+    (contact,) = scene.contacts
+    contact.grid, contact.cells = "auto", None
+    return scene
+
+
+def _bearing() -> wf.Scene:
+    """The bearing of six rollers on the coarser rings of its study."""
+    ready = bearings.rings(bearing_study.ROLLERS, bearing_study.REFERENCE_CELLS.half_width, patch_grid=True)
+    return bearings.run_up(bearing_study.ROLLERS, ready, bearing_study.RAMP)
+
+
+MACHINES: dict[str, Machine] = {
+    "pendulum": Machine("a pendulum", pendulum, 4.0),
+    "driven_mass": Machine("a mass on a spring, driven", driven_mass, 4.0),
+    "two_rollers": Machine(
+        "two rollers, spun up and loaded",
+        lambda: rollers.machine(roller(False), load_step_at=roller_study.LOAD_STEP),
+        roller_study.RUN,
+        AT_REST,
+    ),
+    "pressed_rollers": Machine(
+        "the rollers without rolling",
+        lambda: rollers.machine(roller(False), load_step_at=roller_study.LOAD_STEP, speed=0.0),
+        roller_study.RUN,
+        AT_REST,
+    ),
+    "slider_crank": Machine(
+        "slider-crank, elastic rod", lambda: crank.machine(crank.rod_body(crank.FULL, progress=False)),
+        crank_study.RUN,
+        points={"rod": [(0.0, 0.0, 0.5 * crank.SECTION)]},
+    ),
+    "colliding_bars": Machine("two bars collide", colliding_bars, BARS),
+    "bearing": Machine("bearing of six rollers", _bearing, bearing_study.RUN, AT_REST),
+    "rolling_friction": Machine(
+        "rolling with friction", _rolling, friction_study.RUN, AT_REST, points=friction_study.AT_RIM
+    ),
+    "spinning_beam": Machine(
+        "a slender beam spun up",
+        lambda: beam.build(inertia="auto", stiffening=False, progress=False),
+        beam.SPIN_UP + beam.FULL.at_speed,
+        points={"beam": [(beam.LENGTH, 0.0, 0.0)]},
+    ),
+    "crowned_on_raceway": Machine(
+        "crowned roller on a raceway",
+        lambda: crowned.build(progress=False),
+        crowned.LOADING + crowned.WAITING + crowned.SPIN_UP + crowned.TURNING,
+        AT_REST,
+    ),
+}  # fmt: skip
