@@ -11,7 +11,7 @@ import numpy as np
 
 import warpffrf as wf
 from warpffrf.demos.accuracy_studies.machines import Machine
-from warpffrf.model.contact import CELL_ERRORS
+from warpffrf.model.contact import CELL_ERROR, CELL_ERRORS
 from warpffrf.study.speed_against_error.choices import can_stiffen
 from warpffrf.study.speed_against_error.errors import errors_of, measures_of
 from warpffrf.study.speed_against_error.machines import applied
@@ -21,6 +21,7 @@ ACCURACY = 0.01
 PRESSURES = 2.0  # times the accuracy, as `output.accuracy` has it
 FINER = 8  # times the steps that were chosen, in the reference
 RATIOS = (0.125, 0.25, 0.5, 1.0, 2.0)  # of those steps, that are tried
+CELLS = (CELL_ERRORS[1], ACCURACY, CELL_ERROR)  # errors that cells are chosen for
 TIMES = 2  # each; the faster counts
 MADE = "Made by `python -m warpffrf.demos.accuracy_studies`; do not edit.\n"
 
@@ -85,13 +86,16 @@ def measure(machine: Machine, *, progress: bool = True) -> Found:
 def _settings(scene: wf.Scene) -> list[dict[str, Any]]:
     """What is tried beside steps: inertia level, stiffening, grid."""
     flexible = [body for body in scene.bodies if body.reduced is not None]
-    choices: dict[str, tuple[Any, ...]] = {"inertia": ("constant", "full")} if flexible else {}
+    choices: list[list[dict[str, Any]]] = []
+    if flexible:
+        choices.append([{"inertia": "constant"}, {"inertia": "full"}])
     if any(map(can_stiffen, flexible)):
-        choices["stiffening"] = (False, True)
+        choices.append([{"stiffening": False}, {"stiffening": True}])
     if scene.contacts:
-        ready = all(contact.without_patch() is None for contact in scene.contacts)
-        choices["grid"] = ("material", "patch") if ready else ("material",)
-    return [dict(zip(choices, values, strict=True)) for values in itertools.product(*choices.values())]
+        choices.append([{"grid": "material"}])
+        if all(contact.without_patch() is None for contact in scene.contacts):
+            choices[-1] += [{"grid": "patch", "cell_error": error} for error in CELLS]
+    return [dict(itertools.chain.from_iterable(c.items() for c in chosen)) for chosen in itertools.product(*choices)]
 
 
 def others(steps: int) -> list[int]:
