@@ -8,7 +8,7 @@ import warp as wp
 
 from warpffrf_kernels.bodies.interfaces import marker_of
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import inout
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
