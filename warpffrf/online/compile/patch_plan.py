@@ -37,6 +37,7 @@ ELLIPSE = 0.636  # aspect of Hertz's ellipse: the ratio of curvatures to this po
 # Of force or largest pressure, by strips^2 and by rows^3: docs/studies/patch_cells.md
 STRIPS_ERROR, CROWNED_ERROR = 0.6, 100.0
 SPAN = 1.3  # half-widths of the pressure, by its second moment, in W, about: Hertz's patch ends at 1/1.3 of it
+ROUND_OFF = 1e-9
 TAILED = 1.7  # the same of laws that press from a distance: a Gaussian's tail beyond has 7e-4 of the load
 FEWEST = 7  # strips or rows: the error of fewer does not follow any rule
 FIRST_ROW, ROW_GROWTH = 0.004, 1.6  # of the width: rows at ends under pressure; their growth from there
@@ -48,9 +49,10 @@ STEP = 0.3  # of ln W between levels: cubic interpolation errs by 1e-5
 
 def span_of(columns: int) -> float:
     """Half-widths in W of a line contact, about `SPAN`: as many as let the patch end between two of its `columns`
-    strips, with a whole number of them free on each side. A strip that the edge runs through has no pressure of its
-    own that is right: with the edge in its middle, pressures err by three times as much (in the mean square)."""
-    free = max(int(0.5 * columns * (1.0 - 1.0 / SPAN) + 0.5), 1)
+    strips, with a whole number of them free on each side, of two alike the fewer. A strip that the edge runs through
+    has no pressure of its own that is right: with the edge in its middle, pressures err by three times as much (in the
+    mean square)."""
+    free = max(int(np.ceil(0.5 * columns * (1.0 - 1.0 / SPAN) - 0.5 - ROUND_OFF)), 1)
     return columns / (columns - 2.0 * free)
 
 
