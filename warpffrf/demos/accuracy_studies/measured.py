@@ -74,7 +74,7 @@ def measure(machine: Machine, *, progress: bool = True) -> Found:
     steps = len(result.time) - 1
     exact = _reference(machine, result.scene, steps)
     tried = []
-    for setting, other in itertools.product(_settings(scene), others(steps)):
+    for setting, other in itertools.product(_settings(scene, result.scene), others(steps)):
         try:
             tried.append(_timed(machine, scene, setting, other, exact))
         except wf.InputError:  # a body without inertia terms
@@ -83,18 +83,22 @@ def measure(machine: Machine, *, progress: bool = True) -> Found:
     return Found(machine, chosen, int(result.history.counters["accuracy_runs"]), whole, tried)
 
 
-def _settings(scene: wf.Scene) -> list[dict[str, Any]]:
-    """What is tried beside steps: inertia level, stiffening, grid."""
+def _settings(scene: wf.Scene, chosen: wf.Scene) -> list[dict[str, Any]]:
+    """What is tried beside steps: inertia level, stiffening, grid, and cells for the errors in `CELLS` and for the
+    least one that was `chosen`. What was chosen is kept where it is the least there is: more takes longer."""
     flexible = [body for body in scene.bodies if body.reduced is not None]
+    used = [body for body in chosen.bodies if body.reduced is not None]
     choices: list[list[dict[str, Any]]] = []
     if flexible:
-        choices.append([{"inertia": "constant"}, {"inertia": "full"}])
+        levels = {"constant", *("full" for body in used if body.level != "constant")}
+        choices.append([{"inertia": level} for level in sorted(levels)])
     if any(map(can_stiffen, flexible)):
-        choices.append([{"stiffening": False}, {"stiffening": True}])
+        choices.append([{"stiffening": kept} for kept in sorted({False, *(body.stiffening for body in used)})])
     if scene.contacts:
         choices.append([{"grid": "material"}])
         if all(contact.without_patch() is None for contact in scene.contacts):
-            choices[-1] += [{"grid": "patch", "cell_error": error} for error in CELLS]
+            errors = {*CELLS, min(contact.cell_error for contact in chosen.contacts)}
+            choices[-1] += [{"grid": "patch", "cell_error": error} for error in sorted(errors, reverse=True)]
     return [dict(itertools.chain.from_iterable(c.items() for c in chosen)) for chosen in itertools.product(*choices)]
 
 

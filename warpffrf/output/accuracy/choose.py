@@ -5,7 +5,7 @@ machine is run with few steps first (`first`), and what its budget asks for is c
 budget asks for nothing more; that run is the result. As errors fall with the square of the step, the runs before it
 take a part of its time:
 
-    n_k+1 = 1.15 n_k root(error/limit)        1.2 to 8 times n_k
+    n_k+1 = 1.15 n_k root(error/limit)        1.2 to 3 times n_k
 
 At most `RUNS` are made. Where two of them in turn, each with more steps, do not lower the error of the step, more would
 not either: hats of a surface that rolls pass faster than the steps. A contact that was put on hats then gets its cells
@@ -31,7 +31,7 @@ from warpffrf.online.history.history import History
 from warpffrf.online.run import INTERRUPTED
 from warpffrf.output.accuracy.demands import next_setting
 from warpffrf.output.accuracy.first import first_setting, steps_to_see
-from warpffrf.output.accuracy.limits import Limits
+from warpffrf.output.accuracy.limits import PRESSURES, Limits
 from warpffrf.output.accuracy.setting import AUTO, GRID, HATS, Setting
 from warpffrf.output.budget import contacts, time_step
 from warpffrf.output.result import Result
@@ -138,7 +138,7 @@ def _told(result: Result, duration: float, limits: Limits, now: Setting, why: li
     step = f"{head}: step={duration / now.steps:.6g} was chosen" + (f", {why[0]}" if why else "")
     notes = [step, *(f"{head}: {line}" for line in why[1:])]
     for line in result.history.budget or []:
-        allowed = limits.accuracy * (limits.pressure / limits.force if line.of.startswith(contacts.PRESSURE) else 1.0)
+        allowed = limits.accuracy * (PRESSURES if line.of.startswith(contacts.PRESSURE) else 1.0)
         if line.found and line.size > allowed:
             cure = f"; {line.cure}" if line.cure else ""
             notes.append(f"{head} is not kept: {line.source}, {line.size:.2%} of the {line.of}{cure}")

@@ -37,7 +37,8 @@ from warpffrf.output.budget.budget import percent
 
 ON_MESH = 2.0  # times the rule: linear cells as wide as the spacing of hats add as much again (`grid_rule`)
 FINER = 1.15  # times the steps that second order asks for
-LEAST, MOST = 1.2, 8.0  # times the steps of the run before
+LEAST, MOST = 1.2, 3.0  # times the steps of the run before: more overshoots where vibrations are not resolved yet
+CELLS = 2.0, 4.0  # times finer than before in `cell_error`: less is the same number of cells, more twice as many strips
 WITHOUT_ESTIMATE = 2.0  # times the steps, where twice the step fails
 
 
@@ -85,9 +86,9 @@ def contact_choices(scene: Scene, result: Any, lines: Sequence[BudgetLine], limi
         used = result.history.scene.contact(contact.name)
         if loaded.history.cells is not None and contact.cells is None and np.any(loaded.touching):
             own = [line for line in lines if line.source == contacts.GRID and line.of.endswith(f"{contact.name!r}")]
-            over = [_over(line, limits) for line in own if line.found]
+            over = [_over(line, limits) ** _power(line) for line in own if line.found]
             if over and max(over) > 1.0:
-                smaller = max(used.cell_error / max(over), CELL_ERRORS[0])
+                smaller = max(used.cell_error / float(np.clip(max(over), *CELLS)), CELL_ERRORS[0])
                 found.append(Choice(CELL_ERROR, contact.name, smaller, "other cells differ by more than the limit"))
     return found
 
@@ -95,6 +96,12 @@ def contact_choices(scene: Scene, result: Any, lines: Sequence[BudgetLine], limi
 def _over(line: BudgetLine, limits: Limits) -> float:
     """Size over its limit."""
     return line.size / (limits.pressure if line.of.startswith(contacts.PRESSURE) else limits.force)
+
+
+def _power(line: BudgetLine) -> float:
+    """Of `cell_error` an error goes with 1/power: forces as it, with the square of the cells; pressures as a field with
+    its root."""
+    return 2.0 if line.of.startswith(contacts.PRESSURE) else 1.0
 
 
 def _grids(scene: Scene, result: Any, limits: Limits) -> list[Choice]:

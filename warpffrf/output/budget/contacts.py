@@ -2,8 +2,8 @@
 
 *Hats of the material grid*: what the grid leaves of the force at a given approach, and of the pressures in the L2
 norm, at most, for a patch of the size found at the largest load, by the rule of `offline.contact.grid_rule` (worst
-position of the patch on the grid; the mean one is about half of it). *Cells of a patch*: other cells at sampled steps
-(`online.diagnosis.cell_check`).
+position of the patch on the grid; the mean one is about half of it). *Cells of a patch*: other cells at sampled steps,
+of the pressures as cell means in the L2 norm (`online.diagnosis.cell_check`).
 *Points*: all points at sampled steps (`online.diagnosis.sampling_check`). The mesh needs a second one,
 `ReducedBody.mesh_error`.
 """
@@ -38,7 +38,7 @@ def grid_lines(result: Any, engine: Engine) -> list[BudgetLine]:
             check = checks.get(number)
             known = check is not None and bool(check.rows)
             other = "other cells at sampled steps" if known else "other cells found no state at these"
-            sizes = (check.force, check.pressure) if check is not None and known else (np.nan, np.nan)
+            sizes = (check.force, check.field) if check is not None and known else (np.nan, np.nan)
             cure = "a smaller cell_error, or more cells"
             lines += [
                 BudgetLine(GRID, f"{of} of contact {contact.name!r}", size, other, cure)
