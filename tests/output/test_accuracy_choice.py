@@ -14,7 +14,7 @@ from warpffrf.model import joints, signals
 from warpffrf.model.errors import InputError
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.output.accuracy.choose import Stuck
-from warpffrf.output.accuracy.demands import FINER, steps_wanted
+from warpffrf.output.accuracy.demands import FINER, MOST, steps_wanted
 from warpffrf.output.accuracy.first import A_RISE, FEWEST, first_setting
 from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.budget import time_step
@@ -143,7 +143,7 @@ def test_steps_follow_second_order() -> None:
     limits = Limits.of(0.01)
     assert steps_wanted(100, line(limits.force), limits)[0] == 100
     assert steps_wanted(100, line(4.0 * limits.force), limits)[0] == pytest.approx(200 * FINER, abs=2)
-    assert steps_wanted(100, line(1e6), limits)[0] == 800
+    assert steps_wanted(100, line(1e6), limits)[0] == 100 * MOST
     assert steps_wanted(100, line(np.nan), limits)[0] == 200
 
 
