@@ -12,6 +12,7 @@ import numpy as np
 import warpffrf as wf
 from warpffrf.demos.accuracy_studies.machines import Machine
 from warpffrf.model.contact import CELL_ERROR, CELL_ERRORS
+from warpffrf.online.run import INTERRUPTED
 from warpffrf.study.speed_against_error.choices import can_stiffen
 from warpffrf.study.speed_against_error.errors import errors_of, measures_of
 from warpffrf.study.speed_against_error.machines import applied
@@ -22,6 +23,7 @@ PRESSURES = 2.0  # times the accuracy, as `output.accuracy` has it
 FINER = 8  # times the steps that were chosen, in the reference
 RATIOS = (0.125, 0.25, 0.5, 1.0, 2.0)  # of those steps, that are tried
 CELLS = (CELL_ERRORS[1], ACCURACY, CELL_ERROR)  # errors that cells are chosen for
+REFERENCE_CELLS = 0.002  # and at most half of what was chosen
 TIMES = 2  # each; the faster counts
 MADE = "Made by `python -m warpffrf.demos.accuracy_studies`; do not edit.\n"
 
@@ -69,7 +71,7 @@ def measure(machine: Machine, *, progress: bool = True) -> Found:
     """One machine."""
     scene = machine.build()
     begin = time.perf_counter()
-    result = wf.simulate(scene, machine.duration, accuracy=ACCURACY, progress=progress, **machine.options)
+    result = _whole(wf.simulate(scene, machine.duration, accuracy=ACCURACY, progress=progress, **machine.options))
     whole = time.perf_counter() - begin
     steps = len(result.time) - 1
     exact = _reference(machine, result.scene, steps)
@@ -117,20 +119,28 @@ def _reference(machine: Machine, scene: wf.Scene, steps: int) -> wf.Result:
     if any(can_stiffen(body) for body in scene.bodies if body.reduced is not None):
         setting["stiffening"] = True
     if scene.contacts and all(contact.without_patch() is None for contact in scene.contacts):
-        setting |= {"grid": "patch", "cell_error": 4.0 * CELL_ERRORS[0]}
+        chosen = min(contact.cell_error for contact in scene.contacts)
+        setting |= {"grid": "patch", "cell_error": max(min(REFERENCE_CELLS, 0.5 * chosen), CELL_ERRORS[0])}
+    return _run(machine, scene, setting, steps * FINER)
+
+
+def _run(machine: Machine, scene: wf.Scene, setting: dict[str, Any], steps: int) -> wf.Result:
     with applied(scene, setting):
-        return wf.simulate(
-            scene, machine.duration, step=machine.duration / steps / FINER, progress=False, **machine.options
-        )
+        result = wf.simulate(scene, machine.duration, step=machine.duration / steps, progress=False, **machine.options)
+    return _whole(result)
+
+
+def _whole(result: wf.Result) -> wf.Result:
+    """The result of a run that nobody has interrupted."""
+    if result.status == INTERRUPTED:
+        raise KeyboardInterrupt
+    return result
 
 
 def _timed(machine: Machine, scene: wf.Scene, setting: dict[str, Any], steps: int, exact: wf.Result) -> Tried:
     seconds, errors = [], {}
     for _ in range(TIMES):
-        with applied(scene, setting):
-            result = wf.simulate(
-                scene, machine.duration, step=machine.duration / steps, progress=False, **machine.options
-            )
+        result = _run(machine, scene, setting, steps)
         seconds.append(float(result.history.counters["loop_seconds"]))
     if result.status == "completed":
         rows = np.arange(len(result.time))

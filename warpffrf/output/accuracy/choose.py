@@ -29,11 +29,11 @@ from warpffrf.online.checkpoint import time_of
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import History
 from warpffrf.online.run import INTERRUPTED
-from warpffrf.output.accuracy.demands import next_setting
+from warpffrf.output.accuracy.demands import next_setting, of_the_step
 from warpffrf.output.accuracy.first import first_setting, steps_to_see
 from warpffrf.output.accuracy.limits import PRESSURES, Limits
 from warpffrf.output.accuracy.setting import AUTO, GRID, HATS, Setting
-from warpffrf.output.budget import contacts, time_step
+from warpffrf.output.budget import contacts
 from warpffrf.output.result import Result
 
 RUNS = 10
@@ -109,7 +109,7 @@ class Stuck:
 
     def look(self, steps: int, lines: list[BudgetLine]) -> bool:
         """Look at the budget of a run of so many `steps`; whether it is time to give up."""
-        known = [line for line in lines if line.source == time_step.SOURCE and line.found]
+        known = [line for line in of_the_step(lines) if line.found]
         if not known:
             return False
         worst = max(known, key=lambda line: line.size)

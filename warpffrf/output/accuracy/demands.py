@@ -4,7 +4,7 @@
     stiffening       where the deformed inertia, which is of its size, is above the limit
     contact grid     hats of the material grid in place of cells, where they are right enough for all contacts
     cells            smaller ones, where other cells differ by more than the limit
-    step             h (limit/error)^(1/2), of second order
+    step             h (limit/error)^(1/2), of second order; errors are those of the step and energy from nowhere
 
 Options that the user has set are kept: an inertia level other than "auto", a grid other than "auto", stiffening. What
 has been chosen once is only ever made finer, so that runs do not swing between two settings; a run whose budget asks
@@ -32,7 +32,7 @@ from warpffrf.online.diagnosis.indicator import TermSize, term_sizes
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.accuracy.setting import AUTO, CELL_ERROR, GRID, HATS, INERTIA, STIFFENING, Setting
-from warpffrf.output.budget import contacts, time_step
+from warpffrf.output.budget import contacts, energy, time_step
 from warpffrf.output.budget.budget import percent
 
 ON_MESH = 2.0  # times the rule: linear cells as wide as the spacing of hats add as much again (`grid_rule`)
@@ -136,9 +136,14 @@ def _hats_errors(contact: Any, loaded: Any) -> tuple[float, float]:
     return ON_MESH * force, pressure
 
 
+def of_the_step(lines: Sequence[BudgetLine]) -> list[BudgetLine]:
+    """Errors that a smaller step lowers."""
+    return [line for line in lines if line.source in (time_step.SOURCE, energy.SOURCE)]
+
+
 def steps_wanted(steps: int, lines: Sequence[BudgetLine], limits: Limits) -> tuple[int, str]:
     """Steps of the next run, `steps` where these are enough, and the largest error of the step in words."""
-    own = [line for line in lines if line.source == time_step.SOURCE]
+    own = of_the_step(lines)
     known = [line for line in own if line.found]
     if len(known) < len(own):
         return _even(WITHOUT_ESTIMATE * steps), next(line.basis for line in own if not line.found)
