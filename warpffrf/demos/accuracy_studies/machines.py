@@ -20,6 +20,7 @@ from warpffrf.demos.speed_studies import rolling_friction as friction_study
 from warpffrf.demos.speed_studies import slider_crank as crank_study
 from warpffrf.demos.speed_studies import two_rollers as roller_study
 from warpffrf.demos.speed_studies.reduced import roller
+from warpffrf.model.contact import CELL_ERROR, CELL_ERRORS
 from warpffrf.study.budget_check import BARS, colliding_bars, driven_mass, pendulum
 from warpffrf.verification.scenes import bearing as bearings
 
@@ -28,7 +29,8 @@ AT_REST: dict[str, Any] = {"start": "equilibrium"}
 
 @dataclass(frozen=True)
 class Machine:
-    """A machine, how long it runs [s], from where, and points of flexible bodies whose motion is looked at."""
+    """A machine, how long it runs [s], from where, points of flexible bodies whose motion is looked at, and errors for
+    which `cells` of contacts are tried."""
 
     title: str
     build: Callable[[], wf.Scene]
@@ -36,6 +38,7 @@ class Machine:
     options: dict[str, Any] = field(default_factory=dict)
     points: dict[str, Any] = field(default_factory=dict)
     measures: tuple[str, ...] | None = None
+    cells: tuple[float, ...] = (CELL_ERRORS[1], 0.01, CELL_ERROR)
 
 
 def _rolling() -> wf.Scene:
@@ -73,9 +76,10 @@ MACHINES: dict[str, Machine] = {
         points={"rod": [(0.0, 0.0, 0.5 * crank.SECTION)]},
     ),
     "colliding_bars": Machine("two bars collide", colliding_bars, BARS),
-    "bearing": Machine("bearing of six rollers", _bearing, bearing_study.RUN, AT_REST),
+    "bearing": Machine("bearing of six rollers", _bearing, bearing_study.RUN, AT_REST, cells=CELL_ERRORS[1:]),
     "rolling_friction": Machine(
-        "rolling with friction", _rolling, friction_study.RUN, AT_REST, points=friction_study.AT_RIM
+        "rolling with friction", _rolling, friction_study.RUN, AT_REST, points=friction_study.AT_RIM,
+        cells=CELL_ERRORS[1:],
     ),
     "spinning_beam": Machine(
         "a slender beam spun up",

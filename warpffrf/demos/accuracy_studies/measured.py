@@ -11,7 +11,7 @@ import numpy as np
 
 import warpffrf as wf
 from warpffrf.demos.accuracy_studies.machines import Machine
-from warpffrf.model.contact import CELL_ERROR, CELL_ERRORS
+from warpffrf.model.contact import CELL_ERRORS
 from warpffrf.online.run import INTERRUPTED
 from warpffrf.study.speed_against_error.choices import can_stiffen
 from warpffrf.study.speed_against_error.errors import errors_of, measures_of
@@ -22,7 +22,6 @@ ACCURACY = 0.01
 PRESSURES = 2.0  # times the accuracy, as `output.accuracy` has it
 FINER = 8  # times the steps that were chosen, in the reference
 RATIOS = (0.125, 0.25, 0.5, 1.0, 2.0)  # of those steps, that are tried
-CELLS = (CELL_ERRORS[1], ACCURACY, CELL_ERROR)  # errors that cells are chosen for
 REFERENCE_CELLS = 0.002  # and at most half of what was chosen
 TIMES = 2  # each; the faster counts
 MADE = "Made by `python -m warpffrf.demos.accuracy_studies`; do not edit.\n"
@@ -76,7 +75,7 @@ def measure(machine: Machine, *, progress: bool = True) -> Found:
     steps = len(result.time) - 1
     exact = _reference(machine, result.scene, steps)
     tried = []
-    for setting, other in itertools.product(_settings(scene, result.scene), others(steps)):
+    for setting, other in itertools.product(_settings(machine, scene, result.scene), others(steps)):
         try:
             tried.append(_timed(machine, scene, setting, other, exact))
         except wf.InputError:  # a body without inertia terms
@@ -85,9 +84,9 @@ def measure(machine: Machine, *, progress: bool = True) -> Found:
     return Found(machine, chosen, int(result.history.counters["accuracy_runs"]), whole, tried)
 
 
-def _settings(scene: wf.Scene, chosen: wf.Scene) -> list[dict[str, Any]]:
-    """What is tried beside steps: inertia level, stiffening, grid, and cells for the errors in `CELLS` and for the
-    least one that was `chosen`. What was chosen is kept where it is the least there is: more takes longer."""
+def _settings(machine: Machine, scene: wf.Scene, chosen: wf.Scene) -> list[dict[str, Any]]:
+    """What is tried beside steps: inertia level, stiffening, grid, and cells for the errors that the machine names and
+    for the least one that was `chosen`. What was chosen is kept where it is the least there is: more takes longer."""
     flexible = [body for body in scene.bodies if body.reduced is not None]
     used = [body for body in chosen.bodies if body.reduced is not None]
     choices: list[list[dict[str, Any]]] = []
@@ -99,7 +98,7 @@ def _settings(scene: wf.Scene, chosen: wf.Scene) -> list[dict[str, Any]]:
     if scene.contacts:
         choices.append([{"grid": "material"}])
         if all(contact.without_patch() is None for contact in scene.contacts):
-            errors = {*CELLS, min(contact.cell_error for contact in chosen.contacts)}
+            errors = {*machine.cells, min(contact.cell_error for contact in chosen.contacts)}
             choices[-1] += [{"grid": "patch", "cell_error": error} for error in sorted(errors, reverse=True)]
     return [dict(itertools.chain.from_iterable(c.items() for c in chosen)) for chosen in itertools.product(*choices)]
 
