@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from warpffrf.output.accuracy.demands import FINER, MOST, steps_wanted
 from warpffrf.output.accuracy.first import A_RISE, FEWEST, first_setting
 from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.budget import time_step
+from warpffrf.output.budget.energy import OF, SOURCE, energy_lines
 from warpffrf.output.budget.quantities import quantities
 from warpffrf.output.simulate import simulate
 from warpffrf.study.budget_check import driven_mass, pendulum
@@ -145,6 +147,19 @@ def test_steps_follow_second_order() -> None:
     assert steps_wanted(100, line(4.0 * limits.force), limits)[0] == pytest.approx(200 * FINER, abs=2)
     assert steps_wanted(100, line(1e6), limits)[0] == 100 * MOST
     assert steps_wanted(100, line(np.nan), limits)[0] == 200
+
+
+def test_energy_from_nowhere_asks_for_more_steps() -> None:
+    """Lines of the ledger that fall and rise again: what counts is the rise."""
+    ledger = {"numerical": np.array([0.0, 0.1, -0.2, 0.05]), "contact_grid": np.array([0.0, 0.0, 0.0, 0.01])}
+    (found,) = energy_lines(SimpleNamespace(energy=ledger, energy_scale=2.0))
+    assert found.size == pytest.approx(0.26 / 2.0, rel=1e-12)
+    assert energy_lines(SimpleNamespace(energy=ledger, energy_scale=0.0)) == []
+    ledger["numerical"][1] = np.nan  # not booked
+    assert energy_lines(SimpleNamespace(energy=ledger, energy_scale=2.0)) == []
+    limits = Limits.of(0.01)
+    lines = [*line(0.1 * limits.force), BudgetLine(SOURCE, OF, 4.0 * limits.force, "found")]
+    assert steps_wanted(100, lines, limits)[0] == pytest.approx(200 * FINER, abs=2)
 
 
 def test_it_gives_up_where_errors_do_not_fall() -> None:
