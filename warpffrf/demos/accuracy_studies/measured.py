@@ -144,7 +144,8 @@ def _timed(machine: Machine, scene: wf.Scene, setting: dict[str, Any], steps: in
     if result.status == "completed":
         rows = np.arange(len(result.time))
         same = np.arange(len(result.time)) * ((len(exact.time) - 1) // steps)
-        errors = errors_of(result, rows, exact, same, measures_of(scene, machine.measures), machine.points)
+        points = {body: np.asarray(places, dtype=float) for body, places in machine.points.items()}
+        errors = errors_of(result, rows, exact, same, measures_of(scene, machine.measures), points)
     else:
         errors = {"force": float("inf")}
     return Tried(steps, setting, errors, min(seconds))
