@@ -117,6 +117,7 @@ def test_pressures_are_means_of_those_of_hertz(roller, strips: int) -> None:
     """In the middle row, whose strips end where the patch ends."""
     result = find_equilibrium(pair(roller, 40e-6, cells=(strips, 9)))
     found = result.contacts[NAME]
+    assert found.cells is not None
     row = found.pressure.shape[2] // 2
     s, p = 2.0 * found.cells.half_width[-1] / strips, found.pressure[-1][:, row]
     hertz = LineContact(float(s * p.sum()), 0.5 * RADIUS, contact_modulus(STEEL, STEEL))
