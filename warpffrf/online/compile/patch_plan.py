@@ -48,10 +48,10 @@ STEP = 0.3  # of ln W between levels: cubic interpolation errs by 1e-5
 
 
 def span_of(columns: int) -> float:
-    """Half-widths in W of a line contact, about `SPAN`: as many as let the patch end between two of its `columns`
-    strips, with a whole number of them free on each side, of two alike the fewer. A strip that the edge runs through
-    has no pressure of its own that is right: with the edge in its middle, pressures err by three times as much (in the
-    mean square)."""
+    """Half-widths in W, about `SPAN`, of a line contact without a layer, whose pressure runs across as Hertz's does and
+    gives its half-width by the second moment: as many as let the patch end between two of its `columns` strips, with a
+    whole number of them free on each side, of two alike the fewer. A strip that the edge runs through has no pressure
+    of its own that is right: with the edge in its middle, pressures err by three times as much (in the mean square)."""
     free = max(int(np.ceil(0.5 * columns * (1.0 - 1.0 / SPAN) - 0.5 - ROUND_OFF)), 1)
     return columns / (columns - 2.0 * free)
 
@@ -128,7 +128,8 @@ class PatchPlan:
         )
         ends = [end for body in bodies for end in body.strengths()] if follows else []
         begins = _begins(contact)
-        span = TAILED if begins else SPAN if follows else span_of(columns)
+        of_hertz = not follows and contact.law.curve is None
+        span = TAILED if begins else span_of(columns) if of_hertz else SPAN
         return cls(columns, edges, aspect, curvature, least, most, begins, span, table, first, step, power, ends)
 
     @property
