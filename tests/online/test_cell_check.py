@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import warpffrf as wf
 from warpffrf.model.box_means import Boxes, squares
 from warpffrf.model.errors import InputError
 from warpffrf.online.compile.patch_plan import CROWNED_ERROR, STRIPS_ERROR, PatchPlan
@@ -17,6 +18,7 @@ from warpffrf.verification import coarse_rollers as cr
 APPROACH = 2e-5
 AGAIN = 1e-5  # of forces at poses, modes and times put back: 1e-6 by the width of the patch, which settles in steps
 SAME = 2e-6  # of forces evaluated again beside those of an equilibrium, whose bodies rest to 1e-6
+BESIDE = 0.1  # of errors beside another patch of few cells, which err by 3 % of a force that moves faces little
 WITHIN = 3.0  # errors go up and down with the number of cells, by their place under the edge of the patch
 BELOW = 1.5  # times the rule that an error may be: the rule is what errors stay below on its own page
 
@@ -76,16 +78,35 @@ def test_evaluated_again_as_in_the_run(straight, monkeypatch) -> None:
     """On the run's own cells the forces at saved steps of turning rollers are those that were saved."""
     scene = cr.held(straight, straight, APPROACH, turning=2.0)
     history = run(scene, 2e-3, step=1e-4, start="equilibrium", progress=False)
-    monkeypatch.setattr(cell_check, "_other", lambda plan, *_: plan)
+    monkeypatch.setattr(cell_check, "_spread", lambda plan, *_: plan)
     engine = Engine(scene)
     forces = np.linalg.norm(history.contacts[cr.PAIR].force, axis=1)
     rows = [3, 12, 20]
-    again = cell_check._at_rest(engine, history, rows, engine.compiled.patches)
+    again = cell_check._at_rest(engine, history, rows, 0, engine.compiled.patches)
     for t in rows:
-        assert again[t][0].force == pytest.approx(forces[t], rel=AGAIN)
+        assert again[t].force == pytest.approx(forces[t], rel=AGAIN)
     said = check_cells(engine, history)[0]
     assert (said.force, said.pressure) == (0.0, 0.0)
     assert at_rest(cr.held(straight, straight, APPROACH))[0] == pytest.approx(forces[0], rel=SAME)
+
+
+def test_beside_another_patch(straight, monkeypatch) -> None:
+    """What few cells of the other patch do to the faces cancels: the errors are as beside the other one's own cells."""
+    scene, small = wf.Scene(gravity=(0, 0, 0)), 0.1 * cr.R
+    body = scene.add_body(straight, name="lower")
+    scene.add(wf.joints.Fixed(scene.ground, body["bore"]))
+    for n, (angle, approach) in enumerate(((-0.2, APPROACH), (0.2, 0.5 * APPROACH))):
+        place = (cr.R + small - approach) * np.array([np.sin(angle), 0.0, np.cos(angle)])
+        shape = wf.surfaces.Cylinder(radius=small, axis_point=place, axis_direction=(0, 1, 0))
+        port = scene.ground.surface(shape, name=f"small {n}")
+        scene.add(wf.Contact(body["rim"], port, grid="patch", name=f"pair {n}", cells=(11, 21)))
+    history, engine = find_equilibrium(scene), Engine(scene)
+    few = check_cells(engine, history)
+    monkeypatch.setattr(cell_check, "FEW", (11, 21))
+    own = check_cells(engine, history)
+    for i in (0, 1):
+        assert few[i].field == pytest.approx(own[i].field, rel=BESIDE)
+        assert abs(few[i].force - own[i].force) < BESIDE * BELOW * STRIPS_ERROR / 11**2
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.marks import MARKS, WHOLE
 from warpffrf.output.budget.budget import budget_text, largest_of_each
-from warpffrf.output.budget.quantities import quantities
+from warpffrf.output.budget.quantities import STILL, quantities
 from warpffrf.output.budget.time_step import SOURCE, at_end, frequency
 
 FACTOR = 3.0  # by which an estimate may be off, as the budget promises
@@ -50,6 +50,18 @@ def true_error(scene: wf.Scene, result: wf.Result, step: float) -> float:
     own = quantities(result.history)[MOTION]
     finer = quantities(run(scene, float(result.time[-1]), step / FINER, save_every=FINER).history)[MOTION]
     return float(np.sqrt(np.mean(own.apart(finer.values) ** 2))) / own.size
+
+
+def test_a_body_that_rests_is_beside_the_machine() -> None:
+    """Errors of nanometres of a body that is to rest are not beside its own nanometres where another goes a metre."""
+    scene = wf.Scene()
+    scene.add_rigid_body(1.0, (0.01, 0.01, 0.01), name="goer", velocity=(1.0, 0.0, 0.0))
+    scene.add_rigid_body(1.0, (0.01, 0.01, 0.01), name="creeper", position=(0, 1, 0), velocity=(1e-9, 0.0, 0.0))
+    scene.add_rigid_body(1.0, (0.01, 0.01, 0.01), name="still", position=(0, 2, 0))
+    found = quantities(run(scene, 1.0, 0.1).history)
+    assert found["motion of body 'goer'"].size == pytest.approx(0.5, rel=1e-9)
+    assert found["motion of body 'creeper'"].size == pytest.approx(0.5 * STILL, rel=1e-9)
+    assert "motion of body 'still'" not in found
 
 
 def size(result: wf.Result, source: str, of: str) -> float:

@@ -3,8 +3,10 @@ r"""What the cells of patches add to the error of a run: sampled saved steps eva
 At a saved step the poses and global coordinates are known, and with quasi-static local modes the pressures follow from
 them. They are found anew on the cells of the run and on other ones, nearly twice as many strips and rows, or half as
 many of patches that have `MANY` cells; the bodies are held where they are, in one proximal step towards the static
-state so short that nothing moves. Both leave out what the law damps. The error e of cells falls with the square of
-their number (docs/studies/patch_cells.md), so that the difference d is e - e/4 of finer ones, 4 e - e of coarser ones.
+state so short that nothing moves. Both leave out what the law damps. One patch is looked at after the other, and all
+others have `FEW` cells meanwhile, both times: they load the bodies about as they did, and what they get wrong cancels.
+The error e of cells falls with the square of their number (docs/studies/patch_cells.md), so that the difference d is
+e - e/4 of finer ones, 4 e - e of coarser ones.
 
 Pressures as a field err at the edge of the patch, which runs through cells: that is of first order, and of either sign
 from one number of cells to another. As means over the boxes of the coarser cells [`warpffrf.model.box_means`] two
@@ -33,6 +35,7 @@ HELD = 1e-9  # s/m of the length of the scene: 1e9 m/s2, which no contact gives 
 MANY = 800  # cells of a patch that are compared with fewer: four times as many take 64 times as long
 ABOUT = 2.0  # of the error asked for: found ones scatter about it as cells lie under the edge of the patch
 STEPS = 3  # a patch is as wide as the pressures of the step before want it: a fourth step changes a force by 1e-6
+FEW = (5, 9)  # strips and rows at most
 TOUCHING = 0.1  # of the largest force of a pair: below it relative errors say little
 
 
@@ -77,25 +80,24 @@ def check_cells(engine: Engine, history: History, sampled: int = SAMPLED) -> dic
     """By number of the contact what finer cells change, at most `sampled` saved steps of `history` each."""
     scene, plans = engine.scene, engine.compiled.patches
     found = {i: history.contacts[scene.contacts[i].name] for i in plans}
-    forces = {i: np.linalg.norm(record.force, axis=1) for i, record in found.items()}
-    loaded = {i: np.flatnonzero(f > TOUCHING * f.max(initial=0.0)) for i, f in forces.items()}
-    loaded = {i: rows for i, rows in loaded.items() if len(rows)}
-    if not loaded:
-        return {}
-    others = {i: _other(plan, scene.contacts[i], found[i], loaded.get(i)) for i, plan in plans.items()}
-    wanted = {i: _sampled(rows, forces[i], sampled) for i, rows in loaded.items()}
-    rows = sorted(set().union(*wanted.values()))
-    own, other = (_at_rest(engine, history, rows, cells) for cells in (plans, others))
+    few = {i: _spread(plan, scene.contacts[i], found[i], *np.minimum(_size(plan), FEW)) for i, plan in plans.items()}
     checks = {}
-    for i, those in wanted.items():
-        differences = [
-            _apart(own[t][i], other[t][i]) for t in those if t in own and t in other and own[t][i].force > 0.0
+    for i, plan in plans.items():
+        force = np.linalg.norm(found[i].force, axis=1)
+        loaded = _loaded(force)
+        if not len(loaded):
+            continue
+        rows = _sampled(loaded, force, sampled)
+        finer = plan.columns * len(plan.z) < MANY
+        more = [2 * n - 1 if finer else (n + 1) // 2 | 1 for n in _size(plan)]
+        other = _spread(plan, scene.contacts[i], found[i], *more)
+        at_own, at_other = (_at_rest(engine, history, rows, i, {**few, i: cells}) for cells in (plan, other))
+        apart = [
+            _apart(at_own[t], at_other[t]) for t in rows if t in at_own and t in at_other and at_own[t].force > 0.0
         ]
-        finer = others[i].columns > plans[i].columns
         second, first = (4.0 / 3.0, 1.0 / np.hypot(1.0, 0.5)) if finer else (1.0 / 3.0, 1.0 / np.hypot(1.0, 2.0))
-        force, largest, field = np.max([np.zeros(3), *differences], axis=0) * np.array([second, second, first])
-        rows_seen = tuple(those) if differences else ()
-        checks[i] = CellCheck(float(force), float(largest), float(field), rows_seen, finer)
+        largest = np.max([np.zeros(3), *apart], axis=0) * np.array([second, second, first])
+        checks[i] = CellCheck(*(float(x) for x in largest), tuple(rows) if apart else (), finer)
     return checks
 
 
@@ -124,13 +126,22 @@ def _apart(own: _Found, other: _Found) -> np.ndarray:
     return np.array([abs(other.force / own.force - 1.0), abs(largest - 1.0), np.sqrt(apart / size)])
 
 
-def _other(plan: PatchPlan, contact: Contact, found: ContactHistory, rows: np.ndarray | None) -> PatchPlan:
-    """Finer or coarser cells for the half-widths at the loaded `rows`; at all, where there are none."""
+def _size(plan: PatchPlan) -> tuple[int, int]:
+    """Strips across and rows along."""
+    return plan.columns, len(plan.z)
+
+
+def _loaded(force: np.ndarray) -> np.ndarray:
+    """Rows of a history of forces that are no small part of the largest."""
+    return np.flatnonzero(force > TOUCHING * force.max(initial=0.0))
+
+
+def _spread(plan: PatchPlan, contact: Contact, found: ContactHistory, across: int, along: int) -> PatchPlan:
+    """`across` strips and `along` rows for the half-widths at loaded rows; at all, where there are none."""
     if found.cells is None:
         raise TypeError(f"contact {contact.name!r} has no cells")
-    width = found.cells.half_width if rows is None else found.cells.half_width[rows]
-    across, along = plan.columns, len(plan.z)
-    across, along = (2 * n - 1 if across * along < MANY else (n + 1) // 2 | 1 for n in (across, along))
+    width, loaded = found.cells.half_width, _loaded(np.linalg.norm(found.force, axis=1))
+    width = width[loaded] if len(loaded) else width
     return plan.spread(contact, across, along, float(width.min()) / MARGIN, float(width.max()) * MARGIN)
 
 
@@ -142,15 +153,16 @@ def _sampled(rows: np.ndarray, force: np.ndarray, count: int) -> list[int]:
 
 
 def _at_rest(
-    engine: Engine, history: History, rows: list[int], patches: Mapping[int, PatchPlan]
-) -> dict[int, dict[int, _Found]]:
-    """Force and pressures of each patch, by number of the contact, at those saved `rows` where the bodies held still
-    let them be found."""
+    engine: Engine, history: History, rows: list[int], number: int, patches: Mapping[int, PatchPlan]
+) -> dict[int, _Found]:
+    """Force and pressures of the contact with that number, at those saved `rows` where the bodies held still let them
+    be found."""
     try:
         held = Engine(engine.scene, device=str(engine.compiled.device), settings=engine.settings, patches=patches)
     except (InputError, MemoryError, RuntimeError):  # no room for them
         return {}
     held.rates_to_zero()
+    name = engine.scene.contacts[number].name
     values = {}
     for t in rows:
         held.control(status=0)
@@ -160,8 +172,7 @@ def _at_rest(
         if np.any(held.word("status")):
             continue
         held.save_now()
-        saved = history_from_rows(held.compiled, held.saved()).contacts
-        values[t] = {i: _Found.of(saved[engine.scene.contacts[i].name]) for i in patches}
+        values[t] = _Found.of(history_from_rows(held.compiled, held.saved()).contacts[name])
     return values
 
 

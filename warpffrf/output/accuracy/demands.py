@@ -4,7 +4,8 @@
     stiffening       where the deformed inertia, which is of its size, is above the limit
     contact grid     hats of the material grid in place of cells, where they are right enough for all contacts
     cells            smaller ones, where other cells differ by more than the limit
-    step             h (limit/error)^(1/2), of second order; errors are those of the step and energy from nowhere
+    step             h (limit/error)^(1/2), of second order; errors are those of the step, energy from nowhere, and
+                    friction of patches that advance too fast
 
 Options that the user has set are kept: an inertia level other than "auto", a grid other than "auto", stiffening. What
 has been chosen once is only ever made finer, so that runs do not swing between two settings; a run whose budget asks
@@ -138,7 +139,7 @@ def _hats_errors(contact: Any, loaded: Any) -> tuple[float, float]:
 
 def of_the_step(lines: Sequence[BudgetLine]) -> list[BudgetLine]:
     """Errors that a smaller step lowers."""
-    return [line for line in lines if line.source in (time_step.SOURCE, energy.SOURCE)]
+    return [line for line in lines if line.source in (time_step.SOURCE, energy.SOURCE, contacts.ADVANCE)]
 
 
 def steps_wanted(steps: int, lines: Sequence[BudgetLine], limits: Limits) -> tuple[int, str]:

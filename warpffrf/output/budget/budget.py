@@ -13,7 +13,7 @@ import numpy as np
 
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.output.budget.bodies import inertia_lines, local_lines
-from warpffrf.output.budget.contacts import grid_lines, mesh_lines, point_lines, tolerance_lines
+from warpffrf.output.budget.contacts import friction_lines, grid_lines, mesh_lines, point_lines, tolerance_lines
 from warpffrf.output.budget.energy import energy_lines
 from warpffrf.output.budget.time_step import time_step_lines
 
@@ -26,7 +26,7 @@ def error_budget(result: Any, *, progress: bool = False) -> list[BudgetLine]:
     engine = history.marks.engine()
     return [
         *time_step_lines(history, engine, progress=progress), *energy_lines(result),
-        *grid_lines(result, engine), *point_lines(result), *mesh_lines(result),
+        *grid_lines(result, engine), *friction_lines(result), *point_lines(result), *mesh_lines(result),
         *inertia_lines(result, engine), *local_lines(result, engine), *tolerance_lines(result, engine),
     ]  # fmt: skip
 

@@ -4,6 +4,8 @@
 norm, at most, for a patch of the size found at the largest load, by the rule of `offline.contact.grid_rule` (worst
 position of the patch on the grid; the mean one is about half of it). *Cells of a patch*: other cells at sampled steps,
 of the pressures as cell means in the L2 norm (`online.diagnosis.cell_check`).
+*Friction on cells*: of a patch that advances c cells a step, where c is above `MOST_CELLS`, c/MOST_CELLS times
+`FRICTION_ERROR` of the largest friction force (docs/studies/patch_rolling.md: 0.9 to 1.0 % at 2.5, 1.0 to 1.4 % at 4).
 *Points*: all points at sampled steps (`online.diagnosis.sampling_check`). The mesh needs a second one,
 `ReducedBody.mesh_error`.
 """
@@ -19,9 +21,11 @@ from warpffrf.offline.contact.grid_rule import grid_error
 from warpffrf.online.diagnosis.sampling_check import check_sampling
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.output.contact.friction import FRICTION_ERROR, MOST_CELLS
 
 PATCHES = {"line": "line", "point": "ellipse"}  # kinds of patches that the rule knows
 FORCE, PRESSURE = "force", "pressure"
+ADVANCE = "friction of large steps"
 GRID, POINTS, MESH, TOLERANCE = "contact grid", "sampling points", "FE mesh", "iteration"
 
 
@@ -75,6 +79,25 @@ def hats_error(found: Any, spacing: float, quantity: str) -> float:
         for s, width in zip((spacing, along), widths, strict=False)
     ]
     return max((np.nan if size is None else size for size in sizes), key=lambda size: (np.isnan(size), size))
+
+
+def friction_lines(result: Any) -> list[BudgetLine]:
+    """One line for each contact whose patch of cells advances too fast for friction."""
+    lines = []
+    for contact in result.history.scene.contacts:
+        found = result.contact(contact.name)
+        if contact.friction.acts and found.loaded == "cells" and np.any(found.friction.too_fast):
+            advance = float(np.nanmax(found.friction.cells_per_step))
+            lines.append(
+                BudgetLine(
+                    ADVANCE,
+                    f"largest friction force of contact {contact.name!r}",
+                    FRICTION_ERROR * advance / MOST_CELLS["cells"],
+                    f"the patch advances {advance:.2g} cells a step",
+                    "a smaller step, or fewer strips in cells=",
+                )  # fmt: skip
+            )
+    return lines
 
 
 def point_lines(result: Any) -> list[BudgetLine]:
