@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,8 @@ from warpffrf.model.errors import InputError
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.marks import MARKS, WHOLE
 from warpffrf.output.budget.budget import budget_text, largest_of_each
-from warpffrf.output.budget.quantities import STILL, quantities
+from warpffrf.output.budget.contacts import _beside
+from warpffrf.output.budget.quantities import LIGHT, STILL, quantities, shares
 from warpffrf.output.budget.time_step import SOURCE, at_end, frequency
 
 FACTOR = 3.0  # by which an estimate may be off, as the budget promises
@@ -62,6 +64,19 @@ def test_a_body_that_rests_is_beside_the_machine() -> None:
     assert found["motion of body 'goer'"].size == pytest.approx(0.5, rel=1e-9)
     assert found["motion of body 'creeper'"].size == pytest.approx(0.5 * STILL, rel=1e-9)
     assert "motion of body 'still'" not in found
+
+
+def test_a_contact_that_carries_little_is_beside_the_machine() -> None:
+    """Hertz lines of 2 N and 20 kN: of the first errors are beside 20 N, its pressures beside those of 20 N."""
+    forces = {"heavy": 2e4, "some": 20.0, "light": 2.0}
+    contacts = {name: SimpleNamespace(force=np.full((3, 1), F)) for name, F in forces.items()}
+    history: Any = SimpleNamespace(contacts=contacts, lumped_contacts={}, scene=SimpleNamespace(bodies=[]), bodies={})
+    found = quantities(history)
+    assert [found[f"force of contact {name!r}"].size for name in forces] == pytest.approx([2e4, 20.0, 20.0])
+    assert shares(history) == pytest.approx({"heavy": 1.0, "some": 1.0, "light": 2.0 / (LIGHT * 2e4)})
+    line = BudgetLine("contact grid", "force", 0.05, "found")
+    assert _beside(line, 0.1).size == pytest.approx(0.005) and "carries less" in _beside(line, 0.1).basis
+    assert _beside(line, 1.0) is line
 
 
 def size(result: wf.Result, source: str, of: str) -> float:

@@ -11,14 +11,13 @@ from warpffrf.demos.checks import writable_folder
 from warpffrf.model.errors import unknown_name
 
 FOLDER, PAGE = "docs/studies", "accuracy.md"
-BY_NAME = ("bearing",)  # does not end in minutes: each of its runs checks twelve patches on finer cells
 
 
 def main() -> None:
-    """Write the page, of the machines that are named, or all but those in `BY_NAME`."""
+    """Write the page, of the machines that are named, or all."""
     arguments = sys.argv[1:]
     folder = writable_folder(arguments[0] if arguments else FOLDER)
-    names = arguments[1:] or [name for name in MACHINES if name not in BY_NAME]
+    names = arguments[1:] or list(MACHINES)
     for name in names:
         if name not in MACHINES:
             raise unknown_name("accuracy_studies: machine", name, MACHINES)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
-from warpffrf.demos.accuracy_studies.machines import Machine
+from warpffrf.demos.accuracy_studies.machines import FINER, Machine
 from warpffrf.model.contact import CELL_ERRORS
 from warpffrf.online.run import INTERRUPTED
 from warpffrf.study.speed_against_error.choices import can_stiffen
@@ -20,7 +20,6 @@ from warpffrf.verification.markdown import table
 
 ACCURACY = 0.01
 PRESSURES = 2.0  # times the accuracy, as `output.accuracy` has it
-FINER = 8  # times the steps that were chosen, in the reference
 RATIOS = (0.125, 0.25, 0.5, 1.0, 2.0)  # of those steps, that are tried
 REFERENCE_CELLS = 0.002  # and at most half of what was chosen
 TIMES = 2  # each; the faster counts
@@ -73,9 +72,9 @@ def measure(machine: Machine, *, progress: bool = True) -> Found:
     result = _whole(wf.simulate(scene, machine.duration, accuracy=ACCURACY, progress=progress, **machine.options))
     whole = time.perf_counter() - begin
     steps = len(result.time) - 1
-    exact = _reference(machine, result.scene, steps)
+    exact = _reference(machine, result.scene, machine.finer * steps)
     tried = []
-    for setting, other in itertools.product(_settings(machine, scene, result.scene), others(steps)):
+    for setting, other in itertools.product(_settings(machine, scene, result.scene), others(steps, machine.finer)):
         try:
             tried.append(_timed(machine, scene, setting, other, exact))
         except wf.InputError:  # a body without inertia terms
@@ -86,7 +85,7 @@ def measure(machine: Machine, *, progress: bool = True) -> Found:
 
 def _settings(machine: Machine, scene: wf.Scene, chosen: wf.Scene) -> list[dict[str, Any]]:
     """What is tried beside steps: inertia level, stiffening, grid, and cells for the errors that the machine names and
-    for the least one that was `chosen`. What was chosen is kept where it is the least there is: more takes longer."""
+    for the largest one that was `chosen`. What was chosen is kept where it is the least there is: more takes longer."""
     flexible = [body for body in scene.bodies if body.reduced is not None]
     used = [body for body in chosen.bodies if body.reduced is not None]
     choices: list[list[dict[str, Any]]] = []
@@ -98,14 +97,15 @@ def _settings(machine: Machine, scene: wf.Scene, chosen: wf.Scene) -> list[dict[
     if scene.contacts:
         choices.append([{"grid": "material"}])
         if all(contact.without_patch() is None for contact in scene.contacts):
-            errors = {*machine.cells, min(contact.cell_error for contact in chosen.contacts)}
+            errors = {*machine.cells, max(contact.cell_error for contact in chosen.contacts)}
             choices[-1] += [{"grid": "patch", "cell_error": error} for error in sorted(errors, reverse=True)]
     return [dict(itertools.chain.from_iterable(c.items() for c in chosen)) for chosen in itertools.product(*choices)]
 
 
-def others(steps: int) -> list[int]:
-    """Numbers of steps near RATIOS times `steps` that divide those of the reference, so that times are common."""
-    whole = FINER * steps
+def others(steps: int, finer: int) -> list[int]:
+    """Numbers of steps near RATIOS times `steps` that divide those of the reference, `finer` times as many, so that
+    times are common."""
+    whole = finer * steps
     divisors = np.array([n for n in range(1, whole + 1) if whole % n == 0])
     return sorted({int(divisors[np.argmin(np.abs(np.log(divisors / (ratio * steps))))]) for ratio in RATIOS})
 
@@ -119,8 +119,9 @@ def _reference(machine: Machine, scene: wf.Scene, steps: int) -> wf.Result:
         setting["stiffening"] = True
     if scene.contacts and all(contact.without_patch() is None for contact in scene.contacts):
         chosen = min(contact.cell_error for contact in scene.contacts)
-        setting |= {"grid": "patch", "cell_error": max(min(REFERENCE_CELLS, 0.5 * chosen), CELL_ERRORS[0])}
-    return _run(machine, scene, setting, steps * FINER)
+        error = max(min(REFERENCE_CELLS, 0.5 * chosen), CELL_ERRORS[0])
+        setting |= {"grid": "patch", "cell_error": machine.exact or error}
+    return _run(machine, scene, setting, steps)
 
 
 def _run(machine: Machine, scene: wf.Scene, setting: dict[str, Any], steps: int) -> wf.Result:
@@ -151,6 +152,11 @@ def _timed(machine: Machine, scene: wf.Scene, setting: dict[str, Any], steps: in
     return Tried(steps, setting, errors, min(seconds))
 
 
+def _fewer(found: list[Found]) -> str:
+    """Which references have fewer steps."""
+    return "".join(f" (of {f.machine.title} {f.machine.finer})" for f in found if f.machine.finer != FINER)
+
+
 def page(found: list[Found]) -> str:
     """Markdown."""
     rows = []
@@ -170,8 +176,9 @@ def page(found: list[Found]) -> str:
 `simulate(accuracy={ACCURACY:g})` beside runs of the same machine with about {", ".join(f"{r:g}" for r in RATIOS)} times
 its steps, on both contact grids where bodies are prepared for them, inertia levels constant and full, and with and
 without stiffening where bodies have it. Errors are
-beside a run with {FINER} times the steps, all inertia terms and finer cells where bodies can have them; wanted are 1 %
-of forces, displacements and deformations and 2 % of pressures. Times are wall time of the loop over steps, the faster
+beside a run with {FINER} times the steps{_fewer(found)}, all inertia
+terms and finer cells where bodies can have them; wanted are 1 % of forces, displacements and deformations and 2 % of
+pressures. Times are wall time of the loop over steps, the faster
 of {TIMES}; the whole call has all runs that it took to choose, their set-up and their budgets.
 
 {table(head, rows)}"""
