@@ -12,6 +12,7 @@ from warpffrf.online.compile.patch_plan import CROWNED_ERROR, STRIPS_ERROR, Patc
 from warpffrf.online.diagnosis import cell_check
 from warpffrf.online.diagnosis.cell_check import MANY, check_cells
 from warpffrf.online.engine import Engine
+from warpffrf.online.history.record import history_from_rows
 from warpffrf.online.run import find_equilibrium, run
 from warpffrf.verification import coarse_rollers as cr
 
@@ -88,6 +89,14 @@ def test_evaluated_again_as_in_the_run(straight, monkeypatch) -> None:
     said = check_cells(engine, history)[0]
     assert (said.force, said.pressure) == (0.0, 0.0)
     assert at_rest(cr.held(straight, straight, APPROACH))[0] == pytest.approx(forces[0], rel=SAME)
+
+
+def test_a_run_without_rows_has_nothing_to_check(straight) -> None:
+    """Of an equilibrium that was not found, or one that nothing loads, there is no error to tell."""
+    scene = cr.held(straight, straight, -APPROACH)
+    assert check_cells(Engine(scene), find_equilibrium(scene)) == {}
+    engine = Engine(scene)
+    assert check_cells(engine, history_from_rows(engine.compiled, engine.saved())) == {}
 
 
 def test_beside_another_patch(straight, monkeypatch) -> None:

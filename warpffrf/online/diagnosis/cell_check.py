@@ -80,14 +80,16 @@ def check_cells(engine: Engine, history: History, sampled: int = SAMPLED) -> dic
     """By number of the contact what finer cells change, at most `sampled` saved steps of `history` each."""
     scene, plans = engine.scene, engine.compiled.patches
     found = {i: history.contacts[scene.contacts[i].name] for i in plans}
+    forces = {i: np.linalg.norm(record.force, axis=1) for i, record in found.items()}
+    if not any(np.any(force > 0.0) for force in forces.values()):
+        return {}
     few = {i: _spread(plan, scene.contacts[i], found[i], *np.minimum(_size(plan), FEW)) for i, plan in plans.items()}
     checks = {}
     for i, plan in plans.items():
-        force = np.linalg.norm(found[i].force, axis=1)
-        loaded = _loaded(force)
+        loaded = _loaded(forces[i])
         if not len(loaded):
             continue
-        rows = _sampled(loaded, force, sampled)
+        rows = _sampled(loaded, forces[i], sampled)
         finer = plan.columns * len(plan.z) < MANY
         more = [2 * n - 1 if finer else (n + 1) // 2 | 1 for n in _size(plan)]
         other = _spread(plan, scene.contacts[i], found[i], *more)

@@ -7,10 +7,10 @@ take a part of its time:
 
     n_k+1 = 1.15 n_k root(error/limit)        1.2 to 3 times n_k
 
-At most `RUNS` are made. Where two of them in turn, each with more steps, do not lower the error of the step, more would
-not either: hats of a surface that rolls pass faster than the steps. A contact that was put on hats then gets its cells
-back; if there is none, the run ends there, and its result says so, as it says of all else that is above the wanted
-accuracy, with what would lower it: mostly another reduction.
+At most `RUNS` are made. Where `PATIENCE` of them in turn, each with more steps, do not lower the error of the step,
+more would not either: hats of a surface that rolls pass faster than the steps. A contact that was put on hats then gets
+its cells back; if there is none, the run ends there, and its result says so, as it says of all else that is above the
+wanted accuracy, with what would lower it: mostly another reduction.
 
 Choices follow from results alone, never from the clock: the same call chooses the same again.
 """
@@ -39,46 +39,58 @@ from warpffrf.output.result import Result
 RUNS = 10
 MOST_STEPS = 1_000_000
 AFTER_FAILURE = 4  # times the steps, where a run does not get through
+FAILURES = 2  # in turn, after a run that got through, which then is the result
 FALLS = 0.8  # of the error before: with 1.2 times the steps it is 0.7 at second order
-PATIENCE = 2  # runs in turn whose error does not fall: vibrations that more steps begin to see let it rise once
+PATIENCE = 3  # runs in turn whose error does not fall: vibrations that more steps begin to see let it rise
 
-Run = Callable[[Scene, int, Any], History]
+Run = Callable[[Setting], History]
 
 log = logging.getLogger("warpffrf")
 
 
 def run_to_accuracy(
-    scene: Scene, duration: float, limits: Limits, longest: float | None, local: Any, run: Run, *, start: Any,
-    progress: bool,
+    scene: Scene, duration: float, limits: Limits, longest: float | None, run: Run, *, local: Any,
+    energy_tolerance: float | None, start: Any, progress: bool,
 ) -> Result:  # fmt: skip
-    """The run of `scene` over `duration` [s] that is within `limits`, or the last one tried. longest: step [s] that the
-    user allows. local: treatment of local modes that he asked for. run: makes a run of a scene in so many steps. start:
-    where it begins; one that goes on from another run has the options of that, and only its steps are chosen."""
+    """The run of `scene` over `duration` [s] that is within `limits`, or the last one that got through. longest:
+    step [s] that the user allows. run: makes a run of the scene with a setting. local: treatment of local modes
+    that he asked for. energy_tolerance: that he set, None where it is left to the program. start: where it begins;
+    one that goes on from another run has the options of that, and only its steps are chosen."""
     begin = time.perf_counter()
     continued = isinstance(start, History)
     at = time_of(start.checkpoint) if isinstance(start, History) else 0.0
-    now = first_setting(scene, at, duration, longest, local, limits)
+    now = replace(first_setting(scene, at, duration, longest, local, limits), energy_tolerance=energy_tolerance)
     if continued:
         now = replace(now, options={})
     refused, why = "", list[str]()
-    stuck = Stuck()
+    stuck, good, failed = Stuck(), None, 0
     for number in range(1, RUNS + 1):
         own = time.perf_counter()
-        result = Result(run(now.scene(scene), now.steps, now.local))
+        result = Result(run(now))
         log.info("accuracy %g, run %d: %d steps of %.3g s: %s", limits.accuracy, number, now.steps,
                  duration / now.steps, result.status)  # fmt: skip
         if result.status == INTERRUPTED:
             return _told(result, duration, limits, now, ["the run was interrupted before its errors were known"])
         if result.status != "completed":
-            if now.steps * AFTER_FAILURE > MOST_STEPS or number == RUNS:
+            failed += 1
+            more = now.steps * AFTER_FAILURE
+            if number < RUNS and more <= MOST_STEPS and (good is None or failed < FAILURES):
+                now = replace(now, steps=more)
+                continue
+            if good is None:
                 return _told(result, duration, limits, now, [])
-            now = replace(now, steps=now.steps * AFTER_FAILURE)
-            continue
+            refused = f"with {now.steps} steps the run fails ({result.status})"
+            result, now, why = good
+            break
+        failed = 0
         lines = result.error_budget(progress=progress)
         wanted, why = next_setting(scene, result, now, lines, limits, first=number == 1)
+        if energy_tolerance is not None:
+            wanted = replace(wanted, energy_tolerance=energy_tolerance)
         if continued:
             wanted, why = replace(wanted, local=local, options={}), [why[0], "the rest is that of the run before"]
         log.info("accuracy %g: %s", limits.accuracy, "; ".join(why))
+        good = result, now, why
         if wanted == now:
             break
         if stuck.look(now.steps, lines):
@@ -135,7 +147,8 @@ def _with_cells(scene: Scene, now: Setting) -> Setting:
 def _told(result: Result, duration: float, limits: Limits, now: Setting, why: list[str]) -> Result:
     """The result with what was chosen for it and why, and what is above the wanted accuracy."""
     head = f"accuracy {limits.accuracy:g}"
-    step = f"{head}: step={duration / now.steps:.6g} was chosen" + (f", {why[0]}" if why else "")
+    tolerance = "" if now.energy_tolerance is None else f" with energy_tolerance={now.energy_tolerance:.2g}"
+    step = f"{head}: step={duration / now.steps:.6g}{tolerance} was chosen" + (f", {why[0]}" if why else "")
     notes = [step, *(f"{head}: {line}" for line in why[1:])]
     for line in result.history.budget or []:
         allowed = limits.accuracy * (PRESSURES if line.of.startswith(contacts.PRESSURE) else 1.0)

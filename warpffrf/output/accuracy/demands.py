@@ -4,6 +4,7 @@
     stiffening       where the deformed inertia, which is of its size, is above the limit
     contact grid     hats of the material grid in place of cells, where they are right enough for all contacts
     cells            smaller ones, where other cells differ by more than the limit
+    energy tolerance a tenth, where the ledger of a run is off whose steps were halved in impacts
     step             h (limit/error)^(1/2), of second order; errors are those of the step, energy from nowhere, and
                     friction of patches that advance too fast
 
@@ -31,6 +32,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online.compile.inertia_plan import InertiaPlan, least_level
 from warpffrf.online.diagnosis.indicator import TermSize, term_sizes
 from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.online.settings import Settings
 from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.accuracy.setting import AUTO, CELL_ERROR, GRID, HATS, INERTIA, STIFFENING, Setting
 from warpffrf.output.budget import contacts, energy, time_step
@@ -40,6 +42,7 @@ ON_MESH = 2.0  # times the rule: linear cells as wide as the spacing of hats add
 FINER = 1.15  # times the steps that second order asks for
 LEAST, MOST = 1.2, 3.0  # times the steps of the run before: more overshoots where vibrations are not resolved yet
 CELLS = 2.0, 4.0  # times finer than before in `cell_error`: less is the same number of cells, more twice as many strips
+TIGHTER, LEAST_TOLERANCE = 0.1, 1e-8  # times the energy tolerance before, down to this
 WITHOUT_ESTIMATE = 2.0  # times the steps, where twice the step fails
 
 
@@ -172,10 +175,25 @@ def next_setting(
         kind = "body" if choice.option in (INERTIA, STIFFENING) else "contact"
         value = f"{choice.value:.3g}" if isinstance(choice.value, float) else repr(options[key])
         why.append(f"{choice.option}={value} of {kind} {choice.name!r} ({choice.why})")
+    tolerance = energy_tolerance_wanted(now.energy_tolerance, result, lines, limits)
+    tighter = tolerance != now.energy_tolerance
+    if tighter:
+        why.append(f"energy_tolerance={tolerance:.2g} (steps of impacts were halved, and the energy ledger is off)")
+        lines = [line for line in lines if line.source != energy.SOURCE]
     steps, told = steps_wanted(now.steps, lines, limits)
-    if steps == now.steps and not finer:
+    if steps == now.steps and not finer and not tighter:
         return now, [told, *why]
-    return Setting(steps, now.local, options), [told, *why]
+    return Setting(steps, now.local, options, tolerance), [told, *why]
+
+
+def energy_tolerance_wanted(
+    now: float | None, result: Any, lines: Sequence[BudgetLine], limits: Limits
+) -> float | None:
+    """That of the next run. Steps of impacts are halved to it, so that it rules their energy, not the step."""
+    off = [line for line in lines if line.source == energy.SOURCE and line.found and line.size > limits.force]
+    tighter = TIGHTER * (Settings.energy_tolerance if now is None else now)
+    halved = result.history.counters.get("rejected_steps", 0) > 0
+    return tighter if off and halved and tighter >= LEAST_TOLERANCE else now
 
 
 def _finer(choice: Choice, before: Any) -> bool:
