@@ -214,7 +214,9 @@ def test_it_gives_up_where_errors_do_not_fall() -> None:
     stuck = Stuck()
     found = [stuck.look(steps, line(size)) for steps, size in ((100, 0.1), (200, 0.2), (400, 0.1), (800, 0.09))]
     assert found == [False, False, False, False]  # it fell once
-    assert not stuck.look(1600, line(0.09)) and stuck.look(3200, line(0.09))
+    assert not stuck.look(1600, line(0.1)) and stuck.look(3200, line(0.09))
+    same = Stuck()  # what stays as it is is given up sooner than what rises
+    assert [same.look(steps, line(0.1)) for steps in (100, 200, 400)] == [False, False, True]
 
 
 def test_short_pulses_are_seen() -> None:

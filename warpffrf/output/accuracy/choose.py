@@ -7,10 +7,10 @@ take a part of its time:
 
     n_k+1 = 1.15 n_k root(error/limit)        1.2 to 3 times n_k
 
-At most `RUNS` are made. Where `PATIENCE` of them in turn, each with more steps, do not lower the error of the step,
-more would not either: hats of a surface that rolls pass faster than the steps. A contact that was put on hats then gets
-its cells back; if there is none, the run ends there, and its result says so, as it says of all else that is above the
-wanted accuracy, with what would lower it: mostly another reduction.
+At most `RUNS` are made. Where `PATIENCE` of them in turn, each with more steps, do not lower the error of the step, or
+two leave it as it is, more would not either: hats of a surface that rolls pass faster than the steps. A contact that
+was put on hats then gets its cells back; if there is none, the run ends there, and its result says so, as it says of
+all else that is above the wanted accuracy, with what would lower it: mostly another reduction.
 
 Choices follow from results alone, never from the clock: the same call chooses the same again.
 """
@@ -41,6 +41,7 @@ MOST_STEPS = 1_000_000
 AFTER_FAILURE = 4  # times the steps, where a run does not get through
 FAILURES = 2  # in turn, after a run that got through, which then is the result
 FALLS = 0.8  # of the error before: with 1.2 times the steps it is 0.7 at second order
+STANDS = 0.05, 2  # an error that changes by less from run to run, twice in turn, is not one of the step
 PATIENCE = 3  # runs in turn whose error does not fall: vibrations that more steps begin to see let it rise
 
 Run = Callable[[Setting], History]
@@ -117,7 +118,7 @@ class Stuck:
     """Whether the error of the step falls from run to run."""
 
     def __init__(self) -> None:
-        self.steps, self.size, self.times, self.told = 0, 0.0, 0, ""
+        self.steps, self.size, self.times, self.stood, self.told = 0, 0.0, 0, 0, ""
 
     def look(self, steps: int, lines: list[BudgetLine]) -> bool:
         """Look at the budget of a run of so many `steps`; whether it is time to give up."""
@@ -127,11 +128,12 @@ class Stuck:
         worst = max(known, key=lambda line: line.size)
         if self.steps and steps > self.steps:
             self.times = self.times + 1 if worst.size > FALLS * self.size else 0
+            self.stood = self.stood + 1 if abs(worst.size - self.size) < STANDS[0] * self.size else 0
             self.told = f"{self.size:.2%} with {self.steps} and {worst.size:.2%} with {steps} of the {worst.of}"
         self.steps, self.size = steps, worst.size
-        if self.times < PATIENCE:
+        if self.times < PATIENCE and self.stood < STANDS[1]:
             return False
-        self.times = 0
+        self.times = self.stood = 0
         return True
 
 
