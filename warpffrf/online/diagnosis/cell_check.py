@@ -98,8 +98,9 @@ def check_cells(engine: Engine, history: History, sampled: int = SAMPLED) -> dic
             _apart(at_own[t], at_other[t]) for t in rows if t in at_own and t in at_other and at_own[t].force > 0.0
         ]
         second, first = (4.0 / 3.0, 1.0 / np.hypot(1.0, 0.5)) if finer else (1.0 / 3.0, 1.0 / np.hypot(1.0, 2.0))
-        largest = np.max([np.zeros(3), *apart], axis=0) * np.array([second, second, first])
-        checks[i] = CellCheck(*(float(x) for x in largest), tuple(rows) if apart else (), finer)
+        force, largest, field = np.max([np.zeros(3), *apart], axis=0) * np.array([second, second, first])
+        seen = tuple(rows) if apart else ()
+        checks[i] = CellCheck(float(force), float(largest), float(field), seen, finer)
     return checks
 
 

@@ -105,6 +105,8 @@ def run_to_accuracy(
         now = wanted
     result.history.counters["accuracy_runs"] = number
     result.history.counters["accuracy_seconds"] = own - begin  # of the runs before
+    if now.energy_tolerance is not None:
+        result.history.counters["energy_tolerance"] = now.energy_tolerance
     if refused:
         why.append(f"not reached: {refused}")
     if now.steps < (needed := steps_to_see(scene, at, duration)):

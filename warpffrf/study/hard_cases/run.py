@@ -71,12 +71,14 @@ def run_case(case: Case, setting: Setting) -> tuple[Result | None, Row]:
 
 
 def _same_steps(case: Case, setting: Setting, result: Result) -> tuple[Case, Setting]:
-    """What a run beside one of `setting` that has found its own step is to do: as many steps of that size."""
+    """What a run beside one of `setting` that has found its own step is to do: as many steps of that size, with the
+    energy tolerance that it found."""
     if setting.accuracy is None or len(result.time) < 2:
         return case, setting
     steps = len(result.time) - 1
     step = float(result.time[-1]) / steps
-    return replace(case, most_steps=steps, rows=steps), replace(setting, accuracy=None, step=step)
+    energy = result.history.counters.get("energy_tolerance", setting.energy)
+    return replace(case, most_steps=steps, rows=steps), replace(setting, accuracy=None, step=step, energy=energy)
 
 
 def _run(case: Case, setting: Setting, build: Callable[[], Any]) -> Result:
