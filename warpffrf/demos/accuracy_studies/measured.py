@@ -22,7 +22,7 @@ ACCURACY = 0.01
 PRESSURES = 2.0  # times the accuracy, as `output.accuracy` has it
 RATIOS = (0.125, 0.25, 0.5, 1.0, 2.0)  # of those steps, that are tried
 REFERENCE_CELLS = 0.002  # and at most half of what was chosen
-TIMES, LONG_ENOUGH = (2, 20), 2.0  # runs of each, at least and at most, the fastest counts; s in all, else
+TIMES, LONG_ENOUGH = (2, 4), 0.5  # runs of each, at least and at most, the fastest counts; s in all, else
 MADE = "Made by `python -m warpffrf.demos.accuracy_studies`; do not edit.\n"
 
 
