@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
-import scipy.sparse as sp
 
 from warpffrf.model.errors import InputError
 from warpffrf.verification.closed_forms.cavitation import PartingPlates, ruptured_slider
@@ -21,10 +18,10 @@ from warpffrf.verification.closed_forms.films import (
     squeezed_plate,
     stability_threshold,
 )
-from warpffrf.verification.films.complementarity import FilmState, solve
 from warpffrf.verification.films.finite_volumes import steady_journal
-from warpffrf.verification.films.grid import FilmGrid
 from warpffrf.verification.films.journal import JournalFilm
+from warpffrf.verification.films.pads import pad, square_plate
+from warpffrf.verification.films.pads import plates as film_plates
 
 RADIUS, CLEARANCE, VISCOSITY, SPEED = 0.025, 25e-6, 0.01, 300.0  # m, m, Pa s, rad/s
 ROUND_OFF = 1e-9
@@ -153,24 +150,9 @@ def test_torques_balance_and_losses_are_the_power() -> None:
 # --- pads
 
 
-def pad(
-    gap: Callable[[np.ndarray], np.ndarray], x: np.ndarray, *, speed: float, mode: str, viscosity: float = 1.0,
-    ends: tuple[float, float] = (0.0, 0.0),
-) -> tuple[FilmState, float, np.ndarray]:  # fmt: skip
-    """A wide pad, its force [N/m] and the flow through its nodes' boxes that no hat has (columns,)."""
-    grid = FilmGrid(x, np.array([0.0, 1.0]))
-    h = gap(grid.at[:, 0])
-    A, T, carried = grid.diffusion(h**3 / (12.0 * viscosity)), grid.outflow(0.5 * speed), grid.carried(h, 0.5 * speed)
-    held, given = np.zeros((len(x), 2), dtype=bool), np.zeros((len(x), 2))
-    held[[0, -1]], given[0], given[-1] = True, ends[0], ends[1]
-    state = solve(A, T, carried, held.ravel(), given.ravel(), mode=mode)
-    rest = (A @ state.pressure - T @ state.void - carried).reshape(-1, 2).sum(axis=1)
-    return state, float(grid.weights @ (grid.value @ state.pressure)), rest
-
-
 def test_a_plane_slider() -> None:
-    _, force, _ = pad(lambda x: 2.0 - x, np.linspace(0.0, 1.0, 65), speed=1.0, mode="none")
-    assert force == pytest.approx(plane_slider(2.0, 1.0, 1.0, viscosity=1.0, speed=1.0), rel=1e-3)
+    found = pad(lambda x: 2.0 - x, np.linspace(0.0, 1.0, 65), speed=1.0, mode="none")
+    assert found.force == pytest.approx(plane_slider(2.0, 1.0, 1.0, viscosity=1.0, speed=1.0), rel=1e-3)
 
 
 def test_a_slider_that_ruptures_and_fills_again() -> None:
@@ -186,13 +168,13 @@ def test_a_slider_that_ruptures_and_fills_again() -> None:
     assert exact.refill / length == pytest.approx(0.97657, abs=5e-6)
     assert exact.force == pytest.approx(104250.0, rel=1e-5)
     x = np.linspace(0.0, length, 129)
-    state, force, rest = pad(gap, x, speed=speed, mode="mass_conserving", viscosity=viscosity, ends=(0.0, outlet))
-    void = np.flatnonzero(state.void.reshape(-1, 2)[:, 0] > 0.0)
-    assert force == pytest.approx(exact.force, rel=5e-4)
+    found = pad(gap, x, speed=speed, mode="mass_conserving", viscosity=viscosity, ends=(0.0, outlet))
+    void = np.flatnonzero(found.void > 0.0)
+    assert found.force == pytest.approx(exact.force, rel=5e-4)
     assert x[void[0]] == pytest.approx(exact.rupture, abs=x[1])
     assert x[void[-1]] == pytest.approx(exact.refill, abs=x[1])
-    assert rest[0] == pytest.approx(exact.flux, rel=1e-4)
-    assert rest[0] + rest[-1] == pytest.approx(0.0, abs=ROUND_OFF * exact.flux)
+    assert found.inflow[0] == pytest.approx(exact.flux, rel=1e-4)
+    assert sum(found.inflow) == pytest.approx(0.0, abs=ROUND_OFF * exact.flux)
 
 
 @pytest.mark.parametrize(("mode", "closed"), [("reynolds", REYNOLDS_CYLINDER), ("half", HALF_CYLINDER)])
@@ -200,20 +182,12 @@ def test_a_cylinder_on_a_plane(mode: str, closed: float) -> None:
     """The inlet is cut at 13 root(2 R h_0), which is 1.4 to 1.9 % of the force."""
     t = np.linspace(-1.0, 1.0, 201)
     x = 13.0 * np.sqrt(2e-3) * np.sign(t) * np.abs(t) ** 2.5
-    _, force, _ = pad(lambda x: 1e-3 + 0.5 * x**2, x, speed=2.0, mode=mode)
-    assert force * 1e-3 == pytest.approx(closed, rel=0.02)
+    found = pad(lambda x: 1e-3 + 0.5 * x**2, x, speed=2.0, mode=mode)
+    assert found.force * 1e-3 == pytest.approx(closed, rel=0.02)
 
 
 def test_a_square_plate_is_squeezed() -> None:
-    errors = []
-    for n in (16, 32):
-        nodes = np.linspace(0.0, 1.0, n + 1)
-        grid = FilmGrid(nodes, nodes)
-        held = np.zeros((n + 1, n + 1), dtype=bool)
-        held[[0, -1]] = held[:, [0, -1]] = True
-        A, right = grid.diffusion(np.full(len(grid.at), 1.0 / 12.0)), grid.integral(np.ones(len(grid.at)))
-        state = solve(A, grid.outflow(0.0), right, held.ravel(), np.zeros(grid.count), mode="none")
-        errors.append(grid.area @ state.pressure / squeezed_plate(1.0, 1.0) - 1.0)
+    errors = [square_plate(n) / squeezed_plate(1.0, 1.0) - 1.0 for n in (16, 32)]
     assert abs(errors[1]) < 2e-3
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.05)  # of second order
 
@@ -225,24 +199,9 @@ def test_plates_that_part_and_meet() -> None:
     assert half.max() / plates.half_width == pytest.approx(0.6614, abs=5e-5)
     assert time[-1] / plates.period == pytest.approx(1.1782, abs=5e-5)
     cells, steps = 100, 400
-    x = np.linspace(0.0, plates.half_width, cells + 1)
-    grid = FilmGrid(x, np.array([0.0, 1e-2]))
-    held, given = np.zeros((cells + 1, 2), dtype=bool), np.zeros((cells + 1, 2))
-    held[-1], given[-1] = True, plates.ambient
-    dt, t, full, widest, last = plates.period / steps, 0.5 * plates.period, None, 0.0, 0.0
-    void = before = np.zeros(grid.count)
-    for i in range(steps):
-        a = np.array([1.5, -2.0, 0.5]) / dt if i else np.array([1.0, -1.0, 0.0]) / dt
-        rate = a @ plates.gap(np.array([t + dt, t, t - dt]))
-        right = grid.area * (a[1] * void + a[2] * before - rate)
-        A = grid.diffusion(np.full(len(grid.at), float(plates.gap(t + dt)) ** 3 / (12.0 * plates.viscosity)))
-        state = solve(A, sp.diags(grid.area * a[0]).tocsr(), right, held.ravel(), given.ravel(), full=full)
-        void, before, full, t = state.void, void, state.full, t + dt
-        if void.any():
-            count = np.count_nonzero(void.reshape(-1, 2)[:, 0])
-            widest, last = max(widest, (count - 0.5) * x[1]), t
-    assert widest == pytest.approx(half.max(), abs=x[1])
-    assert last == pytest.approx(time[-1], abs=1.5 * dt)
+    found = film_plates(plates, cells, steps)
+    assert found.cavity.max() == pytest.approx(half.max(), abs=plates.half_width / cells)
+    assert found.time[found.cavity > 0.0][-1] == pytest.approx(time[-1], abs=1.5 * plates.period / steps)
 
 
 # --- motion
