@@ -19,7 +19,7 @@ from warpffrf.online.compile.outer_pattern import find_pattern, on_device
 wp.set_module_options(MODULE_OPTIONS)
 DEVICE = "cpu"
 ROUND_OFF = 1e-13  # relative, of well-conditioned problems of these sizes
-SCALE = wp.constant(0.8)  # of lines, as where cells have grown since the rows of G were made
+SCALE = 0.8  # of lines, as where cells have grown since the rows of G were made
 
 
 @wp.kernel
@@ -58,7 +58,7 @@ def eliminate(
     at = w * cap + start
     gather_block(model, w, start, count, G, order, factor)
     bad[w] = block_elimination.factor(factor, block, cap, count)
-    gather_lines(model, w, 0, start, count, SCALE, L, order, W)
+    gather_lines(model, w, 0, start, count, real(SCALE), L, order, W)
     block_elimination.forward_lines(factor, block, cap, count, W, line, width, coupled)
     block_elimination.square_of(count, W, line, width, coupled, square, w * width * width)
     block_elimination.forward(factor, block, cap, count, solution, at)

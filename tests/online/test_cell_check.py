@@ -5,17 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import warpffrf as wf
+from warpffrf.model.box_means import Boxes, squares
 from warpffrf.model.errors import InputError
 from warpffrf.online.compile.patch_plan import CROWNED_ERROR, STRIPS_ERROR, PatchPlan
 from warpffrf.online.diagnosis import cell_check
 from warpffrf.online.diagnosis.cell_check import MANY, check_cells
 from warpffrf.online.engine import Engine
+from warpffrf.online.history.record import history_from_rows
 from warpffrf.online.run import find_equilibrium, run
 from warpffrf.verification import coarse_rollers as cr
 
 APPROACH = 2e-5
 AGAIN = 1e-5  # of forces at poses, modes and times put back: 1e-6 by the width of the patch, which settles in steps
 SAME = 2e-6  # of forces evaluated again beside those of an equilibrium, whose bodies rest to 1e-6
+BESIDE = 0.1  # of errors beside another patch of few cells, which err by 3 % of a force that moves faces little
 WITHIN = 3.0  # errors go up and down with the number of cells, by their place under the edge of the patch
 BELOW = 1.5  # times the rule that an error may be: the rule is what errors stay below on its own page
 
@@ -35,6 +39,15 @@ def at_rest(scene):
     return np.array([np.linalg.norm(found.force[-1]), found.pressure[-1].max()])
 
 
+def field(scene) -> Boxes:
+    """Pressures in the state of rest."""
+    found = find_equilibrium(scene).contacts[cr.PAIR]
+    assert found.cells is not None
+    z, half = found.cells.z[-1], 0.5 * found.cells.length[-1]
+    x = found.cells.half_width[-1] * np.linspace(-1.0, 1.0, found.pressure.shape[1] + 1)
+    return Boxes(x, np.append(z - half, z[-1] + half[-1]), found.pressure[-1])
+
+
 @pytest.mark.parametrize("kind", ["straight", "crowned"])
 def test_error_beside_many_cells(kind, request) -> None:
     """A coarse patch errs by what its note says, and by what was asked for."""
@@ -43,7 +56,10 @@ def test_error_beside_many_cells(kind, request) -> None:
     history = find_equilibrium(scene)
     said = check_cells(Engine(scene), history)[0]
     assert said.finer and said.rows == (0,)
-    true = np.abs(at_rest(scene) / at_rest(cr.held(body, body, APPROACH, cells=(31, 31))) - 1.0)
+    many = cr.held(body, body, APPROACH, cells=(31, 31))
+    true = np.abs(at_rest(scene) / at_rest(many) - 1.0)
+    apart, size = squares(field(scene), field(many))
+    assert np.sqrt(apart / size) / WITHIN < said.field < np.sqrt(apart / size) * WITHIN
     assert np.all(true < BELOW * error)
     assert max(true) / WITHIN < max(said.force, said.pressure) < max(true) * WITHIN
     assert any("7 x" in note and "adds errors" in note for note in history.notes)
@@ -63,16 +79,43 @@ def test_evaluated_again_as_in_the_run(straight, monkeypatch) -> None:
     """On the run's own cells the forces at saved steps of turning rollers are those that were saved."""
     scene = cr.held(straight, straight, APPROACH, turning=2.0)
     history = run(scene, 2e-3, step=1e-4, start="equilibrium", progress=False)
-    monkeypatch.setattr(cell_check, "_other", lambda plan, *_: plan)
+    monkeypatch.setattr(cell_check, "_spread", lambda plan, *_: plan)
     engine = Engine(scene)
     forces = np.linalg.norm(history.contacts[cr.PAIR].force, axis=1)
     rows = [3, 12, 20]
-    again = cell_check._at_rest(engine, history, rows, engine.compiled.patches)
+    again = cell_check._at_rest(engine, history, rows, 0, engine.compiled.patches)
     for t in rows:
-        assert again[t][0][0] == pytest.approx(forces[t], rel=AGAIN)
+        assert again[t].force == pytest.approx(forces[t], rel=AGAIN)
     said = check_cells(engine, history)[0]
     assert (said.force, said.pressure) == (0.0, 0.0)
     assert at_rest(cr.held(straight, straight, APPROACH))[0] == pytest.approx(forces[0], rel=SAME)
+
+
+def test_a_run_without_rows_has_nothing_to_check(straight) -> None:
+    """Of an equilibrium that was not found, or one that nothing loads, there is no error to tell."""
+    scene = cr.held(straight, straight, -APPROACH)
+    assert check_cells(Engine(scene), find_equilibrium(scene)) == {}
+    engine = Engine(scene)
+    assert check_cells(engine, history_from_rows(engine.compiled, engine.saved())) == {}
+
+
+def test_beside_another_patch(straight, monkeypatch) -> None:
+    """What few cells of the other patch do to the faces cancels: the errors are as beside the other one's own cells."""
+    scene, small = wf.Scene(gravity=(0, 0, 0)), 0.1 * cr.R
+    body = scene.add_body(straight, name="lower")
+    scene.add(wf.joints.Fixed(scene.ground, body["bore"]))
+    for n, (angle, approach) in enumerate(((-0.2, APPROACH), (0.2, 0.5 * APPROACH))):
+        place = (cr.R + small - approach) * np.array([np.sin(angle), 0.0, np.cos(angle)])
+        shape = wf.surfaces.Cylinder(radius=small, axis_point=place, axis_direction=(0, 1, 0))
+        port = scene.ground.surface(shape, name=f"small {n}")
+        scene.add(wf.Contact(body["rim"], port, grid="patch", name=f"pair {n}", cells=(11, 21)))
+    history, engine = find_equilibrium(scene), Engine(scene)
+    few = check_cells(engine, history)
+    monkeypatch.setattr(cell_check, "FEW", (11, 21))
+    own = check_cells(engine, history)
+    for i in (0, 1):
+        assert few[i].field == pytest.approx(own[i].field, rel=BESIDE)
+        assert abs(few[i].force - own[i].force) < BESIDE * BELOW * STRIPS_ERROR / 11**2
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from functools import lru_cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,14 +15,24 @@ import warpffrf as wf
 from warpffrf.model import joints, signals
 from warpffrf.model.errors import InputError
 from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.online.settings import Settings
 from warpffrf.output.accuracy.choose import Stuck
-from warpffrf.output.accuracy.demands import FINER, steps_wanted
+from warpffrf.output.accuracy.demands import (
+    FINER,
+    LEAST_TOLERANCE,
+    MOST,
+    TIGHTER,
+    energy_tolerance_wanted,
+    steps_wanted,
+)
 from warpffrf.output.accuracy.first import A_RISE, FEWEST, first_setting
 from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.budget import time_step
+from warpffrf.output.budget.energy import OF, SOURCE, energy_lines
 from warpffrf.output.budget.quantities import quantities
 from warpffrf.output.simulate import simulate
 from warpffrf.study.budget_check import driven_mass, pendulum
+from warpffrf.study.hard_cases.suite import CASES
 from warpffrf.verification.scenes.rollers import PAIR, guided_pair, roller_body
 
 REFERENCE = 8  # times the steps of the run: its own error is 1/64 of the run's
@@ -143,15 +155,68 @@ def test_steps_follow_second_order() -> None:
     limits = Limits.of(0.01)
     assert steps_wanted(100, line(limits.force), limits)[0] == 100
     assert steps_wanted(100, line(4.0 * limits.force), limits)[0] == pytest.approx(200 * FINER, abs=2)
-    assert steps_wanted(100, line(1e6), limits)[0] == 800
+    assert steps_wanted(100, line(1e6), limits)[0] == 100 * MOST
     assert steps_wanted(100, line(np.nan), limits)[0] == 200
+
+
+def test_energy_from_nowhere_asks_for_more_steps() -> None:
+    """Lines of the ledger that fall and rise again: what counts is the rise."""
+    ledger = {"numerical": np.array([0.0, 0.1, -0.2, 0.05]), "contact_grid": np.array([0.0, 0.0, 0.0, 0.01])}
+    scene, halved = SimpleNamespace(lumped_contacts=[]), {"rejected_steps": 3}
+    history = SimpleNamespace(scene=scene, counters=halved)
+
+    def lines_of(scale: float) -> list[BudgetLine]:
+        return energy_lines(SimpleNamespace(energy=ledger, energy_scale=scale, history=history))
+
+    (found,) = lines_of(2.0)
+    assert found.size == pytest.approx(0.26 / 2.0, rel=1e-12)
+    assert lines_of(0.0) == []
+    scene.lumped_contacts = ["ball"]  # what is lost counts as well
+    assert lines_of(2.0)[0].size == pytest.approx(0.3 / 2.0, rel=1e-12)
+    ledger["numerical"][1] = np.nan  # not booked
+    assert lines_of(2.0) == []
+    limits = Limits.of(0.01)
+    lines = [*line(0.1 * limits.force), BudgetLine(SOURCE, OF, 4.0 * limits.force, "found")]
+    assert steps_wanted(100, lines, limits)[0] == pytest.approx(200 * FINER, abs=2)
+    run = SimpleNamespace(history=history)
+    assert energy_tolerance_wanted(None, run, lines, limits) == pytest.approx(TIGHTER * Settings.energy_tolerance)
+    assert energy_tolerance_wanted(2.0 * LEAST_TOLERANCE, run, lines, limits) == 2.0 * LEAST_TOLERANCE
+    assert energy_tolerance_wanted(None, run, line(1.0), limits) is None
+    halved["rejected_steps"] = 0  # the step rules the energy
+    assert energy_tolerance_wanted(None, run, lines, limits) is None
+
+
+def bounces(**options: Any) -> wf.Result:
+    """A ball that bounces on a hard plane, a lumped contact."""
+    case = CASES["bounces to rest"]
+    return simulate(case.build(), case.duration, progress=False, **{**case.options, **options})
+
+
+def test_energy_of_impacts_is_kept_by_its_tolerance() -> None:
+    """Steps of impacts are halved to the energy tolerance, so that more steps would not help; the notes name it, and
+    with it the run comes again."""
+    accuracy = 1e-3
+    found = bounces(accuracy=accuracy)
+    note = next(note for note in found.history.notes if "energy_tolerance=" in note)
+    (tolerance,) = (float(value) for value in re.findall(r"energy_tolerance=(\S+)", note))
+    assert tolerance < Settings.energy_tolerance
+    (ledger,) = (line for line in found.error_budget() if line.source == SOURCE)
+    assert ledger.size <= 0.5 * accuracy
+    again = bounces(step=found.time[-1] / (len(found.time) - 1), energy_tolerance=tolerance)
+    assert np.array_equal(again.history.energy["numerical"], found.history.energy["numerical"])
+    with pytest.raises(InputError, match="energy_tolerance"):
+        bounces(step=1e-3, energy_tolerance=0.0)
+    with pytest.raises(InputError, match="energy_tolerance halves steps"):
+        bounces(step=1e-3, energy_tolerance=1e-5, method="monolithic")
 
 
 def test_it_gives_up_where_errors_do_not_fall() -> None:
     stuck = Stuck()
     found = [stuck.look(steps, line(size)) for steps, size in ((100, 0.1), (200, 0.2), (400, 0.1), (800, 0.09))]
     assert found == [False, False, False, False]  # it fell once
-    assert stuck.look(1600, line(0.09))
+    assert not stuck.look(1600, line(0.1)) and stuck.look(3200, line(0.09))
+    same = Stuck()  # what stays as it is is given up sooner than what rises
+    assert [same.look(steps, line(0.1)) for steps in (100, 200, 400)] == [False, False, True]
 
 
 def test_short_pulses_are_seen() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import h5py
@@ -20,9 +21,12 @@ from synthetic_run import HALF_WIDTH, PEAK, PITCH, STEPS, WIDTH, R
 from warpffrf.model.errors import InputError
 from warpffrf.model.surfaces import Bore, Cylinder, Plane, Sphere
 from warpffrf.online.history.history import FrictionHistory
+from warpffrf.output.accuracy.demands import steps_wanted
+from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.bodies.patch_on_skin import tangential_forces
+from warpffrf.output.budget.contacts import friction_lines
 from warpffrf.output.contact.cell_result import CellContactResult
-from warpffrf.output.contact.friction import OPEN, SLIP
+from warpffrf.output.contact.friction import FRICTION_ERROR, MOST_CELLS, OPEN, SLIP
 from warpffrf.output.contact.friction import STICK as STICKS
 from warpffrf.output.contact.pressure_wrench import traction_wrench
 from warpffrf.output.geometry.grid_places import rotate
@@ -226,6 +230,22 @@ def test_too_fast_patches_are_told_of_their_strips(patch: Result) -> None:
         warning is not None
         and "take steps 1.6 times shorter, or fewer strips, Contact(..., cells=(strips, rows))" in warning
     )
+
+
+def test_too_fast_patches_are_in_the_budget(patch: Result) -> None:
+    """Where a patch advances 4 cells, friction errs by 1.6 times what it does at 2.5: a shorter step cures it."""
+    contacts = [SimpleNamespace(name=PAIR, friction=SimpleNamespace(acts=True))]
+    run = SimpleNamespace(history=SimpleNamespace(scene=SimpleNamespace(contacts=contacts)), contact=patch.contact)
+    friction = patch.contact(PAIR).friction
+    friction.cells_per_step[:] = 2.0
+    assert friction_lines(run) == []
+    friction.cells_per_step[-1] = 4.0
+    lines = friction_lines(run)
+    assert [line.size for line in lines] == [pytest.approx(1.6 * FRICTION_ERROR)]
+    assert "4 cells a step" in lines[0].basis
+    limits = Limits.of(0.01)
+    steps, _ = steps_wanted(100, lines, limits)
+    assert 4.0 * 100 / steps < MOST_CELLS["cells"]
 
 
 @pytest.mark.parametrize("kind", [*FRICTION_PLOTS, "summary"])

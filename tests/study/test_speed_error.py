@@ -8,12 +8,11 @@ import pytest
 
 import warpffrf as wf
 from warpffrf.cli_study import choices_of
+from warpffrf.model.box_means import Boxes, squares
 from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import HHT, GeneralizedAlpha, Newmark
-from warpffrf.model.surfaces import Plane
 from warpffrf.study.speed_against_error.choices import text_of
 from warpffrf.study.speed_against_error.errors import relative, relative_largest
-from warpffrf.study.speed_against_error.fields import Field, squares
 from warpffrf.study.speed_against_error.front import fastest, front, orders
 from warpffrf.study.speed_against_error.machine import stated, unit_of
 from warpffrf.study.speed_against_error.picture import pareto_figure, steps_figure
@@ -22,7 +21,6 @@ from warpffrf.study.speed_against_error.tables import front_table, full_table, o
 from warpffrf.study.speed_against_error.times import common_interval, common_rows
 
 ROUND_OFF = 1e-12
-FLAT = Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0), direction=(1.0, 0.0, 0.0))
 
 
 def pendulum(arm: float = 0.5) -> wf.Scene:
@@ -52,9 +50,9 @@ def test_errors_of_histories_in_closed_form() -> None:
     assert relative(bumped, ref) == pytest.approx(0.2 / 8.0, rel=1e-10)  # |ref| = sqrt(64)
 
 
-def means_of_a_ramp(lines: np.ndarray) -> Field:
+def means_of_a_ramp(lines: np.ndarray) -> Boxes:
     """p = x as means over boxes, on two rows."""
-    return Field(lines, np.array([0.0, 0.5, 2.0]), np.outer(0.5 * (lines[1:] + lines[:-1]), np.ones(2)))
+    return Boxes(lines, np.array([0.0, 0.5, 2.0]), np.outer(0.5 * (lines[1:] + lines[:-1]), np.ones(2)))
 
 
 @pytest.mark.parametrize("coarse", [np.linspace(0.0, 1.0, 5), np.array([0.0, 0.1, 0.5, 1.0])])
@@ -62,7 +60,7 @@ def test_pressure_on_two_grids_of_one_field_is_the_same(coarse: np.ndarray) -> N
     """Lines of the fine grid are those of the coarse one and some between them: means of means are means."""
     fine = np.sort(np.concatenate([coarse, coarse[:-1] + 0.3 * np.diff(coarse), coarse[:-1] + 0.7 * np.diff(coarse)]))
     for one, other in ((coarse, fine), (fine, coarse)):
-        apart, size = squares(means_of_a_ramp(one), means_of_a_ramp(other), FLAT)
+        apart, size = squares(means_of_a_ramp(one), means_of_a_ramp(other))
         assert apart < ROUND_OFF
         expected = 2.0 * float(np.diff(coarse) @ (0.5 * (coarse[1:] + coarse[:-1])) ** 2)
         assert size == pytest.approx(expected, rel=ROUND_OFF)
@@ -72,8 +70,8 @@ def test_pressure_where_only_one_run_has_cells_is_an_error() -> None:
     """p = 1 over [0, 1], and over [0, 3] in the reference, on boxes of 0.5 and 0.75: 2 of 3 are missing, less what one
     box shares."""
     z = np.array([0.0, 1.0])
-    one, other = (Field(np.linspace(0.0, end, 1 + n), z, np.ones((n, 1))) for end, n in ((1.0, 2), (3.0, 4)))
-    apart, size = squares(one, other, FLAT)
+    one, other = (Boxes(np.linspace(0.0, end, 1 + n), z, np.ones((n, 1))) for end, n in ((1.0, 2), (3.0, 4)))
+    apart, size = squares(one, other)
     assert size == pytest.approx(3.0, rel=ROUND_OFF)
     assert apart == pytest.approx(0.75 * (2.0 / 3.0) ** 2 + 1.5, rel=ROUND_OFF)  # a third of the second box is pressed
 

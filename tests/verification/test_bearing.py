@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.online import History, run
+from warpffrf.online import History, find_equilibrium, run
 from warpffrf.verification.scenes.bearing import RAMP, Bearing, angles, rings, run_up, sjovall
 
 GAINED, TAKEN = 0.01, 0.02  # of the work done: promised
@@ -52,6 +52,19 @@ def test_a_run_up_of_six_rollers() -> None:
     )
     check_ledger(history)
     check_loads(history, bearing, FAST, COARSE)
+
+
+@pytest.mark.slow
+def test_rest_on_many_cells() -> None:
+    """Cells as wide as the step before asked for change the energy by more than the last steps towards rest do: such a
+    step does not lead uphill."""
+    bearing = Bearing(6)
+    scene = run_up(bearing, rings(bearing, 4e-4, patch_grid=True), FAST)
+    for contact in scene.contacts:
+        contact.cell_error = 0.003
+    history = find_equilibrium(scene)
+    assert history.status == "completed", history.message
+    check_loads(history, bearing, 0.0)
 
 
 @pytest.mark.slow

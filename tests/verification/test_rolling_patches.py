@@ -10,6 +10,7 @@ import pytest
 from warpffrf import laws
 from warpffrf.model.friction import FrictionLaw
 from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.online.compile.patch_plan import span_of
 from warpffrf.verification import rolling_bodies, rolling_changes, rolling_steady
 from warpffrf.verification.closed_forms import CarterRolling
 from warpffrf.verification.closed_forms import rolling_tables as published
@@ -19,7 +20,6 @@ from warpffrf.verification.scenes.rolling_pairs import (
     FRICTION,
     PAIR,
     PLANE_STEEL,
-    SPAN,
     SPEED,
     STEEL,
     Drives,
@@ -85,7 +85,7 @@ def at_the_end(body: ReducedBody, law: FrictionLaw, creepage: float) -> tuple[Ar
     """Traction (2, cells), slip velocity, pressure and state of cells which the patch has not just reached: those
     slip by their share of the step in the law, by all of it in the record."""
     scene = pair(body, body, 8e-6, Drives(creepage=creepage), cells=(11, 4), friction=law)
-    result = run(scene, 50, 2.0 * SPAN * 2.6e-4 / 11 / SPEED)
+    result = run(scene, 50, 2.0 * span_of(11) * 2.6e-4 / 11 / SPEED)
     contact: Any = result.history.contacts[PAIR]
     assert np.all(np.diff(result.energy["friction"]) <= 0.0)
     rubbing, there = contact.friction, slice(3, None)  # two strips outside of the patch, one reached

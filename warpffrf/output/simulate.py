@@ -15,7 +15,7 @@ from warpffrf.model.interruption import terminated_as_interrupted
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.monolithic import Monolithic
 from warpffrf.monolithic import checkpoint as monolithic_checkpoint
-from warpffrf.online import GeneralizedAlpha, find_equilibrium, run
+from warpffrf.online import GeneralizedAlpha, Settings, find_equilibrium, run
 from warpffrf.online.checkpoint import time_of
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import History
@@ -24,6 +24,7 @@ from warpffrf.online.run import INTERRUPTED
 from warpffrf.online.stages import Stage, check_stages, joined, with_potential
 from warpffrf.output.accuracy.choose import refuse_other_options, run_to_accuracy
 from warpffrf.output.accuracy.limits import Limits
+from warpffrf.output.accuracy.setting import Setting
 from warpffrf.output.budget.budget import largest_of_each
 from warpffrf.output.files.results import SUFFIXES
 from warpffrf.output.files.unfinished import ENDING
@@ -65,6 +66,7 @@ def simulate(
     integrator: Any = None,
     accuracy: float | None = None,
     step_error: float | None = None,
+    energy_tolerance: float | None = None,
     save_every: int = 1,
     results: str | os.PathLike[str] | None = None,
     record: str | os.PathLike[str] | None = None,
@@ -78,28 +80,28 @@ def simulate(
     """Simulate `scene` for `duration` [s] with steps of `step` [s], or in `stages` instead of the two.
 
     start: "initial" (positions and velocities of the scene), "equilibrium" (static state under load first), or the
-    Result, or results file, of an earlier run or equilibrium of the same scene, which is continued bit for bit
-    (to the tolerance of the iteration with method="monolithic"). Saved are every
-    `save_every`th step and the last.
+    Result, or results file, of an earlier run or equilibrium of the same scene, which is continued bit for bit (to
+    the tolerance of the iteration with method="monolithic"). Saved are every `save_every`th step and the last.
     project_start: change initial velocities that do not agree with the joints as little as possible, with a note,
     instead of refusing them; a drive changes them in any case, it says what the velocity is. stages: see
     `warpffrf.online.stages`; returns a StagedResult. method: "separated", or "monolithic" or a Monolithic for the
-    reference with all coordinates in one Newton system (`warpffrf.output.monolithic_run`): fixed steps, thousands of
-    times slower with thousands of local modes. integrator: GeneralizedAlpha, HHT or Newmark; RungeKutta4 and
+    reference with all coordinates in one Newton system (`warpffrf.output.monolithic_run`): fixed steps, thousands
+    of times slower with thousands of local modes. integrator: GeneralizedAlpha, HHT or Newmark; RungeKutta4 and
     EnergyMomentum for checks on free bodies; None: GeneralizedAlpha(rho_inf=0.8), of the monolithic method
-    HHT(alpha=-0.3). accuracy: the error wanted of forces, motions and deformations (0.01 for one per cent; pressures
-    may err by twice): chooses step, inertia levels, stiffening, contact grids and cells from the error budgets of
-    coarse runs (`warpffrf.output.accuracy`), says in the notes what and why, and what only another reduction could
-    give; `step` may be left out, or is the longest. What the scene sets itself is kept, and the scene is not changed:
-    go on with `result.scene`. step_error: halve steps whose local error exceeds it (positions by the radius of
-    gyration, rotations in rad; stiff local modes do not count); `step` is then the longest. local: treatment of the
-    local modes, "quasi_static", or "hht", "exponential", "auto" or a LocalDynamics, for bodies reduced with
-    local_dynamics=True. results, record: files to write (.h5, .rrd); both are also written when the run is interrupted
-    (Ctrl-C, SIGTERM) or fails, with what there is; what cannot be written is in `unwritten` of the Result and in its
-    notes. With stages, results "run.h5" also means "run.NAME.h5" at the end of each stage: a checkpoint to start from.
-    A solver that fails does not raise: see `status` and `message` of the Result. Wrong input raises InputError before
-    the run. Threads may call it at once, and get the same bits: steps go on side by side, all else one after the other
-    (`warpffrf.online.turn`).
+    HHT(alpha=-0.3). accuracy: the error wanted of forces, motions and deformations (0.01 for one per cent;
+    pressures may err by twice): chooses step, inertia levels, stiffening, contact grids and cells from the error
+    budgets of coarse runs (`warpffrf.output.accuracy`), says in the notes what and why, and what only another
+    reduction could give; `step` may be left out, or is the longest. What the scene sets itself is kept, and the
+    scene is not changed: go on with `result.scene`. step_error: halve steps whose local error exceeds it (positions
+    by the radius of gyration, rotations in rad; stiff local modes do not count); `step` is then the longest.
+    energy_tolerance: of the energy at hand, what a step of an impact may gain before it is halved, 2.5e-4 where it
+    is left out. local: treatment of the local modes, "quasi_static", or "hht", "exponential", "auto" or a
+    LocalDynamics, for bodies reduced with local_dynamics=True. results, record: files to write (.h5, .rrd); both
+    are also written when the run is interrupted (Ctrl-C, SIGTERM) or fails, with what there is; what cannot be
+    written is in `unwritten` of the Result and in its notes. With stages, results "run.h5" also means "run.NAME.h5"
+    at the end of each stage: a checkpoint to start from. A solver that fails does not raise: see `status` and
+    `message` of the Result. Wrong input raises InputError before the run. Threads may call it at once, and get the
+    same bits: steps go on side by side, all else one after the other (`warpffrf.online.turn`).
 
     overwrite: replace files of an earlier run; without it existing ones are refused, and files that warpffrf did not
     write always. While it runs, what it has done is put into the folder `run.h5.unfinished` every `keep_every` [s] of
@@ -126,6 +128,8 @@ def simulate(
         )  # fmt: skip
     options = {"integrator": integrator, "save_every": save_every, "device": device, "progress": progress}
     options |= {"project_start": project_start, "local": local, "step_error": step_error, "method": method}
+    if energy_tolerance is not None:
+        options["energy_tolerance"] = require_number(energy_tolerance, "simulate: energy_tolerance", positive=True)
     with terminated_as_interrupted():
         if stages is None:
             if isinstance(beginning, History):
@@ -145,9 +149,17 @@ def simulate(
         return outputs.record(found, record)
 
 
-def _run(scene: Any, duration: float, *, method: str | Monolithic, integrator: Any, **options: Any) -> History:
+def _run(
+    scene: Any, duration: float, *, method: str | Monolithic, integrator: Any, energy_tolerance: float | None = None,
+    **options: Any,
+) -> History:  # fmt: skip
     """The run by its method."""
-    if _method_name(method) == "monolithic":
+    monolithic = _method_name(method) == "monolithic"
+    if energy_tolerance is not None:
+        if monolithic or isinstance(integrator, CHECK_INTEGRATORS):
+            raise InputError("simulate: energy_tolerance halves steps, and these are all alike here; leave it out")
+        options["settings"] = Settings(energy_tolerance=energy_tolerance)
+    if monolithic:
         chosen = method if isinstance(method, Monolithic) else None
         return run_monolithic(scene, duration, integrator=integrator, options=chosen, **options)
     return run(scene, duration, integrator=DEFAULT_INTEGRATOR if integrator is None else integrator, **options)
@@ -162,9 +174,9 @@ def _accurate(
     if step is not None:
         require_number(step, "simulate: step", positive=True)
 
-    def one(scene: Any, steps: int, local: Any) -> History:
-        own = {**options, "local": local}
-        return _run(scene, duration, step=duration / steps, start=beginning, **own)
+    def one(setting: Setting) -> History:
+        own = {**options, "local": setting.local, "energy_tolerance": setting.energy_tolerance}
+        return _run(setting.scene(scene), duration, step=duration / setting.steps, start=beginning, **own)
 
     with outputs.locked(results) as whole:
         return whole.written(
@@ -173,8 +185,9 @@ def _accurate(
                 duration,
                 limits,
                 step,
-                options["local"],
                 one,
+                local=options["local"],
+                energy_tolerance=options.get("energy_tolerance"),
                 start=beginning,
                 progress=options["progress"],
             )  # fmt: skip

@@ -99,9 +99,9 @@ def page() -> str:
 Made by `python -m warpffrf.verification.patch_cells`; do not edit.
 
 Two hollow steel rollers (R 50, bore 15, width 20 mm) of 4 mm hexahedra, bores held at an approach: force and largest
-pressure on cells that travel with the patch, beside the same on twice as many. The patch takes eight of eleven strips.
-Errors go up and down as cells lie under the edge of the patch; they stay below the rule by which `Contact(cell_error=)`
-chooses how many there are. Five strips can err by more in a patch that moves.
+pressure on cells that travel with the patch, beside the same on twice as many. The patch takes nine of eleven strips.
+Where rows follow the patch errors go up and down as cells lie under its edge; all stay below the rule by which
+`Contact(cell_error=)` chooses how many there are. Five strips can err by more in a patch that moves.
 
 ## Strips across
 

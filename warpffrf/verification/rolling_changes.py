@@ -30,6 +30,7 @@ from warpffrf.model.mesh import roller as roller_mesh
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.signals import Table
 from warpffrf.offline import reduce
+from warpffrf.online.compile.patch_plan import span_of
 from warpffrf.output.result import Result
 from warpffrf.verification.closed_forms import (
     MindlinLine,
@@ -53,7 +54,6 @@ from warpffrf.verification.scenes.rolling_pairs import (
     LASTS,
     PAIR,
     PLANE_STEEL,
-    SPAN,
     SPEED,
     STEEL,
     WIDTH,
@@ -153,7 +153,7 @@ def cattaneo(strips: int, *, point: bool = False) -> Cattaneo:
     peak = float(force[at[0]])
     return Cattaneo(
         way / wanted_way(peak) - 1.0, loop / (closed.cycle_loss(reached) * width) - 1.0,
-        stick / hertz.half_width - closed.stick_ratio(peak / width), 2.0 * SPAN / strips,
+        stick / hertz.half_width - closed.stick_ratio(peak / width), 2.0 * span_of(strips) / strips,
     )  # fmt: skip
 
 
@@ -185,7 +185,7 @@ class Locked:
 
 def locked(strips: int = 15, advance: float = 1.0) -> Locked:
     """Pressed, the lower roller held back while both stand, then one revolution at equal speeds; nothing slips."""
-    step = advance * 2.0 * SPAN * DEEP_HALF_WIDTH / strips / SPEED
+    step = advance * 2.0 * span_of(strips) * DEEP_HALF_WIDTH / strips / SPEED
     times = np.array([0.0, 10.0, 20.0, 30.0, 40.0, 60.0, LASTS / step]) * step
     rate = -TWIST / (20.0 * step) / SPEED
     lower = Table(times, [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0])
@@ -206,7 +206,7 @@ def locked(strips: int = 15, advance: float = 1.0) -> Locked:
 @cache
 def driven(strips: int, advance: float, revolutions: float) -> dict[str, float]:
     """What the lines of the ledger changed by [J] while one roller drives the other."""
-    step = advance * 2.0 * SPAN * DEEP_HALF_WIDTH / strips / SPEED
+    step = advance * 2.0 * span_of(strips) * DEEP_HALF_WIDTH / strips / SPEED
     body = straight()
     scene = pair(body, body, DEEP, Drives(creepage=DRIVEN), cells=(strips, 5))
     steps = int(np.ceil(2.0 * np.pi * R * revolutions / SPEED / step))
@@ -286,7 +286,7 @@ def _case(point: bool) -> tuple[ReducedBody, float, float]:
 def swelling(strips: int, advance: float, *, point: bool) -> Jumps:
     """The load goes up and down by SWING in PERIOD half-widths."""
     body, approach, a = _case(point)
-    step = advance * 2.0 * SPAN * a / strips / SPEED
+    step = advance * 2.0 * span_of(strips) * a / strips / SPEED
     period = PERIOD * a / SPEED
     depth = approach * SWING * (0.65 if point else 0.9)  # P as approach^1.5, and as approach^1.1
     steps = int(round(6.0 * period / step))
@@ -299,7 +299,7 @@ def swelling(strips: int, advance: float, *, point: bool) -> Jumps:
 def parted(strips: int, advance: float, *, point: bool) -> Jumps:
     """Contact is lost twice and comes back."""
     body, approach, a = _case(point)
-    step = advance * 2.0 * SPAN * a / strips / SPEED
+    step = advance * 2.0 * span_of(strips) * a / strips / SPEED
     steps = int(round(20.0 * a / SPEED / step))
     way = varied(lambda t: -0.65 * approach * (1.0 - np.cos(4.0 * np.pi * t / (steps * step))), steps * step)
     xi = GENTLE * FRICTION * a / (0.5 * R)
@@ -310,7 +310,7 @@ def parted(strips: int, advance: float, *, point: bool) -> Jumps:
 def off_the_end(strips: int, advance: float, *, point: bool) -> Jumps:
     """The upper roller moves along its axle, past the flush end of the lower one."""
     body, approach, a = _case(point)
-    step = advance * 2.0 * SPAN * a / strips / SPEED
+    step = advance * 2.0 * span_of(strips) * a / strips / SPEED
     start, way, lateral = (0.5 * WIDTH - 4e-4, 8e-4, -0.02) if point else (-1e-4, 2e-4, -0.01)
     steps = int(round(way / (abs(lateral) * SPEED * step)))
     drives = Drives(creepage=1e-3, lateral_creepage=lateral)
@@ -352,7 +352,7 @@ def split(strips: int, advance: float, rows: int, *, friction: float = FRICTION,
     """The approach falls and rises SPLITS times in SPLIT_WAY half-widths."""
     a = SPLIT_HALF_WIDTH
     high, low = TILTED_APPROACHES if tilt else (ONE_PATCH, TWO_PATCHES)
-    step = advance * 2.0 * SPAN * a / strips / SPEED
+    step = advance * 2.0 * span_of(strips) * a / strips / SPEED
     steps = int(round(SPLIT_WAY * a / SPEED / step))
     turn = 2.0 * np.pi * SPLITS / (steps * step)
     way = varied(lambda t: -0.5 * (high - low) * (1.0 - np.cos(turn * t)), steps * step)

@@ -17,6 +17,7 @@ from scipy.special import elliprd
 from warpffrf.model.material import Material
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.signals import Table
+from warpffrf.online.compile.patch_plan import span_of
 from warpffrf.verification.closed_forms import CarterRolling
 from warpffrf.verification.closed_forms import rolling_tables as published
 from warpffrf.verification.half_space.patch_rolling import HalfSpaces, PatchRolling, settle
@@ -26,7 +27,6 @@ from warpffrf.verification.scenes.rolling_pairs import (
     LASTS,
     PAIR,
     PLANE_STEEL,
-    SPAN,
     SPEED,
     WIDTH,
     Drives,
@@ -95,7 +95,7 @@ def carter_rows() -> list[list[str]]:
 @cache
 def transient(strips: int, advance: float, creepage: float = CREEPAGES[1]) -> tuple[Array, Array]:
     """Time [s] and Q/(mu N): pressed, wound up while it stands (Cattaneo), then rolling at a creepage (Carter)."""
-    step = advance * 2.0 * SPAN * HALF_WIDTH / strips / SPEED
+    step = advance * 2.0 * span_of(strips) * HALF_WIDTH / strips / SPEED
     hold, rise = STANDING, 0.5 * STANDING
     rate = -WOUND / (0.5 * hold) / SPEED
     times = [0.0, 0.5 * hold, hold, hold + rise, LASTS]

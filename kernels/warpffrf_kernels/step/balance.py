@@ -8,16 +8,17 @@ import warp as wp
 
 from warpffrf_kernels.bodies.interfaces import marker_of
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.access import inout
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
-# Residual below which the matrix of the last iteration serves once more: within an attempt it changes by less than
-# 1e-4, which is what a solve with it leaves.
+# Residual below which the matrix of the last iteration serves once more: within an attempt it mostly changes by less
+# than 1e-4, which is what a solve with it leaves.
 REFRESH_ABOVE = wp.constant(wp.float64(1.0e-5))
+SLOW = wp.constant(wp.float64(0.1))  # of the residual before: a matrix that has left more does not serve again
 # of the coordinates: a joint defect is not measured against less, or round-off would exceed the tolerance
 SHORT = wp.constant(wp.float64(1.0e-5))
 # of accelerations, times the residual tolerance: a few digits above machine precision
@@ -75,7 +76,7 @@ def balance(
     dq: wp.array2d(dtype=real),
     residual: wp.array2d(dtype=real),
     ctl: inout(wp.array(dtype=Control)),
-    history: out(wp.array2d(dtype=real)),
+    history: inout(wp.array2d(dtype=real)),
 ):
     """Per world: is the state balanced? Residual forces with contact, row defects, spring laws and gaps left open, all
     as fractions.
@@ -197,6 +198,8 @@ def balance(
         return
     ctl[w].refresh = 0
     if worst > REFRESH_ABOVE:
+        ctl[w].refresh = 1
+    elif ctl[w].iteration > 1 and worst > SLOW * history[w, wp.min(ctl[w].iteration, history.shape[1]) - 1]:
         ctl[w].refresh = 1
     if worst <= model.limits.residual_tolerance and (ctl[w].reassemble == 0 or model.pairs.count == 0):
         ctl[w].run = 0

@@ -1,5 +1,5 @@
-"""The machines: those of the studies of speed against error, two simple ones, and NEW ones, which the rules of
-`accuracy=` have not been tuned on."""
+"""The machines: those of the studies of speed against error, two simple ones, two that showed that rules of `accuracy=`
+overshot or missed an error, and two that no rule has been tuned on."""
 
 from __future__ import annotations
 
@@ -9,25 +9,30 @@ from typing import Any
 
 import warpffrf as wf
 from warpffrf.demos import crowned_on_raceway as crowned
+from warpffrf.demos import frame_on_bushings as frame
 from warpffrf.demos import rolling_friction as rolling
 from warpffrf.demos import slider_crank as crank
 from warpffrf.demos import spinning_beam as beam
+from warpffrf.demos import tilted_roller as tilted
 from warpffrf.demos import two_rollers as rollers
 from warpffrf.demos.speed_studies import bearing as bearing_study
 from warpffrf.demos.speed_studies import rolling_friction as friction_study
 from warpffrf.demos.speed_studies import slider_crank as crank_study
 from warpffrf.demos.speed_studies import two_rollers as roller_study
 from warpffrf.demos.speed_studies.reduced import roller
+from warpffrf.model.contact import CELL_ERROR, CELL_ERRORS
 from warpffrf.study.budget_check import BARS, colliding_bars, driven_mass, pendulum
 from warpffrf.verification.scenes import bearing as bearings
 
-NEW = ("spinning_beam", "crowned_on_raceway")
+FINER = 8  # times the steps that were chosen, in the reference
 AT_REST: dict[str, Any] = {"start": "equilibrium"}
 
 
 @dataclass(frozen=True)
 class Machine:
-    """A machine, how long it runs [s], from where, and points of flexible bodies whose motion is looked at."""
+    """A machine, how long it runs [s], from where, points of flexible bodies whose motion is looked at, and errors for
+    which `cells` of contacts are tried. The reference has `finer` times the steps that were chosen, and cells for the
+    error `exact`, or what half of the least chosen one asks for."""
 
     title: str
     build: Callable[[], wf.Scene]
@@ -35,6 +40,9 @@ class Machine:
     options: dict[str, Any] = field(default_factory=dict)
     points: dict[str, Any] = field(default_factory=dict)
     measures: tuple[str, ...] | None = None
+    cells: tuple[float, ...] = (CELL_ERRORS[1], 0.01, CELL_ERROR)
+    finer: int = FINER
+    exact: float | None = None
 
 
 def _rolling() -> wf.Scene:
@@ -72,9 +80,13 @@ MACHINES: dict[str, Machine] = {
         points={"rod": [(0.0, 0.0, 0.5 * crank.SECTION)]},
     ),
     "colliding_bars": Machine("two bars collide", colliding_bars, BARS),
-    "bearing": Machine("bearing of six rollers", _bearing, bearing_study.RUN, AT_REST),
+    "bearing": Machine(
+        "bearing of six rollers", _bearing, bearing_study.RUN, AT_REST, cells=(CELL_ERRORS[1], CELL_ERROR), finer=4,
+        exact=0.003,
+    ),
     "rolling_friction": Machine(
-        "rolling with friction", _rolling, friction_study.RUN, AT_REST, points=friction_study.AT_RIM
+        "rolling with friction", _rolling, friction_study.RUN, AT_REST, points=friction_study.AT_RIM,
+        cells=CELL_ERRORS[1:],
     ),
     "spinning_beam": Machine(
         "a slender beam spun up",
@@ -86,6 +98,19 @@ MACHINES: dict[str, Machine] = {
         "crowned roller on a raceway",
         lambda: crowned.build(progress=False),
         crowned.LOADING + crowned.WAITING + crowned.SPIN_UP + crowned.TURNING,
+        AT_REST,
+    ),
+    "frame_on_bushings": Machine(
+        "a frame on bushings, pushed",
+        lambda: frame.build(progress=False),
+        frame.DURATION,
+        AT_REST,
+        points={"frame": [(*frame.MOUNT_AT["rear_right"], 0.0)]},
+    ),
+    "tilted_roller": Machine(
+        "a crowned roller that tilts on a plane",
+        lambda: tilted.build(tilted.QUICK, progress=False),
+        tilted.TILTING + tilted.WAITING + tilted.TURNING,
         AT_REST,
     ),
 }  # fmt: skip

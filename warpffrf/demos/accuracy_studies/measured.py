@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
-from warpffrf.demos.accuracy_studies.machines import Machine
-from warpffrf.model.contact import CELL_ERROR, CELL_ERRORS
+from warpffrf.demos.accuracy_studies.machines import FINER, Machine
+from warpffrf.model.contact import CELL_ERRORS
+from warpffrf.online.run import INTERRUPTED
 from warpffrf.study.speed_against_error.choices import can_stiffen
 from warpffrf.study.speed_against_error.errors import errors_of, measures_of
 from warpffrf.study.speed_against_error.machines import applied
@@ -19,9 +20,8 @@ from warpffrf.verification.markdown import table
 
 ACCURACY = 0.01
 PRESSURES = 2.0  # times the accuracy, as `output.accuracy` has it
-FINER = 8  # times the steps that were chosen, in the reference
 RATIOS = (0.125, 0.25, 0.5, 1.0, 2.0)  # of those steps, that are tried
-CELLS = (CELL_ERRORS[1], ACCURACY, CELL_ERROR)  # errors that cells are chosen for
+REFERENCE_CELLS = 0.002  # and at most half of what was chosen
 TIMES = 2  # each; the faster counts
 MADE = "Made by `python -m warpffrf.demos.accuracy_studies`; do not edit.\n"
 
@@ -69,12 +69,12 @@ def measure(machine: Machine, *, progress: bool = True) -> Found:
     """One machine."""
     scene = machine.build()
     begin = time.perf_counter()
-    result = wf.simulate(scene, machine.duration, accuracy=ACCURACY, progress=progress, **machine.options)
+    result = _whole(wf.simulate(scene, machine.duration, accuracy=ACCURACY, progress=progress, **machine.options))
     whole = time.perf_counter() - begin
     steps = len(result.time) - 1
-    exact = _reference(machine, result.scene, steps)
+    exact = _reference(machine, result.scene, machine.finer * steps)
     tried = []
-    for setting, other in itertools.product(_settings(scene), others(steps)):
+    for setting, other in itertools.product(_settings(machine, scene, result.scene), others(steps, machine.finer)):
         try:
             tried.append(_timed(machine, scene, setting, other, exact))
         except wf.InputError:  # a body without inertia terms
@@ -83,24 +83,29 @@ def measure(machine: Machine, *, progress: bool = True) -> Found:
     return Found(machine, chosen, int(result.history.counters["accuracy_runs"]), whole, tried)
 
 
-def _settings(scene: wf.Scene) -> list[dict[str, Any]]:
-    """What is tried beside steps: inertia level, stiffening, grid."""
+def _settings(machine: Machine, scene: wf.Scene, chosen: wf.Scene) -> list[dict[str, Any]]:
+    """What is tried beside steps: inertia level, stiffening, grid, and cells for the errors that the machine names and
+    for the largest one that was `chosen`. What was chosen is kept where it is the least there is: more takes longer."""
     flexible = [body for body in scene.bodies if body.reduced is not None]
+    used = [body for body in chosen.bodies if body.reduced is not None]
     choices: list[list[dict[str, Any]]] = []
     if flexible:
-        choices.append([{"inertia": "constant"}, {"inertia": "full"}])
+        levels = {"constant", *("full" for body in used if body.level != "constant")}
+        choices.append([{"inertia": level} for level in sorted(levels)])
     if any(map(can_stiffen, flexible)):
-        choices.append([{"stiffening": False}, {"stiffening": True}])
+        choices.append([{"stiffening": kept} for kept in sorted({False, *(body.stiffening for body in used)})])
     if scene.contacts:
         choices.append([{"grid": "material"}])
         if all(contact.without_patch() is None for contact in scene.contacts):
-            choices[-1] += [{"grid": "patch", "cell_error": error} for error in CELLS]
+            errors = {*machine.cells, max(contact.cell_error for contact in chosen.contacts)}
+            choices[-1] += [{"grid": "patch", "cell_error": error} for error in sorted(errors, reverse=True)]
     return [dict(itertools.chain.from_iterable(c.items() for c in chosen)) for chosen in itertools.product(*choices)]
 
 
-def others(steps: int) -> list[int]:
-    """Numbers of steps near RATIOS times `steps` that divide those of the reference, so that times are common."""
-    whole = FINER * steps
+def others(steps: int, finer: int) -> list[int]:
+    """Numbers of steps near RATIOS times `steps` that divide those of the reference, `finer` times as many, so that
+    times are common."""
+    whole = finer * steps
     divisors = np.array([n for n in range(1, whole + 1) if whole % n == 0])
     return sorted({int(divisors[np.argmin(np.abs(np.log(divisors / (ratio * steps))))]) for ratio in RATIOS})
 
@@ -113,28 +118,43 @@ def _reference(machine: Machine, scene: wf.Scene, steps: int) -> wf.Result:
     if any(can_stiffen(body) for body in scene.bodies if body.reduced is not None):
         setting["stiffening"] = True
     if scene.contacts and all(contact.without_patch() is None for contact in scene.contacts):
-        setting |= {"grid": "patch", "cell_error": 4.0 * CELL_ERRORS[0]}
+        chosen = min(contact.cell_error for contact in scene.contacts)
+        error = max(min(REFERENCE_CELLS, 0.5 * chosen), CELL_ERRORS[0])
+        setting |= {"grid": "patch", "cell_error": machine.exact or error}
+    return _run(machine, scene, setting, steps)
+
+
+def _run(machine: Machine, scene: wf.Scene, setting: dict[str, Any], steps: int) -> wf.Result:
     with applied(scene, setting):
-        return wf.simulate(
-            scene, machine.duration, step=machine.duration / steps / FINER, progress=False, **machine.options
-        )
+        result = wf.simulate(scene, machine.duration, step=machine.duration / steps, progress=False, **machine.options)
+    return _whole(result)
+
+
+def _whole(result: wf.Result) -> wf.Result:
+    """The result of a run that nobody has interrupted."""
+    if result.status == INTERRUPTED:
+        raise KeyboardInterrupt
+    return result
 
 
 def _timed(machine: Machine, scene: wf.Scene, setting: dict[str, Any], steps: int, exact: wf.Result) -> Tried:
     seconds, errors = [], {}
     for _ in range(TIMES):
-        with applied(scene, setting):
-            result = wf.simulate(
-                scene, machine.duration, step=machine.duration / steps, progress=False, **machine.options
-            )
+        result = _run(machine, scene, setting, steps)
         seconds.append(float(result.history.counters["loop_seconds"]))
     if result.status == "completed":
         rows = np.arange(len(result.time))
         same = np.arange(len(result.time)) * ((len(exact.time) - 1) // steps)
-        errors = errors_of(result, rows, exact, same, measures_of(scene, machine.measures), machine.points)
+        points = {body: np.asarray(places, dtype=float) for body, places in machine.points.items()}
+        errors = errors_of(result, rows, exact, same, measures_of(scene, machine.measures), points)
     else:
         errors = {"force": float("inf")}
     return Tried(steps, setting, errors, min(seconds))
+
+
+def _fewer(found: list[Found]) -> str:
+    """Which references have fewer steps."""
+    return "".join(f" (of {f.machine.title} {f.machine.finer})" for f in found if f.machine.finer != FINER)
 
 
 def page(found: list[Found]) -> str:
@@ -156,8 +176,9 @@ def page(found: list[Found]) -> str:
 `simulate(accuracy={ACCURACY:g})` beside runs of the same machine with about {", ".join(f"{r:g}" for r in RATIOS)} times
 its steps, on both contact grids where bodies are prepared for them, inertia levels constant and full, and with and
 without stiffening where bodies have it. Errors are
-beside a run with {FINER} times the steps, all inertia terms and finer cells where bodies can have them; wanted are 1 %
-of forces, displacements and deformations and 2 % of pressures. Times are wall time of the loop over steps, the faster
+beside a run with {FINER} times the steps{_fewer(found)}, all inertia
+terms and finer cells where bodies can have them; wanted are 1 % of forces, displacements and deformations and 2 % of
+pressures. Times are wall time of the loop over steps, the faster
 of {TIMES}; the whole call has all runs that it took to choose, their set-up and their budgets.
 
 {table(head, rows)}"""

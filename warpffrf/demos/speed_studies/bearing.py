@@ -31,7 +31,7 @@ CELLS = {
     "nodes, 0.05 mm": Cells(1e-4, "material"),
     "patch to 2 %, 0.2 mm": Cells(4e-4, "patch"),
 }
-REFERENCE, REFERENCE_CELLS = "patch to 1 %, 0.2 mm", Cells(4e-4, "patch", 0.01)
+REFERENCE, REFERENCE_CELLS = "patch to 0.5 %, 0.2 mm", Cells(4e-4, "patch", 0.005)
 QUICK_CELLS = {"nodes, 0.5 mm": Cells(1e-3, "material"), "nodes, 0.4 mm": Cells(8e-4, "material")}
 QUICK_REFERENCE, QUICK_REFERENCE_CELLS = "nodes, 0.3 mm", Cells(6e-4, "material")
 

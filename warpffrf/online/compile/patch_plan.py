@@ -36,7 +36,8 @@ LINE_ASPECT = 8.0  # of Hertz's ellipse, from which rows stay where they are
 ELLIPSE = 0.636  # aspect of Hertz's ellipse: the ratio of curvatures to this power (Hamrock and Brewe 1983)
 # Of force or largest pressure, by strips^2 and by rows^3: docs/studies/patch_cells.md
 STRIPS_ERROR, CROWNED_ERROR = 0.6, 100.0
-SPAN = 1.3  # half-widths of the pressure, by its second moment, in W: Hertz's patch ends at 1/1.3 of it
+SPAN = 1.3  # half-widths of the pressure, by its second moment, in W, about: Hertz's patch ends at 1/1.3 of it
+ROUND_OFF = 1e-9
 TAILED = 1.7  # the same of laws that press from a distance: a Gaussian's tail beyond has 7e-4 of the load
 FEWEST = 7  # strips or rows: the error of fewer does not follow any rule
 FIRST_ROW, ROW_GROWTH = 0.004, 1.6  # of the width: rows at ends under pressure; their growth from there
@@ -44,6 +45,15 @@ MIDDLE_ROW = 0.015  # of the width: rows where a crown carries; an ellipse of a 
 NARROWEST = 1e-4  # W times the relative curvature
 WIDEST = 0.5 * WHOLE * 0.95  # W over a radius of curvature: a patch keeps within WHOLE
 STEP = 0.3  # of ln W between levels: cubic interpolation errs by 1e-5
+
+
+def span_of(columns: int) -> float:
+    """Half-widths in W, about `SPAN`, of a line contact without a layer, whose pressure runs across as Hertz's does and
+    gives its half-width by the second moment: as many as let the patch end between two of its `columns` strips, with a
+    whole number of them free on each side, of two alike the fewer. A strip that the edge runs through has no pressure
+    of its own that is right: with the edge in its middle, pressures err by three times as much (in the mean square)."""
+    free = max(int(np.ceil(0.5 * columns * (1.0 - 1.0 / SPAN) - 0.5 - ROUND_OFF)), 1)
+    return columns / (columns - 2.0 * free)
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +128,8 @@ class PatchPlan:
         )
         ends = [end for body in bodies for end in body.strengths()] if follows else []
         begins = _begins(contact)
-        span = TAILED if begins else SPAN
+        of_hertz = not follows and contact.law.curve is None
+        span = TAILED if begins else span_of(columns) if of_hertz else SPAN
         return cls(columns, edges, aspect, curvature, least, most, begins, span, table, first, step, power, ends)
 
     @property

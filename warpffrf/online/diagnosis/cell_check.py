@@ -3,8 +3,14 @@ r"""What the cells of patches add to the error of a run: sampled saved steps eva
 At a saved step the poses and global coordinates are known, and with quasi-static local modes the pressures follow from
 them. They are found anew on the cells of the run and on other ones, nearly twice as many strips and rows, or half as
 many of patches that have `MANY` cells; the bodies are held where they are, in one proximal step towards the static
-state so short that nothing moves. Both leave out what the law damps. The error e of cells falls with the square of
-their number (docs/studies/patch_cells.md), so that the difference d is e - e/4 of finer ones, 4 e - e of coarser ones.
+state so short that nothing moves. Both leave out what the law damps. One patch is looked at after the other, and all
+others have `FEW` cells meanwhile, both times: they load the bodies about as they did, and what they get wrong cancels.
+The error e of cells falls with the square of their number (docs/studies/patch_cells.md), so that the difference d is
+e - e/4 of finer ones, 4 e - e of coarser ones.
+
+Pressures as a field err at the edge of the patch, which runs through cells: that is of first order, and of either sign
+from one number of cells to another. As means over the boxes of the coarser cells [`warpffrf.model.box_means`] two
+fields differ by d, d^2 = e^2 + (e/2)^2 of finer and e^2 + (2 e)^2 of coarser ones.
 """
 
 from __future__ import annotations
@@ -15,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.model import rotation as rot
+from warpffrf.model.box_means import Boxes, squares
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.online.compile.patch_plan import PatchPlan
@@ -28,16 +35,19 @@ HELD = 1e-9  # s/m of the length of the scene: 1e9 m/s2, which no contact gives 
 MANY = 800  # cells of a patch that are compared with fewer: four times as many take 64 times as long
 ABOUT = 2.0  # of the error asked for: found ones scatter about it as cells lie under the edge of the patch
 STEPS = 3  # a patch is as wide as the pressures of the step before want it: a fourth step changes a force by 1e-6
+FEW = (5, 9)  # strips and rows at most
 TOUCHING = 0.1  # of the largest force of a pair: below it relative errors say little
 
 
 @dataclass(frozen=True)
 class CellCheck:
     """Errors that the cells of a contact add, the largest of the saved `rows` looked at: of the `force` over it, of the
-    largest `pressure` over it; by `finer` or by coarser ones. No rows where the others found no state."""
+    largest `pressure` over it, of pressures as a `field` in the root of the mean square; by `finer` or by coarser ones.
+    No rows where the others found no state."""
 
     force: float
     pressure: float
+    field: float
     rows: tuple[int, ...]
     finer: bool
 
@@ -48,7 +58,8 @@ class CellCheck:
             return f"{label} was not compared with another one, whose pressures were not found at the saved steps"
         text = (
             f"{label} adds errors of about {self.force:.2%} to the force, {self.pressure:.2%} to the largest pressure, "
-            f"by nearly {'twice' if self.finer else 'half'} as many either way at {len(self.rows)} saved steps"
+            f"{self.field:.1%} to pressures in the mean square, by nearly {'twice' if self.finer else 'half'} as many "
+            f"either way at {len(self.rows)} saved steps"
         )
         if max(self.force, self.pressure) <= ABOUT * contact.cell_error:
             return text
@@ -69,34 +80,70 @@ def check_cells(engine: Engine, history: History, sampled: int = SAMPLED) -> dic
     """By number of the contact what finer cells change, at most `sampled` saved steps of `history` each."""
     scene, plans = engine.scene, engine.compiled.patches
     found = {i: history.contacts[scene.contacts[i].name] for i in plans}
-    force = {i: np.linalg.norm(record.force, axis=1) for i, record in found.items()}
-    loaded = {i: np.flatnonzero(f > TOUCHING * f.max(initial=0.0)) for i, f in force.items()}
-    loaded = {i: rows for i, rows in loaded.items() if len(rows)}
-    if not loaded:
+    forces = {i: np.linalg.norm(record.force, axis=1) for i, record in found.items()}
+    if not any(np.any(force > 0.0) for force in forces.values()):
         return {}
-    others = {i: _other(plan, scene.contacts[i], found[i], loaded.get(i)) for i, plan in plans.items()}
-    wanted = {i: _sampled(rows, force[i], sampled) for i, rows in loaded.items()}
-    rows = sorted(set().union(*wanted.values()))
-    own, other = (_at_rest(engine, history, rows, cells) for cells in (plans, others))
+    few = {i: _spread(plan, scene.contacts[i], found[i], *np.minimum(_size(plan), FEW)) for i, plan in plans.items()}
     checks = {}
-    for i, those in wanted.items():
-        differences = [
-            abs(other[t][i] / own[t][i] - 1.0) for t in those if t in own and t in other and np.all(own[t][i] > 0.0)
+    for i, plan in plans.items():
+        loaded = _loaded(forces[i])
+        if not len(loaded):
+            continue
+        rows = _sampled(loaded, forces[i], sampled)
+        finer = plan.columns * len(plan.z) < MANY
+        more = [2 * n - 1 if finer else (n + 1) // 2 | 1 for n in _size(plan)]
+        other = _spread(plan, scene.contacts[i], found[i], *more)
+        at_own, at_other = (_at_rest(engine, history, rows, i, {**few, i: cells}) for cells in (plan, other))
+        apart = [
+            _apart(at_own[t], at_other[t]) for t in rows if t in at_own and t in at_other and at_own[t].force > 0.0
         ]
-        finer = others[i].columns > plans[i].columns
-        force_error, pressure_error = np.max([np.zeros(2), *differences], axis=0) * (4.0 / 3.0 if finer else 1.0 / 3.0)
-        rows_seen = tuple(those) if differences else ()
-        checks[i] = CellCheck(float(force_error), float(pressure_error), rows_seen, finer)
+        second, first = (4.0 / 3.0, 1.0 / np.hypot(1.0, 0.5)) if finer else (1.0 / 3.0, 1.0 / np.hypot(1.0, 2.0))
+        largest = np.max([np.zeros(3), *apart], axis=0) * np.array([second, second, first])
+        checks[i] = CellCheck(*(float(x) for x in largest), tuple(rows) if apart else (), finer)
     return checks
 
 
-def _other(plan: PatchPlan, contact: Contact, found: ContactHistory, rows: np.ndarray | None) -> PatchPlan:
-    """Finer or coarser cells for the half-widths at the loaded `rows`; at all, where there are none."""
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """Force [N] and pressures of a patch."""
+
+    force: float
+    field: Boxes
+
+    @classmethod
+    def of(cls, record: ContactHistory) -> _Found:
+        """Of the last row of a contact with cells."""
+        cells, p = record.cells, record.pressure[-1]
+        if cells is None:
+            raise TypeError("the contact has no cells")
+        x = cells.half_width[-1] * np.linspace(-1.0, 1.0, len(p) + 1)
+        z, half = cells.z[-1], 0.5 * cells.length[-1]
+        return cls(float(np.linalg.norm(record.force[-1])), Boxes(x, np.append(z - half, z[-1] + half[-1]), p))
+
+
+def _apart(own: _Found, other: _Found) -> np.ndarray:
+    """By which the other cells differ in force, largest pressure and field."""
+    apart, size = squares(other.field, own.field)
+    largest = other.field.p.max() / own.field.p.max()
+    return np.array([abs(other.force / own.force - 1.0), abs(largest - 1.0), np.sqrt(apart / size)])
+
+
+def _size(plan: PatchPlan) -> tuple[int, int]:
+    """Strips across and rows along."""
+    return plan.columns, len(plan.z)
+
+
+def _loaded(force: np.ndarray) -> np.ndarray:
+    """Rows of a history of forces that are no small part of the largest."""
+    return np.flatnonzero(force > TOUCHING * force.max(initial=0.0))
+
+
+def _spread(plan: PatchPlan, contact: Contact, found: ContactHistory, across: int, along: int) -> PatchPlan:
+    """`across` strips and `along` rows for the half-widths at loaded rows; at all, where there are none."""
     if found.cells is None:
         raise TypeError(f"contact {contact.name!r} has no cells")
-    width = found.cells.half_width if rows is None else found.cells.half_width[rows]
-    across, along = plan.columns, len(plan.z)
-    across, along = (2 * n - 1 if across * along < MANY else (n + 1) // 2 | 1 for n in (across, along))
+    width, loaded = found.cells.half_width, _loaded(np.linalg.norm(found.force, axis=1))
+    width = width[loaded] if len(loaded) else width
     return plan.spread(contact, across, along, float(width.min()) / MARGIN, float(width.max()) * MARGIN)
 
 
@@ -108,15 +155,16 @@ def _sampled(rows: np.ndarray, force: np.ndarray, count: int) -> list[int]:
 
 
 def _at_rest(
-    engine: Engine, history: History, rows: list[int], patches: Mapping[int, PatchPlan]
-) -> dict[int, dict[int, np.ndarray]]:
-    """Force [N] and largest pressure [Pa] of each patch, by number of the contact, at those saved `rows` where the
-    bodies held still let them be found."""
+    engine: Engine, history: History, rows: list[int], number: int, patches: Mapping[int, PatchPlan]
+) -> dict[int, _Found]:
+    """Force and pressures of the contact with that number, at those saved `rows` where the bodies held still let them
+    be found."""
     try:
         held = Engine(engine.scene, device=str(engine.compiled.device), settings=engine.settings, patches=patches)
     except (InputError, MemoryError, RuntimeError):  # no room for them
         return {}
     held.rates_to_zero()
+    name = engine.scene.contacts[number].name
     values = {}
     for t in rows:
         held.control(status=0)
@@ -126,11 +174,7 @@ def _at_rest(
         if np.any(held.word("status")):
             continue
         held.save_now()
-        saved = history_from_rows(held.compiled, held.saved()).contacts
-        values[t] = {}
-        for i in patches:
-            record = saved[engine.scene.contacts[i].name]
-            values[t][i] = np.array([np.linalg.norm(record.force[-1]), record.pressure[-1].max(initial=0.0)])
+        values[t] = _Found.of(history_from_rows(held.compiled, held.saved()).contacts[name])
     return values
 
 

@@ -81,7 +81,7 @@ class EnergyWatch:
         as these make too: they are halved for what a step gains only beyond the energy tolerance."""
         if owner == INTEGRATOR and self.engine.scene.lumped_contacts:
             tighter = self.engine.settings.energy_tolerance * TIGHTER
-            return f"allow less of it in a step of an impact as well, Settings(energy_tolerance={tighter:.2g})"
+            return f"allow less of it in a step of an impact as well, energy_tolerance={tighter:.2g}"
         return "give the contact surfaces a finer grid (half_width=, expected_half_width=) or the machine some damping"
 
     def _cure(self, made: float, most: float, began: float, end: float, otherwise: str) -> str:

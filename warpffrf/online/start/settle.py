@@ -34,6 +34,8 @@ TOLERANCE = 1e-11  # of the scene's length, movement of the last proximal step: 
 ROUND_OFF = 1e-16  # of it: less is no movement in a step that is not short
 CREEP = 0.5  # of the movement of the step before: what tends to rest moves less from one long step to the next
 NEARLY = 1e-3  # of the largest force left over: contact has closed, and what is free can be told
+LEVEL = 1e-3, 1e-2  # of it: energies differ by no more than what grids of contact make of them; the same of cells that
+# travel, which are as wide as the pressures of the step before asked for
 
 
 def settle(engine: Engine) -> bool:
@@ -59,6 +61,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
     model = engine.compiled.model
     length = float(model.length)
     least, tau, last = (time * length for time in (LEAST, FIRST, LAST))
+    level = LEVEL[1 if engine.compiled.patches else 0]
     too_long = np.inf
     before = moved = failed_at = np.full(engine.worlds, np.inf)
     retreats = RETREATS if engine.compiled.elements.layers.count or model.pairs.count > 1 else 0
@@ -86,7 +89,8 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
         free.look()
         if np.all(left <= NEARLY):
             free.hold()
-            engine.control(downhill=0)  # from here on energies differ by no more than the grids of contact make of them
+        if np.all(left <= level):
+            engine.control(downhill=0)
         if np.all(moved <= failed_at / GROWTH):
             too_long, before = np.inf, np.full(engine.worlds, np.inf)
         longer = [min(tau * growth, last) for growth in (GROWTH, CAREFUL, 1.0)]

@@ -5,12 +5,12 @@ machine is run with few steps first (`first`), and what its budget asks for is c
 budget asks for nothing more; that run is the result. As errors fall with the square of the step, the runs before it
 take a part of its time:
 
-    n_k+1 = 1.15 n_k root(error/limit)        1.2 to 8 times n_k
+    n_k+1 = 1.15 n_k root(error/limit)        1.2 to 3 times n_k
 
-At most `RUNS` are made. Where two of them in turn, each with more steps, do not lower the error of the step, more would
-not either: hats of a surface that rolls pass faster than the steps. A contact that was put on hats then gets its cells
-back; if there is none, the run ends there, and its result says so, as it says of all else that is above the wanted
-accuracy, with what would lower it: mostly another reduction.
+At most `RUNS` are made. Where `PATIENCE` of them in turn, each with more steps, do not lower the error of the step, or
+two leave it as it is, more would not either: hats of a surface that rolls pass faster than the steps. A contact that
+was put on hats then gets its cells back; if there is none, the run ends there, and its result says so, as it says of
+all else that is above the wanted accuracy, with what would lower it: mostly another reduction.
 
 Choices follow from results alone, never from the clock: the same call chooses the same again.
 """
@@ -29,56 +29,69 @@ from warpffrf.online.checkpoint import time_of
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import History
 from warpffrf.online.run import INTERRUPTED
-from warpffrf.output.accuracy.demands import next_setting
+from warpffrf.output.accuracy.demands import next_setting, of_the_step
 from warpffrf.output.accuracy.first import first_setting, steps_to_see
-from warpffrf.output.accuracy.limits import Limits
+from warpffrf.output.accuracy.limits import PRESSURES, Limits
 from warpffrf.output.accuracy.setting import AUTO, GRID, HATS, Setting
-from warpffrf.output.budget import contacts, time_step
+from warpffrf.output.budget import contacts
 from warpffrf.output.result import Result
 
 RUNS = 10
 MOST_STEPS = 1_000_000
 AFTER_FAILURE = 4  # times the steps, where a run does not get through
+FAILURES = 2  # in turn, after a run that got through, which then is the result
 FALLS = 0.8  # of the error before: with 1.2 times the steps it is 0.7 at second order
-PATIENCE = 2  # runs in turn whose error does not fall: vibrations that more steps begin to see let it rise once
+STANDS = 0.05, 2  # an error that changes by less from run to run, twice in turn, is not one of the step
+PATIENCE = 3  # runs in turn whose error does not fall: vibrations that more steps begin to see let it rise
 
-Run = Callable[[Scene, int, Any], History]
+Run = Callable[[Setting], History]
 
 log = logging.getLogger("warpffrf")
 
 
 def run_to_accuracy(
-    scene: Scene, duration: float, limits: Limits, longest: float | None, local: Any, run: Run, *, start: Any,
-    progress: bool,
+    scene: Scene, duration: float, limits: Limits, longest: float | None, run: Run, *, local: Any,
+    energy_tolerance: float | None, start: Any, progress: bool,
 ) -> Result:  # fmt: skip
-    """The run of `scene` over `duration` [s] that is within `limits`, or the last one tried. longest: step [s] that the
-    user allows. local: treatment of local modes that he asked for. run: makes a run of a scene in so many steps. start:
-    where it begins; one that goes on from another run has the options of that, and only its steps are chosen."""
+    """The run of `scene` over `duration` [s] that is within `limits`, or the last one that got through. longest:
+    step [s] that the user allows. run: makes a run of the scene with a setting. local: treatment of local modes
+    that he asked for. energy_tolerance: that he set, None where it is left to the program. start: where it begins;
+    one that goes on from another run has the options of that, and only its steps are chosen."""
     begin = time.perf_counter()
     continued = isinstance(start, History)
     at = time_of(start.checkpoint) if isinstance(start, History) else 0.0
-    now = first_setting(scene, at, duration, longest, local, limits)
+    now = replace(first_setting(scene, at, duration, longest, local, limits), energy_tolerance=energy_tolerance)
     if continued:
         now = replace(now, options={})
     refused, why = "", list[str]()
-    stuck = Stuck()
+    stuck, good, failed = Stuck(), None, 0
     for number in range(1, RUNS + 1):
         own = time.perf_counter()
-        result = Result(run(now.scene(scene), now.steps, now.local))
+        result = Result(run(now))
         log.info("accuracy %g, run %d: %d steps of %.3g s: %s", limits.accuracy, number, now.steps,
                  duration / now.steps, result.status)  # fmt: skip
         if result.status == INTERRUPTED:
             return _told(result, duration, limits, now, ["the run was interrupted before its errors were known"])
         if result.status != "completed":
-            if now.steps * AFTER_FAILURE > MOST_STEPS or number == RUNS:
+            failed += 1
+            more = now.steps * AFTER_FAILURE
+            if number < RUNS and more <= MOST_STEPS and (good is None or failed < FAILURES):
+                now = replace(now, steps=more)
+                continue
+            if good is None:
                 return _told(result, duration, limits, now, [])
-            now = replace(now, steps=now.steps * AFTER_FAILURE)
-            continue
+            refused = f"with {now.steps} steps the run fails ({result.status})"
+            result, now, why = good
+            break
+        failed = 0
         lines = result.error_budget(progress=progress)
         wanted, why = next_setting(scene, result, now, lines, limits, first=number == 1)
+        if energy_tolerance is not None:
+            wanted = replace(wanted, energy_tolerance=energy_tolerance)
         if continued:
             wanted, why = replace(wanted, local=local, options={}), [why[0], "the rest is that of the run before"]
         log.info("accuracy %g: %s", limits.accuracy, "; ".join(why))
+        good = result, now, why
         if wanted == now:
             break
         if stuck.look(now.steps, lines):
@@ -105,21 +118,22 @@ class Stuck:
     """Whether the error of the step falls from run to run."""
 
     def __init__(self) -> None:
-        self.steps, self.size, self.times, self.told = 0, 0.0, 0, ""
+        self.steps, self.size, self.times, self.stood, self.told = 0, 0.0, 0, 0, ""
 
     def look(self, steps: int, lines: list[BudgetLine]) -> bool:
         """Look at the budget of a run of so many `steps`; whether it is time to give up."""
-        known = [line for line in lines if line.source == time_step.SOURCE and line.found]
+        known = [line for line in of_the_step(lines) if line.found]
         if not known:
             return False
         worst = max(known, key=lambda line: line.size)
         if self.steps and steps > self.steps:
             self.times = self.times + 1 if worst.size > FALLS * self.size else 0
+            self.stood = self.stood + 1 if abs(worst.size - self.size) < STANDS[0] * self.size else 0
             self.told = f"{self.size:.2%} with {self.steps} and {worst.size:.2%} with {steps} of the {worst.of}"
         self.steps, self.size = steps, worst.size
-        if self.times < PATIENCE:
+        if self.times < PATIENCE and self.stood < STANDS[1]:
             return False
-        self.times = 0
+        self.times = self.stood = 0
         return True
 
 
@@ -135,10 +149,11 @@ def _with_cells(scene: Scene, now: Setting) -> Setting:
 def _told(result: Result, duration: float, limits: Limits, now: Setting, why: list[str]) -> Result:
     """The result with what was chosen for it and why, and what is above the wanted accuracy."""
     head = f"accuracy {limits.accuracy:g}"
-    step = f"{head}: step={duration / now.steps:.6g} was chosen" + (f", {why[0]}" if why else "")
+    tolerance = "" if now.energy_tolerance is None else f" with energy_tolerance={now.energy_tolerance:.2g}"
+    step = f"{head}: step={duration / now.steps:.6g}{tolerance} was chosen" + (f", {why[0]}" if why else "")
     notes = [step, *(f"{head}: {line}" for line in why[1:])]
     for line in result.history.budget or []:
-        allowed = limits.accuracy * (limits.pressure / limits.force if line.of.startswith(contacts.PRESSURE) else 1.0)
+        allowed = limits.accuracy * (PRESSURES if line.of.startswith(contacts.PRESSURE) else 1.0)
         if line.found and line.size > allowed:
             cure = f"; {line.cure}" if line.cure else ""
             notes.append(f"{head} is not kept: {line.source}, {line.size:.2%} of the {line.of}{cure}")

@@ -4,7 +4,9 @@
     stiffening       where the deformed inertia, which is of its size, is above the limit
     contact grid     hats of the material grid in place of cells, where they are right enough for all contacts
     cells            smaller ones, where other cells differ by more than the limit
-    step             h (limit/error)^(1/2), of second order
+    energy tolerance a tenth, where the ledger of a run is off whose steps were halved in impacts
+    step             h (limit/error)^(1/2), of second order; errors are those of the step, energy from nowhere, and
+                    friction of patches that advance too fast
 
 Options that the user has set are kept: an inertia level other than "auto", a grid other than "auto", stiffening. What
 has been chosen once is only ever made finer, so that runs do not swing between two settings; a run whose budget asks
@@ -30,14 +32,17 @@ from warpffrf.model.scene import Scene
 from warpffrf.online.compile.inertia_plan import InertiaPlan, least_level
 from warpffrf.online.diagnosis.indicator import TermSize, term_sizes
 from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.online.settings import Settings
 from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.accuracy.setting import AUTO, CELL_ERROR, GRID, HATS, INERTIA, STIFFENING, Setting
-from warpffrf.output.budget import contacts, time_step
+from warpffrf.output.budget import contacts, energy, time_step
 from warpffrf.output.budget.budget import percent
 
 ON_MESH = 2.0  # times the rule: linear cells as wide as the spacing of hats add as much again (`grid_rule`)
 FINER = 1.15  # times the steps that second order asks for
-LEAST, MOST = 1.2, 8.0  # times the steps of the run before
+LEAST, MOST = 1.2, 3.0  # times the steps of the run before: more overshoots where vibrations are not resolved yet
+CELLS = 2.0, 4.0  # times finer than before in `cell_error`: less is the same number of cells, more twice as many strips
+TIGHTER, LEAST_TOLERANCE = 0.1, 1e-8  # times the energy tolerance before, down to this
 WITHOUT_ESTIMATE = 2.0  # times the steps, where twice the step fails
 
 
@@ -85,9 +90,9 @@ def contact_choices(scene: Scene, result: Any, lines: Sequence[BudgetLine], limi
         used = result.history.scene.contact(contact.name)
         if loaded.history.cells is not None and contact.cells is None and np.any(loaded.touching):
             own = [line for line in lines if line.source == contacts.GRID and line.of.endswith(f"{contact.name!r}")]
-            over = [_over(line, limits) for line in own if line.found]
+            over = [_over(line, limits) ** _power(line) for line in own if line.found]
             if over and max(over) > 1.0:
-                smaller = max(used.cell_error / max(over), CELL_ERRORS[0])
+                smaller = max(used.cell_error / float(np.clip(max(over), *CELLS)), CELL_ERRORS[0])
                 found.append(Choice(CELL_ERROR, contact.name, smaller, "other cells differ by more than the limit"))
     return found
 
@@ -95,6 +100,12 @@ def contact_choices(scene: Scene, result: Any, lines: Sequence[BudgetLine], limi
 def _over(line: BudgetLine, limits: Limits) -> float:
     """Size over its limit."""
     return line.size / (limits.pressure if line.of.startswith(contacts.PRESSURE) else limits.force)
+
+
+def _power(line: BudgetLine) -> float:
+    """Of `cell_error` an error goes with 1/power: forces as it, with the square of the cells; pressures as a field with
+    its root."""
+    return 2.0 if line.of.startswith(contacts.PRESSURE) else 1.0
 
 
 def _grids(scene: Scene, result: Any, limits: Limits) -> list[Choice]:
@@ -129,9 +140,14 @@ def _hats_errors(contact: Any, loaded: Any) -> tuple[float, float]:
     return ON_MESH * force, pressure
 
 
+def of_the_step(lines: Sequence[BudgetLine]) -> list[BudgetLine]:
+    """Errors that a smaller step lowers."""
+    return [line for line in lines if line.source in (time_step.SOURCE, energy.SOURCE, contacts.ADVANCE)]
+
+
 def steps_wanted(steps: int, lines: Sequence[BudgetLine], limits: Limits) -> tuple[int, str]:
     """Steps of the next run, `steps` where these are enough, and the largest error of the step in words."""
-    own = [line for line in lines if line.source == time_step.SOURCE]
+    own = of_the_step(lines)
     known = [line for line in own if line.found]
     if len(known) < len(own):
         return _even(WITHOUT_ESTIMATE * steps), next(line.basis for line in own if not line.found)
@@ -159,10 +175,25 @@ def next_setting(
         kind = "body" if choice.option in (INERTIA, STIFFENING) else "contact"
         value = f"{choice.value:.3g}" if isinstance(choice.value, float) else repr(options[key])
         why.append(f"{choice.option}={value} of {kind} {choice.name!r} ({choice.why})")
+    tolerance = energy_tolerance_wanted(now.energy_tolerance, result, lines, limits)
+    tighter = tolerance != now.energy_tolerance
+    if tighter:
+        why.append(f"energy_tolerance={tolerance:.2g} (steps of impacts were halved, and the energy ledger is off)")
+        lines = [line for line in lines if line.source != energy.SOURCE]
     steps, told = steps_wanted(now.steps, lines, limits)
-    if steps == now.steps and not finer:
+    if steps == now.steps and not finer and not tighter:
         return now, [told, *why]
-    return Setting(steps, now.local, options), [told, *why]
+    return Setting(steps, now.local, options, tolerance), [told, *why]
+
+
+def energy_tolerance_wanted(
+    now: float | None, result: Any, lines: Sequence[BudgetLine], limits: Limits
+) -> float | None:
+    """That of the next run. Steps of impacts are halved to it, so that it rules their energy, not the step."""
+    off = [line for line in lines if line.source == energy.SOURCE and line.found and line.size > limits.force]
+    tighter = TIGHTER * (Settings.energy_tolerance if now is None else now)
+    halved = result.history.counters.get("rejected_steps", 0) > 0
+    return tighter if off and halved and tighter >= LEAST_TOLERANCE else now
 
 
 def _finer(choice: Choice, before: Any) -> bool:

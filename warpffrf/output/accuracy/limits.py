@@ -1,7 +1,8 @@
 """How much of a wanted accuracy each source of error may take.
 
 Sources are independent, and several of about the same size may meet: each that can be chosen may take half. The field
-of pressures, whose edge no grid meets, may err by twice what forces may.
+of pressures, whose edge no grid meets, may err by twice what forces may, and its grid may take three quarters of that:
+of what else it errs by forces tell.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from dataclasses import dataclass
 
 from warpffrf.model.errors import InputError, require_number
 
-SHARE = 0.5
+SHARE, OF_PRESSURES = 0.5, 0.75
 PRESSURES = 2.0
 FINEST, COARSEST = 1e-5, 0.2  # accuracies that budgets can tell of: below, round-off of second differences shows
 
@@ -40,4 +41,4 @@ class Limits:
     @property
     def pressure(self) -> float:
         """Of pressures."""
-        return SHARE * PRESSURES * self.accuracy
+        return OF_PRESSURES * PRESSURES * self.accuracy

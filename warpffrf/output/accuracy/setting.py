@@ -1,4 +1,5 @@
-"""What is chosen for a run: its step and treatment of local modes, and options of bodies and contacts of its scene.
+"""What is chosen for a run: its step, energy tolerance and treatment of local modes, and options of bodies and
+contacts of its scene.
 
 The scene of the user is left as it is: a run has a copy of its own, around the same reduced bodies.
 """
@@ -20,12 +21,14 @@ HATS = "material"  # a grid
 
 @dataclass(frozen=True)
 class Setting:
-    """`steps` of the whole run, treatment of `local` modes, and `options` {(option, name of body or contact): value};
-    what is not in them is as the scene has it."""
+    """`steps` of the whole run, treatment of `local` modes, `options` {(option, name of body or contact): value}, and
+    the `energy_tolerance` of steps of impacts; what is not in `options` is as the scene has it, no tolerance the usual
+    one."""
 
     steps: int
     local: Any
     options: Mapping[tuple[str, str], Any] = field(default_factory=dict)
+    energy_tolerance: float | None = None
 
     def scene(self, scene: Scene) -> Scene:
         """A copy of `scene` with the options."""

@@ -13,7 +13,8 @@ import numpy as np
 
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.output.budget.bodies import inertia_lines, local_lines
-from warpffrf.output.budget.contacts import grid_lines, mesh_lines, point_lines, tolerance_lines
+from warpffrf.output.budget.contacts import friction_lines, grid_lines, mesh_lines, point_lines, tolerance_lines
+from warpffrf.output.budget.energy import energy_lines
 from warpffrf.output.budget.time_step import time_step_lines
 
 FLOOR, SMALL = 1e-3, "< 0.1 %"
@@ -24,8 +25,8 @@ def error_budget(result: Any, *, progress: bool = False) -> list[BudgetLine]:
     history = result.history
     engine = history.marks.engine()
     return [
-        *time_step_lines(history, engine, progress=progress),
-        *grid_lines(result, engine), *point_lines(result), *mesh_lines(result),
+        *time_step_lines(history, engine, progress=progress), *energy_lines(result),
+        *grid_lines(result, engine), *friction_lines(result), *point_lines(result), *mesh_lines(result),
         *inertia_lines(result, engine), *local_lines(result, engine), *tolerance_lines(result, engine),
     ]  # fmt: skip
 

@@ -2,14 +2,21 @@
 
 *Hats of the material grid*: what the grid leaves of the force at a given approach, and of the pressures in the L2
 norm, at most, for a patch of the size found at the largest load, by the rule of `offline.contact.grid_rule` (worst
-position of the patch on the grid; the mean one is about half of it). *Cells of a patch*: other cells at sampled steps
-(`online.diagnosis.cell_check`).
+position of the patch on the grid; the mean one is about half of it). *Cells of a patch*: other cells at sampled steps,
+of the pressures as cell means in the L2 norm (`online.diagnosis.cell_check`).
+*Friction on cells*: of a patch that advances c cells a step, where c is above `MOST_CELLS`, c/MOST_CELLS times
+`FRICTION_ERROR` of the largest friction force (docs/studies/patch_rolling.md: 0.9 to 1.0 % at 2.5, 1.0 to 1.4 % at 4).
 *Points*: all points at sampled steps (`online.diagnosis.sampling_check`). The mesh needs a second one,
 `ReducedBody.mesh_error`.
+
+Forces are beside those of the contact, of one that carries less than `quantities.LIGHT` of the largest force of the
+machine beside so much. With the force F of a line the pressures go as its root, so that these are then beside the
+pressures that so much force would have.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,17 +26,20 @@ from warpffrf.offline.contact.grid_rule import grid_error
 from warpffrf.online.diagnosis.sampling_check import check_sampling
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.output.budget.quantities import LIGHT, shares
+from warpffrf.output.contact.friction import FRICTION_ERROR, MOST_CELLS
 
 PATCHES = {"line": "line", "point": "ellipse"}  # kinds of patches that the rule knows
 FORCE, PRESSURE = "force", "pressure"
+ADVANCE = "friction of large steps"
 GRID, POINTS, MESH, TOLERANCE = "contact grid", "sampling points", "FE mesh", "iteration"
 
 
 def grid_lines(result: Any, engine: Engine) -> list[BudgetLine]:
     """One line for each contact that was loaded."""
     history = result.history
-    checks = history.cell_checks
-    lines = []
+    checks, share = history.cell_checks, shares(history)
+    lines: list[BudgetLine] = []
     for number, contact in enumerate(history.scene.contacts):
         found = result.contact(contact.name)
         if not np.any(found.touching):
@@ -38,15 +48,25 @@ def grid_lines(result: Any, engine: Engine) -> list[BudgetLine]:
             check = checks.get(number)
             known = check is not None and bool(check.rows)
             other = "other cells at sampled steps" if known else "other cells found no state at these"
-            sizes = (check.force, check.pressure) if check is not None and known else (np.nan, np.nan)
+            sizes = (check.force, check.field) if check is not None and known else (np.nan, np.nan)
             cure = "a smaller cell_error, or more cells"
-            lines += [
+            own = [
                 BudgetLine(GRID, f"{of} of contact {contact.name!r}", size, other, cure)
                 for of, size in zip((FORCE, PRESSURE), sizes, strict=True)
             ]
         else:
-            lines += [_of_hats(found, of) for of in (FORCE, PRESSURE)]
+            own = [_of_hats(found, of) for of in (FORCE, PRESSURE)]
+        of_force = share[contact.name]
+        lines += [_beside(line, part) for line, part in zip(own, (of_force, np.sqrt(of_force)), strict=True)]
     return lines
+
+
+def _beside(line: BudgetLine, share: float) -> BudgetLine:
+    """`line` of a contact that carries a `share` of what errors are beside at least."""
+    if share == 1.0:
+        return line
+    basis = f"{line.basis}; beside {LIGHT:g} of the largest force of the machine, it carries less"
+    return replace(line, size=share * line.size, basis=basis)
 
 
 def _of_hats(found: Any, quantity: str) -> BudgetLine:
@@ -75,6 +95,25 @@ def hats_error(found: Any, spacing: float, quantity: str) -> float:
         for s, width in zip((spacing, along), widths, strict=False)
     ]
     return max((np.nan if size is None else size for size in sizes), key=lambda size: (np.isnan(size), size))
+
+
+def friction_lines(result: Any) -> list[BudgetLine]:
+    """One line for each contact whose patch of cells advances too fast for friction."""
+    lines = []
+    for contact in result.history.scene.contacts:
+        found = result.contact(contact.name)
+        if contact.friction.acts and found.loaded == "cells" and np.any(found.friction.too_fast):
+            advance = float(np.nanmax(found.friction.cells_per_step))
+            lines.append(
+                BudgetLine(
+                    ADVANCE,
+                    f"largest friction force of contact {contact.name!r}",
+                    FRICTION_ERROR * advance / MOST_CELLS["cells"],
+                    f"the patch advances {advance:.2g} cells a step",
+                    "a smaller step, or fewer strips in cells=",
+                )  # fmt: skip
+            )
+    return lines
 
 
 def point_lines(result: Any) -> list[BudgetLine]:

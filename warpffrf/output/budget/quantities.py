@@ -16,6 +16,8 @@ from warpffrf.model import rotation as rot
 from warpffrf.online.history.history import History
 
 Array = np.ndarray
+STILL = 1e-5  # of the largest way in the machine: errors of a body that moves less are beside so much
+LIGHT = 1e-3  # of the largest contact force in the machine: the same of a contact that carries less
 SPIKE = 10.0  # times the median of a force under load: the largest of a bounce of balls is 1.4 times
 
 
@@ -37,32 +39,57 @@ class Quantity:
 
 
 def quantities(history: History) -> dict[str, Quantity]:
-    """By name: the force of each contact over its root mean square, the motion of each body (its origin, and its axes
-    as long as its radius of gyration) over the largest way from its mean, and the deformation of a flexible one, as the
-    root of the strain energy of each of its modes, over the root mean square of it.
+    """By name: the force of each contact over its root mean square, or over `LIGHT` of the largest one, the motion of
+    each body (its origin, and its axes as long as its radius of gyration) over the largest way from its mean, or over
+    `STILL` of the largest one, and the deformation of a flexible one, as the root of the strain energy of each of its
+    modes, over the root mean square of it.
 
     A quantity that is zero in all rows is left out.
     """
-    found = []
-    for name, contact in history.contacts.items():
-        found.append(_of_force(f"force of contact {name!r}", contact.force))
-    for name, contact in history.lumped_contacts.items():
-        found.append(_of_force(f"force of contact {name!r}", contact.force))
+    forces = [_of_force(name, contact.force) for name, contact in _contacts(history)]
+    least = LIGHT * max((quantity.size for quantity in forces), default=0.0)
+    found = [replace(quantity, size=max(quantity.size, least) if quantity.size > 0.0 else 0.0) for quantity in forces]
+    places = {body.name: _places(body, history) for body in history.scene.bodies}
+    ways = {name: _way(values) for name, values in places.items()}
+    least = STILL * max(ways.values(), default=0.0)
     for body in history.scene.bodies:
-        motion = history.bodies[body.name]
-        T = len(motion.position)
-        gyration = np.sqrt(0.5 * np.trace(body.inertia) / body.mass)
-        axes = np.stack([rot.matrix(p) for p in motion.rotation]).reshape(T, 9) if T else np.zeros((0, 9))
-        places = np.concatenate([motion.position, gyration * axes], axis=1)
-        way = float(np.linalg.norm(places - places.mean(axis=0), axis=1).max()) if T else 0.0
-        found.append(Quantity(f"motion of body {body.name!r}", places, way))
-        if motion.modal.size:
-            strain = 2.0 * np.pi * np.asarray(body.reduced.frequencies) * motion.modal
+        size = max(ways[body.name], least) if ways[body.name] > 0.0 else 0.0
+        found.append(Quantity(f"motion of body {body.name!r}", places[body.name], size))
+        modal = history.bodies[body.name].modal
+        if modal.size:
+            strain = 2.0 * np.pi * np.asarray(body.reduced.frequencies) * modal
             found.append(_over_mean_square(f"deformation of body {body.name!r}", strain))
     return {quantity.name: quantity for quantity in found if quantity.size > 0.0}
 
 
-def _of_force(name: str, values: Array) -> Quantity:
+def _places(body: Any, history: History) -> Array:
+    """(T, 12) the origin of a body and its axes as long as its radius of gyration [m]."""
+    motion = history.bodies[body.name]
+    gyration = np.sqrt(0.5 * np.trace(body.inertia) / body.mass)
+    axes = np.array([rot.matrix(p) for p in motion.rotation]).reshape(len(motion.rotation), 9)
+    return np.concatenate([motion.position, gyration * axes], axis=1)
+
+
+def _way(places: Array) -> float:
+    """The largest way [m] from the mean."""
+    return float(np.linalg.norm(places - places.mean(axis=0), axis=1).max()) if len(places) else 0.0
+
+
+def shares(history: History) -> dict[str, float]:
+    """By name of a distributed contact its largest force over `LIGHT` of that of the machine, at most 1: what errors
+    that are beside its own force are beside that."""
+    each = {name: float(np.linalg.norm(contact.force, axis=1).max(initial=0.0)) for name, contact in _contacts(history)}
+    least = LIGHT * max(each.values(), default=0.0)
+    return {name: min(each[name] / least, 1.0) if least > 0.0 else 1.0 for name in history.contacts}
+
+
+def _contacts(history: History) -> list[tuple[str, Any]]:
+    """Names and histories of distributed and lumped contacts."""
+    return [*history.contacts.items(), *history.lumped_contacts.items()]
+
+
+def _of_force(contact: str, values: Array) -> Quantity:
+    name = f"force of contact {contact!r}"
     sizes = np.linalg.norm(values, axis=1)
     most = SPIKE * float(np.median(sizes[sizes > 0.0])) if np.any(sizes > 0.0) else np.inf
     return replace(_over_mean_square(name, values[sizes <= most]), values=values, most=most)

@@ -45,7 +45,8 @@ OPEN, STICK, SLIP = 0, 1, 2
 STATES = ("open", "stick", "slip")
 ROLLS = 1e-9  # of the largest rolling speed of the run: below it the pair stands, and creepage has no meaning
 MOVES = 1e-6  # columns a step: a patch that advances less stands still, what it seems to move is round-off
-MOST_CELLS = {"hats": 1.0, "cells": 2.5}  # columns a step up to which entering material is counted right to 1 %
+MOST_CELLS = {"hats": 1.0, "cells": 2.5}  # columns a step up to which entering material is counted right
+FRICTION_ERROR = 0.01  # of the largest friction force, up to there
 COARSER = {"hats": "a coarser contact grid", "cells": "fewer strips, Contact(..., cells=(strips, rows))"}
 
 
@@ -184,7 +185,7 @@ class FrictionResult:
         if not np.any(self.too_fast):
             return None
         most, allowed = float(np.nanmax(self.cells_per_step)), MOST_CELLS[self.contact.loaded]
-        errs = "is not resolved" if allowed == 1.0 else "errs by more than 1 % of its largest force"
+        errs = "is not resolved" if allowed == 1.0 else f"errs by more than {FRICTION_ERROR:.0%} of its largest force"
         return (
             f"contact '{self.contact.name}': the patch advances up to {most:.3g} cells a step, in "
             f"{int(self.too_fast.sum())} of {len(self.too_fast)} saved rows more than {allowed:g}, so that friction "

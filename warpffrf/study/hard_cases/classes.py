@@ -51,7 +51,14 @@ class Verdict:
         """The finding furthest beyond its limit."""
         if not self.findings:
             return None
-        return max(self.findings, key=lambda f: (f.level, np.nan_to_num(f.error / f.bad, nan=np.inf)))
+        return max(self.findings, key=lambda f: (f.level, _beyond(f)))
+
+
+def _beyond(finding: Finding) -> float:
+    """Error over limit; a limit of zero lets nothing pass but zero."""
+    if finding.bad == 0.0:
+        return 0.0 if finding.error == 0.0 else np.inf
+    return float(np.nan_to_num(finding.error / finding.bad, nan=np.inf))
 
 
 def ledger_findings(result: Result, limits: Ledger) -> list[Finding]:

@@ -49,8 +49,8 @@ def run_case(case: Case, setting: Setting) -> tuple[Result | None, Row]:
     result = None
     try:
         with MemoryWatch() as memory:
-            result = _run(case, case.build, setting)
-        twin = None if case.twin is None else _run(case, case.twin, _same_steps(setting, result))
+            result = _run(case, setting, case.build)
+        twin = None if case.twin is None else _run(*_same_steps(case, setting, result), case.twin)
     except InputError as error:
         verdict = Verdict(REFUSED, str(error))
     except CRASHES as error:
@@ -70,14 +70,16 @@ def run_case(case: Case, setting: Setting) -> tuple[Result | None, Row]:
     return result, row
 
 
-def _same_steps(setting: Setting, result: Result) -> Setting:
-    """The setting of a run beside one of `setting` that has found its own step."""
+def _same_steps(case: Case, setting: Setting, result: Result) -> tuple[Case, Setting]:
+    """What a run beside one of `setting` that has found its own step is to do: as many steps of that size."""
     if setting.accuracy is None or len(result.time) < 2:
-        return setting
-    return replace(setting, accuracy=None, step=float(result.time[1] - result.time[0]))
+        return case, setting
+    steps = len(result.time) - 1
+    step = float(result.time[-1]) / steps
+    return replace(case, most_steps=steps, rows=steps), replace(setting, accuracy=None, step=step)
 
 
-def _run(case: Case, build: Callable[[], Any], setting: Setting) -> Result:
+def _run(case: Case, setting: Setting, build: Callable[[], Any]) -> Result:
     if setting.accuracy is not None:
         result = simulate(build(), case.duration, accuracy=setting.accuracy, progress=False, **case.options)
         if result.status == INTERRUPTED:

@@ -27,6 +27,7 @@ from warpffrf.model.mesh import roller as roller_mesh
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
+from warpffrf.online.compile.patch_plan import span_of
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
 from warpffrf.verification.closed_forms import LineContact, contact_modulus
@@ -36,7 +37,6 @@ Array = np.ndarray
 R, BORE, WIDTH = 0.05, 0.015, 0.02  # m
 FRICTION = 0.3
 SPEED = 0.5  # m/s
-SPAN = 1.3  # half-widths of the grid over those of the patch
 PAIR = "pair"
 AXLE = (0.0, 1.0, 0.0)
 LASTS = 1e3  # s, longer than any run
@@ -158,7 +158,7 @@ def roll(
     friction: float = FRICTION,
 ) -> Rolled:  # fmt: skip
     """Rolls by `crossings` of the patch, half_width a [m], at about `per_step` of its `cells` strips a step."""
-    step = per_step * 2.0 * SPAN * half_width / cells / speed
+    step = per_step * 2.0 * span_of(cells) * half_width / cells / speed
     each = max(1, round(2.0 * half_width / speed / step))
     result = run(scene, int(np.ceil(crossings * each)), step)
     return settled(result, each, friction)
