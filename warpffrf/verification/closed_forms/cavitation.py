@@ -26,7 +26,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import quad, solve_ivp
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 from warpffrf.model.errors import InputError
 
@@ -66,18 +66,21 @@ def ruptured_slider(
     low, high = narrowest + NEAR * length, length * (1.0 - NEAR)
     if rest(low) * rest(high) > 0.0:
         raise InputError("ruptured_slider: the film does not rupture behind its narrowest place")
-    rupture = float(brentq(rest, low, high, xtol=1e-14 * length))
+    rupture = _root(rest, low, high, length)
     h_r = gap(rupture)
     refill = length
     if outlet > 0.0:
-        refill = float(
-            brentq(lambda x: rise(x, length, h_r) - outlet, rupture + NEAR * length, length, xtol=1e-14 * length)
-        )
+        refill = _root(lambda x: rise(x, length, h_r) - outlet, rupture + NEAR * length, length, length)
     # int p dx = p(end) x(end) - int x p' dx by parts, from 0 to x_r and from x_f to the end
     first = quad(lambda x: x * slope(x, h_r), 0.0, rupture, epsrel=1e-10, epsabs=least * length, limit=200)[0]
     last = quad(lambda x: x * slope(x, h_r), refill, length, epsrel=1e-10, epsabs=least * length, limit=200)[0]
     force = -first + (outlet * length - last if outlet > 0.0 else 0.0)
     return RupturedSlider(rupture, refill, 0.5 * speed * h_r, float(force))
+
+
+def _root(f: Callable[[float], float], low: float, high: float, length: float) -> float:
+    """Between `low` and `high` [m], to 1e-14 of the `length`."""
+    return float(root_scalar(f, bracket=(low, high), xtol=1e-14 * length, method="brentq").root)
 
 
 @dataclass(frozen=True)

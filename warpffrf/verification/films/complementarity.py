@@ -15,6 +15,7 @@ method on min(p, D); A is symmetric and positive definite, T an M-matrix). By `m
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -23,6 +24,7 @@ from scipy.sparse.linalg import splu
 from warpffrf.model.errors import InputError, unknown_name
 
 Array = np.ndarray
+Sparse = Any  # a matrix or array of scipy.sparse, which have no type in common
 MODES = ("mass_conserving", "reynolds", "half", "none")
 MOST_SWEEPS = 400
 NO_VOID = 1e-13  # of the largest void: hats with neither pressure nor void would change sides for ever
@@ -39,7 +41,7 @@ class FilmState:
 
 
 def solve(
-    A: sp.csr_matrix, T: sp.csr_matrix, right: Array, held: Array, pressure: Array, *, mode: str = "mass_conserving",
+    A: Sparse, T: Sparse, right: Array, held: Array, pressure: Array, *, mode: str = "mass_conserving",
     full: Array | None = None,
 ) -> FilmState:  # fmt: skip
     """The state of all hats; `held` (hats,) bool have the `pressure` (hats,) given, `full`: a set to begin with. Raises
