@@ -230,7 +230,8 @@ the hats; errors of load, attitude and largest pressure of the hats beside them.
 ## Treatments of the cavity
 
 L/D 0.5, 128 x 17 hats, the film widest at 180°. Oil that is carried as void and film into the feed is right in mass;
-Reynolds' condition, which forgets what was lost at the rupture, comes next to it. *Sweeps*: how often the set of full hats was looked at.
+Reynolds' condition, which forgets what was lost at the rupture, comes next to it. *Sweeps*: how often the set of full
+hats was looked at.
 
 {table(["eccentricity", "cavitation", "load [N]", "attitude [deg]", "sweeps"], mode_rows())}
 ## Closed forms
