@@ -167,8 +167,8 @@ def page() -> str:
 {MADE}
 The reference of oil films between elastic surfaces (`warpffrf/verification/films/elastic.py`), dense, by Newton's
 method with one change of the set of full hats an iteration. A steel sleeve, {1e3 * WALL:g} mm thick, held outside,
-linear cells as wide as the hats; radius and length {1e3 * RADIUS:g} mm, clearance {1e6 * CLEARANCE:g} µm, {VISCOSITY:g} Pa s,
-{SPEED:g} rad/s; mass-conserving, fed on the far side of the load.
+linear cells as wide as the hats; radius and length {1e3 * RADIUS:g} mm, clearance {1e6 * CLEARANCE:g} µm,
+{VISCOSITY:g} Pa s, {SPEED:g} rad/s; mass-conserving, fed on the far side of the load.
 
 ## Hats and strips
 
