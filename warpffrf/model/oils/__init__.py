@@ -1,0 +1,37 @@
+"""Oils of a film. One file a law; `oil` has what they share.
+
+With the pressure p >= 0 [Pa] above that of the cavity
+
+    Newtonian            mu = mu_0
+    Barus                mu = mu_0 exp(alpha p)
+    Roelands             mu = mu_0 exp((ln mu_0 + 9.67)((1 + p/196.2 MPa)^z - 1))
+    DowsonHigginson      rho/rho_0 = 1 + a p/(1 + b p), beside any of them
+
+Temperature is a parameter: `vogel`, `walther` and `iso_vg` give the viscosity at one. An oil of one's own is a subclass
+of `Oil`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.oils.barus import Barus
+from warpffrf.model.oils.dowson_higginson import DowsonHigginson
+from warpffrf.model.oils.iso_vg import iso_vg
+from warpffrf.model.oils.newtonian import Newtonian
+from warpffrf.model.oils.oil import Oil
+from warpffrf.model.oils.roelands import Roelands
+from warpffrf.model.oils.temperature import vogel, walther
+
+OILS = {oil.kind: oil for oil in (Newtonian, Barus, Roelands)}
+
+__all__ = ["OILS", "Barus", "DowsonHigginson", "Newtonian", "Oil", "Roelands", "as_oil", "iso_vg", "vogel", "walther"]
+
+
+def as_oil(value: Any, label: str) -> Oil:
+    """`value` if it is an oil; raises `InputError` naming `label`, with the oils there are."""
+    if not isinstance(value, Oil):
+        names = ", ".join(f"oils.{oil.__name__}" for oil in OILS.values())
+        raise InputError(f"{label}: oil must be one of {names}, or made by oils.iso_vg, got {value!r}")
+    return value
