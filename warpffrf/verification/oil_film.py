@@ -12,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 
-from warpffrf.demos.checks import writable_folder
 from warpffrf.verification.closed_forms.cavitation import PartingPlates, ruptured_slider
 from warpffrf.verification.closed_forms.films import (
     HALF_CYLINDER,
@@ -267,8 +266,7 @@ them, over the torque; and the power of the shaft beside the losses of shear and
 
 def main() -> None:
     """Write the page."""
-    folder = writable_folder(sys.argv[1] if len(sys.argv) > 1 else FOLDER)
-    path = Path(folder) / PAGE
+    path = Path(sys.argv[1] if len(sys.argv) > 1 else FOLDER) / PAGE
     path.write_text(page(), encoding="utf-8")
     print(path)
 
