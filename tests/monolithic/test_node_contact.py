@@ -314,6 +314,8 @@ def test_what_it_refuses(steel_space: ReducedBody, rigid_space: ReducedBody) -> 
     refused(scene, "has no unilateral; use laws.LinearLayer")
     scene.contacts[0].evaluation = "semi"
     refused(scene, "a rigid partner, partner\\['face'\\], with the law at nodes only; use evaluation='full'")
+    scene.contacts[0].gaps = "points"
+    refused(scene, 'has gaps="points" with the law at nodes only')
     scene.contacts[0].friction = 0.1
     refused(scene, "has friction with the law at nodes only; use evaluation='full'")
     scene, _ = on_half_space(steel_space, BALL, 1.0, law=laws.LinearLayer(1e16), friction=0.1)

@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.online import Settings, run
+from warpffrf.model.errors import InputError
+from warpffrf.online import run
+from warpffrf.output.accuracy.demands import contact_choices
+from warpffrf.output.accuracy.limits import Limits
+from warpffrf.output.budget.contacts import GAPS
+from warpffrf.output.simulate import simulate
 from warpffrf.study.hard_cases.cases.misaligned import LOAD, RADIUS, TILT, scene_of
 from warpffrf.verification.scenes.rollers import PAIR
 
@@ -15,7 +20,9 @@ SAID = "gaps along the line of centres leave about"
 @pytest.mark.parametrize(("skew", "points"), [(0.0, False), (0.0, True), (3e-2, False)])
 def test_moments_that_are_left_out_are_named(skew: float, points: bool) -> None:
     """R_B tilt F on the line of centres, and a note; nothing at points, whether asked for or because of the skew."""
-    history = run(scene_of(skew), 0.06, step=1e-4, progress=False, settings=Settings(force_points=points))
+    scene = scene_of(skew)
+    scene.contacts[0].gaps = "points" if points else "auto"
+    history = run(scene, 0.06, step=1e-4, progress=False)
     pair, surface = history.contacts[PAIR], history.scene.contacts[0].a.surface
     loads = surface.gram_z @ pair.pressure[-1].sum(axis=0)
     F = pair.force[-1]
@@ -28,4 +35,23 @@ def test_moments_that_are_left_out_are_named(skew: float, points: bool) -> None:
         assert abs(off) == pytest.approx(left, rel=0.05)
         assert len(noted) == 1
         largest = TILT * RADIUS * float(np.linalg.norm(pair.force, axis=1).max())  # of the run, which swings at first
+        assert 'gaps="points"' in noted[0]
         assert float(noted[0].split(f"{SAID} ")[1].split()[0]) == pytest.approx(largest, rel=0.05)
+
+
+def test_the_budget_says_what_is_left_out_and_accuracy_asks_for_points() -> None:
+    scene = scene_of(0.0)
+    result = simulate(scene, 0.06, step=1e-4, progress=False)
+    lines = result.error_budget()
+    (line,) = (line for line in lines if line.source == GAPS)
+    pair = result.history.contacts[PAIR]
+    moment = np.linalg.norm(pair.torque, axis=1)[np.linalg.norm(pair.force, axis=1).argmax()]
+    assert line.size == pytest.approx(TILT * RADIUS * np.linalg.norm(pair.force, axis=1).max() / moment, rel=0.05)
+    asked = [choice for choice in contact_choices(scene, result, lines, Limits.of(1e-3)) if choice.option == "gaps"]
+    assert [(choice.name, choice.value) for choice in asked] == [(PAIR, "points")]
+    assert not [c for c in contact_choices(scene, result, lines, Limits.of(0.2)) if c.option == "gaps"]
+    before = scene.content_hash()
+    scene.contacts[0].gaps = "points"
+    assert scene.content_hash() != before
+    with pytest.raises(InputError, match="gaps"):
+        scene.contacts[0].gaps = "lines"

@@ -21,6 +21,7 @@ from warpffrf.model.laws import Law, Unilateral, as_law
 UNILATERAL = Unilateral()
 EVALUATIONS = ("full", "semi", "hyper")
 GRIDS = ("auto", "material", "patch")
+GAPS = ("auto", "points")
 CELL_ERROR = 0.005  # of force and largest pressure: what half-space and mesh leave is of this size
 CELL_ERRORS = (5e-4, 0.02)  # 2,400 cells; seven strips, fewer of which follow no rule
 
@@ -28,17 +29,20 @@ CELL_ERRORS = (5e-4, 0.02)  # 2,400 cells; seven strips, fewer of which follow n
 class Contact:
     """Contact between two contact surfaces, `body["rim"]` each; the first must be of a flexible body.
 
-    Forces are reported on the first body. law: what lies between the surfaces, see `warpffrf.model.laws`, nothing by
-    default. friction: the coefficient, or a friction law (`warpffrf.model.friction`); above 0 it needs flexible bodies
-    that were reduced with tangential=True. evaluation: where the law is looked at, "semi" at all points of the contact
-    grid, "hyper" at the few points chosen when the first body was reduced, "full" at every surface node, the slow
-    reference. grid: "material", pressures on the contact grid of the first body, bound to its material, which wants
-    four nodes in a contact half-width; "patch", on cells that travel with the patch, for meshes of any size (bodies
-    reduced on coarse meshes, or with patch_grid=True); "auto", the latter where the bodies have what it needs and
-    nothing is asked that it cannot do, which a run's notes say. cell_error: what the cells of a patch may add to the
-    relative error of force and largest pressure; after a run a note says what finer cells change at some saved steps.
-    cells: strips across and rows along, None to have them chosen for that error. capacity: largest number of active
-    hats, None to have it chosen. overlap [m]: how deep the surfaces may lie in one another at the start of a run, None
+    Forces are reported on the first body. law: what lies between the surfaces, see `warpffrf.model.laws`, nothing
+    by default. friction: the coefficient, or a friction law (`warpffrf.model.friction`); above 0 it needs flexible
+    bodies that were reduced with tangential=True. evaluation: where the law is looked at, "semi" at all points of
+    the contact grid, "hyper" at the few points chosen when the first body was reduced, "full" at every surface
+    node, the slow reference. grid: "material", pressures on the contact grid of the first body, bound to its
+    material, which wants four nodes in a contact half-width; "patch", on cells that travel with the patch, for
+    meshes of any size (bodies reduced on coarse meshes, or with patch_grid=True); "auto", the latter where the
+    bodies have what it needs and nothing is asked that it cannot do, which a run's notes say. cell_error: what the
+    cells of a patch may add to the relative error of force and largest pressure; after a run a note says what finer
+    cells change at some saved steps. gaps: where on the contact grid the surfaces are apart by how much: "auto",
+    along the line of centres of rollers whose axes are parallel at the start, which is fast, else, or with
+    "points", at points of both surfaces, which also holds for axes that lean towards each other later. cells:
+    strips across and rows along, None to have them chosen for that error. capacity: largest number of active hats,
+    None to have it chosen. overlap [m]: how deep the surfaces may lie in one another at the start of a run, None
     for a small part of their radius. name: default "<first body>-<second body>".
     """
 
@@ -54,6 +58,7 @@ class Contact:
         friction: Any = 0.0,
         evaluation: str = "semi",
         grid: str = "auto",
+        gaps: str = "auto",
         cell_error: float = CELL_ERROR,
         cells: tuple[int, int] | None = None,
         capacity: int | None = None,
@@ -84,6 +89,7 @@ class Contact:
         self.cell_error = cell_error
         self.cells = cells
         self.grid = grid
+        self.gaps = gaps
         self.capacity = capacity
         self.overlap = overlap
 
@@ -140,6 +146,17 @@ class Contact:
             raise unknown_name(f"{self._label}: grid", value, GRIDS)
         self._grid = str(value)
         self._check_patch()
+
+    @property
+    def gaps(self) -> str:
+        """Where gaps are taken, one of GAPS."""
+        return self._gaps
+
+    @gaps.setter
+    def gaps(self, value: Any) -> None:
+        if value not in GAPS:
+            raise unknown_name(f"{self._label}: gaps", value, GAPS)
+        self._gaps = str(value)
 
     @property
     def cell_error(self) -> float:
@@ -209,6 +226,8 @@ class Contact:
         options: dict[str, Any] = {"evaluation": self.evaluation, "capacity": self.capacity, "overlap": self.overlap}
         if self.grid != "auto":  # scenes of before keep their hash
             options |= {"grid": self.grid, "cells": None if self.cells is None else list(self.cells)}
+        if self.gaps != "auto":
+            options["gaps"] = self.gaps
         if self.cell_error != CELL_ERROR:
             options["cell_error"] = self.cell_error
         return {"name": self.name, **surfaces, **laws, **options}

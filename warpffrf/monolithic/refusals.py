@@ -16,8 +16,9 @@ SHAPES = ("cylinder", "crowned_cylinder")
 
 
 def needs_nodes(scene: Any) -> bool:
-    """Whether contacts of evaluation "full" have anything that the line of centres does not: friction, a rigid
-    partner, another shape, or a layer that is no straight line. Then all of them go by the true shapes."""
+    """Whether contacts of evaluation "full" have anything that the line of centres does not: friction, gaps at
+    points, a rigid partner, another shape, or a layer that is no straight line. Then all of them go by the true
+    shapes."""
     return any(_beyond(contact) is not None for contact in scene.contacts)
 
 
@@ -54,6 +55,8 @@ def _beyond(contact: Any) -> str | None:
     """What of `contact` is not on the line of centres, in words."""
     if contact.friction.acts:
         return "friction"
+    if contact.gaps == "points":
+        return 'gaps="points"'
     if contact.b.rigid:
         return f"a rigid partner, {contact.b.label},"
     for port in (contact.a, contact.b):

@@ -12,6 +12,7 @@ too large by e^2/2. Pairs that begin skewed have their gaps taken at points; one
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,13 +22,13 @@ from warpffrf.model.gap import facing_gap, smallest_gap
 from warpffrf.model.reach import out_of_reach
 from warpffrf.model.scene import Scene
 from warpffrf.model.slopes import leanings
-from warpffrf.online.compile.pairs import SKEW
 from warpffrf.online.diagnosis.border_notes import border_notes
 from warpffrf.online.diagnosis.cell_notes import arc_per_theta, cell_notes, near_patches
 from warpffrf.online.diagnosis.undeformed_normal import normal_notes
 from warpffrf.online.history.history import ContactHistory, History
 from warpffrf.online.history.sensors import turned
 
+AT_POINTS = 'give the contact gaps="points"'
 CELLS = 'or grid="patch" with bodies that were reduced with patch_grid=True'
 FEWEST_COLUMNS = 4  # across the largest patch: with fewer, peaks and half-widths are those of the grid
 CUT = 0.05  # of the load: hats that hang over the end of the second surface by more are worth a word
@@ -110,28 +111,48 @@ def _skewed(contact: Contact, found: ContactHistory, history: History) -> list[s
     return [
         f"contact {contact.name!r}: the axes of the two surfaces turned against each other by up to "
         f"{angles.max():.3g} rad, more than the {MOST_SKEW:g} that gaps along the line of centres are good for, and "
-        f"pressures are wrong by the order of {0.5 * angles.max() ** 2:.1%}; begin the run with the axes turned about "
-        f"so far (more than {SKEW:g} rad at the start takes gaps at points)"
+        f"pressures are wrong by the order of {0.5 * angles.max() ** 2:.1%}; {AT_POINTS}"
     ]
 
 
 def _tilted(contact: Contact, found: ContactHistory, history: History) -> list[str]:
     """Gaps along lines of centres leave out R_B tilt^2/2, and so the moment R_B tilt F, where axes lean towards each
     other; said where it is a noticeable part of the moment of the pair."""
-    force, moment = np.linalg.norm(found.force, axis=1), np.linalg.norm(found.torque, axis=1)
-    axes = [turned(history.bodies[port.body.name].rotation, port.surface.shape.e_a) for port in (contact.a, contact.b)]
-    normal = found.force / np.maximum(force, 1e-300)[:, None]
-    tilt = np.abs(np.subtract(*(np.einsum("ti,ti->t", normal, axis) for axis in axes)))
-    left = force * float(contact.b.surface.shape.radius) * np.where(tilt > LEAST_TILT, tilt, 0.0)
-    at = int(np.argmax(left))
-    if left[at] <= MOMENT_LEFT * moment[at]:
+    lean = Leaning.of(contact, found, history)
+    if lean.left <= MOMENT_LEFT * lean.moment:
         return []
     return [
-        f"contact {contact.name!r}: the axes of the two surfaces lean towards each other by up to {tilt[at]:.2g} rad; "
-        f"gaps along the line of centres leave about {left[at]:.2g} N m of the moment out that this gives, of "
-        f"{moment[at]:.2g} N m in all; begin the run with the axes turned against each other by more than {SKEW:g} rad "
-        "where that matters (it takes gaps at points)"
+        f"contact {contact.name!r}: the axes of the two surfaces lean towards each other by up to {lean.tilt:.2g} rad; "
+        f"gaps along the line of centres leave about {lean.left:.2g} N m of the moment out that this gives, of "
+        f"{lean.moment:.2g} N m in all; {AT_POINTS} where that matters"
     ]
+
+
+@dataclass(frozen=True)
+class Leaning:
+    """Where axes that lean towards each other by `tilt` [rad] leave most out: R_B tilt F, the moment `left` [N m] out
+    of a pair on lines of centres, beside its `moment` [N m] and its `force` [N]."""
+
+    tilt: float
+    left: float
+    moment: float
+    force: float
+
+    @classmethod
+    def of(cls, contact: Contact, found: ContactHistory, history: History) -> Leaning:
+        """In a run of some rows."""
+        force, moment = np.linalg.norm(found.force, axis=1), np.linalg.norm(found.torque, axis=1)
+        tilt = _tilt(contact, found, history)
+        left = force * float(contact.b.surface.shape.radius) * np.where(tilt > LEAST_TILT, tilt, 0.0)
+        at = int(np.argmax(left))
+        return cls(float(tilt[at]), float(left[at]), float(moment[at]), float(force[at]))
+
+
+def _tilt(contact: Contact, found: ContactHistory, history: History) -> np.ndarray:
+    """(T,) rad, by which the axes lean towards each other along the normal."""
+    axes = [turned(history.bodies[port.body.name].rotation, port.surface.shape.e_a) for port in (contact.a, contact.b)]
+    normal = found.force / np.maximum(np.linalg.norm(found.force, axis=1), 1e-300)[:, None]
+    return np.abs(np.subtract(*(np.einsum("ti,ti->t", normal, axis) for axis in axes)))
 
 
 def angle_between_axes(contact: Contact, history: History) -> np.ndarray:

@@ -13,7 +13,14 @@ import numpy as np
 
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.output.budget.bodies import inertia_lines, local_lines
-from warpffrf.output.budget.contacts import friction_lines, grid_lines, mesh_lines, point_lines, tolerance_lines
+from warpffrf.output.budget.contacts import (
+    friction_lines,
+    gap_lines,
+    grid_lines,
+    mesh_lines,
+    point_lines,
+    tolerance_lines,
+)
 from warpffrf.output.budget.energy import energy_lines
 from warpffrf.output.budget.time_step import time_step_lines
 
@@ -26,7 +33,8 @@ def error_budget(result: Any, *, progress: bool = False) -> list[BudgetLine]:
     engine = history.marks.engine()
     return [
         *time_step_lines(history, engine, progress=progress), *energy_lines(result),
-        *grid_lines(result, engine), *friction_lines(result), *point_lines(result), *mesh_lines(result),
+        *grid_lines(result, engine), *gap_lines(result, engine), *friction_lines(result), *point_lines(result),
+        *mesh_lines(result),
         *inertia_lines(result, engine), *local_lines(result, engine), *tolerance_lines(result, engine),
     ]  # fmt: skip
 

@@ -4,6 +4,8 @@
 norm, at most, for a patch of the size found at the largest load, by the rule of `offline.contact.grid_rule` (worst
 position of the patch on the grid; the mean one is about half of it). *Cells of a patch*: other cells at sampled steps,
 of the pressures as cell means in the L2 norm (`online.diagnosis.cell_check`).
+*Gaps along lines of centres*: the moment that they leave out where axes lean towards each other
+(`online.diagnosis.contact_notes.Leaning`), beside that of the contact, or `EDGE` of what its force has at the end.
 *Friction on cells*: of a patch that advances c cells a step, where c is above `MOST_CELLS`, c/MOST_CELLS times
 `FRICTION_ERROR` of the largest friction force (docs/studies/patch_rolling.md: 0.9 to 1.0 % at 2.5, 1.0 to 1.4 % at 4).
 *Points*: all points at sampled steps (`online.diagnosis.sampling_check`). The mesh needs a second one,
@@ -20,9 +22,11 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
 from warpffrf.model.evaluations import evaluation_of
 from warpffrf.offline.contact.grid_rule import grid_error
+from warpffrf.online.diagnosis.contact_notes import Leaning
 from warpffrf.online.diagnosis.sampling_check import check_sampling
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.budget_line import BudgetLine
@@ -31,6 +35,8 @@ from warpffrf.output.contact.friction import FRICTION_ERROR, MOST_CELLS
 
 PATCHES = {"line": "line", "point": "ellipse"}  # kinds of patches that the rule knows
 FORCE, PRESSURE = "force", "pressure"
+GAPS = "gaps along lines of centres"
+EDGE = 0.01  # of the force times half the width
 ADVANCE = "friction of large steps"
 GRID, POINTS, MESH, TOLERANCE = "contact grid", "sampling points", "FE mesh", "iteration"
 
@@ -95,6 +101,20 @@ def hats_error(found: Any, spacing: float, quantity: str) -> float:
         for s, width in zip((spacing, along), widths, strict=False)
     ]
     return max((np.nan if size is None else size for size in sizes), key=lambda size: (np.isnan(size), size))
+
+
+def gap_lines(result: Any, engine: Engine) -> list[BudgetLine]:
+    """One line for each loaded contact whose gaps are taken along lines of centres."""
+    lines, families = [], engine.compiled.model.pairs.family.numpy()
+    for number, contact in enumerate(result.history.scene.contacts):
+        if families[number] != LINE_OF_CENTRES or not np.any(result.contact(contact.name).touching):
+            continue
+        lean = Leaning.of(contact, result.history.contacts[contact.name], result.history)
+        beside = max(lean.moment, EDGE * lean.force * 0.5 * float(np.ptp(contact.a.surface.grid.z)))
+        size = lean.left / beside if beside > 0.0 else 0.0
+        basis = f"axes lean towards each other by {lean.tilt:.2g} rad"
+        lines.append(BudgetLine(GAPS, f"moment of contact {contact.name!r}", size, basis, 'gaps="points"'))
+    return lines
 
 
 def friction_lines(result: Any) -> list[BudgetLine]:
