@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from warpffrf.model.errors import InputError
+from warpffrf.verification import oil_film
 from warpffrf.verification.closed_forms.cavitation import PartingPlates, ruptured_slider
 from warpffrf.verification.closed_forms.films import (
     HALF_CYLINDER,
@@ -209,21 +210,10 @@ def test_plates_that_part_and_meet() -> None:
 
 def test_a_load_that_turns_is_a_steady_one_at_another_speed() -> None:
     """Whirl speed w and shaft speed omega: as at |omega - 2 w| under a load that stands."""
-    load, turning, steps = 3000.0, 0.25, 60
-    still = JournalFilm(RADIUS, 0.025, CLEARANCE, VISCOSITY, SPEED * abs(1.0 - 2.0 * turning), 32, 7, mode="reynolds")
-    place = np.array([0.3 * CLEARANCE, 0.0])
-    still.begin(place)
-    for _ in range(30):
-        place, _ = still.carry(place, np.array([load, 0.0]), 0.01)
-    film = JournalFilm(RADIUS, 0.025, CLEARANCE, VISCOSITY, SPEED, 32, 7, mode="reynolds")
-    orbit, step, iterations = np.array([0.5, -0.3]) * CLEARANCE, 2.0 * np.pi / SPEED / steps, []
-    film.begin(orbit)
-    for k in range(1, 4 * steps + 1):
-        angle = turning * SPEED * k * step
-        orbit, count = film.carry(orbit, load * np.array([np.cos(angle), np.sin(angle)]), step)
-        iterations.append(count)
-    assert np.hypot(*orbit) == pytest.approx(np.hypot(*place), rel=5e-3)  # columns that the load passes
-    assert np.mean(iterations[steps:]) < 8
+    hats = (32, 7)
+    found, iterations = oil_film.turning(3000.0, hats, 60)
+    assert found == pytest.approx(oil_film.standing(3000.0, hats), rel=5e-3)  # columns that the load passes
+    assert iterations < 8
 
 
 def test_threshold_of_stability_of_a_short_bearing() -> None:

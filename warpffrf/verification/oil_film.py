@@ -156,27 +156,38 @@ def parting_rows() -> list[list[str]]:
     return rows
 
 
-def orbits(load: float, steps: Sequence[int]) -> list[list[str]]:
-    """A load that turns at a quarter of the shaft's speed: eccentricity beside that under a standing load at the speed
-    |omega - 2 w|, and Newton iterations a step."""
-    hats = (48, 9)
-    still = JournalFilm(
+def standing(load: float, hats: tuple[int, int]) -> float:
+    """Eccentricity [m] under a load [N] that stands, at the speed |omega - 2 w| at which one that turns with w = TURNING
+    omega does the same."""
+    film = JournalFilm(
         RADIUS, RADIUS, CLEARANCE, VISCOSITY, SPEED * abs(1.0 - 2.0 * TURNING), *hats, mode="reynolds"
     )  # fmt: skip
     place = 0.6 * at(0.5)
-    still.begin(place)
+    film.begin(place)
     for _ in range(30):
-        place, _ = still.carry(place, np.array([load, 0.0]), 0.01)
-    exact, rows = float(np.hypot(*place)), []
+        place, _ = film.carry(place, np.array([load, 0.0]), 0.01)
+    return float(np.hypot(*place))
+
+
+def turning(load: float, hats: tuple[int, int], per_turn: int) -> tuple[float, float]:
+    """Eccentricity [m] under a load [N] that turns, after four turns of the shaft in so many steps each, and the mean
+    number of Newton iterations a step from the second turn on."""
+    film = JournalFilm(RADIUS, RADIUS, CLEARANCE, VISCOSITY, SPEED, *hats, mode="reynolds")
+    place, step, counts = np.array([0.5, -0.3]) * CLEARANCE, 2.0 * np.pi / SPEED / per_turn, []
+    film.begin(place)
+    for k in range(1, 4 * per_turn + 1):
+        angle = TURNING * SPEED * k * step
+        place, count = film.carry(place, load * np.array([np.cos(angle), np.sin(angle)]), step)
+        counts.append(count)
+    return float(np.hypot(*place)), float(np.mean(counts[per_turn:]))
+
+
+def turning_rows(load: float, steps: Sequence[int], hats: tuple[int, int] = (48, 9)) -> list[list[str]]:
+    """Beside the load that stands, by steps a turn."""
+    exact, rows = standing(load, hats), []
     for per_turn in steps:
-        film = JournalFilm(RADIUS, RADIUS, CLEARANCE, VISCOSITY, SPEED, *hats, mode="reynolds")
-        orbit, step, counts = np.array([0.5, -0.3]) * CLEARANCE, 2.0 * np.pi / SPEED / per_turn, []
-        film.begin(orbit)
-        for k in range(1, 4 * per_turn + 1):
-            angle = TURNING * SPEED * k * step
-            orbit, count = film.carry(orbit, load * np.array([np.cos(angle), np.sin(angle)]), step)
-            counts.append(count)
-        rows.append([str(per_turn), _off(float(np.hypot(*orbit)), exact), f"{np.mean(counts[per_turn:]):.1f}"])
+        found, iterations = turning(load, hats, per_turn)
+        rows.append([str(per_turn), _off(found, exact), f"{iterations:.1f}"])
     return rows
 
 
@@ -251,7 +262,7 @@ when it collapses, in periods. BDF2.
 A load of 3 kN on a bearing of L/D 0.5 that turns at a quarter of the shaft's speed: eccentricity beside that of a load
 that stands, at half of the speed. BDF2, 48 x 9 hats.
 
-{table(["steps a turn", "eccentricity", "Newton iterations a step"], orbits(3000.0, (30, 60, 120)))}
+{table(["steps a turn", "eccentricity", "Newton iterations a step"], turning_rows(3000.0, (30, 60, 120)))}
 Short bearing, L/D 0.02, eccentricity 0.5, half film: where it begins to whirl. The film ends between two columns,
 which is of first order.
 
