@@ -157,8 +157,8 @@ def parting_rows() -> list[list[str]]:
 
 
 def standing(load: float, hats: tuple[int, int]) -> float:
-    """Eccentricity [m] under a load [N] that stands, at the speed |omega - 2 w| at which one that turns with w = TURNING
-    omega does the same."""
+    """Eccentricity [m] under a load [N] that stands, at the speed |omega - 2 w| at which one that turns with
+    w = TURNING omega does the same."""
     film = JournalFilm(
         RADIUS, RADIUS, CLEARANCE, VISCOSITY, SPEED * abs(1.0 - 2.0 * TURNING), *hats, mode="reynolds"
     )  # fmt: skip
