@@ -50,7 +50,7 @@ def run_case(case: Case, setting: Setting) -> tuple[Result | None, Row]:
     try:
         with MemoryWatch() as memory:
             result = _run(case, setting, case.build)
-        twin = None if case.twin is None else _run(*_same_steps(case, setting, result), case.twin)
+        twin = None if case.twin is None else _run(*_same_steps(case, setting, result), _alike(case.twin, result))
     except InputError as error:
         verdict = Verdict(REFUSED, str(error))
     except CRASHES as error:
@@ -79,6 +79,25 @@ def _same_steps(case: Case, setting: Setting, result: Result) -> tuple[Case, Set
     step = float(result.time[-1]) / steps
     energy = result.history.counters.get("energy_tolerance", setting.energy)
     return replace(case, most_steps=steps, rows=steps), replace(setting, accuracy=None, step=step, energy=energy)
+
+
+def _alike(build: Callable[[], Any], result: Result) -> Callable[[], Any]:
+    """What makes a scene, with what bodies and contacts of those names have in the scene of `result`: a run to an
+    accuracy has chosen it."""
+
+    def built() -> Any:
+        scene, chosen = build(), result.history.scene
+        for items, others, options in (
+            (scene.bodies, chosen.bodies, ("level", "stiffening")),
+            (scene.contacts, chosen.contacts, ("grid", "gaps", "cell_error")),
+        ):
+            by_name = {other.name: other for other in others}
+            for item in items:
+                for option in options if item.name in by_name else ():
+                    setattr(item, option, getattr(by_name[item.name], option))
+        return scene
+
+    return built
 
 
 def _run(case: Case, setting: Setting, build: Callable[[], Any]) -> Result:
