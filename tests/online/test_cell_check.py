@@ -79,7 +79,7 @@ def test_evaluated_again_as_in_the_run(straight, monkeypatch) -> None:
     """On the run's own cells the forces at saved steps of turning rollers are those that were saved."""
     scene = cr.held(straight, straight, APPROACH, turning=2.0)
     history = run(scene, 2e-3, step=1e-4, start="equilibrium", progress=False)
-    monkeypatch.setattr(cell_check, "_spread", lambda plan, *_: plan)
+    monkeypatch.setattr(PatchPlan, "spread", lambda plan, *_: plan)
     engine = Engine(scene)
     forces = np.linalg.norm(history.contacts[cr.PAIR].force, axis=1)
     rows = [3, 12, 20]

@@ -63,6 +63,10 @@ def test_a_body_that_rests_is_beside_the_machine() -> None:
     found = quantities(run(scene, 1.0, 0.1).history)
     assert found["motion of body 'goer'"].size == pytest.approx(0.5, rel=1e-9)
     assert found["motion of body 'creeper'"].size == pytest.approx(0.5 * STILL, rel=1e-9)
+    assert "of the largest way" in found["motion of body 'creeper'"].beside
+    assert found["motion of body 'goer'"].beside == ""
+    (line,) = (line for line in run(scene, 1.0, 0.1).error_budget() if line.of == "motion of body 'creeper'")
+    assert "of the largest way" in line.basis
     assert "motion of body 'still'" not in found
 
 
@@ -73,6 +77,7 @@ def test_a_contact_that_carries_little_is_beside_the_machine() -> None:
     history: Any = SimpleNamespace(contacts=contacts, lumped_contacts={}, scene=SimpleNamespace(bodies=[]), bodies={})
     found = quantities(history)
     assert [found[f"force of contact {name!r}"].size for name in forces] == pytest.approx([2e4, 20.0, 20.0])
+    assert [bool(found[f"force of contact {name!r}"].beside) for name in forces] == [False, False, True]
     assert shares(history) == pytest.approx({"heavy": 1.0, "some": 1.0, "light": 2.0 / (LIGHT * 2e4)})
     line = BudgetLine("contact grid", "force", 0.05, "found")
     assert _beside(line, 0.1).size == pytest.approx(0.005) and "carries less" in _beside(line, 0.1).basis

@@ -83,16 +83,21 @@ def check_cells(engine: Engine, history: History, sampled: int = SAMPLED) -> dic
     forces = {i: np.linalg.norm(record.force, axis=1) for i, record in found.items()}
     if not any(np.any(force > 0.0) for force in forces.values()):
         return {}
-    few = {i: _spread(plan, scene.contacts[i], found[i], *np.minimum(_size(plan), FEW)) for i, plan in plans.items()}
+    widths = {i: _widths(found[i], forces[i]) for i in plans}
+    few = {
+        i: plan.spread(scene.contacts[i], min(plan.columns, FEW[0]), min(len(plan.z), FEW[1]), *widths[i])
+        for i, plan in plans.items()
+    }
     checks = {}
     for i, plan in plans.items():
         loaded = _loaded(forces[i])
         if not len(loaded):
             continue
         rows = _sampled(loaded, forces[i], sampled)
-        finer = plan.columns * len(plan.z) < MANY
-        more = [2 * n - 1 if finer else (n + 1) // 2 | 1 for n in _size(plan)]
-        other = _spread(plan, scene.contacts[i], found[i], *more)
+        size = plan.columns, len(plan.z)
+        finer = size[0] * size[1] < MANY
+        across, along = (2 * n - 1 if finer else (n + 1) // 2 | 1 for n in size)
+        other = plan.spread(scene.contacts[i], across, along, *widths[i])
         at_own, at_other = (_at_rest(engine, history, rows, i, {**few, i: cells}) for cells in (plan, other))
         apart = [
             _apart(at_own[t], at_other[t]) for t in rows if t in at_own and t in at_other and at_own[t].force > 0.0
@@ -129,23 +134,19 @@ def _apart(own: _Found, other: _Found) -> np.ndarray:
     return np.array([abs(other.force / own.force - 1.0), abs(largest - 1.0), np.sqrt(apart / size)])
 
 
-def _size(plan: PatchPlan) -> tuple[int, int]:
-    """Strips across and rows along."""
-    return plan.columns, len(plan.z)
-
-
 def _loaded(force: np.ndarray) -> np.ndarray:
     """Rows of a history of forces that are no small part of the largest."""
     return np.flatnonzero(force > TOUCHING * force.max(initial=0.0))
 
 
-def _spread(plan: PatchPlan, contact: Contact, found: ContactHistory, across: int, along: int) -> PatchPlan:
-    """`across` strips and `along` rows for the half-widths at loaded rows; at all, where there are none."""
+def _widths(found: ContactHistory, force: np.ndarray) -> tuple[float, float]:
+    """Half-widths [m] that cells are laid for, by the rows in which the `force` is no small part of the largest; by
+    all, where there are none."""
     if found.cells is None:
-        raise TypeError(f"contact {contact.name!r} has no cells")
-    width, loaded = found.cells.half_width, _loaded(np.linalg.norm(found.force, axis=1))
-    width = width[loaded] if len(loaded) else width
-    return plan.spread(contact, across, along, float(width.min()) / MARGIN, float(width.max()) * MARGIN)
+        raise TypeError("the contact has no cells")
+    loaded = _loaded(force)
+    width = found.cells.half_width[loaded] if len(loaded) else found.cells.half_width
+    return float(width.min()) / MARGIN, float(width.max()) * MARGIN
 
 
 def _sampled(rows: np.ndarray, force: np.ndarray, count: int) -> list[int]:

@@ -24,12 +24,17 @@ SPIKE = 10.0  # times the median of a force under load: the largest of a bounce 
 @dataclass(frozen=True)
 class Quantity:
     """One quantity of a run: `values` (T, n) at its saved steps. Errors are lengths of differences over `size`; values
-    of more than `most` are not compared."""
+    of more than `most` are not compared. beside: what a report says of a size that is not the quantity's own."""
 
     name: str
     values: Array
     size: float
     most: float = np.inf
+    beside: str = ""
+
+    def at_least(self, least: float, beside: str) -> Quantity:
+        """Beside `least`, where it is less and not zero."""
+        return replace(self, size=least, beside=f"; beside {beside}") if 0.0 < self.size < least else self
 
     def apart(self, other: Array, rows: Any = slice(None)) -> Array:
         """(T,) lengths of the differences from `other` (T, n) of its `rows`."""
@@ -48,13 +53,13 @@ def quantities(history: History) -> dict[str, Quantity]:
     """
     forces = [_of_force(name, contact.force) for name, contact in _contacts(history)]
     least = LIGHT * max((quantity.size for quantity in forces), default=0.0)
-    found = [replace(quantity, size=max(quantity.size, least) if quantity.size > 0.0 else 0.0) for quantity in forces]
+    found = [quantity.at_least(least, f"{LIGHT:g} of the largest contact force") for quantity in forces]
     places = {body.name: _places(body, history) for body in history.scene.bodies}
     ways = {name: _way(values) for name, values in places.items()}
     least = STILL * max(ways.values(), default=0.0)
     for body in history.scene.bodies:
-        size = max(ways[body.name], least) if ways[body.name] > 0.0 else 0.0
-        found.append(Quantity(f"motion of body {body.name!r}", places[body.name], size))
+        motion = Quantity(f"motion of body {body.name!r}", places[body.name], ways[body.name])
+        found.append(motion.at_least(least, f"{STILL:g} of the largest way in the machine"))
         modal = history.bodies[body.name].modal
         if modal.size:
             strain = 2.0 * np.pi * np.asarray(body.reduced.frequencies) * modal

@@ -99,7 +99,10 @@ def time_step_lines(history: History, engine: Engine, *, progress: bool) -> list
         again = marks.finer(engine, busiest, min(steps, reached - busiest))
         lines = _with_finer(lines, own, again, parts_of, "the busiest part")
     bar.close()
-    return [replace(line, basis=line.basis + _unseen(history, marks.step)) for line in lines]
+    unseen = _unseen(history, marks.step)
+    return [
+        replace(line, basis=line.basis + own[line.of].beside + unseen) if line.of in own else line for line in lines
+    ]
 
 
 def _with_finer(
