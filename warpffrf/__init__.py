@@ -14,9 +14,23 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from warpffrf import study
-    from warpffrf.model import bases, damping, forces, integrators, joints, laws, mesh, sensors, signals, surfaces
+    from warpffrf.model import (
+        bases,
+        damping,
+        films,
+        forces,
+        integrators,
+        joints,
+        laws,
+        mesh,
+        oils,
+        sensors,
+        signals,
+        surfaces,
+    )
     from warpffrf.model.contact import Contact
     from warpffrf.model.errors import InputError
+    from warpffrf.model.films import Film
     from warpffrf.model.lumped_contact import LumpedContact
     from warpffrf.model.material import Material
     from warpffrf.model.reduced_body import ReducedBody
@@ -35,6 +49,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Contact",
+    "Film",
     "GeneralizedAlpha",
     "InputError",
     "LocalDynamics",
@@ -50,12 +65,14 @@ __all__ = [
     "damping",
     "eigenmodes",
     "equilibrium",
+    "films",
     "forces",
     "integrators",
     "joints",
     "laws",
     "load_scene",
     "mesh",
+    "oils",
     "reduce",
     "run_scene",
     "sensors",
@@ -68,6 +85,7 @@ __all__ = [
 # public name -> module, and the attribute there (None: the module itself)
 _WHERE: dict[str, tuple[str, str | None]] = {
     "Contact": ("warpffrf.model.contact", "Contact"),
+    "Film": ("warpffrf.model.films", "Film"),
     "GeneralizedAlpha": ("warpffrf.online", "GeneralizedAlpha"),
     "InputError": ("warpffrf.model.errors", "InputError"),
     "LocalDynamics": ("warpffrf.online", "LocalDynamics"),
@@ -83,12 +101,14 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "damping": ("warpffrf.model.damping", None),
     "eigenmodes": ("warpffrf.output.modes_result", "eigenmodes"),
     "equilibrium": ("warpffrf.output.simulate", "equilibrium"),
+    "films": ("warpffrf.model.films", None),
     "forces": ("warpffrf.model.forces", None),
     "integrators": ("warpffrf.model.integrators", None),
     "joints": ("warpffrf.model.joints", None),
     "laws": ("warpffrf.model.laws", None),
     "load_scene": ("warpffrf.scene_file", "load_scene"),
     "mesh": ("warpffrf.model.mesh", None),
+    "oils": ("warpffrf.model.oils", None),
     "reduce": ("warpffrf.offline", "reduce"),
     "run_scene": ("warpffrf.scene_file", "run_scene"),
     "sensors": ("warpffrf.model.sensors", None),

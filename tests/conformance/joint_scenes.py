@@ -23,6 +23,7 @@ FREE = {
     "fixed": "",
     "revolute": "Z",
     "cylindrical": "Zz",
+    "planar": "xyZ",
     "prismatic": "z",
     "spherical": "XYZ",
     "universal": "XY'",

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 from warpffrf_kernels.core import control as k
 
-from warpffrf.model import forces, joints, laws, mesh, signals, surfaces
+from warpffrf.model import films, forces, joints, laws, mesh, oils, signals, surfaces
 from warpffrf.model.contact import Contact
+from warpffrf.model.films import Film
 from warpffrf.model.friction import RegularisedCoulomb, StribeckCoulomb
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.lumped_contact import LumpedContact
@@ -255,6 +256,33 @@ def roller_in_ring(**contact: Any) -> Scene:
     return scene
 
 
+@functools.cache
+def sleeve(modes: int = 4) -> ReducedBody:
+    """A bore that is held outside."""
+    made = mesh.sleeve(0.025, 0.035, 0.02, sectors=16, order=1, axial=4)
+    return reduce(
+        made, STEEL, interfaces={"outside": "rigid"}, contact={"bore": surfaces.Bore()}, modes=modes, cache=False,
+        progress=False,
+    )  # fmt: skip
+
+
+def journal(*, load: float = 2e3, feed: float = 1e5, speed: float = 300.0, **given: Any) -> Scene:
+    """A shaft that is turned in a film of oil, with voids, in a bore that yields."""
+    scene = Scene(gravity=(0.0, 0.0, 0.0))
+    bore = scene.add_body(sleeve(), name="bore")
+    scene.add(joints.Fixed(scene.ground, bore["outside"], axis=(0, 1, 0)))
+    shape = surfaces.Cylinder(radius=0.025 - 25e-6, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
+    shaft = scene.add_rigid_body(
+        0.5, (2e-4,) * 3, name="shaft", angular_velocity=(0.0, speed, 0.0), surfaces={"journal": shape}
+    )
+    plane = scene.add(joints.Planar(scene.ground, shaft.at((0, 0, 0)), axis=(0, 1, 0)))
+    scene.add(joints.Drive(plane, signals.Constant(speed), quantity="velocity"))
+    scene.add(forces.PointForce(shaft.at((0, 0, 0)), (signals.Table((0.0, 1e-3, 1.0), (load, 2 * load, 0.0)), 0, 0)))
+    feeds = [films.Groove(np.pi, 1e-4, feed)]
+    scene.add(Film(bore["bore"], shaft["journal"], **{"oil": oils.Newtonian(0.01), "feeds": feeds} | given))
+    return scene
+
+
 # --- how they are run
 
 
@@ -379,6 +407,15 @@ CASES: dict[str, Case] = {
     ),
     "roller in a ring": Case(roller_in_ring),
     "roller in a ring, friction": Case(lambda: roller_in_ring(friction=0.2, law=DAMPED), 5e-6),
+    "journal": Case(journal, 1e-4, {"start": "equilibrium"}),
+    "journal, piezoviscous": Case(
+        lambda: journal(
+            oil=oils.Roelands(0.01, coefficient=2e-8, density=oils.DowsonHigginson()),
+            form=films.Lobes(2e-6, 2), form_second=films.Lobes(2e-6, 3),
+        ),
+        1e-4, {"start": "equilibrium"},
+    ),
+    "journal, other rules": Case(lambda: journal(cavitation="half"), 1e-4, {"start": "equilibrium"}),
     # runs that fail, each in another way
     "too deep": Case(
         lambda: rollers(rubbing(), rubbing(), friction=0.3, load=suddenly(1e12)), options=HOPELESS, ends="capacity"

@@ -9,7 +9,7 @@ import pytest
 import warp as wp
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real
-from warpffrf_kernels.linear import block_elimination
+from warpffrf_kernels.linear import block_elimination, general_elimination
 from warpffrf_kernels.linear.outer_solve import PIVOT_TOLERANCE, invert
 from warpffrf_kernels.linear.sparse_factor import Pattern
 from warpffrf_kernels.normal.pair_elimination import block_at, gather_block, gather_lines, lines_at
@@ -227,3 +227,49 @@ def test_dependent_constraints_are_singular() -> None:
     C[1] = 2.0 * C[0]
     K = np.block([[np.eye(6), C.T], [C, np.zeros((2, 2))]])
     assert inverted(K, 1, np.zeros((0, 6)))[1] == 1
+
+
+# --- matrices that are not symmetric
+
+
+@wp.kernel
+def eliminate_any(
+    at: int, stride: int, n: int, more: int, thin: int, a: wp.array(dtype=real), pivots: wp.array(dtype=int),
+    again: wp.array(dtype=real), bad: wp.array(dtype=int),
+):  # fmt: skip
+    _w, _lane = wp.tid()
+    bad[0] = general_elimination.eliminate(a, at, stride, n, more, thin, pivots, 0)
+    general_elimination.solve_again(a, at, stride, n, pivots, 0, again, 0)
+
+
+@pytest.mark.parametrize("n", [1, 7, 8, 29])
+@pytest.mark.parametrize("thin", [0, 1, 5])
+def test_a_general_matrix_is_solved_as_by_numpy(n: int, thin: int) -> None:
+    """With pivots that have to be sought, and columns of few entries before, whose pivots are on the diagonal."""
+    thin = min(thin, n)
+    random = np.random.default_rng(n + thin)
+    A, b, c = random.normal(size=(n, n)), random.normal(size=(n, 3)), random.normal(size=n)
+    A[:, :thin] = np.eye(n)[:, :thin] - 0.5 * np.eye(n, k=-1)[:, :thin]
+    at, stride = 4, n + 5
+    whole = np.full(at + n * stride, np.nan)
+    lines = whole[at:].reshape(n, stride)
+    lines[:, :n], lines[:, n : n + 3] = A, b
+    arrays = [wp.array(v, dtype=t, device=DEVICE) for v, t in ((whole, real), (np.zeros(n, int), int), (c, real))]
+    bad = wp.zeros(1, dtype=int, device=DEVICE)
+    wp.launch_tiled(eliminate_any, dim=(1,), inputs=[at, stride, n, 3, thin, *arrays, bad], block_dim=64, device=DEVICE)
+    found = arrays[0].numpy()[at:].reshape(n, stride)[:, n : n + 3]
+    expected = np.linalg.solve(A, b)
+    assert bad.numpy()[0] == 0
+    np.testing.assert_allclose(found, expected, rtol=0, atol=ROUND_OFF * np.linalg.cond(A) * np.abs(expected).max())
+    again = np.linalg.solve(A, c)
+    np.testing.assert_allclose(
+        arrays[2].numpy(), again, rtol=0, atol=ROUND_OFF * np.linalg.cond(A) * np.abs(again).max()
+    )
+
+
+def test_a_singular_matrix_is_told() -> None:
+    a = wp.array(np.array([[1.0, 2.0, 1.0], [2.0, 4.0, 1.0]]).ravel(), dtype=real, device=DEVICE)
+    rest = [wp.zeros(2, dtype=t, device=DEVICE) for t in (int, real)]
+    bad = wp.zeros(1, dtype=int, device=DEVICE)
+    wp.launch_tiled(eliminate_any, dim=(1,), inputs=[0, 3, 2, 1, 0, a, *rest, bad], block_dim=64, device=DEVICE)
+    assert bad.numpy()[0] == 1

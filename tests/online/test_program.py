@@ -58,8 +58,12 @@ def bodies(plain_body: ReducedBody, other_body: ReducedBody, crowned_body: Reduc
         )
         for name, modulus, nu in (("patched", 210e9, 0.3), ("softer", 70e9, 0.34))
     }  # fmt: skip
+    bore = wf.reduce(
+        wf.mesh.sleeve(0.025, 0.035, 0.02, sectors=16, order=1, axial=4), wf.Material(210e9, 0.3, 7850.0),
+        interfaces={"outside": "rigid"}, contact={"bore": wf.surfaces.Bore()}, modes=4, cache=False, progress=False,
+    )  # fmt: skip
     made = {"plain": plain_body, "other": other_body, "crowned": crowned_body, "few": few, "rubbing": rubbing}
-    return made | patched
+    return made | patched | {"bore": bore}
 
 
 def pendulum(bodies: Bodies) -> wf.Scene:
@@ -119,6 +123,23 @@ def rolling_ball(bodies: Bodies) -> wf.Scene:
     return scene
 
 
+def oiled(bodies: Bodies) -> wf.Scene:
+    """A shaft that a load presses into a film of oil, in a bore that yields."""
+    scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
+    bore = scene.add_body(bodies["bore"], name="bore")
+    scene.add(wf.joints.Fixed(scene.ground, bore["outside"], axis=(0, 1, 0)))
+    shape = wf.surfaces.Cylinder(radius=0.025 - 25e-6, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
+    shaft = scene.add_rigid_body(
+        0.5, (2e-4,) * 3, name="shaft", angular_velocity=(0.0, 300.0, 0.0), surfaces={"journal": shape}
+    )
+    plane = scene.add(wf.joints.Planar(scene.ground, shaft.at((0, 0, 0)), axis=(0, 1, 0)))
+    scene.add(wf.joints.Drive(plane, wf.signals.Constant(300.0), quantity="velocity"))
+    scene.add(wf.forces.PointForce(shaft.at((0, 0, 0)), (wf.signals.Table((0.0, 1e-4, 1.0), (2e3, 4e3, 0.0)), 0, 0)))
+    feeds = [wf.films.Groove(np.pi, 1e-4, 1e5)]
+    scene.add(wf.Film(bore["bore"], shaft["journal"], oil=wf.oils.Newtonian(0.01), feeds=feeds))
+    return scene
+
+
 SCENES: dict[str, Callable[[Bodies], wf.Scene]] = {
     "line": lambda b: guided_pair(b["plain"], b["other"], speed=60.0, ramp=0.02),
     "impulsive": lambda b: guided_pair(b["plain"], b["other"], speed=60.0, ramp=5e-4),
@@ -132,13 +153,14 @@ SCENES: dict[str, Callable[[Bodies], wf.Scene]] = {
     "rolling ball": rolling_ball,
     "sparse": pendulum,
     "joint friction": rubbing_pendulum,
+    "film": oiled,
 }
 
 
 def steps(scene: wf.Scene, step: float, poison: bool, **options: Any) -> tuple[SavedRows, SavedRows]:
     """State and saved rows after some steps, each attempt replayed by itself, with scratch made unusable between."""
     engine = Engine(scene, settings=Settings(), **options)
-    assert not scene.contacts or settle(engine)
+    assert not (scene.contacts or scene.films) or settle(engine)
     engine.initial_rates()
     start_consistently(engine)
     engine.control(every=1)

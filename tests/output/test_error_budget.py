@@ -74,7 +74,8 @@ def test_a_contact_that_carries_little_is_beside_the_machine() -> None:
     """Hertz lines of 2 N and 20 kN: of the first errors are beside 20 N, its pressures beside those of 20 N."""
     forces = {"heavy": 2e4, "some": 20.0, "light": 2.0}
     contacts = {name: SimpleNamespace(force=np.full((3, 1), F)) for name, F in forces.items()}
-    history: Any = SimpleNamespace(contacts=contacts, lumped_contacts={}, scene=SimpleNamespace(bodies=[]), bodies={})
+    scene = SimpleNamespace(bodies=[])
+    history: Any = SimpleNamespace(contacts=contacts, lumped_contacts={}, films={}, scene=scene, bodies={})
     found = quantities(history)
     assert [found[f"force of contact {name!r}"].size for name in forces] == pytest.approx([2e4, 20.0, 20.0])
     assert [bool(found[f"force of contact {name!r}"].beside) for name in forces] == [False, False, True]

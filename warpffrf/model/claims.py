@@ -3,7 +3,8 @@
 Interactions add their loads to the surfaces and read their displacements, so that several may stand on the same two: a
 coating beside asperities, each with its own pressure p_i(depth). Where a gap is closed without any law between, its
 pressure is what keeps it closed; two such pressures have a sum, but no shares. So have two tractions that both hold a
-cell where it is.
+cell where it is. A film claims the whole gap: asperities beside it are a law of its own, and another film has no place
+on its grid.
 """
 
 from __future__ import annotations
@@ -14,13 +15,17 @@ from typing import Any
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
+from warpffrf.model.films import Film
 
 
 def refuse_double_claims(contact: Any, others: Iterable[Any]) -> None:
-    """Raises `InputError` where `contact`, distributed or lumped, claims what one of the others on its surfaces
-    does."""
+    """Raises `InputError` where `contact`, distributed or lumped, or a film, claims what one of the others on its
+    surfaces does."""
     for other in others:
-        if other is contact or not on_same_surfaces(contact, other):
+        if other is contact:
+            continue
+        _refuse_beside_film(contact, other)
+        if isinstance(contact, Film) or not on_same_surfaces(contact, other):
             continue
         where = (
             f"contact {contact.name!r}: {contact.a.label} and {contact.b.label} are in contact already, as "
@@ -41,10 +46,27 @@ def refuse_double_claims(contact: Any, others: Iterable[Any]) -> None:
 
 
 def refuse_claims_of(scene: Any) -> None:
-    """The same for all contacts of a scene: laws may have been changed since they were added."""
-    contacts = (*scene.contacts, *scene.lumped_contacts)
+    """The same for all contacts and films of a scene: laws may have been changed since they were added."""
+    contacts = (*scene.contacts, *scene.lumped_contacts, *scene.films)
     for number, contact in enumerate(contacts):
         refuse_double_claims(contact, contacts[:number])
+
+
+def _refuse_beside_film(one: Any, other: Any) -> None:
+    """Raises `InputError` where one of the two is a film whose surfaces, or whose grid, the other has too."""
+    if isinstance(one, Film) and isinstance(other, Film):
+        if _same_surface(one.a, other.a):
+            raise InputError(
+                f"{one.label}: on the grid of {one.a.label} there is {other.label} already; one film has all of it, "
+                "take a surface of its own for a second one"
+            )
+    elif isinstance(one, Film) or isinstance(other, Film):
+        film, contact = (one, other) if isinstance(one, Film) else (other, one)
+        if on_same_surfaces(film, contact):
+            raise InputError(
+                f"contact {contact.name!r} and {film.label} stand on the same two surfaces, {film.a.label} and "
+                f"{film.b.label}; give the film a law for asperities instead of a contact beside it: Film(..., law=...)"
+            )
 
 
 def on_same_surfaces(a: Any, b: Any) -> bool:

@@ -1,4 +1,4 @@
-"""`Scene`: bodies, joints, drives, forces and contact pairs, described and checked, not yet computed."""
+"""`Scene`: bodies, joints, drives, forces, contact pairs and oil films, described and checked, not yet computed."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from warpffrf.model.claims import refuse_double_claims
 from warpffrf.model.contact import Contact
 from warpffrf.model.damping import damping_ratios
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number, unknown_name
+from warpffrf.model.films import Film
 from warpffrf.model.forces import JointSpringDamper
 from warpffrf.model.gap import closing_distance
 from warpffrf.model.joints import Drive, Joint
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 SYMMETRY_TOLERANCE = 1e-9  # relative asymmetry of an inertia tensor that is rounding of its numbers
 _LISTS = ("joints", "drives", "forces", "contacts")
-_LATER_LISTS = ("lumped_contacts",)  # described where there are any: scenes without keep their hash
+_LATER_LISTS = ("lumped_contacts", "films")  # described where there are any: scenes without keep their hash
 _ADDED = (*_LISTS, *_LATER_LISTS, "sensors")  # sensors change nothing in a run, so they are no part of what a scene is
 Item = TypeVar("Item")
 
@@ -34,8 +35,9 @@ Item = TypeVar("Item")
 class Scene:
     """A machine: bodies with poses, and what connects and loads them.
 
-    gravity: (3,) [m/s2], world. `bodies`, `joints`, `drives`, `forces`, `contacts`, `lumped_contacts`, `sensors` are
-    lists in the order of adding; `ground` is the world as a body. SI units, world axes, quaternions (x, y, z, w).
+    gravity: (3,) [m/s2], world. `bodies`, `joints`, `drives`, `forces`, `contacts`, `lumped_contacts`, `films`,
+    `sensors` are lists in the order of adding; `ground` is the world as a body. SI units, world axes, quaternions (x,
+    y, z, w).
     """
 
     def __init__(self, *, gravity: Any = (0.0, 0.0, 0.0)) -> None:
@@ -47,6 +49,7 @@ class Scene:
         self.forces: list[Any] = []
         self.contacts: list[Contact] = []
         self.lumped_contacts: list[LumpedContact] = []
+        self.films: list[Film] = []
         self.sensors: list[Sensor] = []
 
     def add_body(
@@ -135,11 +138,13 @@ class Scene:
         return handle
 
     def add(self, item: Item) -> Item:
-        """Add a joint, drive, force, contact pair or sensor and return it; one without a name gets one
+        """Add a joint, drive, force, contact pair, film or sensor and return it; one without a name gets one
         (`revolute_1`)."""
         where = getattr(item, "scene_list", None)
         if where not in _ADDED or isinstance(item, type):
-            raise InputError(f"scene: {item!r} cannot be added; joints, drives, forces, contacts and sensors can")
+            raise InputError(
+                f"scene: {item!r} cannot be added; joints, drives, forces, contacts, films and sensors can"
+            )
         thing: Any = item
         members = getattr(self, where)
         if any(member is thing for member in members):
@@ -149,8 +154,8 @@ class Scene:
                 raise InputError(f"{thing.kind} {thing.name!r}: body {port.body.name!r} belongs to another scene")
         if isinstance(thing, (Drive, JointSpringDamper, JointReaction)):
             self._check_driven_joint(thing)
-        if isinstance(thing, (Contact, LumpedContact)):
-            refuse_double_claims(thing, (*self.contacts, *self.lumped_contacts))
+        if isinstance(thing, (Contact, LumpedContact, Film)):
+            refuse_double_claims(thing, (*self.contacts, *self.lumped_contacts, *self.films))
         names = [member.name for member in members]
         if thing.name is None:
             number = 1
@@ -176,6 +181,10 @@ class Scene:
     def lumped_contact(self, name: str) -> LumpedContact:
         """The lumped contact called `name`; `InputError` lists those that exist."""
         return _named(self.lumped_contacts, name, "lumped contact")
+
+    def film(self, name: str) -> Film:
+        """The oil film called `name`; `InputError` lists those that exist."""
+        return _named(self.films, name, "film")
 
     def place(self, port: Port, *, onto: Port) -> None:
         """Shift the body of `port` so that the port's point falls onto the point of `onto` (orientation unchanged)."""

@@ -8,7 +8,7 @@ bodies need not be between flexible ones.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -47,6 +47,8 @@ class SceneCheck:
     overlaps: tuple[str, ...] = ()  # pairs that lie in one another by more than a run begins with, and by how much
     wedge: Wedge | None = None  # pairs whose overlap no small motion opens, the deepest
     out_of_reach: tuple[str, ...] = ()  # pairs that will hardly touch, and why
+    films: dict[str, tuple[float | None, float]] = field(default_factory=dict)  # clearance, smallest initial gap [m]
+    film_notes: tuple[str, ...] = ()  # how films were put on their grids
     singular_pose: bool = False  # the constraints lose rank at the initial pose only: a dead centre, a flat loop
 
     def __str__(self) -> str:
@@ -59,6 +61,11 @@ class SceneCheck:
         if self.gaps:
             lines += ["", f"{'contact':<20}{'initial gap [m]':>18}"]
         lines += [f"{name:<20}{gap:>18.6g}" for name, gap in self.gaps.items()]
+        if self.films:
+            lines += ["", f"{'film':<20}{'clearance [m]':>18}{'initial gap [m]':>18}"]
+        for name, (clearance, gap) in self.films.items():
+            lines.append(f"{name:<20}{'-' if clearance is None else format(clearance, '.6g'):>18}{gap:>18.6g}")
+        lines += self.film_notes
         lines += ["", f"degrees of freedom  {self.degrees_of_freedom} (count without redundancy {self.grubler})"]
         if self.redundant:
             found = ", ".join(f"{name} ({count})" for name, count in self.redundant.items())
@@ -80,7 +87,7 @@ class SceneCheck:
         if self.velocity_defects:
             lines.append(f"initial velocities pull apart: {', '.join(self.velocity_defects)}")
         if self.unsupported:
-            lines.append(f"no joint, spring or contact leads to the ground from: {', '.join(self.unsupported)}")
+            lines.append(f"no joint, spring, contact or film leads to the ground from: {', '.join(self.unsupported)}")
         return "\n".join(lines)
 
 
@@ -112,6 +119,8 @@ def check_scene(scene: Scene) -> SceneCheck:
         overlaps=(*_overlaps(scene, found_gaps), *_lumped_overlaps(scene, lumped_gaps)),
         wedge=find_wedge(scene, found_gaps),
         out_of_reach=tuple(out_of_reach(scene, found_gaps)),
+        films={film.name: (film.clearance(), float(film.initial_gap().min())) for film in scene.films},
+        film_notes=tuple(note for film in scene.films for note in film.notes),
         singular_pose=found.rank_here < found.rank,
     )
 
@@ -137,7 +146,7 @@ def _lumped_overlaps(scene: Scene, gaps: dict[str, float]) -> list[str]:
 
 
 def _connecting(scene: Scene) -> list[Any]:
-    return [*scene.joints, *scene.forces, *scene.contacts, *scene.lumped_contacts]
+    return [*scene.joints, *scene.forces, *scene.contacts, *scene.lumped_contacts, *scene.films]
 
 
 def _local_modes(body: Body) -> int:
@@ -147,7 +156,7 @@ def _local_modes(body: Body) -> int:
 
 
 def _unsupported(scene: Scene) -> tuple[str, ...]:
-    """Names of bodies that no chain of joints, springs and contacts connects with the ground."""
+    """Names of bodies that no chain of joints, springs, contacts and films connects with the ground."""
     links = [item.ports for item in _connecting(scene) if len(item.ports) == 2]
     reached = {GROUND_INDEX}
     while True:

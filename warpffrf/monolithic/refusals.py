@@ -23,12 +23,14 @@ def needs_nodes(scene: Any) -> bool:
 
 
 def refuse_contacts(scene: Any, full: bool) -> None:
-    """Raises `InputError` naming the contact and the cure: evaluation "full" (`full`), or method "separated"."""
+    """Raises `InputError` naming the contact, or film, and the cure: evaluation "full" (`full`), or "separated"."""
     for lumped in scene.lumped_contacts:
         raise InputError(
             f"{lumped.label}: method 'monolithic' has no lumped contacts; use method 'separated', or make a body "
             "flexible and use Contact(...)"
         )
+    for film in scene.films:
+        raise InputError(f"{film.label}: method 'monolithic' has no oil films; use method 'separated'")
     for contact in scene.contacts:
         label = f"contact {contact.name!r}"
         if contact.grid == "patch":

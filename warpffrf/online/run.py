@@ -11,6 +11,7 @@ from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.films.film import refuse_touching
 from warpffrf.model.friction import friction_notes
 from warpffrf.model.integrators import (
     CHECK_INTEGRATORS,
@@ -159,6 +160,8 @@ def run(
             refuse_positions(scene)
             refuse_overlap(scene)
             refuse_lumped_overlap(scene.lumped_contacts)
+        if not at_rest:
+            refuse_touching(scene.films)
         if not project_start:
             refuse_velocities(scene)
     begin = time.perf_counter()
@@ -263,6 +266,7 @@ def run(
 def find_equilibrium(scene: Scene, *, device: str = "cpu", settings: Settings | None = None) -> History:
     """Static state of `scene` under its loads and prescribed motions at time 0, as a History of one row."""
     refuse_singular_mass(scene)
+    refuse_touching(scene.films)
     begin = time.perf_counter()
     engine = Engine(scene, device=device, settings=settings)
     built = time.perf_counter()

@@ -22,6 +22,7 @@ from warpffrf.online.history.history import (
 )
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.contact.cell_result import CellContactResult
+from warpffrf.output.contact.film_result import FilmResult
 from warpffrf.output.contact.pair_result import PairResult
 from warpffrf.output.contact.result import ContactResult
 from warpffrf.output.geometry.scene_view import SceneView, scene_view
@@ -96,6 +97,19 @@ class Result:
     def lumped_contact(self, name: str) -> LumpedHistory:
         """Force, place, approach and slip of the lumped contact called `name`; raises InputError when there is none."""
         return _named(self.history.lumped_contacts, "lumped contact", name)
+
+    @property
+    def film_names(self) -> list[str]:
+        """Names of the oil films."""
+        return list(self.history.films)
+
+    def film(self, name: str) -> FilmResult:
+        """The oil film called `name`; raises InputError when there is none."""
+        return _named(self._films, "film", name)
+
+    @cached_property
+    def _films(self) -> dict[str, FilmResult]:
+        return {name: FilmResult(film, self.view.films[name], self.time) for name, film in self.history.films.items()}
 
     @property
     def sensor_names(self) -> list[str]:
@@ -199,16 +213,21 @@ class Result:
         end = f"{self.time[-1]:.6g} s" if len(self.time) else "no step saved"
         return f"Result(status={self.status!r}, rows={len(self.time)}, end={end}, contacts={self.contact_names})"
 
-    def plot(self, kind: str = "summary", ax: Any = None, contact: str | None = None) -> Any:
+    def plot(
+        self, kind: str = "summary", ax: Any = None, contact: str | None = None, film: str | None = None,
+        row: int | None = None,
+    ) -> Any:  # fmt: skip
         """Draw one kind of plot on the matplotlib axes `ax` (a new one when None) and return it; "summary"
         returns a Figure.
 
         contact: the pair whose patch is drawn, by name; the first one (with friction, where that is drawn) if None.
-        Kinds: see `warpffrf.output.plots.figure.PLOTS`. Raises InputError for an unknown kind or pair.
+        film: likewise the oil film; row: the saved step of its maps, the last one if None. Kinds: see
+        `warpffrf.output.plots.figure.PLOTS`, of films `plots.films.FILM_PLOTS`. Raises InputError for an unknown kind,
+        pair or film.
         """
         from warpffrf.output.plots import figure
 
-        return figure.plot(self, kind, ax, contact)
+        return figure.plot(self, kind, ax, contact, film, row)
 
     def to_xarray(self) -> Any:
         """An `xarray.Dataset` with the names, units and frames of the results file; needs the optional

@@ -2,9 +2,9 @@
 
 A `Form` is a call and its arguments. Types come from the annotations and are checked by pydantic: numbers, texts, lists
 and tables strictly, everything else when the call is made. An argument that names another thing of the scene has a
-role, found by its name (`a`, `b`, `port`, `joint`, ...) or its annotation (`Joint`). Joints, forces, sensors, drives
-and contact pairs are found as the classes with a `scene_list`, signals, surfaces, bases, damping and integrators in
-their modules: a new one in its module is a new `kind` here.
+role, found by its name (`a`, `b`, `port`, `joint`, ...) or its annotation (`Joint`). Joints, forces, sensors, drives,
+contact pairs and films are found as the classes with a `scene_list`, signals, surfaces, bases, damping and integrators
+in their modules: a new one in its module is a new `kind` here.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from warpffrf.scene_file.source import Path, Source
 PORTS = ("a", "b", "port", "onto", "first", "second")  # arguments that are places on bodies
 NAMED = {"joint": "joints", "contact": "contacts", "body": "bodies", "sensor": "sensors"}  # role -> section
 PATHS = ("path", "M", "K")
-ITEM_MODULES = ("joints", "forces", "sensors", "contact", "lumped_contact")  # of warpffrf.model, those that there are
+ITEM_MODULES = ("joints", "forces", "sensors", "contact", "lumped_contact", "films")  # of warpffrf.model
 ABSTRACT = ("joint", "force", "sensor")  # kinds of the classes that others are made from
 WORDS = {
     "float_type": "must be a number", "int_type": "must be a whole number", "bool_type": "must be true or false",
@@ -198,20 +198,26 @@ def signal_kinds() -> dict[str, Form]:
 @cache
 def value_kinds() -> dict[str, Form]:
     """Kind -> form of everything that may stand as a value: signals, surfaces, bases, damping, contact and friction
-    laws, characteristics of springs, integrators, treatments of local modes, the monolithic method, stress points."""
+    laws, characteristics of springs, oils, feeds and forms of films, integrators, treatments of local modes, the
+    monolithic method, stress points."""
     from warpffrf.model.bases import BASES
     from warpffrf.model.damping import DAMPINGS
+    from warpffrf.model.films import FEEDS, FORMS
     from warpffrf.model.forces import CHARACTERISTICS
     from warpffrf.model.friction import FRICTION_LAWS
     from warpffrf.model.laws import LAWS, LUMPED_LAWS
+    from warpffrf.model.oils import OILS, DowsonHigginson, iso_vg
     from warpffrf.model.stress_field import StressPoints
     from warpffrf.model.surfaces import SHAPES
     from warpffrf.monolithic import Monolithic
 
     online = importlib.import_module("warpffrf.online")
-    others = [StressPoints, Monolithic, online.LocalDynamics, *online.INTEGRATORS.values()]
+    others = [StressPoints, Monolithic, DowsonHigginson, iso_vg, online.LocalDynamics, *online.INTEGRATORS.values()]
     found = dict(signal_kinds())
-    registered = {**SHAPES, **BASES, **DAMPINGS, **LAWS, **LUMPED_LAWS, **FRICTION_LAWS, **CHARACTERISTICS}
+    registered = {
+        **SHAPES, **BASES, **DAMPINGS, **LAWS, **LUMPED_LAWS, **FRICTION_LAWS, **CHARACTERISTICS, **OILS, **FEEDS,
+        **FORMS,
+    }  # fmt: skip
     found.update({kind: form_of(kind, cls, {}) for kind, cls in registered.items()})
     found.update({snake_case(cls.__name__): form_of(snake_case(cls.__name__), cls, {}) for cls in others})
     return found
@@ -227,16 +233,19 @@ def shape_kinds() -> dict[str, Form]:
 
 @cache
 def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
-    """Section of contacts and argument -> kind -> form, of those that take the laws of one sort only."""
+    """Section of contacts or films and argument -> kind -> form, of those that take the laws, oils or forms of one sort
+    only."""
+    from warpffrf.model.films import FORMS
     from warpffrf.model.friction import FRICTION_LAWS
     from warpffrf.model.laws import LAWS, LUMPED_LAWS
+    from warpffrf.model.oils import OILS
 
-    laws = {"contacts": LAWS, "lumped_contacts": LUMPED_LAWS}
-    return {
-        (section, name): {kind: value_kinds()[kind] for kind in kinds}
-        for section, own in laws.items()
-        for name, kinds in (("law", own), ("friction", FRICTION_LAWS))
-    }
+    contacts = {"contacts": LAWS, "lumped_contacts": LUMPED_LAWS}
+    of_films = {"law": LAWS, "oil": (*OILS, "iso_vg"), "form": FORMS, "form_second": FORMS}
+    taken = {("films", name): kinds for name, kinds in of_films.items()}
+    for section, laws in contacts.items():
+        taken |= {(section, "law"): laws, (section, "friction"): FRICTION_LAWS}
+    return {at: {kind: value_kinds()[kind] for kind in kinds} for at, kinds in taken.items()}
 
 
 @cache

@@ -417,6 +417,81 @@ class Lumped:
 
 
 @topic
+class Films:
+    """Oil films, see the kernels of `films`. Hats of the first surface, functions that a pressure is made of, and
+    points stand one film behind the other; numbers of hats and functions count within a film. Frames are those of the
+    first body."""
+
+    count: int
+    first: DeviceArray = integers("film", note="surface, with the grid")
+    second: DeviceArray = integers("film", note="surface")
+    modes: DeviceArray = integers("film", note="global modes of the first body, which are outer unknowns")
+    rule: DeviceArray = integers("film", note="of the cavity, see `films.sampling`")
+    oil_kind: DeviceArray = integers("film", note="see `films.oil`")
+    oil: DeviceArray = reals(
+        "film", 6, note="viscosity [Pa s], coefficient [1/Pa], rise, exponent; density a, b [1/Pa]"
+    )
+    thickness: DeviceArray = reals("film", unit="m", note="what gaps are measured by: the clearance")
+    unknowns: DeviceArray = integers("film", note="functions whose pressure is not given")
+    hat_start: DeviceArray = integers("film+1")
+    function_start: DeviceArray = integers("film+1")
+    point_start: DeviceArray = integers("film+1")
+    unknown_start: DeviceArray = integers("film+1", note="into function_of")
+    compliance_start: DeviceArray = integers("film", note="into compliance: (hat, unknown)")
+    shape_start: DeviceArray = integers("film", note="into shape: (hat, mode)")
+    moment_start: DeviceArray = integers("film", note="into moment: (mode, function)")
+    matrix_start: DeviceArray = integers("film+1", note="into film_matrix: (unknown, unknowns and columns)")
+    column_start: DeviceArray = integers("film+1", note="into the numbers of coupled columns")
+    square_start: DeviceArray = integers("film+1", note="into film_stiffness: (column, column)")
+    compliance: DeviceArray = reals("film_compliance_entry", unit="m/Pa", note="what an unknown opens at a hat")
+    shape: DeviceArray = reals("film_shape_entry", unit="kg^-1/2", note="normal displacement of modes at hats")
+    moment: DeviceArray = reals("film_moment_entry", unit="m2 kg^-1/2", note="load of a pressure on modes, outwards")
+    lift: DeviceArray = reals("film_hat", unit="m", note="what given pressures open")
+    hat_place: DeviceArray = vectors("film_hat", unit="m")
+    hat_form: DeviceArray = reals("film_hat", unit="m", note="that the form of the first surface adds to the gap")
+    hat_function: DeviceArray = integers("film_hat", note="the function that stands there")
+    function_of: DeviceArray = integers("film_unknown", note="of an unknown")
+    unknown_of: DeviceArray = integers("film_function", note="-1 where the pressure is given")
+    given: DeviceArray = reals("film_function", unit="Pa", note="pressure, where it is given")
+    feeds: DeviceArray = integers("film_function", note="1 where a feed gives it")
+    voids: DeviceArray = integers("film_function", note="1 where a void may take the place of the pressure")
+    area: DeviceArray = reals("film_function", unit="m2", note="of its void")
+    place: DeviceArray = vectors("film_function", unit="m", note="where its void stands")
+    around: DeviceArray = vectors("film_function", note="unit vector along the first coordinate of the chart")
+    along: DeviceArray = vectors("film_function", note="along the second")
+    next_around: DeviceArray = integers("film_function", note="function behind it, -1 at an end")
+    next_along: DeviceArray = integers("film_function", note="likewise")
+    face_around: DeviceArray = reals("film_function", unit="m", note="width of the face between them")
+    face_along: DeviceArray = reals("film_function", unit="m", note="likewise")
+    before_around: DeviceArray = integers("film_function", note="the function whose next_around it is, -1 at an end")
+    before_along: DeviceArray = integers("film_function", note="likewise")
+    entry_start: DeviceArray = integers("film_function+1", note="into the next three: points where it is not zero")
+    entry_point: DeviceArray = integers("film_entry", note="counted over all films")
+    entry_slot: DeviceArray = integers("film_entry", note="its number among the functions of the point")
+    entry_near: DeviceArray = integers("film_entry", 4, note="where the hats around the point are in near")
+    near_start: DeviceArray = integers("film_function+1", note="into near")
+    near: DeviceArray = integers("film_near", note="hats around its points")
+    point_place: DeviceArray = vectors("film_point", unit="m")
+    point_around: DeviceArray = vectors("film_point")
+    point_along: DeviceArray = vectors("film_point")
+    form: DeviceArray = reals("film_point", unit="m", note="that the form of the first surface adds to the gap")
+    begin: DeviceArray = reals("film_point", unit="m", note="gap times rho/rho_0 where the scene begins")
+    weight: DeviceArray = reals("film_point", unit="m2")
+    function: DeviceArray = integers("film_point", "film_support", note="functions there, -1: none")
+    value: DeviceArray = reals("film_point", "film_support")
+    slope_around: DeviceArray = reals("film_point", "film_support", unit="1/m")
+    slope_along: DeviceArray = reals("film_point", "film_support", unit="1/m")
+    hat: DeviceArray = integers("film_point", 4, note="hats there")
+    between: DeviceArray = reals("film_point", 4, note="their values")
+    second_start: DeviceArray = integers("film", note="into second_form: (theta, z), -1 without")
+    second_counts: DeviceArray = integers("film", 2, note="of its columns, all around where periodic, and rows")
+    second_range: DeviceArray = reals("film", 4, note="first theta and its step, first z and its step")
+    second_form: DeviceArray = reals("film_form_entry", unit="m", note="that the form of the second surface adds")
+    rest_v: DeviceArray = vectors("film_body", unit="m/s", note="with which surfaces slide in static steps")
+    rest_omega: DeviceArray = vectors("film_body", unit="rad/s", note="likewise, body axes")
+
+
+@topic
 class Limits:
     """Tolerances and counts at which an attempt ends."""
 
@@ -532,6 +607,7 @@ class Elements:
     lumped: Lumped
     patches: Patches
     rolling: Rolling
+    films: Films
 
 
 @topic

@@ -67,6 +67,10 @@ def balance(
     load_on_modes: wp.array3d(dtype=real),
     pair_wrench: wp.array3d(dtype=real),
     lumped_force: wp.array3d(dtype=real),
+    film_sums: wp.array3d(dtype=real),
+    film_modal: wp.array2d(dtype=real),
+    film_off: wp.array2d(dtype=real),
+    film_changed: wp.array2d(dtype=int),
     gap_defect: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
     modal_load: wp.array3d(dtype=real),
@@ -78,8 +82,8 @@ def balance(
     ctl: inout(wp.array(dtype=Control)),
     history: inout(wp.array2d(dtype=real)),
 ):
-    """Per world: is the state balanced? Residual forces with contact, row defects, spring laws and gaps left open, all
-    as fractions.
+    """Per world: is the state balanced? Residual forces with contact, row defects, spring laws, gaps left open and
+    flows of films, all as fractions.
 
     The scale of forces is the largest of weight, inertia and gyroscopic force, multiplier and contact force, that of
     modal ones the largest contact load, of all pairs and of each, elastic and inertia force; that of lengths the
@@ -144,6 +148,14 @@ def balance(
     while place < model.elements[0].lumped.places:
         scale = wp.max(scale, lumped_force[w, 1, place])
         place += 1
+    switching = int(0)  # films whose set has changed, or that could not go all the way
+    film = int(0)
+    while film < model.elements[0].films.count:
+        scale = wp.max(scale, wp.length(vec3(film_sums[w, film, 0], film_sums[w, film, 1], film_sums[w, film, 2])))
+        worst = wp.max(worst, film_off[w, film])
+        sum += film_off[w, film]
+        switching += film_changed[w, film]
+        film += 1
     row = int(0)
     while row < model.rows.count:  # a spring's force against its law; a stretch of round-off size passes
         if softness[w, row] != real(0.0):
@@ -180,6 +192,10 @@ def balance(
             modal_scale = wp.max(modal_scale, wp.abs(pair_modal[w, pair, 1, n]))
             n += 1
         pair += 1
+    n = int(0)
+    while n < film_modal.shape[1] and model.elements[0].films.count > 0:
+        modal_scale = wp.max(modal_scale, wp.abs(film_modal[w, n]))
+        n += 1
     row = int(0)
     while row < model.rows.count:  # forces of joints that cancel each other on the modes leave round-off
         for side in range(2):
@@ -197,11 +213,12 @@ def balance(
         ctl[w].run = 0
         return
     ctl[w].refresh = 0
-    if worst > REFRESH_ABOVE:
+    if worst > REFRESH_ABOVE or switching > 0:
         ctl[w].refresh = 1
     elif ctl[w].iteration > 1 and worst > SLOW * history[w, wp.min(ctl[w].iteration, history.shape[1]) - 1]:
         ctl[w].refresh = 1
-    if worst <= model.limits.residual_tolerance and (ctl[w].reassemble == 0 or model.pairs.count == 0):
+    done = worst <= model.limits.residual_tolerance and switching == 0
+    if done and (ctl[w].reassemble == 0 or model.pairs.count == 0):
         ctl[w].run = 0
     elif ctl[w].iteration >= model.limits.max_iterations * (1 + ctl[w].round):
         ctl[w].failure = ctl[w].failure | k.NOT_CONVERGED

@@ -8,7 +8,7 @@ springs) every step books
                       takes at any step; of dampers with a characteristic G, (G(v_0) + G(v_1))/2 (x_1 - x_0), which
                       is that too, in steps that forget G(v_1) (x_1 - x_0); what damped layers take
     friction          sum tau_1 . S: the tractions at the end of the step times the slip over it, never positive;
-                      what joints (`joint_friction`) and lumped contacts lose by friction
+                      what joints (`joint_friction`), lumped contacts and films lose by friction
     contact grid      dE_contact of pairs + (work of their forces on bodies and modes, trapezoidal; of pairs that are
                       impulsive in the step of their mean force) - friction
     numerical         what is left of dE: negative where the integrator dissipates.
@@ -70,6 +70,7 @@ def balance_energy(
     slip_loss: wp.array2d(dtype=real),
     lumped_energy: wp.array3d(dtype=real),
     lumped_taken: wp.array3d(dtype=real),
+    film_taken: wp.array3d(dtype=real),
     clk: inout(wp.array(dtype=Clock)),
     energy: inout(wp.array3d(dtype=real)),
 ):
@@ -167,6 +168,11 @@ def balance_energy(
         damping += lumped_taken[w, place, DAMPED]
         friction -= lumped_taken[w, place, RUBBED]
         place += 1
+    film = int(0)
+    while film < model.elements[0].films.count:
+        damping += film_taken[w, film, 0]
+        friction -= film_taken[w, film, 1]
+        film += 1
     joint = int(0)
     while joint < model.elements[0].joint_frictions.count:
         friction -= slip_loss[w, joint]

@@ -6,6 +6,7 @@ A = A_a^T A_b, the kinds of joints ask for
     Fixed          d = 0,            A = 1                    no coordinate
     Revolute       d = 0,            A e_z = e_z              rotation [rad]
     Cylindrical    d_x = d_y = 0,    A e_z = e_z              translation [m], rotation [rad]
+    Planar         d_z = 0,          A e_z = e_z              rotation [rad]
     Prismatic      d_x = d_y = 0,    A = 1                    translation [m]
     Spherical      d = 0                                      no coordinate
     Universal      d = 0,            e_x . A e_y = 0          rotation, second_rotation [rad]
@@ -23,6 +24,7 @@ from warpffrf.model.joints.cylindrical import Cylindrical
 from warpffrf.model.joints.distance import Distance
 from warpffrf.model.joints.drive import QUANTITIES, Drive
 from warpffrf.model.joints.fixed import Fixed
+from warpffrf.model.joints.planar import Planar
 from warpffrf.model.joints.point_on_line import PointOnLine
 from warpffrf.model.joints.prismatic import Prismatic
 from warpffrf.model.joints.revolute import Revolute
@@ -32,7 +34,7 @@ from warpffrf.model.joints.universal import Universal
 
 JOINT_KINDS: dict[str, type[Joint]] = {
     joint.kind: joint
-    for joint in (Fixed, Revolute, Cylindrical, Prismatic, Spherical, Universal, PointOnLine, Distance)
+    for joint in (Fixed, Revolute, Cylindrical, Planar, Prismatic, Spherical, Universal, PointOnLine, Distance)
 }
 
 __all__ = [
@@ -44,6 +46,7 @@ __all__ = [
     "Fixed",
     "Joint",
     "Marker",
+    "Planar",
     "PointOnLine",
     "Prismatic",
     "Revolute",

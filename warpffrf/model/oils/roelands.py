@@ -40,25 +40,25 @@ class Roelands(Oil):
                 f"has, got {self.viscosity:g}; take oils.Barus"
             )
         if self.exponent > LARGEST:
-            usual = 0.6 * self._rise / POLE_PRESSURE
+            usual = 0.6 * self.rise / POLE_PRESSURE
             raise InputError(
                 f"{self.label}: a coefficient of {alpha:g} 1/Pa with {self.viscosity:g} Pa s makes its exponent z "
                 f"{self.exponent:.3g}; mineral oils have 0.5 to 0.7, which is about {usual:.2g} 1/Pa here"
             )
 
     @property
-    def _rise(self) -> float:
-        """b of the module docstring."""
+    def rise(self) -> float:
+        """b of the module docstring [-]."""
         return float(np.log(self.viscosity / POLE_VISCOSITY))
 
     @property
     def exponent(self) -> float:
         """z [-]."""
-        return self.coefficient * POLE_PRESSURE / self._rise
+        return self.coefficient * POLE_PRESSURE / self.rise
 
     def viscosity_at(self, pressure: Any) -> Array:
         relative = 1.0 + np.asarray(pressure, dtype=float) / POLE_PRESSURE
-        return self.viscosity * np.exp(self._rise * (relative**self.exponent - 1.0))
+        return self.viscosity * np.exp(self.rise * (relative**self.exponent - 1.0))
 
     def viscosity_slope(self, pressure: Any) -> Array:
         relative = 1.0 + np.asarray(pressure, dtype=float) / POLE_PRESSURE

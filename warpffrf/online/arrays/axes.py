@@ -81,6 +81,15 @@ NAMES = {
     "shear_number": "numbers of the near field along the surface of a patch",
     "lumped": "lumped contacts",
     "lumped_place": "places of lumped contacts: a point, or laminae",
+    "film": "oil films",
+    "film_hat": "hats of the first surfaces of films",
+    "film_function": "functions that pressures of films are made of",
+    "film_unknown": "those whose pressure is not given",
+    "film_point": "points of films",
+    "film_near": "hats around the points of each function",
+    "film_number": "numbers of the linear systems of films",
+    "film_column": "outer unknowns that films are coupled to, film by film",
+    "film_square": "pairs of these of a film",
     "factor_number": "numbers of the sparse factor",
     "factor_line": "numbers of a line of it, of all lanes",
     "friction_factor": "numbers of the sparse factor, in scenes with friction",
@@ -99,6 +108,9 @@ NAMES = {
     "body_load": "loads that are constant in body axes",
     "body_load_mode": "modes of a body, the most",
     "group_row": "spring rows that share matrices, the most",
+    "film_support": "functions at a point, the most",
+    "film_entry": "points of each function",
+    "film_body": "bodies, in scenes with films",
     "table_interface": "flexible interfaces, one at least",
     "layer_number": "numbers of a law",
     "theta_point": "Gauss points across a cell",
@@ -122,6 +134,10 @@ NAMES = {
             "layer_row_entry",
             "layer_point_entry",
             "lumped_entry",
+            "film_compliance_entry",
+            "film_shape_entry",
+            "film_moment_entry",
+            "film_form_entry",
             "slip_speed_entry",
             "patch_row_entry",
             "patch_end_entry",
@@ -229,6 +245,7 @@ def sizes_of(
         "rolling_mode": m.pairs.most_modes if rolls else 0, "ring_cell": elements.rolling.ring_cells,
         "shear_number": elements.rolling.shear_numbers,
         "surface_place": max(hat, node), "lumped": elements.lumped.count, "lumped_place": elements.lumped.places,
+        **film_sizes(compiled),
         "factor_number": pattern.factor_size, "factor_line": BLOCK * pattern.widest, "one": 1,
         "applied": m.forces.count + m.torques.count, "row_or_mode": rows + Q,
         "stiffened_interface": m.interfaces.count if compiled.stiffened else 0,
@@ -240,6 +257,20 @@ def sizes_of(
         "line_pair": int((families == LINE_OF_CENTRES).sum()), "point_pair": int((families == AT_POINTS).sum()),
         "hat_pair": int((families != PATCH).sum()), "grid_rubbing": int(((families != PATCH) & rubs).sum()),
         "few_pair": int(((families == LINE_OF_CENTRES) & (counts > 0)).sum()), "pair_beside": P if beside else 0,
+    }  # fmt: skip
+
+
+FILM_STARTS = ("hat", "function", "unknown", "point", "column", "square")
+
+
+def film_sizes(compiled: CompiledScene) -> dict[str, int]:
+    """Those of oil films."""
+    films = compiled.elements.films
+    if not films.count:
+        return dict.fromkeys(("film", "film_near", "film_number", *(f"film_{name}" for name in FILM_STARTS)), 0)
+    found = {f"film_{name}": int(getattr(films, f"{name}_start").numpy()[-1]) for name in FILM_STARTS}
+    return found | {
+        "film": films.count, "film_near": films.near.shape[0], "film_number": int(films.matrix_start.numpy()[-1])
     }  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from warpffrf_kernels.core.declaration import DeviceArray, integers, quaternions, reals, vectors
+from warpffrf_kernels.films.keeping import NUMBERS as FILM_NUMBERS
 from warpffrf_kernels.lumped.forces import NUMBERS
 
 from warpffrf.online.arrays.declaration import Arrays
@@ -88,7 +89,16 @@ class SavedLumped(Arrays, carried=True):
     )  # fmt: skip
 
 
-class Ring(SavedBooks, SavedMotion, SavedJointFriction, SavedContact, SavedFriction, SavedLumped):
+class SavedFilms(Arrays, carried=True):
+    """Oil films."""
+
+    saved_film: DeviceArray = reals("world", "ring_row", "film", FILM_NUMBERS, note="see `films.keeping`")
+    saved_film_pressure: DeviceArray = reals("world", "ring_row", "film_hat", unit="Pa")
+    saved_film_gap: DeviceArray = reals("world", "ring_row", "film_hat", unit="m")
+    saved_film_void: DeviceArray = reals("world", "ring_row", "film_hat", unit="m")
+
+
+class Ring(SavedBooks, SavedMotion, SavedJointFriction, SavedContact, SavedFriction, SavedLumped, SavedFilms):
     """What is saved of the steps of every world."""
 
     def on_host(self) -> SavedRows:

@@ -7,6 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, quaternions, reals, structs, vectors
+from warpffrf_kernels.films.sampling import LINE as FILM_LINE
+from warpffrf_kernels.films.sampling import PULL
 from warpffrf_kernels.kinematics.contact_wrench import Held
 from warpffrf_kernels.lumped.forces import Load
 from warpffrf_kernels.patch.cells import Row
@@ -446,6 +448,44 @@ class LumpedContacts(Arrays):
     )
 
 
+class Films(Arrays):
+    """Oil films, see the kernels of `films`."""
+
+    film_rates: DeviceArray = reals("world", 3, unit="1/s", note="coefficients of BDF2")
+    film_least: DeviceArray = reals("world", "film_point", unit="m", note="by which the prediction closes gaps")
+    film_acting: DeviceArray = reals("world", "film_unknown", unit="Pa", note="pressures that deform", run=True)
+    film_opened: DeviceArray = reals("world", "film_hat", unit="m", note="by deformation")
+    film_carried: DeviceArray = reals("world", "film_function", 2, unit="m/s", note="U: around, along")
+    film_mass_now: DeviceArray = reals("world", "film_point", unit="m", note="of the trial state")
+    film_line: DeviceArray = reals("world", "film_point", FILM_LINE, note="numbers of a point, see `films.sampling`")
+    film_pull: DeviceArray = reals("world", "film_point", PULL, note="forces and powers of a point")
+    film_sums: DeviceArray = reals("world", "film", PULL, note="of all points", zero_without=True)
+    film_rest: DeviceArray = reals("world", "film_function", unit="m3/s", note="R")
+    film_size: DeviceArray = reals("world", "film_function", unit="m3/s", note="of its parts")
+    film_refill: DeviceArray = reals("world", "film_function", unit="m3/s", note="part of the voids in R")
+    film_off: DeviceArray = reals("world", "film", note="R beside its parts", zero_without=True)
+    film_modal: DeviceArray = reals("world", "film_column", unit=MODAL, note="load on modes", zero_without=True)
+    film_changed: DeviceArray = integers("world", "film", note="functions that changed sides", zero_without=True)
+    film_switch: DeviceArray = integers("world", "film_unknown", note="1 where the last iteration changed sides")
+    film_wide: DeviceArray = reals("world", "film_near", unit="m2/s", note="dR by the gap at hats")
+    film_matrix: DeviceArray = reals(
+        "world", "film_number", note="lines of J, R, B, P, then of J, R, J^-1 B, P", run=True, carried=True
+    )
+    film_factor: DeviceArray = reals(
+        "world", "film_number", note="L, U of J in the order of film_order", run=True, carried=True
+    )
+    film_order: DeviceArray = integers("world", "film_unknown", note="place in the elimination", carried=True)
+    film_pivots: DeviceArray = integers("world", "film_unknown", note="lines that changed places", carried=True)
+    film_solution: DeviceArray = reals("world", "film_unknown", note="J^-1 R", run=True)
+    film_stiffness: DeviceArray = reals("world", "film_square", note="P^T J^-1 B", carried=True)
+    film_push: DeviceArray = reals("world", "film_column", note="P^T J^-1 R")
+    film_change: DeviceArray = reals("world", "film_unknown", note="of pressures or voids", run=True)
+    film_opening: DeviceArray = reals("world", "film_hat", unit="m", note="change by deformation")
+    film_ahead: DeviceArray = reals("world", "film_point", unit="m", note="change of the gap")
+    film_part: DeviceArray = reals("world", note="of the increments that is taken")
+    film_taken: DeviceArray = reals("world", "film", 2, unit="J", note="by flow, by sliding", zero_without=True)
+
+
 class SlipSpeedSolve(Arrays):
     """The same system where coefficients depend on the slip speed: their slopes are condensed, see `slip_speed`."""
 
@@ -493,7 +533,7 @@ class Before(Arrays):
 
 class Scratch(
     RunWords, Motion, Residuals, Outer, ImpulsiveContact, ContactGeometry, Patches, Rolling, ContactFields,
-    ContactSolve, Layers, FrictionCells, FrictionSolve, SlipSpeedSolve, LumpedContacts, Before,
+    ContactSolve, Layers, FrictionCells, FrictionSolve, SlipSpeedSolve, LumpedContacts, Films, Before,
 ):  # fmt: skip
     """Scratch arrays of a step."""
 

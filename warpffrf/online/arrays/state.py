@@ -146,6 +146,18 @@ class LumpedState(Arrays, carried=True):
 LUMPED = tuple(LumpedState.declarations)
 
 
+class FilmState(Arrays, carried=True):
+    """Oil films; of those with two entries: accepted, trial, of film_mass the accepted one and the one before."""
+
+    film_pressure: DeviceArray = reals("world", 2, "film_function", unit="Pa")
+    film_void: DeviceArray = reals("world", 2, "film_function", unit="m", note="volume of voids over area")
+    film_full: DeviceArray = integers("world", 2, "film_function", note="1: a pressure, 0: a void")
+    film_void_before: DeviceArray = reals("world", "film_function", unit="m", note="of the step before the last")
+    film_mass: DeviceArray = reals("world", 2, "film_point", unit="m", note="gap times rho/rho_0")
+    film_power: DeviceArray = reals("world", 2, "film", 2, unit="W", note="taken by the flow, by sliding")
+    film_step: DeviceArray = reals("world", unit="s", note="the last one, 0 where the history begins")
+
+
 class Books(Arrays, carried=True):
     """Ledger, control words and clock."""
 
@@ -155,7 +167,7 @@ class Books(Arrays, carried=True):
 
 
 class State(
-    MotionState, LoadState, JointFrictionState, ContactState, FrictionState, LayerState, LumpedState, Books,
+    MotionState, LoadState, JointFrictionState, ContactState, FrictionState, LayerState, LumpedState, FilmState, Books,
 ):  # fmt: skip
     """Accepted state of every world."""
 
@@ -174,6 +186,17 @@ def initial_state(compiled: CompiledScene, sizes: Sizes) -> State:
         v[i] = body.velocity + np.cross(body.angular_velocity, arm)
         omega[i] = A.T @ body.angular_velocity
     state.slipping.fill_(1)
+    _fill_films(compiled, state, sizes["world"])
     for array, value in ((state.r, r), (state.p, p), (state.v, v), (state.omega, omega)):
         array.assign(np.broadcast_to(value, (sizes["world"], *value.shape)).copy())
     return state
+
+
+def _fill_films(compiled: CompiledScene, state: State, worlds: int) -> None:
+    """Full films without pressure but where it is given, of the gaps that the scene begins with."""
+    films = compiled.elements.films
+    if not films.count:
+        return
+    for array, values in ((state.film_pressure, films.given.numpy()), (state.film_mass, films.begin.numpy())):
+        array.assign(np.broadcast_to(values, (worlds, 2, len(values))).copy())
+    state.film_full.fill_(1)

@@ -108,6 +108,7 @@ class Collector:
         self.surfaces: list[OnBody] = []
         self.sides: list[int] = []  # which of them each side of each pair is on
         self.lumped_sides: list[int] = []  # the same of lumped contacts
+        self.film_sides: list[int] = []  # the same of films
         self.inertia = InertiaPlan.of(scene)
         self.local = LocalPlan.of(scene, local)
         dynamic = {body.index for body in scene.bodies if self.local.count(body.index)}

@@ -132,8 +132,12 @@ def pattern_of(compiled: CompiledScene) -> OuterPattern:
     bodies, interfaces = m.markers.body.numpy(), m.markers.interface.numpy()
     of = m.surfaces.body.numpy()
     sides = np.stack([m.pairs.first.numpy(), m.pairs.second.numpy()], axis=1)[: m.pairs.count]
-    lumped = compiled.elements.lumped
-    couples = np.stack([lumped.first.numpy(), lumped.second.numpy()], axis=1)[: lumped.count]
+    couples = np.concatenate(
+        [
+            np.stack([kind.first.numpy(), kind.second.numpy()], axis=1)[: kind.count]
+            for kind in (compiled.elements.lumped, compiled.elements.films)
+        ]
+    )
     return find_pattern(
         m.bodies.count, dense, bodies[ends], interfaces[ends] >= 0, of[sides.astype(int)], of[couples.astype(int)]
     )

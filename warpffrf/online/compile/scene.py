@@ -19,6 +19,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 from warpffrf.model.slopes import leanings, leant
 from warpffrf.online.compile.collector import Collector, OnBody
+from warpffrf.online.compile.films import fill_films
 from warpffrf.online.compile.forces import ForceTable, compile_forces, fill_forces
 from warpffrf.online.compile.friction import fill_friction
 from warpffrf.online.compile.inertia import fill_inertia, fill_stiffening, mode_reach
@@ -101,9 +102,10 @@ def _compiled(collector: Collector) -> CompiledScene:
     fill_responses(collector, m)
     fill_layers(collector)
     fill_lumped(collector)
+    fill_films(collector)
     fill_patches(collector, m)
     fill_rolling(collector, m)
-    slow = collector.elements.layers.count or collector.elements.lumped.count
+    slow = collector.elements.layers.count or collector.elements.lumped.count or collector.elements.films.count
     collector.fill(
         m.limits, residual_tolerance=settings.residual_tolerance, energy_tolerance=settings.energy_tolerance,
         max_iterations=settings.max_iterations * (LAYER_ITERATIONS if slow else 1),
@@ -119,15 +121,20 @@ def _compiled(collector: Collector) -> CompiledScene:
 
 
 def _gather_surfaces(collector: Collector) -> None:
-    """The surfaces that pairs load and lumped contacts meet on, each once, and which of them their sides are on."""
+    """The surfaces that pairs load, lumped contacts meet on and films stand between, each once, and which of them their
+    sides are on."""
     scene = collector.scene
     lean = leanings(scene.contacts)
     known: dict[tuple[int, str], int] = {}
     patched = {}  # sides of patches of cells
     for i, plan in collector.patches.items():
         patched |= {2 * i: len(plan.z), 2 * i + 1: 0}
-    for contacts, sides in ((scene.contacts, collector.sides), (scene.lumped_contacts, collector.lumped_sides)):
-        for number, port in enumerate(port for contact in contacts for port in contact.ports):
+    on: list[tuple[list[Any], list[int]]] = [
+        (scene.contacts, collector.sides), (scene.lumped_contacts, collector.lumped_sides),
+        (scene.films, collector.film_sides),
+    ]  # fmt: skip
+    for items, sides in on:
+        for number, port in enumerate(port for item in items for port in item.ports):
             place = (port.body.index, port.name)
             if place not in known:
                 known[place] = len(collector.surfaces)

@@ -176,6 +176,35 @@ class LumpedHistory:
 
 
 @dataclass
+class FilmHistory:
+    """One oil film. Fields stand at the nodes of the contact grid of the first surface."""
+
+    force: np.ndarray  # (T, 3) N, on the first body, shear included; the opposite acts on the second
+    torque: np.ndarray  # (T, 3) N m, on the first body, about its user origin
+    torque_second: np.ndarray  # (T, 3) N m, on the second body, about its user origin, of the ground the world's
+    smallest_gap: np.ndarray  # (T,) m, at a point of the film
+    largest_pressure: np.ndarray  # (T,) Pa
+    pressure_loss: np.ndarray  # (T,) W, taken by the flow that pressure drives, voids that close and feeds
+    friction_power: np.ndarray  # (T,) W, taken by sliding
+    feed_flow: np.ndarray  # (T,) m3/s, of oil in through feeds
+    end_flow: np.ndarray  # (T,) m3/s, of oil out at the ends
+    void_fraction: np.ndarray  # (T,) volume of the voids over that of the gap
+    oil_volume: np.ndarray  # (T,) m3 in the film, as of the density without pressure
+    eccentricity: np.ndarray  # (T, 2) m, axis of the inner surface against that of the outer one, as rigid bodies, at
+    # ... the middle of the grid along e_0 and e_1 of the first surface's shape, turning with it; NaN beside a plane
+    pressure: np.ndarray  # (T, columns, rows) Pa
+    gap: np.ndarray  # (T, columns, rows) m
+    void: np.ndarray  # (T, columns, rows) m, volume of the voids per area
+
+    @property
+    def fill(self) -> np.ndarray:
+        """(T, columns, rows) part of the gap that oil fills, 1 where there is no void."""
+        part = np.zeros_like(self.gap)
+        np.divide(self.void, self.gap, out=part, where=self.gap > 0.0)
+        return 1.0 - part
+
+
+@dataclass
 class History:
     """A run: histories, the energy ledger, solver counts, status, and the state to continue from."""
 
@@ -200,6 +229,7 @@ class History:
     )  # dropped terms, capped counts, fallbacks: printed by Result.report()
     forces: dict[str, ForceHistory] = field(default_factory=dict)
     lumped_contacts: dict[str, LumpedHistory] = field(default_factory=dict)
+    films: dict[str, FilmHistory] = field(default_factory=dict)
     sensors: dict[str, SensorHistory] = field(default_factory=dict)
     checkpoint: dict[str, np.ndarray] = field(default_factory=dict)  # the complete device state at the end
     options: dict[str, str] = field(default_factory=dict)  # of `simulate`, name -> value as text

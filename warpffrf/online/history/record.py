@@ -9,6 +9,7 @@ from warpffrf.model.forces.notes import characteristic_notes
 from warpffrf.online.arrays.ring import SavedContact, SavedRows
 from warpffrf.online.compile.patch_plan import PatchPlan
 from warpffrf.online.compile.scene import CompiledScene
+from warpffrf.online.history.films import film_histories
 from warpffrf.online.history.history import (
     ENERGY_LINES,
     BodyHistory,
@@ -58,7 +59,7 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
     return History(
         scene=scene, time=time, step_size=rows["saved_step"],
         bodies=bodies, joints=joints, contacts=contacts, forces=forces,
-        lumped_contacts=lumped_histories(compiled, rows, bodies),
+        lumped_contacts=lumped_histories(compiled, rows, bodies), films=film_histories(compiled, rows, bodies),
         sensors=sensor_histories(scene, T, bodies, joints, forces),
         energy=energy, iterations=rows["saved_iterations"].astype(int),
         factorisations=rows["saved_solves"].astype(int),

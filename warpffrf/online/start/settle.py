@@ -7,7 +7,10 @@ a shorter one; once the scene has come much nearer to rest, longer ones are trie
 
 Motions that nothing resists (`warpffrf.online.start.free_motions`) are held where they are as soon as the rest is known
 to within the tolerance of Newton's method: round-off, and what the grids leave of torques that are zero, would carry
-them off."""
+them off.
+
+Films are squeezed over the time tau while their walls slide with the velocities that the scene begins with, so that
+what comes to rest is a steady state; it has no energy to go down."""
 
 from __future__ import annotations
 
@@ -32,6 +35,7 @@ RETREATS, RETREAT = 2, 1000.0
 LAST = 10.0
 TOLERANCE = 1e-11  # of the scene's length, movement of the last proximal step: round-off of positions times 1e5
 ROUND_OFF = 1e-16  # of it: less is no movement in a step that is not short
+VOIDS_STAY = 1e-9  # of the clearance
 CREEP = 0.5  # of the movement of the step before: what tends to rest moves less from one long step to the next
 NEARLY = 1e-3  # of the largest force left over: contact has closed, and what is free can be told
 LEVEL = 1e-3, 1e-2  # of it: energies differ by no more than what grids of contact make of them; the same of cells that
@@ -46,7 +50,7 @@ def settle(engine: Engine) -> bool:
     """
     engine.rates_to_zero()
     free = FreeMotions(engine)
-    engine.control(downhill=1)
+    engine.control(downhill=int(not engine.scene.films))
     try:
         at_rest = _stepped(engine, free)
         engine.not_at_rest = "" if at_rest else free.driven
@@ -95,7 +99,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
             too_long, before = np.inf, np.full(engine.worlds, np.inf)
         longer = [min(tau * growth, last) for growth in (GROWTH, CAREFUL, 1.0)]
         longer = next(t for t in longer if t < too_long)
-        settled = bool(np.all(moved <= TOLERANCE * length))
+        settled = bool(np.all(moved <= TOLERANCE * length)) and _films_steady(engine)
         still = tau >= FIRST * length and bool(np.all(moved <= ROUND_OFF * length))
         balanced = bool(np.all(left <= model.limits.residual_tolerance))
         creeping = balanced and bool(np.any(moved > CREEP * before))
@@ -105,6 +109,15 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
             before = moved
         tau = longer
     return balanced and _at_rest(engine, free, creeping=True)
+
+
+def _films_steady(engine: Engine) -> bool:
+    """Whether the voids of films have stayed in the last step, which take turns to come to where they stay."""
+    films = engine.compiled.elements.films
+    if not films.count:
+        return True
+    moved = np.abs(engine.state.film_void.numpy()[:, 0] - engine.state.film_void_before.numpy()).max()
+    return bool(moved <= VOIDS_STAY * films.thickness.numpy().min())
 
 
 def _at_rest(engine: Engine, free: FreeMotions, *, creeping: bool) -> bool:

@@ -97,6 +97,11 @@ def find_modes(
     be found.
     """
     count = require_count(count, "eigenmodes: count", 1)
+    for film in scene.films:
+        raise InputError(
+            f"{film.label}: modes of scenes with oil films are not known, as a film answers to motions with a delay; "
+            "simulate a small disturbance instead"
+        )
     engine = Engine(scene, device=device, settings=settings)
     notes: list[str] = []
     name = _prepare(engine, about, notes)

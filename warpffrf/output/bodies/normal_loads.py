@@ -17,6 +17,8 @@ the splines B and the transform Z of the surface (`model.far_splines`),
 which keeps the force, its first and its second moments. The hats' own pressure is then wider than the cells'; what that
 does near the patch is in `patch_stress`. Points of the skin take the bilinear value between the middles of the cells
 around them.
+
+The pressure of an oil film stands on hats, and pushes on its first surface as that of a contact; the second is rigid.
 """
 
 from __future__ import annotations
@@ -29,7 +31,7 @@ import numpy as np
 from warpffrf.output.bodies.patch_on_skin import NEAR, poses
 from warpffrf.output.geometry.cell_places import CellPlaces
 from warpffrf.output.geometry.grid_places import SkinSurface, grid_theta_offset, spread, wrapped
-from warpffrf.output.geometry.scene_view import PairView
+from warpffrf.output.geometry.scene_view import FilmView, PairView
 
 
 def hat_forces(surface: Any, values: np.ndarray) -> np.ndarray:
@@ -141,6 +143,22 @@ class CellLoads(NormalLoads):
             (1.0 - s) * padded[j, k + 1] + s * padded[j + 1, k + 1]
         )
         return found
+
+
+class FilmLoads(NormalLoads):
+    """Of the pressure of an oil film on its first body."""
+
+    def __init__(self, pair: FilmView, history: Any) -> None:
+        self.pair, self.first, self.surface = pair, True, pair.first
+        self.film = history.films[pair.name]
+
+    def forces(self, i: int) -> np.ndarray:
+        """Outward hat forces (columns, rows) [N]."""
+        return -hat_forces(self.surface, self.film.pressure[i])
+
+    def pressure(self, i: int, on: SkinSurface, points: np.ndarray) -> np.ndarray:
+        """Pressure [Pa] at the points on the surface, bilinear between hats."""
+        return on.interpolate(self.film.pressure[i])
 
 
 def normal_loads(pair: PairView, history: Any, *, first: bool) -> NormalLoads:

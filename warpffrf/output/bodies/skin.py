@@ -3,7 +3,8 @@ r"""The deformed skin of a body at a saved step, and the pressure on it.
     x_user = X + Phi_g(X) q + recover(f)
 
 `recover` is the local modes' response to outward hat forces, those of `normal_loads`; with friction the tangential
-forces of `patch_on_skin` are recovered in the same way, of bodies that were reduced with tangential modes.
+forces of `patch_on_skin` are recovered in the same way, of bodies that were reduced with tangential modes. Oil films
+load their first body by their pressure; their shear is left out.
 """
 
 from __future__ import annotations
@@ -14,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import unknown_name
+from warpffrf.output.bodies.normal_loads import FilmLoads, normal_loads
 from warpffrf.output.bodies.normal_loads import hat_areas as hat_areas  # where they used to be
 from warpffrf.output.bodies.normal_loads import hat_forces as hat_forces
-from warpffrf.output.bodies.normal_loads import normal_loads
 from warpffrf.output.bodies.patch_on_skin import PatchOnSkin, patch_on_skin, tangential_forces
 from warpffrf.output.geometry.grid_places import SkinSurface
 from warpffrf.output.geometry.grid_places import rotate as rotate  # where it used to be
@@ -37,6 +38,8 @@ class Skin:
         self._pairs = [p for p in view.pairs.values() if body.name in (p.first_body.name, p.second_body.name)]
         self._on = {p.name: SkinSurface(self._surface(p), self.points) for p in self._pairs}
         self._loads = {p.name: normal_loads(p, history, first=self._is_first(p)) for p in self._pairs}
+        films = [f for f in view.films.values() if f.first_body.name == body.name]
+        self._films = [(FilmLoads(f, history), SkinSurface(f.first, self.points)) for f in films]
         self._rubbing = {
             p.name: patch_on_skin(p, history, self._on[p.name], self.points, first=self._is_first(p))
             for p in self._pairs
@@ -61,20 +64,26 @@ class Skin:
             if pair.name in self._rubbing and tangential is not None:
                 contact, first = self.history.contacts[pair.name], self._is_first(pair)
                 u = u + tangential.recover(tangential_forces(pair, contact, self.history.bodies, i, first=first))
+        for load, _ in self._films:
+            u = u + load.surface.recover(load.forces(i))
         return u
 
     def pressure(self, i: int) -> np.ndarray:
-        """Contact pressure (n,) [Pa] at the skin's nodes, zero off the contact surfaces, at saved step `i`."""
+        """Pressure (n,) [Pa] of contacts and oil films at the skin's nodes, zero off their surfaces, at saved step
+        `i`."""
         p = np.zeros(len(self.points))
         for pair in self._pairs:
             on = self._on[pair.name]
             p[on.nodes] += self._loads[pair.name].pressure(i, on, self.points)
+        for load, on in self._films:
+            p[on.nodes] += load.pressure(i, on, self.points)
         return p
 
     @property
     def contact_fields(self) -> tuple[str, ...]:
-        """Those of `CONTACT_FIELDS` that this body has: only pressure without friction, none without contact."""
-        return CONTACT_FIELDS if self._rubbing else CONTACT_FIELDS[:1] if self._pairs else ()
+        """Those of `CONTACT_FIELDS` that this body has: only pressure without friction, none without contact or
+        oil film."""
+        return CONTACT_FIELDS if self._rubbing else CONTACT_FIELDS[:1] if self._pairs or self._films else ()
 
     def traction(self, i: int) -> np.ndarray:
         """Tangential traction (n, 3) [Pa] on this body at the skin's nodes, user axes, at saved step `i`."""

@@ -3,7 +3,8 @@ r"""Stress of one body over a run, at points that were named when it was reduced
     sigma(t) = sum_i modes_i q_i(t) + sum_pairs [T f(t) + W s(t)]
 
 with the global coordinates `q`, and of every contact pair that the body takes part in, as first or as second body, the
-outward hat forces `f` and, with friction, the tangential forces of the cells (`StressField`). The tensor is in the axes
+outward hat forces `f` and, with friction, the tangential forces of the cells (`StressField`); of oil films on the body
+their pressure, without their shear. The tensor is in the axes
 of the body's user frame, which turns with the body; von Mises and principal stresses do not depend on axes.
 
 On a pair's first body the traction is the pressure that the contact found, hat by hat; on the second it is that
@@ -27,7 +28,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.stress_field import StressField, max_shear, principal, von_mises
 from warpffrf.online.history.history import History
-from warpffrf.output.bodies.normal_loads import CellLoads, NormalLoads, normal_loads
+from warpffrf.output.bodies.normal_loads import CellLoads, FilmLoads, NormalLoads, normal_loads
 from warpffrf.output.bodies.patch_on_skin import tangential_forces
 from warpffrf.output.bodies.patch_stress import PatchStress
 from warpffrf.output.geometry.scene_view import SceneView
@@ -113,6 +114,7 @@ def stress_result(result: Any, body: str, points: str) -> StressResult:
             load = normal_loads(pair, history, first=pair.first_body.name == body)
             is_fine = isinstance(load, CellLoads)
             loads.append(PatchStress(load, field, walls.get(load.surface.name)) if is_fine else load)
+    loads += [FilmLoads(film, history) for film in view.films.values() if film.first_body.name == body]
     tensor = np.empty((len(history.time), len(field.points), 6))
     for i in range(len(tensor)):
         rubbing = tangential_surface_forces(history, view, body, i)

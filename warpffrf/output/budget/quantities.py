@@ -44,14 +44,15 @@ class Quantity:
 
 
 def quantities(history: History) -> dict[str, Quantity]:
-    """By name: the force of each contact over its root mean square, or over `LIGHT` of the largest one, the motion of
-    each body (its origin, and its axes as long as its radius of gyration) over the largest way from its mean, or over
-    `STILL` of the largest one, and the deformation of a flexible one, as the root of the strain energy of each of its
-    modes, over the root mean square of it.
+    """By name: the force of each contact and oil film over its root mean square, or over `LIGHT` of the largest one,
+    the motion of each body (its origin, and its axes as long as its radius of gyration) over the largest way from its
+    mean, or over `STILL` of the largest one, and the deformation of a flexible one, as the root of the strain energy of
+    each of its modes, over the root mean square of it.
 
     A quantity that is zero in all rows is left out.
     """
-    forces = [_of_force(name, contact.force) for name, contact in _contacts(history)]
+    forces = [_of_force(f"contact {name!r}", contact.force) for name, contact in _contacts(history)]
+    forces += [_of_force(f"film {name!r}", film.force) for name, film in history.films.items()]
     least = LIGHT * max((quantity.size for quantity in forces), default=0.0)
     found = [quantity.at_least(least, f"{LIGHT:g} of the largest contact force") for quantity in forces]
     places = {body.name: _places(body, history) for body in history.scene.bodies}
@@ -93,8 +94,8 @@ def _contacts(history: History) -> list[tuple[str, Any]]:
     return [*history.contacts.items(), *history.lumped_contacts.items()]
 
 
-def _of_force(contact: str, values: Array) -> Quantity:
-    name = f"force of contact {contact!r}"
+def _of_force(owner: str, values: Array) -> Quantity:
+    name = f"force of {owner}"
     sizes = np.linalg.norm(values, axis=1)
     most = SPIKE * float(np.median(sizes[sizes > 0.0])) if np.any(sizes > 0.0) else np.inf
     return replace(_over_mean_square(name, values[sizes <= most]), values=values, most=most)

@@ -12,6 +12,8 @@ from warpffrf.output.files.fields import (
     CONTACT_FIELDS,
     DERIVED_FIELDS,
     ENERGY_UNITS,
+    FILM_FIELDS,
+    FILM_POSITIONS,
     FORCE_FIELDS,
     FRICTION_DERIVED,
     FRICTION_FIELDS,
@@ -53,6 +55,8 @@ def to_xarray(result: Any) -> Any:
     stuck = {name: force.friction for name, force in history.forces.items() if force.friction is not None}
     if stuck:
         coords["slip"] = ["along", "around"]
+    if history.films:
+        coords["chart_axis"] = ["e_0", "e_1"]
     groups: tuple[tuple[str, tuple[Field, ...], dict[str, Any]], ...] = (
         ("body", BODY_FIELDS, history.bodies),
         ("joint", JOINT_FIELDS, history.joints),
@@ -61,6 +65,7 @@ def to_xarray(result: Any) -> Any:
         ("pair", DERIVED_FIELDS, contacts),
         *([("joint_friction", JOINT_FRICTION_FIELDS, stuck)] if stuck else []),
         *([("lumped_contact", LUMPED_FIELDS, history.lumped_contacts)] if history.lumped_contacts else []),
+        *([("film", FILM_FIELDS, history.films)] if history.films else []),
         *([("cell_pair", CELL_FIELDS, cells)] if cells else []),
         *([("friction_pair", (*FRICTION_FIELDS, *FRICTION_DERIVED), rubbing)] if rubbing else []),
     )
@@ -89,6 +94,10 @@ def to_xarray(result: Any) -> Any:
             coords[f"row_{name}"] = ((f"row_{name}",), z, about)
         arc = {"units": "m", "frame": "first surface, from the line of centres"}
         coords[f"arc_{name}"] = (("time", f"column_{name}"), contact.arc, arc)
+    for name in result.film_names:
+        for field in FILM_POSITIONS:
+            dim = f"{field.dims[0]}_{name}"
+            coords[dim] = ((dim,), getattr(result.film(name), field.attribute), _attributes(field))
     for name in result.sensor_names:
         sensor = result.sensor(name)
         coords[f"component_{name}"] = list(sensor.components)

@@ -28,7 +28,9 @@ WORLD = "world"
 USER_ORIGIN = "world, about the origin of the body's user frame"
 AXIS, QUATERNION = ("axis",), ("quaternion",)
 DIRECTION = ("direction",)  # e_theta and t_z of the first surface
-SIZES = {"axis": 3, "quaternion": 4, "direction": 2, "slip": 2}  # of the dimensions that all owners share
+CHART_AXIS = ("chart_axis",)  # e_0 and e_1 of the first surface
+# Of the dimensions that all owners share.
+SIZES = {"axis": 3, "quaternion": 4, "direction": 2, "slip": 2, "chart_axis": 2}
 
 RUN_FIELDS = (
     Field("time", "time", "s", "none"),
@@ -114,6 +116,26 @@ LUMPED_FIELDS = (
     Field("lumped_lamina_force", "lamina_force", "N", "along the normals", ("lamina",), stacked=False),
 )
 
+FILM_GRID = "contact grid of the first surface"
+FILM_NODES = ("film_column", "film_row")
+FILM_FIELDS = (
+    Field("film_force", "force", "N", "world, on the first body", AXIS),
+    Field("film_torque", "torque", "N m", f"{USER_ORIGIN}, on the first body", AXIS),
+    Field("film_torque_second", "torque_second", "N m", f"{USER_ORIGIN}, on the second body", AXIS),
+    Field("film_smallest_gap", "smallest_gap", "m", "at a point of the film"),
+    Field("film_largest_pressure", "largest_pressure", "Pa", "first surface"),
+    Field("film_pressure_loss", "pressure_loss", "W", "taken by flow under pressure, voids that close and feeds"),
+    Field("film_friction_power", "friction_power", "W", "taken by sliding"),
+    Field("film_feed_flow", "feed_flow", "m3/s", "in through feeds"),
+    Field("film_end_flow", "end_flow", "m3/s", "out at the ends"),
+    Field("film_void_fraction", "void_fraction", "1", "of the volume of the gap"),
+    Field("film_oil_volume", "oil_volume", "m3", "in the film, as of the density without pressure"),
+    Field("film_eccentricity", "eccentricity", "m", "inner against outer axis, e_0 and e_1 of the first", CHART_AXIS),
+    Field("film_pressure", "pressure", "Pa", FILM_GRID, FILM_NODES, stacked=False),
+    Field("film_gap", "gap", "m", FILM_GRID, FILM_NODES, stacked=False),
+    Field("film_void", "void", "m", f"{FILM_GRID}, volume per area", FILM_NODES, stacked=False),
+)
+
 # Of the pairs that were run with friction: their own owners, `friction_pair`.
 CELLS = "cells of the contact grid of the first surface"
 COUNTED = "first surface, counted in cells"
@@ -165,6 +187,11 @@ FRICTION_DERIVED = (
 DERIVED_POSITIONS = (
     Field("contact_pressure_theta", "theta", "rad", "chart of the first surface", ("column",), stacked=False),
     Field("contact_pressure_arc", "arc", "m", "first surface, from the line of centres", ("column",), stacked=False),
+)
+# Derived by `FilmResult`: places of the nodes, the same in all steps.
+FILM_POSITIONS = (
+    Field("film_theta", "theta", "rad, of a plane m", "chart of the first surface", ("film_column",), stacked=False),
+    Field("film_z", "z", "m", "along the axis of the first surface", ("film_row",), stacked=False),
 )
 ENERGY_UNITS = "J"
 

@@ -15,6 +15,7 @@ from warpffrf.output.files.fields import (
     BODY_FIELDS,
     CELL_FIELDS,
     CONTACT_FIELDS,
+    FILM_FIELDS,
     FORCE_FIELDS,
     FRICTION_FIELDS,
     JOINT_FIELDS,
@@ -24,12 +25,14 @@ from warpffrf.output.files.fields import (
     SIZES,
     Field,
 )
+from warpffrf.output.geometry.scene_view import SceneView
 
 # other numbers may be NaN, where they are not known
 FINITE = {
     "bodies": ("position", "rotation", "velocity", "angular_velocity", "modal"),
     "joints": ("force", "torque"),
     "contacts": ("force", "torque", "force_second", "torque_second", "pressure", "load_second"),
+    "films": ("force", "torque", "torque_second", "smallest_gap", "largest_pressure", "pressure", "gap", "void"),
 }
 
 
@@ -53,6 +56,9 @@ def check_history(history: History) -> None:
         _check_owner(force.friction, JOINT_FRICTION_FIELDS, name, steps)
     for name, lumped in history.lumped_contacts.items():
         _check_owner(lumped, LUMPED_FIELDS, name, steps)
+    for name, film in history.films.items():
+        _check_owner(film, FILM_FIELDS, name, steps)
+        _check_film_grid(film, name, history.scene)
     for name, contact in history.contacts.items():
         _check_owner(contact, [f for f in CONTACT_FIELDS if f.attribute != "load_second"], name, steps)
         _check_owner(contact, [f for f in CONTACT_FIELDS if f.attribute == "load_second"], name, steps)
@@ -67,6 +73,20 @@ def check_history(history: History) -> None:
             for attribute in attributes:
                 if not np.all(np.isfinite(getattr(owner, attribute))):
                     raise InputError(f"{attribute} of '{name}' in {group} holds NaN or infinite numbers")
+
+
+def _check_film_grid(film: Any, name: str, scene: Any) -> None:
+    """The fields of a film against the grid of its first surface, as a file has it."""
+    if not isinstance(scene, SceneView):
+        return
+    if name not in scene.films:
+        raise InputError(f"film '{name}' has a history, but the scene has no film of this name")
+    grid, shape = scene.films[name].first.grid, np.shape(film.pressure)[1:]
+    if shape != (grid.columns, grid.rows):
+        raise InputError(
+            f"film_pressure of '{name}' has {shape[0]} columns and {shape[1]} rows, the grid of its first surface "
+            f"{grid.columns} and {grid.rows}"
+        )
 
 
 def _check_owner(owner: Any, fields: Any, name: str, steps: int) -> None:

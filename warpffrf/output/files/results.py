@@ -3,6 +3,8 @@
     /time (time), /step_size, /iterations, /factorisations
     /body_position (time, body, axis), /contact_force (time, pair, axis), ...   stacked over the owners
     /lumped_force (time, lumped_contact, axis), ...   over the lumped contacts, where there are any
+    /film_force (time, film, axis), /film_pressure/<film> (time, film_column, film_row), ...   over the oil films, where
+                             there are any; /film_theta/<film>, /film_z/<film> the places of the nodes
     /contact_friction_power (time, friction_pair), ...   over the pairs with friction, where there are any
     /contact_cell_half_width (time, cell_pair), /contact_cell_z/<pair> (time, row), ...   over the pairs whose pressure
                              stands on cells that travel with the patch, where there are any
@@ -46,6 +48,7 @@ from warpffrf.online.history.history import (
     BodyHistory,
     CellHistory,
     ContactHistory,
+    FilmHistory,
     ForceHistory,
     FrictionHistory,
     History,
@@ -62,6 +65,8 @@ from warpffrf.output.files.fields import (
     DERIVED_FIELDS,
     DERIVED_POSITIONS,
     ENERGY_UNITS,
+    FILM_FIELDS,
+    FILM_POSITIONS,
     FORCE_FIELDS,
     FRICTION_DERIVED,
     FRICTION_FIELDS,
@@ -74,7 +79,14 @@ from warpffrf.output.files.fields import (
 )
 from warpffrf.output.files.history_check import check_history
 from warpffrf.output.geometry.anchors import Anchor
-from warpffrf.output.geometry.scene_view import GROUND, BodyView, PairView, SceneView, ground_view
+from warpffrf.output.geometry.scene_view import (
+    GROUND,
+    BodyView,
+    FilmView,
+    PairView,
+    SceneView,
+    ground_view,
+)
 
 FORMAT = "warpffrf-results"
 SCHEMA_VERSION = 2  # 2: sealed; older ones are read
@@ -87,8 +99,9 @@ _GROUPS = (
     ("contacts", "pair", CONTACT_FIELDS, ContactHistory),
     ("forces", "force", FORCE_FIELDS, ForceHistory),
     ("lumped_contacts", "lumped_contact", LUMPED_FIELDS, LumpedHistory),
+    ("films", "film", FILM_FIELDS, FilmHistory),
 )
-_ONLY_WHERE_THERE = ("lumped_contact",)
+_ONLY_WHERE_THERE = ("lumped_contact", "film")
 
 
 def write_results(result: Any, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
@@ -136,6 +149,11 @@ def put_result(file: Any, result: Any, *, bodies: bool = True, packing: dict[str
     file.attrs["joint_friction_names"] = json.dumps(list(stuck))
     if stuck:
         _put_group(file, "joint_friction", JOINT_FRICTION_FIELDS, stuck, steps, packing)
+    for field in FILM_POSITIONS if history.films else ():
+        group = file.create_group(field.name)
+        for name in history.films:
+            data = group.create_dataset(_key(name), data=getattr(result.film(name), field.attribute))
+            data.attrs.update({"units": field.units, "frame": field.frame, "dims": " ".join(field.dims)})
     lines = np.stack(list(history.energy.values()), axis=1) if history.energy else np.zeros((steps, 0))
     file.attrs["energy_lines"] = json.dumps(list(history.energy))
     _put(file, Field("energy", "energy", ENERGY_UNITS, "none", ("line",)), lines, (), packing)
@@ -312,10 +330,15 @@ def _put_scene(file: Any, view: SceneView, reduced: bool) -> None:
             for p in found.values()
         ]
         group.attrs[kind] = json.dumps(pairs)
+    films = [
+        [f.name, f.first_body.name, f.first_surface_name, f.second_body.name, f.second_surface_name, f.clearance]
+        for f in view.films.values()
+    ]
+    group.attrs["films"] = json.dumps(films)
     group.attrs["at_nodes"] = json.dumps([p.name for p in view.pairs.values() if p.at_nodes])
     fixed = [
         b
-        for p in (*view.pairs.values(), *view.lumped.values())
+        for p in (*view.pairs.values(), *view.lumped.values(), *view.films.values())
         for b in (p.first_body, p.second_body)
         if b.name not in view.bodies
     ]
@@ -352,12 +375,15 @@ def _get_scene(file: Any) -> SceneView:
         }
         for kind in ("pairs", "lumped")
     )
+    films = {
+        name: FilmView(name, known[first], first_surface, known[second], second_surface, clearance=clearance)
+        for name, first, first_surface, second, second_surface, clearance in json.loads(group.attrs.get("films", "[]"))
+    }
     for name in json.loads(group.attrs.get("at_nodes", "[]")):
         pairs[name] = replace(pairs[name], at_nodes=True)
     anchors = tuple(Anchor.of(data) for data in json.loads(group.attrs.get("anchors", "[]")))
-    return SceneView(
-        str(group.attrs["content_hash"]), bodies, pairs, tuple(json.loads(group.attrs["joints"])), anchors, lumped
-    )
+    joints = tuple(json.loads(group.attrs["joints"]))
+    return SceneView(str(group.attrs["content_hash"]), bodies, pairs, joints, anchors, lumped, films)
 
 
 def _as_bytes(reduced: Any) -> np.ndarray:

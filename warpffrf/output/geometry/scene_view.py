@@ -60,6 +60,14 @@ class PairView:
 
 
 @dataclass(frozen=True)
+class FilmView(PairView):
+    """One oil film, on the contact grid of its first surface. clearance [m]: radius of the bore less that of the shaft;
+    None of planes and cones."""
+
+    clearance: float | None = None
+
+
+@dataclass(frozen=True)
 class SceneView:
     """A scene as far as results and pictures need it; `content_hash` tells whether a run can be continued."""
 
@@ -69,13 +77,14 @@ class SceneView:
     joints: tuple[str, ...] = ()
     anchors: tuple[Anchor, ...] = ()
     lumped: dict[str, PairView] = field(default_factory=dict)
+    films: dict[str, FilmView] = field(default_factory=dict)
 
 
 def scene_view(scene: Any) -> SceneView:
     """The view of a live `Scene`; a `SceneView` passes through."""
     if isinstance(scene, SceneView):
         return scene
-    shapes = rigid_shapes((*scene.contacts, *scene.lumped_contacts))
+    shapes = rigid_shapes((*scene.contacts, *scene.lumped_contacts, *scene.films))
     bodies = {
         body.name: BodyView(
             body.name, body.reduced, float(body.mass), np.asarray(body.center_of_mass, dtype=float),
@@ -85,8 +94,15 @@ def scene_view(scene: Any) -> SceneView:
     }  # fmt: skip
     known = {GROUND: ground_view(shapes.get(GROUND, {})), **bodies}
     pairs, lumped = _pairs(scene.contacts, known), _pairs(scene.lumped_contacts, known)
+    films = {
+        film.name: FilmView(
+            film.name, known[film.a.body.name], film.a.name, known[film.b.body.name], film.b.name,
+            clearance=film.clearance(),
+        )
+        for film in scene.films
+    }  # fmt: skip
     joints = tuple(joint.name for joint in scene.joints)
-    return SceneView(scene.content_hash(), bodies, pairs, joints, scene_anchors(scene), lumped)
+    return SceneView(scene.content_hash(), bodies, pairs, joints, scene_anchors(scene), lumped, films)
 
 
 def _pairs(contacts: Any, known: dict[str, BodyView]) -> dict[str, PairView]:
@@ -101,7 +117,7 @@ def _pairs(contacts: Any, known: dict[str, BodyView]) -> dict[str, PairView]:
 
 
 def rigid_shapes(contacts: Any) -> dict[str, dict[str, Any]]:
-    """Shapes of the rigid surfaces in contact pairs of a live scene, {body: {surface: shape}}."""
+    """Shapes of the rigid surfaces in contact pairs and films of a live scene, {body: {surface: shape}}."""
     found: dict[str, dict[str, Any]] = {}
     for contact in contacts:
         for port in (contact.a, contact.b):

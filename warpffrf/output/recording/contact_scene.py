@@ -50,7 +50,8 @@ def relief_name(field: str) -> str:
 class ContactColors:
     """Colours of the contact fields, one range for all pairs of a run; `fields` are those that some pair has."""
 
-    def __init__(self, contacts: list[Any], rows: np.ndarray) -> None:
+    def __init__(self, contacts: list[Any], films: list[Any], rows: np.ndarray) -> None:
+        """films: their pressures have the colours of those of contacts."""
         rubbing = [c.friction for c in contacts if c.has_friction]
         self.fields = (["pressure"] if contacts else []) + (list(FRICTION_FIELDS) if rubbing else [])
 
@@ -59,7 +60,10 @@ class ContactColors:
 
         self._scales: dict[str, ColorScale | ColorClasses] = {
             "pressure": ColorScale(
-                "contact pressure [MPa]", top([c.peak_pressure for c in contacts]), 1e-6, PRESSURE_STOPS
+                f"{'contact' if contacts else 'film'} pressure [MPa]",
+                top([c.peak_pressure for c in contacts] + [f.pressure for f in films]),
+                1e-6,
+                PRESSURE_STOPS,
             ),
             "traction": ColorScale(
                 "tangential traction [MPa]", top([f.traction_magnitude for f in rubbing]), 1e-6, TRACTION_STOPS

@@ -62,8 +62,8 @@ class Glyphs:
         self.top_force = largest([np.linalg.norm(force[rows], axis=1) for force in forces])
         self.labelled = len(forces) <= MOST_LABELS
         # solid boxes would hide what touches beside them
-        mode = recorder.rr.components.FillMode
-        self.fill = mode.MajorWireframe if recorder.contacts or self.lumped else mode.Solid
+        mode, touching = recorder.rr.components.FillMode, recorder.contacts or self.lumped or self.result.film_names
+        self.fill = mode.MajorWireframe if touching else mode.Solid
 
     def _force(self, anchor: Anchor) -> Any:
         """Recorded force (T, 3) [N] at the anchor, world; None for one that is not in the result."""

@@ -1,4 +1,5 @@
-"""Curves of a whole machine for a recording: reactions, applied forces, joint coordinates, sensors, energies."""
+"""Curves of a whole machine for a recording: lumped contacts, oil films, reactions, applied forces, joint coordinates,
+sensors, energies."""
 
 from __future__ import annotations
 
@@ -16,6 +17,9 @@ EQUIVALENT = Stress.components[-1]  # of a stress only this one is drawn
 FROM_START = ", change from the start"
 MACHINE_PLOTS = {
     "lumped_force": "Forces of lumped contacts [N]",
+    "film_force": "Forces of oil films [N]",
+    "film_gap": "Smallest films [µm]",
+    "film_pressure": "Largest pressures of films [MPa]",
     "joint_force": "Reactions of the joints [N]",
     "applied_force": "Applied and spring forces [N]",
     "joint_friction": "Friction in joints, and its bounds [N]",
@@ -26,11 +30,13 @@ MACHINE_PLOTS = {
 
 
 def machine_series(result: Any) -> list[Series]:
-    """What there is to plot of joints, forces, sensors and energies; entities `plots/<kind>/<name>`."""
+    """What there is to plot of lumped contacts, films, joints, forces, sensors and energies; entities
+    `plots/<kind>/<name>`."""
     history = result.history
     found: list[Series] = []
     for kind, owners in (
         ("lumped_force", history.lumped_contacts),
+        ("film_force", history.films),
         ("joint_force", history.joints),
         ("applied_force", history.forces),
     ):
@@ -38,6 +44,9 @@ def machine_series(result: Any) -> list[Series]:
             size = np.linalg.norm(owner.force, axis=1)
             if np.any(size > 0.0):
                 found.append((("plots", kind, name), f"{name} [N]", size))
+    for name, film in history.films.items():
+        found.append((("plots", "film_gap", name), f"{name} [µm]", film.smallest_gap * 1e6))
+        found.append((("plots", "film_pressure", name), f"{name} [MPa]", film.largest_pressure * 1e-6))
     for name, force in history.forces.items():
         if force.friction is not None:
             size = np.linalg.norm(force.friction.traction, axis=1)

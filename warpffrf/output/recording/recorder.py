@@ -44,6 +44,10 @@ CONTACT_TEXT = (
     "The close-up travels with the patch on the first body: the height of the relief is the pressure. The patch map is "
     "the same patch unwrapped, the arc to the right along e_theta and the axis of the first body upwards."
 )
+FILM_TEXT = (
+    "Oil films load the first of their bodies by their pressure, which colours it in a recording with "
+    "color='pressure'; smallest films and largest pressures are among the plots."
+)
 FRICTION_TEXT = (
     "With friction every cell, of the contact grid or of those that travel with the patch, is open, sticks or slips. "
     "Arrows in the map of the traction are the traction on the first body. Creepages, forces and the spin moment are "
@@ -78,8 +82,8 @@ def record(
 ) -> RecordingInfo:
     """Write a .rrd of a Result (or History) that `rerun FILE` opens.
 
-    color: what the bodies' surfaces are coloured by: "displacement", or of their contacts "pressure", and with friction
-    "traction", "slip", "state" or "wear".
+    color: what the bodies' surfaces are coloured by: "displacement", or of their contacts and oil films "pressure", and
+    with friction "traction", "slip", "state" or "wear".
 
     deformation_factor: magnification of the elastic displacement, chosen from 1, 2, 5, 10, ... when None; rigid
     motion is never magnified. At most `max_frames` saved rows are drawn, at most `max_points` points of each body's
@@ -119,6 +123,7 @@ def _row_is_finite(result: Any, bodies: dict[str, fr.BodyFrames], f: int, i: int
     arrays += [a[i] for m in history.bodies.values() for a in (m.position, m.rotation)]
     owners = (*history.joints.values(), *history.forces.values(), *history.lumped_contacts.values())
     arrays += [a.force[i] for a in owners]
+    arrays += [a[i] for f in history.films.values() for a in (f.force, f.pressure)]
     arrays += [a[i] for c in history.contacts.values() for a in (c.force, c.pressure, c.center_column)]
     rubbing = [c.friction for c in history.contacts.values() if getattr(c, "friction", None) is not None]
     arrays += [a[i] for f in rubbing for a in (f.traction, f.slip_velocity)]
@@ -157,11 +162,14 @@ class _Recorder:
         unit, per_metre = ("mm", 1e3) if top > 1e-3 else ("µm", 1e6)
         self.moved = ColorScale(f"elastic displacement of the bodies [{unit}]", top, per_metre, DISPLACEMENT_STOPS)
         self.top_force = largest([c.force_magnitude[rows[good]] for c in self.contacts])
-        self.color, self.contact_colors = color, ContactColors(self.contacts, rows[good])
+        films = list(result.history.films.values())
+        self.color, self.contact_colors = color, ContactColors(self.contacts, films, rows[good])
         self.skin_scale = self.moved if color == DISPLACEMENT else self.contact_colors.scale(color)
         self.scenes = [ContactScene(self, contact) for contact in self.contacts]
         self.glyphs, self.shapes = Glyphs(self, self.size), RigidShapes(self)
-        shown = [self.contact_colors.scale(name) for name in self.contact_colors.fields]
+        fields = self.contact_colors.fields
+        by_film = [color] if color not in (DISPLACEMENT, *fields) else []  # nothing else shows the pressure of a film
+        shown = [self.contact_colors.scale(name) for name in (*fields, *by_film)]
         self.scales: list[ColorScale | ColorClasses] = [self.moved] * bool(bodies and color == DISPLACEMENT) + shown
         self.notes = self._notes()
 
@@ -253,6 +261,7 @@ class _Recorder:
             "blue ones those of lumped contacts on their first body; "
             f"one length for all, the largest is {force_text(self.glyphs.top_force)}.",
             *([CONTACT_TEXT] if self.contacts else []),
+            *([FILM_TEXT] if self.result.film_names else []),
             *([FRICTION_TEXT] if any(c.has_friction for c in self.contacts) else []),
             "\n".join(contacts),
             "## Notes",

@@ -1,7 +1,7 @@
 """True shapes of rigid contact surfaces in a recording: they have no mesh, and are drawn as far as a patch comes.
 
 A plane reaches `AROUND` of the largest body beyond the patches of the run, a surface of revolution as far along its
-axis, all the way around; a sphere is drawn whole.
+axis, all the way around; a sphere is drawn whole. Of an oil film the patch is its grid.
 """
 
 from __future__ import annotations
@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.output.geometry.grid_places import grid_theta_offset
 from warpffrf.output.geometry.poses import Pose
-from warpffrf.output.geometry.scene_view import PairView
+from warpffrf.output.geometry.scene_view import FilmView, PairView
 from warpffrf.output.recording import frames as fr
 
 AROUND = 0.6  # of the largest body
@@ -22,8 +23,8 @@ COLOR = (168, 176, 186, 255)
 
 
 class RigidShapes:
-    """Draws the rigid surfaces of the recording's pairs and lumped contacts, children of their bodies, so that they
-    move with them."""
+    """Draws the rigid surfaces of the recording's pairs, lumped contacts and oil films, children of their bodies, so
+    that they move with them."""
 
     def __init__(self, recorder: Any) -> None:
         self.recorder = recorder
@@ -39,13 +40,15 @@ class RigidShapes:
                 if path not in rigid:
                     contact = recorder.result.history.lumped_contacts[name]
                     self._lumped.setdefault(path, (body.shapes[surface], body.name, contact))
+        films = {self._path(view): view for view in recorder.result.view.films.values() if view.second.grid is None}
+        self._films = {path: view for path, view in films.items() if path not in (*rigid, *self._lumped)}
 
     def _path(self, view: PairView) -> str:
         return self.recorder.path("world", view.second_body.name, view.second_surface_name)
 
     def paths(self) -> list[str]:
         """Entities of the surfaces."""
-        return [*self._contacts, *self._lumped]
+        return [*self._contacts, *self._lumped, *self._films]
 
     def static(self) -> None:
         """Log every surface once."""
@@ -53,6 +56,8 @@ class RigidShapes:
             self._log(path, contact.view.second.shape, self._reach(contact))
         for path, (shape, body, contact) in self._lumped.items():
             self._log(path, shape, self._lumped_reach(shape, body, contact))
+        for path, view in self._films.items():
+            self._log(path, view.second.shape, self._film_reach(view))
 
     def _log(self, path: str, shape: Any, reach: Reach) -> None:
         rr = self.recorder.rr
@@ -70,6 +75,18 @@ class RigidShapes:
         own = [Pose.of(recorder.result.history.bodies, body, i).to_user(contact.place[i][None])[0] for i in rows]
         theta, z, _ = shape.chart(np.array(own).reshape(-1, 3))
         return self._around([(float(t), float(s)) for t, s in zip(theta, z, strict=True)])
+
+    def _film_reach(self, view: FilmView) -> Reach:
+        """As `_reach`, about the corners of the film's grid in the first row that is drawn."""
+        recorder, first = self.recorder, view.first
+        i = int(recorder.rows[recorder.good][0]) if np.any(recorder.good) else 0
+        own, other = (
+            Pose.of(recorder.result.history.bodies, body.name, i) for body in (view.first_body, view.second_body)
+        )
+        theta = first.grid.theta[[0, -1]] + grid_theta_offset(first)
+        corners = first.shape.point(*np.meshgrid(theta, first.grid.z[[0, -1]])).reshape(-1, 3)
+        theta, z, _ = view.second.shape.chart(other.to_user(own.to_world(corners)))
+        return self._around(list(zip(theta.tolist(), z.tolist(), strict=True)))
 
     def _reach(self, contact: Any) -> Reach:
         """Ranges of theta [rad, m on a plane] and z [m] on the rigid surface that the patches of the run lie in, and

@@ -1,4 +1,5 @@
-"""Lines of the report on joints, force elements and sensors: where each ended, and the largest on the way."""
+"""Lines of the report on lumped contacts, oil films, joints, force elements and sensors: where each ended, and the
+largest on the way."""
 
 from __future__ import annotations
 
@@ -11,11 +12,12 @@ MOST_LINES = 20  # of one kind: a report is read on one screen
 
 
 def item_lines(result: Any) -> list[str]:
-    """One line a lumped contact, joint, force element and sensor of a run with saved rows, at most `MOST_LINES` of a
-    kind. Stresses are left out: they are evaluated when they are asked for."""
+    """One line a lumped contact, oil film, joint, force element and sensor of a run with saved rows, at most
+    `MOST_LINES` of a kind. Stresses are left out: they are evaluated when they are asked for."""
     history = result.history
     return [
         *_capped("lumped contacts", [_lumped(name, contact) for name, contact in history.lumped_contacts.items()]),
+        *_capped("films", [_film(name, film, history.time) for name, film in history.films.items()]),
         *_capped("joints", [_joint(name, joint) for name, joint in history.joints.items()]),
         *_capped("forces", [_force(name, force) for name, force in history.forces.items()]),
         *_capped("sensors", [_sensor(name, sensor) for name, sensor in history.sensors.items()]),
@@ -47,6 +49,21 @@ def _lumped(name: str, contact: Any) -> str:
     if np.any(contact.friction_force != 0.0):
         line += f"; friction {_size(contact.friction_force, 'N')}, slip {_size(contact.slip_velocity, 'm/s')}"
     return line
+
+
+def _film(name: str, film: Any, time: Any) -> str:
+    pressure, gap, power = film.largest_pressure * 1e-6, film.smallest_gap * 1e6, film.friction_power
+    line = f"film '{name}': force {_size(film.force, 'N')}"
+    line += f"; peak pressure {pressure[-1]:.5g} MPa (largest {np.max(pressure):.5g})"
+    line += f"; smallest film {gap[-1]:.5g} um (least {np.min(gap):.5g})"
+    line += f"; friction power {power[-1]:.5g} W (largest {np.max(power):.5g})"
+    return line + f"; feeds {_mean(film.feed_flow, time) * 1e6:.5g} cm3/s on average"
+
+
+def _mean(values: Any, time: Any) -> float:
+    """Mean over the run of values (T,) that are straight between the saved times (T,) [s]."""
+    span = time[-1] - time[0]
+    return float(np.trapezoid(values, time) / span if span > 0.0 else np.mean(values))
 
 
 def _force(name: str, force: Any) -> str:

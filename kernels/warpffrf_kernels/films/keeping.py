@@ -1,0 +1,167 @@
+"""What films keep of an accepted attempt, and what of them is saved.
+
+Rates by BDF2 have the fillings r h and voids of the two accepted steps before; an attempt that is rejected leaves them.
+Equilibria and starts begin that history anew.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
+from warpffrf_kernels.films.flow import TAKEN
+from warpffrf_kernels.films.sampling import (
+    FORCE,
+    FORCE_MOMENT,
+    GAP,
+    SECOND_FORCE_MOMENT,
+    opened_by_motion,
+    sides_of,
+)
+from warpffrf_kernels.surfaces.surface import axes_of
+
+wp.set_module_options(MODULE_OPTIONS)
+
+# --- numbers of a film that are saved: forces on A (world), moments about the centres of mass (world), then
+SMALLEST = wp.constant(9)  # gap at a point, m
+LARGEST = wp.constant(10)  # pressure, Pa
+BY_PRESSURE = wp.constant(11)  # power that the flow by pressure, voids and feeds take, W
+BY_SLIDING = wp.constant(12)  # that sliding takes, W
+FED = wp.constant(13)  # oil that comes in through feeds, m3/s at the density rho_0
+ENDS = wp.constant(14)  # oil that leaves at the ends, m3/s
+VOIDS = wp.constant(15)  # volume of the voids over that of the gap
+OIL = wp.constant(16)  # volume of the oil, of the density rho_0, m3
+NUMBERS = 17
+
+
+@wp.kernel
+def keep_film(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    film_mass_now: wp.array2d(dtype=real),
+    film_pressure: inout(wp.array3d(dtype=real)),
+    film_void: inout(wp.array3d(dtype=real)),
+    film_full: inout(wp.array3d(dtype=int)),
+    film_mass: inout(wp.array3d(dtype=real)),
+    film_power: inout(wp.array4d(dtype=real)),
+    film_void_before: out(wp.array2d(dtype=real)),
+    film_step: out(wp.array(dtype=real)),
+):
+    """Per (world, film), lanes over functions and points: the trial film becomes the accepted one; the tiny step of
+    PROJECT leaves nothing, that of START its pressures."""
+    w, film, lane = wp.tid()
+    model = models[0]
+    if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
+        return
+    i = model.elements[0].films.function_start[film] + lane
+    while i < model.elements[0].films.function_start[film + 1]:
+        film_pressure[w, 0, i] = film_pressure[w, 1, i]
+        film_full[w, 0, i] = film_full[w, 1, i]
+        if ctl[w].mode != k.START:
+            film_void_before[w, i] = film_void[w, 0, i]
+            film_void[w, 0, i] = film_void[w, 1, i]
+        i += wp.block_dim()
+    if ctl[w].mode != k.START:
+        g = model.elements[0].films.point_start[film] + lane
+        while g < model.elements[0].films.point_start[film + 1]:
+            film_mass[w, 1, g] = film_mass[w, 0, g]
+            film_mass[w, 0, g] = film_mass_now[w, g]
+            g += wp.block_dim()
+    if lane == 0:
+        for line in range(TAKEN):
+            film_power[w, 0, film, line] = film_power[w, 1, film, line]
+    if lane == 0 and film == 0:
+        film_step[w] = real(0.0)
+        if ctl[w].mode == k.DYNAMIC:
+            film_step[w] = clk[w].h
+
+
+@wp.kernel
+def record_film(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    v1: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    film_pressure: wp.array3d(dtype=real),
+    film_void: wp.array3d(dtype=real),
+    film_opened: wp.array2d(dtype=real),
+    film_mass_now: wp.array2d(dtype=real),
+    film_line: wp.array3d(dtype=real),
+    film_sums: wp.array3d(dtype=real),
+    film_rest: wp.array2d(dtype=real),
+    film_power: wp.array4d(dtype=real),
+    saved_film: out(wp.array4d(dtype=real)),
+    saved_film_pressure: out(wp.array3d(dtype=real)),
+    saved_film_gap: out(wp.array3d(dtype=real)),
+    saved_film_void: out(wp.array3d(dtype=real)),
+):
+    """Per (world, film), lanes over hats: fields at the hats, and NUMBERS of the film."""
+    w, film, lane = wp.tid()
+    model = models[0]
+    if ctl[w].record == 0:
+        return
+    at = ctl[w].saved % saved_film.shape[1]
+    static = int(0)
+    if ctl[w].mode == k.STATIC:
+        static = int(1)
+    sides = sides_of(model, w, film, static, r1, axes, v1, omega1)
+    first = model.elements[0].films.function_start[film]
+    m = model.elements[0].films.hat_start[film] + lane
+    while m < model.elements[0].films.hat_start[film + 1]:
+        f = first + model.elements[0].films.hat_function[m]
+        seen = opened_by_motion(model, film, sides, model.elements[0].films.hat_place[m])
+        saved_film_pressure[w, at, m] = film_pressure[w, 0, f]
+        saved_film_gap[w, at, m] = seen[0] + model.elements[0].films.hat_form[m] + film_opened[w, m]
+        saved_film_void[w, at, m] = film_void[w, 0, f]
+        m += wp.block_dim()
+    sync()
+    if lane == 0:
+        a = model.surfaces.body[model.elements[0].films.first[film]]
+        b = model.surfaces.body[model.elements[0].films.second[film]]
+        moment = vec3(real(0.0))
+        second_moment = vec3(real(0.0))
+        for c in range(3):
+            saved_film[w, at, film, c] = film_sums[w, film, FORCE + c]
+            moment[c] = film_sums[w, film, FORCE_MOMENT + c]
+            second_moment[c] = film_sums[w, film, SECOND_FORCE_MOMENT + c]
+        moment = axes_of(axes, w, a) * moment
+        second_moment = axes_of(axes, w, b) * second_moment
+        for c in range(3):
+            saved_film[w, at, film, 3 + c] = moment[c]
+            saved_film[w, at, film, 6 + c] = second_moment[c]
+        least = real(1.0e300)
+        space = real(0.0)
+        filling = real(0.0)
+        g = model.elements[0].films.point_start[film]
+        while g < model.elements[0].films.point_start[film + 1]:
+            least = wp.min(least, film_line[w, g, GAP])
+            space += model.elements[0].films.weight[g] * film_line[w, g, GAP]
+            filling += model.elements[0].films.weight[g] * film_mass_now[w, g]
+            g += 1
+        largest = real(0.0)
+        fed = real(0.0)
+        ends = real(0.0)
+        empty = real(0.0)
+        i = first
+        while i < model.elements[0].films.function_start[film + 1]:
+            largest = wp.max(largest, film_pressure[w, 0, i])
+            empty += model.elements[0].films.area[i] * film_void[w, 0, i]
+            if model.elements[0].films.unknown_of[i] < 0:
+                if model.elements[0].films.feeds[i] != 0:
+                    fed += film_rest[w, i]
+                else:
+                    ends -= film_rest[w, i]
+            i += 1
+        saved_film[w, at, film, SMALLEST] = least
+        saved_film[w, at, film, LARGEST] = largest
+        saved_film[w, at, film, BY_PRESSURE] = film_power[w, 0, film, 0]
+        saved_film[w, at, film, BY_SLIDING] = film_power[w, 0, film, 1]
+        saved_film[w, at, film, FED] = fed
+        saved_film[w, at, film, ENDS] = ends
+        saved_film[w, at, film, VOIDS] = empty / space
+        saved_film[w, at, film, OIL] = filling - empty

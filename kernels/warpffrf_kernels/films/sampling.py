@@ -1,0 +1,450 @@
+r"""Gaps, pressures and flows of a film at its points.
+
+A film stands on the grid of its first surface A, in A's frame. At a point x of A, fixed in A's material,
+
+    h = d_B(x) + form - n.u_A,        grad d_B = n,
+
+d_B the signed distance from the second surface, u_A the displacement of A by its modes and by the pressure, in A's own
+normal. With U = (u_B - u_A)/2 half the sliding velocity, r = rho(p)/rho_0, k = h^3/(12 mu), the void volume per area D
+(of the density rho_0), and a rate of change by BDF2, delta_t f = a_0 f + a_1 f_(n-1) + a_2 f_(n-2),
+
+    delta_t (r h - D) + div(U (r h - D)) - div(r k grad p) = 0,      0 <= p  _|_  D >= 0.
+
+Half of the sliding velocity times h is what both walls carry; what of it lies across, the change of h, is in delta_t.
+Euler's rule (a_0 = 1/h) begins, and serves in static steps, which have no velocities: their walls slide with those that
+the scene begins with. What is steady there stands in space while A spins about its own axis, so in A's frame U has that
+turning beside the half of the sliding.
+
+**Forces.** The pressure does p n dA on A at x and the opposite on B at the same x, so that it is the derivative of h by
+all coordinates times p, and has no moment about B's axis. Then the shear must be that of B's wall, on A
+
+    tau = mu (u_B - u_A)(1 - D/h)/h + (h/2) grad p,
+
+and the opposite on B, at x again: action equals reaction in force and moment. The power of all of it into the bodies is
+
+    - int mu |u_B - u_A|^2 (1 - D/h)/h dA - int k |grad p|^2 dA - (what closes voids) + (what feeds bring in),
+
+as Reynolds' equation tested with p itself tells (`losses`). Tangential displacements of A by the shear are left out,
+and so is what its elastic motion adds to U.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import changed, inout, out
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.rotation import exponential, matrix
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, quat, real, sync, vec3
+from warpffrf_kernels.films.oil import oil_at
+from warpffrf_kernels.surfaces.surface import axes_of, chart_of, distance_of, gradient_of, origin_of
+
+wp.set_module_options(MODULE_OPTIONS)
+
+# --- rules of the cavity, values of `Films.rule`
+MASS_CONSERVING = wp.constant(0)  # voids travel with the oil
+REYNOLDS = wp.constant(1)  # pressure or a slack in its place, which does not travel
+HALF = wp.constant(2)  # pressures below zero push nothing
+NONE = wp.constant(3)  # they pull
+
+# --- numbers of a point
+GAP = wp.constant(0)
+FLOW_AROUND = wp.constant(1)  # weight r (k p_x - h U_x), what a slope of a test function meets
+FLOW_ALONG = wp.constant(2)
+FILLING = wp.constant(3)  # weight delta_t (r h)
+CONDUCTANCE = wp.constant(4)  # weight r k
+AROUND_BY_PRESSURE = wp.constant(5)  # of both flows and the filling, at given slopes and gap
+ALONG_BY_PRESSURE = wp.constant(6)
+FILLING_BY_PRESSURE = wp.constant(7)
+AROUND_BY_GAP = wp.constant(8)
+ALONG_BY_GAP = wp.constant(9)
+FILLING_BY_GAP = wp.constant(10)
+PRESSURE = wp.constant(11)  # that pushes, times the weight
+NORMAL = wp.constant(12)  # n, world
+MOMENT = wp.constant(15)  # of n at x about A's centre of mass, A's axes
+SECOND_MOMENT = wp.constant(18)  # of -n at x about B's centre of mass, B's axes
+LINE = 21
+
+# --- sums over the points, of forces with shear
+FORCE = wp.constant(0)  # on A, world
+FORCE_MOMENT = wp.constant(3)  # on A about its centre of mass, its axes
+SECOND_FORCE_MOMENT = wp.constant(6)  # on B likewise
+VISCOUS = wp.constant(9)  # power of the flow by pressure, W
+SHEAR = wp.constant(10)  # of the sliding, W
+PULL = 11
+
+GUARD = wp.constant(wp.float64(0.5))  # of the gaps where a step begins: what its prediction leaves of them
+
+
+@wp.struct
+class Sides:
+    """Both bodies in the world: axes, centre of mass of A from that of B, velocities (of A's turning in its axes)."""
+
+    turn_a: mat33
+    turn_b: mat33
+    from_b: vec3
+    v_a: vec3
+    v_b: vec3
+    omega_a: vec3
+    omega_b: vec3
+    spin: vec3  # of static steps: of A about its own axis, in its axes
+
+
+@wp.func
+def sides_of(
+    model: Model,
+    w: int,
+    film: int,
+    static: int,
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    v1: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+) -> Sides:
+    a = model.surfaces.body[model.elements[0].films.first[film]]
+    b = model.surfaces.body[model.elements[0].films.second[film]]
+    found = Sides()
+    found.turn_a = axes_of(axes, w, a)
+    found.turn_b = axes_of(axes, w, b)
+    found.from_b = origin_of(r1, w, a) - origin_of(r1, w, b)
+    if a >= 0:
+        found.v_a = v1[w, a]
+        found.omega_a = omega1[w, a]
+        if static != 0:
+            found.v_a = model.elements[0].films.rest_v[a]
+            found.omega_a = model.elements[0].films.rest_omega[a]
+    if static != 0 and model.surfaces.planar[model.elements[0].films.first[film]] == 0:
+        axis = model.surfaces.frame[model.elements[0].films.first[film]] * vec3(real(0.0), real(0.0), real(1.0))
+        found.spin = wp.dot(found.omega_a, axis) * axis
+    if b >= 0:
+        found.v_b = v1[w, b]
+        found.omega_b = found.turn_b * omega1[w, b]
+        if static != 0:
+            found.v_b = model.elements[0].films.rest_v[b]
+            found.omega_b = found.turn_b * model.elements[0].films.rest_omega[b]
+    return found
+
+
+@wp.func
+def sliding_at(sides: Sides, place: vec3) -> vec3:
+    """u_B - u_A [m/s] at a place of A, in A's axes."""
+    at_b = sides.v_b + wp.cross(sides.omega_b, sides.from_b + sides.turn_a * place)
+    return wp.transpose(sides.turn_a) * (at_b - sides.v_a) - wp.cross(sides.omega_a, place)
+
+
+@wp.func
+def carried_at(model: Model, film: int, sides: Sides, place: vec3) -> vec3:
+    """U [m/s] at a place of A, in A's axes."""
+    arm = place - model.surfaces.origin[model.elements[0].films.first[film]]
+    return real(0.5) * sliding_at(sides, place) + wp.cross(sides.spin, arm)
+
+
+@wp.func
+def second_form_at(model: Model, film: int, theta: real, z: real) -> real:
+    """What the form of the second surface adds to the gap [m], between the places of its table."""
+    columns = model.elements[0].films.second_counts[film, 0]
+    rows = model.elements[0].films.second_counts[film, 1]
+    x = (theta - model.elements[0].films.second_range[film, 0]) / model.elements[0].films.second_range[film, 1]
+    x -= real(columns) * wp.floor(x / real(columns))
+    y = (z - model.elements[0].films.second_range[film, 2]) / model.elements[0].films.second_range[film, 3]
+    y = wp.clamp(y, real(0.0), real(rows - 1))
+    i = wp.min(int(x), columns - 1)
+    j = wp.min(int(y), rows - 2)
+    u = x - real(i)
+    v = y - real(j)
+    start = model.elements[0].films.second_start[film]
+    left = start + i * rows + j
+    right = start + ((i + 1) % columns) * rows + j
+    low = (real(1.0) - v) * model.elements[0].films.second_form[left] + v * model.elements[0].films.second_form[
+        left + 1
+    ]
+    high = (real(1.0) - v) * model.elements[0].films.second_form[right]
+    high += v * model.elements[0].films.second_form[right + 1]
+    return (real(1.0) - u) * low + u * high
+
+
+@wp.func
+def opened_by_motion(model: Model, film: int, sides: Sides, place: vec3) -> wp.vec4d:
+    """d_B [m] at a place of A, and its gradient in the world."""
+    s = model.elements[0].films.second[film]
+    out_of_b = sides.turn_b * model.surfaces.frame[s]
+    y = wp.transpose(out_of_b) * (sides.from_b - sides.turn_b * model.surfaces.origin[s] + sides.turn_a * place)
+    n = out_of_b * gradient_of(model, s, y)
+    gap = distance_of(model, s, y)
+    if model.elements[0].films.second_start[film] >= 0:
+        at = chart_of(model, s, y)
+        gap += second_form_at(model, film, at[0], at[1])
+    return wp.vec4d(gap, n[0], n[1], n[2])
+
+
+@wp.func
+def at_point(model: Model, point: int, field: wp.array2d(dtype=real), w: int, first: int) -> real:
+    """A field over hats at a point; `first`: hat of the film."""
+    total = real(0.0)
+    for c in range(4):
+        total += model.elements[0].films.between[point, c] * field[w, first + model.elements[0].films.hat[point, c]]
+    return total
+
+
+@wp.kernel
+def open_film(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    film_step: wp.array(dtype=real),
+    film_pressure: inout(wp.array3d(dtype=real)),
+    film_void: inout(wp.array3d(dtype=real)),
+    film_full: inout(wp.array3d(dtype=int)),
+    film_rates: out(wp.array2d(dtype=real)),
+    film_changed: out(wp.array2d(dtype=int)),
+):
+    """Per (world, film), lanes over functions: an attempt begins with the accepted film, and with the coefficients of
+    its rates."""
+    w, film, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0:
+        return
+    i = model.elements[0].films.function_start[film] + lane
+    while i < model.elements[0].films.function_start[film + 1]:
+        film_pressure[w, 1, i] = film_pressure[w, 0, i]
+        film_void[w, 1, i] = film_void[w, 0, i]
+        film_full[w, 1, i] = film_full[w, 0, i]
+        i += wp.block_dim()
+    if lane == 0:
+        film_changed[w, film] = 1
+        if film == 0:
+            h = clk[w].h
+            film_rates[w, 0] = real(1.0) / h
+            film_rates[w, 1] = real(-1.0) / h
+            film_rates[w, 2] = real(0.0)
+            if ctl[w].mode == k.DYNAMIC and film_step[w] > real(0.0):
+                ratio = h / film_step[w]
+                film_rates[w, 0] = (real(1.0) + real(2.0) * ratio) / ((real(1.0) + ratio) * h)
+                film_rates[w, 1] = -(real(1.0) + ratio) / h
+                film_rates[w, 2] = ratio * ratio / ((real(1.0) + ratio) * h)
+
+
+@wp.func
+def posed(
+    model: Model,
+    w: int,
+    film: int,
+    ahead: int,
+    r: wp.array2d(dtype=vec3),
+    p: wp.array2d(dtype=quat),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+) -> Sides:
+    """Both bodies where the step begins, or `ahead` where its increments lead, without velocities."""
+    a = model.surfaces.body[model.elements[0].films.first[film]]
+    b = model.surfaces.body[model.elements[0].films.second[film]]
+    found = Sides()
+    found.turn_a = wp.identity(n=3, dtype=real)
+    found.turn_b = wp.identity(n=3, dtype=real)
+    if a >= 0:
+        found.turn_a = matrix(p[w, a])
+        found.from_b = r[w, a]
+        if ahead != 0:
+            found.turn_a = matrix(wp.normalize(p[w, a] * exponential(psi[w, a])))
+            found.from_b += dx[w, a]
+    if b >= 0:
+        found.turn_b = matrix(p[w, b])
+        found.from_b -= r[w, b]
+        if ahead != 0:
+            found.turn_b = matrix(wp.normalize(p[w, b] * exponential(psi[w, b])))
+            found.from_b -= dx[w, b]
+    return found
+
+
+@wp.kernel
+def guard_prediction(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    r: wp.array2d(dtype=vec3),
+    p: wp.array2d(dtype=quat),
+    film_mass: wp.array3d(dtype=real),
+    film_least: inout(wp.array2d(dtype=real)),
+    dx: changed(wp.array2d(dtype=vec3)),
+    psi: changed(wp.array2d(dtype=vec3)),
+    dq: changed(wp.array2d(dtype=real)),
+):
+    """Per world, lanes over points, bodies, modes: increments that are foretold go no farther than to GUARD of the
+    gaps that the step begins with."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].again != 0:
+        return
+    part = real(1.0)
+    film = int(0)
+    while film < model.elements[0].films.count:
+        before = posed(model, w, film, 0, r, p, dx, psi)
+        after = posed(model, w, film, 1, r, p, dx, psi)
+        start = model.elements[0].films.point_start[film]
+        end = model.elements[0].films.point_start[film + 1]
+        g = start + lane
+        while g < end:
+            place = model.elements[0].films.point_place[g]
+            closing = opened_by_motion(model, film, before, place)[0] - opened_by_motion(model, film, after, place)[0]
+            film_least[w, g] = closing
+            g += wp.block_dim()
+        sync()
+        g = start
+        while g < end:
+            may = (real(1.0) - GUARD) * film_mass[w, 0, g]
+            if film_least[w, g] > may:
+                part = wp.min(part, may / film_least[w, g])
+            g += 1
+        film += 1
+    sync()
+    if part < real(1.0):
+        b = lane
+        while b < model.bodies.count:
+            dx[w, b] = part * dx[w, b]
+            psi[w, b] = part * psi[w, b]
+            b += wp.block_dim()
+        n = lane
+        while n < model.modes.count:
+            dq[w, n] = part * dq[w, n]
+            n += wp.block_dim()
+
+
+@wp.kernel
+def sample_film(
+    models: wp.array(dtype=Model),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    v1: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    q1: wp.array(dtype=real),
+    film_pressure: wp.array3d(dtype=real),
+    film_void: wp.array3d(dtype=real),
+    film_mass: wp.array3d(dtype=real),
+    film_rates: wp.array2d(dtype=real),
+    ctl: inout(wp.array(dtype=Control)),
+    film_acting: inout(wp.array(dtype=real)),
+    film_opened: inout(wp.array2d(dtype=real)),
+    film_carried: out(wp.array3d(dtype=real)),
+    film_mass_now: out(wp.array2d(dtype=real)),
+    film_line: out(wp.array3d(dtype=real)),
+    film_pull: out(wp.array3d(dtype=real)),
+):
+    """Per (world, film), lanes over unknowns, hats, functions, points: numbers of all points. An attempt in which the
+    surfaces touch has failed."""
+    w, film, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    static = int(0)
+    if ctl[w].mode == k.STATIC:
+        static = int(1)
+    sides = sides_of(model, w, film, static, r1, axes, v1, omega1)
+    rule = model.elements[0].films.rule[film]
+    unknowns = model.elements[0].films.unknowns[film]
+    first = model.elements[0].films.function_start[film]
+    first_unknown = model.elements[0].films.unknown_start[film]
+    run = w * model.elements[0].films.unknown_start[model.elements[0].films.count] + first_unknown
+    i = lane
+    while i < unknowns:
+        p = film_pressure[w, 1, first + model.elements[0].films.function_of[first_unknown + i]]
+        if rule == HALF:
+            p = wp.max(p, real(0.0))
+        film_acting[run + i] = p
+        i += wp.block_dim()
+    sync()
+    first_hat = model.elements[0].films.hat_start[film]
+    hats = model.elements[0].films.hat_start[film + 1] - first_hat
+    A = model.elements[0].films.first[film]
+    modes = model.elements[0].films.modes[film]
+    modal = w * model.modes.count + model.surfaces.modal_start[A]
+    m = lane
+    while m < hats:
+        row = model.elements[0].films.compliance_start[film] + m * unknowns
+        u = model.elements[0].films.lift[first_hat + m]
+        u += dot(unknowns, model.elements[0].films.compliance, row, film_acting, run)
+        line = model.elements[0].films.shape_start[film] + m * modes
+        film_opened[w, first_hat + m] = u - dot(modes, model.elements[0].films.shape, line, q1, modal)
+        m += wp.block_dim()
+    i = first + lane
+    while i < model.elements[0].films.function_start[film + 1]:
+        carried = carried_at(model, film, sides, model.elements[0].films.place[i])
+        film_carried[w, i, 0] = wp.dot(carried, model.elements[0].films.around[i])
+        film_carried[w, i, 1] = wp.dot(carried, model.elements[0].films.along[i])
+        i += wp.block_dim()
+    sync()
+    a0 = film_rates[w, 0]
+    g = model.elements[0].films.point_start[film] + lane
+    while g < model.elements[0].films.point_start[film + 1]:
+        place = model.elements[0].films.point_place[g]
+        seen = opened_by_motion(model, film, sides, place)
+        h = seen[0] + model.elements[0].films.form[g] + at_point(model, g, film_opened, w, first_hat)
+        if not h > real(0.0):
+            ctl[w].failure = ctl[w].failure | k.NOT_CONVERGED
+            ctl[w].run = 0
+        p = real(0.0)
+        p_x = real(0.0)
+        p_z = real(0.0)
+        void = real(0.0)
+        j = int(0)
+        while j < model.elements[0].films.function.shape[1]:
+            f = model.elements[0].films.function[g, j]
+            if f >= 0:
+                value = film_pressure[w, 1, first + f]
+                p += model.elements[0].films.value[g, j] * value
+                p_x += model.elements[0].films.slope_around[g, j] * value
+                p_z += model.elements[0].films.slope_along[g, j] * value
+                void += model.elements[0].films.value[g, j] * film_void[w, 1, first + f]
+            j += 1
+        slide = sliding_at(sides, place)
+        around = model.elements[0].films.point_around[g]
+        along = model.elements[0].films.point_along[g]
+        slide_x = wp.dot(slide, around)
+        slide_z = wp.dot(slide, along)
+        carried = carried_at(model, film, sides, place)
+        u_x = wp.dot(carried, around)
+        u_z = wp.dot(carried, along)
+        oil = oil_at(model, film, p)
+        weight = model.elements[0].films.weight[g]
+        conductance = h * h * h / (real(12.0) * oil.viscosity)
+        mass = oil.density * h
+        film_mass_now[w, g] = mass
+        film_line[w, g, GAP] = h
+        film_line[w, g, FLOW_AROUND] = weight * oil.density * (conductance * p_x - h * u_x)
+        film_line[w, g, FLOW_ALONG] = weight * oil.density * (conductance * p_z - h * u_z)
+        past = film_rates[w, 1] * film_mass[w, 0, g] + film_rates[w, 2] * film_mass[w, 1, g]
+        film_line[w, g, FILLING] = weight * (a0 * mass + past)
+        film_line[w, g, CONDUCTANCE] = weight * oil.density * conductance
+        thinner = oil.density * conductance * oil.thickening
+        film_line[w, g, AROUND_BY_PRESSURE] = weight * (oil.stiffening * (conductance * p_x - h * u_x) - thinner * p_x)
+        film_line[w, g, ALONG_BY_PRESSURE] = weight * (oil.stiffening * (conductance * p_z - h * u_z) - thinner * p_z)
+        film_line[w, g, FILLING_BY_PRESSURE] = weight * a0 * oil.stiffening * h
+        wide = real(3.0) * conductance / h
+        film_line[w, g, AROUND_BY_GAP] = weight * oil.density * (wide * p_x - u_x)
+        film_line[w, g, ALONG_BY_GAP] = weight * oil.density * (wide * p_z - u_z)
+        film_line[w, g, FILLING_BY_GAP] = weight * oil.density * a0
+        pushing = p
+        if rule == HALF:
+            pushing = wp.max(p, real(0.0))
+        n = vec3(seen[1], seen[2], seen[3])
+        arm_b = wp.transpose(sides.turn_b) * (sides.from_b + sides.turn_a * place)
+        n_a = wp.transpose(sides.turn_a) * n
+        moment = wp.cross(place, n_a)
+        second_moment = -wp.cross(arm_b, wp.transpose(sides.turn_b) * n)
+        film_line[w, g, PRESSURE] = weight * pushing
+        filled = wp.clamp(real(1.0) - void / h, real(0.0), real(1.0))
+        drag = oil.viscosity * filled / h
+        half = real(0.5) * h
+        tau = (drag * slide_x + half * p_x) * around + (drag * slide_z + half * p_z) * along
+        force = weight * (pushing * n_a + tau)
+        world_force = sides.turn_a * force
+        first_torque = wp.cross(place, force)
+        second_torque = -wp.cross(arm_b, wp.transpose(sides.turn_b) * world_force)
+        for c in range(3):
+            film_line[w, g, NORMAL + c] = n[c]
+            film_line[w, g, MOMENT + c] = moment[c]
+            film_line[w, g, SECOND_MOMENT + c] = second_moment[c]
+            film_pull[w, g, FORCE + c] = world_force[c]
+            film_pull[w, g, FORCE_MOMENT + c] = first_torque[c]
+            film_pull[w, g, SECOND_FORCE_MOMENT + c] = second_torque[c]
+        film_pull[w, g, VISCOUS] = weight * oil.density * conductance * (p_x * p_x + p_z * p_z)
+        film_pull[w, g, SHEAR] = weight * drag * (slide_x * slide_x + slide_z * slide_z)
+        g += wp.block_dim()

@@ -1,0 +1,543 @@
+r"""The linear system of a film, and what is left of it for the bodies.
+
+Unknown are, of each function whose pressure is not given, the pressure p where the film is full, else its void D. With
+G what pressures open at the hats, and z the coupled columns: motions of both bodies and the global modes of the first,
+
+    dh = L dz + between (G dp - Phi dq),
+
+a linearised step of a film, and its forces P^T p on these columns, read
+
+    R + J dx + B dz = 0,      J = A + (dR/dh) G on full functions, -(a_0 m + T) on void ones,      B = (dR/dh) L,
+    S dz = -r + P^T dx,       dx = -J^-1 (R + B dz),
+
+so that bodies and modes see the stiffness P^T J^-1 B and the force -P^T J^-1 R. That J is not symmetric is what makes
+shafts whirl. Void functions do not push, and are eliminated first: their columns have their neighbours only. What turns
+normals with the motion is left out of S: c/R beside the rest.
+
+The set changes once an iteration: a full function whose pressure becomes negative has a void from then on, and a void
+one whose void does, a pressure. Nothing goes farther than to CLOSEST of the smallest gap.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import changed, inout, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
+from warpffrf_kernels.films.flow import holding, inflow, neighbour
+from warpffrf_kernels.films.sampling import (
+    ALONG_BY_GAP,
+    ALONG_BY_PRESSURE,
+    AROUND_BY_GAP,
+    AROUND_BY_PRESSURE,
+    CONDUCTANCE,
+    FILLING_BY_GAP,
+    FILLING_BY_PRESSURE,
+    GAP,
+    HALF,
+    MOMENT,
+    NORMAL,
+    PRESSURE,
+    REYNOLDS,
+    SECOND_MOMENT,
+    at_point,
+)
+from warpffrf_kernels.linear.general_elimination import eliminate, solve_again
+
+wp.set_module_options(MODULE_OPTIONS)
+
+RIGID = wp.constant(12)  # coupled columns before those of modes
+CLOSEST = wp.constant(wp.float64(0.2))  # of the smallest gap: what an iteration leaves of it
+NO_VOID = wp.constant(wp.float64(1.0e-13))  # of the clearance: round-off of a void
+
+
+# y[at : at + n] += a * x[start : start + n], by one lane.
+@wp.func_native("""
+    double* __restrict q = y.data + at; const double* __restrict p = x.data + start;
+    for (int i = 0; i < n; ++i) q[i] += a * p[i];
+""")
+def add_scaled(n: int, a: real, x: wp.array(dtype=real), start: int, y: wp.array(dtype=real), at: int): ...
+
+
+@wp.func
+def line_length(model: Model, film: int) -> int:
+    """Numbers of a line: J, R, B, P."""
+    columns = RIGID + model.elements[0].films.modes[film]
+    return model.elements[0].films.unknowns[film] + 1 + 2 * columns
+
+
+@wp.func
+def matrix_at(model: Model, w: int, film: int) -> int:
+    total = model.elements[0].films.matrix_start[model.elements[0].films.count]
+    return w * total + model.elements[0].films.matrix_start[film]
+
+
+@wp.func
+def opened_by_column(film_line: wp.array3d(dtype=real), w: int, g: int, c: int) -> real:
+    """L of a rigid column at a point."""
+    if c < 3:
+        return film_line[w, g, NORMAL + c]
+    if c < 6:
+        return film_line[w, g, MOMENT + c - 3]
+    if c < 9:
+        return -film_line[w, g, NORMAL + c - 6]
+    return film_line[w, g, SECOND_MOMENT + c - 9]
+
+
+@wp.func
+def outer_column(model: Model, film: int, c: int) -> int:
+    """Outer unknown of a coupled column, -1 of the ground's."""
+    body = model.surfaces.body[model.elements[0].films.first[film]]
+    if c >= RIGID:
+        return 6 * model.bodies.count + model.bodies.dense_start[body] + c - RIGID
+    at = c
+    if c >= 6:
+        body = model.surfaces.body[model.elements[0].films.second[film]]
+        at = c - 6
+    if body < 0:
+        return -1
+    return 6 * body + at
+
+
+@wp.func
+def order_unknowns(
+    model: Model,
+    w: int,
+    film: int,
+    lane: int,
+    film_full: wp.array3d(dtype=int),
+    film_carried: wp.array3d(dtype=real),
+    film_order: wp.array2d(dtype=int),
+) -> int:
+    """Where each unknown stands in the elimination: voids first, in the order in which the oil comes to them around,
+    which leaves next to nothing of their columns; then pressures. Returns how many voids there are."""
+    first = model.elements[0].films.function_start[film]
+    first_unknown = model.elements[0].films.unknown_start[film]
+    n = model.elements[0].films.unknowns[film]
+    sync()
+    voids = int(0)
+    i = int(0)
+    while i < n:
+        if film_full[w, 1, first + model.elements[0].films.function_of[first_unknown + i]] == 0:
+            voids += 1
+        i += 1
+    if lane == 0:
+        backwards = film_carried[w, first, 0] < real(0.0)
+        place = int(0)
+        full = voids
+        i = int(0)
+        while i < n:
+            if film_full[w, 1, first + model.elements[0].films.function_of[first_unknown + i]] == 0:
+                film_order[w, first_unknown + i] = place
+                if backwards:
+                    film_order[w, first_unknown + i] = voids - 1 - place
+                place += 1
+            else:
+                film_order[w, first_unknown + i] = full
+                full += 1
+            i += 1
+    sync()
+    return voids
+
+
+@wp.kernel
+def assemble_film(
+    models: wp.array(dtype=Model),
+    film_pressure: wp.array3d(dtype=real),
+    film_full: wp.array3d(dtype=int),
+    film_rates: wp.array2d(dtype=real),
+    film_carried: wp.array3d(dtype=real),
+    film_line: wp.array3d(dtype=real),
+    film_rest: wp.array2d(dtype=real),
+    ctl: inout(wp.array(dtype=Control)),
+    film_wide: inout(wp.array2d(dtype=real)),
+    film_matrix: inout(wp.array(dtype=real)),
+    film_factor: inout(wp.array(dtype=real)),
+    film_order: inout(wp.array2d(dtype=int)),
+    film_pivots: inout(wp.array(dtype=int)),
+    film_change: inout(wp.array(dtype=real)),
+    film_solution: inout(wp.array(dtype=real)),
+    film_stiffness: inout(wp.array2d(dtype=real)),
+    film_push: out(wp.array2d(dtype=real)),
+):
+    """Per (world, film), lanes over lines: J, B and P where the outer matrix is new, with J^-1 B; then J^-1 R."""
+    w, film, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    n = model.elements[0].films.unknowns[film]
+    modes = model.elements[0].films.modes[film]
+    columns = RIGID + modes
+    stride = line_length(model, film)
+    base = matrix_at(model, w, film)
+    first = model.elements[0].films.function_start[film]
+    functions = model.elements[0].films.function_start[film + 1] - first
+    first_unknown = model.elements[0].films.unknown_start[film]
+    total = model.elements[0].films.unknown_start[model.elements[0].films.count]
+    run = w * total + first_unknown
+    rule = model.elements[0].films.rule[film]
+    bad = int(0)
+    if ctl[w].refresh != 0:
+        i = lane
+        while i < n:
+            f = model.elements[0].films.function_of[first_unknown + i]
+            row = base + i * stride
+            j = int(0)
+            while j < stride:
+                film_matrix[row + j] = real(0.0)
+                j += 1
+            near = model.elements[0].films.near_start[first + f]
+            j = near
+            while j < model.elements[0].films.near_start[first + f + 1]:
+                film_wide[w, j] = real(0.0)
+                j += 1
+            pushes = film_full[w, 1, first + f] != 0
+            if rule == HALF and film_pressure[w, 1, first + f] < real(0.0):
+                pushes = False
+            e = model.elements[0].films.entry_start[first + f]
+            while e < model.elements[0].films.entry_start[first + f + 1]:
+                g = model.elements[0].films.entry_point[e]
+                a = model.elements[0].films.entry_slot[e]
+                x = model.elements[0].films.slope_around[g, a]
+                z = model.elements[0].films.slope_along[g, a]
+                v = model.elements[0].films.value[g, a]
+                by_gap = x * film_line[w, g, AROUND_BY_GAP] + z * film_line[w, g, ALONG_BY_GAP]
+                by_gap += v * film_line[w, g, FILLING_BY_GAP]
+                for c in range(4):
+                    at = near + model.elements[0].films.entry_near[e, c]
+                    film_wide[w, at] = film_wide[w, at] + by_gap * model.elements[0].films.between[g, c]
+                push = v * model.elements[0].films.weight[g]
+                if not pushes or (rule == HALF and film_line[w, g, PRESSURE] <= real(0.0)):
+                    push = real(0.0)
+                for c in range(RIGID):
+                    opened = opened_by_column(film_line, w, g, c)
+                    at = row + n + 1 + c
+                    film_matrix[at] = film_matrix[at] + by_gap * opened
+                    film_matrix[at + columns] = film_matrix[at + columns] + push * opened
+                e += 1
+            j = near
+            while j < model.elements[0].films.near_start[first + f + 1]:
+                m = model.elements[0].films.near[j]
+                line = model.elements[0].films.compliance_start[film] + m * n
+                add_scaled(n, film_wide[w, j], model.elements[0].films.compliance, line, film_matrix, row)
+                line = model.elements[0].films.shape_start[film] + m * modes
+                add_scaled(
+                    modes, -film_wide[w, j], model.elements[0].films.shape, line, film_matrix, row + n + 1 + RIGID
+                )
+                j += 1
+            if rule == HALF:
+                j = int(0)
+                while j < n:
+                    other = model.elements[0].films.function_of[first_unknown + j]
+                    if film_pressure[w, 1, first + other] < real(0.0):
+                        film_matrix[row + j] = real(0.0)
+                    j += 1
+            e = model.elements[0].films.entry_start[first + f]
+            while e < model.elements[0].films.entry_start[first + f + 1]:
+                g = model.elements[0].films.entry_point[e]
+                a = model.elements[0].films.entry_slot[e]
+                x = model.elements[0].films.slope_around[g, a]
+                z = model.elements[0].films.slope_along[g, a]
+                v = model.elements[0].films.value[g, a]
+                wide = film_line[w, g, CONDUCTANCE]
+                by_value = x * film_line[w, g, AROUND_BY_PRESSURE] + z * film_line[w, g, ALONG_BY_PRESSURE]
+                by_value += v * film_line[w, g, FILLING_BY_PRESSURE]
+                s = int(0)
+                while s < model.elements[0].films.function.shape[1]:
+                    other = model.elements[0].films.function[g, s]
+                    if other >= 0:
+                        j = model.elements[0].films.unknown_of[first + other]
+                        if j >= 0:
+                            flow = x * model.elements[0].films.slope_around[g, s]
+                            flow += z * model.elements[0].films.slope_along[g, s]
+                            entry = wide * flow + by_value * model.elements[0].films.value[g, s]
+                            film_matrix[row + j] = film_matrix[row + j] + entry
+                    s += 1
+                e += 1
+            if pushes:
+                m = int(0)
+                while m < modes:
+                    at = model.elements[0].films.moment_start[film] + m * functions + f
+                    film_matrix[row + n + 1 + columns + RIGID + m] = -model.elements[0].films.moment[at]
+                    m += 1
+            j = int(0)
+            while j < n:
+                if film_full[w, 1, first + model.elements[0].films.function_of[first_unknown + j]] == 0:
+                    film_matrix[row + j] = real(0.0)
+                j += 1
+            if film_full[w, 1, first + f] == 0:
+                film_matrix[row + i] = -holding(model, w, film, first + f, film_rates, film_carried)
+            if rule != REYNOLDS:
+                for c in range(4):
+                    other = neighbour(model, first + f, c)
+                    if other >= 0:
+                        j = model.elements[0].films.unknown_of[first + other]
+                        if j >= 0 and film_full[w, 1, first + other] == 0:
+                            comes = inflow(model, w, first, first + f, c, film_carried)
+                            film_matrix[row + j] = film_matrix[row + j] + comes
+            film_matrix[row + n] = film_rest[w, first + f]
+            i += wp.block_dim()
+        thin = order_unknowns(model, w, film, lane, film_full, film_carried, film_order)
+        i = lane
+        while i < n:
+            row = base + i * stride
+            sorted = base + film_order[w, first_unknown + i] * stride
+            j = int(0)
+            while j < n:
+                film_factor[sorted + film_order[w, first_unknown + j]] = film_matrix[row + j]
+                j += 1
+            while j < n + 1 + columns:
+                film_factor[sorted + j] = film_matrix[row + j]
+                j += 1
+            i += wp.block_dim()
+        sync()
+        bad = eliminate(film_factor, base, stride, n, columns + 1, thin, film_pivots, run)
+        i = lane
+        while i < n:
+            row = base + i * stride
+            sorted = base + film_order[w, first_unknown + i] * stride
+            film_solution[run + i] = film_factor[sorted + n]
+            j = n + 1
+            while j < n + 1 + columns:
+                film_matrix[row + j] = film_factor[sorted + j]
+                j += 1
+            i += wp.block_dim()
+        sync()
+        square = model.elements[0].films.square_start[film]
+        c = lane
+        while c < columns:
+            d = int(0)
+            while d < columns:
+                film_stiffness[w, square + c * columns + d] = real(0.0)
+                d += 1
+            i = int(0)
+            while i < n:
+                row = base + i * stride + n + 1
+                push = film_matrix[row + columns + c]
+                if push != real(0.0):
+                    d = int(0)
+                    while d < columns:
+                        at = square + c * columns + d
+                        film_stiffness[w, at] = film_stiffness[w, at] + push * film_matrix[row + d]
+                        d += 1
+                i += 1
+            c += wp.block_dim()
+    else:
+        i = lane
+        while i < n:
+            f = model.elements[0].films.function_of[first_unknown + i]
+            film_change[run + film_order[w, first_unknown + i]] = film_rest[w, first + f]
+            i += wp.block_dim()
+        solve_again(film_factor, base, stride, n, film_pivots, run, film_change, run)
+        i = lane
+        while i < n:
+            film_solution[run + i] = film_change[run + film_order[w, first_unknown + i]]
+            i += wp.block_dim()
+        sync()
+    c = lane
+    while c < columns:
+        push = real(0.0)
+        i = int(0)
+        while i < n:
+            push += film_matrix[base + i * stride + n + 1 + columns + c] * film_solution[run + i]
+            i += 1
+        film_push[w, model.elements[0].films.column_start[film] + c] = push
+        c += wp.block_dim()
+    if bad != 0 and lane == 0:
+        ctl[w].failure = ctl[w].failure | k.SINGULAR
+
+
+@wp.kernel
+def stiffen_by_films(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    film_stiffness: wp.array2d(dtype=real),
+    film_push: wp.array2d(dtype=real),
+    tangent: changed(wp.array3d(dtype=real)),
+    rhs: changed(wp.array2d(dtype=real)),
+):
+    """Per world: add what is left of all films to the outer system."""
+    w = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    film = int(0)
+    while film < model.elements[0].films.count:
+        columns = RIGID + model.elements[0].films.modes[film]
+        c = int(0)
+        while c < columns:
+            i = outer_column(model, film, c)
+            if i >= 0:
+                rhs[w, i] = rhs[w, i] - film_push[w, model.elements[0].films.column_start[film] + c]
+                d = int(0)
+                while d < columns and ctl[w].refresh != 0:
+                    j = outer_column(model, film, d)
+                    if j >= 0:
+                        at = model.elements[0].films.square_start[film] + c * columns + d
+                        tangent[w, i, j] = tangent[w, i, j] + film_stiffness[w, at]
+                    d += 1
+            c += 1
+        film += 1
+
+
+@wp.kernel
+def limit_films(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    film_pressure: wp.array3d(dtype=real),
+    film_full: wp.array3d(dtype=int),
+    film_line: wp.array3d(dtype=real),
+    film_matrix: wp.array(dtype=real),
+    film_solution: wp.array(dtype=real),
+    film_acting: inout(wp.array(dtype=real)),
+    film_opening: inout(wp.array2d(dtype=real)),
+    film_ahead: inout(wp.array2d(dtype=real)),
+    film_change: out(wp.array(dtype=real)),
+    film_part: out(wp.array(dtype=real)),
+    z: changed(wp.array(dtype=real)),
+    modal_step: changed(wp.array(dtype=real)),
+):
+    """Per world: dx of all films with the outer increments, and how far all may go so that no gap closes."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].changes != 0:
+        return
+    part = real(1.0)
+    outer = w * model.outer.count
+    modal = w * model.modes.count
+    total = model.elements[0].films.unknown_start[model.elements[0].films.count]
+    film = int(0)
+    while film < model.elements[0].films.count:
+        n = model.elements[0].films.unknowns[film]
+        modes = model.elements[0].films.modes[film]
+        columns = RIGID + modes
+        stride = line_length(model, film)
+        base = matrix_at(model, w, film)
+        first = model.elements[0].films.function_start[film]
+        first_unknown = model.elements[0].films.unknown_start[film]
+        run = w * total + first_unknown
+        rule = model.elements[0].films.rule[film]
+        i = lane
+        while i < n:
+            change = -film_solution[run + i]
+            c = int(0)
+            while c < columns:
+                at = outer_column(model, film, c)
+                if at >= 0:
+                    change -= film_matrix[base + i * stride + n + 1 + c] * z[outer + at]
+                c += 1
+            film_change[run + i] = change
+            f = first + model.elements[0].films.function_of[first_unknown + i]
+            p = film_pressure[w, 1, f]
+            if film_full[w, 1, f] == 0:
+                change = real(0.0)
+            elif rule == HALF:
+                change = wp.max(p + change, real(0.0)) - wp.max(p, real(0.0))
+            film_acting[run + i] = change
+            i += wp.block_dim()
+        sync()
+        first_hat = model.elements[0].films.hat_start[film]
+        m = lane
+        while m < model.elements[0].films.hat_start[film + 1] - first_hat:
+            line = model.elements[0].films.compliance_start[film] + m * n
+            opened = dot(n, model.elements[0].films.compliance, line, film_acting, run)
+            c = int(0)
+            while c < modes:
+                at = model.elements[0].films.shape_start[film] + m * modes + c
+                opened -= model.elements[0].films.shape[at] * z[outer + outer_column(model, film, RIGID + c)]
+                c += 1
+            film_opening[w, first_hat + m] = opened
+            m += wp.block_dim()
+        sync()
+        g = model.elements[0].films.point_start[film] + lane
+        while g < model.elements[0].films.point_start[film + 1]:
+            opened = at_point(model, g, film_opening, w, first_hat)
+            for c in range(RIGID):
+                at = outer_column(model, film, c)
+                if at >= 0:
+                    opened += opened_by_column(film_line, w, g, c) * z[outer + at]
+            film_ahead[w, g] = opened
+            g += wp.block_dim()
+        sync()
+        least = real(1.0e300)
+        ahead = real(1.0e300)
+        closing = real(0.0)
+        g = model.elements[0].films.point_start[film]
+        while g < model.elements[0].films.point_start[film + 1]:
+            least = wp.min(least, film_line[w, g, GAP])
+            ahead = wp.min(ahead, film_line[w, g, GAP] + film_ahead[w, g])
+            closing = wp.max(closing, -film_ahead[w, g])
+            g += 1
+        if ahead < CLOSEST * least:
+            part = wp.min(part, (real(1.0) - CLOSEST) * least / closing)
+        film += 1
+    sync()
+    if lane == 0:
+        film_part[w] = part
+    if part < real(1.0):
+        i = lane
+        while i < model.outer.count:
+            z[outer + i] = part * z[outer + i]
+            i += wp.block_dim()
+        i = lane
+        while i < model.modes.count:
+            modal_step[modal + i] = part * modal_step[modal + i]
+            i += wp.block_dim()
+
+
+@wp.kernel
+def take_film(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    film_change: wp.array(dtype=real),
+    film_part: wp.array(dtype=real),
+    film_pressure: inout(wp.array3d(dtype=real)),
+    film_void: inout(wp.array3d(dtype=real)),
+    film_full: inout(wp.array3d(dtype=int)),
+    film_switch: inout(wp.array2d(dtype=int)),
+    film_changed: out(wp.array2d(dtype=int)),
+):
+    """Per (world, film), lanes over unknowns: the part of dx that may be taken, and the set that follows."""
+    w, film, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].changes != 0:
+        return
+    n = model.elements[0].films.unknowns[film]
+    first = model.elements[0].films.function_start[film]
+    first_unknown = model.elements[0].films.unknown_start[film]
+    run = w * model.elements[0].films.unknown_start[model.elements[0].films.count] + first_unknown
+    part = film_part[w]
+    none = -NO_VOID * model.elements[0].films.thickness[film]
+    i = lane
+    while i < n:
+        f = first + model.elements[0].films.function_of[first_unknown + i]
+        film_switch[w, first_unknown + i] = 0
+        change = film_change[run + i]
+        if film_full[w, 1, f] != 0:
+            p = film_pressure[w, 1, f]
+            if model.elements[0].films.voids[f] != 0 and p + change <= real(0.0):
+                film_full[w, 1, f] = 0
+                film_pressure[w, 1, f] = real(0.0)
+                film_switch[w, first_unknown + i] = 1
+            else:
+                film_pressure[w, 1, f] = p + part * change
+        else:
+            void = film_void[w, 1, f]
+            if void + change < none:
+                film_full[w, 1, f] = 1
+                film_void[w, 1, f] = real(0.0)
+                film_switch[w, first_unknown + i] = 1
+            else:
+                film_void[w, 1, f] = void + part * change
+        i += wp.block_dim()
+    sync()
+    if lane == 0:
+        any = int(0)
+        if part < real(1.0):
+            any = int(1)
+        i = int(0)
+        while i < n:
+            any += film_switch[w, first_unknown + i]
+            i += 1
+        film_changed[w, film] = any

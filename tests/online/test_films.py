@@ -1,0 +1,370 @@
+"""Oil films in the engine, beside references that share no code with it, invariants and convergence."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from warpffrf.model import films, forces, joints, oils, signals, surfaces
+from warpffrf.model.errors import InputError
+from warpffrf.model.films import Film
+from warpffrf.model.material import Material
+from warpffrf.model.mesh import box, roller, sleeve
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.scene import Scene
+from warpffrf.offline import reduce
+from warpffrf.online import History, run
+from warpffrf.online.run import find_equilibrium
+from warpffrf.online.vibrations.eigenmodes import find_modes
+from warpffrf.verification.films.elastic import ElasticJournal, held_compliance
+from warpffrf.verification.films.grid import FilmGrid
+
+STEEL = Material(210e9, 0.3, 7850.0)
+RADIUS, WALL, LENGTH, CLEARANCE = 0.025, 0.0125, 0.025, 25e-6  # m
+VISCOSITY, SPEED = 0.01, 300.0  # Pa s, rad/s
+COLUMNS, ROWS = 32, 7
+GROOVE = films.Groove(np.pi, 1e-4, 0.0)
+SHEAR = 3e-3  # of the load: what shear does to the shaft, which the reference leaves out, is c/R of it and some
+SOLVED = 1e-8  # of the flows: the iteration ends at 1e-9
+
+Array = np.ndarray
+
+
+@functools.cache
+def bore_body(columns: int = COLUMNS, modulus: float = 210e9) -> ReducedBody:
+    """A sleeve that is held outside."""
+    mesh = sleeve(RADIUS, RADIUS + WALL, LENGTH, sectors=columns, order=1, axial=ROWS - 1)
+    return reduce(
+        mesh, replace(STEEL, youngs_modulus=modulus), interfaces={"outside": "rigid"},
+        contact={"bore": surfaces.Bore()}, modes=6, cache=False, progress=False,
+    )  # fmt: skip
+
+
+def bearing(
+    load: tuple[Any, Any] = (2e3, 0.0),
+    *,
+    body: ReducedBody | None = None,
+    speed: float = SPEED,
+    mass: float = 1.0,
+    at: tuple[float, float] = (0.3 * CLEARANCE, 0.0),
+    velocity: tuple[float, float] = (0.0, 0.0),
+    **film: Any,
+) -> Scene:
+    """A shaft that is turned in a sleeve, under a load along x and -z, which are e_0 and e_1 of the bore."""
+    scene = Scene(gravity=(0.0, 0.0, 0.0))
+    held = scene.add_body(body or bore_body(), name="sleeve")
+    scene.add(joints.Fixed(scene.ground, held["outside"], axis=(0, 1, 0), name="held"))
+    J = 0.5 * mass * RADIUS**2
+    shaft = scene.add_rigid_body(
+        mass, (J, J, J), name="shaft", position=(at[0], 0.0, -at[1]), velocity=(velocity[0], 0.0, -velocity[1]),
+        angular_velocity=(0.0, speed, 0.0),
+        surfaces={
+            "journal": surfaces.Cylinder(
+                radius=RADIUS - CLEARANCE, axis_point=(0, 0, 0), axis_direction=(0, 1, 0)
+            )
+        },
+    )  # fmt: skip
+    plane = scene.add(joints.Planar(scene.ground, shaft.at((0, 0, 0)), axis=(0, 1, 0), name="plane"))
+    scene.add(joints.Drive(plane, signals.Constant(speed), quantity="velocity", name="speed"))
+    down = load[1] if isinstance(load[1], signals.Signal) else -load[1]
+    scene.add(forces.PointForce(shaft.at((0, 0, 0)), (load[0], 0.0, down), name="load"))
+    given: dict[str, Any] = {"oil": oils.Newtonian(VISCOSITY), "feeds": [GROOVE], "name": "film"} | film
+    scene.add(Film(held["bore"], shaft["journal"], **given))
+    return scene
+
+
+def place(history: History) -> Array:
+    """(2,) of the clearance, of the shaft at the end, along e_0 and e_1."""
+    x = history.bodies["shaft"].position[-1] / CLEARANCE
+    return np.array([x[0], -x[2]])
+
+
+def reference(oil: Any = None, asperities: Any = None) -> ElasticJournal:
+    grid = bore_body().contact_surfaces["bore"].grid
+    held = np.arange(COLUMNS) == COLUMNS // 2
+    return ElasticJournal(
+        RADIUS, CLEARANCE, oil or oils.Newtonian(VISCOSITY), SPEED, grid.theta, grid.z,
+        held_compliance(bore_body(), "bore", "outside"), held, asperities,
+    )  # fmt: skip
+
+
+# --- at rest
+
+
+@pytest.mark.parametrize(
+    ("load", "oil"),
+    [
+        (2e3, oils.Newtonian(VISCOSITY)),
+        (20e3, oils.Newtonian(VISCOSITY)),
+        (20e3, oils.Barus(VISCOSITY, coefficient=1.5e-8)),
+        (20e3, oils.Roelands(VISCOSITY, coefficient=1.5e-8)),
+    ],
+    ids=["light", "heavy", "barus", "roelands"],
+)
+def test_a_steady_bearing_is_that_of_the_dense_reference(load: float, oil: oils.Oil) -> None:
+    found = find_equilibrium(bearing((load, 0.0), oil=oil))
+    assert found.status == "completed", found.message
+    film, expected = found.films["film"], reference(oil)
+    settled = expected.settle(np.array([0.3 * CLEARANCE, 0.0]), np.array([load, 0.0]))
+    assert np.abs(place(found) - settled.state.place / CLEARANCE).max() < SHEAR
+    assert film.largest_pressure[-1] == pytest.approx(settled.state.pressure.max(), rel=SHEAR)
+    h = expected.gap(settled.state).min()
+    assert film.smallest_gap[-1] == pytest.approx(h, rel=3.0 * SHEAR)  # the place over the smallest film
+
+
+def test_a_shaft_that_the_rigid_bore_would_not_hold_comes_to_rest() -> None:
+    """An eccentricity above one, of a bore that yields."""
+    found = find_equilibrium(bearing((60e3, 0.0)))
+    assert found.status == "completed", found.message
+    assert np.hypot(*place(found)) > 1.05
+    assert found.films["film"].smallest_gap[-1] > 0.0
+
+
+def test_oil_is_balanced_by_operators_of_their_own() -> None:
+    """The flow of each node by pressures, gaps and voids of the engine, with the matrices of the verification."""
+    found = find_equilibrium(bearing((20e3, 0.0)))
+    film, grid = found.films["film"], bore_body().contact_surfaces["bore"].grid
+    own = FilmGrid(RADIUS * (grid.theta - grid.theta[0]), grid.z, period=2.0 * np.pi * RADIUS)
+    p, D = film.pressure[-1].ravel(), film.void[-1].ravel()
+    assert np.all(p >= 0.0) and np.all(D >= -1e-12 * CLEARANCE) and np.all(p * D == 0.0)
+    # between nodes the gap is that of a circle in a circle, with the nodes' displacement
+    angle = own.at[:, 0] / RADIUS + grid.theta[0]
+    journal, axis = RADIUS - CLEARANCE, film.eccentricity[-1]  # in the sleeve, which yields with its interface
+
+    def undeformed(theta: Array) -> Array:
+        point = RADIUS * np.stack([np.cos(theta), np.sin(theta)], axis=-1) - axis
+        return np.hypot(*point.T) - journal
+
+    opened = film.gap[-1].ravel() - np.repeat(undeformed(grid.theta), ROWS)
+    h = undeformed(angle) + own.value @ opened
+    # half of the sliding at a place of the bore, along theta: the shaft turns about its own axis
+    U = 0.5 * SPEED * (RADIUS - (np.cos(angle) * axis[0] + np.sin(angle) * axis[1]))
+    R = own.diffusion(h**3 / (12.0 * VISCOSITY)) @ p - own.carried(h, U)
+    at_nodes = 0.5 * SPEED * (RADIUS - (np.cos(grid.theta) * axis[0] + np.sin(grid.theta) * axis[1]))
+    carried = 0.5 * (at_nodes + np.roll(at_nodes, -1))[:, None] * own.long[None, :] * film.void[-1]
+    R -= (carried - np.roll(carried, 1, axis=0)).ravel()
+    free = np.ones((COLUMNS, ROWS), dtype=bool)
+    free[:, [0, -1]] = False
+    free[COLUMNS // 2] = False
+    scale = np.abs(own.slope_x.T @ (own.weights * h * np.abs(U))).max()
+    assert np.abs(R[free.ravel()]).max() < SOLVED * scale
+    # what is recorded of the flows: all that comes in through the groove leaves at the ends, steadily
+    groove = R.reshape(COLUMNS, ROWS)[COLUMNS // 2, 1:-1].sum()
+    assert film.feed_flow[-1] == pytest.approx(groove, rel=1e-6, abs=SOLVED * scale)
+    assert film.end_flow[-1] == pytest.approx(film.feed_flow[-1], rel=1e-5)
+
+
+def test_forces_on_both_bodies_are_opposite_and_along_one_line() -> None:
+    found = find_equilibrium(bearing((20e3, 1e3)))
+    film = found.films["film"]
+    shaft = found.bodies["shaft"].position[-1]
+    sleeve_at = found.bodies["sleeve"].position[-1]
+    whole = film.torque[-1] + film.torque_second[-1] + np.cross(sleeve_at - shaft, film.force[-1])
+    assert np.abs(whole).max() < 1e-12 * np.abs(film.force[-1]).max()
+    # about its own axis the pressure does nothing to the shaft: what is left is the power of sliding
+    assert -film.torque_second[-1][1] * SPEED == pytest.approx(film.friction_power[-1] + film.pressure_loss[-1])
+    np.testing.assert_allclose(film.force[-1], [20e3, 0.0, -1e3], rtol=1e-6, atol=1e-6 * 20e3)
+
+
+def test_with_a_groove_where_the_film_is_thickest_both_rules_of_cavities_agree() -> None:
+    """Oil reforms nowhere but at the groove: Reynolds' condition is the conserving one there."""
+    feeds = [films.Groove(1.25 * np.pi, 1e-4, 0.0)]  # within half a degree of the largest gap
+    kept = find_equilibrium(bearing((2e3, 0.0), feeds=feeds, cavitation="mass_conserving"))
+    lost = find_equilibrium(bearing((2e3, 0.0), feeds=feeds, cavitation="reynolds"))
+    np.testing.assert_allclose(place(lost), place(kept), atol=1e-3)  # of the half degree
+
+
+def test_without_cavities_the_shaft_is_moved_across_the_load() -> None:
+    """Sommerfeld's film: pressures that pull, and an attitude of 90 degrees."""
+    found = find_equilibrium(bearing((2e3, 0.0), cavitation="none", feeds=[], ambient_pressure=1.0))
+    x = place(found)
+    assert abs(x[0]) < 0.03 * x[1]  # deformation, and c/R of shear
+    half = find_equilibrium(bearing((2e3, 0.0), cavitation="half", feeds=[], ambient_pressure=1.0))
+    full = find_equilibrium(bearing((2e3, 0.0)))
+    assert np.hypot(*place(half)) == pytest.approx(np.hypot(*place(full)), rel=0.05)
+    assert np.hypot(*x) < 0.9 * np.hypot(*place(full))
+
+
+def test_the_film_may_stand_on_the_shaft() -> None:
+    """A steel shaft in a rigid bore beside a steel bore around a rigid shaft, both hardly deformed."""
+    mesh = roller(RADIUS - CLEARANCE, 0.005, LENGTH, sectors=COLUMNS, layers=2, order=1, axial=ROWS - 1)
+    stiff = replace(STEEL, youngs_modulus=100.0 * 210e9)
+    body = reduce(
+        mesh, stiff, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=4, cache=False,
+        progress=False,
+    )  # fmt: skip
+    scene = Scene(gravity=(0.0, 0.0, 0.0))
+    shaft = scene.add_body(body, name="shaft", position=(0.3 * CLEARANCE, 0.0, 0.0), angular_velocity=(0.0, SPEED, 0.0))
+    housing = scene.ground.surface(
+        surfaces.Bore(radius=RADIUS, axis_point=(0, 0, 0), axis_direction=(0, 1, 0)), name="housing"
+    )
+    plane = scene.add(joints.Planar(scene.ground.at((0, 0, 0)), shaft["bore"], axis=(0, 1, 0), name="plane"))
+    scene.add(joints.Drive(plane, signals.Constant(SPEED), quantity="velocity"))
+    scene.add(forces.PointForce(shaft["bore"], (2e3, 0.0, 0.0)))
+    film = {"oil": oils.Newtonian(VISCOSITY), "cavitation": "reynolds", "name": "film"}
+    scene.add(Film(shaft["rim"], housing, **film))
+    found = find_equilibrium(scene)
+    assert found.status == "completed", found.message
+    other = find_equilibrium(bearing((2e3, 0.0), body=bore_body(COLUMNS, 100.0 * 210e9), cavitation="reynolds"))
+    np.testing.assert_allclose(place(found), place(other), atol=5e-3)  # columns stand elsewhere against the load
+    assert found.films["film"].largest_pressure[-1] == pytest.approx(other.films["film"].largest_pressure[-1], rel=0.01)
+
+
+# --- in motion
+
+
+def turning_load(step: float, steps: int) -> tuple[signals.Signal, signals.Signal]:
+    """2 kN that begin along e_0 and turn at a quarter of the speed."""
+    t = step * np.arange(-2, steps + 3)
+    angle = 0.25 * SPEED * t
+    return signals.Table(t, 2e3 * np.cos(angle)), signals.Table(t, -2e3 * np.sin(angle))
+
+
+def test_a_steady_state_stays_and_the_ledger_closes() -> None:
+    step = 2.0 * np.pi / SPEED / 60.0
+    found = run(bearing((20e3, 0.0)), 30 * step, step=step, start="equilibrium", progress=False)
+    assert found.status == "completed", found.message
+    drift = np.ptp(found.bodies["shaft"].position, axis=0).max()
+    assert drift < 1e-7 * CLEARANCE  # what the equilibrium leaves
+    change = {name: float(values[-1] - values[0]) for name, values in found.energy.items()}
+    assert change["drive_work"] == pytest.approx(change["damping"] - change["friction"], rel=1e-6)
+    assert abs(change["numerical"]) < 1e-6 * change["drive_work"]
+
+
+def test_no_oil_is_lost() -> None:
+    """Its rates by BDF2 add up to what is in the film: what comes in, less what leaves, is what it has more."""
+    step, steps = 2.0 * np.pi / SPEED / 60.0, 60
+    scene = bearing(turning_load(step, steps), at=(0.4 * CLEARANCE, 0.4 * CLEARANCE))
+    found = run(scene, steps * step, step=step, start="equilibrium", progress=False)
+    assert found.status == "completed", found.message
+    assert found.counters["rejected_steps"] == 0
+    film, V = found.films["film"], found.films["film"].oil_volume
+    inflow = film.feed_flow - film.end_flow
+    rate = np.concatenate([[V[1] - V[0]], 1.5 * V[2:] - 2.0 * V[1:-1] + 0.5 * V[:-2]]) / step
+    assert np.ptp(V) > 1e-3 * V[0]
+    assert np.abs(rate - inflow[1:]).max() < 1e-6 * np.abs(film.end_flow).max()
+
+
+def test_steps_are_of_second_order() -> None:
+    """Of a light shaft, whose motion is the film's: halved steps leave a quarter of the error."""
+    period = 2.0 * np.pi / SPEED
+    ends = {}
+    for steps in (15, 30, 60, 240):
+        step = 0.5 * period / steps
+        scene = bearing(turning_load(step, steps), cavitation="none", feeds=[], ambient_pressure=1.0, mass=0.1)
+        found = run(scene, 0.5 * period, step=step, start="equilibrium", progress=False)
+        assert found.status == "completed", found.message
+        ends[steps] = place(found)
+    errors = [np.abs(ends[n] - ends[240]).max() for n in (15, 30, 60)]
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all(orders > 1.7), (orders, errors)
+
+
+def test_a_start_in_motion_has_the_pressure_of_the_squeeze() -> None:
+    """A heavy shaft that is thrown into a film at rest: Reynolds' equation is linear in the velocity, and the
+    acceleration that a run begins with is that of its force. (A bore that yields takes the squeeze at first.)"""
+    found, mass = {}, 1e3
+    for v in (1e-3, 2e-3):
+        scene = bearing(
+            (0.0, 0.0), body=bore_body(COLUMNS, 1e6 * 210e9), speed=0.0, velocity=(v, 0.0), at=(0.0, 0.0), mass=mass,
+            cavitation="none", feeds=[], ambient_pressure=1.0,
+        )  # fmt: skip
+        found[v] = run(scene, 1e-4, step=1e-4, progress=False)
+        assert found[v].status == "completed", found[v].message
+    first, second = (found[v].films["film"].force[0][0] for v in found)  # on the sleeve
+    assert second == pytest.approx(2.0 * first, rel=1e-3)
+    short = np.pi * VISCOSITY * RADIUS * (LENGTH / CLEARANCE) ** 3 * 1e-3  # of a short bearing, centred
+    assert 0.7 * short < first < short  # that of L/D = 1/2
+    assert found[1e-3].bodies["shaft"].acceleration[0][0] == pytest.approx(-first / mass, rel=1e-6)
+
+
+def test_a_run_goes_on_bit_for_bit() -> None:
+    step = 2.0 * np.pi / SPEED / 60.0
+    scene = bearing(turning_load(step, 20))
+    whole = run(scene, 20 * step, step=step, start="equilibrium", progress=False)
+    half = run(scene, 10 * step, step=step, start="equilibrium", progress=False)
+    rest = run(scene, 10 * step, step=step, start=half, progress=False)
+    np.testing.assert_array_equal(rest.films["film"].pressure[-1], whole.films["film"].pressure[-1])
+    np.testing.assert_array_equal(rest.bodies["shaft"].position[-1], whole.bodies["shaft"].position[-1])
+
+
+def test_form_deviations_of_either_surface_are_where_they_are() -> None:
+    """Of a bore, and of a shaft that has turned by a quarter."""
+    oval = films.Lobes(4e-6, 2)
+    flat = find_equilibrium(bearing((10.0, 0.0), ambient_pressure=1.0, cavitation="none"))
+    bored = find_equilibrium(bearing((10.0, 0.0), form=oval, ambient_pressure=1.0, cavitation="none"))
+    theta = bore_body().contact_surfaces["bore"].grid.theta
+    opened = bored.films["film"].gap[-1].mean(axis=1) - flat.films["film"].gap[-1].mean(axis=1)
+    part = np.array([np.cos(2.0 * theta), np.sin(2.0 * theta)]) @ opened * 2.0 / COLUMNS
+    np.testing.assert_allclose(part, [4e-6, 0.0], atol=4e-8)  # displacements by what pressures change
+    step = 0.5 * np.pi / SPEED / 20.0
+    scene = bearing((10.0, 0.0), form_second=oval, ambient_pressure=1.0, cavitation="none")
+    turned = run(scene, 20 * step, step=step, progress=False)
+    assert turned.status == "completed", turned.message
+    for row, sign in ((0, 1.0), (-1, -1.0)):
+        opened = turned.films["film"].gap[row].mean(axis=1)
+        part = np.array([np.cos(2.0 * theta), np.sin(2.0 * theta)]) @ opened * 2.0 / COLUMNS
+        np.testing.assert_allclose(part, [sign * 4e-6, 0.0], atol=1e-7)
+
+
+# --- planes
+
+
+def test_a_pad_that_slides_on_a_wedge_of_oil() -> None:
+    """Beside the same Reynolds equation by matrices of the verification, with a grid that ends on all sides."""
+    mesh = box((0.04, 0.04, 0.01), (16, 8, 2))
+    body = reduce(
+        mesh, replace(STEEL, youngs_modulus=1e5 * 210e9), interfaces={"z_min": "rigid"},
+        contact={"z_max": surfaces.Plane()}, modes=2, cache=False, progress=False,
+    )  # fmt: skip
+    port = body.contact_surfaces["z_max"]
+    grid, shape = port.grid, port.shape
+    low, tilt, speed = 20e-6, 1e-3, 5.0
+    form = films.Measured(
+        grid.theta, grid.z, np.broadcast_to(tilt * (grid.theta - grid.theta[0])[:, None], (grid.columns, grid.rows)),
+        periodic=False,
+    )  # fmt: skip
+    scene = Scene(gravity=(0.0, 0.0, 0.0))
+    pad = scene.add_body(body, name="pad")
+    scene.add(joints.Fixed(scene.ground, pad["z_min"], axis=(0, 0, 1), name="held"))
+    along = np.asarray(shape.e_1)
+    runner = scene.add_rigid_body(
+        1.0, (1, 1, 1), name="runner", velocity=tuple(-speed * along),
+        surfaces={"face": surfaces.Plane(origin=(0, 0, 0.01 + low), outward=(0, 0, -1), direction=(0, 1, 0))},
+    )  # fmt: skip
+    guide = scene.add(joints.Prismatic(scene.ground, runner.at((0, 0, 0)), axis=tuple(along), name="guide"))
+    scene.add(joints.Drive(guide, signals.Constant(-speed), quantity="velocity"))
+    origin = np.asarray(shape.axis_point)
+    top = float(origin[2])
+    scene.add(
+        Film(pad["z_max"], runner["face"], oil=oils.Newtonian(VISCOSITY), ambient_pressure=1.0, form=form, name="film")
+    )
+    found = find_equilibrium(scene)
+    assert found.status == "completed", found.message
+    own = FilmGrid(grid.theta - grid.theta[0], grid.z)
+    h = 0.01 + low - top + tilt * own.at[:, 0]
+    A = own.diffusion(h**3 / (12.0 * VISCOSITY)).toarray()
+    right = own.carried(h, -0.5 * speed)
+    free = np.zeros((grid.columns, grid.rows), dtype=bool)
+    free[1:-1, 1:-1] = True
+    p = np.where(free, 0.0, 1.0).ravel()
+    inside = free.ravel()
+    p[inside] = np.linalg.solve(A[np.ix_(inside, inside)], right[inside] - A[np.ix_(inside, ~inside)] @ p[~inside])
+    assert p.min() > 0.0  # no cavity
+    np.testing.assert_allclose(found.films["film"].pressure[-1].ravel(), p, rtol=1e-4)  # of what the pad yields
+    force = float(own.integral(np.ones(len(own.weights))) @ p)
+    assert abs(found.films["film"].force[-1][2]) == pytest.approx(force, rel=1e-4)
+
+
+# --- refusals
+
+
+def test_what_films_do_not_do_is_refused() -> None:
+    with pytest.raises(InputError, match=r"film 'film': .*overlap at the start by .*move a body"):
+        find_equilibrium(bearing(at=(1.1 * CLEARANCE, 0.0)))
+    with pytest.raises(InputError, match="film 'film': modes of scenes with oil films"):
+        find_modes(bearing())

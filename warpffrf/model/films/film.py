@@ -1,0 +1,345 @@
+"""An oil film between two surfaces: what it may stand between, and what is given of it.
+
+The film stands on the contact grid of the first surface, so that is a surface of a flexible body; the second is the
+rigid surface of a rigid body or of the ground. Pressures are above the pressure of cavitation, which is zero. They are
+given at the ends of the film, the first and the last row of the grid and of an arc or a plane the first and the last
+column too, and in its feeds; what lies between is solved for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.bodies import SurfacePort
+from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.errors import InputError, require_number, unknown_name
+from warpffrf.model.films.cavitation import CAVITATIONS
+from warpffrf.model.films.feeds import FEEDS, Feed
+from warpffrf.model.films.forms import Form, as_form
+from warpffrf.model.laws import Law, as_law
+from warpffrf.model.oils import Oil, as_oil
+
+EVALUATIONS = ("semi",)
+LEAST_ROWS, LEAST_COLUMNS = 3, 8  # rows between the ends, and columns: with fewer there is no shape of a pressure
+LOOSEST = (
+    0.1  # clearance over radius, far beyond any bearing: the gap is taken along normals, which then are not shared
+)
+
+
+class Film:
+    """An oil film between two surfaces, `body["bore"]` each; the first must be of a flexible body, the second rigid.
+
+    Forces are reported on the first body. oil: one of `warpffrf.oils`. feeds: grooves, rings and holes where oil comes
+    in (`warpffrf.films`). cavitation: a word of `films.CAVITATIONS`. ambient_pressure [Pa]: at the ends of the film,
+    above the pressure of cavitation. law: a contact law whose pressure begins before the surfaces touch, such as
+    `laws.ExponentialAsperities`, for asperities that carry beside the film; None for none. form, form_second: how the
+    two surfaces deviate from their true shapes (`warpffrf.films`). evaluation: "semi", at all points of the contact
+    grid. name: default "<first body>-<second body>".
+    """
+
+    scene_list = "films"
+    kind = "film"
+
+    def __init__(
+        self,
+        a: Any,
+        b: Any,
+        *,
+        oil: Any,
+        feeds: Sequence[Any] = (),
+        cavitation: str = "mass_conserving",
+        ambient_pressure: float = 0.0,
+        law: Any = None,
+        form: Any = None,
+        form_second: Any = None,
+        evaluation: str = "semi",
+        name: str | None = None,
+    ) -> None:
+        for port, place in ((a, "first"), (b, "second")):
+            _require_surface(port, place)
+        self.a: SurfacePort = a
+        self.b: SurfacePort = b
+        self.name = f"{a.body.name}-{b.body.name}" if name is None else name
+        label = self.label
+        self._require_bodies()
+        if cavitation not in CAVITATIONS:
+            raise unknown_name(f"{label}: cavitation", cavitation, CAVITATIONS)
+        if evaluation not in EVALUATIONS:
+            raise unknown_name(f"{label}: evaluation", evaluation, EVALUATIONS)
+        self.cavitation = str(cavitation)
+        self.evaluation = str(evaluation)
+        self.oil: Oil = as_oil(oil, label)
+        self.law: Law | None = None if law is None else _asperities(law, label)
+        self.ambient_pressure = require_number(ambient_pressure, f"{label}: ambient_pressure [Pa]", non_negative=True)
+        self.feeds: tuple[Feed, ...] = _feeds(feeds, label)
+        self.form: Form | None = self._as_form(form, "form", a)
+        self.form_second: Form | None = self._as_form(form_second, "form_second", b)
+        self._require_gap()
+        self._require_grid()
+        held, _, _ = self._held()
+        if held.all():
+            raise InputError(f"{label}: its feeds hold all nodes of the grid, no film is left; make them smaller")
+        if self.cavitation == "mass_conserving" and not self.feeds and not self.ambient_pressure:
+            raise InputError(
+                f"{label}: the film would run dry, as oil leaves at its ends and none comes in; give it "
+                "feeds=[films.Groove(theta, width, pressure)], or an ambient_pressure above 0 at the ends"
+            )
+
+    @property
+    def label(self) -> str:
+        """Readable name, for messages."""
+        return f"film {self.name!r}"
+
+    @property
+    def ports(self) -> tuple[SurfacePort, SurfacePort]:
+        return self.a, self.b
+
+    @property
+    def grid(self) -> ContactGrid:
+        """The contact grid of the first surface, on whose nodes the film stands."""
+        return self.a.surface.grid
+
+    @property
+    def theta(self) -> np.ndarray:
+        """Places of the columns (columns,) [rad, of a plane m] in the chart of the first shape: those of the grid count
+        from its own direction e_0."""
+        shape, grid = self.a.surface.shape, self.grid
+        return grid.theta + float(np.arctan2(grid.e_0 @ shape.e_1, grid.e_0 @ shape.e_0))
+
+    @property
+    def notes(self) -> list[str]:
+        """What a user should know of how the film was put on its grid."""
+        return self._held()[2]
+
+    def held(self) -> tuple[np.ndarray, np.ndarray]:
+        """Which nodes (columns, rows) have a given pressure, and that pressure (columns, rows) [Pa], 0 elsewhere. Where
+        a feed reaches an end it is the feed's."""
+        return self._held()[:2]
+
+    def clearance(self) -> float | None:
+        """Radius of the bore less that of the shaft [m], both in the middles of their shapes (z = 0); None of planes
+        and cones, which have a gap only where they are placed."""
+        shapes = [port.surface.shape for port in self.ports]
+        if any(shape.profile().planar or shape.profile().tangent for shape in shapes):
+            return None
+        first, second = (float(shape.radius_at(0.0)) for shape in shapes)
+        return first - second if shapes[0].side < 0.0 else second - first
+
+    def gap_form(self, theta: Any, z: Any) -> np.ndarray:
+        """What the form of the first surface adds to the gap [m] at places theta [rad, of a plane m], z [m] of its
+        chart, shapes that broadcast; positive where material is missing."""
+        return _deviation(self.form, theta, z)
+
+    def second_form(self, theta: Any, z: Any) -> np.ndarray:
+        """The same of the second surface, in its own chart."""
+        return _deviation(self.form_second, theta, z)
+
+    def initial_gap(self) -> np.ndarray:
+        """Gap [m] at the nodes (columns, rows), at the initial pose as it is now, undeformed, with the forms of both
+        surfaces; negative where they overlap."""
+        return self.gap_at(self.theta[:, None], self.grid.z[None, :])
+
+    def gap_at(self, theta: Any, z: Any) -> np.ndarray:
+        """The same at places theta [rad, of a plane m], z [m] of the first surface's chart, shapes that broadcast."""
+        first, second = (port.surface.shape for port in self.ports)
+        world = self.a.body.to_world(first.point(theta, z))
+        theta_b, z_b, distance = second.chart(self.b.body.to_user(world))
+        return distance + self.gap_form(theta, z) + self.second_form(theta_b, z_b)
+
+    def describe(self) -> dict[str, Any]:
+        """Plain data for hashing."""
+        surfaces = {"a": [self.a.body.name, self.a.name], "b": [self.b.body.name, self.b.name]}
+        parts = {"oil": self.oil, "law": self.law, "form": self.form, "form_second": self.form_second}
+        return {
+            "name": self.name,
+            **surfaces,
+            **{name: None if part is None else part.describe() for name, part in parts.items()},
+            "feeds": [feed.describe() for feed in self.feeds],
+            "cavitation": self.cavitation,
+            "ambient_pressure": self.ambient_pressure,
+            "evaluation": self.evaluation,
+        }
+
+    def _held(self) -> tuple[np.ndarray, np.ndarray, list[str]]:
+        """Held nodes, their pressures, and notes. Raises `InputError` for feeds that lie beside the film, or share
+        nodes without sharing a pressure."""
+        grid = self.grid
+        held = np.zeros((grid.columns, grid.rows), dtype=bool)
+        held[:, [0, -1]] = True
+        if not grid.periodic:
+            held[[0, -1], :] = True
+        pressure = np.where(held, self.ambient_pressure, 0.0)
+        owner = np.full(held.shape, -1)
+        notes: list[str] = []
+        for number, feed in enumerate(self.feeds):
+            nodes, covered = feed.nodes(self.a.surface.shape, self.theta, grid.z)
+            if not covered:
+                self._require_inside(feed, number)
+                notes.append(
+                    f"{self.label}: feed {number + 1}, the {feed.label}, lies between nodes of the grid of "
+                    f"{self.a.label}: the nearest {'ones have' if np.sum(nodes) > 1 else 'one has'} its pressure"
+                )
+            for other in np.unique(owner[nodes & (owner >= 0)]):
+                if self.feeds[other].pressure != feed.pressure:
+                    raise InputError(
+                        f"{self.label}: feed {other + 1}, the {self.feeds[other].label}, and feed {number + 1}, the "
+                        f"{feed.label}, share nodes of the grid but not their pressure, {self.feeds[other].pressure:g} "
+                        f"and {feed.pressure:g} Pa; move them apart, or give both the same"
+                    )
+            owner[nodes] = number
+            held |= nodes
+            pressure[nodes] = feed.pressure
+        return held, pressure, notes
+
+    def _require_inside(self, feed: Feed, number: int) -> None:
+        """Raises `InputError` for a feed that covers no node because it lies beside the film."""
+        grid, (theta, along) = self.grid, feed.place
+        off = None
+        if theta is not None and not grid.periodic:
+            middle, half = 0.5 * (self.theta[0] + self.theta[-1]), 0.5 * grid.pitch * (grid.columns - 1)
+            away = theta - middle
+            if not self.a.surface.shape.profile().planar:
+                away = np.remainder(away + np.pi, 2.0 * np.pi) - np.pi
+            if abs(away) > half:
+                off = f"which reaches from theta = {middle - half:.4g} to {middle + half:.4g}"
+        if along is not None and (along[1] < grid.z[0] or along[0] > grid.z[-1]):
+            off = f"which reaches from z = {grid.z[0]:.4g} to {grid.z[-1]:.4g} m"
+        if off is not None:
+            raise InputError(
+                f"{self.label}: feed {number + 1}, the {feed.label}, lies beside the grid of {self.a.label}, {off}; "
+                "place it there"
+            )
+
+    def _as_form(self, value: Any, name: str, port: SurfacePort) -> Form | None:
+        form = as_form(value, f"{self.label}: {name}")
+        if form is not None and form.turns and port.surface.shape.profile().planar:
+            raise InputError(
+                f"{self.label}: {name} repeats each turn, but {port.label} is a plane; take films.Barrel, or "
+                "films.Measured(..., periodic=False)"
+            )
+        return form
+
+    def _require_bodies(self) -> None:
+        a, b, label = self.a, self.b, self.label
+        if a.body is b.body:
+            raise InputError(f"{label}: {a.label} and {b.label} are on one body; a film stands between two bodies")
+        if a.rigid and b.rigid:
+            raise InputError(
+                f"{label}: {a.label} and {b.label} are both rigid, but a film stands on the contact grid of a flexible "
+                "body; make one of the two flexible, scene.add_body(reduce(...)), and name it first"
+            )
+        if a.rigid:
+            raise InputError(
+                f"{label}: the film stands on the contact grid of the first surface, which must be flexible, {a.label} "
+                f"is rigid; name the flexible body first, Film({b.label}, {a.label}, ...)"
+            )
+        if not b.rigid:
+            raise InputError(
+                f"{label}: the second surface, {b.label}, is of a flexible body, which films do not know yet; name the "
+                "flexible body whose deformation matters first, and opposite it a rigid surface of a rigid body, "
+                "scene.add_rigid_body(..., surfaces={...})"
+            )
+        if a.surface.grid.kind != "hats":
+            raise InputError(
+                f"{label}: the first surface, {a.label}, was reduced with traction={a.surface.grid.kind!r}; a film "
+                "stands on hats: reduce the body with traction='hats'"
+            )
+
+    def _require_gap(self) -> None:
+        """Raises `InputError` for surfaces between which no thin film fits."""
+        a, b, label = self.a, self.b, self.label
+        sides = [port.surface.shape.side for port in self.ports]
+        planar = [port.surface.shape.profile().planar for port in self.ports]
+        names = f"{a.label} and {b.label}"
+        if not any(planar) and sides[0] > 0.0 and sides[1] > 0.0:
+            raise InputError(
+                f"{label}: {names} are both outsides, and films between rollers are not there yet; take Contact(...), "
+                "or a surface around the other (surfaces.Bore, surfaces.Cup)"
+            )
+        if sides[0] < 0.0 and sides[1] < 0.0:
+            raise InputError(f"{label}: {names} are both insides, which face no gap; one of them must be a shaft")
+        if any(planar) and min(sides) < 0.0:
+            raise InputError(f"{label}: of {names} one is a plane and one an inside, which no thin film fits between")
+        clearance = self.clearance()
+        if clearance is None or any(planar):
+            return
+        radii = [float(port.surface.shape.radius_at(0.0)) for port in self.ports]
+        told = f"{a.label} with radius {radii[0]:.9g} m and {b.label} with radius {radii[1]:.9g} m"
+        bore = (a if sides[0] < 0.0 else b).label
+        if clearance <= 0.0:
+            raise InputError(
+                f"{label}: {told} leave no gap, the clearance is {clearance:.3g} m; {bore} lies around the other and "
+                "must have the larger radius"
+            )
+        if clearance > LOOSEST * min(radii):
+            raise InputError(
+                f"{label}: {told} do not hug, the clearance is {clearance / min(radii):.2g} of the radius and may be "
+                f"{LOOSEST:g}; bring the radii closer, or take Contact(...): films between rollers are not there yet"
+            )
+
+    def _require_grid(self) -> None:
+        grid = self.grid
+        free = grid.rows - 2
+        if free < LEAST_ROWS or grid.columns < LEAST_COLUMNS:
+            raise InputError(
+                f"{self.label}: the contact grid of {self.a.label} has {grid.columns} columns and {max(free, 0)} rows "
+                f"between its ends, and a film needs {LEAST_COLUMNS} columns and {LEAST_ROWS} rows at least; reduce "
+                "the body with more cells at the surface, or a smaller traction_spacing"
+            )
+
+
+def refuse_touching(films: Sequence[Film]) -> None:
+    """Raises `InputError` for surfaces that touch at the initial pose: a film lies between them from the start."""
+    for film in films:
+        gap = film.initial_gap()
+        if gap.min() <= 0.0:
+            j, k = np.unravel_index(int(np.argmin(gap)), gap.shape)
+            theta, z = float(film.theta[j]), float(film.grid.z[k])
+            raise InputError(
+                f"{film.label}: {film.a.label} and {film.b.label} overlap at the start by {-gap.min():.3g} m, at theta "
+                f"= {theta:.4g}, z = {z:.4g} of the first; a film begins with a gap everywhere: move a body to where "
+                "there is one, the middle will do (an equilibrium finds its place from there)"
+            )
+
+
+def _require_surface(port: Any, place: str) -> None:
+    if not isinstance(port, SurfacePort):
+        raise InputError(
+            f"film: the {place} surface must be a contact surface, body['bore'] with 'bore' named in "
+            "reduce(contact=...) or in add_rigid_body(surfaces=...), got "
+            f"{getattr(port, 'label', None) or repr(getattr(port, 'name', port))}"
+        )
+
+
+def _asperities(value: Any, label: str) -> Law:
+    """A law whose pressure begins before the surfaces touch, where there still is a film beside it."""
+    law = as_law(value, label)
+    cure = "take laws.ExponentialAsperities, or laws.TableLayer with gaps above 0, or leave the law out"
+    if law.curve is None:
+        raise InputError(f"{label}: the law {law.kind} has no pressure to a gap, and a film keeps a gap; {cure}")
+    if law.curve.begins >= 0.0:
+        raise InputError(
+            f"{label}: the law {law.kind} begins where the surfaces touch, and no film is left there; {cure}"
+        )
+    if law.chi:
+        raise InputError(f"{label}: the law {law.kind} is damped, which the film is already; leave out its damping")
+    return law
+
+
+def _feeds(value: Any, label: str) -> tuple[Feed, ...]:
+    names = ", ".join(f"films.{feed.__name__}" for feed in FEEDS.values())
+    if isinstance(value, Feed) or not isinstance(value, Sequence) or isinstance(value, str):
+        raise InputError(f"{label}: feeds must be a list of {names}, got {value!r}")
+    for number, feed in enumerate(value, start=1):
+        if not isinstance(feed, Feed):
+            raise InputError(f"{label}: feeds must be a list of {names}, number {number} is {feed!r}")
+    return tuple(value)
+
+
+def _deviation(form: Form | None, theta: Any, z: Any) -> np.ndarray:
+    if form is not None:
+        return form(theta, z)
+    return np.zeros(np.broadcast_shapes(np.shape(theta), np.shape(z)))

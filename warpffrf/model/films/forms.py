@@ -1,0 +1,229 @@
+"""Deviations of a surface from its true shape, which add to the gap of a film: positive where material is missing.
+
+Places are those of the chart of the surface that has the form: theta [rad, of a plane m], z [m]. Forms add up:
+`Lobes(5e-6, 2) + Barrel(3e-6, 0.03)`. One of your own is a subclass of `Form`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar
+
+import numpy as np
+
+from warpffrf.model.errors import InputError, require_array, require_count, require_number
+
+TURN = 2.0 * np.pi
+
+
+class Form(ABC):
+    """A form deviation: a frozen dataclass with a `kind`, called with places."""
+
+    kind: ClassVar[str]
+
+    @abstractmethod
+    def __call__(self, theta: Any, z: Any) -> np.ndarray:
+        """What it adds to the gap [m] at places theta [rad, of a plane m], z [m], shapes that broadcast."""
+
+    @property
+    def turns(self) -> bool:
+        """Whether it repeats each turn, so that it has no sense on a plane."""
+        return False
+
+    def __add__(self, other: Any) -> Sum:
+        return Sum((self, other)) if isinstance(other, Form) else NotImplemented
+
+    def describe(self) -> dict[str, Any]:
+        """Plain data for hashing."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+        return {"kind": self.kind} | {n: v.tolist() if isinstance(v, np.ndarray) else v for n, v in values.items()}
+
+
+@dataclass(frozen=True)
+class Lobes(Form):
+    """Waves around, amplitude cos(count (theta - phase)); amplitude [m], phase [rad] of a place where material is
+    missing. Two make a surface oval. Raises `InputError`."""
+
+    amplitude: float
+    count: int
+    phase: float = 0.0
+    kind: ClassVar[str] = "lobes"
+
+    def __post_init__(self) -> None:
+        _keep_number(self, "amplitude", "[m]")
+        object.__setattr__(self, "count", require_count(self.count, "films.Lobes: count", 1))
+        _keep_number(self, "phase", "[rad]")
+
+    @property
+    def turns(self) -> bool:
+        return True
+
+    def __call__(self, theta: Any, z: Any) -> np.ndarray:
+        theta, _ = np.broadcast_arrays(np.asarray(theta, float), np.asarray(z, float))
+        return self.amplitude * np.cos(self.count * (theta - self.phase))
+
+
+@dataclass(frozen=True)
+class Barrel(Form):
+    """A parabola along the axis: nothing is missing at `middle` [m], `drop` [m] at half the `length` [m] from it;
+    hollow where the drop is negative. Raises `InputError`."""
+
+    drop: float
+    length: float
+    middle: float = 0.0
+    kind: ClassVar[str] = "barrel"
+
+    def __post_init__(self) -> None:
+        _keep_number(self, "drop", "[m]")
+        _keep_number(self, "length", "[m]", positive=True)
+        _keep_number(self, "middle", "[m]")
+
+    def __call__(self, theta: Any, z: Any) -> np.ndarray:
+        _, z = np.broadcast_arrays(np.asarray(theta, float), np.asarray(z, float))
+        return self.drop * (2.0 * (z - self.middle) / self.length) ** 2
+
+
+@dataclass(frozen=True)
+class Worn(Form):
+    """A worn place, depth cos^2(pi/2 (angle from theta)/width) within the angle `width` [rad] to both sides of theta
+    [rad], along the whole length; depth [m]. Raises `InputError`."""
+
+    depth: float
+    theta: float
+    width: float
+    kind: ClassVar[str] = "worn"
+
+    def __post_init__(self) -> None:
+        _keep_number(self, "depth", "[m]")
+        _keep_number(self, "theta", "[rad]")
+        _keep_number(self, "width", "[rad]", positive=True)
+        if self.width > np.pi:
+            raise InputError(f"films.Worn: width must be at most pi, half a turn to each side, got {self.width:g} rad")
+
+    @property
+    def turns(self) -> bool:
+        return True
+
+    def __call__(self, theta: Any, z: Any) -> np.ndarray:
+        theta, _ = np.broadcast_arrays(np.asarray(theta, float), np.asarray(z, float))
+        off = np.abs(np.remainder(theta - self.theta + np.pi, TURN) - np.pi)
+        return np.where(off < self.width, self.depth * np.cos(0.5 * np.pi * off / self.width) ** 2, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Measured(Form):
+    """Measured deviations (n, m) [m] at theta (n,) [rad, of a plane m] and z (m,) [m], both rising, straight between
+    them; beyond the outermost z their value.
+
+    periodic: around the full turn, with the first theta again behind the last; otherwise beyond the outermost theta
+    their value too. Raises `InputError`.
+    """
+
+    theta: Any
+    z: Any
+    values: Any
+    periodic: bool = True
+    kind: ClassVar[str] = "measured"
+
+    def __post_init__(self) -> None:
+        theta = require_array(self.theta, "films.Measured: theta", (None,))
+        z = require_array(self.z, "films.Measured: z [m]", (None,))
+        for name, places in (("theta", theta), ("z", z)):
+            if not len(places):
+                raise InputError(f"films.Measured: {name} is empty, one place at least is needed")
+            if np.any(wrong := np.diff(places) <= 0.0):
+                i = int(np.argmax(wrong))
+                raise InputError(
+                    f"films.Measured: {name} must rise, got {places[i]:g} and then {places[i + 1]:g} (places {i} and "
+                    f"{i + 1})"
+                )
+        values = require_array(self.values, "films.Measured: values [m]", (None, None))
+        if values.shape != (len(theta), len(z)):
+            raise InputError(
+                f"films.Measured: values must have shape ({len(theta)}, {len(z)}), a row for each theta and a column "
+                f"for each z, got {values.shape}"
+            )
+        if self.periodic and theta[-1] - theta[0] >= TURN * (1.0 - 1e-12):
+            raise InputError(
+                f"films.Measured: theta spans {theta[-1] - theta[0]:g} rad, a full turn or more; leave out the last "
+                "place, which is the first again, or take periodic=False on a plane"
+            )
+        for name, array in (("theta", theta), ("z", z), ("values", values)):
+            object.__setattr__(self, name, array)
+        object.__setattr__(self, "periodic", bool(self.periodic))
+
+    @property
+    def turns(self) -> bool:
+        return self.periodic
+
+    def __call__(self, theta: Any, z: Any) -> np.ndarray:
+        at, z = np.broadcast_arrays(np.asarray(theta, float), np.asarray(z, float))
+        places, values = self.theta, self.values
+        if self.periodic:
+            at = places[0] + np.remainder(at - places[0], TURN)
+            places, values = np.append(places, places[0] + TURN), np.concatenate([values, values[:1]])
+        i, s = _piece(places, at)
+        k, t = _piece(self.z, z)
+        i_next, k_next = np.minimum(i + 1, len(places) - 1), np.minimum(k + 1, len(self.z) - 1)
+        low = (1.0 - t) * values[i, k] + t * values[i, k_next]
+        high = (1.0 - t) * values[i_next, k] + t * values[i_next, k_next]
+        return (1.0 - s) * low + s * high
+
+
+@dataclass(frozen=True)
+class Sum(Form):
+    """Several forms at once; what `+` makes. Raises `InputError` for parts that are no forms."""
+
+    parts: tuple[Form, ...]
+    kind: ClassVar[str] = "sum"
+
+    def __post_init__(self) -> None:
+        parts = tuple(self.parts) if isinstance(self.parts, Sequence) else (self.parts,)
+        flat: list[Form] = []
+        for part in parts:
+            if not isinstance(part, Form):
+                raise InputError(f"films.Sum: parts must be forms, {_names()}, got {part!r}")
+            flat += part.parts if isinstance(part, Sum) else [part]
+        if not flat:
+            raise InputError("films.Sum: parts is empty; leave the form out")
+        object.__setattr__(self, "parts", tuple(flat))
+
+    @property
+    def turns(self) -> bool:
+        return any(part.turns for part in self.parts)
+
+    def __call__(self, theta: Any, z: Any) -> np.ndarray:
+        return np.sum([part(theta, z) for part in self.parts], axis=0)
+
+    def describe(self) -> dict[str, Any]:
+        """Plain data for hashing."""
+        return {"kind": self.kind, "parts": [part.describe() for part in self.parts]}
+
+
+FORMS: dict[str, type[Any]] = {form.kind: form for form in (Lobes, Barrel, Worn, Measured, Sum)}
+
+
+def as_form(value: Any, label: str) -> Form | None:
+    """`value` as a form, None for none; raises `InputError` naming `label`, with the forms there are."""
+    if value is None or isinstance(value, Form):
+        return value
+    raise InputError(f"{label} must be one of {_names()}, or a sum of them, got {value!r}")
+
+
+def _names() -> str:
+    return ", ".join(f"films.{form.__name__}" for form in FORMS.values() if form is not Sum)
+
+
+def _keep_number(form: Form, name: str, unit: str, *, positive: bool = False) -> None:
+    label = f"films.{type(form).__name__}: {name} {unit}"
+    object.__setattr__(form, name, require_number(getattr(form, name), label, positive=positive))
+
+
+def _piece(places: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The piece between rising `places` (n,) in which each `at` lies, and how far along it, 0 to 1; of one place 0."""
+    if len(places) == 1:
+        return np.zeros(at.shape, dtype=int), np.zeros(at.shape)
+    i = np.clip(np.searchsorted(places, at, side="right") - 1, 0, len(places) - 2)
+    return i, np.clip((at - places[i]) / (places[i + 1] - places[i]), 0.0, 1.0)

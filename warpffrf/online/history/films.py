@@ -1,0 +1,83 @@
+"""Histories of oil films, from the saved rows of the films and of the nodes of their grids."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from warpffrf_kernels.films import keeping
+
+from warpffrf.model.films import Film
+from warpffrf.online.arrays.ring import SavedRows
+from warpffrf.online.history.history import BodyHistory, FilmHistory
+from warpffrf.online.history.sensors import turned
+
+Array = np.ndarray
+FORCE, MOMENT, MOMENT_SECOND = (slice(3 * n, 3 * n + 3) for n in range(3))  # of the numbers saved of a film
+NUMBERS = {
+    "smallest_gap": keeping.SMALLEST, "largest_pressure": keeping.LARGEST, "pressure_loss": keeping.BY_PRESSURE,
+    "friction_power": keeping.BY_SLIDING, "feed_flow": keeping.FED, "end_flow": keeping.ENDS,
+    "void_fraction": keeping.VOIDS, "oil_volume": keeping.OIL,
+}  # fmt: skip
+FIELDS = ("pressure", "gap", "void")
+TURNED_BACK = np.array([-1.0, -1.0, -1.0, 1.0])  # times a unit quaternion: its inverse
+
+
+def film_histories(compiled: Any, rows: SavedRows, bodies: dict[str, BodyHistory]) -> dict[str, FilmHistory]:
+    """By name; the arrays of films are read where the scene has some."""
+    found = {}
+    for i, film in enumerate(compiled.scene.films):
+        first, end = compiled.elements.films.hat_start.numpy()[i : i + 2]
+        fields = {name: rows[f"saved_film_{name}"][:, first:end] for name in FIELDS}
+        found[str(film.name)] = _history(film, rows["saved_film"][:, i], fields, bodies)
+    return found
+
+
+def _history(film: Film, saved: Array, fields: dict[str, Array], bodies: dict[str, BodyHistory]) -> FilmHistory:
+    """Of the numbers (T, `keeping.NUMBERS`) of a film and its `fields` (T, hats)."""
+    T, force = len(saved), saved[:, FORCE].copy()
+    numbers = {name: saved[:, n].copy() for name, n in NUMBERS.items()}
+    shape = T, film.grid.columns, film.grid.rows
+    return FilmHistory(
+        force=force,
+        torque=saved[:, MOMENT] + np.cross(_arm(film.a.body, bodies, T), force),
+        torque_second=saved[:, MOMENT_SECOND] - np.cross(_arm(film.b.body, bodies, T), force),
+        eccentricity=eccentricity(film, bodies, T),
+        **{name: values.reshape(shape).copy() for name, values in fields.items()},
+        **numbers,
+    )
+
+
+def _arm(body: Any, bodies: dict[str, BodyHistory], steps: int) -> Array:
+    """(T, 3) m from the user origin of `body` to its centre of mass, world axes; none of the ground."""
+    if body.name not in bodies:
+        return np.zeros((steps, 3))
+    return turned(bodies[body.name].rotation, body.center_of_mass)
+
+
+def eccentricity(film: Film, bodies: dict[str, BodyHistory], steps: int) -> Array:
+    """(T, 2) m, see `FilmHistory`: where the axis of the second surface goes through the plane across that of the
+    first, in the middle of the grid; of a second surface that is a sphere its centre, which any axis goes through."""
+    first, second = film.a.surface.shape, film.b.surface.shape
+    profile = second.profile()
+    if profile.planar or first.profile().planar:
+        return np.full((steps, 2), np.nan)
+    place, axis = _in_world(film.b.body, bodies, steps, second.axis_point, second.axis_direction)
+    motion = bodies[film.a.body.name]
+    back = motion.rotation * TURNED_BACK
+    place, axis = turned(back, place - motion.position), turned(back, axis)
+    middle = 0.5 * (film.grid.z[0] + film.grid.z[-1])
+    off = place - (np.asarray(first.axis_point) + middle * first.e_a)
+    if profile.crown != profile.radius:  # that of a sphere
+        off = off - (off @ first.e_a / (axis @ first.e_a))[:, None] * axis
+    outer_first = first.side < 0.0
+    return (off if outer_first else -off) @ first.frame[:2].T
+
+
+def _in_world(body: Any, bodies: dict[str, BodyHistory], steps: int, point: Any, axis: Any) -> tuple[Array, Array]:
+    """A place (T, 3) [m] and a direction (T, 3) of the user frame of `body`, in the world."""
+    point, axis = np.asarray(point, dtype=float), np.asarray(axis, dtype=float)
+    if body.name not in bodies:
+        return np.tile(point, (steps, 1)), np.tile(axis, (steps, 1))
+    motion = bodies[body.name]
+    return motion.position + turned(motion.rotation, point), turned(motion.rotation, axis)

@@ -1,0 +1,25 @@
+"""Oil films: gaps, pressures and forces, what is left of them for bodies and modes, and what a step keeps."""
+
+from __future__ import annotations
+
+from warpffrf_kernels.films import flow, keeping, sampling, system
+
+from warpffrf.online.step.launches import blocks, threads
+from warpffrf.online.step.phases import Participant
+
+FILM = Participant(
+    "films",
+    when="film",
+    predict=[blocks(sampling.open_film, "film"), blocks(sampling.guard_prediction)],
+    load=[
+        blocks(sampling.sample_film, "film"),
+        blocks(flow.balance_film, "film"),
+        threads(flow.push_films),
+    ],
+    assemble=[blocks(system.assemble_film, "film"), threads(system.stiffen_by_films)],
+    answer=[blocks(system.limit_films)],
+    advance=[blocks(system.take_film, "film")],
+    book=[threads(flow.book_films)],
+    keep=[blocks(keeping.keep_film, "film")],
+    record=[blocks(keeping.record_film, "film")],
+)
