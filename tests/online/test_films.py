@@ -12,6 +12,7 @@ import pytest
 from warpffrf.model import films, forces, joints, oils, signals, surfaces
 from warpffrf.model.errors import InputError
 from warpffrf.model.films import Film
+from warpffrf.model.laws import ExponentialAsperities
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box, roller, sleeve
 from warpffrf.model.reduced_body import ReducedBody
@@ -83,11 +84,11 @@ def place(history: History) -> Array:
     return np.array([x[0], -x[2]])
 
 
-def reference(oil: Any = None, asperities: Any = None) -> ElasticJournal:
+def reference(oil: Any = None, asperities: Any = None, speed: float = SPEED) -> ElasticJournal:
     grid = bore_body().contact_surfaces["bore"].grid
     held = np.arange(COLUMNS) == COLUMNS // 2
     return ElasticJournal(
-        RADIUS, CLEARANCE, oil or oils.Newtonian(VISCOSITY), SPEED, grid.theta, grid.z,
+        RADIUS, CLEARANCE, oil or oils.Newtonian(VISCOSITY), speed, grid.theta, grid.z,
         held_compliance(bore_body(), "bore", "outside"), held, asperities,
     )  # fmt: skip
 
@@ -114,6 +115,35 @@ def test_a_steady_bearing_is_that_of_the_dense_reference(load: float, oil: oils.
     assert film.largest_pressure[-1] == pytest.approx(settled.state.pressure.max(), rel=SHEAR)
     h = expected.gap(settled.state).min()
     assert film.smallest_gap[-1] == pytest.approx(h, rel=3.0 * SHEAR)  # the place over the smallest film
+
+
+@pytest.mark.parametrize("speed", [300.0, 30.0, 3.0])
+def test_asperities_carry_what_the_film_does_not(speed: float) -> None:
+    """Beside the dense reference, from a film that carries to dry contact; no more iterations than there."""
+    law = ExponentialAsperities(2e9, 0.2e-6, 2.8e-6)
+    found = find_equilibrium(bearing((60e3, 0.0), speed=speed, law=law))
+    assert found.status == "completed", found.message
+    film, expected = found.films["film"], reference(asperities=law.curve, speed=speed)
+    settled = expected.settle(np.array([0.3 * CLEARANCE, 0.0]), np.array([60e3, 0.0]))
+    by_asperities = np.abs(expected.force(settled.state)[1]).max() / 60e3
+    assert by_asperities > {300.0: 0.005, 30.0: 0.3, 3.0: 0.9}[speed]
+    assert film.largest_asperity_pressure[-1] == pytest.approx(settled.state.asperity.max(), rel=0.02)
+    np.testing.assert_allclose(
+        film.asperity[-1].ravel(), settled.state.asperity, atol=0.02 * settled.state.asperity.max()
+    )
+    assert np.abs(film.eccentricity[-1] - settled.state.place).max() < 0.02 * CLEARANCE  # the sleeve moves, too
+    assert found.counters["mean_iterations"] * found.counters["steps"] <= 60
+
+
+def test_asperities_rub() -> None:
+    """With a coefficient: the torque of dry contact, and its loss, beside the drag of the oil."""
+    law, mu = ExponentialAsperities(2e9, 0.2e-6, 2.8e-6), 0.1
+    smooth, rubbing = (find_equilibrium(bearing((60e3, 0.0), speed=3.0, law=law, friction=f)) for f in (0.0, mu))
+    more = -(rubbing.films["film"].torque_second[-1][1] - smooth.films["film"].torque_second[-1][1])
+    dry = mu * rubbing.films["film"].asperity_force[-1] * RADIUS
+    assert more == pytest.approx(dry, rel=0.01)  # the drag changes with the place
+    lost = rubbing.films["film"].friction_power[-1] - smooth.films["film"].friction_power[-1]
+    assert lost == pytest.approx(3.0 * dry, rel=0.01)
 
 
 def test_a_shaft_that_the_rigid_bore_would_not_hold_comes_to_rest() -> None:

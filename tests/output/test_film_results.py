@@ -126,12 +126,13 @@ def made_rows() -> dict[str, np.ndarray]:
     pressure = 1e5 + PEAK * bell * np.maximum(np.sin(-lean), 0.0) ** 2
     void = np.where(np.sin(lean) > 0.5, 0.3 * gap * bell, 0.0)
     flat = {n: v.reshape(STEPS, -1) for n, v in (("pressure", pressure), ("gap", gap), ("void", void))}
+    flat["asperity"] = 0.25 * flat["pressure"]
     saved = np.zeros((STEPS, 1, NUMBERS))
     saved[:, 0, :3] = PRESSED * (1.0 + 0.1 * np.arange(STEPS))[:, None]
     saved[:, 0, 3:9] = [1.0, -2.0, 0.5, 0.25, 3.0, -0.75]
     saved[:, 0, 9] = gap.min(axis=(1, 2))
     saved[:, 0, 10] = pressure.max(axis=(1, 2))
-    saved[:, 0, 11:] = np.array([12.0, 80.0, 3e-6, 2.5e-6, 0.04, 1e-7]) * (1.0 + np.arange(STEPS))[:, None]
+    saved[:, 0, 11:] = np.array([12.0, 80.0, 3e-6, 2.5e-6, 0.04, 1e-7, 5.0, 1e4]) * (1.0 + np.arange(STEPS))[:, None]
     return {"saved_film": saved, **{f"saved_film_{name}": values for name, values in flat.items()}}
 
 
@@ -365,7 +366,7 @@ def of_no_scene(file: Any) -> None:
 
 
 def narrower(file: Any) -> None:
-    for name in ("pressure", "gap", "void"):
+    for name in ("pressure", "gap", "void", "asperity"):
         put(f"film_{name}/bearing", lambda values: values[:, 1:])(file)
 
 
@@ -480,9 +481,10 @@ def test_the_skin_has_the_pressure_and_yields_to_it(result: Result) -> None:
     skin, film = result.skins()["sleeve"], result.film("bearing")
     assert skin.contact_fields == ("pressure",)
     nodes = COLUMNS * ROWS
-    np.testing.assert_allclose(skin.pressure(3)[:nodes], film.pressure[3].ravel())
+    whole = film.pressure[3] + film.asperity[3]
+    np.testing.assert_allclose(skin.pressure(3)[:nodes], whole.ravel())
     assert not skin.pressure(3)[nodes:].any()
-    push = hat_forces(film.view.first, film.pressure[3]).ravel()
+    push = hat_forces(film.view.first, whole).ravel()
     theta, z = np.meshgrid(film.theta, Z, indexing="ij")
     outwards = BORE.normal(theta, z).reshape(-1, 3)  # of the bore towards its axis
     found = skin.displacement(3)

@@ -25,6 +25,7 @@ from warpffrf_kernels.films.sampling import (
     FORCE,
     FORCE_MOMENT,
     HALF,
+    PRESSED,
     PULL,
     REYNOLDS,
     SECOND_FORCE_MOMENT,
@@ -36,6 +37,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 # of the scene's length, over the step: what round-off leaves of a gap, 1e-16, over the tolerance of the iteration
 ROUND_OFF = wp.constant(wp.float64(1.0e-7))
+SMALL_PRESSURE = wp.constant(wp.float64(1.0e4))  # Pa: asperities that press less carry nothing
 TAKEN = 2  # lines of the ledger: by pressure, voids and feeds; by sliding
 
 
@@ -117,12 +119,16 @@ def balance_film(
     film_carried: wp.array3d(dtype=real),
     film_line: wp.array3d(dtype=real),
     film_pull: wp.array3d(dtype=real),
+    film_asperity: wp.array3d(dtype=real),
+    film_hat_line: wp.array3d(dtype=real),
+    film_energy_now: wp.array2d(dtype=real),
     film_rest: inout(wp.array2d(dtype=real)),
     film_size: inout(wp.array2d(dtype=real)),
     film_refill: inout(wp.array2d(dtype=real)),
     film_sums: inout(wp.array3d(dtype=real)),
     film_off: out(wp.array2d(dtype=real)),
     film_power: out(wp.array4d(dtype=real)),
+    film_energy: out(wp.array3d(dtype=real)),
 ):
     """Per (world, film), lanes over functions, then over sums: R, how large it is beside the flows, and the forces."""
     w, film, lane = wp.tid()
@@ -189,7 +195,20 @@ def balance_film(
                 taken -= p * (film_rest[w, i] + film_refill[w, i])
             sum += film_rest[w, i]
             i += 1
-        film_off[w, film] = worst / largest + real(0.0) * sum
+        apart = real(0.0)  # of asperities and their law, beside the largest pressure
+        most = SMALL_PRESSURE
+        stored = real(0.0)
+        if model.elements[0].films.rough[film] > 0:
+            m = model.elements[0].films.hat_start[film]
+            while m < model.elements[0].films.hat_start[film + 1]:
+                given = film_hat_line[w, m, PRESSED]
+                apart = wp.max(apart, wp.abs(film_asperity[w, 1, m] - given))
+                most = wp.max(most, given)
+                stored += model.elements[0].films.hat_area[m] * film_energy_now[w, m]
+                sum += given
+                m += 1
+        film_energy[w, 1, film] = stored
+        film_off[w, film] = wp.max(worst / largest, apart / most) + real(0.0) * sum
         film_power[w, 1, film, 0] = film_sums[w, film, VISCOUS] + taken
         film_power[w, 1, film, 1] = film_sums[w, film, SHEAR]
 
@@ -200,6 +219,7 @@ def push_films(
     ctl: wp.array(dtype=Control),
     film_sums: wp.array3d(dtype=real),
     film_pressure: wp.array(dtype=real),
+    film_asperity: wp.array(dtype=real),
     residual: changed(wp.array2d(dtype=real)),
     modal_residual: changed(wp.array2d(dtype=real)),
     film_modal: out(wp.array2d(dtype=real)),
@@ -236,6 +256,11 @@ def push_films(
                     i += 1
             else:
                 outwards = dot(functions, model.elements[0].films.moment, line, film_pressure, at)
+            rough = model.elements[0].films.rough[film]
+            line = model.elements[0].films.rough_moment_start[film] + m * rough
+            at = (2 * w + 1) * model.elements[0].films.hat_start[model.elements[0].films.count]
+            at += model.elements[0].films.hat_start[film]
+            outwards += dot(rough, model.elements[0].films.rough_moment, line, film_asperity, at)
             modal_residual[w, start + m] = modal_residual[w, start + m] + outwards
             film_modal[w, model.elements[0].films.column_start[film] + 12 + m] = -outwards
             m += 1

@@ -13,6 +13,7 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
 from warpffrf_kernels.films.flow import TAKEN
 from warpffrf_kernels.films.sampling import (
+    BY_ASPERITIES,
     FORCE,
     FORCE_MOMENT,
     GAP,
@@ -33,7 +34,9 @@ FED = wp.constant(13)  # oil that comes in through feeds, m3/s at the density rh
 ENDS = wp.constant(14)  # oil that leaves at the ends, m3/s
 VOIDS = wp.constant(15)  # volume of the voids over that of the gap
 OIL = wp.constant(16)  # volume of the oil, of the density rho_0, m3
-NUMBERS = 17
+ROUGH = wp.constant(17)  # normal force of the asperities, N
+ROUGHEST = wp.constant(18)  # largest pressure of theirs, Pa
+NUMBERS = 19
 
 
 @wp.kernel
@@ -45,6 +48,8 @@ def keep_film(
     film_pressure: inout(wp.array3d(dtype=real)),
     film_void: inout(wp.array3d(dtype=real)),
     film_full: inout(wp.array3d(dtype=int)),
+    film_asperity: inout(wp.array3d(dtype=real)),
+    film_energy: inout(wp.array3d(dtype=real)),
     film_mass: inout(wp.array3d(dtype=real)),
     film_power: inout(wp.array4d(dtype=real)),
     film_void_before: out(wp.array2d(dtype=real)),
@@ -64,6 +69,10 @@ def keep_film(
             film_void_before[w, i] = film_void[w, 0, i]
             film_void[w, 0, i] = film_void[w, 1, i]
         i += wp.block_dim()
+    m = model.elements[0].films.hat_start[film] + lane
+    while m < model.elements[0].films.hat_start[film + 1]:
+        film_asperity[w, 0, m] = film_asperity[w, 1, m]
+        m += wp.block_dim()
     if ctl[w].mode != k.START:
         g = model.elements[0].films.point_start[film] + lane
         while g < model.elements[0].films.point_start[film + 1]:
@@ -71,6 +80,7 @@ def keep_film(
             film_mass[w, 0, g] = film_mass_now[w, g]
             g += wp.block_dim()
     if lane == 0:
+        film_energy[w, 0, film] = film_energy[w, 1, film]
         for line in range(TAKEN):
             film_power[w, 0, film, line] = film_power[w, 1, film, line]
     if lane == 0 and film == 0:
@@ -89,6 +99,7 @@ def record_film(
     omega1: wp.array2d(dtype=vec3),
     film_pressure: wp.array3d(dtype=real),
     film_void: wp.array3d(dtype=real),
+    film_asperity: wp.array3d(dtype=real),
     film_opened: wp.array2d(dtype=real),
     film_mass_now: wp.array2d(dtype=real),
     film_line: wp.array3d(dtype=real),
@@ -99,6 +110,7 @@ def record_film(
     saved_film_pressure: out(wp.array3d(dtype=real)),
     saved_film_gap: out(wp.array3d(dtype=real)),
     saved_film_void: out(wp.array3d(dtype=real)),
+    saved_film_asperity: out(wp.array3d(dtype=real)),
 ):
     """Per (world, film), lanes over hats: fields at the hats, and NUMBERS of the film."""
     w, film, lane = wp.tid()
@@ -118,6 +130,7 @@ def record_film(
         saved_film_pressure[w, at, m] = film_pressure[w, 0, f]
         saved_film_gap[w, at, m] = seen[0] + model.elements[0].films.hat_form[m] + film_opened[w, m]
         saved_film_void[w, at, m] = film_void[w, 0, f]
+        saved_film_asperity[w, at, m] = film_asperity[w, 0, m]
         m += wp.block_dim()
     sync()
     if lane == 0:
@@ -165,3 +178,10 @@ def record_film(
         saved_film[w, at, film, ENDS] = ends
         saved_film[w, at, film, VOIDS] = empty / space
         saved_film[w, at, film, OIL] = filling - empty
+        roughest = real(0.0)
+        m = model.elements[0].films.hat_start[film]
+        while m < model.elements[0].films.hat_start[film + 1]:
+            roughest = wp.max(roughest, film_asperity[w, 0, m])
+            m += 1
+        saved_film[w, at, film, ROUGH] = film_sums[w, film, BY_ASPERITIES]
+        saved_film[w, at, film, ROUGHEST] = roughest

@@ -24,8 +24,9 @@ and the opposite on B, at x again: action equals reaction in force and moment. T
 
     - int mu |u_B - u_A|^2 (1 - D/h)/h dA - int k |grad p|^2 dA - (what closes voids) + (what feeds bring in),
 
-as Reynolds' equation tested with p itself tells (`losses`). Tangential displacements of A by the shear are left out,
-and so is what its elastic motion adds to U.
+as Reynolds' equation tested with p itself tells (`flow`). **Asperities** press beside the film, at the hats, with a
+pressure a = P(-h) that deforms and pushes as p does, and rub with mu a against the sliding. Tangential displacements of
+A by the shear are left out, and so is what its elastic motion adds to U.
 """
 
 import warp as wp
@@ -36,6 +37,7 @@ from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import exponential, matrix
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, quat, real, sync, vec3
+from warpffrf_kernels.films.asperities import asperities_at
 from warpffrf_kernels.films.oil import oil_at
 from warpffrf_kernels.surfaces.surface import axes_of, chart_of, distance_of, gradient_of, origin_of
 
@@ -71,7 +73,13 @@ FORCE_MOMENT = wp.constant(3)  # on A about its centre of mass, its axes
 SECOND_FORCE_MOMENT = wp.constant(6)  # on B likewise
 VISCOUS = wp.constant(9)  # power of the flow by pressure, W
 SHEAR = wp.constant(10)  # of the sliding, W
-PULL = 11
+BY_ASPERITIES = wp.constant(11)  # normal force of asperities, N
+PULL = 12
+
+# --- numbers of a hat where there are asperities: n (world), its moments on A and B, then
+PRESSED = wp.constant(9)  # pressure of the law, Pa
+STIFFNESS = wp.constant(10)  # its slope, Pa/m
+HAT_LINE = 11
 
 GUARD = wp.constant(wp.float64(0.5))  # of the gaps where a step begins: what its prediction leaves of them
 
@@ -192,9 +200,11 @@ def open_film(
     ctl: wp.array(dtype=Control),
     clk: wp.array(dtype=Clock),
     film_step: wp.array(dtype=real),
+    film_stretch: wp.array(dtype=real),
     film_pressure: inout(wp.array3d(dtype=real)),
     film_void: inout(wp.array3d(dtype=real)),
     film_full: inout(wp.array3d(dtype=int)),
+    film_asperity: inout(wp.array3d(dtype=real)),
     film_rates: out(wp.array2d(dtype=real)),
     film_changed: out(wp.array2d(dtype=int)),
 ):
@@ -210,10 +220,16 @@ def open_film(
         film_void[w, 1, i] = film_void[w, 0, i]
         film_full[w, 1, i] = film_full[w, 0, i]
         i += wp.block_dim()
+    i = model.elements[0].films.hat_start[film] + lane
+    while i < model.elements[0].films.hat_start[film + 1]:
+        film_asperity[w, 1, i] = film_asperity[w, 0, i]
+        i += wp.block_dim()
     if lane == 0:
         film_changed[w, film] = 1
         if film == 0:
             h = clk[w].h
+            if ctl[w].mode == k.STATIC:
+                h *= film_stretch[w]
             film_rates[w, 0] = real(1.0) / h
             film_rates[w, 1] = real(-1.0) / h
             film_rates[w, 2] = real(0.0)
@@ -318,11 +334,14 @@ def sample_film(
     q1: wp.array(dtype=real),
     film_pressure: wp.array3d(dtype=real),
     film_void: wp.array3d(dtype=real),
+    film_asperity: wp.array3d(dtype=real),
     film_mass: wp.array3d(dtype=real),
     film_rates: wp.array2d(dtype=real),
     ctl: inout(wp.array(dtype=Control)),
     film_acting: inout(wp.array(dtype=real)),
     film_opened: inout(wp.array2d(dtype=real)),
+    film_hat_line: out(wp.array3d(dtype=real)),
+    film_energy_now: out(wp.array2d(dtype=real)),
     film_carried: out(wp.array3d(dtype=real)),
     film_mass_now: out(wp.array2d(dtype=real)),
     film_line: out(wp.array3d(dtype=real)),
@@ -340,9 +359,16 @@ def sample_film(
     sides = sides_of(model, w, film, static, r1, axes, v1, omega1)
     rule = model.elements[0].films.rule[film]
     unknowns = model.elements[0].films.unknowns[film]
+    rough = model.elements[0].films.rough[film]
     first = model.elements[0].films.function_start[film]
     first_unknown = model.elements[0].films.unknown_start[film]
-    run = w * model.elements[0].films.unknown_start[model.elements[0].films.count] + first_unknown
+    run = w * model.elements[0].films.system_start[model.elements[0].films.count]
+    run += model.elements[0].films.system_start[film]
+    first_hat = model.elements[0].films.hat_start[film]
+    i = lane
+    while i < rough:
+        film_acting[run + unknowns + i] = film_asperity[w, 1, first_hat + i]
+        i += wp.block_dim()
     i = lane
     while i < unknowns:
         p = film_pressure[w, 1, first + model.elements[0].films.function_of[first_unknown + i]]
@@ -351,18 +377,35 @@ def sample_film(
         film_acting[run + i] = p
         i += wp.block_dim()
     sync()
-    first_hat = model.elements[0].films.hat_start[film]
+    lines = unknowns + rough
     hats = model.elements[0].films.hat_start[film + 1] - first_hat
     A = model.elements[0].films.first[film]
     modes = model.elements[0].films.modes[film]
     modal = w * model.modes.count + model.surfaces.modal_start[A]
     m = lane
     while m < hats:
-        row = model.elements[0].films.compliance_start[film] + m * unknowns
+        row = model.elements[0].films.compliance_start[film] + m * lines
         u = model.elements[0].films.lift[first_hat + m]
-        u += dot(unknowns, model.elements[0].films.compliance, row, film_acting, run)
+        u += dot(lines, model.elements[0].films.compliance, row, film_acting, run)
         line = model.elements[0].films.shape_start[film] + m * modes
-        film_opened[w, first_hat + m] = u - dot(modes, model.elements[0].films.shape, line, q1, modal)
+        u -= dot(modes, model.elements[0].films.shape, line, q1, modal)
+        film_opened[w, first_hat + m] = u
+        if rough > 0:
+            place = model.elements[0].films.hat_place[first_hat + m]
+            seen = opened_by_motion(model, film, sides, place)
+            gap = seen[0] + model.elements[0].films.hat_form[first_hat + m] + u
+            law = asperities_at(model, film, -gap)
+            n = vec3(seen[1], seen[2], seen[3])
+            moment = wp.cross(place, wp.transpose(sides.turn_a) * n)
+            arm = wp.transpose(sides.turn_b) * (sides.from_b + sides.turn_a * place)
+            second_moment = -wp.cross(arm, wp.transpose(sides.turn_b) * n)
+            for c in range(3):
+                film_hat_line[w, first_hat + m, c] = n[c]
+                film_hat_line[w, first_hat + m, 3 + c] = moment[c]
+                film_hat_line[w, first_hat + m, 6 + c] = second_moment[c]
+            film_hat_line[w, first_hat + m, PRESSED] = law[0]
+            film_hat_line[w, first_hat + m, STIFFNESS] = law[1]
+            film_energy_now[w, first_hat + m] = law[2]
         m += wp.block_dim()
     i = first + lane
     while i < model.elements[0].films.function_start[film + 1]:
@@ -394,6 +437,11 @@ def sample_film(
                 p_z += model.elements[0].films.slope_along[g, j] * value
                 void += model.elements[0].films.value[g, j] * film_void[w, 1, first + f]
             j += 1
+        pressed = real(0.0)
+        if rough > 0:
+            for c in range(4):
+                load = film_asperity[w, 1, first_hat + model.elements[0].films.hat[g, c]]
+                pressed += model.elements[0].films.between[g, c] * load
         slide = sliding_at(sides, place)
         around = model.elements[0].films.point_around[g]
         along = model.elements[0].films.point_along[g]
@@ -433,8 +481,12 @@ def sample_film(
         filled = wp.clamp(real(1.0) - void / h, real(0.0), real(1.0))
         drag = oil.viscosity * filled / h
         half = real(0.5) * h
-        tau = (drag * slide_x + half * p_x) * around + (drag * slide_z + half * p_z) * along
-        force = weight * (pushing * n_a + tau)
+        speed = wp.sqrt(slide_x * slide_x + slide_z * slide_z)
+        rub = real(0.0)
+        if speed > real(0.0):
+            rub = model.elements[0].films.asperity_friction[film] * pressed / speed
+        tau = ((drag + rub) * slide_x + half * p_x) * around + ((drag + rub) * slide_z + half * p_z) * along
+        force = weight * ((pushing + pressed) * n_a + tau)
         world_force = sides.turn_a * force
         first_torque = wp.cross(place, force)
         second_torque = -wp.cross(arm_b, wp.transpose(sides.turn_b) * world_force)
@@ -446,5 +498,6 @@ def sample_film(
             film_pull[w, g, FORCE_MOMENT + c] = first_torque[c]
             film_pull[w, g, SECOND_FORCE_MOMENT + c] = second_torque[c]
         film_pull[w, g, VISCOUS] = weight * oil.density * conductance * (p_x * p_x + p_z * p_z)
-        film_pull[w, g, SHEAR] = weight * drag * (slide_x * slide_x + slide_z * slide_z)
+        film_pull[w, g, SHEAR] = weight * (drag + rub) * speed * speed
+        film_pull[w, g, BY_ASPERITIES] = weight * pressed
         g += wp.block_dim()

@@ -1,7 +1,8 @@
 r"""The linear system of a film, and what is left of it for the bodies.
 
-Unknown are, of each function whose pressure is not given, the pressure p where the film is full, else its void D. With
-G what pressures open at the hats, and z the coupled columns: motions of both bodies and the global modes of the first,
+Unknown are, of each function whose pressure is not given, the pressure p where the film is full, else its void D; and
+the pressures a of asperities that touch, with the equation a = P(-h) of their own. With G what pressures open at the
+hats, and z the coupled columns, motions of both bodies and the global modes of the first,
 
     dh = L dz + between (G dp - Phi dq),
 
@@ -38,9 +39,11 @@ from warpffrf_kernels.films.sampling import (
     HALF,
     MOMENT,
     NORMAL,
+    PRESSED,
     PRESSURE,
     REYNOLDS,
     SECOND_MOMENT,
+    STIFFNESS,
     at_point,
 )
 from warpffrf_kernels.linear.general_elimination import eliminate, solve_again
@@ -61,10 +64,22 @@ def add_scaled(n: int, a: real, x: wp.array(dtype=real), start: int, y: wp.array
 
 
 @wp.func
+def lines_of(model: Model, film: int) -> int:
+    """Unknowns of a film: pressures or voids, then pressures of asperities."""
+    return model.elements[0].films.unknowns[film] + model.elements[0].films.rough[film]
+
+
+@wp.func
 def line_length(model: Model, film: int) -> int:
     """Numbers of a line: J, R, B, P."""
-    columns = RIGID + model.elements[0].films.modes[film]
-    return model.elements[0].films.unknowns[film] + 1 + 2 * columns
+    return lines_of(model, film) + 1 + 2 * (RIGID + model.elements[0].films.modes[film])
+
+
+@wp.func
+def system_at(model: Model, w: int, film: int) -> int:
+    """Where what each unknown has one of begins, flat."""
+    total = model.elements[0].films.system_start[model.elements[0].films.count]
+    return w * total + model.elements[0].films.system_start[film]
 
 
 @wp.func
@@ -101,44 +116,244 @@ def outer_column(model: Model, film: int, c: int) -> int:
 
 
 @wp.func
+def is_thin(
+    model: Model, w: int, film: int, i: int, film_full: wp.array3d(dtype=int), film_rough: wp.array2d(dtype=int)
+) -> bool:
+    """Whether next to nothing but its own line has unknown i: a void, or asperities that do not touch."""
+    n = model.elements[0].films.unknowns[film]
+    if i >= n:
+        return film_rough[w, model.elements[0].films.hat_start[film] + i - n] == 0
+    f = model.elements[0].films.function_of[model.elements[0].films.unknown_start[film] + i]
+    return film_full[w, 1, model.elements[0].films.function_start[film] + f] == 0
+
+
+@wp.func
 def order_unknowns(
     model: Model,
     w: int,
     film: int,
     lane: int,
     film_full: wp.array3d(dtype=int),
+    film_rough: wp.array2d(dtype=int),
     film_carried: wp.array3d(dtype=real),
     film_order: wp.array2d(dtype=int),
 ) -> int:
-    """Where each unknown stands in the elimination: voids first, in the order in which the oil comes to them around,
-    which leaves next to nothing of their columns; then pressures. Returns how many voids there are."""
-    first = model.elements[0].films.function_start[film]
-    first_unknown = model.elements[0].films.unknown_start[film]
-    n = model.elements[0].films.unknowns[film]
+    """Where each unknown stands in the elimination: thin ones first, voids in the order in which the oil comes to them
+    around, which leaves next to nothing of their columns. Returns how many there are."""
+    lines = lines_of(model, film)
+    start = model.elements[0].films.system_start[film]
     sync()
-    voids = int(0)
+    thin = int(0)
     i = int(0)
-    while i < n:
-        if film_full[w, 1, first + model.elements[0].films.function_of[first_unknown + i]] == 0:
-            voids += 1
+    while i < lines:
+        if is_thin(model, w, film, i, film_full, film_rough):
+            thin += 1
         i += 1
     if lane == 0:
-        backwards = film_carried[w, first, 0] < real(0.0)
+        backwards = film_carried[w, model.elements[0].films.function_start[film], 0] < real(0.0)
         place = int(0)
-        full = voids
+        rest = thin
         i = int(0)
-        while i < n:
-            if film_full[w, 1, first + model.elements[0].films.function_of[first_unknown + i]] == 0:
-                film_order[w, first_unknown + i] = place
+        while i < lines:
+            if is_thin(model, w, film, i, film_full, film_rough):
+                film_order[w, start + i] = place
                 if backwards:
-                    film_order[w, first_unknown + i] = voids - 1 - place
+                    film_order[w, start + i] = thin - 1 - place
                 place += 1
             else:
-                film_order[w, first_unknown + i] = full
-                full += 1
+                film_order[w, start + i] = rest
+                rest += 1
             i += 1
     sync()
-    return voids
+    return thin
+
+
+@wp.func
+def write_flow(
+    model: Model,
+    w: int,
+    film: int,
+    i: int,
+    row: int,
+    film_pressure: wp.array3d(dtype=real),
+    film_full: wp.array3d(dtype=int),
+    film_rates: wp.array2d(dtype=real),
+    film_carried: wp.array3d(dtype=real),
+    film_line: wp.array3d(dtype=real),
+    film_wide: wp.array2d(dtype=real),
+    film_matrix: wp.array(dtype=real),
+):
+    """Line of the oil of unknown i, but for R; `row` is zero."""
+    n = model.elements[0].films.unknowns[film]
+    lines = lines_of(model, film)
+    modes = model.elements[0].films.modes[film]
+    columns = RIGID + modes
+    first = model.elements[0].films.function_start[film]
+    functions = model.elements[0].films.function_start[film + 1] - first
+    first_unknown = model.elements[0].films.unknown_start[film]
+    rule = model.elements[0].films.rule[film]
+    f = model.elements[0].films.function_of[first_unknown + i]
+    near = model.elements[0].films.near_start[first + f]
+    j = near
+    while j < model.elements[0].films.near_start[first + f + 1]:
+        film_wide[w, j] = real(0.0)
+        j += 1
+    pushes = film_full[w, 1, first + f] != 0
+    if rule == HALF and film_pressure[w, 1, first + f] < real(0.0):
+        pushes = False
+    e = model.elements[0].films.entry_start[first + f]
+    while e < model.elements[0].films.entry_start[first + f + 1]:
+        g = model.elements[0].films.entry_point[e]
+        a = model.elements[0].films.entry_slot[e]
+        x = model.elements[0].films.slope_around[g, a]
+        z = model.elements[0].films.slope_along[g, a]
+        v = model.elements[0].films.value[g, a]
+        by_gap = x * film_line[w, g, AROUND_BY_GAP] + z * film_line[w, g, ALONG_BY_GAP]
+        by_gap += v * film_line[w, g, FILLING_BY_GAP]
+        for c in range(4):
+            at = near + model.elements[0].films.entry_near[e, c]
+            film_wide[w, at] = film_wide[w, at] + by_gap * model.elements[0].films.between[g, c]
+        push = v * model.elements[0].films.weight[g]
+        if not pushes or (rule == HALF and film_line[w, g, PRESSURE] <= real(0.0)):
+            push = real(0.0)
+        for c in range(RIGID):
+            opened = opened_by_column(film_line, w, g, c)
+            at = row + lines + 1 + c
+            film_matrix[at] = film_matrix[at] + by_gap * opened
+            film_matrix[at + columns] = film_matrix[at + columns] + push * opened
+        e += 1
+    j = near
+    while j < model.elements[0].films.near_start[first + f + 1]:
+        m = model.elements[0].films.near[j]
+        line = model.elements[0].films.compliance_start[film] + m * lines
+        add_scaled(lines, film_wide[w, j], model.elements[0].films.compliance, line, film_matrix, row)
+        line = model.elements[0].films.shape_start[film] + m * modes
+        add_scaled(
+            modes, -film_wide[w, j], model.elements[0].films.shape, line, film_matrix, row + lines + 1 + RIGID
+        )  # fmt: skip
+        j += 1
+    if rule == HALF:
+        j = int(0)
+        while j < n:
+            if film_pressure[w, 1, first + model.elements[0].films.function_of[first_unknown + j]] < real(0.0):
+                film_matrix[row + j] = real(0.0)
+            j += 1
+    e = model.elements[0].films.entry_start[first + f]
+    while e < model.elements[0].films.entry_start[first + f + 1]:
+        g = model.elements[0].films.entry_point[e]
+        a = model.elements[0].films.entry_slot[e]
+        x = model.elements[0].films.slope_around[g, a]
+        z = model.elements[0].films.slope_along[g, a]
+        v = model.elements[0].films.value[g, a]
+        wide = film_line[w, g, CONDUCTANCE]
+        by_value = x * film_line[w, g, AROUND_BY_PRESSURE] + z * film_line[w, g, ALONG_BY_PRESSURE]
+        by_value += v * film_line[w, g, FILLING_BY_PRESSURE]
+        s = int(0)
+        while s < model.elements[0].films.function.shape[1]:
+            other = model.elements[0].films.function[g, s]
+            if other >= 0:
+                j = model.elements[0].films.unknown_of[first + other]
+                if j >= 0:
+                    flow = x * model.elements[0].films.slope_around[g, s]
+                    flow += z * model.elements[0].films.slope_along[g, s]
+                    entry = wide * flow + by_value * model.elements[0].films.value[g, s]
+                    film_matrix[row + j] = film_matrix[row + j] + entry
+            s += 1
+        e += 1
+    m = int(0)
+    while m < modes and pushes:
+        at = model.elements[0].films.moment_start[film] + m * functions + f
+        film_matrix[row + lines + 1 + columns + RIGID + m] = -model.elements[0].films.moment[at]
+        m += 1
+    j = int(0)
+    while j < n:
+        if film_full[w, 1, first + model.elements[0].films.function_of[first_unknown + j]] == 0:
+            film_matrix[row + j] = real(0.0)
+        j += 1
+    if film_full[w, 1, first + f] == 0:
+        film_matrix[row + i] = -holding(model, w, film, first + f, film_rates, film_carried)
+    if rule != REYNOLDS:
+        for c in range(4):
+            other = neighbour(model, first + f, c)
+            if other >= 0:
+                j = model.elements[0].films.unknown_of[first + other]
+                if j >= 0 and film_full[w, 1, first + other] == 0:
+                    comes = inflow(model, w, first, first + f, c, film_carried)
+                    film_matrix[row + j] = film_matrix[row + j] + comes
+
+
+@wp.func
+def write_asperities(
+    model: Model,
+    w: int,
+    film: int,
+    m: int,
+    row: int,
+    film_full: wp.array3d(dtype=int),
+    film_line: wp.array3d(dtype=real),
+    film_hat_line: wp.array3d(dtype=real),
+    film_matrix: wp.array(dtype=real),
+):
+    """Line of the asperities at hat m, da + P' dh = P - a, but for the right-hand side; `row` is zero."""
+    n = model.elements[0].films.unknowns[film]
+    lines = lines_of(model, film)
+    modes = model.elements[0].films.modes[film]
+    columns = RIGID + modes
+    first_unknown = model.elements[0].films.unknown_start[film]
+    first = model.elements[0].films.function_start[film]
+    hat = model.elements[0].films.hat_start[film] + m
+    stiff = film_hat_line[w, hat, STIFFNESS]
+    line = model.elements[0].films.compliance_start[film] + m * lines
+    add_scaled(lines, stiff, model.elements[0].films.compliance, line, film_matrix, row)
+    line = model.elements[0].films.shape_start[film] + m * modes
+    add_scaled(modes, -stiff, model.elements[0].films.shape, line, film_matrix, row + lines + 1 + RIGID)
+    j = int(0)
+    while j < n:
+        if film_full[w, 1, first + model.elements[0].films.function_of[first_unknown + j]] == 0:
+            film_matrix[row + j] = real(0.0)
+        j += 1
+    for c in range(3):
+        at = row + lines + 1 + c
+        film_matrix[at] = stiff * film_hat_line[w, hat, c]
+        film_matrix[at + 3] = stiff * film_hat_line[w, hat, 3 + c]
+        film_matrix[at + 6] = -stiff * film_hat_line[w, hat, c]
+        film_matrix[at + 9] = stiff * film_hat_line[w, hat, 6 + c]
+    film_matrix[row + n + m] = film_matrix[row + n + m] + real(1.0)
+    f = first + model.elements[0].films.hat_function[hat]
+    e = model.elements[0].films.entry_start[f]
+    while e < model.elements[0].films.entry_start[f + 1]:
+        g = model.elements[0].films.entry_point[e]
+        v = model.elements[0].films.value[g, model.elements[0].films.entry_slot[e]]
+        push = v * model.elements[0].films.weight[g]
+        for c in range(RIGID):
+            at = row + lines + 1 + columns + c
+            film_matrix[at] = film_matrix[at] + push * opened_by_column(film_line, w, g, c)
+        e += 1
+    rough = model.elements[0].films.rough[film]
+    c = int(0)
+    while c < modes:
+        at = model.elements[0].films.rough_moment_start[film] + c * rough + m
+        film_matrix[row + lines + 1 + columns + RIGID + c] = -model.elements[0].films.rough_moment[at]
+        c += 1
+
+
+@wp.func
+def rest_of(
+    model: Model,
+    w: int,
+    film: int,
+    i: int,
+    film_rest: wp.array2d(dtype=real),
+    film_asperity: wp.array3d(dtype=real),
+    film_hat_line: wp.array3d(dtype=real),
+) -> real:
+    """R of unknown i."""
+    n = model.elements[0].films.unknowns[film]
+    if i >= n:
+        hat = model.elements[0].films.hat_start[film] + i - n
+        return film_asperity[w, 1, hat] - film_hat_line[w, hat, PRESSED]
+    f = model.elements[0].films.function_of[model.elements[0].films.unknown_start[film] + i]
+    return film_rest[w, model.elements[0].films.function_start[film] + f]
 
 
 @wp.kernel
@@ -146,11 +361,14 @@ def assemble_film(
     models: wp.array(dtype=Model),
     film_pressure: wp.array3d(dtype=real),
     film_full: wp.array3d(dtype=int),
+    film_asperity: wp.array3d(dtype=real),
     film_rates: wp.array2d(dtype=real),
     film_carried: wp.array3d(dtype=real),
     film_line: wp.array3d(dtype=real),
+    film_hat_line: wp.array3d(dtype=real),
     film_rest: wp.array2d(dtype=real),
     ctl: inout(wp.array(dtype=Control)),
+    film_rough: inout(wp.array2d(dtype=int)),
     film_wide: inout(wp.array2d(dtype=real)),
     film_matrix: inout(wp.array(dtype=real)),
     film_factor: inout(wp.array(dtype=real)),
@@ -167,139 +385,61 @@ def assemble_film(
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     n = model.elements[0].films.unknowns[film]
-    modes = model.elements[0].films.modes[film]
-    columns = RIGID + modes
+    rough = model.elements[0].films.rough[film]
+    lines = lines_of(model, film)
+    columns = RIGID + model.elements[0].films.modes[film]
     stride = line_length(model, film)
     base = matrix_at(model, w, film)
-    first = model.elements[0].films.function_start[film]
-    functions = model.elements[0].films.function_start[film + 1] - first
-    first_unknown = model.elements[0].films.unknown_start[film]
-    total = model.elements[0].films.unknown_start[model.elements[0].films.count]
-    run = w * total + first_unknown
-    rule = model.elements[0].films.rule[film]
+    run = system_at(model, w, film)
+    start = model.elements[0].films.system_start[film]
+    hat = model.elements[0].films.hat_start[film]
     bad = int(0)
     if ctl[w].refresh != 0:
         i = lane
-        while i < n:
-            f = model.elements[0].films.function_of[first_unknown + i]
+        while i < rough:
+            film_rough[w, hat + i] = 0
+            if film_asperity[w, 1, hat + i] > real(0.0) or film_hat_line[w, hat + i, PRESSED] > real(0.0):
+                film_rough[w, hat + i] = 1
+            i += wp.block_dim()
+        thin = order_unknowns(model, w, film, lane, film_full, film_rough, film_carried, film_order)
+        i = lane
+        while i < lines:
             row = base + i * stride
             j = int(0)
             while j < stride:
                 film_matrix[row + j] = real(0.0)
                 j += 1
-            near = model.elements[0].films.near_start[first + f]
-            j = near
-            while j < model.elements[0].films.near_start[first + f + 1]:
-                film_wide[w, j] = real(0.0)
-                j += 1
-            pushes = film_full[w, 1, first + f] != 0
-            if rule == HALF and film_pressure[w, 1, first + f] < real(0.0):
-                pushes = False
-            e = model.elements[0].films.entry_start[first + f]
-            while e < model.elements[0].films.entry_start[first + f + 1]:
-                g = model.elements[0].films.entry_point[e]
-                a = model.elements[0].films.entry_slot[e]
-                x = model.elements[0].films.slope_around[g, a]
-                z = model.elements[0].films.slope_along[g, a]
-                v = model.elements[0].films.value[g, a]
-                by_gap = x * film_line[w, g, AROUND_BY_GAP] + z * film_line[w, g, ALONG_BY_GAP]
-                by_gap += v * film_line[w, g, FILLING_BY_GAP]
-                for c in range(4):
-                    at = near + model.elements[0].films.entry_near[e, c]
-                    film_wide[w, at] = film_wide[w, at] + by_gap * model.elements[0].films.between[g, c]
-                push = v * model.elements[0].films.weight[g]
-                if not pushes or (rule == HALF and film_line[w, g, PRESSURE] <= real(0.0)):
-                    push = real(0.0)
-                for c in range(RIGID):
-                    opened = opened_by_column(film_line, w, g, c)
-                    at = row + n + 1 + c
-                    film_matrix[at] = film_matrix[at] + by_gap * opened
-                    film_matrix[at + columns] = film_matrix[at + columns] + push * opened
-                e += 1
-            j = near
-            while j < model.elements[0].films.near_start[first + f + 1]:
-                m = model.elements[0].films.near[j]
-                line = model.elements[0].films.compliance_start[film] + m * n
-                add_scaled(n, film_wide[w, j], model.elements[0].films.compliance, line, film_matrix, row)
-                line = model.elements[0].films.shape_start[film] + m * modes
-                add_scaled(
-                    modes, -film_wide[w, j], model.elements[0].films.shape, line, film_matrix, row + n + 1 + RIGID
-                )
-                j += 1
-            if rule == HALF:
-                j = int(0)
-                while j < n:
-                    other = model.elements[0].films.function_of[first_unknown + j]
-                    if film_pressure[w, 1, first + other] < real(0.0):
-                        film_matrix[row + j] = real(0.0)
-                    j += 1
-            e = model.elements[0].films.entry_start[first + f]
-            while e < model.elements[0].films.entry_start[first + f + 1]:
-                g = model.elements[0].films.entry_point[e]
-                a = model.elements[0].films.entry_slot[e]
-                x = model.elements[0].films.slope_around[g, a]
-                z = model.elements[0].films.slope_along[g, a]
-                v = model.elements[0].films.value[g, a]
-                wide = film_line[w, g, CONDUCTANCE]
-                by_value = x * film_line[w, g, AROUND_BY_PRESSURE] + z * film_line[w, g, ALONG_BY_PRESSURE]
-                by_value += v * film_line[w, g, FILLING_BY_PRESSURE]
-                s = int(0)
-                while s < model.elements[0].films.function.shape[1]:
-                    other = model.elements[0].films.function[g, s]
-                    if other >= 0:
-                        j = model.elements[0].films.unknown_of[first + other]
-                        if j >= 0:
-                            flow = x * model.elements[0].films.slope_around[g, s]
-                            flow += z * model.elements[0].films.slope_along[g, s]
-                            entry = wide * flow + by_value * model.elements[0].films.value[g, s]
-                            film_matrix[row + j] = film_matrix[row + j] + entry
-                    s += 1
-                e += 1
-            if pushes:
-                m = int(0)
-                while m < modes:
-                    at = model.elements[0].films.moment_start[film] + m * functions + f
-                    film_matrix[row + n + 1 + columns + RIGID + m] = -model.elements[0].films.moment[at]
-                    m += 1
+            if i < n:
+                write_flow(
+                    model, w, film, i, row, film_pressure, film_full, film_rates, film_carried, film_line, film_wide,
+                    film_matrix,
+                )  # fmt: skip
+            elif film_rough[w, hat + i - n] != 0:
+                write_asperities(model, w, film, i - n, row, film_full, film_line, film_hat_line, film_matrix)
+            else:
+                film_matrix[row + i] = real(1.0)
+            film_matrix[row + lines] = rest_of(model, w, film, i, film_rest, film_asperity, film_hat_line)
+            sorted = base + film_order[w, start + i] * stride
             j = int(0)
-            while j < n:
-                if film_full[w, 1, first + model.elements[0].films.function_of[first_unknown + j]] == 0:
-                    film_matrix[row + j] = real(0.0)
+            while j < lines:
+                entry = film_matrix[row + j]
+                if j >= n and j != i and film_rough[w, hat + j - n] == 0:
+                    entry = real(0.0)  # pressures that are zero, and stay so
+                film_factor[sorted + film_order[w, start + j]] = entry
                 j += 1
-            if film_full[w, 1, first + f] == 0:
-                film_matrix[row + i] = -holding(model, w, film, first + f, film_rates, film_carried)
-            if rule != REYNOLDS:
-                for c in range(4):
-                    other = neighbour(model, first + f, c)
-                    if other >= 0:
-                        j = model.elements[0].films.unknown_of[first + other]
-                        if j >= 0 and film_full[w, 1, first + other] == 0:
-                            comes = inflow(model, w, first, first + f, c, film_carried)
-                            film_matrix[row + j] = film_matrix[row + j] + comes
-            film_matrix[row + n] = film_rest[w, first + f]
-            i += wp.block_dim()
-        thin = order_unknowns(model, w, film, lane, film_full, film_carried, film_order)
-        i = lane
-        while i < n:
-            row = base + i * stride
-            sorted = base + film_order[w, first_unknown + i] * stride
-            j = int(0)
-            while j < n:
-                film_factor[sorted + film_order[w, first_unknown + j]] = film_matrix[row + j]
-                j += 1
-            while j < n + 1 + columns:
+            while j < lines + 1 + columns:
                 film_factor[sorted + j] = film_matrix[row + j]
                 j += 1
             i += wp.block_dim()
         sync()
-        bad = eliminate(film_factor, base, stride, n, columns + 1, thin, film_pivots, run)
+        bad = eliminate(film_factor, base, stride, lines, columns + 1, thin, film_pivots, run)
         i = lane
-        while i < n:
+        while i < lines:
             row = base + i * stride
-            sorted = base + film_order[w, first_unknown + i] * stride
-            film_solution[run + i] = film_factor[sorted + n]
-            j = n + 1
-            while j < n + 1 + columns:
+            sorted = base + film_order[w, start + i] * stride
+            film_solution[run + i] = film_factor[sorted + lines]
+            j = lines + 1
+            while j < lines + 1 + columns:
                 film_matrix[row + j] = film_factor[sorted + j]
                 j += 1
             i += wp.block_dim()
@@ -312,8 +452,8 @@ def assemble_film(
                 film_stiffness[w, square + c * columns + d] = real(0.0)
                 d += 1
             i = int(0)
-            while i < n:
-                row = base + i * stride + n + 1
+            while i < lines:
+                row = base + i * stride + lines + 1
                 push = film_matrix[row + columns + c]
                 if push != real(0.0):
                     d = int(0)
@@ -325,22 +465,22 @@ def assemble_film(
             c += wp.block_dim()
     else:
         i = lane
-        while i < n:
-            f = model.elements[0].films.function_of[first_unknown + i]
-            film_change[run + film_order[w, first_unknown + i]] = film_rest[w, first + f]
+        while i < lines:
+            rest = rest_of(model, w, film, i, film_rest, film_asperity, film_hat_line)
+            film_change[run + film_order[w, start + i]] = rest
             i += wp.block_dim()
-        solve_again(film_factor, base, stride, n, film_pivots, run, film_change, run)
+        solve_again(film_factor, base, stride, lines, film_pivots, run, film_change, run)
         i = lane
-        while i < n:
-            film_solution[run + i] = film_change[run + film_order[w, first_unknown + i]]
+        while i < lines:
+            film_solution[run + i] = film_change[run + film_order[w, start + i]]
             i += wp.block_dim()
         sync()
     c = lane
     while c < columns:
         push = real(0.0)
         i = int(0)
-        while i < n:
-            push += film_matrix[base + i * stride + n + 1 + columns + c] * film_solution[run + i]
+        while i < lines:
+            push += film_matrix[base + i * stride + lines + 1 + columns + c] * film_solution[run + i]
             i += 1
         film_push[w, model.elements[0].films.column_start[film] + c] = push
         c += wp.block_dim()
@@ -406,7 +546,6 @@ def limit_films(
     part = real(1.0)
     outer = w * model.outer.count
     modal = w * model.modes.count
-    total = model.elements[0].films.unknown_start[model.elements[0].films.count]
     film = int(0)
     while film < model.elements[0].films.count:
         n = model.elements[0].films.unknowns[film]
@@ -416,32 +555,34 @@ def limit_films(
         base = matrix_at(model, w, film)
         first = model.elements[0].films.function_start[film]
         first_unknown = model.elements[0].films.unknown_start[film]
-        run = w * total + first_unknown
+        lines = lines_of(model, film)
+        run = system_at(model, w, film)
         rule = model.elements[0].films.rule[film]
         i = lane
-        while i < n:
+        while i < lines:
             change = -film_solution[run + i]
             c = int(0)
             while c < columns:
                 at = outer_column(model, film, c)
                 if at >= 0:
-                    change -= film_matrix[base + i * stride + n + 1 + c] * z[outer + at]
+                    change -= film_matrix[base + i * stride + lines + 1 + c] * z[outer + at]
                 c += 1
             film_change[run + i] = change
-            f = first + model.elements[0].films.function_of[first_unknown + i]
-            p = film_pressure[w, 1, f]
-            if film_full[w, 1, f] == 0:
-                change = real(0.0)
-            elif rule == HALF:
-                change = wp.max(p + change, real(0.0)) - wp.max(p, real(0.0))
+            if i < n:
+                f = first + model.elements[0].films.function_of[first_unknown + i]
+                p = film_pressure[w, 1, f]
+                if film_full[w, 1, f] == 0:
+                    change = real(0.0)
+                elif rule == HALF:
+                    change = wp.max(p + change, real(0.0)) - wp.max(p, real(0.0))
             film_acting[run + i] = change
             i += wp.block_dim()
         sync()
         first_hat = model.elements[0].films.hat_start[film]
         m = lane
         while m < model.elements[0].films.hat_start[film + 1] - first_hat:
-            line = model.elements[0].films.compliance_start[film] + m * n
-            opened = dot(n, model.elements[0].films.compliance, line, film_acting, run)
+            line = model.elements[0].films.compliance_start[film] + m * lines
+            opened = dot(lines, model.elements[0].films.compliance, line, film_acting, run)
             c = int(0)
             while c < modes:
                 at = model.elements[0].films.shape_start[film] + m * modes + c
@@ -495,6 +636,7 @@ def take_film(
     film_pressure: inout(wp.array3d(dtype=real)),
     film_void: inout(wp.array3d(dtype=real)),
     film_full: inout(wp.array3d(dtype=int)),
+    film_asperity: inout(wp.array3d(dtype=real)),
     film_switch: inout(wp.array2d(dtype=int)),
     film_changed: out(wp.array2d(dtype=int)),
 ):
@@ -506,7 +648,7 @@ def take_film(
     n = model.elements[0].films.unknowns[film]
     first = model.elements[0].films.function_start[film]
     first_unknown = model.elements[0].films.unknown_start[film]
-    run = w * model.elements[0].films.unknown_start[model.elements[0].films.count] + first_unknown
+    run = system_at(model, w, film)
     part = film_part[w]
     none = -NO_VOID * model.elements[0].films.thickness[film]
     i = lane
@@ -531,6 +673,11 @@ def take_film(
             else:
                 film_void[w, 1, f] = void + part * change
         i += wp.block_dim()
+    m = lane
+    while m < model.elements[0].films.rough[film]:
+        hat = model.elements[0].films.hat_start[film] + m
+        film_asperity[w, 1, hat] = wp.max(film_asperity[w, 1, hat] + part * film_change[run + n + m], real(0.0))
+        m += wp.block_dim()
     sync()
     if lane == 0:
         any = int(0)

@@ -70,6 +70,7 @@ def balance_energy(
     slip_loss: wp.array2d(dtype=real),
     lumped_energy: wp.array3d(dtype=real),
     lumped_taken: wp.array3d(dtype=real),
+    film_energy: wp.array3d(dtype=real),
     film_taken: wp.array3d(dtype=real),
     clk: inout(wp.array(dtype=Clock)),
     energy: inout(wp.array3d(dtype=real)),
@@ -161,6 +162,10 @@ def balance_energy(
     while place < model.elements[0].lumped.places:
         of_pairs -= lumped_energy[w, 0, place]
         place += 1
+    film = int(0)
+    while film < model.elements[0].films.count:
+        of_pairs -= film_energy[w, 0, film]
+        film += 1
     grid = contact - of_pairs + contact_work - friction
     place = int(0)
     while place < model.elements[0].lumped.places:
@@ -170,6 +175,7 @@ def balance_energy(
         place += 1
     film = int(0)
     while film < model.elements[0].films.count:
+        contact += film_energy[w, 1, film]
         damping += film_taken[w, film, 0]
         friction -= film_taken[w, film, 1]
         film += 1

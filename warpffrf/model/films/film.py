@@ -35,7 +35,8 @@ class Film:
     Forces are reported on the first body. oil: one of `warpffrf.oils`. feeds: grooves, rings and holes where oil comes
     in (`warpffrf.films`). cavitation: a word of `films.CAVITATIONS`. ambient_pressure [Pa]: at the ends of the film,
     above the pressure of cavitation. law: a contact law whose pressure begins before the surfaces touch, such as
-    `laws.ExponentialAsperities`, for asperities that carry beside the film; None for none. form, form_second: how the
+    `laws.ExponentialAsperities`, for asperities that carry beside the film; None for none. friction: the coefficient
+    with which these rub, beside the drag of the oil. form, form_second: how the
     two surfaces deviate from their true shapes (`warpffrf.films`). evaluation: "semi", at all points of the contact
     grid. name: default "<first body>-<second body>".
     """
@@ -53,6 +54,7 @@ class Film:
         cavitation: str = "mass_conserving",
         ambient_pressure: float = 0.0,
         law: Any = None,
+        friction: float = 0.0,
         form: Any = None,
         form_second: Any = None,
         evaluation: str = "semi",
@@ -73,6 +75,12 @@ class Film:
         self.evaluation = str(evaluation)
         self.oil: Oil = as_oil(oil, label)
         self.law: Law | None = None if law is None else _asperities(law, label)
+        self.friction = require_number(friction, f"{label}: friction", non_negative=True)
+        if self.friction > 0.0 and self.law is None:
+            raise InputError(
+                f"{label}: friction is that of asperities, and there is no law of theirs; the oil drags without it: "
+                "give law=laws.ExponentialAsperities(...), or leave friction out"
+            )
         self.ambient_pressure = require_number(ambient_pressure, f"{label}: ambient_pressure [Pa]", non_negative=True)
         self.feeds: tuple[Feed, ...] = _feeds(feeds, label)
         self.form: Form | None = self._as_form(form, "form", a)
@@ -159,6 +167,7 @@ class Film:
             **{name: None if part is None else part.describe() for name, part in parts.items()},
             "feeds": [feed.describe() for feed in self.feeds],
             "cavitation": self.cavitation,
+            "friction": self.friction,
             "ambient_pressure": self.ambient_pressure,
             "evaluation": self.evaluation,
         }

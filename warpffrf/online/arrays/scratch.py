@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, quaternions, reals, structs, vectors
+from warpffrf_kernels.films.sampling import HAT_LINE, PULL
 from warpffrf_kernels.films.sampling import LINE as FILM_LINE
-from warpffrf_kernels.films.sampling import PULL
 from warpffrf_kernels.kinematics.contact_wrench import Held
 from warpffrf_kernels.lumped.forces import Load
 from warpffrf_kernels.patch.cells import Row
@@ -451,9 +451,10 @@ class LumpedContacts(Arrays):
 class Films(Arrays):
     """Oil films, see the kernels of `films`."""
 
+    film_stretch: DeviceArray = reals("world", note="time of films over that of bodies in static steps", carried=True)
     film_rates: DeviceArray = reals("world", 3, unit="1/s", note="coefficients of BDF2")
     film_least: DeviceArray = reals("world", "film_point", unit="m", note="by which the prediction closes gaps")
-    film_acting: DeviceArray = reals("world", "film_unknown", unit="Pa", note="pressures that deform", run=True)
+    film_acting: DeviceArray = reals("world", "film_line", unit="Pa", note="pressures that deform", run=True)
     film_opened: DeviceArray = reals("world", "film_hat", unit="m", note="by deformation")
     film_carried: DeviceArray = reals("world", "film_function", 2, unit="m/s", note="U: around, along")
     film_mass_now: DeviceArray = reals("world", "film_point", unit="m", note="of the trial state")
@@ -467,6 +468,9 @@ class Films(Arrays):
     film_modal: DeviceArray = reals("world", "film_column", unit=MODAL, note="load on modes", zero_without=True)
     film_changed: DeviceArray = integers("world", "film", note="functions that changed sides", zero_without=True)
     film_switch: DeviceArray = integers("world", "film_unknown", note="1 where the last iteration changed sides")
+    film_hat_line: DeviceArray = reals("world", "film_hat", HAT_LINE, note="where there are asperities")
+    film_energy_now: DeviceArray = reals("world", "film_hat", unit="J/m2", note="of asperities")
+    film_rough: DeviceArray = integers("world", "film_hat", note="1 where asperities touch", carried=True)
     film_wide: DeviceArray = reals("world", "film_near", unit="m2/s", note="dR by the gap at hats")
     film_matrix: DeviceArray = reals(
         "world", "film_number", note="lines of J, R, B, P, then of J, R, J^-1 B, P", run=True, carried=True
@@ -474,12 +478,12 @@ class Films(Arrays):
     film_factor: DeviceArray = reals(
         "world", "film_number", note="L, U of J in the order of film_order", run=True, carried=True
     )
-    film_order: DeviceArray = integers("world", "film_unknown", note="place in the elimination", carried=True)
-    film_pivots: DeviceArray = integers("world", "film_unknown", note="lines that changed places", carried=True)
-    film_solution: DeviceArray = reals("world", "film_unknown", note="J^-1 R", run=True)
+    film_order: DeviceArray = integers("world", "film_line", note="place in the elimination", carried=True)
+    film_pivots: DeviceArray = integers("world", "film_line", note="lines that changed places", carried=True)
+    film_solution: DeviceArray = reals("world", "film_line", note="J^-1 R", run=True)
     film_stiffness: DeviceArray = reals("world", "film_square", note="P^T J^-1 B", carried=True)
     film_push: DeviceArray = reals("world", "film_column", note="P^T J^-1 R")
-    film_change: DeviceArray = reals("world", "film_unknown", note="of pressures or voids", run=True)
+    film_change: DeviceArray = reals("world", "film_line", note="of pressures or voids", run=True)
     film_opening: DeviceArray = reals("world", "film_hat", unit="m", note="change by deformation")
     film_ahead: DeviceArray = reals("world", "film_point", unit="m", note="change of the gap")
     film_part: DeviceArray = reals("world", note="of the increments that is taken")
@@ -557,5 +561,6 @@ the same bits whenever they are laid.)"""
 def scratch_for(compiled: CompiledScene, sizes: Sizes, state: State) -> Scratch:
     """Scratch arrays of a run, with the constants of interfaces in them."""
     scratch = Scratch(sizes, compiled.device, state)
+    scratch.film_stretch.fill_(1.0)
     scratch.slope.assign(np.tile(compiled.interface_modes.ravel(), sizes["world"]))
     return scratch

@@ -152,6 +152,8 @@ class FilmState(Arrays, carried=True):
     film_pressure: DeviceArray = reals("world", 2, "film_function", unit="Pa")
     film_void: DeviceArray = reals("world", 2, "film_function", unit="m", note="volume of voids over area")
     film_full: DeviceArray = integers("world", 2, "film_function", note="1: a pressure, 0: a void")
+    film_asperity: DeviceArray = reals("world", 2, "film_hat", unit="Pa")
+    film_energy: DeviceArray = reals("world", 2, "film", unit="J", note="of asperities")
     film_void_before: DeviceArray = reals("world", "film_function", unit="m", note="of the step before the last")
     film_mass: DeviceArray = reals("world", 2, "film_point", unit="m", note="gap times rho/rho_0")
     film_power: DeviceArray = reals("world", 2, "film", 2, unit="W", note="taken by the flow, by sliding")

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from warpffrf_kernels.core.model import Films
+from warpffrf_kernels.films import asperities as asperity_kernels
 from warpffrf_kernels.films import oil as oil_kernels
 from warpffrf_kernels.films import sampling, system
 
@@ -91,11 +92,12 @@ def fill_films(collector: Collector) -> None:
     if films:
         for name, of in (("hat", "lift"), ("function", "given"), ("point", "weight"), ("unknown", "function_of")):
             values[f"{name}_start"] = tables.starts(of)
-        for name in ("compliance", "shape", "moment"):
+        for name in ("compliance", "shape", "moment", "rough_moment", "table"):
             values[f"{name}_start"] = tables.starts(name)[:-1]
-        unknowns, columns = values["unknowns"], int(system.RIGID) + values["modes"]
+        lines, columns = values["unknowns"] + values["rough"], int(system.RIGID) + values["modes"]
         for name, sizes in (
-            ("matrix", unknowns * (unknowns + 1 + 2 * columns)), ("column", columns), ("square", columns**2)
+            ("system", lines), ("matrix", lines * (lines + 1 + 2 * columns)), ("column", columns),
+            ("square", columns**2),
         ):  # fmt: skip
             values[f"{name}_start"] = np.concatenate([[0], np.cumsum(sizes)])
         for name, of in (("entry", "entry_point"), ("near", "near")):
@@ -120,18 +122,26 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
     table, ranges = _second_form(film)
     travels = film.cavitation in ("mass_conserving", "reynolds")
     place = surface.shape.point(theta, z) - body.center_of_mass
+    moment = modal_moments(surface).reshape(hats, -1).T
+    law, law_numbers, law_table = _asperities(film)
+    rough = hats if film.law is not None else 0
+    faces = _faces(film)
+    loaded = G[:, free] if film.law is None else np.hstack([G[:, free], G])
     tables.one(
         first=collector.film_sides[2 * number], second=collector.film_sides[2 * number + 1], modes=shape.shape[1],
         rule=int(RULES[film.cavitation]), oil_kind=kind, oil=numbers, unknowns=len(free),
         thickness=film.clearance() or float(np.median(film.initial_gap())), second_range=ranges,
-        second_start=tables.length("second_form") if table.size else -1, second_counts=table.shape,
+        rough=rough, asperity_kind=law, asperity=law_numbers, asperity_friction=film.friction,
+        table_count=len(law_table), second_counts=table.shape,
+        second_start=tables.length("second_form") if table.size else -1,
     )  # fmt: skip
     tables.part(
-        compliance=G[:, free].ravel(), shape=shape.ravel(), moment=modal_moments(surface).reshape(hats, -1).T.ravel(),
+        compliance=loaded.ravel(), shape=shape.ravel(), moment=moment.ravel(), table=law_table,
+        rough_moment=moment[:, :rough].ravel(), hat_area=faces["area"],
         lift=G @ given.ravel(), hat_place=place, hat_form=film.gap_form(theta, z), hat_function=np.arange(hats),
         function_of=free, unknown_of=unknown_of, given=given.ravel(), feeds=_fed(film).ravel().astype(int),
         voids=np.full(hats, int(travels)), place=place, around=_around(surface, theta), along=_along(surface, theta, z),
-        second_form=table.ravel(), **_faces(film),
+        second_form=table.ravel(), **faces,
     )  # fmt: skip
     tables.part(
         entry_start=tables.length("entry_point") + entries.start, near_start=tables.length("near") + entries.near_start,
@@ -146,6 +156,8 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
         begin=_filling(film, points, G, given.ravel()),
     )  # fmt: skip
     collector.notes.extend(film.notes)
+    if film.law is not None and film.law.remark:
+        collector.notes.append(f"{film.label}: {film.law.remark}")
     if len(free) > MANY:
         collector.notes.append(
             f"{film.label}: {len(free)} unknown pressures, and each iteration factors a matrix of so many lines; fewer "
@@ -175,6 +187,16 @@ def _oil(oil: Oil, label: str) -> tuple[int, list[float]]:
     if isinstance(oil, Roelands):
         return int(oil_kernels.ROELANDS), [oil.viscosity, oil.coefficient, oil.rise, oil.exponent, a, b]
     raise InputError(f"{label}: an oil of a kind of its own, {oil.label}, is not known to the kernels; take oils.Barus")
+
+
+def _asperities(film: Film) -> tuple[int, list[float], Array]:
+    """Kind, numbers and table of the law of asperities."""
+    if film.law is None:
+        return int(asperity_kernels.SMOOTH), [0.0] * 4, np.zeros((0, 3))
+    curve: Any = film.law.curve
+    if curve.form == "exponential":
+        return int(asperity_kernels.EXPONENTIAL), list(curve.numbers), np.zeros((0, 3))
+    return int(asperity_kernels.TABLE), [0.0] * 4, curve.table
 
 
 def _opening(surface: ContactSurface) -> Array:

@@ -18,8 +18,9 @@ NUMBERS = {
     "smallest_gap": keeping.SMALLEST, "largest_pressure": keeping.LARGEST, "pressure_loss": keeping.BY_PRESSURE,
     "friction_power": keeping.BY_SLIDING, "feed_flow": keeping.FED, "end_flow": keeping.ENDS,
     "void_fraction": keeping.VOIDS, "oil_volume": keeping.OIL,
+    "asperity_force": keeping.ROUGH, "largest_asperity_pressure": keeping.ROUGHEST,
 }  # fmt: skip
-FIELDS = ("pressure", "gap", "void")
+FIELDS = ("pressure", "gap", "void", "asperity")
 TURNED_BACK = np.array([-1.0, -1.0, -1.0, 1.0])  # times a unit quaternion: its inverse
 
 

@@ -190,11 +190,14 @@ class FilmHistory:
     end_flow: np.ndarray  # (T,) m3/s, of oil out at the ends
     void_fraction: np.ndarray  # (T,) volume of the voids over that of the gap
     oil_volume: np.ndarray  # (T,) m3 in the film, as of the density without pressure
+    asperity_force: np.ndarray  # (T,) N, normal force of the asperities, whatever its direction
+    largest_asperity_pressure: np.ndarray  # (T,) Pa
     eccentricity: np.ndarray  # (T, 2) m, axis of the inner surface against that of the outer one, as rigid bodies, at
     # ... the middle of the grid along e_0 and e_1 of the first surface's shape, turning with it; NaN beside a plane
     pressure: np.ndarray  # (T, columns, rows) Pa
     gap: np.ndarray  # (T, columns, rows) m
     void: np.ndarray  # (T, columns, rows) m, volume of the voids per area
+    asperity: np.ndarray  # (T, columns, rows) Pa, pressure of the asperities beside that of the oil
 
     @property
     def fill(self) -> np.ndarray:

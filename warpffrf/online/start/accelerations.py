@@ -272,7 +272,8 @@ class _World:
     def _accept(self) -> None:
         """What the ledger takes from the accepted state, from the last evaluation."""
         state, w = self.engine.state, self.w
-        for name in ("drive_rate", "applied", "applied_at", "load", "load_on_modes", *LUMPED, "film_power"):
+        films = ("film_power", "film_energy")
+        for name in ("drive_rate", "applied", "applied_at", "load", "load_on_modes", *LUMPED, *films):
             array = getattr(state, name).numpy().copy()
             array[w, 0] = array[w, 1]
             getattr(state, name).assign(array)

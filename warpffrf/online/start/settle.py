@@ -20,6 +20,7 @@ from warpffrf_kernels.core import control as k
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.free_motions import FreeMotions
 from warpffrf.online.start.rest import creeping_note, left_over
+from warpffrf.online.start.slow_films import stretch
 
 MOST_STEPS = 150  # a snap-through takes about a hundred
 GROWTH = 10.0  # of the proximal step from one to the next, ...
@@ -51,6 +52,7 @@ def settle(engine: Engine) -> bool:
     engine.rates_to_zero()
     free = FreeMotions(engine)
     engine.control(downhill=int(not engine.scene.films))
+    engine.scratch.film_stretch.fill_(stretch(engine.scene, LAST * float(engine.compiled.model.length)))
     try:
         at_rest = _stepped(engine, free)
         engine.not_at_rest = "" if at_rest else free.driven

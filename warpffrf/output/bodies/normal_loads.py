@@ -146,7 +146,7 @@ class CellLoads(NormalLoads):
 
 
 class FilmLoads(NormalLoads):
-    """Of the pressure of an oil film on its first body."""
+    """Of the pressure of an oil film, and of the asperities beside it, on its first body."""
 
     def __init__(self, pair: FilmView, history: Any) -> None:
         self.pair, self.first, self.surface = pair, True, pair.first
@@ -154,11 +154,14 @@ class FilmLoads(NormalLoads):
 
     def forces(self, i: int) -> np.ndarray:
         """Outward hat forces (columns, rows) [N]."""
-        return -hat_forces(self.surface, self.film.pressure[i])
+        return -hat_forces(self.surface, self._whole(i))
 
     def pressure(self, i: int, on: SkinSurface, points: np.ndarray) -> np.ndarray:
         """Pressure [Pa] at the points on the surface, bilinear between hats."""
-        return on.interpolate(self.film.pressure[i])
+        return on.interpolate(self._whole(i))
+
+    def _whole(self, i: int) -> np.ndarray:
+        return self.film.pressure[i] + self.film.asperity[i]
 
 
 def normal_loads(pair: PairView, history: Any, *, first: bool) -> NormalLoads:

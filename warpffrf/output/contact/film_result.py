@@ -35,10 +35,13 @@ class FilmResult:
         self.end_flow = history.end_flow  # (T,) m3/s, out at the ends
         self.void_fraction = history.void_fraction  # (T,) volume of the voids over that of the gap
         self.oil_volume = history.oil_volume  # (T,) m3 in the film, as of the density without pressure
+        self.asperity_force = history.asperity_force  # (T,) N, normal force of the asperities
+        self.largest_asperity_pressure = history.largest_asperity_pressure  # (T,) Pa
         self.eccentricity = history.eccentricity  # (T, 2) m, inner axis against the outer one, along e_0 and e_1
         self.pressure = history.pressure  # (T, columns, rows) Pa
         self.gap = history.gap  # (T, columns, rows) m
         self.void = history.void  # (T, columns, rows) m, volume of the voids per area
+        self.asperity = history.asperity  # (T, columns, rows) Pa, pressure of the asperities beside that of the oil
 
     @property
     def force_magnitude(self) -> np.ndarray:

@@ -32,7 +32,17 @@ FINITE = {
     "bodies": ("position", "rotation", "velocity", "angular_velocity", "modal"),
     "joints": ("force", "torque"),
     "contacts": ("force", "torque", "force_second", "torque_second", "pressure", "load_second"),
-    "films": ("force", "torque", "torque_second", "smallest_gap", "largest_pressure", "pressure", "gap", "void"),
+    "films": (
+        "force",
+        "torque",
+        "torque_second",
+        "smallest_gap",
+        "largest_pressure",
+        "pressure",
+        "gap",
+        "void",
+        "asperity",
+    ),
 }
 
 
