@@ -419,6 +419,7 @@ CASES: dict[str, Case] = {
         lambda: journal(load=20e3, law=laws.ExponentialAsperities(2e9, 1e-6), friction=0.1), 1e-4,
         {"start": "equilibrium"},
     ),
+    "journal, profiles": Case(lambda: journal(evaluation="hyper"), 1e-4, {"start": "equilibrium"}),
     "journal, other rules": Case(lambda: journal(cavitation="half"), 1e-4, {"start": "equilibrium"}),
     # runs that fail, each in another way
     "too deep": Case(

@@ -88,7 +88,9 @@ def test_what_is_no_option_is_named(pair: Pair) -> None:
     wrong: list[tuple[dict[str, Any], str]] = [
         ({"oil": 0.04}, "film 'bearing': oil must be one of oils.Newtonian"),
         ({"cavitation": "gumbel"}, "film 'bearing': cavitation 'gumbel' does not exist; known: 'mass_conserving'"),
-        ({"evaluation": "hyper"}, "film 'bearing': evaluation 'hyper' does not exist; known: 'semi'"),
+        ({"evaluation": "full"}, "film 'bearing': evaluation 'full' does not exist; known: 'semi', 'hyper'"),
+        ({"friction": 0.1}, "film 'bearing': friction is that of asperities.*law=laws.ExponentialAsperities"),
+        ({"friction": -0.1, "law": ASPERITIES}, "film 'bearing': friction must not be negative"),
         ({"ambient_pressure": -1.0}, r"film 'bearing': ambient_pressure \[Pa\] must not be negative"),
         ({"ambient_pressure": "1e5"}, "ambient_pressure.*must be a number"),
         ({"ambient_pressure": 0.0}, r"would run dry.*feeds=\[films.Groove.*ambient_pressure above 0"),
@@ -103,6 +105,23 @@ def test_what_is_no_option_is_named(pair: Pair) -> None:
     ]
     for options, words in wrong:
         refused(words, bore, shaft, **options)
+
+
+def test_what_profiles_cannot_be_is_named(pair: Pair) -> None:
+    _, bore, shaft = pair
+    wrong: list[tuple[dict[str, Any], str]] = [
+        ({"ambient_pressure": 1e5}, "end without pressure, and ambient_pressure is 100000 Pa; take evaluation='semi'"),
+        ({"cavitation": "half"}, "cavitation 'half' cuts pressures at zero.*take evaluation='semi'"),
+        ({"law": ASPERITIES}, "asperities stand at hats.*take evaluation='semi'"),
+        ({"feeds": [films.Ring(0.0, 0.001, 1e5)]}, "must be a Groove over the whole length"),
+        ({"powers": (1, 2)}, r"powers must rise from 0 to 8 at most, as \(0, 2\).*got \(1, 2\)"),
+        ({"powers": 2}, "powers must rise from 0 to 8 at most.*got 2"),
+        ({"powers": (0, 2, 2)}, "powers must rise"),
+        ({"powers": (0, 10)}, "powers must rise"),
+    ]
+    for options, words in wrong:
+        given = {"evaluation": "hyper", "ambient_pressure": 0.0, "feeds": [films.Groove(0.0, 0.01, 1e5)]} | options
+        refused(words, bore, shaft, **given)
 
 
 def test_laws_that_reach_out_are_taken(pair: Pair) -> None:
@@ -351,6 +370,8 @@ def test_every_parameter_is_part_of_the_hash(pair: Pair) -> None:
         {"form": films.Lobes(1e-6, 3)}, {"form_second": films.Lobes(1e-6, 2)},
         {"form": films.Measured([0.0], [0.0], [[1e-6]])}, {"form": films.Measured([0.0], [0.0], [[2e-6]])},
         {"form": films.Lobes(1e-6, 2) + films.Barrel(1e-6, 0.02)}, {"name": "other"},
+        {"law": ASPERITIES, "friction": 0.1}, {"evaluation": "hyper", "feeds": feeds, "ambient_pressure": 0.0},
+        {"evaluation": "hyper", "feeds": feeds, "ambient_pressure": 0.0, "powers": (0, 2)},
     ]  # fmt: skip
     without, hashes = scene.content_hash(), set()
     for options in variants:

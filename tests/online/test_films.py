@@ -84,12 +84,14 @@ def place(history: History) -> Array:
     return np.array([x[0], -x[2]])
 
 
-def reference(oil: Any = None, asperities: Any = None, speed: float = SPEED) -> ElasticJournal:
+def reference(
+    oil: Any = None, asperities: Any = None, speed: float = SPEED, powers: tuple[int, ...] | None = None
+) -> ElasticJournal:
     grid = bore_body().contact_surfaces["bore"].grid
     held = np.arange(COLUMNS) == COLUMNS // 2
     return ElasticJournal(
         RADIUS, CLEARANCE, oil or oils.Newtonian(VISCOSITY), speed, grid.theta, grid.z,
-        held_compliance(bore_body(), "bore", "outside"), held, asperities,
+        held_compliance(bore_body(), "bore", "outside"), held, asperities, powers,
     )  # fmt: skip
 
 
@@ -115,6 +117,34 @@ def test_a_steady_bearing_is_that_of_the_dense_reference(load: float, oil: oils.
     assert film.largest_pressure[-1] == pytest.approx(settled.state.pressure.max(), rel=SHEAR)
     h = expected.gap(settled.state).min()
     assert film.smallest_gap[-1] == pytest.approx(h, rel=3.0 * SHEAR)  # the place over the smallest film
+
+
+@pytest.mark.parametrize("powers", [(0, 2), (0, 1, 2)])
+def test_profiles_along_are_those_of_the_dense_reference(powers: tuple[int, ...]) -> None:
+    """Of evaluation "hyper", beside the same ones there and beside all hats."""
+    found = find_equilibrium(bearing((20e3, 0.0), evaluation="hyper", powers=powers))
+    assert found.status == "completed", found.message
+    film, expected = found.films["film"], reference(powers=powers)
+    settled = expected.settle(np.array([0.3 * CLEARANCE, 0.0]), np.array([20e3, 0.0]))
+    assert np.abs(place(found) - settled.state.place / CLEARANCE).max() < SHEAR
+    largest = (expected.basis.to_hats @ settled.state.pressure).max()
+    assert film.largest_pressure[-1] == pytest.approx(largest, rel=SHEAR)
+    assert film.smallest_gap[-1] == pytest.approx(expected.gap(settled.state).min(), rel=3.0 * SHEAR)
+    hats = find_equilibrium(bearing((20e3, 0.0)))  # of few rows
+    assert np.abs(place(found) - place(hats)).max() < 0.01
+    assert film.largest_pressure[-1] == pytest.approx(hats.films["film"].largest_pressure[-1], rel=0.06)
+
+
+def test_a_groove_under_pressure_feeds_profiles_too() -> None:
+    feeds = [films.Groove(np.pi, 1e-4, 3e5)]
+    hats, strips = (
+        find_equilibrium(bearing((2e3, 0.0), feeds=feeds, evaluation=e, powers=(0, 2, 4))) for e in ("semi", "hyper")
+    )
+    np.testing.assert_allclose(place(strips), place(hats), atol=0.01)
+    column, other = (found.films["film"].pressure[-1, COLUMNS // 2] for found in (hats, strips))
+    assert other[0] == other[-1] == 0.0
+    assert other[1:-1].mean() == pytest.approx(column[1:-1].mean(), rel=0.1)  # a constant, by three powers
+    assert np.isnan(strips.films["film"].feed_flow).all()
 
 
 @pytest.mark.parametrize("speed", [300.0, 30.0, 3.0])
@@ -277,6 +307,22 @@ def test_no_oil_is_lost() -> None:
     rate = np.concatenate([[V[1] - V[0]], 1.5 * V[2:] - 2.0 * V[1:-1] + 0.5 * V[:-2]]) / step
     assert np.ptp(V) > 1e-3 * V[0]
     assert np.abs(rate - inflow[1:]).max() < 1e-6 * np.abs(film.end_flow).max()
+
+
+def test_profiles_follow_a_load_that_turns() -> None:
+    """Beside all hats, in as many steps; and their ledger closes as well."""
+    step, steps = 2.0 * np.pi / SPEED / 60.0, 60
+    found = {}
+    for evaluation in ("semi", "hyper"):
+        scene = bearing(
+            turning_load(step, steps), at=(0.4 * CLEARANCE, 0.4 * CLEARANCE), evaluation=evaluation, powers=(0, 2)
+        )
+        found[evaluation] = run(scene, steps * step, step=step, start="equilibrium", progress=False)
+        assert found[evaluation].status == "completed", found[evaluation].message
+        energy = found[evaluation].energy
+        assert abs(energy["numerical"][-1]) < 0.01 * energy["drive_work"][-1]
+    hats, strips = (found[name].films["film"].smallest_gap for name in ("semi", "hyper"))
+    assert np.abs(strips / hats - 1.0).max() < 0.05  # seven rows of hats are coarse
 
 
 def test_steps_are_of_second_order() -> None:

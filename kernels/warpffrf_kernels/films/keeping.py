@@ -107,7 +107,7 @@ def record_film(
     film_rest: wp.array2d(dtype=real),
     film_power: wp.array4d(dtype=real),
     saved_film: out(wp.array4d(dtype=real)),
-    saved_film_pressure: out(wp.array3d(dtype=real)),
+    saved_film_pressure: inout(wp.array3d(dtype=real)),
     saved_film_gap: out(wp.array3d(dtype=real)),
     saved_film_void: out(wp.array3d(dtype=real)),
     saved_film_asperity: out(wp.array3d(dtype=real)),
@@ -127,7 +127,14 @@ def record_film(
     while m < model.elements[0].films.hat_start[film + 1]:
         f = first + model.elements[0].films.hat_function[m]
         seen = opened_by_motion(model, film, sides, model.elements[0].films.hat_place[m])
-        saved_film_pressure[w, at, m] = film_pressure[w, 0, f]
+        p = real(0.0)
+        j = int(0)
+        while j < model.elements[0].films.hat_support.shape[1]:
+            there = model.elements[0].films.hat_support[m, j]
+            if there >= 0:
+                p += model.elements[0].films.hat_value[m, j] * film_pressure[w, 0, first + there]
+            j += 1
+        saved_film_pressure[w, at, m] = p
         saved_film_gap[w, at, m] = seen[0] + model.elements[0].films.hat_form[m] + film_opened[w, m]
         saved_film_void[w, at, m] = film_void[w, 0, f]
         saved_film_asperity[w, at, m] = film_asperity[w, 0, m]
@@ -156,13 +163,11 @@ def record_film(
             space += model.elements[0].films.weight[g] * film_line[w, g, GAP]
             filling += model.elements[0].films.weight[g] * film_mass_now[w, g]
             g += 1
-        largest = real(0.0)
         fed = real(0.0)
         ends = real(0.0)
         empty = real(0.0)
         i = first
         while i < model.elements[0].films.function_start[film + 1]:
-            largest = wp.max(largest, film_pressure[w, 0, i])
             empty += model.elements[0].films.area[i] * film_void[w, 0, i]
             if model.elements[0].films.unknown_of[i] < 0:
                 if model.elements[0].films.feeds[i] != 0:
@@ -171,7 +176,6 @@ def record_film(
                     ends -= film_rest[w, i]
             i += 1
         saved_film[w, at, film, SMALLEST] = least
-        saved_film[w, at, film, LARGEST] = largest
         saved_film[w, at, film, BY_PRESSURE] = film_power[w, 0, film, 0]
         saved_film[w, at, film, BY_SLIDING] = film_power[w, 0, film, 1]
         saved_film[w, at, film, FED] = fed
@@ -179,9 +183,12 @@ def record_film(
         saved_film[w, at, film, VOIDS] = empty / space
         saved_film[w, at, film, OIL] = filling - empty
         roughest = real(0.0)
+        largest = real(0.0)
         m = model.elements[0].films.hat_start[film]
         while m < model.elements[0].films.hat_start[film + 1]:
             roughest = wp.max(roughest, film_asperity[w, 0, m])
+            largest = wp.max(largest, saved_film_pressure[w, at, m])
             m += 1
         saved_film[w, at, film, ROUGH] = film_sums[w, film, BY_ASPERITIES]
         saved_film[w, at, film, ROUGHEST] = roughest
+        saved_film[w, at, film, LARGEST] = largest

@@ -435,7 +435,7 @@ def sample_film(
                 p += model.elements[0].films.value[g, j] * value
                 p_x += model.elements[0].films.slope_around[g, j] * value
                 p_z += model.elements[0].films.slope_along[g, j] * value
-                void += model.elements[0].films.value[g, j] * film_void[w, 1, first + f]
+                void += model.elements[0].films.void_value[g, j] * film_void[w, 1, first + f]
             j += 1
         pressed = real(0.0)
         if rough > 0:

@@ -22,7 +22,9 @@ from warpffrf.model.films.forms import Form, as_form
 from warpffrf.model.laws import Law, as_law
 from warpffrf.model.oils import Oil, as_oil
 
-EVALUATIONS = ("semi",)
+EVALUATIONS = ("semi", "hyper")
+PROFILES = (0, 1, 2)  # powers along: a shaft that tilts needs odd ones
+MOST_POWER = 8
 LEAST_ROWS, LEAST_COLUMNS = 3, 8  # rows between the ends, and columns: with fewer there is no shape of a pressure
 LOOSEST = (
     0.1  # clearance over radius, far beyond any bearing: the gap is taken along normals, which then are not shared
@@ -37,8 +39,9 @@ class Film:
     above the pressure of cavitation. law: a contact law whose pressure begins before the surfaces touch, such as
     `laws.ExponentialAsperities`, for asperities that carry beside the film; None for none. friction: the coefficient
     with which these rub, beside the drag of the oil. form, form_second: how the
-    two surfaces deviate from their true shapes (`warpffrf.films`). evaluation: "semi", at all points of the contact
-    grid. name: default "<first body>-<second body>".
+    two surfaces deviate from their true shapes (`warpffrf.films`). evaluation: "semi", all hats of the contact grid at
+    all points, or "hyper", of each column a few profiles (1 - zeta^2) zeta^m along with the `powers` m, 0 the first, at
+    few points. name: default "<first body>-<second body>".
     """
 
     scene_list = "films"
@@ -58,6 +61,7 @@ class Film:
         form: Any = None,
         form_second: Any = None,
         evaluation: str = "semi",
+        powers: Sequence[int] = PROFILES,
         name: str | None = None,
     ) -> None:
         for port, place in ((a, "first"), (b, "second")):
@@ -88,6 +92,7 @@ class Film:
         self._require_gap()
         self._require_grid()
         held, _, _ = self._held()
+        self.powers = self._as_powers(powers)
         if held.all():
             raise InputError(f"{label}: its feeds hold all nodes of the grid, no film is left; make them smaller")
         if self.cavitation == "mass_conserving" and not self.feeds and not self.ambient_pressure:
@@ -170,7 +175,41 @@ class Film:
             "friction": self.friction,
             "ambient_pressure": self.ambient_pressure,
             "evaluation": self.evaluation,
+            "powers": list(self.powers) if self.evaluation == "hyper" else None,
         }
+
+    def _as_powers(self, powers: Any) -> tuple[int, ...]:
+        """Powers of the profiles. Raises `InputError` for others, and for what profiles cannot be."""
+        try:
+            found = tuple(int(m) for m in powers)
+        except (TypeError, ValueError):
+            found = ()
+        if found != tuple(sorted(set(found))) or not found or found[0] != 0 or found[-1] > MOST_POWER:
+            raise InputError(
+                f"{self.label}: powers must rise from 0 to {MOST_POWER} at most, as (0, 2) of a shaft that stays "
+                f"straight or (0, 1, 2), got {powers!r}"
+            )
+        if self.evaluation != "hyper":
+            return found
+        cure = "take evaluation='semi'"
+        if self.ambient_pressure:
+            raise InputError(
+                f"{self.label}: the profiles of evaluation 'hyper' end without pressure, and ambient_pressure is "
+                f"{self.ambient_pressure:g} Pa; {cure}"
+            )
+        if self.cavitation == "half":
+            raise InputError(
+                f"{self.label}: cavitation 'half' cuts pressures at zero, which profiles do not do; {cure}"
+            )
+        if self.law is not None:
+            raise InputError(f"{self.label}: asperities stand at hats, which evaluation 'hyper' does not have; {cure}")
+        partly = self._held()[0][:, 1:-1]
+        if np.any(partly.any(axis=1) != partly.all(axis=1)):
+            raise InputError(
+                f"{self.label}: evaluation 'hyper' has a profile along for each column, and holds none of it: a feed "
+                f"must be a Groove over the whole length; {cure}"
+            )
+        return found
 
     def _held(self) -> tuple[np.ndarray, np.ndarray, list[str]]:
         """Held nodes, their pressures, and notes. Raises `InputError` for feeds that lie beside the film, or share

@@ -38,6 +38,8 @@ def _history(film: Film, saved: Array, fields: dict[str, Array], bodies: dict[st
     """Of the numbers (T, `keeping.NUMBERS`) of a film and its `fields` (T, hats)."""
     T, force = len(saved), saved[:, FORCE].copy()
     numbers = {name: saved[:, n].copy() for name, n in NUMBERS.items()}
+    if film.evaluation == "hyper":  # which balances oil in means along, not place by place
+        numbers |= {"feed_flow": np.full(T, np.nan), "end_flow": np.full(T, np.nan)}
     shape = T, film.grid.columns, film.grid.rows
     return FilmHistory(
         force=force,

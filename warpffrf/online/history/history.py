@@ -186,8 +186,8 @@ class FilmHistory:
     largest_pressure: np.ndarray  # (T,) Pa
     pressure_loss: np.ndarray  # (T,) W, taken by the flow that pressure drives, voids that close and feeds
     friction_power: np.ndarray  # (T,) W, taken by sliding
-    feed_flow: np.ndarray  # (T,) m3/s, of oil in through feeds
-    end_flow: np.ndarray  # (T,) m3/s, of oil out at the ends
+    feed_flow: np.ndarray  # (T,) m3/s, of oil in through feeds; NaN of evaluation "hyper"
+    end_flow: np.ndarray  # (T,) m3/s, of oil out at the ends; likewise
     void_fraction: np.ndarray  # (T,) volume of the voids over that of the gap
     oil_volume: np.ndarray  # (T,) m3 in the film, as of the density without pressure
     asperity_force: np.ndarray  # (T,) N, normal force of the asperities, whatever its direction

@@ -57,6 +57,8 @@ def _film(name: str, film: Any, time: Any) -> str:
     line += f"; peak pressure {pressure[-1]:.5g} MPa (largest {np.max(pressure):.5g})"
     line += f"; smallest film {gap[-1]:.5g} um (least {np.min(gap):.5g})"
     line += f"; friction power {power[-1]:.5g} W (largest {np.max(power):.5g})"
+    if np.any(np.isnan(film.feed_flow)):
+        return line
     return line + f"; feeds {_mean(film.feed_flow, time) * 1e6:.5g} cm3/s on average"
 
 
