@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import functools
+import re
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,6 +21,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import History, run
+from warpffrf.online.diagnosis.film_notes import film_notes
 from warpffrf.online.run import find_equilibrium
 from warpffrf.online.vibrations.eigenmodes import find_modes
 from warpffrf.verification.films.elastic import ElasticJournal, held_compliance
@@ -434,6 +437,26 @@ def test_a_pad_that_slides_on_a_wedge_of_oil() -> None:
     np.testing.assert_allclose(found.films["film"].pressure[-1].ravel(), p, rtol=1e-4)  # of what the pad yields
     force = float(own.integral(np.ones(len(own.weights))) @ p)
     assert abs(found.films["film"].force[-1][2]) == pytest.approx(force, rel=1e-4)
+
+
+# --- notes
+
+
+def test_columns_too_coarse_for_the_smallest_film_are_told() -> None:
+    """The rule at 128 columns and an eccentricity of 0.9 says what hats beside fine volumes have there."""
+    found = find_equilibrium(bearing((20e3, 0.0)))
+    (note,) = [n for n in found.notes if "coarse columns" in n]
+    assert "film 'film'" in note and "coarse columns of 11.2 degrees" in note and "columns on a turn" in note
+    scene = bearing((2e3, 0.0))
+    history = SimpleNamespace(films={"film": SimpleNamespace(smallest_gap=np.array([0.1 * CLEARANCE]))})
+    (note,) = film_notes(scene, history)  # pyright: ignore[reportArgumentType]
+    pitch = 2.0 * np.pi / COLUMNS
+    told = float(re.search(r"may err by ([0-9.]+)%", note).group(1))  # pyright: ignore[reportOptionalMemberAccess]
+    assert told * (COLUMNS / 128.0) ** 2 == pytest.approx(0.43, abs=0.02)  # docs/studies/oil_film.md: 0.46 % at most
+    assert told == pytest.approx(100.0 * 0.01 * (6.0 * pitch) ** 2 / 0.2, abs=0.05)
+    history.films["film"].smallest_gap = np.array([0.9 * CLEARANCE])
+    assert not film_notes(scene, history)
+    assert not film_notes(scene, SimpleNamespace(films={}))  # pyright: ignore[reportArgumentType]
 
 
 # --- refusals

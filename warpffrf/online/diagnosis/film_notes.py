@@ -1,0 +1,37 @@
+"""What the results of oil films are worth: whether their columns are fine enough for the thinnest film of a run.
+
+Where a film of revolution is thinnest, h = c (1 - eps cos phi) is a parabola of the half-width sqrt(2 h_min/c) [rad]; a
+pressure of hats that are a RULE-th of it wide errs by ERROR at its peak, and by the square of the pitch (rigid
+bearings, hats beside fine volumes: docs/studies/oil_film.md). An elastic surface flattens the place, so the figure is
+on the safe side there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from warpffrf.model.scene import Scene
+from warpffrf.online.history.history import History
+
+RULE, ERROR = 6.0, 0.01
+
+
+def film_notes(scene: Scene, history: History) -> list[str]:
+    """One line a film whose columns are too coarse for the eccentricity that it reached."""
+    notes = []
+    for film in scene.films:
+        found, clearance = history.films.get(str(film.name)), film.clearance()
+        if found is None or clearance is None or not len(found.smallest_gap):
+            continue
+        thinnest = float(found.smallest_gap.min())
+        fine = np.sqrt(2.0 * max(thinnest, 0.0) / clearance) / RULE
+        error = ERROR * (film.grid.pitch / fine) ** 2 if fine > 0.0 else np.inf
+        if error > ERROR:
+            columns = int(np.ceil(2.0 * np.pi / fine)) if fine > 0.0 else None
+            more = f", {columns} columns on a turn would do for 1 %" if columns else ""
+            notes.append(
+                f"{film.label}: its smallest film, {thinnest:.3g} m, is {thinnest / clearance:.2g} of the clearance, "
+                f"coarse columns of {np.degrees(film.grid.pitch):.3g} degrees for that: the peak pressure may err by "
+                f"{min(error, 1.0):.1%}, where the surface does not yield{more}; reduce with a finer mesh around"
+            )
+    return notes
