@@ -439,6 +439,20 @@ def test_a_pad_that_slides_on_a_wedge_of_oil() -> None:
     assert abs(found.films["film"].force[-1][2]) == pytest.approx(force, rel=1e-4)
 
 
+def test_a_load_that_no_film_carries_is_told() -> None:
+    found = find_equilibrium(bearing((90e3, 0.0)))
+    assert found.status != "completed"
+    assert "film 'film' is squeezed to" in found.message and "law=laws.ExponentialAsperities" in found.message
+
+
+def test_a_half_film_says_that_its_ledger_does_not_close() -> None:
+    step, steps = 2.0 * np.pi / SPEED / 60.0, 30
+    scene = bearing(turning_load(step, steps), feeds=[], ambient_pressure=1.0, cavitation="half")
+    found = run(scene, steps * step, step=step, start="equilibrium", progress=False)
+    assert found.status == "completed", found.message
+    assert any("the ledger does not close with it" in note for note in found.notes)
+
+
 # --- notes
 
 

@@ -36,7 +36,7 @@ from warpffrf.online.diagnosis.cell_check import cell_check_notes, check_cells
 from warpffrf.online.diagnosis.contact_notes import contact_notes, energy_notes, overlap_notes
 from warpffrf.online.diagnosis.energy_watch import EnergyWatch, round_off_energy
 from warpffrf.online.diagnosis.failure_report import failure_owner
-from warpffrf.online.diagnosis.film_notes import film_notes
+from warpffrf.online.diagnosis.film_notes import film_notes, squeezed_out
 from warpffrf.online.diagnosis.hidden_inertia import hidden_inertia
 from warpffrf.online.diagnosis.indicator import indicator_lines, term_sizes, unheld_lines
 from warpffrf.online.diagnosis.sampling_check import sampling_notes
@@ -295,6 +295,8 @@ def _finish(
     if (at_rest or bits & UNSOLVED) and bits and (wedge := find_wedge(engine.scene)) is not None:
         said = message.split("; ")[0] if prefix else message
         message = str(wedge) if wedge.all_round else f"{said}; {wedge}"
+    if bits and (squeezed := squeezed_out(engine)):
+        message = f"{message}; {squeezed}"
     if at_rest and engine.not_at_rest and not bits & ~RUNS_AWAY:
         status, message = "no_equilibrium", f"{engine.not_at_rest}: {NO_LOAD_PATH}"
     elif at_rest and status == "completed" and not engine.chunks[0]:

@@ -148,6 +148,11 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
         begin=_filling(film, basis, lift),
     )  # fmt: skip
     collector.notes.extend(film.notes)
+    if film.cavitation == "half":
+        collector.notes.append(
+            f"{film.label}: cavitation 'half' leaves pressures below zero out of the forces, which drive oil all the "
+            "same: the ledger does not close with it, and nothing watches over energy from nowhere"
+        )
     if film.law is not None and film.law.remark:
         collector.notes.append(f"{film.label}: {film.law.remark}")
     if film.evaluation == "hyper":

@@ -110,7 +110,7 @@ def _compiled(collector: Collector) -> CompiledScene:
         m.limits, residual_tolerance=settings.residual_tolerance, energy_tolerance=settings.energy_tolerance,
         max_iterations=settings.max_iterations * (LAYER_ITERATIONS if slow else 1),
         max_inner=settings.max_inner, max_guarded=settings.max_guarded, max_level=settings.max_level,
-        most_made=settings.most_made,
+        most_made=0.0 if any(film.cavitation == "half" for film in collector.scene.films) else settings.most_made,
     )  # fmt: skip
     m.elements = wp.array([collector.elements], dtype=Elements, device=collector.device)
     return CompiledScene(

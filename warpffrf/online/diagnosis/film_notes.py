@@ -9,11 +9,14 @@ on the safe side there.
 from __future__ import annotations
 
 import numpy as np
+from warpffrf_kernels.films.sampling import GAP
 
 from warpffrf.model.scene import Scene
+from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import History
 
 RULE, ERROR = 6.0, 0.01
+SQUEEZED = 0.01  # of the clearance: no film is left where a run ends at that
 
 
 def film_notes(scene: Scene, history: History) -> list[str]:
@@ -35,3 +38,19 @@ def film_notes(scene: Scene, history: History) -> list[str]:
                 f"{min(error, 1.0):.1%}, where the surface does not yield{more}; reduce with a finer mesh around"
             )
     return notes
+
+
+def squeezed_out(engine: Engine) -> str:
+    """Of a run that failed, a clause that names the film that was squeezed out, "" where none was."""
+    films = engine.compiled.elements.films
+    for i, film in enumerate(engine.scene.films):
+        first, end = films.point_start.numpy()[i : i + 2]
+        gap = engine.scratch.film_line.numpy()[:, first:end, int(GAP)]
+        least, thick = float(np.nanmin(gap, initial=np.inf)), float(films.thickness.numpy()[i])
+        if least < SQUEEZED * thick:
+            return (
+                f"{film.label} is squeezed to {least:.2g} m, {least / thick:.1g} of its clearance, where it does not "
+                "carry what is on it; give it more speed, a thicker oil or less load, or asperities: "
+                "law=laws.ExponentialAsperities(...)"
+            )
+    return ""
