@@ -26,6 +26,7 @@ from warpffrf.online.run import find_equilibrium
 from warpffrf.online.vibrations.eigenmodes import find_modes
 from warpffrf.verification.films.elastic import ElasticJournal, held_compliance
 from warpffrf.verification.films.grid import FilmGrid
+from warpffrf.verification.films.journal import JournalFilm
 
 STEEL = Material(210e9, 0.3, 7850.0)
 RADIUS, WALL, LENGTH, CLEARANCE = 0.025, 0.0125, 0.025, 25e-6  # m
@@ -390,6 +391,51 @@ def test_form_deviations_of_either_surface_are_where_they_are() -> None:
         np.testing.assert_allclose(part, [sign * 4e-6, 0.0], atol=1e-7)
 
 
+# --- small motions
+
+
+@pytest.mark.parametrize("share", [0.85, 1.15])
+def test_whirl_is_that_of_the_coefficients_of_a_rigid_film(share: float) -> None:
+    """Eight coefficients of a film that is kept wet where it is widest, so that no void moves anything, and a mass on
+    either side of the threshold: eigenvalues of the engine's modes beside those of M, C, K (2, 2)."""
+    groove = films.Groove(np.radians(247.5), 1e-4, 0.0)
+    body = bore_body(COLUMNS, 1e3 * 210e9)
+    at = place(find_equilibrium(bearing((2e3, 0.0), body=body, feeds=[groove]))) * CLEARANCE
+    rigid = JournalFilm(RADIUS, LENGTH, CLEARANCE, VISCOSITY, SPEED, COLUMNS, ROWS, feeds=(22,))
+    K, C = rigid.coefficients(at, rigid.steady(at))
+    k = (K[0, 0] * C[1, 1] + K[1, 1] * C[0, 0] - K[0, 1] * C[1, 0] - K[1, 0] * C[0, 1]) / np.trace(C)
+    square = ((K[0, 0] - k) * (K[1, 1] - k) - K[0, 1] * K[1, 0]) / np.linalg.det(C)  # of the whirl at the threshold
+    mass = share * k / square
+    expected = np.linalg.eigvals(np.block([[np.zeros((2, 2)), np.eye(2)], [-K / mass, -C / mass]]))
+    expected = np.sort_complex(expected[expected.imag > 0.0])
+    modes = find_modes(bearing((2e3, 0.0), body=body, feeds=[groove], mass=mass), 6)
+    found = np.sort_complex(modes.eigenvalues[:2])
+    assert np.abs(found - expected).max() < 1e-3 * SPEED  # c/R, of shear that the coefficients leave out
+    assert (found.real.max() > 0.0) == (share > 1.0)
+    assert np.abs(modes.eigenvalues[2:]).min() > 10.0 * np.abs(expected).max()  # the sleeve, and nothing of the oil
+    assert any("oil films keep their sets of voids" in note for note in modes.notes)
+
+
+def test_modes_are_what_a_small_disturbance_does() -> None:
+    """With voids that travel: rates of decay and whirl of a shaft that is pushed, in steps of one degree."""
+    mass, speed = 20.0, 1e-4
+    (first, second), step = find_modes(bearing((2e3, 0.0), mass=mass), 2).eigenvalues, np.radians(1.0) / SPEED
+    steps = 240
+    runs = [
+        run(bearing((2e3, 0.0), mass=mass, velocity=v), steps * step, step=step, start="equilibrium", progress=False)
+        for v in ((0.0, 0.0), (speed, 0.0))
+    ]
+    x = runs[1].bodies["shaft"].position[:, [0, 2]] - runs[0].bodies["shaft"].position[:, [0, 2]]
+    basis = [np.exp(root * runs[0].time) for root in (first, second) if root.imag > 0.0]
+    columns = [part for e in basis for part in (e.real, e.imag)]
+    columns += [np.exp(root.real * runs[0].time) for root in (first, second) if root.imag == 0.0]
+    late = slice(40, None)  # motions of oil alone have died away
+    for values in x.T:
+        coefficients = np.linalg.lstsq(np.array(columns).T[late], values[late], rcond=None)[0]
+        left = values[late] - np.array(columns).T[late] @ coefficients
+        assert np.abs(left).max() < 0.02 * np.abs(values).max()
+
+
 # --- planes
 
 
@@ -479,5 +525,3 @@ def test_columns_too_coarse_for_the_smallest_film_are_told() -> None:
 def test_what_films_do_not_do_is_refused() -> None:
     with pytest.raises(InputError, match=r"film 'film': .*overlap at the start by .*move a body"):
         find_equilibrium(bearing(at=(1.1 * CLEARANCE, 0.0)))
-    with pytest.raises(InputError, match="film 'film': modes of scenes with oil films"):
-        find_modes(bearing())

@@ -38,6 +38,7 @@ from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 from warpffrf.online.turn import TURN
+from warpffrf.online.vibrations.film_modes import film_modes
 from warpffrf.online.vibrations.linearise import Linearisation, linearise
 
 Array = np.ndarray
@@ -97,23 +98,23 @@ def find_modes(
     be found.
     """
     count = require_count(count, "eigenmodes: count", 1)
-    for film in scene.films:
-        raise InputError(
-            f"{film.label}: modes of scenes with oil films are not known, as a film answers to motions with a delay; "
-            "simulate a small disturbance instead"
-        )
     engine = Engine(scene, device=device, settings=settings)
     notes: list[str] = []
     name = _prepare(engine, about, notes)
     linear = linearise(engine)
     notes.extend(_notes(engine, linear, name))
-    values, vectors = complex_modes(linear.M, linear.D, linear.K, linear.C, max(ZERO, linear.resolution))
+    values, vectors = complex_modes(
+        linear.M, linear.D, linear.K, linear.C, max(ZERO, linear.resolution), linear if linear.films else None
+    )
     values, vectors = values[:count], vectors[:, :count]
     return _wrapped(engine, name, values, vectors, linear, notes)
 
 
-def complex_modes(M: Array, D: Array, K: Array, C: Array, zero: float = ZERO) -> tuple[Array, Array]:
-    """Eigenvalues (n,) [1/s] by rising modulus and shapes (coordinates, n) of M y'' + D y' + K y = 0 with C y = 0.
+def complex_modes(
+    M: Array, D: Array, K: Array, C: Array, zero: float = ZERO, oiled: Linearisation | None = None
+) -> tuple[Array, Array]:
+    """Eigenvalues (n,) [1/s] by rising modulus and shapes (coordinates, n) of M y'' + D y' + K y = 0 with C y = 0, and
+    with the films of `oiled`.
 
     Those below `zero` [1/s] are motions without stiffness, one for each direction. Raises InputError where a free
     coordinate has no mass.
@@ -125,11 +126,15 @@ def complex_modes(M: Array, D: Array, K: Array, C: Array, zero: float = ZERO) ->
     m, d, k = (N.T @ X @ N for X in (M, D, K))
     V = _graded_basis(m, k)
     m, d, k = (V.T @ X @ V for X in (m, d, k))
-    n = len(m)
-    A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(m, k), -np.linalg.solve(m, d)]])
-    balanced, (scale, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
-    lam, phi = np.linalg.eig(balanced)
-    Y = N @ V @ (scale[:, None] * phi)[:n]
+    if oiled is not None:
+        lam, phi = film_modes(m, d, k, oiled.T @ N @ V, oiled.U @ N @ V, oiled.films)
+        Y = N @ V @ phi
+    else:
+        n = len(m)
+        A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(m, k), -np.linalg.solve(m, d)]])
+        balanced, (scale, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
+        lam, phi = np.linalg.eig(balanced)
+        Y = N @ V @ (scale[:, None] * phi)[:n]
     still = np.abs(lam) < zero
     Y_still = (
         _independent(np.concatenate([np.real(Y[:, still]), np.imag(Y[:, still])], axis=1) / S[:, None]) * S[:, None]
@@ -237,6 +242,11 @@ def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
         notes.append(
             f"closed contacts stay closed ({linear.closed} pressure hats): the modes are those of vibrations too small "
             "to open them, with the patch held in place; what rolls it along is at 0 Hz"
+        )
+    if linear.films:
+        notes.append(
+            "oil films keep their sets of voids: the modes are those of vibrations too small to change them; with the "
+            "velocities that walls slide with, and what drag does to small motions left out at an equilibrium"
         )
     if linear.kinked:
         notes.append(

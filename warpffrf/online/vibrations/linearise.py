@@ -46,6 +46,7 @@ from warpffrf.online.arrays.scratch import Scratch
 from warpffrf.online.compile.inertia import mode_reach
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.engine import Engine
+from warpffrf.online.vibrations.film_modes import GAP_STEP, FilmSystem, film_systems, smallest_gap
 
 Array = np.ndarray
 LENGTH_STEP = 1e-5  # m, rad: fourth-order error 1e-12 at lengths of 10 mm, round-off 1e-11 of the forces in play per m
@@ -60,7 +61,11 @@ ROUND_OFF = 1e-13  # of a sum of forces: machine precision times the few hundred
 KINK = 1e-9  # of the scene's length [m, rad, m/s or rad/s]: a kink this near is where the state stands
 TURNING = 1e-3  # rad/s: one turn in two hours; a start leaves less on bodies at rest
 SYMMETRIC = 1e-6  # relative difference of the two moments of a body of revolution
-PATCHED = ("active", "pressure", "patch_offset", "ctl", "clk", "modal_load", "lam")  # what an evaluation may change
+PATCHED = (
+    "active", "pressure", "patch_offset", "ctl", "clk", "modal_load", "lam", "film_pressure", "film_void", "film_full",
+    "film_asperity",
+)  # fmt: skip
+"""What an evaluation may change."""
 
 
 @dataclass
@@ -81,6 +86,8 @@ class Linearisation:
     closed: int  # active hats of closed contacts
     kinked: list[str]  # names of springs and dampers whose slope jumps where they stand
     lumped: int  # closed places of lumped contacts
+    films: list[FilmSystem]  # oil films, beside M, D and K
+    U: Array  # y -> rates of displacements, as bodies turn
     resolution: float  # 1/s, frequency of the stiffness that is round-off of the differences
 
 
@@ -133,6 +140,10 @@ class _Probe:
             self.length_step = min(LENGTH_STEP, APPROACH_STEP * float(np.abs(approach).min()))
             self.rate_step = LUMPED_RATE_STEP
         return len(approach)
+
+    def measure_films(self) -> None:
+        """Steps of the differences become small beside the gaps of films at the state placed last."""
+        self.length_step = min(self.length_step, GAP_STEP * smallest_gap(self.engine))
 
     def _joined(self, linear: str, angular: str, modal: str) -> Array:
         """Velocities or accelerations of world 0 in the order of the coordinates."""
@@ -251,6 +262,7 @@ def _linearise(probe: _Probe) -> Linearisation:
     contact, closed = _closed_contacts(probe)
     kinked = probe.find_tangents()
     lumped = probe.measure_lumped()
+    probe.measure_films()
 
     steps = probe.steps()
     R_x, R_v, R_a = (np.zeros((n + len(probe.spring), n)) for _ in range(3))
@@ -269,7 +281,10 @@ def _linearise(probe: _Probe) -> Linearisation:
     R_v = R_v[:n] + C_spring.T @ R_v[n:]
     R_a = R_a[:n]
     T, U, V, W, turning, co_rotating = _coordinates(probe)
+    probe.place(zero, zero, zero)
     return Linearisation(
+        films=film_systems(probe.engine, n),
+        U=U,
         M=T.T @ R_a @ T,
         D=T.T @ (R_a @ V + R_v @ T),
         K=T.T @ (R_a @ W + R_v @ U + R_x @ T),
