@@ -407,9 +407,9 @@ def test_whirl_is_that_of_the_coefficients_of_a_rigid_film(share: float) -> None
     square = ((K[0, 0] - k) * (K[1, 1] - k) - K[0, 1] * K[1, 0]) / np.linalg.det(C)  # of the whirl at the threshold
     mass = share * k / square
     expected = np.linalg.eigvals(np.block([[np.zeros((2, 2)), np.eye(2)], [-K / mass, -C / mass]]))
-    expected = np.sort_complex(expected[expected.imag > 0.0])
+    expected: Any = np.sort_complex(expected[expected.imag > 0.0])
     modes = find_modes(bearing((2e3, 0.0), body=body, feeds=[groove], mass=mass), 6)
-    found = np.sort_complex(modes.eigenvalues[:2])
+    found: Any = np.sort_complex(modes.eigenvalues[:2])
     assert np.abs(found - expected).max() < 1e-3 * SPEED  # c/R, of shear that the coefficients leave out
     assert (found.real.max() > 0.0) == (share > 1.0)
     assert np.abs(modes.eigenvalues[2:]).min() > 10.0 * np.abs(expected).max()  # the sleeve, and nothing of the oil
@@ -426,7 +426,7 @@ def test_modes_are_what_a_small_disturbance_does() -> None:
         for v in ((0.0, 0.0), (speed, 0.0))
     ]
     x = runs[1].bodies["shaft"].position[:, [0, 2]] - runs[0].bodies["shaft"].position[:, [0, 2]]
-    basis = [np.exp(root * runs[0].time) for root in (first, second) if root.imag > 0.0]
+    basis: Any = [np.exp(root * runs[0].time) for root in (first, second) if root.imag > 0.0]
     columns = [part for e in basis for part in (e.real, e.imag)]
     columns += [np.exp(root.real * runs[0].time) for root in (first, second) if root.imag == 0.0]
     late = slice(40, None)  # motions of oil alone have died away
@@ -508,8 +508,8 @@ def test_columns_too_coarse_for_the_smallest_film_are_told() -> None:
     (note,) = [n for n in found.notes if "coarse columns" in n]
     assert "film 'film'" in note and "coarse columns of 11.2 degrees" in note and "columns on a turn" in note
     scene = bearing((2e3, 0.0))
-    history = SimpleNamespace(films={"film": SimpleNamespace(smallest_gap=np.array([0.1 * CLEARANCE]))})
-    (note,) = film_notes(scene, history)  # pyright: ignore[reportArgumentType]
+    history: Any = SimpleNamespace(films={"film": SimpleNamespace(smallest_gap=np.array([0.1 * CLEARANCE]))})
+    (note,) = film_notes(scene, history)
     pitch = 2.0 * np.pi / COLUMNS
     told = float(re.search(r"may err by ([0-9.]+)%", note).group(1))  # pyright: ignore[reportOptionalMemberAccess]
     assert told * (COLUMNS / 128.0) ** 2 == pytest.approx(0.43, abs=0.02)  # docs/studies/oil_film.md: 0.46 % at most

@@ -21,6 +21,7 @@ both.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -96,7 +97,8 @@ def _system(engine: Engine, film: int, coordinates: int) -> tuple[Array, Array, 
 def film_modes(m: Array, d: Array, k: Array, Q: Array, QU: Array, systems: list[FilmSystem]) -> tuple[Array, Array]:
     """Eigenvalues [1/s] and shapes z (n, modes) of m z'' + d z' + k z and the films, whose columns move by Q z at rates
     Q z' + QU z."""
-    J_0, J_1 = (scipy.linalg.block_diag(*(getattr(s, name) for s in systems)) for name in ("J_0", "J_1"))
+    J_0 = np.asarray(scipy.linalg.block_diag(*(s.J_0 for s in systems)))
+    J_1 = np.asarray(scipy.linalg.block_diag(*(s.J_1 for s in systems)))
     B_0, B_1, P = (np.concatenate([getattr(s, name) for s in systems]) for name in ("B_0", "B_1", "P"))
     n, x = len(m), len(J_0)
     line = 1.0 / np.maximum(np.abs(J_0).max(axis=1), np.abs(J_1).max(axis=1))
@@ -115,7 +117,8 @@ def film_modes(m: Array, d: Array, k: Array, Q: Array, QU: Array, systems: list[
     A = np.block([
         [none((n, n)), np.diag(w), none((n, x))], [-k / w, -d, push * u], [-by_place / w / u, -by_rate / u, -J_0]
     ])  # fmt: skip
-    values, vectors = scipy.linalg.eig(A, E)
+    found: Any = scipy.linalg.eig(A, E)
+    values, vectors = found
     z, inside = vectors[:n] / w[:, None], u * vectors[2 * n :]
     by_bodies, by_film = (np.linalg.norm(X, axis=0) for X in (by_rate @ z, J_1 @ inside))
     free = np.linalg.norm(by_rate, axis=0).max() * np.linalg.norm(z, axis=0)  # what such a motion could take
