@@ -14,6 +14,7 @@ import pytest
 from warpffrf.model import films, forces, joints, oils, signals, surfaces
 from warpffrf.model.errors import InputError
 from warpffrf.model.films import Film
+from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.laws import ExponentialAsperities
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box, roller, sleeve
@@ -21,7 +22,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import History, run
-from warpffrf.online.diagnosis.film_notes import film_notes
+from warpffrf.online.diagnosis.film_notes import alternation_notes, film_notes
 from warpffrf.online.run import find_equilibrium
 from warpffrf.online.vibrations.eigenmodes import find_modes
 from warpffrf.verification.films.elastic import ElasticJournal, held_compliance
@@ -516,6 +517,8 @@ def test_columns_too_coarse_for_the_smallest_film_are_told() -> None:
     assert told == pytest.approx(100.0 * 0.01 * (6.0 * pitch) ** 2 / 0.2, abs=0.05)
     history.films["film"].smallest_gap = np.array([0.9 * CLEARANCE])
     assert not film_notes(scene, history)
+    assert "GeneralizedAlpha(0.5)" in alternation_notes(scene, GeneralizedAlpha())[0]
+    assert not alternation_notes(scene, GeneralizedAlpha(0.5)) and not alternation_notes(Scene(), GeneralizedAlpha())
     assert not film_notes(scene, SimpleNamespace(films={}))  # pyright: ignore[reportArgumentType]
 
 

@@ -138,6 +138,11 @@ class Engine:
         self.state.ctl.assign(words)
         return True
 
+    @property
+    def integrator(self) -> Integrator:
+        """Of bodies and global modes."""
+        return self._integrator
+
     # --- control words, all worlds alike
 
     def control(self, **values: int) -> None:

@@ -36,7 +36,7 @@ from warpffrf.online.diagnosis.cell_check import cell_check_notes, check_cells
 from warpffrf.online.diagnosis.contact_notes import contact_notes, energy_notes, overlap_notes
 from warpffrf.online.diagnosis.energy_watch import EnergyWatch, round_off_energy
 from warpffrf.online.diagnosis.failure_report import failure_owner
-from warpffrf.online.diagnosis.film_notes import film_notes, squeezed_out
+from warpffrf.online.diagnosis.film_notes import alternation_notes, film_notes, squeezed_out
 from warpffrf.online.diagnosis.hidden_inertia import hidden_inertia
 from warpffrf.online.diagnosis.indicator import indicator_lines, term_sizes, unheld_lines
 from warpffrf.online.diagnosis.sampling_check import sampling_notes
@@ -333,6 +333,7 @@ def _finish(
     if halved and not at_rest:
         reasons = [text for bit, (text, _) in MESSAGES.items() if int(engine.word("reason")[0]) & int(bit)]
         notes.append(f"{halved} steps were halved ({', '.join(reasons)})")
+        notes.extend(alternation_notes(engine.scene, engine.integrator))
     repeated = int(engine.word("repeated")[0])
     if repeated and engine.compiled.model.modes.dynamic_count:
         notes.append(

@@ -11,11 +11,13 @@ from __future__ import annotations
 import numpy as np
 from warpffrf_kernels.films.sampling import GAP
 
+from warpffrf.model.integrators import Integrator, roots_at_infinity
 from warpffrf.model.scene import Scene
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import History
 
 RULE, ERROR = 6.0, 0.01
+DAMPS = 0.5  # spectral radius at infinity: what alternates is gone in a few steps
 SQUEEZED = 0.01  # of the clearance: no film is left where a run ends at that
 
 
@@ -38,6 +40,17 @@ def film_notes(scene: Scene, history: History) -> list[str]:
                 f"{min(error, 1.0):.1%}, where the surface does not yield{more}; reduce with a finer mesh around"
             )
     return notes
+
+
+def alternation_notes(scene: Scene, integrator: Integrator) -> list[str]:
+    """Of a run whose steps were halved: what the integrator makes of overdamped motions, as those of thin films are,
+    in steps that are long against them."""
+    if not scene.films or np.abs(roots_at_infinity(integrator.coefficients)).max() <= DAMPS:
+        return []
+    return [
+        "thin films damp motions within less than a step, which the integrator leaves alternating from step to step: "
+        "steps are halved less with integrator=GeneralizedAlpha(0.5), or shorter ones"
+    ]
 
 
 def squeezed_out(engine: Engine) -> str:
