@@ -140,7 +140,7 @@ def compiled(found: list[Film]) -> Any:
     """As far as histories of films look at a compiled scene."""
     starts = np.cumsum([0, *[film.grid.columns * film.grid.rows for film in found]])
     topic = SimpleNamespace(hat_start=SimpleNamespace(numpy=lambda: starts))
-    return SimpleNamespace(scene=SimpleNamespace(films=found), elements=SimpleNamespace(films=topic))
+    return SimpleNamespace(scene=SimpleNamespace(films=found), films=topic)
 
 
 def made_history() -> History:

@@ -621,7 +621,7 @@ class Elements:
     lumped: Lumped
     patches: Patches
     rolling: Rolling
-    films: Films
+    films: wp.array(dtype=Films)  # one, as these would make the elements larger than that
 
 
 @topic

@@ -16,27 +16,27 @@ TABLE = wp.constant(2)  # straight pieces
 def asperities_at(model: Model, film: int, depth: real) -> vec3:
     """Pressure [Pa], its slope [Pa/m] and energy [J/m2] of a film's asperities."""
     none = vec3(real(0.0))
-    kind = model.elements[0].films.asperity_kind[film]
+    kind = model.elements[0].films[0].asperity_kind[film]
     if kind == EXPONENTIAL:
-        end = model.elements[0].films.asperity[film, 3]
+        end = model.elements[0].films[0].asperity[film, 3]
         if depth <= -end:
             return none
-        k = model.elements[0].films.asperity[film, 0]
-        length = model.elements[0].films.asperity[film, 1]
-        shift = model.elements[0].films.asperity[film, 2]
+        k = model.elements[0].films[0].asperity[film, 0]
+        length = model.elements[0].films[0].asperity[film, 1]
+        shift = model.elements[0].films[0].asperity[film, 2]
         e = wp.exp(depth / length)
         return vec3(k * (e - shift), k * e / length, k * (length * (e - shift) - shift * (end + depth)))
     if kind == TABLE:
-        i = model.elements[0].films.table_start[film]
-        if depth <= model.elements[0].films.table[i, 0]:
+        i = model.elements[0].films[0].table_start[film]
+        if depth <= model.elements[0].films[0].table[i, 0]:
             return none
-        last = i + model.elements[0].films.table_count[film] - 2
-        while i < last and depth >= model.elements[0].films.table[i + 1, 0]:
+        last = i + model.elements[0].films[0].table_count[film] - 2
+        while i < last and depth >= model.elements[0].films[0].table[i + 1, 0]:
             i += 1
-        rise = model.elements[0].films.table[i + 1, 1] - model.elements[0].films.table[i, 1]
-        slope = rise / (model.elements[0].films.table[i + 1, 0] - model.elements[0].films.table[i, 0])
-        into = depth - model.elements[0].films.table[i, 0]
-        p = model.elements[0].films.table[i, 1] + slope * into
-        mean = real(0.5) * (model.elements[0].films.table[i, 1] + p)
-        return vec3(p, slope, model.elements[0].films.table[i, 2] + mean * into)
+        rise = model.elements[0].films[0].table[i + 1, 1] - model.elements[0].films[0].table[i, 1]
+        slope = rise / (model.elements[0].films[0].table[i + 1, 0] - model.elements[0].films[0].table[i, 0])
+        into = depth - model.elements[0].films[0].table[i, 0]
+        p = model.elements[0].films[0].table[i, 1] + slope * into
+        mean = real(0.5) * (model.elements[0].films[0].table[i, 1] + p)
+        return vec3(p, slope, model.elements[0].films[0].table[i, 2] + mean * into)
     return none

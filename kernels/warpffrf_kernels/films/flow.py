@@ -45,14 +45,14 @@ TAKEN = 2  # lines of the ledger: by pressure, voids and feeds; by sliding
 def outflow(model: Model, w: int, first: int, i: int, film_carried: wp.array3d(dtype=real)) -> real:
     """m2/s, what voids of function i leave with over all faces: its own part of T."""
     total = real(0.0)
-    if model.elements[0].films.next_around[i] >= 0:
+    if model.elements[0].films[0].next_around[i] >= 0:
         total += wp.max(through(model, w, first, i, 0, film_carried), real(0.0))
-    if model.elements[0].films.next_along[i] >= 0:
+    if model.elements[0].films[0].next_along[i] >= 0:
         total += wp.max(through(model, w, first, i, 1, film_carried), real(0.0))
-    before = model.elements[0].films.before_around[i]
+    before = model.elements[0].films[0].before_around[i]
     if before >= 0:
         total += wp.max(-through(model, w, first, first + before, 0, film_carried), real(0.0))
-    before = model.elements[0].films.before_along[i]
+    before = model.elements[0].films[0].before_along[i]
     if before >= 0:
         total += wp.max(-through(model, w, first, first + before, 1, film_carried), real(0.0))
     return total
@@ -61,24 +61,24 @@ def outflow(model: Model, w: int, first: int, i: int, film_carried: wp.array3d(d
 @wp.func
 def through(model: Model, w: int, first: int, i: int, way: int, film_carried: wp.array3d(dtype=real)) -> real:
     """m2/s, half of the sliding through the face behind function i, times its width."""
-    other = model.elements[0].films.next_around[i]
-    width = model.elements[0].films.face_around[i]
+    other = model.elements[0].films[0].next_around[i]
+    width = model.elements[0].films[0].face_around[i]
     if way == 1:
-        other = model.elements[0].films.next_along[i]
-        width = model.elements[0].films.face_along[i]
+        other = model.elements[0].films[0].next_along[i]
+        width = model.elements[0].films[0].face_along[i]
     return real(0.5) * width * (film_carried[w, i, way] + film_carried[w, first + other, way])
 
 
 @wp.func
 def neighbour(model: Model, i: int, n: int) -> int:
     """The n-th of four functions around function i, in the film, -1 for none."""
-    found = model.elements[0].films.next_around[i]
+    found = model.elements[0].films[0].next_around[i]
     if n == 1:
-        found = model.elements[0].films.before_around[i]
+        found = model.elements[0].films[0].before_around[i]
     elif n == 2:
-        found = model.elements[0].films.next_along[i]
+        found = model.elements[0].films[0].next_along[i]
     elif n == 3:
-        found = model.elements[0].films.before_along[i]
+        found = model.elements[0].films[0].before_along[i]
     return found
 
 
@@ -103,8 +103,8 @@ def holding(
     film_carried: wp.array3d(dtype=real),
 ) -> real:
     """m2/s: a_0 m_i and what leaves, the diagonal of what voids do."""
-    first = model.elements[0].films.function_start[film]
-    area = model.elements[0].films.area[i]
+    first = model.elements[0].films[0].function_start[film]
+    area = model.elements[0].films[0].area[i]
     return film_rates[w, 0] * area + outflow(model, w, first, i, film_carried)
 
 
@@ -135,25 +135,25 @@ def balance_film(
     model = models[0]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
-    first = model.elements[0].films.function_start[film]
-    end = model.elements[0].films.function_start[film + 1]
-    travels = model.elements[0].films.rule[film] != REYNOLDS
+    first = model.elements[0].films[0].function_start[film]
+    end = model.elements[0].films[0].function_start[film + 1]
+    travels = model.elements[0].films[0].rule[film] != REYNOLDS
     i = first + lane
     while i < end:
         flow = real(0.0)
         filling = real(0.0)
         size = real(0.0)
-        e = model.elements[0].films.entry_start[i]
-        while e < model.elements[0].films.entry_start[i + 1]:
-            g = model.elements[0].films.entry_point[e]
-            a = model.elements[0].films.entry_slot[e]
-            x = model.elements[0].films.slope_around[g, a] * film_line[w, g, FLOW_AROUND]
-            z = model.elements[0].films.slope_along[g, a] * film_line[w, g, FLOW_ALONG]
+        e = model.elements[0].films[0].entry_start[i]
+        while e < model.elements[0].films[0].entry_start[i + 1]:
+            g = model.elements[0].films[0].entry_point[e]
+            a = model.elements[0].films[0].entry_slot[e]
+            x = model.elements[0].films[0].slope_around[g, a] * film_line[w, g, FLOW_AROUND]
+            z = model.elements[0].films[0].slope_along[g, a] * film_line[w, g, FLOW_ALONG]
             flow += x + z
             size += wp.abs(x) + wp.abs(z)
-            filling += model.elements[0].films.value[g, a] * film_line[w, g, FILLING]
+            filling += model.elements[0].films[0].value[g, a] * film_line[w, g, FILLING]
             e += 1
-        area = model.elements[0].films.area[i]
+        area = model.elements[0].films[0].area[i]
         own = film_rates[w, 0] * area * film_void[w, 1, i]
         refill = own
         if travels:
@@ -170,8 +170,8 @@ def balance_film(
     c = lane
     while c < PULL:
         total = real(0.0)
-        g = model.elements[0].films.point_start[film]
-        while g < model.elements[0].films.point_start[film + 1]:
+        g = model.elements[0].films[0].point_start[film]
+        while g < model.elements[0].films[0].point_start[film + 1]:
             total += film_pull[w, g, c]
             g += 1
         film_sums[w, film, c] = total
@@ -186,9 +186,9 @@ def balance_film(
         while i < end:
             largest = wp.max(largest, film_size[w, i])
             p = film_pressure[w, 1, i]
-            if model.elements[0].films.unknown_of[i] >= 0:
+            if model.elements[0].films[0].unknown_of[i] >= 0:
                 worst = wp.max(worst, wp.abs(film_rest[w, i]))
-                if model.elements[0].films.rule[film] == HALF:
+                if model.elements[0].films[0].rule[film] == HALF:
                     p = wp.max(p, real(0.0))
                 taken -= p * film_refill[w, i]
             else:
@@ -198,13 +198,13 @@ def balance_film(
         apart = real(0.0)  # of asperities and their law, beside the largest pressure
         most = SMALL_PRESSURE
         stored = real(0.0)
-        if model.elements[0].films.rough[film] > 0:
-            m = model.elements[0].films.hat_start[film]
-            while m < model.elements[0].films.hat_start[film + 1]:
+        if model.elements[0].films[0].rough[film] > 0:
+            m = model.elements[0].films[0].hat_start[film]
+            while m < model.elements[0].films[0].hat_start[film + 1]:
                 given = film_hat_line[w, m, PRESSED]
                 apart = wp.max(apart, wp.abs(film_asperity[w, 1, m] - given))
                 most = wp.max(most, given)
-                stored += model.elements[0].films.hat_area[m] * film_energy_now[w, m]
+                stored += model.elements[0].films[0].hat_area[m] * film_energy_now[w, m]
                 sum += given
                 m += 1
         film_energy[w, 1, film] = stored
@@ -230,9 +230,9 @@ def push_films(
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     film = int(0)
-    while film < model.elements[0].films.count:
-        a = model.surfaces.body[model.elements[0].films.first[film]]
-        b = model.surfaces.body[model.elements[0].films.second[film]]
+    while film < model.elements[0].films[0].count:
+        a = model.surfaces.body[model.elements[0].films[0].first[film]]
+        b = model.surfaces.body[model.elements[0].films[0].second[film]]
         for c in range(3):
             if a >= 0:
                 residual[w, 6 * a + c] = residual[w, 6 * a + c] - film_sums[w, film, FORCE + c]
@@ -240,29 +240,29 @@ def push_films(
             if b >= 0:
                 residual[w, 6 * b + c] = residual[w, 6 * b + c] + film_sums[w, film, FORCE + c]
                 residual[w, 6 * b + 3 + c] = residual[w, 6 * b + 3 + c] - film_sums[w, film, SECOND_FORCE_MOMENT + c]
-        first = model.elements[0].films.function_start[film]
-        functions = model.elements[0].films.function_start[film + 1] - first
-        total = model.elements[0].films.function_start[model.elements[0].films.count]
-        start = model.surfaces.modal_start[model.elements[0].films.first[film]]
+        first = model.elements[0].films[0].function_start[film]
+        functions = model.elements[0].films[0].function_start[film + 1] - first
+        total = model.elements[0].films[0].function_start[model.elements[0].films[0].count]
+        start = model.surfaces.modal_start[model.elements[0].films[0].first[film]]
         m = int(0)
-        while m < model.elements[0].films.modes[film]:
-            line = model.elements[0].films.moment_start[film] + m * functions
+        while m < model.elements[0].films[0].modes[film]:
+            line = model.elements[0].films[0].moment_start[film] + m * functions
             at = (2 * w + 1) * total + first
             outwards = real(0.0)
-            if model.elements[0].films.rule[film] == HALF:
+            if model.elements[0].films[0].rule[film] == HALF:
                 i = int(0)
                 while i < functions:
-                    outwards += model.elements[0].films.moment[line + i] * wp.max(film_pressure[at + i], real(0.0))
+                    outwards += model.elements[0].films[0].moment[line + i] * wp.max(film_pressure[at + i], real(0.0))
                     i += 1
             else:
-                outwards = dot(functions, model.elements[0].films.moment, line, film_pressure, at)
-            rough = model.elements[0].films.rough[film]
-            line = model.elements[0].films.rough_moment_start[film] + m * rough
-            at = (2 * w + 1) * model.elements[0].films.hat_start[model.elements[0].films.count]
-            at += model.elements[0].films.hat_start[film]
-            outwards += dot(rough, model.elements[0].films.rough_moment, line, film_asperity, at)
+                outwards = dot(functions, model.elements[0].films[0].moment, line, film_pressure, at)
+            rough = model.elements[0].films[0].rough[film]
+            line = model.elements[0].films[0].rough_moment_start[film] + m * rough
+            at = (2 * w + 1) * model.elements[0].films[0].hat_start[model.elements[0].films[0].count]
+            at += model.elements[0].films[0].hat_start[film]
+            outwards += dot(rough, model.elements[0].films[0].rough_moment, line, film_asperity, at)
             modal_residual[w, start + m] = modal_residual[w, start + m] + outwards
-            film_modal[w, model.elements[0].films.column_start[film] + 12 + m] = -outwards
+            film_modal[w, model.elements[0].films[0].column_start[film] + 12 + m] = -outwards
             m += 1
         film += 1
 
@@ -282,7 +282,7 @@ def book_films(
         return
     half = real(0.5) * clk[w].h
     film = int(0)
-    while film < model.elements[0].films.count:
+    while film < model.elements[0].films[0].count:
         for line in range(TAKEN):
             film_taken[w, film, line] = half * (film_power[w, 0, film, line] + film_power[w, 1, film, line])
         film += 1

@@ -61,21 +61,21 @@ def keep_film(
     model = models[0]
     if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
         return
-    i = model.elements[0].films.function_start[film] + lane
-    while i < model.elements[0].films.function_start[film + 1]:
+    i = model.elements[0].films[0].function_start[film] + lane
+    while i < model.elements[0].films[0].function_start[film + 1]:
         film_pressure[w, 0, i] = film_pressure[w, 1, i]
         film_full[w, 0, i] = film_full[w, 1, i]
         if ctl[w].mode != k.START:
             film_void_before[w, i] = film_void[w, 0, i]
             film_void[w, 0, i] = film_void[w, 1, i]
         i += wp.block_dim()
-    m = model.elements[0].films.hat_start[film] + lane
-    while m < model.elements[0].films.hat_start[film + 1]:
+    m = model.elements[0].films[0].hat_start[film] + lane
+    while m < model.elements[0].films[0].hat_start[film + 1]:
         film_asperity[w, 0, m] = film_asperity[w, 1, m]
         m += wp.block_dim()
     if ctl[w].mode != k.START:
-        g = model.elements[0].films.point_start[film] + lane
-        while g < model.elements[0].films.point_start[film + 1]:
+        g = model.elements[0].films[0].point_start[film] + lane
+        while g < model.elements[0].films[0].point_start[film + 1]:
             film_mass[w, 1, g] = film_mass[w, 0, g]
             film_mass[w, 0, g] = film_mass_now[w, g]
             g += wp.block_dim()
@@ -122,27 +122,27 @@ def record_film(
     if ctl[w].mode == k.STATIC:
         static = int(1)
     sides = sides_of(model, w, film, static, r1, axes, v1, omega1)
-    first = model.elements[0].films.function_start[film]
-    m = model.elements[0].films.hat_start[film] + lane
-    while m < model.elements[0].films.hat_start[film + 1]:
-        f = first + model.elements[0].films.hat_function[m]
-        seen = opened_by_motion(model, film, sides, model.elements[0].films.hat_place[m])
+    first = model.elements[0].films[0].function_start[film]
+    m = model.elements[0].films[0].hat_start[film] + lane
+    while m < model.elements[0].films[0].hat_start[film + 1]:
+        f = first + model.elements[0].films[0].hat_function[m]
+        seen = opened_by_motion(model, film, sides, model.elements[0].films[0].hat_place[m])
         p = real(0.0)
         j = int(0)
-        while j < model.elements[0].films.hat_support.shape[1]:
-            there = model.elements[0].films.hat_support[m, j]
+        while j < model.elements[0].films[0].hat_support.shape[1]:
+            there = model.elements[0].films[0].hat_support[m, j]
             if there >= 0:
-                p += model.elements[0].films.hat_value[m, j] * film_pressure[w, 0, first + there]
+                p += model.elements[0].films[0].hat_value[m, j] * film_pressure[w, 0, first + there]
             j += 1
         saved_film_pressure[w, at, m] = p
-        saved_film_gap[w, at, m] = seen[0] + model.elements[0].films.hat_form[m] + film_opened[w, m]
+        saved_film_gap[w, at, m] = seen[0] + model.elements[0].films[0].hat_form[m] + film_opened[w, m]
         saved_film_void[w, at, m] = film_void[w, 0, f]
         saved_film_asperity[w, at, m] = film_asperity[w, 0, m]
         m += wp.block_dim()
     sync()
     if lane == 0:
-        a = model.surfaces.body[model.elements[0].films.first[film]]
-        b = model.surfaces.body[model.elements[0].films.second[film]]
+        a = model.surfaces.body[model.elements[0].films[0].first[film]]
+        b = model.surfaces.body[model.elements[0].films[0].second[film]]
         moment = vec3(real(0.0))
         second_moment = vec3(real(0.0))
         for c in range(3):
@@ -157,20 +157,20 @@ def record_film(
         least = real(1.0e300)
         space = real(0.0)
         filling = real(0.0)
-        g = model.elements[0].films.point_start[film]
-        while g < model.elements[0].films.point_start[film + 1]:
+        g = model.elements[0].films[0].point_start[film]
+        while g < model.elements[0].films[0].point_start[film + 1]:
             least = wp.min(least, film_line[w, g, GAP])
-            space += model.elements[0].films.weight[g] * film_line[w, g, GAP]
-            filling += model.elements[0].films.weight[g] * film_mass_now[w, g]
+            space += model.elements[0].films[0].weight[g] * film_line[w, g, GAP]
+            filling += model.elements[0].films[0].weight[g] * film_mass_now[w, g]
             g += 1
         fed = real(0.0)
         ends = real(0.0)
         empty = real(0.0)
         i = first
-        while i < model.elements[0].films.function_start[film + 1]:
-            empty += model.elements[0].films.area[i] * film_void[w, 0, i]
-            if model.elements[0].films.unknown_of[i] < 0:
-                if model.elements[0].films.feeds[i] != 0:
+        while i < model.elements[0].films[0].function_start[film + 1]:
+            empty += model.elements[0].films[0].area[i] * film_void[w, 0, i]
+            if model.elements[0].films[0].unknown_of[i] < 0:
+                if model.elements[0].films[0].feeds[i] != 0:
                     fed += film_rest[w, i]
                 else:
                     ends -= film_rest[w, i]
@@ -184,8 +184,8 @@ def record_film(
         saved_film[w, at, film, OIL] = filling - empty
         roughest = real(0.0)
         largest = real(0.0)
-        m = model.elements[0].films.hat_start[film]
-        while m < model.elements[0].films.hat_start[film + 1]:
+        m = model.elements[0].films[0].hat_start[film]
+        while m < model.elements[0].films[0].hat_start[film + 1]:
             roughest = wp.max(roughest, film_asperity[w, 0, m])
             largest = wp.max(largest, saved_film_pressure[w, at, m])
             m += 1

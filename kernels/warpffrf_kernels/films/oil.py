@@ -28,18 +28,18 @@ def oil_at(model: Model, film: int, pressure: real) -> Oil:
     """Of a film; below the pressure of the cavity as at it."""
     p = wp.max(pressure, real(0.0))
     found = Oil()
-    found.viscosity = model.elements[0].films.oil[film, 0]
-    kind = model.elements[0].films.oil_kind[film]
+    found.viscosity = model.elements[0].films[0].oil[film, 0]
+    kind = model.elements[0].films[0].oil_kind[film]
     if kind == BARUS:
-        found.thickening = model.elements[0].films.oil[film, 1]
-        found.viscosity *= wp.exp(model.elements[0].films.oil[film, 1] * p)
+        found.thickening = model.elements[0].films[0].oil[film, 1]
+        found.viscosity *= wp.exp(model.elements[0].films[0].oil[film, 1] * p)
     elif kind == ROELANDS:
         relative = real(1.0) + p / POLE_PRESSURE
-        exponent = model.elements[0].films.oil[film, 3]
-        found.thickening = model.elements[0].films.oil[film, 1] * wp.pow(relative, exponent - real(1.0))
-        found.viscosity *= wp.exp(model.elements[0].films.oil[film, 2] * (wp.pow(relative, exponent) - real(1.0)))
-    a = model.elements[0].films.oil[film, 4]
-    b = model.elements[0].films.oil[film, 5]
+        exponent = model.elements[0].films[0].oil[film, 3]
+        found.thickening = model.elements[0].films[0].oil[film, 1] * wp.pow(relative, exponent - real(1.0))
+        found.viscosity *= wp.exp(model.elements[0].films[0].oil[film, 2] * (wp.pow(relative, exponent) - real(1.0)))
+    a = model.elements[0].films[0].oil[film, 4]
+    b = model.elements[0].films[0].oil[film, 5]
     found.density = real(1.0) + a * p / (real(1.0) + b * p)
     found.stiffening = a / ((real(1.0) + b * p) * (real(1.0) + b * p))
     return found

@@ -109,8 +109,8 @@ def sides_of(
     v1: wp.array2d(dtype=vec3),
     omega1: wp.array2d(dtype=vec3),
 ) -> Sides:
-    a = model.surfaces.body[model.elements[0].films.first[film]]
-    b = model.surfaces.body[model.elements[0].films.second[film]]
+    a = model.surfaces.body[model.elements[0].films[0].first[film]]
+    b = model.surfaces.body[model.elements[0].films[0].second[film]]
     found = Sides()
     found.turn_a = axes_of(axes, w, a)
     found.turn_b = axes_of(axes, w, b)
@@ -119,17 +119,17 @@ def sides_of(
         found.v_a = v1[w, a]
         found.omega_a = omega1[w, a]
         if static != 0:
-            found.v_a = model.elements[0].films.rest_v[a]
-            found.omega_a = model.elements[0].films.rest_omega[a]
-    if static != 0 and model.surfaces.planar[model.elements[0].films.first[film]] == 0:
-        axis = model.surfaces.frame[model.elements[0].films.first[film]] * vec3(real(0.0), real(0.0), real(1.0))
+            found.v_a = model.elements[0].films[0].rest_v[a]
+            found.omega_a = model.elements[0].films[0].rest_omega[a]
+    if static != 0 and model.surfaces.planar[model.elements[0].films[0].first[film]] == 0:
+        axis = model.surfaces.frame[model.elements[0].films[0].first[film]] * vec3(real(0.0), real(0.0), real(1.0))
         found.spin = wp.dot(found.omega_a, axis) * axis
     if b >= 0:
         found.v_b = v1[w, b]
         found.omega_b = found.turn_b * omega1[w, b]
         if static != 0:
-            found.v_b = model.elements[0].films.rest_v[b]
-            found.omega_b = found.turn_b * model.elements[0].films.rest_omega[b]
+            found.v_b = model.elements[0].films[0].rest_v[b]
+            found.omega_b = found.turn_b * model.elements[0].films[0].rest_omega[b]
     return found
 
 
@@ -143,43 +143,43 @@ def sliding_at(sides: Sides, place: vec3) -> vec3:
 @wp.func
 def carried_at(model: Model, film: int, sides: Sides, place: vec3) -> vec3:
     """U [m/s] at a place of A, in A's axes."""
-    arm = place - model.surfaces.origin[model.elements[0].films.first[film]]
+    arm = place - model.surfaces.origin[model.elements[0].films[0].first[film]]
     return real(0.5) * sliding_at(sides, place) + wp.cross(sides.spin, arm)
 
 
 @wp.func
 def second_form_at(model: Model, film: int, theta: real, z: real) -> real:
     """What the form of the second surface adds to the gap [m], between the places of its table."""
-    columns = model.elements[0].films.second_counts[film, 0]
-    rows = model.elements[0].films.second_counts[film, 1]
-    x = (theta - model.elements[0].films.second_range[film, 0]) / model.elements[0].films.second_range[film, 1]
+    columns = model.elements[0].films[0].second_counts[film, 0]
+    rows = model.elements[0].films[0].second_counts[film, 1]
+    x = (theta - model.elements[0].films[0].second_range[film, 0]) / model.elements[0].films[0].second_range[film, 1]
     x -= real(columns) * wp.floor(x / real(columns))
-    y = (z - model.elements[0].films.second_range[film, 2]) / model.elements[0].films.second_range[film, 3]
+    y = (z - model.elements[0].films[0].second_range[film, 2]) / model.elements[0].films[0].second_range[film, 3]
     y = wp.clamp(y, real(0.0), real(rows - 1))
     i = wp.min(int(x), columns - 1)
     j = wp.min(int(y), rows - 2)
     u = x - real(i)
     v = y - real(j)
-    start = model.elements[0].films.second_start[film]
+    start = model.elements[0].films[0].second_start[film]
     left = start + i * rows + j
     right = start + ((i + 1) % columns) * rows + j
-    low = (real(1.0) - v) * model.elements[0].films.second_form[left] + v * model.elements[0].films.second_form[
+    low = (real(1.0) - v) * model.elements[0].films[0].second_form[left] + v * model.elements[0].films[0].second_form[
         left + 1
     ]
-    high = (real(1.0) - v) * model.elements[0].films.second_form[right]
-    high += v * model.elements[0].films.second_form[right + 1]
+    high = (real(1.0) - v) * model.elements[0].films[0].second_form[right]
+    high += v * model.elements[0].films[0].second_form[right + 1]
     return (real(1.0) - u) * low + u * high
 
 
 @wp.func
 def opened_by_motion(model: Model, film: int, sides: Sides, place: vec3) -> wp.vec4d:
     """d_B [m] at a place of A, and its gradient in the world."""
-    s = model.elements[0].films.second[film]
+    s = model.elements[0].films[0].second[film]
     out_of_b = sides.turn_b * model.surfaces.frame[s]
     y = wp.transpose(out_of_b) * (sides.from_b - sides.turn_b * model.surfaces.origin[s] + sides.turn_a * place)
     n = out_of_b * gradient_of(model, s, y)
     gap = distance_of(model, s, y)
-    if model.elements[0].films.second_start[film] >= 0:
+    if model.elements[0].films[0].second_start[film] >= 0:
         at = chart_of(model, s, y)
         gap += second_form_at(model, film, at[0], at[1])
     return wp.vec4d(gap, n[0], n[1], n[2])
@@ -190,7 +190,9 @@ def at_point(model: Model, point: int, field: wp.array2d(dtype=real), w: int, fi
     """A field over hats at a point; `first`: hat of the film."""
     total = real(0.0)
     for c in range(4):
-        total += model.elements[0].films.between[point, c] * field[w, first + model.elements[0].films.hat[point, c]]
+        total += (
+            model.elements[0].films[0].between[point, c] * field[w, first + model.elements[0].films[0].hat[point, c]]
+        )
     return total
 
 
@@ -214,14 +216,14 @@ def open_film(
     model = models[0]
     if ctl[w].run == 0:
         return
-    i = model.elements[0].films.function_start[film] + lane
-    while i < model.elements[0].films.function_start[film + 1]:
+    i = model.elements[0].films[0].function_start[film] + lane
+    while i < model.elements[0].films[0].function_start[film + 1]:
         film_pressure[w, 1, i] = film_pressure[w, 0, i]
         film_void[w, 1, i] = film_void[w, 0, i]
         film_full[w, 1, i] = film_full[w, 0, i]
         i += wp.block_dim()
-    i = model.elements[0].films.hat_start[film] + lane
-    while i < model.elements[0].films.hat_start[film + 1]:
+    i = model.elements[0].films[0].hat_start[film] + lane
+    while i < model.elements[0].films[0].hat_start[film + 1]:
         film_asperity[w, 1, i] = film_asperity[w, 0, i]
         i += wp.block_dim()
     if lane == 0:
@@ -252,8 +254,8 @@ def posed(
     psi: wp.array2d(dtype=vec3),
 ) -> Sides:
     """Both bodies where the step begins, or `ahead` where its increments lead, without velocities."""
-    a = model.surfaces.body[model.elements[0].films.first[film]]
-    b = model.surfaces.body[model.elements[0].films.second[film]]
+    a = model.surfaces.body[model.elements[0].films[0].first[film]]
+    b = model.surfaces.body[model.elements[0].films[0].second[film]]
     found = Sides()
     found.turn_a = wp.identity(n=3, dtype=real)
     found.turn_b = wp.identity(n=3, dtype=real)
@@ -292,14 +294,14 @@ def guard_prediction(
         return
     part = real(1.0)
     film = int(0)
-    while film < model.elements[0].films.count:
+    while film < model.elements[0].films[0].count:
         before = posed(model, w, film, 0, r, p, dx, psi)
         after = posed(model, w, film, 1, r, p, dx, psi)
-        start = model.elements[0].films.point_start[film]
-        end = model.elements[0].films.point_start[film + 1]
+        start = model.elements[0].films[0].point_start[film]
+        end = model.elements[0].films[0].point_start[film + 1]
         g = start + lane
         while g < end:
-            place = model.elements[0].films.point_place[g]
+            place = model.elements[0].films[0].point_place[g]
             closing = opened_by_motion(model, film, before, place)[0] - opened_by_motion(model, film, after, place)[0]
             film_least[w, g] = closing
             g += wp.block_dim()
@@ -357,43 +359,43 @@ def sample_film(
     if ctl[w].mode == k.STATIC:
         static = int(1)
     sides = sides_of(model, w, film, static, r1, axes, v1, omega1)
-    rule = model.elements[0].films.rule[film]
-    unknowns = model.elements[0].films.unknowns[film]
-    rough = model.elements[0].films.rough[film]
-    first = model.elements[0].films.function_start[film]
-    first_unknown = model.elements[0].films.unknown_start[film]
-    run = w * model.elements[0].films.system_start[model.elements[0].films.count]
-    run += model.elements[0].films.system_start[film]
-    first_hat = model.elements[0].films.hat_start[film]
+    rule = model.elements[0].films[0].rule[film]
+    unknowns = model.elements[0].films[0].unknowns[film]
+    rough = model.elements[0].films[0].rough[film]
+    first = model.elements[0].films[0].function_start[film]
+    first_unknown = model.elements[0].films[0].unknown_start[film]
+    run = w * model.elements[0].films[0].system_start[model.elements[0].films[0].count]
+    run += model.elements[0].films[0].system_start[film]
+    first_hat = model.elements[0].films[0].hat_start[film]
     i = lane
     while i < rough:
         film_acting[run + unknowns + i] = film_asperity[w, 1, first_hat + i]
         i += wp.block_dim()
     i = lane
     while i < unknowns:
-        p = film_pressure[w, 1, first + model.elements[0].films.function_of[first_unknown + i]]
+        p = film_pressure[w, 1, first + model.elements[0].films[0].function_of[first_unknown + i]]
         if rule == HALF:
             p = wp.max(p, real(0.0))
         film_acting[run + i] = p
         i += wp.block_dim()
     sync()
     lines = unknowns + rough
-    hats = model.elements[0].films.hat_start[film + 1] - first_hat
-    A = model.elements[0].films.first[film]
-    modes = model.elements[0].films.modes[film]
+    hats = model.elements[0].films[0].hat_start[film + 1] - first_hat
+    A = model.elements[0].films[0].first[film]
+    modes = model.elements[0].films[0].modes[film]
     modal = w * model.modes.count + model.surfaces.modal_start[A]
     m = lane
     while m < hats:
-        row = model.elements[0].films.compliance_start[film] + m * lines
-        u = model.elements[0].films.lift[first_hat + m]
-        u += dot(lines, model.elements[0].films.compliance, row, film_acting, run)
-        line = model.elements[0].films.shape_start[film] + m * modes
-        u -= dot(modes, model.elements[0].films.shape, line, q1, modal)
+        row = model.elements[0].films[0].compliance_start[film] + m * lines
+        u = model.elements[0].films[0].lift[first_hat + m]
+        u += dot(lines, model.elements[0].films[0].compliance, row, film_acting, run)
+        line = model.elements[0].films[0].shape_start[film] + m * modes
+        u -= dot(modes, model.elements[0].films[0].shape, line, q1, modal)
         film_opened[w, first_hat + m] = u
         if rough > 0:
-            place = model.elements[0].films.hat_place[first_hat + m]
+            place = model.elements[0].films[0].hat_place[first_hat + m]
             seen = opened_by_motion(model, film, sides, place)
-            gap = seen[0] + model.elements[0].films.hat_form[first_hat + m] + u
+            gap = seen[0] + model.elements[0].films[0].hat_form[first_hat + m] + u
             law = asperities_at(model, film, -gap)
             n = vec3(seen[1], seen[2], seen[3])
             moment = wp.cross(place, wp.transpose(sides.turn_a) * n)
@@ -408,18 +410,18 @@ def sample_film(
             film_energy_now[w, first_hat + m] = law[2]
         m += wp.block_dim()
     i = first + lane
-    while i < model.elements[0].films.function_start[film + 1]:
-        carried = carried_at(model, film, sides, model.elements[0].films.place[i])
-        film_carried[w, i, 0] = wp.dot(carried, model.elements[0].films.around[i])
-        film_carried[w, i, 1] = wp.dot(carried, model.elements[0].films.along[i])
+    while i < model.elements[0].films[0].function_start[film + 1]:
+        carried = carried_at(model, film, sides, model.elements[0].films[0].place[i])
+        film_carried[w, i, 0] = wp.dot(carried, model.elements[0].films[0].around[i])
+        film_carried[w, i, 1] = wp.dot(carried, model.elements[0].films[0].along[i])
         i += wp.block_dim()
     sync()
     a0 = film_rates[w, 0]
-    g = model.elements[0].films.point_start[film] + lane
-    while g < model.elements[0].films.point_start[film + 1]:
-        place = model.elements[0].films.point_place[g]
+    g = model.elements[0].films[0].point_start[film] + lane
+    while g < model.elements[0].films[0].point_start[film + 1]:
+        place = model.elements[0].films[0].point_place[g]
         seen = opened_by_motion(model, film, sides, place)
-        h = seen[0] + model.elements[0].films.form[g] + at_point(model, g, film_opened, w, first_hat)
+        h = seen[0] + model.elements[0].films[0].form[g] + at_point(model, g, film_opened, w, first_hat)
         if not h > real(0.0):
             ctl[w].failure = ctl[w].failure | k.NOT_CONVERGED
             ctl[w].run = 0
@@ -428,30 +430,30 @@ def sample_film(
         p_z = real(0.0)
         void = real(0.0)
         j = int(0)
-        while j < model.elements[0].films.function.shape[1]:
-            f = model.elements[0].films.function[g, j]
+        while j < model.elements[0].films[0].function.shape[1]:
+            f = model.elements[0].films[0].function[g, j]
             if f >= 0:
                 value = film_pressure[w, 1, first + f]
-                p += model.elements[0].films.value[g, j] * value
-                p_x += model.elements[0].films.slope_around[g, j] * value
-                p_z += model.elements[0].films.slope_along[g, j] * value
-                void += model.elements[0].films.void_value[g, j] * film_void[w, 1, first + f]
+                p += model.elements[0].films[0].value[g, j] * value
+                p_x += model.elements[0].films[0].slope_around[g, j] * value
+                p_z += model.elements[0].films[0].slope_along[g, j] * value
+                void += model.elements[0].films[0].void_value[g, j] * film_void[w, 1, first + f]
             j += 1
         pressed = real(0.0)
         if rough > 0:
             for c in range(4):
-                load = film_asperity[w, 1, first_hat + model.elements[0].films.hat[g, c]]
-                pressed += model.elements[0].films.between[g, c] * load
+                load = film_asperity[w, 1, first_hat + model.elements[0].films[0].hat[g, c]]
+                pressed += model.elements[0].films[0].between[g, c] * load
         slide = sliding_at(sides, place)
-        around = model.elements[0].films.point_around[g]
-        along = model.elements[0].films.point_along[g]
+        around = model.elements[0].films[0].point_around[g]
+        along = model.elements[0].films[0].point_along[g]
         slide_x = wp.dot(slide, around)
         slide_z = wp.dot(slide, along)
         carried = carried_at(model, film, sides, place)
         u_x = wp.dot(carried, around)
         u_z = wp.dot(carried, along)
         oil = oil_at(model, film, p)
-        weight = model.elements[0].films.weight[g]
+        weight = model.elements[0].films[0].weight[g]
         conductance = h * h * h / (real(12.0) * oil.viscosity)
         mass = oil.density * h
         film_mass_now[w, g] = mass
@@ -484,7 +486,7 @@ def sample_film(
         speed = wp.sqrt(slide_x * slide_x + slide_z * slide_z)
         rub = real(0.0)
         if speed > real(0.0):
-            rub = model.elements[0].films.asperity_friction[film] * pressed / speed
+            rub = model.elements[0].films[0].asperity_friction[film] * pressed / speed
         tau = ((drag + rub) * slide_x + half * p_x) * around + ((drag + rub) * slide_z + half * p_z) * along
         force = weight * ((pushing + pressed) * n_a + tau)
         world_force = sides.turn_a * force

@@ -66,26 +66,26 @@ def add_scaled(n: int, a: real, x: wp.array(dtype=real), start: int, y: wp.array
 @wp.func
 def lines_of(model: Model, film: int) -> int:
     """Unknowns of a film: pressures or voids, then pressures of asperities."""
-    return model.elements[0].films.unknowns[film] + model.elements[0].films.rough[film]
+    return model.elements[0].films[0].unknowns[film] + model.elements[0].films[0].rough[film]
 
 
 @wp.func
 def line_length(model: Model, film: int) -> int:
     """Numbers of a line: J, R, B, P."""
-    return lines_of(model, film) + 1 + 2 * (RIGID + model.elements[0].films.modes[film])
+    return lines_of(model, film) + 1 + 2 * (RIGID + model.elements[0].films[0].modes[film])
 
 
 @wp.func
 def system_at(model: Model, w: int, film: int) -> int:
     """Where what each unknown has one of begins, flat."""
-    total = model.elements[0].films.system_start[model.elements[0].films.count]
-    return w * total + model.elements[0].films.system_start[film]
+    total = model.elements[0].films[0].system_start[model.elements[0].films[0].count]
+    return w * total + model.elements[0].films[0].system_start[film]
 
 
 @wp.func
 def matrix_at(model: Model, w: int, film: int) -> int:
-    total = model.elements[0].films.matrix_start[model.elements[0].films.count]
-    return w * total + model.elements[0].films.matrix_start[film]
+    total = model.elements[0].films[0].matrix_start[model.elements[0].films[0].count]
+    return w * total + model.elements[0].films[0].matrix_start[film]
 
 
 @wp.func
@@ -103,12 +103,12 @@ def opened_by_column(film_line: wp.array3d(dtype=real), w: int, g: int, c: int) 
 @wp.func
 def outer_column(model: Model, film: int, c: int) -> int:
     """Outer unknown of a coupled column, -1 of the ground's."""
-    body = model.surfaces.body[model.elements[0].films.first[film]]
+    body = model.surfaces.body[model.elements[0].films[0].first[film]]
     if c >= RIGID:
         return 6 * model.bodies.count + model.bodies.dense_start[body] + c - RIGID
     at = c
     if c >= 6:
-        body = model.surfaces.body[model.elements[0].films.second[film]]
+        body = model.surfaces.body[model.elements[0].films[0].second[film]]
         at = c - 6
     if body < 0:
         return -1
@@ -120,11 +120,11 @@ def is_thin(
     model: Model, w: int, film: int, i: int, film_full: wp.array3d(dtype=int), film_rough: wp.array2d(dtype=int)
 ) -> bool:
     """Whether next to nothing but its own line has unknown i: a void, or asperities that do not touch."""
-    n = model.elements[0].films.unknowns[film]
+    n = model.elements[0].films[0].unknowns[film]
     if i >= n:
-        return film_rough[w, model.elements[0].films.hat_start[film] + i - n] == 0
-    f = model.elements[0].films.function_of[model.elements[0].films.unknown_start[film] + i]
-    return film_full[w, 1, model.elements[0].films.function_start[film] + f] == 0
+        return film_rough[w, model.elements[0].films[0].hat_start[film] + i - n] == 0
+    f = model.elements[0].films[0].function_of[model.elements[0].films[0].unknown_start[film] + i]
+    return film_full[w, 1, model.elements[0].films[0].function_start[film] + f] == 0
 
 
 @wp.func
@@ -141,7 +141,7 @@ def order_unknowns(
     """Where each unknown stands in the elimination: thin ones first, voids in the order in which the oil comes to them
     around, which leaves next to nothing of their columns. Returns how many there are."""
     lines = lines_of(model, film)
-    start = model.elements[0].films.system_start[film]
+    start = model.elements[0].films[0].system_start[film]
     sync()
     thin = int(0)
     i = int(0)
@@ -150,7 +150,7 @@ def order_unknowns(
             thin += 1
         i += 1
     if lane == 0:
-        backwards = film_carried[w, model.elements[0].films.function_start[film], 0] < real(0.0)
+        backwards = film_carried[w, model.elements[0].films[0].function_start[film], 0] < real(0.0)
         place = int(0)
         rest = thin
         i = int(0)
@@ -184,36 +184,36 @@ def write_flow(
     film_matrix: wp.array(dtype=real),
 ):
     """Line of the oil of unknown i, but for R; `row` is zero."""
-    n = model.elements[0].films.unknowns[film]
+    n = model.elements[0].films[0].unknowns[film]
     lines = lines_of(model, film)
-    modes = model.elements[0].films.modes[film]
+    modes = model.elements[0].films[0].modes[film]
     columns = RIGID + modes
-    first = model.elements[0].films.function_start[film]
-    functions = model.elements[0].films.function_start[film + 1] - first
-    first_unknown = model.elements[0].films.unknown_start[film]
-    rule = model.elements[0].films.rule[film]
-    f = model.elements[0].films.function_of[first_unknown + i]
-    near = model.elements[0].films.near_start[first + f]
+    first = model.elements[0].films[0].function_start[film]
+    functions = model.elements[0].films[0].function_start[film + 1] - first
+    first_unknown = model.elements[0].films[0].unknown_start[film]
+    rule = model.elements[0].films[0].rule[film]
+    f = model.elements[0].films[0].function_of[first_unknown + i]
+    near = model.elements[0].films[0].near_start[first + f]
     j = near
-    while j < model.elements[0].films.near_start[first + f + 1]:
+    while j < model.elements[0].films[0].near_start[first + f + 1]:
         film_wide[w, j] = real(0.0)
         j += 1
     pushes = film_full[w, 1, first + f] != 0
     if rule == HALF and film_pressure[w, 1, first + f] < real(0.0):
         pushes = False
-    e = model.elements[0].films.entry_start[first + f]
-    while e < model.elements[0].films.entry_start[first + f + 1]:
-        g = model.elements[0].films.entry_point[e]
-        a = model.elements[0].films.entry_slot[e]
-        x = model.elements[0].films.slope_around[g, a]
-        z = model.elements[0].films.slope_along[g, a]
-        v = model.elements[0].films.value[g, a]
+    e = model.elements[0].films[0].entry_start[first + f]
+    while e < model.elements[0].films[0].entry_start[first + f + 1]:
+        g = model.elements[0].films[0].entry_point[e]
+        a = model.elements[0].films[0].entry_slot[e]
+        x = model.elements[0].films[0].slope_around[g, a]
+        z = model.elements[0].films[0].slope_along[g, a]
+        v = model.elements[0].films[0].value[g, a]
         by_gap = x * film_line[w, g, AROUND_BY_GAP] + z * film_line[w, g, ALONG_BY_GAP]
         by_gap += v * film_line[w, g, FILLING_BY_GAP]
         for c in range(4):
-            at = near + model.elements[0].films.entry_near[e, c]
-            film_wide[w, at] = film_wide[w, at] + by_gap * model.elements[0].films.between[g, c]
-        push = v * model.elements[0].films.weight[g]
+            at = near + model.elements[0].films[0].entry_near[e, c]
+            film_wide[w, at] = film_wide[w, at] + by_gap * model.elements[0].films[0].between[g, c]
+        push = v * model.elements[0].films[0].weight[g]
         if not pushes or (rule == HALF and film_line[w, g, PRESSURE] <= real(0.0)):
             push = real(0.0)
         for c in range(RIGID):
@@ -223,51 +223,51 @@ def write_flow(
             film_matrix[at + columns] = film_matrix[at + columns] + push * opened
         e += 1
     j = near
-    while j < model.elements[0].films.near_start[first + f + 1]:
-        m = model.elements[0].films.near[j]
-        line = model.elements[0].films.compliance_start[film] + m * lines
-        add_scaled(lines, film_wide[w, j], model.elements[0].films.compliance, line, film_matrix, row)
-        line = model.elements[0].films.shape_start[film] + m * modes
+    while j < model.elements[0].films[0].near_start[first + f + 1]:
+        m = model.elements[0].films[0].near[j]
+        line = model.elements[0].films[0].compliance_start[film] + m * lines
+        add_scaled(lines, film_wide[w, j], model.elements[0].films[0].compliance, line, film_matrix, row)
+        line = model.elements[0].films[0].shape_start[film] + m * modes
         add_scaled(
-            modes, -film_wide[w, j], model.elements[0].films.shape, line, film_matrix, row + lines + 1 + RIGID
+            modes, -film_wide[w, j], model.elements[0].films[0].shape, line, film_matrix, row + lines + 1 + RIGID
         )  # fmt: skip
         j += 1
     if rule == HALF:
         j = int(0)
         while j < n:
-            if film_pressure[w, 1, first + model.elements[0].films.function_of[first_unknown + j]] < real(0.0):
+            if film_pressure[w, 1, first + model.elements[0].films[0].function_of[first_unknown + j]] < real(0.0):
                 film_matrix[row + j] = real(0.0)
             j += 1
-    e = model.elements[0].films.entry_start[first + f]
-    while e < model.elements[0].films.entry_start[first + f + 1]:
-        g = model.elements[0].films.entry_point[e]
-        a = model.elements[0].films.entry_slot[e]
-        x = model.elements[0].films.slope_around[g, a]
-        z = model.elements[0].films.slope_along[g, a]
-        v = model.elements[0].films.value[g, a]
+    e = model.elements[0].films[0].entry_start[first + f]
+    while e < model.elements[0].films[0].entry_start[first + f + 1]:
+        g = model.elements[0].films[0].entry_point[e]
+        a = model.elements[0].films[0].entry_slot[e]
+        x = model.elements[0].films[0].slope_around[g, a]
+        z = model.elements[0].films[0].slope_along[g, a]
+        v = model.elements[0].films[0].value[g, a]
         wide = film_line[w, g, CONDUCTANCE]
         by_value = x * film_line[w, g, AROUND_BY_PRESSURE] + z * film_line[w, g, ALONG_BY_PRESSURE]
         by_value += v * film_line[w, g, FILLING_BY_PRESSURE]
         s = int(0)
-        while s < model.elements[0].films.function.shape[1]:
-            other = model.elements[0].films.function[g, s]
+        while s < model.elements[0].films[0].function.shape[1]:
+            other = model.elements[0].films[0].function[g, s]
             if other >= 0:
-                j = model.elements[0].films.unknown_of[first + other]
+                j = model.elements[0].films[0].unknown_of[first + other]
                 if j >= 0:
-                    flow = x * model.elements[0].films.slope_around[g, s]
-                    flow += z * model.elements[0].films.slope_along[g, s]
-                    entry = wide * flow + by_value * model.elements[0].films.value[g, s]
+                    flow = x * model.elements[0].films[0].slope_around[g, s]
+                    flow += z * model.elements[0].films[0].slope_along[g, s]
+                    entry = wide * flow + by_value * model.elements[0].films[0].value[g, s]
                     film_matrix[row + j] = film_matrix[row + j] + entry
             s += 1
         e += 1
     m = int(0)
     while m < modes and pushes:
-        at = model.elements[0].films.moment_start[film] + m * functions + f
-        film_matrix[row + lines + 1 + columns + RIGID + m] = -model.elements[0].films.moment[at]
+        at = model.elements[0].films[0].moment_start[film] + m * functions + f
+        film_matrix[row + lines + 1 + columns + RIGID + m] = -model.elements[0].films[0].moment[at]
         m += 1
     j = int(0)
     while j < n:
-        if film_full[w, 1, first + model.elements[0].films.function_of[first_unknown + j]] == 0:
+        if film_full[w, 1, first + model.elements[0].films[0].function_of[first_unknown + j]] == 0:
             film_matrix[row + j] = real(0.0)
         j += 1
     if film_full[w, 1, first + f] == 0:
@@ -276,7 +276,7 @@ def write_flow(
         for c in range(4):
             other = neighbour(model, first + f, c)
             if other >= 0:
-                j = model.elements[0].films.unknown_of[first + other]
+                j = model.elements[0].films[0].unknown_of[first + other]
                 if j >= 0 and film_full[w, 1, first + other] == 0:
                     comes = inflow(model, w, first, first + f, c, film_carried)
                     film_matrix[row + j] = film_matrix[row + j] + comes
@@ -295,21 +295,21 @@ def write_asperities(
     film_matrix: wp.array(dtype=real),
 ):
     """Line of the asperities at hat m, da + P' dh = P - a, but for the right-hand side; `row` is zero."""
-    n = model.elements[0].films.unknowns[film]
+    n = model.elements[0].films[0].unknowns[film]
     lines = lines_of(model, film)
-    modes = model.elements[0].films.modes[film]
+    modes = model.elements[0].films[0].modes[film]
     columns = RIGID + modes
-    first_unknown = model.elements[0].films.unknown_start[film]
-    first = model.elements[0].films.function_start[film]
-    hat = model.elements[0].films.hat_start[film] + m
+    first_unknown = model.elements[0].films[0].unknown_start[film]
+    first = model.elements[0].films[0].function_start[film]
+    hat = model.elements[0].films[0].hat_start[film] + m
     stiff = film_hat_line[w, hat, STIFFNESS]
-    line = model.elements[0].films.compliance_start[film] + m * lines
-    add_scaled(lines, stiff, model.elements[0].films.compliance, line, film_matrix, row)
-    line = model.elements[0].films.shape_start[film] + m * modes
-    add_scaled(modes, -stiff, model.elements[0].films.shape, line, film_matrix, row + lines + 1 + RIGID)
+    line = model.elements[0].films[0].compliance_start[film] + m * lines
+    add_scaled(lines, stiff, model.elements[0].films[0].compliance, line, film_matrix, row)
+    line = model.elements[0].films[0].shape_start[film] + m * modes
+    add_scaled(modes, -stiff, model.elements[0].films[0].shape, line, film_matrix, row + lines + 1 + RIGID)
     j = int(0)
     while j < n:
-        if film_full[w, 1, first + model.elements[0].films.function_of[first_unknown + j]] == 0:
+        if film_full[w, 1, first + model.elements[0].films[0].function_of[first_unknown + j]] == 0:
             film_matrix[row + j] = real(0.0)
         j += 1
     for c in range(3):
@@ -319,21 +319,21 @@ def write_asperities(
         film_matrix[at + 6] = -stiff * film_hat_line[w, hat, c]
         film_matrix[at + 9] = stiff * film_hat_line[w, hat, 6 + c]
     film_matrix[row + n + m] = film_matrix[row + n + m] + real(1.0)
-    f = first + model.elements[0].films.hat_function[hat]
-    e = model.elements[0].films.entry_start[f]
-    while e < model.elements[0].films.entry_start[f + 1]:
-        g = model.elements[0].films.entry_point[e]
-        v = model.elements[0].films.value[g, model.elements[0].films.entry_slot[e]]
-        push = v * model.elements[0].films.weight[g]
+    f = first + model.elements[0].films[0].hat_function[hat]
+    e = model.elements[0].films[0].entry_start[f]
+    while e < model.elements[0].films[0].entry_start[f + 1]:
+        g = model.elements[0].films[0].entry_point[e]
+        v = model.elements[0].films[0].value[g, model.elements[0].films[0].entry_slot[e]]
+        push = v * model.elements[0].films[0].weight[g]
         for c in range(RIGID):
             at = row + lines + 1 + columns + c
             film_matrix[at] = film_matrix[at] + push * opened_by_column(film_line, w, g, c)
         e += 1
-    rough = model.elements[0].films.rough[film]
+    rough = model.elements[0].films[0].rough[film]
     c = int(0)
     while c < modes:
-        at = model.elements[0].films.rough_moment_start[film] + c * rough + m
-        film_matrix[row + lines + 1 + columns + RIGID + c] = -model.elements[0].films.rough_moment[at]
+        at = model.elements[0].films[0].rough_moment_start[film] + c * rough + m
+        film_matrix[row + lines + 1 + columns + RIGID + c] = -model.elements[0].films[0].rough_moment[at]
         c += 1
 
 
@@ -348,12 +348,12 @@ def rest_of(
     film_hat_line: wp.array3d(dtype=real),
 ) -> real:
     """R of unknown i."""
-    n = model.elements[0].films.unknowns[film]
+    n = model.elements[0].films[0].unknowns[film]
     if i >= n:
-        hat = model.elements[0].films.hat_start[film] + i - n
+        hat = model.elements[0].films[0].hat_start[film] + i - n
         return film_asperity[w, 1, hat] - film_hat_line[w, hat, PRESSED]
-    f = model.elements[0].films.function_of[model.elements[0].films.unknown_start[film] + i]
-    return film_rest[w, model.elements[0].films.function_start[film] + f]
+    f = model.elements[0].films[0].function_of[model.elements[0].films[0].unknown_start[film] + i]
+    return film_rest[w, model.elements[0].films[0].function_start[film] + f]
 
 
 @wp.kernel
@@ -384,15 +384,15 @@ def assemble_film(
     model = models[0]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
-    n = model.elements[0].films.unknowns[film]
-    rough = model.elements[0].films.rough[film]
+    n = model.elements[0].films[0].unknowns[film]
+    rough = model.elements[0].films[0].rough[film]
     lines = lines_of(model, film)
-    columns = RIGID + model.elements[0].films.modes[film]
+    columns = RIGID + model.elements[0].films[0].modes[film]
     stride = line_length(model, film)
     base = matrix_at(model, w, film)
     run = system_at(model, w, film)
-    start = model.elements[0].films.system_start[film]
-    hat = model.elements[0].films.hat_start[film]
+    start = model.elements[0].films[0].system_start[film]
+    hat = model.elements[0].films[0].hat_start[film]
     bad = int(0)
     if ctl[w].refresh != 0:
         i = lane
@@ -444,7 +444,7 @@ def assemble_film(
                 j += 1
             i += wp.block_dim()
         sync()
-        square = model.elements[0].films.square_start[film]
+        square = model.elements[0].films[0].square_start[film]
         c = lane
         while c < columns:
             d = int(0)
@@ -482,7 +482,7 @@ def assemble_film(
         while i < lines:
             push += film_matrix[base + i * stride + lines + 1 + columns + c] * film_solution[run + i]
             i += 1
-        film_push[w, model.elements[0].films.column_start[film] + c] = push
+        film_push[w, model.elements[0].films[0].column_start[film] + c] = push
         c += wp.block_dim()
     if bad != 0 and lane == 0:
         ctl[w].failure = ctl[w].failure | k.SINGULAR
@@ -503,18 +503,18 @@ def stiffen_by_films(
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     film = int(0)
-    while film < model.elements[0].films.count:
-        columns = RIGID + model.elements[0].films.modes[film]
+    while film < model.elements[0].films[0].count:
+        columns = RIGID + model.elements[0].films[0].modes[film]
         c = int(0)
         while c < columns:
             i = outer_column(model, film, c)
             if i >= 0:
-                rhs[w, i] = rhs[w, i] - film_push[w, model.elements[0].films.column_start[film] + c]
+                rhs[w, i] = rhs[w, i] - film_push[w, model.elements[0].films[0].column_start[film] + c]
                 d = int(0)
                 while d < columns and ctl[w].refresh != 0:
                     j = outer_column(model, film, d)
                     if j >= 0:
-                        at = model.elements[0].films.square_start[film] + c * columns + d
+                        at = model.elements[0].films[0].square_start[film] + c * columns + d
                         tangent[w, i, j] = tangent[w, i, j] + film_stiffness[w, at]
                     d += 1
             c += 1
@@ -547,17 +547,17 @@ def limit_films(
     outer = w * model.outer.count
     modal = w * model.modes.count
     film = int(0)
-    while film < model.elements[0].films.count:
-        n = model.elements[0].films.unknowns[film]
-        modes = model.elements[0].films.modes[film]
+    while film < model.elements[0].films[0].count:
+        n = model.elements[0].films[0].unknowns[film]
+        modes = model.elements[0].films[0].modes[film]
         columns = RIGID + modes
         stride = line_length(model, film)
         base = matrix_at(model, w, film)
-        first = model.elements[0].films.function_start[film]
-        first_unknown = model.elements[0].films.unknown_start[film]
+        first = model.elements[0].films[0].function_start[film]
+        first_unknown = model.elements[0].films[0].unknown_start[film]
         lines = lines_of(model, film)
         run = system_at(model, w, film)
-        rule = model.elements[0].films.rule[film]
+        rule = model.elements[0].films[0].rule[film]
         i = lane
         while i < lines:
             change = -film_solution[run + i]
@@ -569,7 +569,7 @@ def limit_films(
                 c += 1
             film_change[run + i] = change
             if i < n:
-                f = first + model.elements[0].films.function_of[first_unknown + i]
+                f = first + model.elements[0].films[0].function_of[first_unknown + i]
                 p = film_pressure[w, 1, f]
                 if film_full[w, 1, f] == 0:
                     change = real(0.0)
@@ -578,21 +578,21 @@ def limit_films(
             film_acting[run + i] = change
             i += wp.block_dim()
         sync()
-        first_hat = model.elements[0].films.hat_start[film]
+        first_hat = model.elements[0].films[0].hat_start[film]
         m = lane
-        while m < model.elements[0].films.hat_start[film + 1] - first_hat:
-            line = model.elements[0].films.compliance_start[film] + m * lines
-            opened = dot(lines, model.elements[0].films.compliance, line, film_acting, run)
+        while m < model.elements[0].films[0].hat_start[film + 1] - first_hat:
+            line = model.elements[0].films[0].compliance_start[film] + m * lines
+            opened = dot(lines, model.elements[0].films[0].compliance, line, film_acting, run)
             c = int(0)
             while c < modes:
-                at = model.elements[0].films.shape_start[film] + m * modes + c
-                opened -= model.elements[0].films.shape[at] * z[outer + outer_column(model, film, RIGID + c)]
+                at = model.elements[0].films[0].shape_start[film] + m * modes + c
+                opened -= model.elements[0].films[0].shape[at] * z[outer + outer_column(model, film, RIGID + c)]
                 c += 1
             film_opening[w, first_hat + m] = opened
             m += wp.block_dim()
         sync()
-        g = model.elements[0].films.point_start[film] + lane
-        while g < model.elements[0].films.point_start[film + 1]:
+        g = model.elements[0].films[0].point_start[film] + lane
+        while g < model.elements[0].films[0].point_start[film + 1]:
             opened = at_point(model, g, film_opening, w, first_hat)
             for c in range(RIGID):
                 at = outer_column(model, film, c)
@@ -604,8 +604,8 @@ def limit_films(
         least = real(1.0e300)
         ahead = real(1.0e300)
         closing = real(0.0)
-        g = model.elements[0].films.point_start[film]
-        while g < model.elements[0].films.point_start[film + 1]:
+        g = model.elements[0].films[0].point_start[film]
+        while g < model.elements[0].films[0].point_start[film + 1]:
             least = wp.min(least, film_line[w, g, GAP])
             ahead = wp.min(ahead, film_line[w, g, GAP] + film_ahead[w, g])
             closing = wp.max(closing, -film_ahead[w, g])
@@ -645,20 +645,20 @@ def take_film(
     model = models[0]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
-    n = model.elements[0].films.unknowns[film]
-    first = model.elements[0].films.function_start[film]
-    first_unknown = model.elements[0].films.unknown_start[film]
+    n = model.elements[0].films[0].unknowns[film]
+    first = model.elements[0].films[0].function_start[film]
+    first_unknown = model.elements[0].films[0].unknown_start[film]
     run = system_at(model, w, film)
     part = film_part[w]
-    none = -NO_VOID * model.elements[0].films.thickness[film]
+    none = -NO_VOID * model.elements[0].films[0].thickness[film]
     i = lane
     while i < n:
-        f = first + model.elements[0].films.function_of[first_unknown + i]
+        f = first + model.elements[0].films[0].function_of[first_unknown + i]
         film_switch[w, first_unknown + i] = 0
         change = film_change[run + i]
         if film_full[w, 1, f] != 0:
             p = film_pressure[w, 1, f]
-            if model.elements[0].films.voids[f] != 0 and p + change <= real(0.0):
+            if model.elements[0].films[0].voids[f] != 0 and p + change <= real(0.0):
                 film_full[w, 1, f] = 0
                 film_pressure[w, 1, f] = real(0.0)
                 film_switch[w, first_unknown + i] = 1
@@ -674,8 +674,8 @@ def take_film(
                 film_void[w, 1, f] = void + part * change
         i += wp.block_dim()
     m = lane
-    while m < model.elements[0].films.rough[film]:
-        hat = model.elements[0].films.hat_start[film] + m
+    while m < model.elements[0].films[0].rough[film]:
+        hat = model.elements[0].films[0].hat_start[film] + m
         film_asperity[w, 1, hat] = wp.max(film_asperity[w, 1, hat] + part * film_change[run + n + m], real(0.0))
         m += wp.block_dim()
     sync()

@@ -150,7 +150,7 @@ def balance(
         place += 1
     switching = int(0)  # films whose set has changed, or that could not go all the way
     film = int(0)
-    while film < model.elements[0].films.count:
+    while film < model.elements[0].films[0].count:
         scale = wp.max(scale, wp.length(vec3(film_sums[w, film, 0], film_sums[w, film, 1], film_sums[w, film, 2])))
         worst = wp.max(worst, film_off[w, film])
         sum += film_off[w, film]
@@ -193,7 +193,7 @@ def balance(
             n += 1
         pair += 1
     n = int(0)
-    while n < film_modal.shape[1] and model.elements[0].films.count > 0:
+    while n < film_modal.shape[1] and model.elements[0].films[0].count > 0:
         modal_scale = wp.max(modal_scale, wp.abs(film_modal[w, n]))
         n += 1
     row = int(0)

@@ -163,7 +163,7 @@ def balance_energy(
         of_pairs -= lumped_energy[w, 0, place]
         place += 1
     film = int(0)
-    while film < model.elements[0].films.count:
+    while film < model.elements[0].films[0].count:
         of_pairs -= film_energy[w, 0, film]
         film += 1
     grid = contact - of_pairs + contact_work - friction
@@ -174,7 +174,7 @@ def balance_energy(
         friction -= lumped_taken[w, place, RUBBED]
         place += 1
     film = int(0)
-    while film < model.elements[0].films.count:
+    while film < model.elements[0].films[0].count:
         contact += film_energy[w, 1, film]
         damping += film_taken[w, film, 0]
         friction -= film_taken[w, film, 1]

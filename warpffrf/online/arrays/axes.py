@@ -268,7 +268,7 @@ FILM_STARTS = ("hat", "function", "unknown", "point", "column", "square")
 
 def film_sizes(compiled: CompiledScene) -> dict[str, int]:
     """Those of oil films."""
-    films = compiled.elements.films
+    films = compiled.films
     if not films.count:
         more = ("film", "film_near", "film_number", "film_line")
         return dict.fromkeys((*more, *(f"film_{name}" for name in FILM_STARTS)), 0)

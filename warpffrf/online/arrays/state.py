@@ -196,7 +196,7 @@ def initial_state(compiled: CompiledScene, sizes: Sizes) -> State:
 
 def _fill_films(compiled: CompiledScene, state: State, worlds: int) -> None:
     """Full films without pressure but where it is given, of the gaps that the scene begins with."""
-    films = compiled.elements.films
+    films = compiled.films
     if not films.count:
         return
     for array, values in ((state.film_pressure, films.given.numpy()), (state.film_mass, films.begin.numpy())):

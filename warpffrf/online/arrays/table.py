@@ -6,7 +6,7 @@ import inspect
 from typing import Any
 
 from warpffrf_kernels.core.declaration import Declaration, parts
-from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.model import Elements, Films, Model
 
 from warpffrf.online.arrays.axes import NAMES
 from warpffrf.online.arrays.declaration import Arrays
@@ -49,7 +49,7 @@ def markdown() -> str:
 
 def topics() -> dict[str, Any]:
     """Those of the model and its elements that have arrays, by the name of their field."""
-    fields = {**vars(Model()), **vars(Elements())}
+    fields = {**vars(Model()), **vars(Elements()), "films": Films()}
     found = {name: type(value) for name, value in fields.items() if hasattr(value, "declarations")}
     return {name: topic for name, topic in found.items() if topic.declarations}
 

@@ -75,7 +75,7 @@ class Tables:
 
 def fill_films(collector: Collector) -> None:
     """Tables of all films. Raises `InputError` for what films do not do."""
-    films, topic = collector.scene.films, collector.elements.films
+    films, topic = collector.scene.films, collector.films
     declared: Any = Films
     tables = Tables()
     for number, film in enumerate(films):

@@ -135,7 +135,7 @@ def pattern_of(compiled: CompiledScene) -> OuterPattern:
     couples = np.concatenate(
         [
             np.stack([kind.first.numpy(), kind.second.numpy()], axis=1)[: kind.count]
-            for kind in (compiled.elements.lumped, compiled.elements.films)
+            for kind in (compiled.elements.lumped, compiled.films)
         ]
     )
     return find_pattern(

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import warp as wp
-from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.model import Elements, Films, Model
 
 from warpffrf.model.claims import refuse_claims_of
 from warpffrf.model.errors import InputError
@@ -47,6 +47,7 @@ class CompiledScene:
     scene: Scene
     model: Model
     elements: Elements  # what `model.elements` has on the device
+    films: Films  # what `model.elements[0].films` has
     models: wp.array  # the same as a device array of one entry: kernels read it by address, launches stay small
     device: str
     joints: JointTable  # rows of each joint, drives included, and those left out
@@ -105,18 +106,19 @@ def _compiled(collector: Collector) -> CompiledScene:
     fill_films(collector)
     fill_patches(collector, m)
     fill_rolling(collector, m)
-    slow = collector.elements.layers.count or collector.elements.lumped.count or collector.elements.films.count
+    slow = collector.elements.layers.count or collector.elements.lumped.count or collector.films.count
     collector.fill(
         m.limits, residual_tolerance=settings.residual_tolerance, energy_tolerance=settings.energy_tolerance,
         max_iterations=settings.max_iterations * (LAYER_ITERATIONS if slow else 1),
         max_inner=settings.max_inner, max_guarded=settings.max_guarded, max_level=settings.max_level,
         most_made=0.0 if any(film.cavitation == "half" for film in collector.scene.films) else settings.most_made,
     )  # fmt: skip
+    collector.elements.films = wp.array([collector.films], dtype=Films, device=collector.device)
     m.elements = wp.array([collector.elements], dtype=Elements, device=collector.device)
     return CompiledScene(
-        scene, m, collector.elements, wp.array([m], dtype=Model, device=collector.device), collector.device, joints,
-        springs, slips, len(collector.rows), modal_start, modes, stiffened, collector.local, collector.inertia,
-        collector.cell_room, collector.patches, collector.notes,
+        scene, m, collector.elements, collector.films, wp.array([m], dtype=Model, device=collector.device),
+        collector.device, joints, springs, slips, len(collector.rows), modal_start, modes, stiffened, collector.local,
+        collector.inertia, collector.cell_room, collector.patches, collector.notes,
     )  # fmt: skip
 
 

@@ -55,7 +55,7 @@ def alternation_notes(scene: Scene, integrator: Integrator) -> list[str]:
 
 def squeezed_out(engine: Engine) -> str:
     """Of a run that failed, a clause that names the film that was squeezed out, "" where none was."""
-    films = engine.compiled.elements.films
+    films = engine.compiled.films
     for i, film in enumerate(engine.scene.films):
         first, end = films.point_start.numpy()[i : i + 2]
         gap = engine.scratch.film_line.numpy()[:, first:end, int(GAP)]

@@ -28,7 +28,7 @@ def film_histories(compiled: Any, rows: SavedRows, bodies: dict[str, BodyHistory
     """By name; the arrays of films are read where the scene has some."""
     found = {}
     for i, film in enumerate(compiled.scene.films):
-        first, end = compiled.elements.films.hat_start.numpy()[i : i + 2]
+        first, end = compiled.films.hat_start.numpy()[i : i + 2]
         fields = {name: rows[f"saved_film_{name}"][:, first:end] for name in FIELDS}
         found[str(film.name)] = _history(film, rows["saved_film"][:, i], fields, bodies)
     return found

@@ -115,7 +115,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
 
 def _films_steady(engine: Engine) -> bool:
     """Whether the voids of films have stayed in the last step, which take turns to come to where they stay."""
-    films = engine.compiled.elements.films
+    films = engine.compiled.films
     if not films.count:
         return True
     moved = np.abs(engine.state.film_void.numpy()[:, 0] - engine.state.film_void_before.numpy()).max()

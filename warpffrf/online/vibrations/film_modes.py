@@ -51,13 +51,13 @@ class FilmSystem:
 
 def smallest_gap(engine: Engine) -> float:
     """Of all films [m], at the last evaluation; infinite without."""
-    count = engine.compiled.elements.films.count
+    count = engine.compiled.films.count
     return float(engine.scratch.film_line.numpy()[0, :, int(GAP)].min()) if count else np.inf
 
 
 def film_systems(engine: Engine, coordinates: int) -> list[FilmSystem]:
     """Of all films of world 0 at the state that was evaluated last; `coordinates`: n."""
-    films = engine.compiled.elements.films
+    films = engine.compiled.films
     if not films.count:
         return []
     found = []
@@ -77,7 +77,7 @@ def film_systems(engine: Engine, coordinates: int) -> list[FilmSystem]:
 
 def _system(engine: Engine, film: int, coordinates: int) -> tuple[Array, Array, Array]:
     """J, B and P of a film as it was assembled last."""
-    m, films = engine.compiled.model, engine.compiled.elements.films
+    m, films = engine.compiled.model, engine.compiled.films
     lines = int(films.unknowns.numpy()[film] + films.rough.numpy()[film])
     modes = int(films.modes.numpy()[film])
     columns = int(system.RIGID) + modes
