@@ -25,7 +25,7 @@ NUMBER = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 
 @pytest.fixture(scope="module")
 def code() -> str:
-    found = re.findall(r"```py\n(.*?)```", README, flags=re.DOTALL)
+    found = [code for code in re.findall(r"```py\n(.*?)```", README, flags=re.DOTALL) if "friction=" in code]
     assert len(found) == 1
     return found[0]
 
