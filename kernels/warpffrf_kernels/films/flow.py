@@ -42,23 +42,6 @@ TAKEN = 2  # lines of the ledger: by pressure, voids and feeds; by sliding
 
 
 @wp.func
-def outflow(model: Model, w: int, first: int, i: int, film_carried: wp.array3d(dtype=real)) -> real:
-    """m2/s, what voids of function i leave with over all faces: its own part of T."""
-    total = real(0.0)
-    if model.elements[0].films[0].next_around[i] >= 0:
-        total += wp.max(through(model, w, first, i, 0, film_carried), real(0.0))
-    if model.elements[0].films[0].next_along[i] >= 0:
-        total += wp.max(through(model, w, first, i, 1, film_carried), real(0.0))
-    before = model.elements[0].films[0].before_around[i]
-    if before >= 0:
-        total += wp.max(-through(model, w, first, first + before, 0, film_carried), real(0.0))
-    before = model.elements[0].films[0].before_along[i]
-    if before >= 0:
-        total += wp.max(-through(model, w, first, first + before, 1, film_carried), real(0.0))
-    return total
-
-
-@wp.func
 def through(model: Model, w: int, first: int, i: int, way: int, film_carried: wp.array3d(dtype=real)) -> real:
     """m2/s, half of the sliding through the face behind function i, times its width."""
     other = model.elements[0].films[0].next_around[i]
@@ -83,14 +66,29 @@ def neighbour(model: Model, i: int, n: int) -> int:
 
 
 @wp.func
-def inflow(model: Model, w: int, first: int, i: int, n: int, film_carried: wp.array3d(dtype=real)) -> real:
-    """m2/s, with what the voids of the n-th neighbour of function i come to it."""
+def leaving(model: Model, w: int, first: int, i: int, n: int, film_carried: wp.array3d(dtype=real)) -> real:
+    """m2/s, from function i through the face to its n-th neighbour, negative where it comes from there."""
     other = neighbour(model, i, n)
     if other < 0:
         return real(0.0)
     if n == 0 or n == 2:
-        return wp.max(-through(model, w, first, i, n / 2, film_carried), real(0.0))
-    return wp.max(through(model, w, first, first + other, n / 2, film_carried), real(0.0))
+        return through(model, w, first, i, n / 2, film_carried)
+    return -through(model, w, first, first + other, n / 2, film_carried)
+
+
+@wp.func
+def outflow(model: Model, w: int, first: int, i: int, film_carried: wp.array3d(dtype=real)) -> real:
+    """m2/s, what voids of function i leave with over all faces: its own part of T."""
+    total = real(0.0)
+    for n in range(4):
+        total += wp.max(leaving(model, w, first, i, n, film_carried), real(0.0))
+    return total
+
+
+@wp.func
+def inflow(model: Model, w: int, first: int, i: int, n: int, film_carried: wp.array3d(dtype=real)) -> real:
+    """m2/s, with what the voids of the n-th neighbour of function i come to it."""
+    return wp.max(-leaving(model, w, first, i, n, film_carried), real(0.0))
 
 
 @wp.func

@@ -219,9 +219,8 @@ def decide(
     ctl[w].sub = ctl[w].sub + 1
     if ctl[w].level > 0:
         quiet = event == 0 and wp.abs(defect) <= QUIET * model.limits.energy_tolerance * hand
-        if (
-            model.elements[0].films[0].count > 0 and touching == 0 and struck == 0
-        ):  # halved for films that were too fast
+        # halved for films that were too fast, whose energy says nothing of the step
+        if model.elements[0].films[0].count > 0 and touching == 0 and struck == 0:
             quiet = event == 0
         if clk[w].error > real(0.0):  # a step that is halved for its error alone
             quiet = event == 0 and clk[w].error <= real(0.5) * QUIET  # doubled it would be half of what is allowed

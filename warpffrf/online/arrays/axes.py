@@ -85,7 +85,7 @@ NAMES = {
     "film_hat": "hats of the first surfaces of films",
     "film_function": "functions that pressures of films are made of",
     "film_unknown": "those whose pressure is not given",
-    "film_line": "unknowns of films: pressures or voids, and pressures of asperities",
+    "film_system": "unknowns of films: pressures or voids, and pressures of asperities",
     "film_point": "points of films",
     "film_near": "hats around the points of each function",
     "film_number": "numbers of the linear systems of films",
@@ -270,10 +270,10 @@ def film_sizes(compiled: CompiledScene) -> dict[str, int]:
     """Those of oil films."""
     films = compiled.films
     if not films.count:
-        more = ("film", "film_near", "film_number", "film_line")
+        more = ("film", "film_near", "film_number", "film_system")
         return dict.fromkeys((*more, *(f"film_{name}" for name in FILM_STARTS)), 0)
     found = {f"film_{name}": int(getattr(films, f"{name}_start").numpy()[-1]) for name in FILM_STARTS}
-    found["film_line"] = int(films.system_start.numpy()[-1])
+    found["film_system"] = int(films.system_start.numpy()[-1])
     return found | {
         "film": films.count, "film_near": films.near.shape[0], "film_number": int(films.matrix_start.numpy()[-1])
     }  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels.films import flow, keeping, sampling, system
+from warpffrf_kernels.films import flow, increments, keeping, sampling, system
 
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.phases import Participant
@@ -17,8 +17,8 @@ FILM = Participant(
         threads(flow.push_films),
     ],
     assemble=[blocks(system.assemble_film, "film"), threads(system.stiffen_by_films)],
-    answer=[blocks(system.limit_films)],
-    advance=[blocks(system.take_film, "film")],
+    answer=[blocks(increments.limit_films)],
+    advance=[blocks(increments.take_film, "film")],
     book=[threads(flow.book_films)],
     keep=[blocks(keeping.keep_film, "film")],
     record=[blocks(keeping.record_film, "film")],

@@ -245,8 +245,9 @@ def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
         )
     if linear.films:
         notes.append(
-            "oil films keep their sets of voids: the modes are those of vibrations too small to change them; with the "
-            "velocities that walls slide with, and what drag does to small motions left out at an equilibrium"
+            "oil films keep their sets of voids: the modes are those of vibrations too small to change them; motions "
+            "of oil alone are left out, walls slide as the state has it, and at an equilibrium what drag does to small "
+            "motions is left out"
         )
     if linear.kinked:
         notes.append(
