@@ -22,7 +22,7 @@ from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
 from warpffrf_kernels.films.flow import holding, inflow, neighbour
 from warpffrf_kernels.films.sampling import (
     ALONG_BY_GAP,
@@ -33,9 +33,12 @@ from warpffrf_kernels.films.sampling import (
     FILLING_BY_GAP,
     FILLING_BY_PRESSURE,
     HALF,
+    MOMENT,
+    NORMAL,
     PRESSED,
     PRESSURE,
     REYNOLDS,
+    SECOND_MOMENT,
     STIFFNESS,
 )
 from warpffrf_kernels.films.second import write_second
@@ -46,13 +49,47 @@ from warpffrf_kernels.films.unknowns import (
     line_length,
     lines_of,
     matrix_at,
-    opened_by_column,
     outer_column,
     system_at,
+    vector_at,
 )
 from warpffrf_kernels.linear.general_elimination import eliminate, solve_again
 
 wp.set_module_options(MODULE_OPTIONS)
+
+
+# Zero what unknowns of the first `thin` places have in a line, by one lane.
+@wp.func_native("""
+    double* __restrict q = line.data + at; const int* p = place.data + start;
+    for (int i = 0; i < n; ++i) q[i] = p[i] < thin ? 0.0 : q[i];
+""")
+def clear_thin(n: int, place: wp.array(dtype=int), start: int, thin: int, line: wp.array(dtype=real), at: int): ...
+
+
+# y[at + place] = x[from], by one lane.
+@wp.func_native("""
+    double* q = y.data + at; const double* v = x.data + start_x; const int* p = place.data + start;
+    for (int i = 0; i < n; ++i) q[p[i]] = v[i];
+""")
+def put_in_order(
+    n: int,
+    x: wp.array(dtype=real),
+    start_x: int,
+    place: wp.array(dtype=int),
+    start: int,
+    y: wp.array(dtype=real),
+    at: int,
+): ...
+
+
+@wp.func
+def put_rigid(matrix: wp.array(dtype=real), at: int, n: vec3, first: vec3, second: vec3):
+    """What stands in the rigid columns: n at both bodies, with its moments about their centres of mass."""
+    for c in range(3):
+        matrix[at + c] = n[c]
+        matrix[at + 3 + c] = first[c]
+        matrix[at + 6 + c] = -n[c]
+        matrix[at + 9 + c] = second[c]
 
 
 @wp.func
@@ -76,12 +113,12 @@ def order_unknowns(
     film_full: wp.array3d(dtype=int),
     film_rough: wp.array2d(dtype=int),
     film_carried: wp.array3d(dtype=real),
-    film_order: wp.array2d(dtype=int),
+    film_order: wp.array(dtype=int),
 ) -> int:
     """Where each unknown stands in the elimination: thin ones first, voids in the order in which the oil comes to them
     around, which leaves next to nothing of their columns. Returns how many there are."""
     lines = lines_of(model, film)
-    start = model.elements[0].films[0].system_start[film]
+    start = system_at(model, w, film)
     sync()
     thin = int(0)
     i = int(0)
@@ -96,12 +133,12 @@ def order_unknowns(
         i = int(0)
         while i < lines:
             if is_thin(model, w, film, i, film_full, film_rough):
-                film_order[w, start + i] = place
+                film_order[start + i] = place
                 if backwards:
-                    film_order[w, start + i] = thin - 1 - place
+                    film_order[start + i] = thin - 1 - place
                 place += 1
             else:
-                film_order[w, start + i] = rest
+                film_order[start + i] = rest
                 rest += 1
             i += 1
     sync()
@@ -115,11 +152,13 @@ def write_flow(
     film: int,
     i: int,
     row: int,
+    thin: int,
     film_pressure: wp.array3d(dtype=real),
     film_full: wp.array3d(dtype=int),
     film_rates: wp.array2d(dtype=real),
     film_carried: wp.array3d(dtype=real),
     film_line: wp.array3d(dtype=real),
+    film_order: wp.array(dtype=int),
     film_wide: wp.array2d(dtype=real),
     film_matrix: wp.array(dtype=real),
 ):
@@ -141,6 +180,12 @@ def write_flow(
     pushes = film_full[w, 1, first + f] != 0
     if rule == HALF and film_pressure[w, 1, first + f] < real(0.0):
         pushes = False
+    gap_n = vec3(real(0.0))
+    gap_first = vec3(real(0.0))
+    gap_second = vec3(real(0.0))
+    push_n = vec3(real(0.0))
+    push_first = vec3(real(0.0))
+    push_second = vec3(real(0.0))
     e = model.elements[0].films[0].entry_start[first + f]
     while e < model.elements[0].films[0].entry_start[first + f + 1]:
         g = model.elements[0].films[0].entry_point[e]
@@ -156,12 +201,18 @@ def write_flow(
         push = v * model.elements[0].films[0].weight[g]
         if not pushes or (rule == HALF and film_line[w, g, PRESSURE] <= real(0.0)):
             push = real(0.0)
-        for c in range(RIGID):
-            opened = opened_by_column(film_line, w, g, c)
-            at = row + lines + 1 + c
-            film_matrix[at] = film_matrix[at] + by_gap * opened
-            film_matrix[at + columns] = film_matrix[at + columns] + push * opened
+        n_there = vector_at(film_line, w, g, NORMAL)
+        first_there = vector_at(film_line, w, g, MOMENT)
+        second_there = vector_at(film_line, w, g, SECOND_MOMENT)
+        gap_n += by_gap * n_there
+        gap_first += by_gap * first_there
+        gap_second += by_gap * second_there
+        push_n += push * n_there
+        push_first += push * first_there
+        push_second += push * second_there
         e += 1
+    put_rigid(film_matrix, row + lines + 1, gap_n, gap_first, gap_second)
+    put_rigid(film_matrix, row + lines + 1 + columns, push_n, push_first, push_second)
     j = near
     while j < model.elements[0].films[0].near_start[first + f + 1]:
         m = model.elements[0].films[0].near[j]
@@ -205,11 +256,7 @@ def write_flow(
         at = model.elements[0].films[0].moment_start[film] + m * functions + f
         film_matrix[row + lines + 1 + columns + RIGID + m] = -model.elements[0].films[0].moment[at]
         m += 1
-    j = int(0)
-    while j < n:
-        if film_full[w, 1, first + model.elements[0].films[0].function_of[first_unknown + j]] == 0:
-            film_matrix[row + j] = real(0.0)
-        j += 1
+    clear_thin(lines, film_order, system_at(model, w, film), thin, film_matrix, row)
     if film_full[w, 1, first + f] == 0:
         film_matrix[row + i] = -holding(model, w, film, first + f, film_rates, film_carried)
     if rule != REYNOLDS:
@@ -229,9 +276,10 @@ def write_asperities(
     film: int,
     m: int,
     row: int,
-    film_full: wp.array3d(dtype=int),
+    thin: int,
     film_line: wp.array3d(dtype=real),
     film_hat_line: wp.array3d(dtype=real),
+    film_order: wp.array(dtype=int),
     film_matrix: wp.array(dtype=real),
 ):
     """Line of the asperities at hat m, da + P' dh = P - a, but for the right-hand side; `row` is zero."""
@@ -239,7 +287,6 @@ def write_asperities(
     lines = lines_of(model, film)
     modes = model.elements[0].films[0].modes[film]
     columns = columns_of(model, film)
-    first_unknown = model.elements[0].films[0].unknown_start[film]
     first = model.elements[0].films[0].function_start[film]
     hat = model.elements[0].films[0].hat_start[film] + m
     stiff = film_hat_line[w, hat, STIFFNESS]
@@ -247,28 +294,26 @@ def write_asperities(
     add_scaled(lines, stiff, model.elements[0].films[0].compliance, line, film_matrix, row)
     line = model.elements[0].films[0].shape_start[film] + m * modes
     add_scaled(modes, -stiff, model.elements[0].films[0].shape, line, film_matrix, row + lines + 1 + RIGID)
-    j = int(0)
-    while j < n:
-        if film_full[w, 1, first + model.elements[0].films[0].function_of[first_unknown + j]] == 0:
-            film_matrix[row + j] = real(0.0)
-        j += 1
-    for c in range(3):
-        at = row + lines + 1 + c
-        film_matrix[at] = stiff * film_hat_line[w, hat, c]
-        film_matrix[at + 3] = stiff * film_hat_line[w, hat, 3 + c]
-        film_matrix[at + 6] = -stiff * film_hat_line[w, hat, c]
-        film_matrix[at + 9] = stiff * film_hat_line[w, hat, 6 + c]
+    clear_thin(lines, film_order, system_at(model, w, film), thin, film_matrix, row)
+    put_rigid(
+        film_matrix, row + lines + 1, stiff * vector_at(film_hat_line, w, hat, 0),
+        stiff * vector_at(film_hat_line, w, hat, 3), stiff * vector_at(film_hat_line, w, hat, 6),
+    )  # fmt: skip
     film_matrix[row + n + m] = film_matrix[row + n + m] + real(1.0)
     f = first + model.elements[0].films[0].hat_function[hat]
+    push_n = vec3(real(0.0))
+    push_first = vec3(real(0.0))
+    push_second = vec3(real(0.0))
     e = model.elements[0].films[0].entry_start[f]
     while e < model.elements[0].films[0].entry_start[f + 1]:
         g = model.elements[0].films[0].entry_point[e]
         v = model.elements[0].films[0].value[g, model.elements[0].films[0].entry_slot[e]]
         push = v * model.elements[0].films[0].weight[g]
-        for c in range(RIGID):
-            at = row + lines + 1 + columns + c
-            film_matrix[at] = film_matrix[at] + push * opened_by_column(film_line, w, g, c)
+        push_n += push * vector_at(film_line, w, g, NORMAL)
+        push_first += push * vector_at(film_line, w, g, MOMENT)
+        push_second += push * vector_at(film_line, w, g, SECOND_MOMENT)
         e += 1
+    put_rigid(film_matrix, row + lines + 1 + columns, push_n, push_first, push_second)
     rough = model.elements[0].films[0].rough[film]
     c = int(0)
     while c < modes:
@@ -317,11 +362,11 @@ def assemble_film(
     film_wide: inout(wp.array2d(dtype=real)),
     film_matrix: inout(wp.array(dtype=real)),
     film_factor: inout(wp.array(dtype=real)),
-    film_order: inout(wp.array2d(dtype=int)),
+    film_order: inout(wp.array(dtype=int)),
     film_pivots: inout(wp.array(dtype=int)),
     film_change: inout(wp.array(dtype=real)),
     film_solution: inout(wp.array(dtype=real)),
-    film_stiffness: inout(wp.array2d(dtype=real)),
+    film_stiffness: inout(wp.array(dtype=real)),
     film_push: out(wp.array2d(dtype=real)),
 ):
     """Per (world, film), lanes over lines: J, B and P where the outer matrix is new, with J^-1 B; then J^-1 R."""
@@ -336,7 +381,6 @@ def assemble_film(
     stride = line_length(model, film)
     base = matrix_at(model, w, film)
     run = system_at(model, w, film)
-    start = model.elements[0].films[0].system_start[film]
     hat = model.elements[0].films[0].hat_start[film]
     second = model.elements[0].films[0].second_hats[film] > 0
     bad = int(0)
@@ -365,22 +409,17 @@ def assemble_film(
                 )  # fmt: skip
             if i < n:
                 write_flow(
-                    model, w, film, i, row, film_pressure, film_full, film_rates, film_carried, film_line, film_wide,
-                    film_matrix,
+                    model, w, film, i, row, thin, film_pressure, film_full, film_rates, film_carried, film_line,
+                    film_order, film_wide, film_matrix,
                 )  # fmt: skip
             elif film_rough[w, hat + i - n] != 0:
-                write_asperities(model, w, film, i - n, row, film_full, film_line, film_hat_line, film_matrix)
+                write_asperities(model, w, film, i - n, row, thin, film_line, film_hat_line, film_order, film_matrix)
             else:
                 film_matrix[row + i] = real(1.0)
             film_matrix[row + lines] = rest_of(model, w, film, i, film_rest, film_asperity, film_hat_line)
-            sorted = base + film_order[w, start + i] * stride
-            j = int(0)
-            while j < lines:
-                entry = film_matrix[row + j]
-                if j >= n and j != i and film_rough[w, hat + j - n] == 0:
-                    entry = real(0.0)  # pressures that are zero, and stay so
-                film_factor[sorted + film_order[w, start + j]] = entry
-                j += 1
+            sorted = base + film_order[run + i] * stride
+            put_in_order(lines, film_matrix, row, film_order, run, film_factor, sorted)
+            j = lines
             while j < lines + 1 + columns:
                 film_factor[sorted + j] = film_matrix[row + j]
                 j += 1
@@ -390,7 +429,7 @@ def assemble_film(
         i = lane
         while i < lines:
             row = base + i * stride
-            sorted = base + film_order[w, start + i] * stride
+            sorted = base + film_order[run + i] * stride
             film_solution[run + i] = film_factor[sorted + lines]
             j = lines + 1
             while j < lines + 1 + columns:
@@ -398,35 +437,32 @@ def assemble_film(
                 j += 1
             i += wp.block_dim()
         sync()
-        square = model.elements[0].films[0].square_start[film]
+        square = w * model.elements[0].films[0].square_start[model.elements[0].films[0].count]
+        square += model.elements[0].films[0].square_start[film]
         c = lane
         while c < columns:
             d = int(0)
             while d < columns:
-                film_stiffness[w, square + c * columns + d] = real(0.0)
+                film_stiffness[square + c * columns + d] = real(0.0)
                 d += 1
             i = int(0)
             while i < lines:
                 row = base + i * stride + lines + 1
                 push = film_matrix[row + columns + c]
                 if push != real(0.0):
-                    d = int(0)
-                    while d < columns:
-                        at = square + c * columns + d
-                        film_stiffness[w, at] = film_stiffness[w, at] + push * film_matrix[row + d]
-                        d += 1
+                    add_scaled(columns, push, film_matrix, row, film_stiffness, square + c * columns)
                 i += 1
             c += wp.block_dim()
     else:
         i = lane
         while i < lines:
             rest = rest_of(model, w, film, i, film_rest, film_asperity, film_hat_line)
-            film_change[run + film_order[w, start + i]] = rest
+            film_change[run + film_order[run + i]] = rest
             i += wp.block_dim()
         solve_again(film_factor, base, stride, lines, film_pivots, run, film_change, run)
         i = lane
         while i < lines:
-            film_solution[run + i] = film_change[run + film_order[w, start + i]]
+            film_solution[run + i] = film_change[run + film_order[run + i]]
             i += wp.block_dim()
         sync()
     c = lane

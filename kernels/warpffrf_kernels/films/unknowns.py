@@ -7,7 +7,7 @@ yields.
 import warp as wp
 
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.films.sampling import MOMENT, NORMAL, SECOND_MOMENT
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -51,6 +51,12 @@ def system_at(model: Model, w: int, film: int) -> int:
 def matrix_at(model: Model, w: int, film: int) -> int:
     total = model.elements[0].films[0].matrix_start[model.elements[0].films[0].count]
     return w * total + model.elements[0].films[0].matrix_start[film]
+
+
+@wp.func
+def vector_at(numbers: wp.array3d(dtype=real), w: int, place: int, c: int) -> vec3:
+    """Three of the numbers of a place."""
+    return vec3(numbers[w, place, c], numbers[w, place, c + 1], numbers[w, place, c + 2])
 
 
 @wp.func

@@ -3,8 +3,9 @@
     P A = L U,      x = U^-1 L^-1 P b,
 
 A of n lines in the first n columns of lines `stride` long; `at` is where it begins. The first `thin` columns have next
-to nothing below their diagonal, which is their pivot; the others are taken eight at a time, so that the rest of the
-matrix is gone through once for eight. Native for contiguous inner loops like `axpy`.
+to nothing below their diagonal, which is their pivot: each line is freed of what it has there. The others are taken
+eight at a time, so that the rest of the matrix is gone through once for eight, four lines at a time. Native for
+contiguous inner loops like `axpy`.
 """
 
 import warp as wp
@@ -21,18 +22,21 @@ wp.set_module_options(MODULE_OPTIONS)
     double* A = a.data + at;
     int* swapped = pivots.data + at_pivots;
     int bad = 0;
-    for (int c = 0; c < thin; ++c) {
-        const double* u = A + (size_t)c * stride; double pivot = u[c];
-        if (!(::fabs(pivot) > 0.0)) { bad = 1; pivot = 1.0; }
-        if (lane == 0) swapped[c] = c;
-        for (int i = c + 1; i < n; ++i) {
-            double* __restrict x = A + (size_t)i * stride; const double m = x[c] / pivot;
+    for (int i = 0; i < n; ++i) {  // by the lines above it
+        double* __restrict x = A + (size_t)i * stride; const int last = i < thin ? i : thin;
+        for (int c = 0; c < last; ++c) {
+            const double own = x[c];
+            if (own == 0.0) continue;
+            const double* u = A + (size_t)c * stride; const double m = own / u[c];
             WP_TILE_SYNC();
-            if (m == 0.0) continue;
             if (lane == 0) x[c] = m;
             for (int j = c + 1 + lane; j < all; j += lanes) x[j] -= m * u[j];
+            WP_TILE_SYNC();
         }
-        WP_TILE_SYNC();
+        if (i < thin) {
+            if (!(::fabs(x[i]) > 0.0)) bad = 1;
+            if (lane == 0) swapped[i] = i;
+        }
     }
     for (int p = thin; p < n; p += 8) {
         const int kb = n - p < 8 ? n - p : 8, end = p + kb;
@@ -65,26 +69,34 @@ wp.set_module_options(MODULE_OPTIONS)
         if (kb == 8) {
             const double *u0 = A + (size_t)p * stride, *u1 = u0 + stride, *u2 = u1 + stride, *u3 = u2 + stride;
             const double *u4 = u3 + stride, *u5 = u4 + stride, *u6 = u5 + stride, *u7 = u6 + stride;
-            int i = end;
-            for (; i + 1 < n; i += 2) {
-                double* __restrict x = A + (size_t)i * stride; double* __restrict y = x + stride;
-                const double m0 = x[p], m1 = x[p + 1], m2 = x[p + 2], m3 = x[p + 3];
-                const double m4 = x[p + 4], m5 = x[p + 5], m6 = x[p + 6], m7 = x[p + 7];
-                const double l0 = y[p], l1 = y[p + 1], l2 = y[p + 2], l3 = y[p + 3];
-                const double l4 = y[p + 4], l5 = y[p + 5], l6 = y[p + 6], l7 = y[p + 7];
-                for (int j = end + lane; j < all; j += lanes) {
-                    const double v0 = u0[j], v1 = u1[j], v2 = u2[j], v3 = u3[j];
-                    const double v4 = u4[j], v5 = u5[j], v6 = u6[j], v7 = u7[j];
-                    x[j] -= ((m0 * v0 + m1 * v1) + (m2 * v2 + m3 * v3)) + ((m4 * v4 + m5 * v5) + (m6 * v6 + m7 * v7));
-                    y[j] -= ((l0 * v0 + l1 * v1) + (l2 * v2 + l3 * v3)) + ((l4 * v4 + l5 * v5) + (l6 * v6 + l7 * v7));
-                }
+            for (int i = end; i < n; i += 4) {  // four lines at a time, by fused products
+                const int count = n - i < 4 ? n - i : 4;
+                double m[4][8];
+                for (int q = 0; q < count; ++q)
+                    for (int c = 0; c < 8; ++c) m[q][c] = -A[(size_t)(i + q) * stride + p + c];
+                double* __restrict x0 = A + (size_t)i * stride; double* __restrict x1 = x0 + stride;
+                double* __restrict x2 = x1 + stride; double* __restrict x3 = x2 + stride;
+                if (count == 4)
+                    for (int j = end + lane; j < all; j += lanes) {
+                        const double v[8] = {u0[j], u1[j], u2[j], u3[j], u4[j], u5[j], u6[j], u7[j]};
+                        double s0 = x0[j], s1 = x1[j], s2 = x2[j], s3 = x3[j];
+                        for (int c = 0; c < 8; ++c) {
+                            s0 = ::fma(m[0][c], v[c], s0); s1 = ::fma(m[1][c], v[c], s1);
+                            s2 = ::fma(m[2][c], v[c], s2); s3 = ::fma(m[3][c], v[c], s3);
+                        }
+                        x0[j] = s0; x1[j] = s1; x2[j] = s2; x3[j] = s3;
+                    }
+                else
+                    for (int q = 0; q < count; ++q) {
+                        double* __restrict x = A + (size_t)(i + q) * stride;
+                        for (int j = end + lane; j < all; j += lanes) {
+                            const double v[8] = {u0[j], u1[j], u2[j], u3[j], u4[j], u5[j], u6[j], u7[j]};
+                            double s = x[j];
+                            for (int c = 0; c < 8; ++c) s = ::fma(m[q][c], v[c], s);
+                            x[j] = s;
+                        }
+                    }
             }
-            for (; i < n; ++i) { double* __restrict x = A + (size_t)i * stride;
-                const double m0 = x[p], m1 = x[p + 1], m2 = x[p + 2], m3 = x[p + 3];
-                const double m4 = x[p + 4], m5 = x[p + 5], m6 = x[p + 6], m7 = x[p + 7];
-                for (int j = end + lane; j < all; j += lanes)
-                    x[j] -= ((m0 * u0[j] + m1 * u1[j]) + (m2 * u2[j] + m3 * u3[j]))
-                        + ((m4 * u4[j] + m5 * u5[j]) + (m6 * u6[j] + m7 * u7[j])); }
         } else {
             for (int q = p; q < end; ++q) { const double* u = A + (size_t)q * stride;
                 for (int i = end; i < n; ++i) { double* __restrict x = A + (size_t)i * stride; const double m = x[q];
