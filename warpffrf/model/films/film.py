@@ -37,9 +37,9 @@ class Film:
     Forces are reported on the first body. oil: one of `warpffrf.oils`. feeds: grooves, rings and holes where oil comes
     in (`warpffrf.films`). cavitation: a word of `films.CAVITATIONS`. ambient_pressure [Pa]: at the ends of the film,
     above the pressure of cavitation. law: a contact law whose pressure begins before the surfaces touch, such as
-    `laws.ExponentialAsperities`, for asperities that carry beside the film; None for none. friction: the coefficient
-    with which these rub, beside the drag of the oil. form, form_second: how the
-    two surfaces deviate from their true shapes (`warpffrf.films`). evaluation: "semi", all hats of the contact grid at
+    `laws.ExponentialAsperities` or `laws.GreenwoodTripp`, for asperities that carry beside the film; None for none.
+    friction: the coefficient with which these rub, beside the drag of the oil. form, form_second: how the two surfaces
+    deviate from their true shapes (`warpffrf.films`). evaluation: "semi", all hats of the contact grid at
     all points, or "hyper", of each column a few profiles (1 - zeta^2) zeta^m along with the `powers` m, 0 the first, at
     few points. name: default "<first body>-<second body>".
     """
@@ -365,7 +365,10 @@ def _require_surface(port: Any, place: str) -> None:
 def _asperities(value: Any, label: str) -> Law:
     """A law whose pressure begins before the surfaces touch, where there still is a film beside it."""
     law = as_law(value, label)
-    cure = "take laws.ExponentialAsperities, or laws.TableLayer with gaps above 0, or leave the law out"
+    cure = (
+        "take laws.ExponentialAsperities, laws.GreenwoodTripp, or laws.TableLayer with gaps above 0, or leave the law "
+        "out"
+    )
     if law.curve is None:
         raise InputError(f"{label}: the law {law.kind} has no pressure to a gap, and a film keeps a gap; {cure}")
     if law.curve.begins >= 0.0:
