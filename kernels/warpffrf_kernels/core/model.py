@@ -501,6 +501,9 @@ class Films:
     second_counts: DeviceArray = integers("film", 2, note="of its columns, all around where periodic, and rows")
     second_range: DeviceArray = reals("film", 4, note="first theta and its step, first z and its step")
     second_form: DeviceArray = reals("film_form_entry", unit="m", note="that the form of the second surface adds")
+    factor_start: DeviceArray = integers("film", note="into factor")
+    factor_count: DeviceArray = integers("film", note="its lines, 0 of smooth walls")
+    factor: DeviceArray = reals("film_factor_entry", 13, note="see `films.roughness`")
     rest_v: DeviceArray = vectors("film_body", unit="m/s", note="with which surfaces slide in static steps")
     rest_omega: DeviceArray = vectors("film_body", unit="rad/s", note="likewise, body axes")
 

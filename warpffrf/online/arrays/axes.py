@@ -141,6 +141,7 @@ NAMES = {
             "film_form_entry",
             "film_rough_entry",
             "film_table_entry",
+            "film_factor_entry",
             "slip_speed_entry",
             "patch_row_entry",
             "patch_end_entry",

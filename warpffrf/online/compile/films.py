@@ -21,6 +21,7 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
 from warpffrf.model.films import Film
+from warpffrf.model.films.roughness import factor_table
 from warpffrf.model.oils import Barus, Newtonian, Oil, Roelands
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.compliance_tables import hat_gram, modal_moments
@@ -84,7 +85,7 @@ def fill_films(collector: Collector) -> None:
     if films:
         for name, of in (("hat", "lift"), ("function", "given"), ("point", "weight"), ("unknown", "function_of")):
             values[f"{name}_start"] = tables.starts(of)
-        for name in ("compliance", "shape", "moment", "rough_moment", "table"):
+        for name in ("compliance", "shape", "moment", "rough_moment", "table", "factor"):
             values[f"{name}_start"] = tables.starts(name)[:-1]
         lines, columns = values["unknowns"] + values["rough"], int(system.RIGID) + values["modes"]
         for name, sizes in (
@@ -116,13 +117,14 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
     travels = film.cavitation in ("mass_conserving", "reynolds")
     law, law_numbers, law_table = _asperities(film)
     rough = hats if film.law is not None else 0
+    factors = factor_table(film.roughness, film.roughness_second) if film.deviation else np.zeros((0, 13))
     lift, voids = of_functions @ basis.given, (basis.voids & travels).astype(int)
     tables.one(
         first=collector.film_sides[2 * number], second=collector.film_sides[2 * number + 1], modes=shape.shape[1],
         rule=int(RULES[film.cavitation]), oil_kind=kind, oil=numbers, unknowns=len(free),
         thickness=film.clearance() or float(np.median(film.initial_gap())), second_range=ranges,
         rough=rough, asperity_kind=law, asperity=law_numbers, asperity_friction=film.friction,
-        table_count=len(law_table), second_counts=table.shape,
+        table_count=len(law_table), factor_count=len(factors), second_counts=table.shape,
         second_start=tables.length("second_form") if table.size else -1,
     )  # fmt: skip
     tables.part(
@@ -135,6 +137,7 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
         place=surface.shape.point(*basis.at.T) - body.center_of_mass, around=_around(surface, basis.at[:, 0]),
         along=_along(surface, *basis.at.T), area=basis.area, second_form=table.ravel(), **basis.neighbours,
     )  # fmt: skip
+    tables.part(factor=factors)
     tables.part(
         entry_start=tables.length("entry_point") + entries.start, near_start=tables.length("near") + entries.near_start,
         entry_slot=entries.slot, entry_near=entries.near_at, near=entries.near,
