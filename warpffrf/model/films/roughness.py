@@ -38,6 +38,7 @@ Between the gammas of the paper factors are interpolated in ln gamma.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -115,7 +116,7 @@ def as_roughness(value: Any, label: str) -> Roughness | None:
 
 def summed_deviation(first: Roughness | None, second: Roughness | None) -> float:
     """s [m] of both walls; 0 of smooth ones."""
-    return float(np.hypot(*(0.0 if wall is None else wall.deviation for wall in (first, second))))
+    return math.hypot(*(0.0 if wall is None else wall.deviation for wall in (first, second)))
 
 
 def least_gap(first: Roughness | None, second: Roughness | None) -> float:
