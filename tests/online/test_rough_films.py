@@ -6,7 +6,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_films import CLEARANCE, SHEAR, SPEED, bearing, place, reference, turning_load
+from test_films import (
+    CLEARANCE,
+    LENGTH,
+    RADIUS,
+    SHEAR,
+    SPEED,
+    VISCOSITY,
+    bearing,
+    place,
+    reference,
+    turning_load,
+)
 
 from warpffrf.model.films import Roughness
 from warpffrf.model.films.roughness import flow_factors
@@ -87,6 +98,18 @@ def test_what_bodies_are_done_is_what_is_lost(evaluation: str) -> None:
         assert left[-1] < 1e-4 * found.energy["drive_work"][-1]
         assert np.all(np.diff(found.energy["friction"]) < 0.0) and np.all(np.diff(found.energy["damping"]) > 0.0)
     assert left[1] < 2.0 * left[0]
+
+
+@pytest.mark.parametrize("pattern", [1.0, 1 / 3])
+def test_a_centred_shaft_is_dragged_as_rough_walls_are(pattern: float) -> None:
+    """Petroff's bearing, Phi mu (omega R)^2/c, three deviations thick: Phi of the fits as they are printed."""
+    wall = Roughness(CLEARANCE / 3.0, pattern)
+    found = find_equilibrium(bearing((1.0, 0.0), roughness=wall, cavitation="none", feeds=[], ambient_pressure=1.0))
+    assert found.status == "completed", found.message
+    A, a, b, c = {1.0: (11.1, 2.31, 2.38, 0.11), 1 / 3: (12.3, 2.32, 2.30, 0.10)}[pattern]
+    factor = 7.0 / 6.0 + A * 3.0**a * np.exp(-3.0 * b + 9.0 * c)  # phi_f = 35/32 16/15 at three deviations
+    smooth = VISCOSITY * (SPEED * RADIUS) ** 2 / CLEARANCE * 2.0 * np.pi * RADIUS * LENGTH
+    assert found.films["film"].friction_power[-1] == pytest.approx(factor * smooth, rel=3e-3)  # c/R, and the table
 
 
 @pytest.mark.parametrize("speed", [300.0, 30.0, 3.0])
