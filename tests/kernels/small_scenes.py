@@ -266,20 +266,34 @@ def sleeve(modes: int = 4) -> ReducedBody:
     )  # fmt: skip
 
 
-def journal(*, load: float = 2e3, feed: float = 1e5, speed: float = 300.0, **given: Any) -> Scene:
-    """A shaft that is turned in a film of oil, with voids, in a bore that yields."""
+@functools.cache
+def hollow_shaft() -> ReducedBody:
+    """A shaft that is shorter than its bore, with columns of another pitch."""
+    made = mesh.roller(0.025 - 25e-6, 0.015, 0.016, sectors=12, layers=2, order=1, axial=3)
+    return reduce(
+        made, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=4, cache=False,
+        progress=False,
+    )  # fmt: skip
+
+
+def journal(*, load: float = 2e3, feed: float = 1e5, speed: float = 300.0, yields: bool = False, **given: Any) -> Scene:
+    """A shaft that is turned in a film of oil, with voids, in a bore that yields; it may yield too."""
     scene = Scene(gravity=(0.0, 0.0, 0.0))
     bore = scene.add_body(sleeve(), name="bore")
     scene.add(joints.Fixed(scene.ground, bore["outside"], axis=(0, 1, 0)))
-    shape = surfaces.Cylinder(radius=0.025 - 25e-6, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
-    shaft = scene.add_rigid_body(
-        0.5, (2e-4,) * 3, name="shaft", angular_velocity=(0.0, speed, 0.0), surfaces={"journal": shape}
-    )
-    plane = scene.add(joints.Planar(scene.ground, shaft.at((0, 0, 0)), axis=(0, 1, 0)))
+    turning: dict[str, Any] = {"name": "shaft", "angular_velocity": (0.0, speed, 0.0)}
+    if yields:
+        shaft = scene.add_body(hollow_shaft(), **turning)
+        middle = shaft["bore"]
+    else:
+        shape = surfaces.Cylinder(radius=0.025 - 25e-6, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
+        shaft = scene.add_rigid_body(0.5, (2e-4,) * 3, surfaces={"rim": shape}, **turning)
+        middle = shaft.at((0, 0, 0))
+    plane = scene.add(joints.Planar(scene.ground.at((0, 0, 0)), middle, axis=(0, 1, 0)))
     scene.add(joints.Drive(plane, signals.Constant(speed), quantity="velocity"))
-    scene.add(forces.PointForce(shaft.at((0, 0, 0)), (signals.Table((0.0, 1e-3, 1.0), (load, 2 * load, 0.0)), 0, 0)))
+    scene.add(forces.PointForce(middle, (signals.Table((0.0, 1e-3, 1.0), (load, 2 * load, 0.0)), 0, 0)))
     feeds = [films.Groove(np.pi, 1e-4, feed)]
-    scene.add(Film(bore["bore"], shaft["journal"], **{"oil": oils.Newtonian(0.01), "feeds": feeds} | given))
+    scene.add(Film(bore["bore"], shaft["rim"], **{"oil": oils.Newtonian(0.01), "feeds": feeds} | given))
     return scene
 
 
@@ -421,6 +435,13 @@ CASES: dict[str, Case] = {
             roughness_second=films.Roughness(5e-7, 1 / 6),
         ),
         1e-4, {"start": "equilibrium"},
+    ),
+    "journal, both yield": Case(
+        lambda: journal(yields=True, load=20e3, law=laws.ExponentialAsperities(2e9, 1e-6), friction=0.1), 1e-4,
+        {"start": "equilibrium"},
+    ),
+    "journal, profiles, both yield": Case(
+        lambda: journal(yields=True, evaluation="hyper"), 1e-4, {"start": "equilibrium"}
     ),
     "journal, profiles": Case(lambda: journal(evaluation="hyper"), 1e-4, {"start": "equilibrium"}),
     "journal, other rules": Case(lambda: journal(cavitation="half", load=50.0), 1e-4, {"start": "equilibrium"}),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import re
 from dataclasses import replace
 from types import SimpleNamespace
@@ -10,94 +9,40 @@ from typing import Any
 
 import numpy as np
 import pytest
+from film_scenes import (
+    CLEARANCE,
+    COLUMNS,
+    LENGTH,
+    RADIUS,
+    ROWS,
+    SHEAR,
+    SPEED,
+    STEEL,
+    VISCOSITY,
+    Array,
+    bearing,
+    bore_body,
+    place,
+    reference,
+    turning_load,
+)
 
 from warpffrf.model import films, forces, joints, oils, signals, surfaces
 from warpffrf.model.errors import InputError
 from warpffrf.model.films import Film
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.laws import ExponentialAsperities, GreenwoodTripp
-from warpffrf.model.material import Material
-from warpffrf.model.mesh import box, roller, sleeve
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.mesh import box, roller
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
-from warpffrf.online import History, run
+from warpffrf.online import run
 from warpffrf.online.diagnosis.film_notes import alternation_notes, film_notes
 from warpffrf.online.run import find_equilibrium
 from warpffrf.online.vibrations.eigenmodes import find_modes
-from warpffrf.verification.films.elastic import ElasticJournal, held_compliance
 from warpffrf.verification.films.grid import FilmGrid
 from warpffrf.verification.films.journal import JournalFilm
 
-STEEL = Material(210e9, 0.3, 7850.0)
-RADIUS, WALL, LENGTH, CLEARANCE = 0.025, 0.0125, 0.025, 25e-6  # m
-VISCOSITY, SPEED = 0.01, 300.0  # Pa s, rad/s
-COLUMNS, ROWS = 32, 7
-GROOVE = films.Groove(np.pi, 1e-4, 0.0)
-SHEAR = 3e-3  # of the load: what shear does to the shaft, which the reference leaves out, is c/R of it and some
 SOLVED = 1e-8  # of the flows: the iteration ends at 1e-9
-
-Array = np.ndarray
-
-
-@functools.cache
-def bore_body(columns: int = COLUMNS, modulus: float = 210e9) -> ReducedBody:
-    """A sleeve that is held outside."""
-    mesh = sleeve(RADIUS, RADIUS + WALL, LENGTH, sectors=columns, order=1, axial=ROWS - 1)
-    return reduce(
-        mesh, replace(STEEL, youngs_modulus=modulus), interfaces={"outside": "rigid"},
-        contact={"bore": surfaces.Bore()}, modes=6, cache=False, progress=False,
-    )  # fmt: skip
-
-
-def bearing(
-    load: tuple[Any, Any] = (2e3, 0.0),
-    *,
-    body: ReducedBody | None = None,
-    speed: float = SPEED,
-    mass: float = 1.0,
-    at: tuple[float, float] = (0.3 * CLEARANCE, 0.0),
-    velocity: tuple[float, float] = (0.0, 0.0),
-    **film: Any,
-) -> Scene:
-    """A shaft that is turned in a sleeve, under a load along x and -z, which are e_0 and e_1 of the bore."""
-    scene = Scene(gravity=(0.0, 0.0, 0.0))
-    held = scene.add_body(body or bore_body(), name="sleeve")
-    scene.add(joints.Fixed(scene.ground, held["outside"], axis=(0, 1, 0), name="held"))
-    J = 0.5 * mass * RADIUS**2
-    shaft = scene.add_rigid_body(
-        mass, (J, J, J), name="shaft", position=(at[0], 0.0, -at[1]), velocity=(velocity[0], 0.0, -velocity[1]),
-        angular_velocity=(0.0, speed, 0.0),
-        surfaces={
-            "journal": surfaces.Cylinder(
-                radius=RADIUS - CLEARANCE, axis_point=(0, 0, 0), axis_direction=(0, 1, 0)
-            )
-        },
-    )  # fmt: skip
-    plane = scene.add(joints.Planar(scene.ground, shaft.at((0, 0, 0)), axis=(0, 1, 0), name="plane"))
-    scene.add(joints.Drive(plane, signals.Constant(speed), quantity="velocity", name="speed"))
-    down = load[1] if isinstance(load[1], signals.Signal) else -load[1]
-    scene.add(forces.PointForce(shaft.at((0, 0, 0)), (load[0], 0.0, down), name="load"))
-    given: dict[str, Any] = {"oil": oils.Newtonian(VISCOSITY), "feeds": [GROOVE], "name": "film"} | film
-    scene.add(Film(held["bore"], shaft["journal"], **given))
-    return scene
-
-
-def place(history: History) -> Array:
-    """(2,) of the clearance, of the shaft at the end, along e_0 and e_1."""
-    x = history.bodies["shaft"].position[-1] / CLEARANCE
-    return np.array([x[0], -x[2]])
-
-
-def reference(
-    oil: Any = None, asperities: Any = None, speed: float = SPEED, powers: tuple[int, ...] | None = None
-) -> ElasticJournal:
-    grid = bore_body().contact_surfaces["bore"].grid
-    held = np.arange(COLUMNS) == COLUMNS // 2
-    return ElasticJournal(
-        RADIUS, CLEARANCE, oil or oils.Newtonian(VISCOSITY), speed, grid.theta, grid.z,
-        held_compliance(bore_body(), "bore", "outside"), held, asperities, powers,
-    )  # fmt: skip
 
 
 # --- at rest
@@ -304,13 +249,6 @@ def test_the_film_may_stand_on_the_shaft() -> None:
 
 
 # --- in motion
-
-
-def turning_load(step: float, steps: int) -> tuple[signals.Signal, signals.Signal]:
-    """2 kN that begin along e_0 and turn at a quarter of the speed."""
-    t = step * np.arange(-2, steps + 3)
-    angle = 0.25 * SPEED * t
-    return signals.Table(t, 2e3 * np.cos(angle)), signals.Table(t, -2e3 * np.sin(angle))
 
 
 def test_a_steady_state_stays_and_the_ledger_closes() -> None:

@@ -63,7 +63,12 @@ def bodies(plain_body: ReducedBody, other_body: ReducedBody, crowned_body: Reduc
         interfaces={"outside": "rigid"}, contact={"bore": wf.surfaces.Bore()}, modes=4, cache=False, progress=False,
     )  # fmt: skip
     made = {"plain": plain_body, "other": other_body, "crowned": crowned_body, "few": few, "rubbing": rubbing}
-    return made | patched | {"bore": bore}
+    shaft = wf.reduce(
+        wf.mesh.roller(0.025 - 25e-6, 0.015, 0.02, sectors=16, layers=2, order=1, axial=4),
+        wf.Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
+        modes=4, cache=False, progress=False,
+    )  # fmt: skip
+    return made | patched | {"bore": bore, "shaft": shaft}
 
 
 def pendulum(bodies: Bodies) -> wf.Scene:
@@ -123,20 +128,23 @@ def rolling_ball(bodies: Bodies) -> wf.Scene:
     return scene
 
 
-def oiled(bodies: Bodies) -> wf.Scene:
-    """A shaft that a load presses into a film of oil, in a bore that yields."""
+def oiled(bodies: Bodies, yields: bool = False) -> wf.Scene:
+    """A shaft that a load presses into a film of oil, in a bore that yields; it may yield too."""
     scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
     bore = scene.add_body(bodies["bore"], name="bore")
     scene.add(wf.joints.Fixed(scene.ground, bore["outside"], axis=(0, 1, 0)))
     shape = wf.surfaces.Cylinder(radius=0.025 - 25e-6, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
-    shaft = scene.add_rigid_body(
-        0.5, (2e-4,) * 3, name="shaft", angular_velocity=(0.0, 300.0, 0.0), surfaces={"journal": shape}
-    )
-    plane = scene.add(wf.joints.Planar(scene.ground, shaft.at((0, 0, 0)), axis=(0, 1, 0)))
+    turning = {"name": "shaft", "angular_velocity": (0.0, 300.0, 0.0)}
+    if yields:
+        shaft = scene.add_body(bodies["shaft"], **turning)
+    else:
+        shaft = scene.add_rigid_body(0.5, (2e-4,) * 3, surfaces={"rim": shape}, **turning)
+    middle = shaft["bore"] if yields else shaft.at((0, 0, 0))
+    plane = scene.add(wf.joints.Planar(scene.ground.at((0, 0, 0)), middle, axis=(0, 1, 0)))
     scene.add(wf.joints.Drive(plane, wf.signals.Constant(300.0), quantity="velocity"))
-    scene.add(wf.forces.PointForce(shaft.at((0, 0, 0)), (wf.signals.Table((0.0, 1e-4, 1.0), (2e3, 4e3, 0.0)), 0, 0)))
+    scene.add(wf.forces.PointForce(middle, (wf.signals.Table((0.0, 1e-4, 1.0), (2e3, 4e3, 0.0)), 0, 0)))
     feeds = [wf.films.Groove(np.pi, 1e-4, 1e5)]
-    scene.add(wf.Film(bore["bore"], shaft["journal"], oil=wf.oils.Newtonian(0.01), feeds=feeds))
+    scene.add(wf.Film(bore["bore"], shaft["rim"], oil=wf.oils.Newtonian(0.01), feeds=feeds))
     return scene
 
 
@@ -154,6 +162,7 @@ SCENES: dict[str, Callable[[Bodies], wf.Scene]] = {
     "sparse": pendulum,
     "joint friction": rubbing_pendulum,
     "film": oiled,
+    "film between two": lambda b: oiled(b, yields=True),
 }
 
 

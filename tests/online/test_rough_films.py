@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_films import (
+from film_scenes import (
     CLEARANCE,
     LENGTH,
     RADIUS,

@@ -30,6 +30,7 @@ from warpffrf_kernels.films.sampling import (
     REYNOLDS,
     SECOND_FORCE_MOMENT,
     SHEAR,
+    STORED,
     VISCOUS,
 )
 
@@ -120,6 +121,7 @@ def balance_film(
     film_asperity: wp.array3d(dtype=real),
     film_hat_line: wp.array3d(dtype=real),
     film_energy_now: wp.array2d(dtype=real),
+    film_second_energy: wp.array2d(dtype=real),
     film_rest: inout(wp.array2d(dtype=real)),
     film_size: inout(wp.array2d(dtype=real)),
     film_refill: inout(wp.array2d(dtype=real)),
@@ -195,7 +197,12 @@ def balance_film(
             i += 1
         apart = real(0.0)  # of asperities and their law, beside the largest pressure
         most = SMALL_PRESSURE
-        stored = real(0.0)
+        stored = film_sums[w, film, STORED]
+        if model.elements[0].films[0].second_hats[film] > 0:
+            m = model.elements[0].films[0].second_hat_start[film]
+            while m < model.elements[0].films[0].second_hat_start[film + 1]:
+                stored += film_second_energy[w, m]
+                m += 1
         if model.elements[0].films[0].rough[film] > 0:
             m = model.elements[0].films[0].hat_start[film]
             while m < model.elements[0].films[0].hat_start[film + 1]:
@@ -218,6 +225,7 @@ def push_films(
     film_sums: wp.array3d(dtype=real),
     film_pressure: wp.array(dtype=real),
     film_asperity: wp.array(dtype=real),
+    film_second_load: wp.array(dtype=real),
     residual: changed(wp.array2d(dtype=real)),
     modal_residual: changed(wp.array2d(dtype=real)),
     film_modal: out(wp.array2d(dtype=real)),
@@ -262,6 +270,22 @@ def push_films(
             modal_residual[w, start + m] = modal_residual[w, start + m] + outwards
             film_modal[w, model.elements[0].films[0].column_start[film] + 12 + m] = -outwards
             m += 1
+        hats = model.elements[0].films[0].second_hats[film]
+        more = model.elements[0].films[0].second_modes[film]
+        start = model.surfaces.modal_start[model.elements[0].films[0].second[film]]
+        line = model.elements[0].films[0].second_shape_start[film]
+        at = w * model.elements[0].films[0].second_hat_start[model.elements[0].films[0].count]
+        at += model.elements[0].films[0].second_hat_start[film]
+        c = int(0)
+        while c < more:
+            outwards = real(0.0)
+            i = int(0)
+            while i < hats:
+                outwards += model.elements[0].films[0].second_shape[line + i * more + c] * film_second_load[at + i]
+                i += 1
+            modal_residual[w, start + c] = modal_residual[w, start + c] + outwards
+            film_modal[w, model.elements[0].films[0].column_start[film] + 12 + m + c] = -outwards
+            c += 1
         film += 1
 
 

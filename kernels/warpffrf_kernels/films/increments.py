@@ -11,8 +11,11 @@ from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
 from warpffrf_kernels.films.sampling import GAP, HALF, at_point
-from warpffrf_kernels.films.system import (
+from warpffrf_kernels.films.seats import opened_at_seat
+from warpffrf_kernels.films.second import loads_at
+from warpffrf_kernels.films.unknowns import (
     RIGID,
+    columns_of,
     line_length,
     lines_of,
     matrix_at,
@@ -36,7 +39,11 @@ def limit_films(
     film_line: wp.array3d(dtype=real),
     film_matrix: wp.array(dtype=real),
     film_solution: wp.array(dtype=real),
+    film_seat: wp.array3d(dtype=int),
+    film_seat_at: wp.array3d(dtype=real),
+    film_second_yield: wp.array(dtype=real),
     film_acting: inout(wp.array(dtype=real)),
+    film_second_ahead: inout(wp.array(dtype=real)),
     film_opening: inout(wp.array2d(dtype=real)),
     film_ahead: inout(wp.array2d(dtype=real)),
     film_change: out(wp.array(dtype=real)),
@@ -56,7 +63,7 @@ def limit_films(
     while film < model.elements[0].films[0].count:
         n = model.elements[0].films[0].unknowns[film]
         modes = model.elements[0].films[0].modes[film]
-        columns = RIGID + modes
+        columns = columns_of(model, film)
         stride = line_length(model, film)
         base = matrix_at(model, w, film)
         first = model.elements[0].films[0].function_start[film]
@@ -96,10 +103,29 @@ def limit_films(
                 c += 1
             film_opening[w, first_hat + m] = opened
             m += wp.block_dim()
+        hats = model.elements[0].films[0].second_hats[film]
+        start = w * model.elements[0].films[0].second_hat_start[model.elements[0].films[0].count]
+        start += model.elements[0].films[0].second_hat_start[film]
+        m = lane
+        while m < hats:
+            opened = dot(lines, film_second_yield, loads_at(model, w, film) + m * lines, film_acting, run)
+            c = RIGID + modes
+            while c < columns:
+                at = model.elements[0].films[0].second_shape_start[film] + m * (columns - RIGID - modes) + c
+                opened -= (
+                    model.elements[0].films[0].second_shape[at - RIGID - modes]
+                    * z[outer + outer_column(model, film, c)]
+                )
+                c += 1
+            film_second_ahead[start + m] = opened
+            m += wp.block_dim()
         sync()
         g = model.elements[0].films[0].point_start[film] + lane
         while g < model.elements[0].films[0].point_start[film + 1]:
             opened = at_point(model, g, film_opening, w, first_hat)
+            if hats > 0:
+                seat = model.elements[0].films[0].seat_start[film] + g - model.elements[0].films[0].point_start[film]
+                opened += opened_at_seat(model, film, w, seat, film_seat, film_seat_at, film_second_ahead)[0]
             for c in range(RIGID):
                 at = outer_column(model, film, c)
                 if at >= 0:

@@ -18,7 +18,7 @@ from warpffrf_kernels.films.sampling import (
     FORCE_MOMENT,
     GAP,
     SECOND_FORCE_MOMENT,
-    opened_by_motion,
+    opened_with_second,
     sides_of,
 )
 from warpffrf_kernels.surfaces.surface import axes_of
@@ -101,6 +101,9 @@ def record_film(
     film_void: wp.array3d(dtype=real),
     film_asperity: wp.array3d(dtype=real),
     film_opened: wp.array2d(dtype=real),
+    film_seat: wp.array3d(dtype=int),
+    film_seat_at: wp.array3d(dtype=real),
+    film_second_opened: wp.array(dtype=real),
     film_mass_now: wp.array2d(dtype=real),
     film_line: wp.array3d(dtype=real),
     film_sums: wp.array3d(dtype=real),
@@ -123,10 +126,13 @@ def record_film(
         static = int(1)
     sides = sides_of(model, w, film, static, r1, axes, v1, omega1)
     first = model.elements[0].films[0].function_start[film]
+    points = model.elements[0].films[0].point_start[film + 1] - model.elements[0].films[0].point_start[film]
     m = model.elements[0].films[0].hat_start[film] + lane
     while m < model.elements[0].films[0].hat_start[film + 1]:
         f = first + model.elements[0].films[0].hat_function[m]
-        seen = opened_by_motion(model, film, sides, model.elements[0].films[0].hat_place[m])
+        place = model.elements[0].films[0].hat_place[m]
+        seat = points + m - model.elements[0].films[0].hat_start[film]
+        seen = opened_with_second(model, w, film, sides, place, seat, film_seat, film_seat_at, film_second_opened)
         p = real(0.0)
         j = int(0)
         while j < model.elements[0].films[0].hat_support.shape[1]:
@@ -192,3 +198,23 @@ def record_film(
         saved_film[w, at, film, ROUGH] = film_sums[w, film, BY_ASPERITIES]
         saved_film[w, at, film, ROUGHEST] = roughest
         saved_film[w, at, film, LARGEST] = largest
+
+
+@wp.kernel
+def record_second(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    film_second_load: wp.array(dtype=real),
+    saved_film_second: out(wp.array3d(dtype=real)),
+):
+    """Per (world, film), lanes over hats of the second surface, where it yields: their loads."""
+    w, film, lane = wp.tid()
+    model = models[0]
+    if ctl[w].record == 0:
+        return
+    at = ctl[w].saved % saved_film_second.shape[1]
+    total = model.elements[0].films[0].second_hat_start[model.elements[0].films[0].count]
+    m = model.elements[0].films[0].second_hat_start[film] + lane
+    while m < model.elements[0].films[0].second_hat_start[film + 1]:
+        saved_film_second[w, at, m] = film_second_load[w * total + m]
+        m += wp.block_dim()

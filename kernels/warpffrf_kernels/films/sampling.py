@@ -44,7 +44,8 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, quat, real
 from warpffrf_kernels.films.asperities import asperities_at
 from warpffrf_kernels.films.oil import oil_at
 from warpffrf_kernels.films.roughness import factors_at
-from warpffrf_kernels.surfaces.surface import axes_of, chart_of, distance_of, gradient_of, origin_of
+from warpffrf_kernels.films.seats import opened_at_seat
+from warpffrf_kernels.surfaces.surface import axes_of, chart_of, distance_of, gradient_of, origin_of, slope_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -80,7 +81,8 @@ SECOND_FORCE_MOMENT = wp.constant(6)  # on B likewise
 VISCOUS = wp.constant(9)  # power of the flow by pressure, W
 SHEAR = wp.constant(10)  # of the sliding, W
 BY_ASPERITIES = wp.constant(11)  # normal force of asperities, N
-PULL = 12
+STORED = wp.constant(12)  # energy of the local modes of A, J
+PULL = 13
 
 # --- numbers of a hat where there are asperities: n (world), its moments on A and B, then
 PRESSED = wp.constant(9)  # pressure of the law, Pa
@@ -154,13 +156,17 @@ def carried_at(model: Model, film: int, sides: Sides, place: vec3) -> vec3:
 
 
 @wp.func
-def second_form_at(model: Model, film: int, theta: real, z: real) -> real:
-    """What the form of the second surface adds to the gap [m], between the places of its table."""
+def second_form_at(model: Model, film: int, theta: real, z: real) -> vec3:
+    """What the form of the second surface adds to the gap [m], between the places of its table, and its slopes by
+    theta and z."""
     columns = model.elements[0].films[0].second_counts[film, 0]
     rows = model.elements[0].films[0].second_counts[film, 1]
     x = (theta - model.elements[0].films[0].second_range[film, 0]) / model.elements[0].films[0].second_range[film, 1]
     x -= real(columns) * wp.floor(x / real(columns))
     y = (z - model.elements[0].films[0].second_range[film, 2]) / model.elements[0].films[0].second_range[film, 3]
+    inside = real(1.0)
+    if y < real(0.0) or y > real(rows - 1):
+        inside = real(0.0)
     y = wp.clamp(y, real(0.0), real(rows - 1))
     i = wp.min(int(x), columns - 1)
     j = wp.min(int(y), rows - 2)
@@ -169,26 +175,77 @@ def second_form_at(model: Model, film: int, theta: real, z: real) -> real:
     start = model.elements[0].films[0].second_start[film]
     left = start + i * rows + j
     right = start + ((i + 1) % columns) * rows + j
-    low = (real(1.0) - v) * model.elements[0].films[0].second_form[left] + v * model.elements[0].films[0].second_form[
-        left + 1
-    ]
-    high = (real(1.0) - v) * model.elements[0].films[0].second_form[right]
-    high += v * model.elements[0].films[0].second_form[right + 1]
-    return (real(1.0) - u) * low + u * high
+    before = model.elements[0].films[0].second_form[left]
+    before_up = model.elements[0].films[0].second_form[left + 1]
+    after = model.elements[0].films[0].second_form[right]
+    after_up = model.elements[0].films[0].second_form[right + 1]
+    low = (real(1.0) - v) * before + v * before_up
+    high = (real(1.0) - v) * after + v * after_up
+    along = (real(1.0) - u) * (before_up - before) + u * (after_up - after)
+    by_theta = (high - low) / model.elements[0].films[0].second_range[film, 1]
+    by_z = inside * along / model.elements[0].films[0].second_range[film, 3]
+    return vec3((real(1.0) - u) * low + u * high, by_theta, by_z)
+
+
+@wp.func
+def on_second(model: Model, film: int, sides: Sides, place: vec3) -> vec3:
+    """A place of A in the frame of the second surface."""
+    s = model.elements[0].films[0].second[film]
+    out_of_b = sides.turn_b * model.surfaces.frame[s]
+    return wp.transpose(out_of_b) * (sides.from_b - sides.turn_b * model.surfaces.origin[s] + sides.turn_a * place)
+
+
+@wp.func
+def tilted(model: Model, film: int, sides: Sides, y: vec3, by_theta: real, by_z: real) -> vec3:
+    """Gradient in the world of what is added to the gap at a place y of the second surface's frame, with these slopes
+    by its chart."""
+    s = model.elements[0].films[0].second[film]
+    rise = vec3(real(0.0), by_theta, by_z)
+    if model.surfaces.planar[s] == 0:
+        rho = wp.sqrt(y[0] * y[0] + y[1] * y[1])
+        slope = slope_of(model, s, y[2])
+        part = by_z / (real(1.0) + slope * slope)
+        x = slope * part
+        around = by_theta / rho
+        rise = vec3((x * y[0] - around * y[1]) / rho, (x * y[1] + around * y[0]) / rho, part)
+    return sides.turn_b * (model.surfaces.frame[s] * rise)
 
 
 @wp.func
 def opened_by_motion(model: Model, film: int, sides: Sides, place: vec3) -> wp.vec4d:
-    """d_B [m] at a place of A, and its gradient in the world."""
+    """d_B with the form of B [m] at a place of A, and its gradient in the world."""
     s = model.elements[0].films[0].second[film]
-    out_of_b = sides.turn_b * model.surfaces.frame[s]
-    y = wp.transpose(out_of_b) * (sides.from_b - sides.turn_b * model.surfaces.origin[s] + sides.turn_a * place)
-    n = out_of_b * gradient_of(model, s, y)
+    y = on_second(model, film, sides, place)
+    n = sides.turn_b * (model.surfaces.frame[s] * gradient_of(model, s, y))
     gap = distance_of(model, s, y)
     if model.elements[0].films[0].second_start[film] >= 0:
         at = chart_of(model, s, y)
-        gap += second_form_at(model, film, at[0], at[1])
+        form = second_form_at(model, film, at[0], at[1])
+        gap += form[0]
+        n += tilted(model, film, sides, y, form[1], form[2])
     return wp.vec4d(gap, n[0], n[1], n[2])
+
+
+@wp.func
+def opened_with_second(
+    model: Model,
+    w: int,
+    film: int,
+    sides: Sides,
+    place: vec3,
+    seat: int,
+    film_seat: wp.array3d(dtype=int),
+    film_seat_at: wp.array3d(dtype=real),
+    film_second_opened: wp.array(dtype=real),
+) -> wp.vec4d:
+    """`opened_by_motion` and what a second surface that yields opens; seat: of the place, counted within the film."""
+    found = opened_by_motion(model, film, sides, place)
+    if model.elements[0].films[0].second_hats[film] == 0:
+        return found
+    at = model.elements[0].films[0].seat_start[film] + seat
+    more = opened_at_seat(model, film, w, at, film_seat, film_seat_at, film_second_opened)
+    turn = tilted(model, film, sides, on_second(model, film, sides, place), more[1], more[2])
+    return found + wp.vec4d(more[0], turn[0], turn[1], turn[2])
 
 
 @wp.func
@@ -345,9 +402,13 @@ def sample_film(
     film_asperity: wp.array3d(dtype=real),
     film_mass: wp.array3d(dtype=real),
     film_rates: wp.array2d(dtype=real),
+    film_seat: wp.array3d(dtype=int),
+    film_seat_at: wp.array3d(dtype=real),
+    film_second_opened: wp.array(dtype=real),
     ctl: inout(wp.array(dtype=Control)),
     film_acting: inout(wp.array(dtype=real)),
     film_opened: inout(wp.array2d(dtype=real)),
+    film_local: inout(wp.array2d(dtype=real)),
     film_hat_line: out(wp.array3d(dtype=real)),
     film_energy_now: out(wp.array2d(dtype=real)),
     film_carried: out(wp.array3d(dtype=real)),
@@ -373,6 +434,8 @@ def sample_film(
     run = w * model.elements[0].films[0].system_start[model.elements[0].films[0].count]
     run += model.elements[0].films[0].system_start[film]
     first_hat = model.elements[0].films[0].hat_start[film]
+    point = model.elements[0].films[0].point_start[film]
+    points = model.elements[0].films[0].point_start[film + 1] - point
     i = lane
     while i < rough:
         film_acting[run + unknowns + i] = film_asperity[w, 1, first_hat + i]
@@ -395,12 +458,15 @@ def sample_film(
         row = model.elements[0].films[0].compliance_start[film] + m * lines
         u = model.elements[0].films[0].lift[first_hat + m]
         u += dot(lines, model.elements[0].films[0].compliance, row, film_acting, run)
+        film_local[w, first_hat + m] = u
         line = model.elements[0].films[0].shape_start[film] + m * modes
         u -= dot(modes, model.elements[0].films[0].shape, line, q1, modal)
         film_opened[w, first_hat + m] = u
         if rough > 0:
             place = model.elements[0].films[0].hat_place[first_hat + m]
-            seen = opened_by_motion(model, film, sides, place)
+            seen = opened_with_second(
+                model, w, film, sides, place, points + m, film_seat, film_seat_at, film_second_opened
+            )
             gap = seen[0] + model.elements[0].films[0].hat_form[first_hat + m] + u
             law = asperities_at(model, film, -gap)
             n = vec3(seen[1], seen[2], seen[3])
@@ -423,10 +489,10 @@ def sample_film(
         i += wp.block_dim()
     sync()
     a0 = film_rates[w, 0]
-    g = model.elements[0].films[0].point_start[film] + lane
-    while g < model.elements[0].films[0].point_start[film + 1]:
+    g = point + lane
+    while g < point + points:
         place = model.elements[0].films[0].point_place[g]
-        seen = opened_by_motion(model, film, sides, place)
+        seen = opened_with_second(model, w, film, sides, place, g - point, film_seat, film_seat_at, film_second_opened)
         h = seen[0] + model.elements[0].films[0].form[g] + at_point(model, g, film_opened, w, first_hat)
         if not h > real(0.0):
             ctl[w].failure = ctl[w].failure | k.NOT_CONVERGED
@@ -525,4 +591,6 @@ def sample_film(
         dragged = (drag_x - drag) * slide_x * slide_x + (drag_z - drag) * slide_z * slide_z
         film_pull[w, g, SHEAR] = weight * (drag + rub) * speed * speed + weight * dragged
         film_pull[w, g, BY_ASPERITIES] = weight * pressed
+        yielded = at_point(model, g, film_local, w, first_hat)
+        film_pull[w, g, STORED] = real(0.5) * weight * (pushing + pressed) * yielded
         g += wp.block_dim()

@@ -34,79 +34,26 @@ from warpffrf_kernels.films.sampling import (
     FILLING_BY_GAP,
     FILLING_BY_PRESSURE,
     HALF,
-    MOMENT,
-    NORMAL,
     PRESSED,
     PRESSURE,
     REYNOLDS,
-    SECOND_MOMENT,
     STIFFNESS,
+)
+from warpffrf_kernels.films.second import write_second
+from warpffrf_kernels.films.unknowns import (
+    RIGID,
+    add_scaled,
+    columns_of,
+    line_length,
+    lines_of,
+    matrix_at,
+    opened_by_column,
+    outer_column,
+    system_at,
 )
 from warpffrf_kernels.linear.general_elimination import eliminate, solve_again
 
 wp.set_module_options(MODULE_OPTIONS)
-
-RIGID = wp.constant(12)  # coupled columns before those of modes
-
-
-# y[at : at + n] += a * x[start : start + n], by one lane.
-@wp.func_native("""
-    double* __restrict q = y.data + at; const double* __restrict p = x.data + start;
-    for (int i = 0; i < n; ++i) q[i] += a * p[i];
-""")
-def add_scaled(n: int, a: real, x: wp.array(dtype=real), start: int, y: wp.array(dtype=real), at: int): ...
-
-
-@wp.func
-def lines_of(model: Model, film: int) -> int:
-    """Unknowns of a film: pressures or voids, then pressures of asperities."""
-    return model.elements[0].films[0].unknowns[film] + model.elements[0].films[0].rough[film]
-
-
-@wp.func
-def line_length(model: Model, film: int) -> int:
-    """Numbers of a line: J, R, B, P."""
-    return lines_of(model, film) + 1 + 2 * (RIGID + model.elements[0].films[0].modes[film])
-
-
-@wp.func
-def system_at(model: Model, w: int, film: int) -> int:
-    """Where what each unknown has one of begins, flat."""
-    total = model.elements[0].films[0].system_start[model.elements[0].films[0].count]
-    return w * total + model.elements[0].films[0].system_start[film]
-
-
-@wp.func
-def matrix_at(model: Model, w: int, film: int) -> int:
-    total = model.elements[0].films[0].matrix_start[model.elements[0].films[0].count]
-    return w * total + model.elements[0].films[0].matrix_start[film]
-
-
-@wp.func
-def opened_by_column(film_line: wp.array3d(dtype=real), w: int, g: int, c: int) -> real:
-    """L of a rigid column at a point."""
-    if c < 3:
-        return film_line[w, g, NORMAL + c]
-    if c < 6:
-        return film_line[w, g, MOMENT + c - 3]
-    if c < 9:
-        return -film_line[w, g, NORMAL + c - 6]
-    return film_line[w, g, SECOND_MOMENT + c - 9]
-
-
-@wp.func
-def outer_column(model: Model, film: int, c: int) -> int:
-    """Outer unknown of a coupled column, -1 of the ground's."""
-    body = model.surfaces.body[model.elements[0].films[0].first[film]]
-    if c >= RIGID:
-        return 6 * model.bodies.count + model.bodies.dense_start[body] + c - RIGID
-    at = c
-    if c >= 6:
-        body = model.surfaces.body[model.elements[0].films[0].second[film]]
-        at = c - 6
-    if body < 0:
-        return -1
-    return 6 * body + at
 
 
 @wp.func
@@ -181,7 +128,7 @@ def write_flow(
     n = model.elements[0].films[0].unknowns[film]
     lines = lines_of(model, film)
     modes = model.elements[0].films[0].modes[film]
-    columns = RIGID + modes
+    columns = columns_of(model, film)
     first = model.elements[0].films[0].function_start[film]
     functions = model.elements[0].films[0].function_start[film + 1] - first
     first_unknown = model.elements[0].films[0].unknown_start[film]
@@ -293,7 +240,7 @@ def write_asperities(
     n = model.elements[0].films[0].unknowns[film]
     lines = lines_of(model, film)
     modes = model.elements[0].films[0].modes[film]
-    columns = RIGID + modes
+    columns = columns_of(model, film)
     first_unknown = model.elements[0].films[0].unknown_start[film]
     first = model.elements[0].films[0].function_start[film]
     hat = model.elements[0].films[0].hat_start[film] + m
@@ -362,7 +309,12 @@ def assemble_film(
     film_line: wp.array3d(dtype=real),
     film_hat_line: wp.array3d(dtype=real),
     film_rest: wp.array2d(dtype=real),
+    film_seat: wp.array3d(dtype=int),
+    film_seat_at: wp.array3d(dtype=real),
+    film_second_weight: wp.array(dtype=real),
+    film_second_yield: wp.array(dtype=real),
     ctl: inout(wp.array(dtype=Control)),
+    film_second_wide: inout(wp.array(dtype=real)),
     film_rough: inout(wp.array2d(dtype=int)),
     film_wide: inout(wp.array2d(dtype=real)),
     film_matrix: inout(wp.array(dtype=real)),
@@ -382,12 +334,13 @@ def assemble_film(
     n = model.elements[0].films[0].unknowns[film]
     rough = model.elements[0].films[0].rough[film]
     lines = lines_of(model, film)
-    columns = RIGID + model.elements[0].films[0].modes[film]
+    columns = columns_of(model, film)
     stride = line_length(model, film)
     base = matrix_at(model, w, film)
     run = system_at(model, w, film)
     start = model.elements[0].films[0].system_start[film]
     hat = model.elements[0].films[0].hat_start[film]
+    second = model.elements[0].films[0].second_hats[film] > 0
     bad = int(0)
     if ctl[w].refresh != 0:
         i = lane
@@ -404,6 +357,14 @@ def assemble_film(
             while j < stride:
                 film_matrix[row + j] = real(0.0)
                 j += 1
+            if second and (i < n or film_rough[w, hat + i - n] != 0):
+                stiff = real(0.0)
+                if i >= n:
+                    stiff = film_hat_line[w, hat + i - n, STIFFNESS]
+                write_second(
+                    model, w, film, i, row, film_line, stiff, film_seat, film_seat_at, film_second_weight,
+                    film_second_yield, film_second_wide, film_matrix,
+                )  # fmt: skip
             if i < n:
                 write_flow(
                     model, w, film, i, row, film_pressure, film_full, film_rates, film_carried, film_line, film_wide,
@@ -499,7 +460,7 @@ def stiffen_by_films(
         return
     film = int(0)
     while film < model.elements[0].films[0].count:
-        columns = RIGID + model.elements[0].films[0].modes[film]
+        columns = columns_of(model, film)
         c = int(0)
         while c < columns:
             i = outer_column(model, film, c)

@@ -1,9 +1,10 @@
 """An oil film between two surfaces: what it may stand between, and what is given of it.
 
-The film stands on the contact grid of the first surface, so that is a surface of a flexible body; the second is the
-rigid surface of a rigid body or of the ground. Pressures are above the pressure of cavitation, which is zero. They are
-given at the ends of the film, the first and the last row of the grid and of an arc or a plane the first and the last
-column too, and in its feeds; what lies between is solved for.
+The film stands on the contact grid of the first surface, so that is a surface of a flexible body; the second is of
+another one, whose grid yields under what stands opposite it, or the rigid surface of a rigid body or of the ground.
+Pressures are above the pressure of cavitation, which is zero. They are given at the ends of the film, the first and the
+last row of the grid and of an arc or a plane the first and the last column too, and in its feeds; what lies between is
+solved for.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import numpy as np
 
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError, require_number, unknown_name
 from warpffrf.model.films.cavitation import CAVITATIONS
 from warpffrf.model.films.feeds import FEEDS, Feed
@@ -34,7 +36,8 @@ LOOSEST = (
 
 
 class Film:
-    """An oil film between two surfaces, `body["bore"]` each; the first must be of a flexible body, the second rigid.
+    """An oil film between two surfaces, `body["bore"]` each; the first must be of a flexible body, the second is of one
+    too or rigid.
 
     Forces are reported on the first body. oil: one of `warpffrf.oils`. feeds: grooves, rings and holes where oil comes
     in (`warpffrf.films`). cavitation: a word of `films.CAVITATIONS`. ambient_pressure [Pa]: at the ends of the film,
@@ -126,8 +129,7 @@ class Film:
     def theta(self) -> np.ndarray:
         """Places of the columns (columns,) [rad, of a plane m] in the chart of the first shape: those of the grid count
         from its own direction e_0."""
-        shape, grid = self.a.surface.shape, self.grid
-        return grid.theta + float(np.arctan2(grid.e_0 @ shape.e_1, grid.e_0 @ shape.e_0))
+        return places_around(self.a.surface)
 
     @property
     def deviation(self) -> float:
@@ -310,17 +312,12 @@ class Film:
                 f"{label}: the film stands on the contact grid of the first surface, which must be flexible, {a.label} "
                 f"is rigid; name the flexible body first, Film({b.label}, {a.label}, ...)"
             )
-        if not b.rigid:
-            raise InputError(
-                f"{label}: the second surface, {b.label}, is of a flexible body, which films do not know yet; name the "
-                "flexible body whose deformation matters first, and opposite it a rigid surface of a rigid body, "
-                "scene.add_rigid_body(..., surfaces={...})"
-            )
-        if a.surface.grid.kind != "hats":
-            raise InputError(
-                f"{label}: the first surface, {a.label}, was reduced with traction={a.surface.grid.kind!r}; a film "
-                "stands on hats: reduce the body with traction='hats'"
-            )
+        for port, place in ((a, "first"), (b, "second")):
+            if not port.rigid and port.surface.grid.kind != "hats":
+                raise InputError(
+                    f"{label}: the {place} surface, {port.label}, was reduced with traction={port.surface.grid.kind!r};"
+                    " a film stands on hats: reduce the body with traction='hats'"
+                )
 
     def _require_gap(self) -> None:
         """Raises `InputError` for surfaces between which no thin film fits."""
@@ -363,6 +360,13 @@ class Film:
                 f"between its ends, and a film needs {LEAST_COLUMNS} columns and {LEAST_ROWS} rows at least; reduce "
                 "the body with more cells at the surface, or a smaller traction_spacing"
             )
+
+
+def places_around(surface: ContactSurface) -> np.ndarray:
+    """Places of the columns (columns,) [rad, of a plane m] of a surface's grid in the chart of its shape: those of the
+    grid count from its own direction e_0."""
+    shape, grid = surface.shape, surface.grid
+    return grid.theta + float(np.arctan2(grid.e_0 @ shape.e_1, grid.e_0 @ shape.e_0))
 
 
 def refuse_touching(films: Sequence[Film]) -> None:

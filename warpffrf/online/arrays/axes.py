@@ -91,6 +91,10 @@ NAMES = {
     "film_number": "numbers of the linear systems of films",
     "film_column": "outer unknowns that films are coupled to, film by film",
     "film_square": "pairs of these of a film",
+    "film_second_hat": "hats of second surfaces of films, where these yield",
+    "film_seat": "seats of points and hats on them",
+    "film_press": "places by which films load them",
+    "film_load": "lines of films, each over the hats of its second surface",
     "factor_number": "numbers of the sparse factor",
     "factor_line": "numbers of a line of it, of all lanes",
     "friction_factor": "numbers of the sparse factor, in scenes with friction",
@@ -110,6 +114,7 @@ NAMES = {
     "body_load_mode": "modes of a body, the most",
     "group_row": "spring rows that share matrices, the most",
     "film_support": "functions at a point, the most",
+    "film_press_support": "functions that load by a place, the most",
     "film_entry": "points of each function",
     "film_body": "bodies, in scenes with films",
     "table_interface": "flexible interfaces, one at least",
@@ -140,6 +145,10 @@ NAMES = {
             "film_moment_entry",
             "film_form_entry",
             "film_rough_entry",
+            "film_row_entry",
+            "film_press_entry",
+            "film_second_shape_entry",
+            "film_second_entry",
             "film_table_entry",
             "film_factor_entry",
             "slip_speed_entry",
@@ -264,17 +273,18 @@ def sizes_of(
     }  # fmt: skip
 
 
-FILM_STARTS = ("hat", "function", "unknown", "point", "column", "square")
+FILM_STARTS = ("hat", "function", "unknown", "point", "column", "square", "second_hat")
 
 
 def film_sizes(compiled: CompiledScene) -> dict[str, int]:
     """Those of oil films."""
     films = compiled.films
     if not films.count:
-        more = ("film", "film_near", "film_number", "film_system")
+        more = ("film", "film_near", "film_number", "film_system", "film_seat", "film_press", "film_load")
         return dict.fromkeys((*more, *(f"film_{name}" for name in FILM_STARTS)), 0)
     found = {f"film_{name}": int(getattr(films, f"{name}_start").numpy()[-1]) for name in FILM_STARTS}
-    found["film_system"] = int(films.system_start.numpy()[-1])
+    for name in ("system", "seat", "press", "load"):
+        found[f"film_{name}"] = int(getattr(films, f"{name}_start").numpy()[-1])
     return found | {
         "film": films.count, "film_near": films.near.shape[0], "film_number": int(films.matrix_start.numpy()[-1])
     }  # fmt: skip

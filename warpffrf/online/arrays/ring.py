@@ -97,6 +97,7 @@ class SavedFilms(Arrays, carried=True):
     saved_film_gap: DeviceArray = reals("world", "ring_row", "film_hat", unit="m")
     saved_film_void: DeviceArray = reals("world", "ring_row", "film_hat", unit="m")
     saved_film_asperity: DeviceArray = reals("world", "ring_row", "film_hat", unit="Pa")
+    saved_film_second: DeviceArray = reals("world", "ring_row", "film_second_hat", unit="N")
 
 
 class Ring(SavedBooks, SavedMotion, SavedJointFriction, SavedContact, SavedFriction, SavedLumped, SavedFilms):

@@ -12,15 +12,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from warpffrf_kernels.core.model import Films
 from warpffrf_kernels.films import asperities as asperity_kernels
 from warpffrf_kernels.films import oil as oil_kernels
-from warpffrf_kernels.films import sampling, system
+from warpffrf_kernels.films import sampling, unknowns
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
 from warpffrf.model.films import Film
+from warpffrf.model.films.film import places_around
 from warpffrf.model.films.roughness import factor_table
 from warpffrf.model.oils import Barus, Newtonian, Oil, Roelands
 from warpffrf.online.compile.collector import Collector
@@ -34,6 +36,7 @@ RULES = {
     "none": sampling.NONE,
 }  # fmt: skip
 MANY = 1000  # unknowns
+BY_PRESS = ("press_function", "press_value")
 BY_FUNCTION = ("function", "value", "slope_around", "slope_along", "void_value", "hat_support", "hat_value")
 
 
@@ -65,11 +68,20 @@ class Tables:
     def values(self) -> dict[str, Any]:
         """All of them, as the model takes them; functions at a place filled up to the most, with -1 and zeros."""
         found: dict[str, Any] = {name: np.asarray(ones) for name, ones in self.ones.items()}
-        most = max((part.shape[1] for part in self.parts.get("function", [])), default=0)
+        widths = {
+            name: max(part.shape[1] for part in self.parts[group[0]])
+            for group in (BY_FUNCTION, BY_PRESS)
+            for name in group
+            if name in self.parts
+        }
         for name, parts in self.parts.items():
-            if name in BY_FUNCTION:
-                fill = -1 if name in ("function", "hat_support") else 0
-                parts = [np.pad(part, ((0, 0), (0, most - part.shape[1])), constant_values=fill) for part in parts]
+            if name in widths:
+                fill = -1 if name in ("function", "hat_support", "press_function") else 0
+                gaps = [widths[name] - part.shape[1] for part in parts]
+                parts = [
+                    np.pad(part, ((0, 0), (0, gap)), constant_values=fill)
+                    for part, gap in zip(parts, gaps, strict=True)
+                ]
             found[name] = np.concatenate(parts)
         return found
 
@@ -83,17 +95,26 @@ def fill_films(collector: Collector) -> None:
         _add_film(collector, film, number, tables)
     values = dict.fromkeys(declared.declarations, np.zeros(0)) | tables.values()
     if films:
-        for name, of in (("hat", "lift"), ("function", "given"), ("point", "weight"), ("unknown", "function_of")):
+        for name, of in (
+            ("hat", "lift"), ("function", "given"), ("point", "weight"), ("unknown", "function_of"),
+            ("press", "press_seat"),
+        ):  # fmt: skip
             values[f"{name}_start"] = tables.starts(of)
-        for name in ("compliance", "shape", "moment", "rough_moment", "table", "factor"):
+        for name in (
+            "compliance", "shape", "moment", "rough_moment", "table", "factor", "second_row", "second_shape",
+            "second_compliance",
+        ):  # fmt: skip
             values[f"{name}_start"] = tables.starts(name)[:-1]
-        lines, columns = values["unknowns"] + values["rough"], int(system.RIGID) + values["modes"]
+        lines = values["unknowns"] + values["rough"]
+        columns = int(unknowns.RIGID) + values["modes"] + values["second_modes"]
+        hats = values["second_hats"]
         for name, sizes in (
             ("system", lines), ("matrix", lines * (lines + 1 + 2 * columns)), ("column", columns),
-            ("square", columns**2),
+            ("square", columns**2), ("second_hat", hats), ("load", lines * hats),
+            ("seat", np.where(hats > 0, np.diff(values["point_start"]) + np.diff(values["hat_start"]), 0)),
         ):  # fmt: skip
             values[f"{name}_start"] = np.concatenate([[0], np.cumsum(sizes)])
-        for name, of in (("entry", "entry_point"), ("near", "near")):
+        for name, of in (("entry", "entry_point"), ("near", "near"), ("press_entry", "press_entry")):
             values[f"{name}_start"] = np.append(values[f"{name}_start"], tables.length(of))
         values["rest_v"], values["rest_omega"] = _rest_velocities(collector)
     collector.fill(topic, count=len(films), **values)
@@ -150,6 +171,7 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
         slope_around=basis.around, slope_along=basis.along, void_value=basis.void, hat=basis.hat, between=basis.between,
         begin=_filling(film, basis, lift),
     )  # fmt: skip
+    _add_second(film, basis, tables)
     collector.notes.extend(film.notes)
     if film.cavitation == "half":
         collector.notes.append(
@@ -169,8 +191,59 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
             f"{film.label}: {len(free)} unknown pressures, and each iteration factors a matrix of so many lines; fewer "
             "rows cost little accuracy, evaluation='hyper' takes a profile along in their place"
         )
-    if collector.local.count(body.index):
+    if collector.local.count(body.index) or (not film.b.rigid and collector.local.count(film.b.body.index)):
         collector.notes.append(f"{film.label}: local modes move without inertia under its pressure")
+
+
+def _add_second(film: Film, basis: Basis, tables: Tables) -> None:
+    """The grid of a second surface that yields, its compliance and the modes of its body; of a rigid one nothing."""
+    surface = film.b.surface
+    if not isinstance(surface, ContactSurface):
+        tables.one(second_modes=0, second_hats=0, second_grid=(0, 0, 0), second_pitch=(0.0, 1.0, 0.0))
+        empty = np.zeros(0)
+        tables.part(
+            second_row=empty, second_shape=empty, second_compliance=empty, press_seat=empty, press_entry=empty,
+            press_function=np.zeros((0, 1)), press_value=np.zeros((0, 1)), press_entry_value=empty,
+            press_entry_start=np.zeros(basis.functions),
+        )  # fmt: skip
+        return
+    grid = surface.grid
+    hats = grid.columns * grid.rows
+    shape = np.asarray(surface.mode_normal).reshape(hats, -1)
+    turn = 0.0 if surface.shape.profile().planar else 2.0 * np.pi / grid.pitch
+    tables.one(
+        second_modes=shape.shape[1], second_hats=hats, second_grid=(grid.columns, grid.rows, int(grid.periodic)),
+        second_pitch=(float(places_around(surface)[0]), grid.pitch, turn),
+    )  # fmt: skip
+    tables.part(
+        second_row=grid.z, second_shape=shape.ravel(),
+        second_compliance=surface.compliance(np.arange(grid.columns)).ravel(),
+    )  # fmt: skip
+    seat, function, value = _presses(film, basis)
+    place, slot = np.nonzero(function >= 0)
+    owner = function[place, slot]
+    order = np.argsort(owner, kind="stable")
+    start = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=basis.functions))])
+    tables.part(
+        press_entry_start=tables.length("press_entry") + start[:-1],
+        press_entry=tables.length("press_seat") + place[order], press_entry_value=value[place, slot][order],
+    )  # fmt: skip
+    tables.part(press_seat=seat, press_function=function, press_value=value)
+
+
+def _presses(film: Film, basis: Basis) -> tuple[Array, Array, Array]:
+    """Places by which a film loads a second body that yields: seats (places,), functions that do, -1 for none, and the
+    area of each [m2] (places, some): points, or of profiles, which stand at few points, hats."""
+    points = len(basis.weight)
+    if film.evaluation != "hyper":
+        return np.arange(points), basis.function, basis.value * basis.weight[:, None]
+    forces = sp.csr_matrix(sp.csr_matrix(hat_gram(film.a.surface, 1)[0]) @ basis.to_hats)
+    counts = np.diff(forces.indptr)
+    slot = np.arange(forces.nnz) - np.repeat(forces.indptr[:-1], counts)
+    function, value = np.full((len(counts), counts.max()), -1), np.zeros((len(counts), counts.max()))
+    hat = np.repeat(np.arange(len(counts)), counts)
+    function[hat, slot], value[hat, slot] = forces.indices, forces.data
+    return points + np.arange(len(counts)), function, value
 
 
 def _rest_velocities(collector: Collector) -> tuple[Array, Array]:

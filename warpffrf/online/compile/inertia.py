@@ -52,7 +52,7 @@ def outer_modes(collector: Collector) -> list[int]:
     loaded on several surfaces, as those of a sheet: by these its pairs feel each other about as much as themselves; and
     all global ones of a body with a film, as the system of a film is not symmetric, and leaves a block of its own."""
     loads = Counter(body.index for body, _, _ in (collector.surfaces[s] for s in set(collector.sides)))
-    oiled = {film.a.body.index for film in collector.scene.films}
+    oiled = {port.body.index for film in collector.scene.films for port in film.ports}
     return [
         body.mode_count if loads[body.index] > 1 or body.index in oiled else plan.count
         for body, plan in zip(collector.scene.bodies, collector.inertia.bodies, strict=True)

@@ -30,7 +30,13 @@ def film_histories(compiled: Any, rows: SavedRows, bodies: dict[str, BodyHistory
     for i, film in enumerate(compiled.scene.films):
         first, end = compiled.films.hat_start.numpy()[i : i + 2]
         fields = {name: rows[f"saved_film_{name}"][:, first:end] for name in FIELDS}
-        found[str(film.name)] = _history(film, rows["saved_film"][:, i], fields, bodies)
+        history = _history(film, rows["saved_film"][:, i], fields, bodies)
+        if not film.b.rigid:
+            first, end = compiled.films.second_hat_start.numpy()[i : i + 2]
+            grid = film.b.surface.grid
+            loads = rows["saved_film_second"][:, first:end]
+            history.load_second = loads.reshape(-1, grid.columns, grid.rows).copy()
+        found[str(film.name)] = history
     return found
 
 

@@ -198,6 +198,7 @@ class FilmHistory:
     gap: np.ndarray  # (T, columns, rows) m
     void: np.ndarray  # (T, columns, rows) m, volume of the voids per area
     asperity: np.ndarray  # (T, columns, rows) Pa, pressure of the asperities beside that of the oil
+    load_second: np.ndarray | None = None  # (T, columns2, rows2) N, hat forces on a second surface that yields, inwards
 
     @property
     def fill(self) -> np.ndarray:

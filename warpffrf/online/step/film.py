@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels.films import flow, increments, keeping, sampling, system
+from warpffrf_kernels.films import flow, increments, keeping, sampling, second, system
 
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.phases import Participant
+
+SECOND = Participant(
+    "second surfaces of films that yield",
+    when="film_second_hat",
+    load=[blocks(second.load_second, "film")],
+    assemble=[blocks(second.weigh_second, "film")],
+    record=[blocks(keeping.record_second, "film")],
+)
 
 FILM = Participant(
     "films",

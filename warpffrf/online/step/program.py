@@ -9,7 +9,7 @@ from warpffrf.online.arrays.declaration import Arrays
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.step import phases
 from warpffrf.online.step.contact import CONTACT
-from warpffrf.online.step.film import FILM
+from warpffrf.online.step.film import FILM, SECOND
 from warpffrf.online.step.friction import FRICTION
 from warpffrf.online.step.joint_friction import JOINT_FRICTION
 from warpffrf.online.step.launches import Launch
@@ -20,7 +20,7 @@ from warpffrf.online.step.motion import MOTION
 from warpffrf.online.step.outer import OUTER
 from warpffrf.online.step.snapshot import SNAPSHOT
 
-PARTICIPANTS = (MOTION, OUTER, JOINT_FRICTION, LUMPED, FILM, CONTACT, FRICTION, LAYERS, SNAPSHOT, LEDGER)
+PARTICIPANTS = (MOTION, OUTER, JOINT_FRICTION, LUMPED, SECOND, FILM, CONTACT, FRICTION, LAYERS, SNAPSHOT, LEDGER)
 WHOLE = (*phases.ATTEMPT, *phases.ITERATION, *phases.DECISION)
 
 

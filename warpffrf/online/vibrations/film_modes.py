@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-from warpffrf_kernels.films import system
+from warpffrf_kernels.films import unknowns
 from warpffrf_kernels.films.sampling import GAP
 
 from warpffrf.online.engine import Engine
@@ -79,8 +79,8 @@ def _system(engine: Engine, film: int, coordinates: int) -> tuple[Array, Array, 
     """J, B and P of a film as it was assembled last."""
     m, films = engine.compiled.model, engine.compiled.films
     lines = int(films.unknowns.numpy()[film] + films.rough.numpy()[film])
-    modes = int(films.modes.numpy()[film])
-    columns = int(system.RIGID) + modes
+    modes = [int(count.numpy()[film]) for count in (films.modes, films.second_modes)]
+    columns = int(unknowns.RIGID) + sum(modes)
     start, stride = int(films.matrix_start.numpy()[film]), lines + 1 + 2 * columns
     table = engine.scratch.film_matrix.numpy()[start : start + lines * stride].reshape(lines, stride)
     J, X, P = table[:, :lines], table[:, lines + 1 : lines + 1 + columns], table[:, lines + 1 + columns :]
@@ -89,8 +89,11 @@ def _system(engine: Engine, film: int, coordinates: int) -> tuple[Array, Array, 
     for side, surface in enumerate(surfaces):
         if body[surface] >= 0:
             place[6 * side : 6 * side + 6, 6 * body[surface] : 6 * body[surface] + 6] = np.eye(6)
-    first = 6 * m.bodies.count + int(m.surfaces.modal_start.numpy()[surfaces[0]])
-    place[int(system.RIGID) :, first : first + modes] = np.eye(modes)
+    start = int(unknowns.RIGID)
+    for surface, count in zip(surfaces, modes, strict=True):
+        first = 6 * m.bodies.count + int(m.surfaces.modal_start.numpy()[surface])
+        place[start : start + count, first : first + count] = np.eye(count)
+        start += count
     return J.copy(), (J @ X) @ place, P @ place
 
 

@@ -18,7 +18,8 @@ which keeps the force, its first and its second moments. The hats' own pressure 
 does near the patch is in `patch_stress`. Points of the skin take the bilinear value between the middles of the cells
 around them.
 
-The pressure of an oil film stands on hats, and pushes on its first surface as that of a contact; the second is rigid.
+The pressure of an oil film stands on hats, and pushes on its first surface as that of a contact; of a second one that
+yields there are hat forces too.
 """
 
 from __future__ import annotations
@@ -146,22 +147,38 @@ class CellLoads(NormalLoads):
 
 
 class FilmLoads(NormalLoads):
-    """Of the pressure of an oil film, and of the asperities beside it, on its first body."""
+    """Of the pressure of an oil film, and of the asperities beside it, on its first body, or on the second if that
+    yields."""
 
-    def __init__(self, pair: FilmView, history: Any) -> None:
-        self.pair, self.first, self.surface = pair, True, pair.first
+    def __init__(self, pair: FilmView, history: Any, *, first: bool = True) -> None:
+        self.pair, self.first, self.surface = pair, first, pair.first if first else pair.second
         self.film = history.films[pair.name]
 
     def forces(self, i: int) -> np.ndarray:
         """Outward hat forces (columns, rows) [N]."""
-        return -hat_forces(self.surface, self._whole(i))
+        return -hat_forces(self.surface, self._whole(i)) if self.first else -self.film.load_second[i]
 
     def pressure(self, i: int, on: SkinSurface, points: np.ndarray) -> np.ndarray:
-        """Pressure [Pa] at the points on the surface, bilinear between hats."""
-        return on.interpolate(self._whole(i))
+        """Pressure [Pa] at the points on the surface, bilinear between hats; of the second that of its hats' forces,
+        even over each."""
+        if self.first:
+            return on.interpolate(self._whole(i))
+        area = hat_forces(self.surface, np.ones(self.film.load_second.shape[1:]))
+        return on.interpolate(self.film.load_second[i] / area)
 
     def _whole(self, i: int) -> np.ndarray:
         return self.film.pressure[i] + self.film.asperity[i]
+
+
+def film_loads(films: Any, history: Any, body: str) -> list[FilmLoads]:
+    """Of all `films`, views of a scene, on one flexible body, whichever of theirs it is."""
+    found = []
+    for film in films:
+        if film.first_body.name == body:
+            found.append(FilmLoads(film, history))
+        elif film.second_body.name == body and history.films[film.name].load_second is not None:
+            found.append(FilmLoads(film, history, first=False))
+    return found
 
 
 def normal_loads(pair: PairView, history: Any, *, first: bool) -> NormalLoads:

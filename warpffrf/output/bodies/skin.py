@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import unknown_name
-from warpffrf.output.bodies.normal_loads import FilmLoads, normal_loads
+from warpffrf.output.bodies.normal_loads import film_loads, normal_loads
 from warpffrf.output.bodies.normal_loads import hat_areas as hat_areas  # where they used to be
 from warpffrf.output.bodies.normal_loads import hat_forces as hat_forces
 from warpffrf.output.bodies.patch_on_skin import PatchOnSkin, patch_on_skin, tangential_forces
@@ -38,8 +38,8 @@ class Skin:
         self._pairs = [p for p in view.pairs.values() if body.name in (p.first_body.name, p.second_body.name)]
         self._on = {p.name: SkinSurface(self._surface(p), self.points) for p in self._pairs}
         self._loads = {p.name: normal_loads(p, history, first=self._is_first(p)) for p in self._pairs}
-        films = [f for f in view.films.values() if f.first_body.name == body.name]
-        self._films = [(FilmLoads(f, history), SkinSurface(f.first, self.points)) for f in films]
+        films = film_loads(view.films.values(), history, body.name)
+        self._films = [(load, SkinSurface(load.surface, self.points)) for load in films]
         self._rubbing = {
             p.name: patch_on_skin(p, history, self._on[p.name], self.points, first=self._is_first(p))
             for p in self._pairs

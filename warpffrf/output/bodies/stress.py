@@ -28,7 +28,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.stress_field import StressField, max_shear, principal, von_mises
 from warpffrf.online.history.history import History
-from warpffrf.output.bodies.normal_loads import CellLoads, FilmLoads, NormalLoads, normal_loads
+from warpffrf.output.bodies.normal_loads import CellLoads, NormalLoads, film_loads, normal_loads
 from warpffrf.output.bodies.patch_on_skin import tangential_forces
 from warpffrf.output.bodies.patch_stress import PatchStress
 from warpffrf.output.geometry.scene_view import SceneView
@@ -114,7 +114,7 @@ def stress_result(result: Any, body: str, points: str) -> StressResult:
             load = normal_loads(pair, history, first=pair.first_body.name == body)
             is_fine = isinstance(load, CellLoads)
             loads.append(PatchStress(load, field, walls.get(load.surface.name)) if is_fine else load)
-    loads += [FilmLoads(film, history) for film in view.films.values() if film.first_body.name == body]
+    loads += film_loads(view.films.values(), history, body)
     tensor = np.empty((len(history.time), len(field.points), 6))
     for i in range(len(tensor)):
         rubbing = tangential_surface_forces(history, view, body, i)

@@ -42,6 +42,8 @@ class FilmResult:
         self.gap = history.gap  # (T, columns, rows) m
         self.void = history.void  # (T, columns, rows) m, volume of the voids per area
         self.asperity = history.asperity  # (T, columns, rows) Pa, pressure of the asperities beside that of the oil
+        # (T, columns2, rows2) N, forces of the hats of a second surface that yields, inwards; None of a rigid one
+        self.load_second = history.load_second
 
     @property
     def force_magnitude(self) -> np.ndarray:

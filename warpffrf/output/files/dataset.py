@@ -14,6 +14,7 @@ from warpffrf.output.files.fields import (
     ENERGY_UNITS,
     FILM_FIELDS,
     FILM_POSITIONS,
+    FILM_SECOND_FIELDS,
     FORCE_FIELDS,
     FRICTION_DERIVED,
     FRICTION_FIELDS,
@@ -57,6 +58,7 @@ def to_xarray(result: Any) -> Any:
         coords["slip"] = ["along", "around"]
     if history.films:
         coords["chart_axis"] = ["e_0", "e_1"]
+    yielding = {name: film for name, film in history.films.items() if film.load_second is not None}
     groups: tuple[tuple[str, tuple[Field, ...], dict[str, Any]], ...] = (
         ("body", BODY_FIELDS, history.bodies),
         ("joint", JOINT_FIELDS, history.joints),
@@ -66,6 +68,7 @@ def to_xarray(result: Any) -> Any:
         *([("joint_friction", JOINT_FRICTION_FIELDS, stuck)] if stuck else []),
         *([("lumped_contact", LUMPED_FIELDS, history.lumped_contacts)] if history.lumped_contacts else []),
         *([("film", FILM_FIELDS, history.films)] if history.films else []),
+        *([("film", FILM_SECOND_FIELDS, yielding)] if yielding else []),
         *([("cell_pair", CELL_FIELDS, cells)] if cells else []),
         *([("friction_pair", (*FRICTION_FIELDS, *FRICTION_DERIVED), rubbing)] if rubbing else []),
     )

@@ -138,6 +138,11 @@ FILM_FIELDS = (
     Field("film_void", "void", "m", f"{FILM_GRID}, volume per area", FILM_NODES, stacked=False),
     Field("film_asperity", "asperity", "Pa", f"{FILM_GRID}, of asperities beside the oil", FILM_NODES, stacked=False),
 )
+FILM_SECOND_FIELDS = (
+    Field(
+        "film_load_second", "load_second", "N", "contact grid of the second surface, inwards", FILM_NODES, stacked=False
+    ),
+)
 
 # Of the pairs that were run with friction: their own owners, `friction_pair`.
 CELLS = "cells of the contact grid of the first surface"

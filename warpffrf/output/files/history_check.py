@@ -16,6 +16,7 @@ from warpffrf.output.files.fields import (
     CELL_FIELDS,
     CONTACT_FIELDS,
     FILM_FIELDS,
+    FILM_SECOND_FIELDS,
     FORCE_FIELDS,
     FRICTION_FIELDS,
     JOINT_FIELDS,
@@ -68,6 +69,7 @@ def check_history(history: History) -> None:
         _check_owner(lumped, LUMPED_FIELDS, name, steps)
     for name, film in history.films.items():
         _check_owner(film, FILM_FIELDS, name, steps)
+        _check_owner(film if film.load_second is not None else None, FILM_SECOND_FIELDS, name, steps)
         _check_film_grid(film, name, history.scene)
     for name, contact in history.contacts.items():
         _check_owner(contact, [f for f in CONTACT_FIELDS if f.attribute != "load_second"], name, steps)

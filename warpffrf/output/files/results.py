@@ -67,6 +67,7 @@ from warpffrf.output.files.fields import (
     ENERGY_UNITS,
     FILM_FIELDS,
     FILM_POSITIONS,
+    FILM_SECOND_FIELDS,
     FORCE_FIELDS,
     FRICTION_DERIVED,
     FRICTION_FIELDS,
@@ -149,6 +150,10 @@ def put_result(file: Any, result: Any, *, bodies: bool = True, packing: dict[str
     file.attrs["joint_friction_names"] = json.dumps(list(stuck))
     if stuck:
         _put_group(file, "joint_friction", JOINT_FRICTION_FIELDS, stuck, steps, packing)
+    yielding = {name: film for name, film in history.films.items() if film.load_second is not None}
+    file.attrs["film_second_names"] = json.dumps(list(yielding))
+    if yielding:
+        _put_group(file, "film", FILM_SECOND_FIELDS, yielding, steps, packing)
     for field in FILM_POSITIONS if history.films else ():
         group = file.create_group(field.name)
         for name in history.films:
@@ -210,6 +215,8 @@ def get_history(file: Any, scene: SceneView | None = None) -> History:
         groups["contacts"][name].cells = CellHistory(**_fields_of(file, CELL_FIELDS, name, n))
     for n, name in enumerate(json.loads(file.attrs.get("friction_names", "[]"))):
         groups["contacts"][name].friction = FrictionHistory(**_fields_of(file, FRICTION_FIELDS, name, n))
+    for name in json.loads(file.attrs.get("film_second_names", "[]")):  # older files have none
+        vars(groups["films"][name]).update(_fields_of(file, FILM_SECOND_FIELDS, name, 0))
     for n, name in enumerate(json.loads(file.attrs.get("joint_friction_names", "[]"))):
         groups["forces"][name].friction = JointFrictionHistory(**_fields_of(file, JOINT_FRICTION_FIELDS, name, n))
     energy = read(file, "energy")

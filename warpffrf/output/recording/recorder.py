@@ -45,7 +45,7 @@ CONTACT_TEXT = (
     "the same patch unwrapped, the arc to the right along e_theta and the axis of the first body upwards."
 )
 FILM_TEXT = (
-    "Oil films load the first of their bodies by their pressure, which colours it in a recording with "
+    "Oil films load both of their bodies by their pressure, which colours those that yield in a recording with "
     "color='pressure'; smallest films and largest pressures are among the plots."
 )
 FRICTION_TEXT = (

@@ -1,0 +1,116 @@
+"""Seats of a film on a second surface that yields: the hats of its grid around a place, and what they open there.
+
+The second surface B has a contact grid of its own, over which the places of A, where the film stands, travel. The seat
+of a place is a cell of that grid, and u and v say where it is, from 0 to 1 between the cell's columns and rows. Hats at
+an end of the grid go on beyond it and end a cell further, so that nothing jumps where a place comes from there; farther
+away B is as rigid as it was made. Seats of a film are those of its points, then those of A's hats.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.struct
+class Seat:
+    """Lower hats of both columns of a cell, counted within B; where in it a place is, beyond 0 and 1 at an end."""
+
+    low: int
+    right: int
+    u: real
+    v: real
+
+
+@wp.func
+def seat_on(model: Model, film: int, theta: real, z: real) -> Seat:
+    """The seat of a place of B's chart."""
+    columns = model.elements[0].films[0].second_grid[film, 0]
+    rows = model.elements[0].films[0].second_grid[film, 1]
+    cells = columns - 1
+    x = (theta - model.elements[0].films[0].second_pitch[film, 0]) / model.elements[0].films[0].second_pitch[film, 1]
+    turn = model.elements[0].films[0].second_pitch[film, 2]
+    if turn > real(0.0):
+        x -= turn * wp.floor(x / turn)
+        if model.elements[0].films[0].second_grid[film, 2] != 0:
+            cells = columns
+        elif x - real(cells) > turn - x:
+            x -= turn
+    i = wp.clamp(int(wp.floor(x)), 0, cells - 1)
+    first = model.elements[0].films[0].second_row_start[film]
+    low = int(0)
+    high = rows - 1
+    while high - low > 1:
+        middle = (low + high) / 2
+        if z >= model.elements[0].films[0].second_row[first + middle]:
+            low = middle
+        else:
+            high = middle
+    start = model.elements[0].films[0].second_row[first + low]
+    found = Seat()
+    found.low = i * rows + low
+    found.right = ((i + 1) % columns) * rows + low
+    found.u = x - real(i)
+    found.v = (z - start) / (model.elements[0].films[0].second_row[first + low + 1] - start)
+    return found
+
+
+@wp.func
+def hat_at(x: real, end: int) -> real:
+    """Value at x of the hat of one `end`, 0 or 1, of a cell from 0 to 1."""
+    return wp.max(real(1.0) - wp.abs(x - real(end)), real(0.0))
+
+
+@wp.func
+def hat_slope(x: real, end: int) -> real:
+    """Its slope."""
+    away = x - real(end)
+    if wp.abs(away) >= real(1.0):
+        return real(0.0)
+    if away < real(0.0) or (away == real(0.0) and end == 1):
+        return real(1.0)
+    return real(-1.0)
+
+
+@wp.func
+def seat_hat(seats: wp.array3d(dtype=int), w: int, seat: int, c: int) -> int:
+    """The c-th of the four hats of a seat, counted within B."""
+    return seats[w, seat, c / 2] + c % 2
+
+
+@wp.func
+def seat_part(places: wp.array3d(dtype=real), w: int, seat: int, c: int) -> real:
+    """Its value there."""
+    return hat_at(places[w, seat, 0], c / 2) * hat_at(places[w, seat, 1], c % 2)
+
+
+@wp.func
+def opened_at_seat(
+    model: Model,
+    film: int,
+    w: int,
+    seat: int,
+    seats: wp.array3d(dtype=int),
+    places: wp.array3d(dtype=real),
+    opened: wp.array(dtype=real),
+) -> vec3:
+    """What B opens at a seat [m], and its slopes by theta and z of B's chart; `opened`: at its hats, flat."""
+    first = w * model.elements[0].films[0].second_hat_start[model.elements[0].films[0].count]
+    first += model.elements[0].films[0].second_hat_start[film]
+    rows = model.elements[0].films[0].second_grid[film, 1]
+    row = model.elements[0].films[0].second_row_start[film] + seats[w, seat, 0] % rows
+    length = model.elements[0].films[0].second_row[row + 1] - model.elements[0].films[0].second_row[row]
+    pitch = model.elements[0].films[0].second_pitch[film, 1]
+    u = places[w, seat, 0]
+    v = places[w, seat, 1]
+    found = vec3(real(0.0))
+    for c in range(4):
+        there = opened[first + seat_hat(seats, w, seat, c)]
+        across = hat_at(u, c / 2)
+        along = hat_at(v, c % 2)
+        found += there * vec3(
+            across * along, hat_slope(u, c / 2) * along / pitch, across * hat_slope(v, c % 2) / length
+        )
+    return found

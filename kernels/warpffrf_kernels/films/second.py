@@ -1,0 +1,268 @@
+r"""The second surface of a film, where it is of a body that yields: what the pressure opens there.
+
+The film stands on A's grid. Its pressure does the opposite on B at the same places x_k, whose seats S_k on B's grid
+(`seats`) change as the surfaces slide, so that virtual work makes of them loads of B's hats, and these open the gap,
+
+    f = sum_k w_k (p_k + a_k) S_k,        h_k += S_k.(D_B f - Phi_B q_B).
+
+Where pressures are profiles at few points, these would load some of B's hats and leave out others: there the forces of
+A's hats, M p, stand in the seats of these hats. In either case a *place* loads a seat, with an area for each function.
+D_B is the compliance of B's local modes and Phi_B the normal displacement of its global ones. Slopes of this along B's
+chart turn the direction in which the pressure pushes (`sampling.tilted`). An unknown pressure, of a function or of
+asperities, loads B's hats by W (a line each) and opens by Q = D_B W^T; so J has V Q beside what A does, V = (dR/dh) S.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import STATIC, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, real, sync, vec3
+from warpffrf_kernels.films.sampling import (
+    ALONG_BY_GAP,
+    AROUND_BY_GAP,
+    FILLING_BY_GAP,
+    HALF,
+    on_second,
+    sides_of,
+)
+from warpffrf_kernels.films.seats import seat_hat, seat_on, seat_part
+from warpffrf_kernels.films.unknowns import RIGID, add_scaled, lines_of
+from warpffrf_kernels.surfaces.surface import chart_of
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.func
+def place_of_seat(model: Model, film: int, seat: int) -> vec3:
+    """Of the seat-th of a film: points, then hats."""
+    point = model.elements[0].films[0].point_start[film]
+    points = model.elements[0].films[0].point_start[film + 1] - point
+    if seat < points:
+        return model.elements[0].films[0].point_place[point + seat]
+    return model.elements[0].films[0].hat_place[model.elements[0].films[0].hat_start[film] + seat - points]
+
+
+@wp.kernel
+def load_second(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    v1: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    q1: wp.array(dtype=real),
+    film_pressure: wp.array3d(dtype=real),
+    film_asperity: wp.array3d(dtype=real),
+    film_seat: inout(wp.array3d(dtype=int)),
+    film_seat_at: inout(wp.array3d(dtype=real)),
+    film_press_load: inout(wp.array2d(dtype=real)),
+    film_second_load: inout(wp.array(dtype=real)),
+    film_second_opened: out(wp.array(dtype=real)),
+    film_second_energy: out(wp.array2d(dtype=real)),
+):
+    """Per (world, film), lanes over seats, then hats of B: where they are, f, and what it opens."""
+    w, film, lane = wp.tid()
+    model = models[0]
+    hats = model.elements[0].films[0].second_hats[film]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or hats == 0:
+        return
+    static = int(0)
+    if ctl[w].mode == STATIC:
+        static = int(1)
+    sides = sides_of(model, w, film, static, r1, axes, v1, omega1)
+    s = model.elements[0].films[0].second[film]
+    first = model.elements[0].films[0].function_start[film]
+    first_hat = model.elements[0].films[0].hat_start[film]
+    start = model.elements[0].films[0].seat_start[film]
+    i = lane
+    while i < model.elements[0].films[0].seat_start[film + 1] - start:
+        y = on_second(model, film, sides, place_of_seat(model, film, i))
+        at = chart_of(model, s, y)
+        seat = seat_on(model, film, at[0], at[1])
+        film_seat[w, start + i, 0] = seat.low
+        film_seat[w, start + i, 1] = seat.right
+        film_seat_at[w, start + i, 0] = seat.u
+        film_seat_at[w, start + i, 1] = seat.v
+        i += wp.block_dim()
+    half = model.elements[0].films[0].rule[film] == HALF
+    press = model.elements[0].films[0].press_start[film]
+    presses = model.elements[0].films[0].press_start[film + 1] - press
+    i = press + lane
+    while i < press + presses:
+        load = real(0.0)
+        j = int(0)
+        while j < model.elements[0].films[0].press_function.shape[1]:
+            f = model.elements[0].films[0].press_function[i, j]
+            if f >= 0:
+                p = film_pressure[w, 1, first + f]
+                if half:
+                    p = wp.max(p, real(0.0))
+                if model.elements[0].films[0].rough[film] > 0:
+                    p += film_asperity[w, 1, first_hat + f]  # functions are hats then
+                load += model.elements[0].films[0].press_value[i, j] * p
+            j += 1
+        film_press_load[w, i] = load
+        i += wp.block_dim()
+    second_hat = model.elements[0].films[0].second_hat_start[film]
+    run = w * model.elements[0].films[0].second_hat_start[model.elements[0].films[0].count] + second_hat
+    i = lane
+    while i < hats:
+        film_second_load[run + i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    i = press
+    while i < press + presses:  # a hat's loads are added by one lane, in one order
+        on = start + model.elements[0].films[0].press_seat[i]
+        for c in range(4):
+            hat = seat_hat(film_seat, w, on, c)
+            if hat % wp.block_dim() == lane:
+                load = seat_part(film_seat_at, w, on, c) * film_press_load[w, i]
+                film_second_load[run + hat] = film_second_load[run + hat] + load
+        i += 1
+    sync()
+    modes = model.elements[0].films[0].second_modes[film]
+    modal = w * model.modes.count + model.surfaces.modal_start[s]
+    i = lane
+    while i < hats:
+        row = model.elements[0].films[0].second_compliance_start[film] + i * hats
+        local = dot(hats, model.elements[0].films[0].second_compliance, row, film_second_load, run)
+        film_second_energy[w, second_hat + i] = real(0.5) * local * film_second_load[run + i]
+        line = model.elements[0].films[0].second_shape_start[film] + i * modes
+        film_second_opened[run + i] = local - dot(modes, model.elements[0].films[0].second_shape, line, q1, modal)
+        i += wp.block_dim()
+
+
+@wp.kernel
+def weigh_second(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    film_pressure: wp.array3d(dtype=real),
+    film_full: wp.array3d(dtype=int),
+    film_seat: wp.array3d(dtype=int),
+    film_seat_at: wp.array3d(dtype=real),
+    film_second_weight: inout(wp.array(dtype=real)),
+    film_second_wide: inout(wp.array(dtype=real)),
+    film_second_yield: out(wp.array(dtype=real)),
+):
+    """Per (world, film), lanes over unknowns: lines of W, columns of Q, where the outer matrix is new."""
+    w, film, lane = wp.tid()
+    model = models[0]
+    hats = model.elements[0].films[0].second_hats[film]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0 or hats == 0:
+        return
+    n = model.elements[0].films[0].unknowns[film]
+    lines = lines_of(model, film)
+    first = model.elements[0].films[0].function_start[film]
+    run = loads_at(model, w, film)
+    start = model.elements[0].films[0].seat_start[film]
+    half = model.elements[0].films[0].rule[film] == HALF
+    i = lane
+    while i < lines:
+        row = run + i * hats
+        j = int(0)
+        while j < hats:
+            film_second_weight[row + j] = real(0.0)
+            film_second_wide[row + j] = real(0.0)
+            j += 1
+        f = first
+        pushes = True
+        if i < n:
+            f += model.elements[0].films[0].function_of[model.elements[0].films[0].unknown_start[film] + i]
+            pushes = film_full[w, 1, f] != 0
+            if half and film_pressure[w, 1, f] < real(0.0):
+                pushes = False
+        else:
+            f += model.elements[0].films[0].hat_function[model.elements[0].films[0].hat_start[film] + i - n]
+        e = model.elements[0].films[0].press_entry_start[f]
+        while e < model.elements[0].films[0].press_entry_start[f + 1] and pushes:
+            seat = start + model.elements[0].films[0].press_seat[model.elements[0].films[0].press_entry[e]]
+            push = model.elements[0].films[0].press_entry_value[e]
+            for c in range(4):
+                hat = seat_hat(film_seat, w, seat, c)
+                part = push * seat_part(film_seat_at, w, seat, c)
+                film_second_weight[row + hat] = film_second_weight[row + hat] + part
+            e += 1
+        j = int(0)
+        while j < hats:
+            load = film_second_weight[row + j]
+            if load != real(0.0):
+                line = model.elements[0].films[0].second_compliance_start[film] + j * hats
+                add_scaled(hats, load, model.elements[0].films[0].second_compliance, line, film_second_wide, row)
+            j += 1
+        j = int(0)
+        while j < hats:
+            film_second_yield[run + j * lines + i] = film_second_wide[row + j]
+            j += 1
+        i += wp.block_dim()
+
+
+@wp.func
+def loads_at(model: Model, w: int, film: int) -> int:
+    """Where W and Q of a film begin."""
+    total = model.elements[0].films[0].load_start[model.elements[0].films[0].count]
+    return w * total + model.elements[0].films[0].load_start[film]
+
+
+@wp.func
+def write_second(
+    model: Model,
+    w: int,
+    film: int,
+    i: int,
+    row: int,
+    film_line: wp.array3d(dtype=real),
+    stiff: real,
+    film_seat: wp.array3d(dtype=int),
+    film_seat_at: wp.array3d(dtype=real),
+    film_second_weight: wp.array(dtype=real),
+    film_second_yield: wp.array(dtype=real),
+    film_second_wide: wp.array(dtype=real),
+    film_matrix: wp.array(dtype=real),
+):
+    """What B's yielding adds to the line of unknown i, in J, B and P; `stiff` [Pa/m]: of its asperities."""
+    hats = model.elements[0].films[0].second_hats[film]
+    n = model.elements[0].films[0].unknowns[film]
+    lines = lines_of(model, film)
+    point = model.elements[0].films[0].point_start[film]
+    start = model.elements[0].films[0].seat_start[film]
+    run = loads_at(model, w, film)
+    wide = run + i * hats
+    j = int(0)
+    while j < hats:
+        film_second_wide[wide + j] = real(0.0)
+        j += 1
+    if i < n:
+        f = model.elements[0].films[0].function_start[film]
+        f += model.elements[0].films[0].function_of[model.elements[0].films[0].unknown_start[film] + i]
+        e = model.elements[0].films[0].entry_start[f]
+        while e < model.elements[0].films[0].entry_start[f + 1]:
+            g = model.elements[0].films[0].entry_point[e]
+            a = model.elements[0].films[0].entry_slot[e]
+            by_gap = model.elements[0].films[0].slope_around[g, a] * film_line[w, g, AROUND_BY_GAP]
+            by_gap += model.elements[0].films[0].slope_along[g, a] * film_line[w, g, ALONG_BY_GAP]
+            by_gap += model.elements[0].films[0].value[g, a] * film_line[w, g, FILLING_BY_GAP]
+            for c in range(4):
+                hat = seat_hat(film_seat, w, start + g - point, c)
+                part = seat_part(film_seat_at, w, start + g - point, c)
+                film_second_wide[wide + hat] = film_second_wide[wide + hat] + by_gap * part
+            e += 1
+    else:
+        seat = start + model.elements[0].films[0].point_start[film + 1] - point + i - n
+        for c in range(4):
+            hat = seat_hat(film_seat, w, seat, c)
+            film_second_wide[wide + hat] = film_second_wide[wide + hat] + stiff * seat_part(film_seat_at, w, seat, c)
+    modes = model.elements[0].films[0].second_modes[film]
+    by_columns = row + lines + 1 + RIGID + model.elements[0].films[0].modes[film]
+    pushes = by_columns + RIGID + model.elements[0].films[0].modes[film] + modes
+    j = int(0)
+    while j < hats:
+        line = model.elements[0].films[0].second_shape_start[film] + j * modes
+        by_gap = film_second_wide[wide + j]
+        if by_gap != real(0.0):
+            add_scaled(lines, by_gap, film_second_yield, run + j * lines, film_matrix, row)
+            add_scaled(modes, -by_gap, model.elements[0].films[0].second_shape, line, film_matrix, by_columns)
+        load = film_second_weight[wide + j]
+        if load != real(0.0):
+            add_scaled(modes, -load, model.elements[0].films[0].second_shape, line, film_matrix, pushes)
+        j += 1
