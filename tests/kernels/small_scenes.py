@@ -430,8 +430,11 @@ CASES: dict[str, Case] = {
         1e-4, {"start": "equilibrium"},
     ),
     "journal, rough": Case(
-        lambda: journal(load=20e3, law=laws.ExponentialAsperities(2e9, 1e-6), friction=0.1), 1e-4,
-        {"start": "equilibrium"},
+        lambda: journal(
+            load=20e3, law=laws.ExponentialAsperities(2e9, 1e-6), friction=0.1, roughness=films.Roughness(1e-6, 3.0),
+            roughness_second=films.Roughness(5e-7, 1 / 6),
+        ),
+        1e-4, {"start": "equilibrium"},
     ),
     "journal, both yield": Case(
         lambda: journal(yields=True, load=20e3, law=laws.ExponentialAsperities(2e9, 1e-6), friction=0.1), 1e-4,

@@ -481,6 +481,7 @@ oil = { kind = "barus", viscosity = 0.04, coefficient = 1e-8, density = { kind =
 law = { kind = "exponential_asperities", pressure_at_zero = 1e8, decay_length = 1e-6 }
 feeds = [{ kind = "oil_hole", theta = 0.0, z = 0.0, diameter = 0.006, pressure = 2e5 }]
 form = { kind = "barrel", drop = 1e-6, length = 0.03 }
+roughness = { kind = "roughness", deviation = 4e-7, pattern = 3.0 }
 cavitation = "reynolds"
 """
 
@@ -498,6 +499,7 @@ def test_a_film_of_a_scene_file_is_that_of_python(tmp_path: Path) -> None:
     oil = oils.Barus(0.04, coefficient=1e-8, density=oils.DowsonHigginson())
     hole, barrel = films.Hole(0.0, 0.0, 0.006, 2e5), films.Barrel(1e-6, 0.03)
     options: dict[str, Any] = {"oil": oil, "law": ASPERITIES, "feeds": [hole], "form": barrel}
+    options["roughness"] = films.Roughness(4e-7, 3.0)
     scene.add(Film(film.a, film.b, **options, cavitation="reynolds", name="film"))
     assert scene.content_hash() == from_file
 
@@ -508,6 +510,8 @@ def test_a_film_of_a_scene_file_is_that_of_python(tmp_path: Path) -> None:
         ('kind = "barus"', 'kind = "linear_layer"', "linear_layer.*known: .*'barus'.*'iso_vg'"),
         ('kind = "barrel"', 'kind = "oil_ring"', "oil_ring.*known: 'lobes'"),
         ('kind = "exponential_asperities"', 'kind = "hertz_point"', "hertz_point"),
+        ('kind = "roughness"', 'kind = "oil_ring"', "oil_ring.*known: 'roughness'"),
+        ("pattern = 3.0", "pattern = 30.0", "pattern must lie from 1/9 to 9, where flow factors are known, got 30"),
         ('kind = "oil_hole", theta = 0.0', 'kind = "oil_hole", theta = 1.0', "hole at theta = 1, z = 0, lies beside"),
         ("diameter = 0.006", "diametre = 0.006", "diametre"),
         ('cavitation = "reynolds"', 'cavitation = "gumbel"', "gumbel"),

@@ -18,6 +18,7 @@ LAYERS = {
     "nonlinear_layer": laws.NonlinearLayer(1e16, 1.5),
     "table_layer": laws.TableLayer((-4e-6, -1e-6, 0.5e-6), (9e7, 1e7, 0.0)),
     "exponential_asperities": laws.ExponentialAsperities(1e7, 3e-7),
+    "greenwood_tripp": laws.GreenwoodTripp(1e-7, 1e10, 5e-5, 1e11),
     "hunt_crossley": laws.HuntCrossley(1e16, 1.5, damping=20.0),
 }
 K_T, H = 3e13, 1e-4  # Pa/m, s

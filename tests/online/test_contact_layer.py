@@ -130,6 +130,7 @@ def minimum(problem: Problem, N: np.ndarray, dA: np.ndarray, curve: Curve) -> np
     raise RuntimeError("no minimum found")
 
 
+GAUSSIAN = laws.GreenwoodTripp.from_products(40e-6, 0.1, 0.02, 115e9)
 CASES: dict[str, tuple[Any, Curve, str, str, float, float]] = {
     "power 3/2": (laws.NonlinearLayer(1e14, 1.5), power(1e14, 1.5), "plain_body", "plain_body", 0.0, 1500e-6),
     "cube, stiff": (laws.NonlinearLayer(1e23, 3.0), power(1e23, 3.0), "plain_body", "other_body", 0.0, 1000e-6),
@@ -143,6 +144,9 @@ CASES: dict[str, tuple[Any, Curve, str, str, float, float]] = {
     "table": (
         laws.TableLayer((-400e-6, -100e-6, -50e-6, 30e-6), (2e9, 2e8, 4e7, 0.0)),
         table((-30e-6, 50e-6, 100e-6, 400e-6), (0.0, 4e7, 2e8, 2e9)), "plain_body", "other_body", 0.0, 1000e-6,
+    ),
+    "asperities, Gaussian": (
+        GAUSSIAN, table(*GAUSSIAN.curve.table[:, :2].T), "plain_body", "other_body", 0.0, 500e-6,
     ),
 }  # fmt: skip
 

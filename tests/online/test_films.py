@@ -31,7 +31,7 @@ from warpffrf.model import films, forces, joints, oils, signals, surfaces
 from warpffrf.model.errors import InputError
 from warpffrf.model.films import Film
 from warpffrf.model.integrators import GeneralizedAlpha
-from warpffrf.model.laws import ExponentialAsperities
+from warpffrf.model.laws import ExponentialAsperities, GreenwoodTripp
 from warpffrf.model.mesh import box, roller
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
@@ -113,6 +113,30 @@ def test_asperities_carry_what_the_film_does_not(speed: float) -> None:
     )
     assert np.abs(film.eccentricity[-1] - settled.state.place).max() < 0.02 * CLEARANCE  # the sleeve moves, too
     assert found.counters["mean_iterations"] * found.counters["steps"] <= 60
+
+
+@pytest.mark.parametrize("speed", [300.0, 30.0, 3.0])
+def test_gaussian_asperities_carry_what_the_film_does_not(speed: float) -> None:
+    """The same with the law of Greenwood and Tripp; and, nearly dry, beside an exponential law with its pressure and
+    slope where the pressure is largest."""
+    law = GreenwoodTripp.from_products(0.8e-6, 0.08, 0.02, 115e9)  # 0.4 GPa at zero gap
+    found = find_equilibrium(bearing((60e3, 0.0), speed=speed, law=law))
+    assert found.status == "completed", found.message
+    film, expected = found.films["film"], reference(asperities=law.curve, speed=speed)
+    settled = expected.settle(np.array([0.3 * CLEARANCE, 0.0]), np.array([60e3, 0.0]))
+    by_asperities = np.abs(expected.force(settled.state)[1]).max() / 60e3
+    assert by_asperities > {300.0: 0.02, 30.0: 0.3, 3.0: 0.9}[speed]
+    largest = settled.state.asperity.max()
+    np.testing.assert_allclose(film.asperity[-1].ravel(), settled.state.asperity, atol=0.02 * largest)
+    assert np.abs(film.eccentricity[-1] - settled.state.place).max() < 0.02 * CLEARANCE
+    assert found.counters["mean_iterations"] * found.counters["steps"] <= 60
+    if speed == 3.0:
+        gap = expected.gap_at_hats(settled.state)[np.argmax(settled.state.asperity)]
+        decay = float(law.pressure(gap) / law.curve.slope(-gap))
+        fitted = ExponentialAsperities(float(law.pressure(gap)) * np.exp(gap / decay), decay)
+        other = find_equilibrium(bearing((60e3, 0.0), speed=speed, law=fitted)).films["film"]
+        assert other.largest_asperity_pressure[-1] == pytest.approx(largest, rel=0.02)
+        assert other.smallest_gap[-1] == pytest.approx(film.smallest_gap[-1], abs=0.02 * law.deviation)
 
 
 def test_asperities_rub() -> None:

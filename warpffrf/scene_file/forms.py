@@ -202,7 +202,7 @@ def value_kinds() -> dict[str, Form]:
     monolithic method, stress points."""
     from warpffrf.model.bases import BASES
     from warpffrf.model.damping import DAMPINGS
-    from warpffrf.model.films import FEEDS, FORMS
+    from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES
     from warpffrf.model.forces import CHARACTERISTICS
     from warpffrf.model.friction import FRICTION_LAWS
     from warpffrf.model.laws import LAWS, LUMPED_LAWS
@@ -216,7 +216,7 @@ def value_kinds() -> dict[str, Form]:
     found = dict(signal_kinds())
     registered = {
         **SHAPES, **BASES, **DAMPINGS, **LAWS, **LUMPED_LAWS, **FRICTION_LAWS, **CHARACTERISTICS, **OILS, **FEEDS,
-        **FORMS,
+        **FORMS, **ROUGHNESSES,
     }  # fmt: skip
     found.update({kind: form_of(kind, cls, {}) for kind, cls in registered.items()})
     found.update({snake_case(cls.__name__): form_of(snake_case(cls.__name__), cls, {}) for cls in others})
@@ -235,13 +235,15 @@ def shape_kinds() -> dict[str, Form]:
 def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
     """Section of contacts or films and argument -> kind -> form, of those that take the laws, oils or forms of one sort
     only."""
-    from warpffrf.model.films import FORMS
+    from warpffrf.model.films import FORMS, ROUGHNESSES
     from warpffrf.model.friction import FRICTION_LAWS
     from warpffrf.model.laws import LAWS, LUMPED_LAWS
     from warpffrf.model.oils import OILS
 
     contacts = {"contacts": LAWS, "lumped_contacts": LUMPED_LAWS}
-    of_films = {"law": LAWS, "oil": (*OILS, "iso_vg"), "form": FORMS, "form_second": FORMS}
+    of_films = {"law": LAWS, "oil": (*OILS, "iso_vg")}
+    of_films |= dict.fromkeys(("form", "form_second"), FORMS)
+    of_films |= dict.fromkeys(("roughness", "roughness_second"), ROUGHNESSES)
     taken = {("films", name): kinds for name, kinds in of_films.items()}
     for section, laws in contacts.items():
         taken |= {(section, "law"): laws, (section, "friction"): FRICTION_LAWS}

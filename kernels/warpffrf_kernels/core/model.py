@@ -521,6 +521,9 @@ class Films:
     press_entry: DeviceArray = integers("film_press_entry", note="the place, counted over all films")
     press_entry_value: DeviceArray = reals("film_press_entry", unit="m2")
     load_start: DeviceArray = integers("film+1", note="into film_second_weight: (line, second hat)")
+    factor_start: DeviceArray = integers("film", note="into factor")
+    factor_count: DeviceArray = integers("film", note="its lines, 0 of smooth walls")
+    factor: DeviceArray = reals("film_factor_entry", 13, note="see `films.roughness`")
     rest_v: DeviceArray = vectors("film_body", unit="m/s", note="with which surfaces slide in static steps")
     rest_omega: DeviceArray = vectors("film_body", unit="rad/s", note="likewise, body axes")
 

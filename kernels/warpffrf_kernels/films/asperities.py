@@ -31,8 +31,12 @@ def asperities_at(model: Model, film: int, depth: real) -> vec3:
         if depth <= model.elements[0].films[0].table[i, 0]:
             return none
         last = i + model.elements[0].films[0].table_count[film] - 2
-        while i < last and depth >= model.elements[0].films[0].table[i + 1, 0]:
-            i += 1
+        while i < last:
+            half = (i + last + 1) / 2
+            if depth >= model.elements[0].films[0].table[half, 0]:
+                i = half
+            else:
+                last = half - 1
         rise = model.elements[0].films[0].table[i + 1, 1] - model.elements[0].films[0].table[i, 1]
         slope = rise / (model.elements[0].films[0].table[i + 1, 0] - model.elements[0].films[0].table[i, 0])
         into = depth - model.elements[0].films[0].table[i, 0]

@@ -25,7 +25,11 @@ and the opposite on B, at x again: action equals reaction in force and moment. T
     - int mu |u_B - u_A|^2 (1 - D/h)/h dA - int k |grad p|^2 dA - (what closes voids) + (what feeds bring in),
 
 as Reynolds' equation tested with p itself tells (`flow`). **Asperities** press beside the film, at the hats, with a
-pressure a = P(-h) that deforms and pushes as p does, and rub with mu a against the sliding. Tangential displacements of
+pressure a = P(-h) that deforms and pushes as p does, and rub with mu a against the sliding. **Rough walls**
+(`roughness`) have phi k in place of k, U h - l v/2 in place of U h with v = u_B - u_A, in the equation, and in tau
+Phi mu v/h and (h - l)/2 in place of h/2, each with factors around and along: the losses are then Phi mu v^2/h and
+phi k |grad p|^2, by the same identity. Voids travel with U as between smooth walls: they are where the film is thick,
+and l is below 1 % of a gap of ten deviations. Tangential displacements of
 A by the shear are left out, and so is what its elastic motion adds to U.
 """
 
@@ -39,6 +43,7 @@ from warpffrf_kernels.core.rotation import exponential, matrix
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, quat, real, sync, vec3
 from warpffrf_kernels.films.asperities import asperities_at
 from warpffrf_kernels.films.oil import oil_at
+from warpffrf_kernels.films.roughness import factors_at
 from warpffrf_kernels.films.seats import opened_at_seat
 from warpffrf_kernels.surfaces.surface import axes_of, chart_of, distance_of, gradient_of, origin_of, slope_of
 
@@ -52,10 +57,10 @@ NONE = wp.constant(3)  # they pull
 
 # --- numbers of a point
 GAP = wp.constant(0)
-FLOW_AROUND = wp.constant(1)  # weight r (k p_x - h U_x), what a slope of a test function meets
+FLOW_AROUND = wp.constant(1)  # weight r (phi k p_x - h U_x + l v_x/2), what a slope of a test function meets
 FLOW_ALONG = wp.constant(2)
 FILLING = wp.constant(3)  # weight delta_t (r h)
-CONDUCTANCE = wp.constant(4)  # weight r k
+CONDUCTANCE = wp.constant(4)  # weight r phi k, around
 AROUND_BY_PRESSURE = wp.constant(5)  # of both flows and the filling, at given slopes and gap
 ALONG_BY_PRESSURE = wp.constant(6)
 FILLING_BY_PRESSURE = wp.constant(7)
@@ -66,7 +71,8 @@ PRESSURE = wp.constant(11)  # that pushes, times the weight
 NORMAL = wp.constant(12)  # n, world
 MOMENT = wp.constant(15)  # of n at x about A's centre of mass, A's axes
 SECOND_MOMENT = wp.constant(18)  # of -n at x about B's centre of mass, B's axes
-LINE = 21
+EVENNESS = wp.constant(21)  # phi along over phi around
+LINE = 22
 
 # --- sums over the points, of forces with shear
 FORCE = wp.constant(0)  # on A, world
@@ -521,21 +527,34 @@ def sample_film(
         oil = oil_at(model, film, p)
         weight = model.elements[0].films[0].weight[g]
         conductance = h * h * h / (real(12.0) * oil.viscosity)
+        factors = factors_at(model, film, h)
+        through_x = factors.flow[0] * conductance
+        through_z = factors.flow[1] * conductance
+        kept_x = real(0.5) * factors.lag[0] * slide_x
+        kept_z = real(0.5) * factors.lag[1] * slide_z
+        even = factors.flow[1] / factors.flow[0]
         mass = oil.density * h
         film_mass_now[w, g] = mass
         film_line[w, g, GAP] = h
-        film_line[w, g, FLOW_AROUND] = weight * oil.density * (conductance * p_x - h * u_x)
-        film_line[w, g, FLOW_ALONG] = weight * oil.density * (conductance * p_z - h * u_z)
+        film_line[w, g, FLOW_AROUND] = weight * oil.density * (through_x * p_x - h * u_x + kept_x)
+        film_line[w, g, FLOW_ALONG] = weight * oil.density * (through_z * p_z - h * u_z + kept_z)
         past = film_rates[w, 1] * film_mass[w, 0, g] + film_rates[w, 2] * film_mass[w, 1, g]
         film_line[w, g, FILLING] = weight * (a0 * mass + past)
-        film_line[w, g, CONDUCTANCE] = weight * oil.density * conductance
-        thinner = oil.density * conductance * oil.thickening
-        film_line[w, g, AROUND_BY_PRESSURE] = weight * (oil.stiffening * (conductance * p_x - h * u_x) - thinner * p_x)
-        film_line[w, g, ALONG_BY_PRESSURE] = weight * (oil.stiffening * (conductance * p_z - h * u_z) - thinner * p_z)
+        film_line[w, g, CONDUCTANCE] = weight * oil.density * through_x
+        film_line[w, g, EVENNESS] = even
+        thinner_x = oil.density * through_x * oil.thickening
+        thinner_z = oil.density * through_z * oil.thickening
+        flow_x = through_x * p_x - h * u_x + kept_x
+        flow_z = through_z * p_z - h * u_z + kept_z
+        film_line[w, g, AROUND_BY_PRESSURE] = weight * (oil.stiffening * flow_x - thinner_x * p_x)
+        film_line[w, g, ALONG_BY_PRESSURE] = weight * (oil.stiffening * flow_z - thinner_z * p_z)
         film_line[w, g, FILLING_BY_PRESSURE] = weight * a0 * oil.stiffening * h
-        wide = real(3.0) * conductance / h
-        film_line[w, g, AROUND_BY_GAP] = weight * oil.density * (wide * p_x - u_x)
-        film_line[w, g, ALONG_BY_GAP] = weight * oil.density * (wide * p_z - u_z)
+        wide_x = real(3.0) * through_x / h + factors.flow_slope[0] * conductance
+        wide_z = real(3.0) * through_z / h + factors.flow_slope[1] * conductance
+        more_x = real(0.5) * factors.lag_slope[0] * slide_x
+        more_z = real(0.5) * factors.lag_slope[1] * slide_z
+        film_line[w, g, AROUND_BY_GAP] = weight * oil.density * (wide_x * p_x - u_x + more_x)
+        film_line[w, g, ALONG_BY_GAP] = weight * oil.density * (wide_z * p_z - u_z + more_z)
         film_line[w, g, FILLING_BY_GAP] = weight * oil.density * a0
         pushing = p
         if rule == HALF:
@@ -548,12 +567,15 @@ def sample_film(
         film_line[w, g, PRESSURE] = weight * pushing
         filled = wp.clamp(real(1.0) - void / h, real(0.0), real(1.0))
         drag = oil.viscosity * filled / h
-        half = real(0.5) * h
+        half_x = real(0.5) * (h - factors.lag[0])
+        half_z = real(0.5) * (h - factors.lag[1])
+        drag_x = drag * factors.drag[0]
+        drag_z = drag * factors.drag[1]
         speed = wp.sqrt(slide_x * slide_x + slide_z * slide_z)
         rub = real(0.0)
         if speed > real(0.0):
             rub = model.elements[0].films[0].asperity_friction[film] * pressed / speed
-        tau = ((drag + rub) * slide_x + half * p_x) * around + ((drag + rub) * slide_z + half * p_z) * along
+        tau = ((drag_x + rub) * slide_x + half_x * p_x) * around + ((drag_z + rub) * slide_z + half_z * p_z) * along
         force = weight * ((pushing + pressed) * n_a + tau)
         world_force = sides.turn_a * force
         first_torque = wp.cross(place, force)
@@ -565,8 +587,9 @@ def sample_film(
             film_pull[w, g, FORCE + c] = world_force[c]
             film_pull[w, g, FORCE_MOMENT + c] = first_torque[c]
             film_pull[w, g, SECOND_FORCE_MOMENT + c] = second_torque[c]
-        film_pull[w, g, VISCOUS] = weight * oil.density * conductance * (p_x * p_x + p_z * p_z)
-        film_pull[w, g, SHEAR] = weight * (drag + rub) * speed * speed
+        film_pull[w, g, VISCOUS] = weight * oil.density * through_x * (p_x * p_x + even * p_z * p_z)
+        dragged = (drag_x - drag) * slide_x * slide_x + (drag_z - drag) * slide_z * slide_z
+        film_pull[w, g, SHEAR] = weight * (drag + rub) * speed * speed + weight * dragged
         film_pull[w, g, BY_ASPERITIES] = weight * pressed
         yielded = at_point(model, g, film_local, w, first_hat)
         film_pull[w, g, STORED] = real(0.5) * weight * (pushing + pressed) * yielded

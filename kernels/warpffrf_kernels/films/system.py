@@ -30,6 +30,7 @@ from warpffrf_kernels.films.sampling import (
     AROUND_BY_GAP,
     AROUND_BY_PRESSURE,
     CONDUCTANCE,
+    EVENNESS,
     FILLING_BY_GAP,
     FILLING_BY_PRESSURE,
     HALF,
@@ -239,6 +240,7 @@ def write_flow(
         wide = film_line[w, g, CONDUCTANCE]
         by_value = x * film_line[w, g, AROUND_BY_PRESSURE] + z * film_line[w, g, ALONG_BY_PRESSURE]
         by_value += v * film_line[w, g, FILLING_BY_PRESSURE]
+        z *= film_line[w, g, EVENNESS]
         s = int(0)
         while s < model.elements[0].films[0].function.shape[1]:
             other = model.elements[0].films[0].function[g, s]

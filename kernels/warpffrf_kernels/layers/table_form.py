@@ -11,11 +11,14 @@ wp.set_module_options(MODULE_OPTIONS)
 @wp.func
 def piece_of(model: Model, pair: int, column: int, value: real) -> int:
     """Line of the pair's table at or below `value` of a column, the last but one at most."""
-    first = model.elements[0].layers.table_start[pair]
-    last = first + model.elements[0].layers.table_count[pair] - 2
-    i = int(first)
-    while i < last and value >= model.elements[0].layers.table[i + 1, column]:
-        i += 1
+    i = int(model.elements[0].layers.table_start[pair])
+    last = i + model.elements[0].layers.table_count[pair] - 2
+    while i < last:
+        half = (i + last + 1) / 2
+        if value >= model.elements[0].layers.table[half, column]:
+            i = half
+        else:
+            last = half - 1
     return i
 
 

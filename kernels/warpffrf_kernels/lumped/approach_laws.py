@@ -40,8 +40,12 @@ def push_of(model: Model, contact: int, share: real, approach: real) -> Push:
     i = model.elements[0].lumped.table_start[contact]
     last = i + count - 2
     if approach > model.elements[0].lumped.table[i, 0]:
-        while i < last and approach >= model.elements[0].lumped.table[i + 1, 0]:
-            i += 1
+        while i < last:
+            half = (i + last + 1) / 2
+            if approach >= model.elements[0].lumped.table[half, 0]:
+                i = half
+            else:
+                last = half - 1
         rise = model.elements[0].lumped.table[i + 1, 1] - model.elements[0].lumped.table[i, 1]
         beyond = approach - model.elements[0].lumped.table[i, 0]
         out.slope = share * rise / (model.elements[0].lumped.table[i + 1, 0] - model.elements[0].lumped.table[i, 0])

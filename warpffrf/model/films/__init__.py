@@ -3,6 +3,7 @@
     Film                                the film of a pair of surfaces, `film`
     Groove  Ring  Hole                  feeds, `feeds`
     Lobes  Barrel  Worn  Measured       form deviations, `forms`; they add up
+    Roughness                           of a wall, with flow factors, `roughness`
     CAVITATIONS                         what becomes of pressures below that of cavitation, `cavitation`
 
 The oils are in `warpffrf.model.oils`.
@@ -14,8 +15,9 @@ from warpffrf.model.films.cavitation import CAVITATIONS
 from warpffrf.model.films.feeds import FEEDS, Feed, Groove, Hole, Ring
 from warpffrf.model.films.film import EVALUATIONS, Film
 from warpffrf.model.films.forms import FORMS, Barrel, Form, Lobes, Measured, Sum, Worn
+from warpffrf.model.films.roughness import ROUGHNESSES, Roughness
 
 __all__ = [
-    "CAVITATIONS", "EVALUATIONS", "FEEDS", "FORMS", "Barrel", "Feed", "Film", "Form", "Groove", "Hole", "Lobes",
-    "Measured", "Ring", "Sum", "Worn",
+    "CAVITATIONS", "EVALUATIONS", "FEEDS", "FORMS", "ROUGHNESSES", "Barrel", "Feed", "Film", "Form", "Groove", "Hole",
+    "Lobes", "Measured", "Ring", "Roughness", "Sum", "Worn",
 ]  # fmt: skip

@@ -21,6 +21,7 @@ from warpffrf.model.errors import InputError, require_number, unknown_name
 from warpffrf.model.films.cavitation import CAVITATIONS
 from warpffrf.model.films.feeds import FEEDS, Feed
 from warpffrf.model.films.forms import Form, as_form
+from warpffrf.model.films.roughness import Roughness, as_roughness, summed_deviation
 from warpffrf.model.laws import Law, as_law
 from warpffrf.model.oils import Oil, as_oil
 
@@ -28,6 +29,7 @@ EVALUATIONS = ("semi", "hyper")
 PROFILES = (0, 1, 2)  # powers along: a shaft that tilts needs odd ones
 MOST_POWER = 8
 LEAST_ROWS, LEAST_COLUMNS = 3, 8  # rows between the ends, and columns: with fewer there is no shape of a pressure
+SAME = 0.01  # of the deviation of the summed heights, which walls and the law of asperities both tell
 LOOSEST = (
     0.1  # clearance over radius, far beyond any bearing: the gap is taken along normals, which then are not shared
 )
@@ -40,9 +42,10 @@ class Film:
     Forces are reported on the first body. oil: one of `warpffrf.oils`. feeds: grooves, rings and holes where oil comes
     in (`warpffrf.films`). cavitation: a word of `films.CAVITATIONS`. ambient_pressure [Pa]: at the ends of the film,
     above the pressure of cavitation. law: a contact law whose pressure begins before the surfaces touch, such as
-    `laws.ExponentialAsperities`, for asperities that carry beside the film; None for none. friction: the coefficient
-    with which these rub, beside the drag of the oil. form, form_second: how the two surfaces deviate from their true
-    shapes (`warpffrf.films`). evaluation: "semi", all hats of the contact grid at
+    `laws.ExponentialAsperities` or `laws.GreenwoodTripp`, for asperities that carry beside the film; None for none.
+    friction: the coefficient with which these rub, beside the drag of the oil. form, form_second: how the two surfaces
+    deviate from their true shapes (`warpffrf.films`). roughness, roughness_second: `films.Roughness` of the two walls,
+    with the flow factors of Patir and Cheng; None for smooth ones. evaluation: "semi", all hats of the contact grid at
     all points, or "hyper", of each column a few profiles (1 - zeta^2) zeta^m along with the `powers` m, 0 the first, at
     few points. name: default "<first body>-<second body>".
     """
@@ -63,6 +66,8 @@ class Film:
         friction: float = 0.0,
         form: Any = None,
         form_second: Any = None,
+        roughness: Any = None,
+        roughness_second: Any = None,
         evaluation: str = "semi",
         powers: Sequence[int] = PROFILES,
         name: str | None = None,
@@ -92,6 +97,8 @@ class Film:
         self.feeds: tuple[Feed, ...] = _feeds(feeds, label)
         self.form: Form | None = self._as_form(form, "form", a)
         self.form_second: Form | None = self._as_form(form_second, "form_second", b)
+        self.roughness: Roughness | None = as_roughness(roughness, f"{label}: roughness")
+        self.roughness_second: Roughness | None = as_roughness(roughness_second, f"{label}: roughness_second")
         self._require_gap()
         self._require_grid()
         held, _, _ = self._held()
@@ -125,9 +132,14 @@ class Film:
         return places_around(self.a.surface)
 
     @property
+    def deviation(self) -> float:
+        """Standard deviation [m] of the summed heights of both rough walls; 0 of smooth ones."""
+        return summed_deviation(self.roughness, self.roughness_second)
+
+    @property
     def notes(self) -> list[str]:
-        """What a user should know of how the film was put on its grid."""
-        return self._held()[2]
+        """What a user should know of how the film was put on its grid, and of its rough walls."""
+        return self._held()[2] + self._rough_notes()
 
     def held(self) -> tuple[np.ndarray, np.ndarray]:
         """Which nodes (columns, rows) have a given pressure, and that pressure (columns, rows) [Pa], 0 elsewhere. Where
@@ -178,7 +190,21 @@ class Film:
             "ambient_pressure": self.ambient_pressure,
             "evaluation": self.evaluation,
             "powers": list(self.powers) if self.evaluation == "hyper" else None,
+            **{n: wall.describe() for n, wall in self._walls.items() if wall is not None},
         }
+
+    @property
+    def _walls(self) -> dict[str, Roughness | None]:
+        return {"roughness": self.roughness, "roughness_second": self.roughness_second}
+
+    def _rough_notes(self) -> list[str]:
+        told, s = getattr(self.law, "deviation", self.deviation), self.deviation
+        if not s or abs(told - s) <= SAME * s:
+            return []
+        return [
+            f"{self.label}: the heights of its rough walls have the deviation {s:.3g} m together, those of its law of "
+            f"asperities {told:.3g} m"
+        ]
 
     def _as_powers(self, powers: Any) -> tuple[int, ...]:
         """Powers of the profiles. Raises `InputError` for others, and for what profiles cannot be."""
@@ -369,7 +395,10 @@ def _require_surface(port: Any, place: str) -> None:
 def _asperities(value: Any, label: str) -> Law:
     """A law whose pressure begins before the surfaces touch, where there still is a film beside it."""
     law = as_law(value, label)
-    cure = "take laws.ExponentialAsperities, or laws.TableLayer with gaps above 0, or leave the law out"
+    cure = (
+        "take laws.ExponentialAsperities, laws.GreenwoodTripp, or laws.TableLayer with gaps above 0, or leave the law "
+        "out"
+    )
     if law.curve is None:
         raise InputError(f"{label}: the law {law.kind} has no pressure to a gap, and a film keeps a gap; {cure}")
     if law.curve.begins >= 0.0:

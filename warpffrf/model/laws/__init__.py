@@ -7,6 +7,7 @@ With the gap g [m] between the deformed surfaces, the depth d = -g and the press
     NonlinearLayer           p = k d^n
     TableLayer               p(g) from a table
     ExponentialAsperities    p = p_0 exp(-g/lambda)
+    GreenwoodTripp           p = K E* F(g/s), asperities with Gaussian heights
     HuntCrossley             p = k d^n (1 + chi d_dot)
 
 Laws of force against approach, of lumped contacts, are in `warpffrf.model.laws.lumped` and named here too.
@@ -22,6 +23,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.friction import Coulomb, FrictionLaw, RegularisedCoulomb, StribeckCoulomb, TableCoulomb
 from warpffrf.model.laws import curves
 from warpffrf.model.laws.exponential_asperities import ExponentialAsperities
+from warpffrf.model.laws.greenwood_tripp import GreenwoodTripp
 from warpffrf.model.laws.hunt_crossley import HuntCrossley
 from warpffrf.model.laws.law import Law
 from warpffrf.model.laws.linear_layer import LinearLayer
@@ -39,12 +41,15 @@ from warpffrf.model.laws.table_layer import TableLayer
 from warpffrf.model.laws.unilateral import Unilateral
 
 LAWS = {
-    law.kind: law for law in (Unilateral, LinearLayer, NonlinearLayer, TableLayer, ExponentialAsperities, HuntCrossley)
-}
+    law.kind: law
+    for law in (
+        Unilateral, LinearLayer, NonlinearLayer, TableLayer, ExponentialAsperities, GreenwoodTripp, HuntCrossley,
+    )
+}  # fmt: skip
 
 __all__ = [
-    "LAWS", "LUMPED_LAWS", "Coulomb", "ExponentialAsperities", "ForceTable", "FrictionLaw", "HertzPoint",
-    "HuntCrossley", "IsoLamina", "Law", "LinearLayer", "NonlinearLayer", "PalmgrenLine", "PowerForce",
+    "LAWS", "LUMPED_LAWS", "Coulomb", "ExponentialAsperities", "ForceTable", "FrictionLaw", "GreenwoodTripp",
+    "HertzPoint", "HuntCrossley", "IsoLamina", "Law", "LinearLayer", "NonlinearLayer", "PalmgrenLine", "PowerForce",
     "RegularisedCoulomb", "StribeckCoulomb", "TableCoulomb", "TableLayer", "Unilateral", "as_law", "curves",
 ]  # fmt: skip
 

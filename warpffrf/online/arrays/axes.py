@@ -150,6 +150,7 @@ NAMES = {
             "film_second_shape_entry",
             "film_second_entry",
             "film_table_entry",
+            "film_factor_entry",
             "slip_speed_entry",
             "patch_row_entry",
             "patch_end_entry",

@@ -23,6 +23,7 @@ from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
 from warpffrf.model.films import Film
 from warpffrf.model.films.film import places_around
+from warpffrf.model.films.roughness import factor_table
 from warpffrf.model.oils import Barus, Newtonian, Oil, Roelands
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.compliance_tables import hat_gram, modal_moments
@@ -100,7 +101,8 @@ def fill_films(collector: Collector) -> None:
         ):  # fmt: skip
             values[f"{name}_start"] = tables.starts(of)
         for name in (
-            "compliance", "shape", "moment", "rough_moment", "table", "second_row", "second_shape", "second_compliance"
+            "compliance", "shape", "moment", "rough_moment", "table", "factor", "second_row", "second_shape",
+            "second_compliance",
         ):  # fmt: skip
             values[f"{name}_start"] = tables.starts(name)[:-1]
         lines = values["unknowns"] + values["rough"]
@@ -136,13 +138,14 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
     travels = film.cavitation in ("mass_conserving", "reynolds")
     law, law_numbers, law_table = _asperities(film)
     rough = hats if film.law is not None else 0
+    factors = factor_table(film.roughness, film.roughness_second) if film.deviation else np.zeros((0, 13))
     lift, voids = of_functions @ basis.given, (basis.voids & travels).astype(int)
     tables.one(
         first=collector.film_sides[2 * number], second=collector.film_sides[2 * number + 1], modes=shape.shape[1],
         rule=int(RULES[film.cavitation]), oil_kind=kind, oil=numbers, unknowns=len(free),
         thickness=film.clearance() or float(np.median(film.initial_gap())), second_range=ranges,
         rough=rough, asperity_kind=law, asperity=law_numbers, asperity_friction=film.friction,
-        table_count=len(law_table), second_counts=table.shape,
+        table_count=len(law_table), factor_count=len(factors), second_counts=table.shape,
         second_start=tables.length("second_form") if table.size else -1,
     )  # fmt: skip
     tables.part(
@@ -155,6 +158,7 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
         place=surface.shape.point(*basis.at.T) - body.center_of_mass, around=_around(surface, basis.at[:, 0]),
         along=_along(surface, *basis.at.T), area=basis.area, second_form=table.ravel(), **basis.neighbours,
     )  # fmt: skip
+    tables.part(factor=factors)
     tables.part(
         entry_start=tables.length("entry_point") + entries.start, near_start=tables.length("near") + entries.near_start,
         entry_slot=entries.slot, entry_near=entries.near_at, near=entries.near,

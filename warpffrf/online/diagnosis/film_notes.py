@@ -11,6 +11,8 @@ from __future__ import annotations
 import numpy as np
 from warpffrf_kernels.films.sampling import GAP
 
+from warpffrf.model.films import Film
+from warpffrf.model.films.roughness import least_gap
 from warpffrf.model.integrators import Integrator, roots_at_infinity
 from warpffrf.model.scene import Scene
 from warpffrf.online.engine import Engine
@@ -22,13 +24,17 @@ SQUEEZED = 0.01  # of the clearance: no film is left where a run ends at that
 
 
 def film_notes(scene: Scene, history: History) -> list[str]:
-    """One line a film whose columns are too coarse for the eccentricity that it reached."""
+    """One line a film whose columns are too coarse for the eccentricity that it reached, and one of rough walls that
+    came closer than flow factors are known."""
     notes = []
     for film in scene.films:
         found, clearance = history.films.get(str(film.name)), film.clearance()
-        if found is None or clearance is None or not len(found.smallest_gap):
+        if found is None or not len(found.smallest_gap):
             continue
         thinnest = float(found.smallest_gap.min())
+        notes.extend(_thinner_than_known(film, thinnest))
+        if clearance is None:
+            continue
         fine = np.sqrt(2.0 * max(thinnest, 0.0) / clearance) / RULE
         error = ERROR * (film.grid.pitch / fine) ** 2 if fine > 0.0 else np.inf
         if error > ERROR:
@@ -40,6 +46,17 @@ def film_notes(scene: Scene, history: History) -> list[str]:
                 f"{min(error, 1.0):.1%}, where the surface does not yield{more}; reduce with a finer mesh around"
             )
     return notes
+
+
+def _thinner_than_known(film: Film, thinnest: float) -> list[str]:
+    known = least_gap(film.roughness, film.roughness_second)
+    if thinnest >= known:
+        return []
+    s = film.deviation
+    return [
+        f"{film.label}: its smallest film, {thinnest:.3g} m, is {thinnest / s:.2g} deviations of its rough walls, and "
+        f"flow factors are known from {known / s:.2g} on: below, those of the flow by pressure keep their values"
+    ]
 
 
 def alternation_notes(scene: Scene, integrator: Integrator) -> list[str]:

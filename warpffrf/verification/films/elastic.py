@@ -5,7 +5,8 @@ hat force, with whatever holds it), M the hats' Gram matrix, and the asperity pr
 
     h = c - e.n + sum_j psi_j u_j,      a_j = P(h_j),      F = -int (p + a) n dA      on the shaft,
 
-p and the void D as in `grid`, with the viscosity mu(p). What Newton's method needs at the hats, dh = S^-1 (G dp - n de)
+p and the void D as in `grid`, with the viscosity mu(p); of rough walls with flow factors, k_i = phi_i(h) h^3/(12 mu) in
+either direction and the flow U (h - l(h)). What Newton's method needs at the hats, dh = S^-1 (G dp - n de)
 with G = C M and S = 1 - G diag(P'), P' <= 0, is a change of pressures p + a by dp + P' dh, which loads points between
 hats too. Unknown are e (2,) and, of each column or hat of a basis (`bases`), pressures where it is full, else its void;
 the set changes once an iteration (`complementarity` has the rule), and none may leave less than `CLOSEST` of the
@@ -32,6 +33,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.verification.films.bases import hats, strips
 from warpffrf.verification.films.complementarity import NO_VOID
 from warpffrf.verification.films.grid import FilmGrid
+from warpffrf.verification.films.rough_walls import RoughWalls
 
 Array = np.ndarray
 Sparse = Any
@@ -86,7 +88,7 @@ class ElasticJournal:
     """A shaft of `radius` - `clearance` [m] turning with `speed` [rad/s] in a bore whose hats are columns theta [rad]
     by rows z [m], with the `compliance` (hats, hats) [m/N] of hat displacements per hat force. `held`: columns
     (columns,) bool at pressure zero, as the ends are; asperities: a curve of pressure by the depth -h. powers: of
-    `bases.strips`, None for all hats."""
+    `bases.strips`, None for all hats. walls: flow factors, None of smooth ones."""
 
     radius: float
     clearance: float
@@ -98,6 +100,7 @@ class ElasticJournal:
     held: Array
     asperities: Curve | None = None
     powers: tuple[int, ...] | None = None
+    walls: RoughWalls | None = None
     grid: FilmGrid = field(init=False)
 
     def __post_init__(self) -> None:
@@ -213,16 +216,18 @@ class ElasticJournal:
         b, w = self.basis, self.basis.weights
         at_points = b.value @ p
         mu, mu_slope = self.oil.viscosity_at(at_points), self.oil.viscosity_slope(at_points)
-        k, by_x, by_z = h**3 / (12.0 * mu), b.slope_x @ p, b.slope_z @ p
-        A = b.slope_x.T @ sp.diags(w * k) @ b.slope_x + b.slope_z.T @ sp.diags(w * k) @ b.slope_z
-        R = A @ p - b.slope_x.T @ (w * h * self.carried_with)
+        by_x, by_z = b.slope_x @ p, b.slope_z @ p
+        walls = self.walls or RoughWalls.smooth()
+        (x, x_slope), (z, z_slope), (lag, lag_slope) = walls.around(h), walls.along(h), walls.lag(h)
+        k, wide = h**3 / (12.0 * mu), h**2 / (4.0 * mu)
+        A = b.slope_x.T @ sp.diags(w * k * x) @ b.slope_x + b.slope_z.T @ sp.diags(w * k * z) @ b.slope_z
+        R = A @ p - b.slope_x.T @ (w * (h - lag) * self.carried_with)
         if np.any(mu_slope):
             thicker = -w * k * mu_slope / mu
-            A = A + (b.slope_x.T @ sp.diags(thicker * by_x) + b.slope_z.T @ sp.diags(thicker * by_z)) @ b.value
-        wide = w * h**2 / (4.0 * mu)
+            A = A + (b.slope_x.T @ sp.diags(thicker * x * by_x) + b.slope_z.T @ sp.diags(thicker * z * by_z)) @ b.value
         B = (
-            b.slope_x.T @ sp.diags(wide * by_x - w * self.carried_with)
-            + b.slope_z.T @ sp.diags(wide * by_z)
+            b.slope_x.T @ sp.diags(w * ((wide * x + k * x_slope) * by_x - (1.0 - lag_slope) * self.carried_with))
+            + b.slope_z.T @ sp.diags(w * (wide * z + k * z_slope) * by_z)
             + b.value.T @ sp.diags(a0 * w)
         )
         return R, A.toarray(), B.tocsr()

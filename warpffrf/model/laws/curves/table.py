@@ -10,7 +10,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.laws.curves.curve import Curve
 
-MOST_POINTS = 256  # a lookup on the device is a walk along the table
+MOST_POINTS = 1024  # a lookup on the device halves the table: ten looks
 
 
 class Table(Curve):

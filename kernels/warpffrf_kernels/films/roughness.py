@@ -1,0 +1,72 @@
+"""Flow factors of rough walls at a gap, as `warpffrf.model.films.roughness` has them: cubics between lines of a table.
+
+A line has h [m], then phi_p around with its slope [1/m], along likewise, the lag l [m] and Phi in the same way.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+
+wp.set_module_options(MODULE_OPTIONS)
+
+FLOW = wp.constant(1)
+LAG = wp.constant(5)
+DRAG = wp.constant(9)
+
+
+@wp.struct
+class Factors:
+    """Around and along: phi_p and its slope [1/m], l [m] and its slope, Phi."""
+
+    flow: wp.vec2d
+    flow_slope: wp.vec2d
+    lag: wp.vec2d
+    lag_slope: wp.vec2d
+    drag: wp.vec2d
+
+
+@wp.func
+def cubic_at(model: Model, i: int, column: int, h: real) -> wp.vec2d:
+    """A value and its slope by h, behind line i."""
+    start = model.elements[0].films[0].factor[i, 0]
+    length = model.elements[0].films[0].factor[i + 1, 0] - start
+    u = (h - start) / length
+    low = model.elements[0].films[0].factor[i, column]
+    rise = model.elements[0].films[0].factor[i + 1, column] - low
+    a = length * model.elements[0].films[0].factor[i, column + 1]
+    b = length * model.elements[0].films[0].factor[i + 1, column + 1]
+    second = real(3.0) * rise - real(2.0) * a - b
+    third = a + b - real(2.0) * rise
+    value = low + u * (a + u * (second + u * third))
+    return wp.vec2d(value, (a + u * (real(2.0) * second + real(3.0) * u * third)) / length)
+
+
+@wp.func
+def factors_at(model: Model, film: int, h: real) -> Factors:
+    """Of a film at the gap h > 0 [m]."""
+    found = Factors()
+    found.flow = wp.vec2d(real(1.0), real(1.0))
+    found.drag = wp.vec2d(real(1.0), real(1.0))
+    count = model.elements[0].films[0].factor_count[film]
+    if count == 0:
+        return found
+    i = int(model.elements[0].films[0].factor_start[film])
+    last = i + count - 1
+    if h >= model.elements[0].films[0].factor[last, 0]:
+        return found
+    while last - i > 1:
+        half = (i + last) / 2
+        if h >= model.elements[0].films[0].factor[half, 0]:
+            i = half
+        else:
+            last = half
+    for c in range(2):
+        flow = cubic_at(model, i, FLOW + 2 * c, h)
+        lag = cubic_at(model, i, LAG + 2 * c, h)
+        found.flow[c] = flow[0]
+        found.flow_slope[c] = flow[1]
+        found.lag[c] = lag[0]
+        found.lag_slope[c] = lag[1]
+        found.drag[c] = cubic_at(model, i, DRAG + 2 * c, h)[0]
+    return found
