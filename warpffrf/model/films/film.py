@@ -22,7 +22,7 @@ from warpffrf.model.films.forms import Form, as_form
 from warpffrf.model.laws import Law, as_law
 from warpffrf.model.oils import Oil, as_oil
 
-EVALUATIONS = ("semi", "hyper")
+EVALUATIONS = ("semi", "hyper", "full")
 PROFILES = (0, 1, 2)  # powers along: a shaft that tilts needs odd ones
 MOST_POWER = 8
 LEAST_ROWS, LEAST_COLUMNS = 3, 8  # rows between the ends, and columns: with fewer there is no shape of a pressure
@@ -41,7 +41,8 @@ class Film:
     with which these rub, beside the drag of the oil. form, form_second: how the
     two surfaces deviate from their true shapes (`warpffrf.films`). evaluation: "semi", all hats of the contact grid at
     all points, or "hyper", of each column a few profiles (1 - zeta^2) zeta^m along with the `powers` m, 0 the first, at
-    few points. name: default "<first body>-<second body>".
+    few points, or "full", pressures at the FE nodes of the first surface, which method "monolithic" solves for. name:
+    default "<first body>-<second body>".
     """
 
     scene_list = "films"
