@@ -86,7 +86,7 @@ def test_what_is_no_option_is_named(pair: Pair) -> None:
     wrong: list[tuple[dict[str, Any], str]] = [
         ({"oil": 0.04}, "film 'bearing': oil must be one of oils.Newtonian"),
         ({"cavitation": "gumbel"}, "film 'bearing': cavitation 'gumbel' does not exist; known: 'mass_conserving'"),
-        ({"evaluation": "full"}, "film 'bearing': evaluation 'full' does not exist; known: 'semi', 'hyper'"),
+        ({"evaluation": "whole"}, "film 'bearing': evaluation 'whole' does not exist; known: 'semi', 'hyper', 'full'"),
         ({"friction": 0.1}, "film 'bearing': friction is that of asperities.*law=laws.ExponentialAsperities"),
         ({"friction": -0.1, "law": ASPERITIES}, "film 'bearing': friction must not be negative"),
         ({"ambient_pressure": -1.0}, r"film 'bearing': ambient_pressure \[Pa\] must not be negative"),

@@ -5,6 +5,8 @@
     "full"    the law at every FE node of the first surface, nodal forces on all modes, solved with all coordinates at
               once: `simulate(method="monolithic")`, the conventional way and the reference for the other two
 
+An oil film has the same words: hats, profiles along, and pressures at the FE nodes.
+
 The last is a method of solution as much as of evaluation, because what makes it slow is exactly what separate
 integration removes: a force at every node on every local mode. It is therefore left to the solver that has all modes as
 coordinates. What a method does not evaluate is refused here.
@@ -24,12 +26,13 @@ def evaluation_of(contact: Any) -> str:
     return getattr(contact, "evaluation", DEFAULT)
 
 
-def refuse_full(contact: Any) -> None:
-    """Raises `InputError` for a contact that method "separated" does not evaluate."""
-    if evaluation_of(contact) == "full":
+def refuse_full(pair: Any) -> None:
+    """Raises `InputError` for a contact, or an oil film, that method "separated" does not evaluate."""
+    if evaluation_of(pair) == "full":
+        label = getattr(pair, "label", f"contact {pair.name!r}")
         raise InputError(
-            f"contact {contact.name!r}: evaluation 'full' is solved with all coordinates at once; use "
-            "method='monolithic', or evaluation 'semi' or 'hyper'"
+            f"{label}: evaluation 'full' is solved with all coordinates at once; use method='monolithic', or "
+            "evaluation 'semi' or 'hyper'"
         )
 
 

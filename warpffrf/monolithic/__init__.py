@@ -7,6 +7,7 @@ The yardstick that the separated solver is measured by, written in NumPy and Sci
                      K of the variants: dense LU, kept LU, diagonal plus low rank (linear)
     line_of_centres  gaps and forces of a pair on the line of centres, its window and what is saved of it
     nodal            the same for the law at nodes of any shape, with friction
+    films            oil films, by hats or with pressures at FE nodes
     newton           a step, contact included
     run, start       the time loop and what it begins with; history, checkpoint: what is saved
     settings         what `simulate(method=Monolithic(...))` chooses; refusals: what the reference does not have

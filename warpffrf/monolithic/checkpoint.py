@@ -21,7 +21,8 @@ MARK = "monolithic_"  # in front of every name: a checkpoint of the separated so
 COUNTS = MARK + "counts"  # steps, iterations, factorisations
 BEGIN, REACH, FACTOR = MARK + "begin", MARK + "reach", MARK + "factor_"
 FACTOR_PARTS = ("scale", "factor", "pivots")
-YOUNGER = ("nodes", "lost")  # fields that files of before the law at nodes of true shapes lack
+# fields that files of before the law at nodes of true shapes, and oil films, lack
+YOUNGER = ("nodes", "lost", "film_nodes", "film_points", "film_step")
 
 
 def to_arrays(state: State) -> dict[str, np.ndarray]:

@@ -45,6 +45,26 @@ class ContactForces:
 
 
 @dataclass
+class FilmForces:
+    """An oil film; fields as in `warpffrf.online.history.history.FilmHistory`, of asperities none."""
+
+    force: np.ndarray  # (T, 3) N, on the first body
+    torque: np.ndarray  # (T, 3) N m, about its user origin
+    torque_second: np.ndarray  # (T, 3) N m
+    smallest_gap: np.ndarray  # (T,) m
+    largest_pressure: np.ndarray  # (T,) Pa
+    pressure_loss: np.ndarray  # (T,) W
+    friction_power: np.ndarray  # (T,) W
+    feed_flow: np.ndarray  # (T,) m3/s
+    end_flow: np.ndarray  # (T,) m3/s
+    void_fraction: np.ndarray  # (T,)
+    oil_volume: np.ndarray  # (T,) m3
+    pressure: np.ndarray  # (T, columns, rows) Pa
+    gap: np.ndarray  # (T, columns, rows) m
+    void: np.ndarray  # (T, columns, rows) m
+
+
+@dataclass
 class MonolithicHistory:
     """A monolithic run. `energy` has "kinetic", "strain", "contact", "potential" [J], and with the law at nodes of true
     shapes "friction" (cumulative work, not positive) and "layer" (cumulative loss of layers). `spring_rows` (T,
@@ -67,3 +87,4 @@ class MonolithicHistory:
     final: State | None = None  # to continue from
     spring_rows: np.ndarray = field(default_factory=lambda: np.zeros((0, 0, 7)))
     dropped: list = field(default_factory=list)
+    films: dict[str, FilmForces] = field(default_factory=dict)

@@ -30,11 +30,12 @@ Place = tuple[int, str]  # number of the body, name of the surface
 @dataclass(frozen=True, eq=False)
 class LocalSystems:
     """Coordinates of each surface in contact and the number of its system, `system_of`; of each pair the numbers of its
-    two surfaces, None of a rigid one; `notes` for the history."""
+    two surfaces, None of a rigid one; of each film the number of its first surface; `notes` for the history."""
 
     coordinates: list[LocalCoordinates]
     system_of: list[int]
     surfaces: list[tuple[int, int | None]]
+    films: list[int]
     notes: list[str]
 
     @property
@@ -65,6 +66,9 @@ def local_systems(scene: Any, local: str, given: dict[tuple[str, str], Any], zet
             if place is not None:
                 ports.setdefault(place, port)
                 rough |= {place} if contact.friction.acts else set()
+    oiled = [(film.a.body.index, film.a.name) for film in scene.films]
+    for place, film in zip(oiled, scene.films, strict=True):
+        ports.setdefault(place, film.a)
     lean = leanings(scene.contacts)
     groups, notes = _groups(ports, local)
     coordinates: dict[Place, LocalCoordinates] = {}
@@ -91,6 +95,7 @@ def local_systems(scene: Any, local: str, given: dict[tuple[str, str], Any], zet
         [coordinates[place] for place in ports],
         [of_place[place] for place in ports],
         [(a, b) for a, b in zip(of[::2], of[1::2], strict=True) if a is not None],
+        [number[place] for place in oiled],
         notes,
     )
 

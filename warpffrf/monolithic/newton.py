@@ -9,6 +9,9 @@ is settled too, at a factorisation a correction.
 Convergence is judged by fractions: unbalanced forces of the largest force at work, modal ones of the largest modal
 force, joint defects and open gaps of the penetration (of 1 m without contact). Less than what round-off of the
 increments makes of accelerations, and round-off of places of the forces in a stiff layer, is not asked for.
+
+Oil films (`films`) stand without contacts beside them: their pressures and voids are unknowns of the same system, and
+an iteration is judged when it has left their sets as they were.
 """
 
 from __future__ import annotations
@@ -25,6 +28,8 @@ from warpffrf.monolithic.core.equations import Balance, Increment, LocalData, Tr
 from warpffrf.monolithic.core.integrator import Formula
 from warpffrf.monolithic.core.linear import Dense, LowRank, SingularError, Solver, dense_jacobian
 from warpffrf.monolithic.core.state import Layout, State
+from warpffrf.monolithic.films import newton as film_newton
+from warpffrf.monolithic.films.film import FilmData, FilmState, Memory, Unknowns, rates_of
 from warpffrf.monolithic.line_of_centres.window import windowed
 from warpffrf.monolithic.nodal.newton import MAX_ITERATIONS as LONGEST
 from warpffrf.monolithic.nodal.newton import (
@@ -77,6 +82,8 @@ class System:
     assembled: bool  # contact stiffness goes into K
     tolerance: float
     nodal: bool = False  # pairs are `NodePairData`
+    films: list[FilmData] = field(default_factory=list)
+    film_stretch: float = 1.0  # time of films over that of the bodies in static steps
     counters: Counters = field(default_factory=Counters)
     kept: Solver | None = None
     kept_for: tuple = ()
@@ -98,6 +105,16 @@ class Evaluation:
     pairs: list[Any]
     pressures: list[np.ndarray]  # multipliers (n,) of each pair's tests
     residual: np.ndarray  # with contact forces
+    films: list[FilmState] = field(default_factory=list)
+
+    def loads(self, nodal: bool) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Unknowns and generalised force of every pair that carries, and of every film."""
+        found = []
+        for pair, s in zip(self.pairs, self.pressures, strict=True):
+            active = np.flatnonzero(s > 0.0)
+            if len(active):
+                found.append((pair.data.columns, pair.total() if nodal else pair.force(active, s[active])))
+        return found + [(film.data.columns, film.total) for film in self.films]
 
 
 @dataclass(eq=False)
@@ -112,9 +129,11 @@ class Solution:
 
 
 def evaluate(
-    system: System, state: State, formula: Formula, x: Increment, time: float, carried: list[Any]
-) -> Evaluation:
-    """Residuals at the end of the step for increments x and multipliers `carried` (by number of the test)."""
+    system: System, state: State, formula: Formula, x: Increment, time: float, carried: list[Any],
+    oil: list[Unknowns] | None = None,
+) -> Evaluation:  # fmt: skip
+    """Residuals at the end of the step for increments x, multipliers `carried` (by number of the test), and pressures
+    and voids of films, `oil`, None for those of the state."""
     layout, begin = system.layout, clock.perf_counter()
     trial = advance(state, formula, x, time)
     found = balance(system.data, layout, system.local, state, formula, x, trial)
@@ -137,8 +156,14 @@ def evaluate(
             residual[data.columns] -= pair.force(active, s[active])
         pairs.append(pair)
         pressures.append(s)
+    films = []
+    for n, data in enumerate(system.films):
+        memory = Memory.of(data, state)
+        given = Unknowns(memory.pressure, memory.void, memory.full) if oil is None else oil[n]
+        films.append(FilmState(data, trial, rates_of(data, memory, formula, system.film_stretch), given, formula.vel))
+        residual[data.columns] -= films[-1].total
     system.counters.spend("contact", begin)
-    return Evaluation(trial, found, pairs, pressures, residual)
+    return Evaluation(trial, found, pairs, pressures, residual, films)
 
 
 def imbalance(system: System, formula: Formula, x: Increment, e: Evaluation) -> float:
@@ -168,6 +193,11 @@ def imbalance(system: System, formula: Formula, x: Increment, e: Evaluation) -> 
         if not system.assembled:
             open_gap = (pair.gap[active] + pair.softness[active] * s[active]) / area
             worst = max(worst, float(np.abs(open_gap).max()))
+    for film in e.films:
+        force = max(force, float(np.linalg.norm(film.total[:3])))
+        modal = max(modal, float(np.abs(film.loads).max(initial=0.0)))
+        extent = float(np.abs(trial.r).max()) + float(np.abs(film.data.points.x).max())
+        worst = max(worst, film.off / max(1.0, film.blur(extent) / system.tolerance))
     blur = max(1.0, closure / (system.tolerance * force))
     force, modal = force * blur, modal * blur
     length = 1.0
@@ -199,6 +229,8 @@ def imbalance(system: System, formula: Formula, x: Increment, e: Evaluation) -> 
 
 def solve_step(system: System, state: State, formula: Formula, time: float) -> Solution:
     """The state at `time`, from `state`."""
+    if system.films:
+        return _solve_with_films(system, state, formula, time)
     layout = system.layout
     x = predicted(state, formula)
     carried: list[Any] = [dict(p) for p in state.active]
@@ -247,6 +279,41 @@ def solve_step(system: System, state: State, formula: Formula, time: float) -> S
             halving.keep(x, z, e, carried, size)
         x.add(z, layout, e.trial.T_inverse)
     return Solution(x, None, most, factorisations, "not_converged")
+
+
+def _solve_with_films(system: System, state: State, formula: Formula, time: float) -> Solution:
+    """The same of a scene with oil films: no contacts, and a new factor in each iteration."""
+    layout, x = system.layout, predicted(state, formula)
+    memories = [Memory.of(data, state) for data in system.films]
+    oil = [Unknowns(m.pressure, m.void, m.full) for m in memories]
+    ahead = evaluate(system, state, formula, x, time, [], oil)
+    still = Increment(np.zeros_like(x.dx), np.zeros_like(x.psi), np.zeros_like(x.dq), x.lam)
+    there = evaluate(system, state, formula, still, time, [], oil)
+    film_newton.guard([(a.gap, b.gap) for a, b in zip(there.films, ahead.films, strict=True)], x)
+    changed = True
+    for iteration in range(film_newton.MAX_ITERATIONS + 1):
+        e = evaluate(system, state, formula, x, time, [], oil)
+        if any(not film.gap.min() > 0.0 for film in e.films):
+            return Solution(x, None, iteration, iteration, "not_converged")
+        off = imbalance(system, formula, x, e)
+        if not np.isfinite(off):
+            return Solution(x, None, iteration, iteration, "not_finite")
+        if not changed and off <= system.tolerance:
+            return Solution(x, e, iteration, iteration)
+        try:
+            begin = clock.perf_counter()
+            K, slopes = dense_jacobian(layout, e.balance, [], []), [film.slopes() for film in e.films]
+            z, changes = film_newton.correction(K, layout.coordinates, e.residual, e.films, slopes)
+            system.counters.spend("factor", begin)
+        except FloatingPointError:
+            return Solution(x, None, iteration, iteration, "not_finite")
+        except SingularError:
+            return Solution(x, None, iteration, iteration, "singular")
+        part = film_newton.part_of(e.films, slopes, z)
+        new = [film_newton.taken(film, change, part) for film, change in zip(e.films, changes, strict=True)]
+        oil, changed = [found for found, _ in new], part < 1.0 or any(switched for _, switched in new)
+        x.add(part * z, layout, e.trial.T_inverse)
+    return Solution(x, None, film_newton.MAX_ITERATIONS, film_newton.MAX_ITERATIONS, "not_converged")
 
 
 def _complementary(system: System, e: Evaluation) -> bool:

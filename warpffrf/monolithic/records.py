@@ -15,7 +15,8 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.keeping import Rows
 from warpffrf.monolithic.core.state import State
-from warpffrf.monolithic.history import BodyMotion, ContactForces, MonolithicHistory
+from warpffrf.monolithic.films.record import FILM_FIELDS, FILM_NUMBERS, FilmRow, film_arrays, film_row
+from warpffrf.monolithic.history import BodyMotion, ContactForces, FilmForces, MonolithicHistory
 from warpffrf.monolithic.line_of_centres.record import ContactRow, Window, contact_arrays, contact_row, joined
 from warpffrf.monolithic.newton import Solution, System
 from warpffrf.monolithic.nodal.record import FRICTION_FIELDS, FrictionRow, friction_arrays, node_row
@@ -35,6 +36,7 @@ class _Saved:
     springs: np.ndarray
     contacts: list[ContactRow]
     friction: list[FrictionRow | None]
+    films: list[FilmRow]
 
 
 class Records:
@@ -58,12 +60,13 @@ class Records:
         else:
             pairs = zip(evaluation.pairs, evaluation.pressures, strict=True)
             found = [(contact_row(pair, s), None) for pair, s in pairs]
+        films = [film_row(film, state.film_nodes[film.data.in_nodes, 1]) for film in evaluation.films]
         reactions = -solution.increment.lam[:, None] * evaluation.balance.wrenches
         self._fresh.append(
             _Saved(
                 state.copy(), (step, solution.iterations, solution.factorisations),
                 [energy[line] for line in _lines(self.system)], reactions, evaluation.balance.springs,
-                [row for row, _ in found], [rub for _, rub in found],
+                [row for row, _ in found], [rub for _, rub in found], films,
             )
         )  # fmt: skip
 
@@ -122,11 +125,26 @@ def history_of(
             **found, friction=rub, active=rows[f"pressure of pair {n}: count"], pressures=pressures,
             local=(local[0], local[1]),
         )  # fmt: skip
+    films = {}
+    for n, data in enumerate(system.films):
+        arms = [
+            np.zeros((T, 3)) if body < 0
+            else np.array([rot.matrix(x) @ scene.bodies[body].center_of_mass for x in p[:, body]]).reshape(-1, 3)
+            for body in (data.a, data.b)
+        ]  # fmt: skip
+        turns = [
+            np.tile(np.eye(3), (T, 1, 1)) if body < 0
+            else np.array([rot.matrix(x) for x in p[:, body]]).reshape(-1, 3, 3)
+            for body in (data.a, data.b)
+        ]  # fmt: skip
+        fields = [rows[f"{name} of film {n}"] for name in FILM_FIELDS]
+        films[data.name] = FilmForces(**film_arrays(data, rows[f"film {n}"], fields, arms, turns))
     return MonolithicHistory(
         scene, rows["time"], rows["step"], bodies, reactions, contacts,
         {line: rows["energy"][:, i].copy() for i, line in enumerate(_lines(system))},
         rows["iterations"], rows["factorisations"], status, message, final=None if final is None else final.copy(),
         spring_rows=rows["springs"], dropped=system.data.dropped,
+        films=films,
     )  # fmt: skip
 
 
@@ -152,6 +170,11 @@ def _rows(system: System, saved: list[_Saved]) -> Rows:
     rows["energy"] = np.array([s.energy for s in saved], dtype=float).reshape(T, len(_lines(system)))
     rows["reactions"] = np.array([s.reactions for s in saved]).reshape(T, layout.rows, 6)
     rows["springs"] = np.array([s.springs for s in saved]).reshape(T, springs, 7)
+    for n, data in enumerate(system.films):
+        own = [s.films[n] for s in saved]
+        rows[f"film {n}"] = np.array([x.numbers for x in own], dtype=float).reshape(T, FILM_NUMBERS)
+        for name in FILM_FIELDS:
+            rows[f"{name} of film {n}"] = np.array([x.fields[name] for x in own]).reshape(T, len(data.hat_form))
     for n, data in enumerate(system.pairs):
         found = [s.contacts[n] for s in saved]
         second = 0 if data.b.grid is None else data.b.grid.rows

@@ -1,9 +1,9 @@
 """Which contacts of the monolithic reference go which way, and what it does not have.
 
-Evaluation "full" has the law at the FE nodes of the first surface: for pairs of outside cylinders and crowned cylinders
-of flexible bodies with a linear layer along the line of centres (`line_of_centres`), as the separated solver takes
-their gaps, for all others by the true shapes (`nodal`). Without it, hats or nodes of a unilateral pair are on the line
-of centres only.
+Evaluation "full" of contacts has the law at the FE nodes of the first surface: for pairs of outside cylinders and
+crowned cylinders of flexible bodies with a linear layer along the line of centres (`line_of_centres`), as the separated
+solver takes their gaps, for all others by the true shapes (`nodal`). Without it, hats or nodes of a unilateral pair are
+on the line of centres only. Oil films stand alone, on one rigid surface.
 """
 
 from __future__ import annotations
@@ -29,8 +29,6 @@ def refuse_contacts(scene: Any, full: bool) -> None:
             f"{lumped.label}: method 'monolithic' has no lumped contacts; use method 'separated', or make a body "
             "flexible and use Contact(...)"
         )
-    for film in scene.films:
-        raise InputError(f"{film.label}: method 'monolithic' has no oil films; use method 'separated'")
     for contact in scene.contacts:
         label = f"contact {contact.name!r}"
         if contact.grid == "patch":
@@ -51,6 +49,28 @@ def refuse_contacts(scene: Any, full: bool) -> None:
                         f"{label}: friction needs tangential modes, body {port.body.name!r} was reduced without them; "
                         "reduce(..., tangential=True)"
                     )
+
+
+def refuse_films(scene: Any, local: str, variant: str) -> None:
+    """Raises `InputError` naming the film, and the cure, for what films of this solver do not do."""
+    for film in scene.films:
+        beyond = None
+        if film.evaluation == "hyper":
+            beyond, cure = "has no evaluation 'hyper' of films", "take evaluation='semi' or 'full'"
+        elif not film.b.rigid:
+            beyond, cure = f"has a rigid second surface of a film only, {film.b.label} is flexible", "make it rigid"
+        elif film.law is not None:
+            beyond, cure = "has no asperities beside a film", "leave law out"
+        elif film.oil.density is not None:
+            beyond, cure = "has oils of constant density only", "leave density out"
+        elif scene.contacts:
+            beyond, cure = "has films without contacts beside them", "take the contacts out"
+        elif local != "quasi_static":
+            beyond, cure = "has films on quasi-static local modes only", "take local='quasi_static'"
+        elif variant != "full":
+            beyond, cure = f"factors films anew, not as variant {variant!r}", "take variant='full'"
+        if beyond is not None:
+            raise InputError(f"{film.label}: method 'monolithic' {beyond}; {cure}, or method 'separated'")
 
 
 def _beyond(contact: Any) -> str | None:

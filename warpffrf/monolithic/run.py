@@ -17,23 +17,27 @@ from warpffrf.model.progress import Progress
 from warpffrf.model.step_count import step_count
 from warpffrf.monolithic.checkpoint import Progressed, goes_on, under_way
 from warpffrf.monolithic.core.description import describe_scene
-from warpffrf.monolithic.core.integrator import REST, Formula, coefficients_of
+from warpffrf.monolithic.core.integrator import BEGIN, REST, Formula, coefficients_of
 from warpffrf.monolithic.core.local_coordinates import TREATMENTS
 from warpffrf.monolithic.core.state import State, initial_state, layout_of
+from warpffrf.monolithic.films.film import TURNS, FilmData, Memory, begin_films
 from warpffrf.monolithic.history import MonolithicHistory
 from warpffrf.monolithic.line_of_centres.pair import pair_data
 from warpffrf.monolithic.local_systems import local_systems
 from warpffrf.monolithic.newton import Evaluation, Solution, System, solve_step
 from warpffrf.monolithic.nodal.build import memory, node_pairs
 from warpffrf.monolithic.records import Records, history_of
-from warpffrf.monolithic.refusals import needs_nodes, refuse_contacts
+from warpffrf.monolithic.refusals import needs_nodes, refuse_contacts, refuse_films
 from warpffrf.monolithic.settings import TOLERANCE, Monolithic, contact_layers
-from warpffrf.monolithic.start import begin, standing
+from warpffrf.monolithic.start import START_STEP, begin, standing
 
 log = logging.getLogger("warpffrf")
 
 REST_FIRST, REST_LAST, REST_GROWTH, REST_STEPS = 1e-3, 1.0, 10.0, 60  # s: proximal steps towards the static state
 REST_TOLERANCE = 1e-12  # m, movement of the last of them
+REST_SHRINK, REST_SHORTEST = 0.1, 1e-9  # with films: times a step that failed; s
+SIZED = ("q", "r", "nodes", "film_nodes", "film_points")  # of a state, by which that of another scene is told
+VOIDS_STAY = 1e-9  # of the clearance: what voids may change by in the last step
 MESSAGES = {
     "not_converged": "the Newton iteration did not converge; reduce step",
     "cycling": "the active set of contact cycles; reduce step, or coarsen the contact grid (traction_spacing)",
@@ -63,6 +67,7 @@ def build(
     data = describe_scene(scene)
     full = all_full(scene)
     refuse_contacts(scene, full)
+    refuse_films(scene, local, variant)
     law, layers = contact_layers(scene, full, law, layer_stiffness)
     nodal = full and needs_nodes(scene)
     systems = local_systems(scene, local, local_modes or {}, zeta)
@@ -78,8 +83,17 @@ def build(
     for contact, (i, j), layer in zip(scene.contacts, surfaces, layers, strict=True):
         if j is not None:  # rigid partners have been refused, or have the law at nodes
             pairs.append(pair_data(contact, layout, (i, j), (coordinates[i], coordinates[j]), law, layer))
+    films: list[FilmData] = []
+    for film, i in zip(scene.films, systems.films, strict=True):
+        data.notes += film.notes if film.evaluation == "semi" else []
+        films.append(FilmData(film, layout, i, coordinates[i], films[-1] if films else None))
+    begin_films(films, first)
+    stretch = max([1.0, *(TURNS * film.slowness() / REST_LAST for film in films)])
     assembled = law == "nodes" and variant != "low_rank"
-    return System(data, layout, local_data, pairs, surfaces, variant, assembled, tolerance), first
+    system = System(
+        data, layout, local_data, pairs, surfaces, variant, assembled, tolerance, films=films, film_stretch=stretch
+    )
+    return system, first
 
 
 def run(
@@ -155,7 +169,7 @@ def _begin(system: System, state: State, start: Any, records: Records) -> tuple[
     """Bring `state` to where the run starts, and save it."""
     if isinstance(start, MonolithicHistory):
         final = start.final
-        if final is None or any(len(getattr(final, x)) != len(getattr(state, x)) for x in ("q", "r", "nodes")):
+        if final is None or any(len(getattr(final, x)) != len(getattr(state, x)) for x in SIZED):
             raise InputError("simulate: start is the history of another scene, or of other local coordinates")
         _assign(state, final)
         return "completed", ""
@@ -172,6 +186,7 @@ def _begin(system: System, state: State, start: Any, records: Records) -> tuple[
     if solution.failure or solution.evaluation is None:
         return solution.failure, "start: " + MESSAGES[solution.failure]
     _keep_rest(system, state, solution)
+    _keep_films(system, state, solution, Formula(BEGIN, START_STEP))
     _still(system, state)
     if system.nodal:
         state.nodes = standing(system, state)
@@ -186,16 +201,26 @@ def _still(system: System, state: State) -> None:
 
 
 def _settle(system: System, state: State) -> str:
-    """Proximal steps of growing size until nothing moves; the reason of a failure, or ''."""
+    """Proximal steps of growing size until nothing moves; the reason of a failure, or ''. With films a step that fails
+    is taken again with a shorter one, and voids have to stay too."""
     state.rest()
     tau = REST_FIRST
     for _ in range(REST_STEPS):
-        solution = solve_step(system, state, Formula(REST, tau), state.time)
+        formula = Formula(REST, tau)
+        solution = solve_step(system, state, formula, state.time)
         if solution.failure or solution.evaluation is None:
-            return solution.failure
+            if not system.films or solution.failure != "not_converged" or tau <= REST_SHORTEST:
+                return solution.failure
+            tau *= REST_SHRINK
+            continue
         _keep_place(state, solution.evaluation)
         _keep_rest(system, state, solution)
-        if tau >= REST_LAST and float(np.linalg.norm(solution.increment.dx, axis=1).max()) <= REST_TOLERANCE:
+        voids = state.film_nodes[:, 1].copy()
+        _keep_films(system, state, solution, formula)
+        gone = np.abs(state.film_nodes[:, 1] - voids)
+        steady = all(gone[film.in_nodes].max() <= VOIDS_STAY * film.thickness for film in system.films)
+        moved = float(np.linalg.norm(solution.increment.dx, axis=1).max())
+        if tau >= REST_LAST and moved <= REST_TOLERANCE and steady:
             return ""
         tau = min(tau * REST_GROWTH, REST_LAST)
     return "no_equilibrium"
@@ -257,7 +282,23 @@ def _accept(system: System, state: State, formula: Formula, solution: Solution) 
     state.v_alg, state.w_alg, state.q_alg = v_alg, w_alg, q_alg
     _still(system, state)
     _keep_rest(system, state, solution)
+    _keep_films(system, state, solution, formula)
     state.time = trial.time
+
+
+def _keep_films(system: System, state: State, solution: Solution, formula: Formula) -> None:
+    """What films remember: of the tiny step of a start pressures alone, of static steps no rates."""
+    if solution.evaluation is None:
+        return
+    state.film_nodes, state.film_points = state.film_nodes.copy(), state.film_points.copy()
+    state.film_step = state.film_step.copy()
+    for film in solution.evaluation.films:
+        before = Memory.of(film.data, state)
+        if formula.coefficients is BEGIN:
+            kept = film.begun(before)
+        else:
+            kept = film.remembered(before, 0.0 if formula.coefficients is REST else formula.h)
+        kept.keep(film.data, state)
 
 
 def _keep_place(state: State, evaluation: Evaluation) -> None:

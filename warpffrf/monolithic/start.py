@@ -13,6 +13,7 @@ gradient by the coordinates (`rows`). Local coordinates with mass follow their o
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -63,7 +64,7 @@ def begin(system: System, state: State) -> Solution:
     found = _refined(system, state, given, evaluation)
     if found is not None:
         solution.increment.lam[:] = state.lam
-        solution.evaluation = Evaluation(trial, found, evaluation.pairs, evaluation.pressures, evaluation.residual)
+        solution.evaluation = replace(evaluation, balance=found)
     for name, rate in (("v_alg", state.v_rate), ("w_alg", state.w_rate), ("q_alg", state.qdd)):
         setattr(state, name, rate.copy())
     return solution
@@ -123,10 +124,8 @@ def _refined(system: System, state: State, given: State, evaluation: Evaluation)
     moving = at(0.0, none)
     M = at(1.0, none).outer[:o, :o] - moving.outer[:o, :o]
     force = -moving.residual[:c]
-    for pair, s in zip(evaluation.pairs, evaluation.pressures, strict=True):
-        active = np.flatnonzero(s > 0.0)
-        if len(active):
-            force[pair.data.columns] += pair.total() if system.nodal else pair.force(active, s[active])
+    for unknowns, load in evaluation.loads(system.nodal):
+        force[unknowns] += load
     gamma = row_curvature(data, layout, _at_rest(state, False), V)
     solved = _constrained(M, C, force[:o], rate2 - gamma)
     if solved is None:

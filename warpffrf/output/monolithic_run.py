@@ -19,6 +19,7 @@ import numpy as np
 from warpffrf import monolithic
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError
+from warpffrf.model.films.film import refuse_touching
 from warpffrf.model.forces.notes import characteristic_notes
 from warpffrf.model.keeping import Keeper, Rows, Source, Unfinished
 from warpffrf.model.overlap import refuse_overlap
@@ -29,10 +30,12 @@ from warpffrf.monolithic import records
 from warpffrf.monolithic.checkpoint import from_arrays, is_monolithic, time_of, to_arrays
 from warpffrf.monolithic.run import build
 from warpffrf.online.compile.forces import ForceTable
+from warpffrf.online.history.films import eccentricity
 from warpffrf.online.history.history import (
     ENERGY_LINES,
     BodyHistory,
     ContactHistory,
+    FilmHistory,
     FrictionHistory,
     History,
     JointHistory,
@@ -91,6 +94,7 @@ def run_monolithic(
         if start == "initial":
             refuse_positions(scene)
             refuse_overlap(scene)
+        refuse_touching(scene.films)
         if not project_start:
             refuse_velocities(scene)
     if keeper is not None:
@@ -194,10 +198,17 @@ def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History
         for name, c in found.contacts.items()
     }
     missing = np.full(T, np.nan)
+    films = {
+        str(film.name): FilmHistory(
+            **vars(own), eccentricity=eccentricity(film, bodies, T), asperity=np.zeros_like(own.pressure),
+            asperity_force=np.zeros(T), largest_asperity_pressure=np.zeros(T),
+        )
+        for film in scene.films if (own := found.films[str(film.name)])
+    }  # fmt: skip
     counters = dict(found.counters)
     counters["rejected_steps"] = 0
     return History(
-        scene=scene, time=time, step_size=found.step_size, bodies=bodies, joints=joints, contacts=contacts,
+        scene=scene, time=time, step_size=found.step_size, bodies=bodies, joints=joints, contacts=contacts, films=films,
         energy={line: found.energy.get(line, missing).copy() for line in ENERGY_LINES},
         iterations=found.iterations, factorisations=found.factorisations, status=found.status, message=found.message,
         counters=counters, forces=forces, sensors=sensor_histories(scene, T, bodies, joints, forces),

@@ -25,7 +25,7 @@ from warpffrf.model.films.roughness import Roughness, as_roughness, summed_devia
 from warpffrf.model.laws import Law, as_law
 from warpffrf.model.oils import Oil, as_oil
 
-EVALUATIONS = ("semi", "hyper")
+EVALUATIONS = ("semi", "hyper", "full")
 PROFILES = (0, 1, 2)  # powers along: a shaft that tilts needs odd ones
 MOST_POWER = 8
 LEAST_ROWS, LEAST_COLUMNS = 3, 8  # rows between the ends, and columns: with fewer there is no shape of a pressure
@@ -47,7 +47,8 @@ class Film:
     deviate from their true shapes (`warpffrf.films`). roughness, roughness_second: `films.Roughness` of the two walls,
     with the flow factors of Patir and Cheng; None for smooth ones. evaluation: "semi", all hats of the contact grid at
     all points, or "hyper", of each column a few profiles (1 - zeta^2) zeta^m along with the `powers` m, 0 the first, at
-    few points. name: default "<first body>-<second body>".
+    few points, or "full", pressures at the FE nodes of the first surface, which method "monolithic" solves for. name:
+    default "<first body>-<second body>".
     """
 
     scene_list = "films"

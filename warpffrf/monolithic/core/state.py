@@ -19,7 +19,8 @@ class State:
     w_alg (B, 3) body axes; q, qd, qdd, q_alg (n,): global modes of all bodies, then all local coordinates; lam (rows,):
     multipliers of the rigid rows; stretch: last values of all spring coordinates, which count turns; active (per pair):
     contact pressures by number of hat or node; nodes (all nodes of pairs of evaluation "full", k): what the law at
-    nodes remembers (`nodal.pair`); lost (2,) [J]: by friction and by layers, so far.
+    nodes remembers (`nodal.pair`); lost (2,) [J]: by friction and by layers, so far; film_nodes (functions of
+    all films, 4), film_points (points, 2), film_step (1,) [s]: what oil films remember (`films.film`).
     """
 
     time: float
@@ -40,6 +41,9 @@ class State:
     active: list[dict[int, float]] = field(default_factory=list)
     nodes: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
     lost: np.ndarray = field(default_factory=lambda: np.zeros(2))
+    film_nodes: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
+    film_points: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
+    film_step: np.ndarray = field(default_factory=lambda: np.zeros(1))
 
     def copy(self) -> State:
         """An independent copy."""

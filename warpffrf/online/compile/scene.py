@@ -16,6 +16,7 @@ from warpffrf_kernels.core.model import Elements, Films, Model
 
 from warpffrf.model.claims import refuse_claims_of
 from warpffrf.model.errors import InputError
+from warpffrf.model.evaluations import refuse_full
 from warpffrf.model.scene import Scene
 from warpffrf.model.slopes import leanings, leant
 from warpffrf.online.compile.collector import Collector, OnBody
@@ -103,6 +104,8 @@ def _compiled(collector: Collector) -> CompiledScene:
     fill_responses(collector, m)
     fill_layers(collector)
     fill_lumped(collector)
+    for film in scene.films:
+        refuse_full(film)
     fill_films(collector)
     fill_patches(collector, m)
     fill_rolling(collector, m)
