@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from warpffrf.model import joints, oils, signals, surfaces
+from warpffrf.model import films, joints, oils, signals, surfaces
 from warpffrf.model.films import Film
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, run
@@ -15,6 +15,7 @@ from warpffrf.online.diagnosis.film_check import SAMPLED, FilmCheck
 from warpffrf.online.history.films import narrowest
 from warpffrf.online.run import find_equilibrium
 from warpffrf.output.budget.films import film_lines
+from warpffrf.study.film_acceptance import FACE, above, of_x, plate, sliding
 from warpffrf.study.film_engine import CLEARANCE, GROOVE, LENGTH, RADIUS, SPEED, TURN, VISCOSITY, Load, bearing, bore
 
 HATS = (32, 17)
@@ -136,3 +137,24 @@ def test_states_of_a_run_are_looked_at_where_it_was() -> None:
     print(np.round(gap, 4), np.round(check.gaps, 4), np.round(pressure, 4), np.round(check.pressures, 4))
     for real, told in ((gap, check.gaps), (pressure, check.pressures)):
         assert 0.5 * np.abs(real).max() < np.abs(told).max() < 2.0 * np.abs(real).max()
+
+
+def test_a_pad_is_looked_at_too() -> None:
+    """A plane, which does not go around: a square slider in its place, where all hats change what the check finds."""
+    length, low, speed = 0.02, 20e-6, 1.0
+    body, states = plate(length, length, (24, 12)), {}
+    for evaluation in ("semi", "hyper"):
+        form = of_x(body, lambda x: low * (0.5 - x / length))
+        scene, guide = above(
+            body, FACE, height=low, velocity=(speed, 0, 0), cavitation="none", form=form, evaluation=evaluation,
+            powers=(0,), feeds=[films.Groove(-0.5 * length, 1e-4, 0.0)],
+        )  # fmt: skip
+        states[evaluation] = sliding(scene, guide, speed)
+    semi, hyper = (history.films["film"] for history in states.values())
+    check: FilmCheck = states["hyper"].film_checks["film"]
+    pressure = float(semi.largest_pressure[-1] / hyper.largest_pressure[-1] - 1.0)
+    force = float(np.linalg.norm(semi.force[-1] - hyper.force[-1]) / np.linalg.norm(hyper.force[-1]))
+    assert check.held_pressures[0] == pytest.approx(pressure, abs=SAME)
+    assert check.force == pytest.approx(force, abs=SAME)
+    assert abs(pressure) > 5.0 * SAME  # one profile is few
+    assert check.held_gaps[0] == pytest.approx(0.0, abs=1e-6)
