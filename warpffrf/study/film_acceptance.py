@@ -86,10 +86,9 @@ class Row:
 
     def cells(self) -> list[str]:
         """Of the table."""
-        return [
-            self.case, self.grid, self.compared, self.told or _percent(self.error), _percent(self.target)[1:],
-            "" if self.reached else "missed",
-        ]  # fmt: skip
+        most = "1 cell" if self.told.endswith("cells") else _percent(self.target)[1:]
+        found = self.told or _percent(self.error)
+        return [self.case, self.grid, self.compared, found, most, "" if self.reached else "missed"]
 
 
 def _percent(value: float) -> str:
@@ -453,7 +452,7 @@ The cylinder has equal columns here, 0.14 of root(2 R h) apart, and the cut inle
 
 The plate under a constant force comes down from a velocity that fits the force but for what the grid leaves of it, in
 steps of a tenth of the whole time. The first of them are taken again in halves: one iteration opens the gap to
-millimetres, where the film is no longer felt, and more than a dozen are needed to come back. What that leaves of 1/h²
+millimetres, where the film is no longer felt, and about ten more are needed to come back. What that leaves of 1/h²
 goes up and down with the number of steps; what the grid leaves of the force is 0.15 %.
 """
 
