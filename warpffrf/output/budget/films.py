@@ -30,6 +30,8 @@ def film_lines(history: History) -> list[BudgetLine]:
             ("smallest gap", check.gap, "under the same force"),
             ("largest pressure", check.pressure, "under the same force"),
         ):
-            told = f"{basis}, {where}" if np.isfinite(size) else basis
+            told = basis
+            if np.isfinite(size):
+                told += f", {where}; hats of {film.grid.rows} rows err by {check.own:.1%} themselves"
             lines.append(BudgetLine(PROFILES, f"{of} of film {film.name!r}", float(size), told, cure_of(film)))
     return lines
