@@ -140,10 +140,10 @@ class _Seen:
 
 
 class FilmWatch:
-    """States of the films of evaluation "hyper" of a run of user steps `first` to `last`."""
+    """States of the films of evaluation "hyper" on rigid second surfaces, of a run of user steps `first` to `last`."""
 
     def __init__(self, engine: Engine, first: int, last: int) -> None:
-        self.films = [i for i, film in enumerate(engine.scene.films) if film.evaluation == "hyper"]
+        self.films = [i for i, film in enumerate(engine.scene.films) if film.evaluation == "hyper" and film.b.rigid]
         steps = np.unique(np.linspace(first, last, SEEN + 1).astype(int))[1:]
         self.steps = steps if self.films else steps[:0]
         self.seen: dict[int, list[_Seen]] = {i: [] for i in self.films}
@@ -176,8 +176,17 @@ def check_films(engine: Engine, watch: FilmWatch, sampled: int = SAMPLED) -> dic
 
 
 def film_check_notes(engine: Engine, checks: dict[str, FilmCheck]) -> list[str]:
-    """One note for each."""
-    return [checks[str(film.name)].note(film) for film in engine.scene.films if str(film.name) in checks]
+    """One note for each film of evaluation "hyper"."""
+    found = []
+    for film in engine.scene.films:
+        if str(film.name) in checks:
+            found.append(checks[str(film.name)].note(film))
+        elif film.evaluation == "hyper":
+            found.append(
+                f"{film.label}: evaluation 'hyper' was not held beside all hats, as its second surface yields; what "
+                "the profiles cost shows beside evaluation='semi'"
+            )
+    return found
 
 
 def _seen(engine: Engine, i: int) -> _Seen:
