@@ -36,6 +36,7 @@ from warpffrf.online.diagnosis.cell_check import cell_check_notes, check_cells
 from warpffrf.online.diagnosis.contact_notes import contact_notes, energy_notes, overlap_notes
 from warpffrf.online.diagnosis.energy_watch import EnergyWatch, round_off_energy
 from warpffrf.online.diagnosis.failure_report import failure_owner
+from warpffrf.online.diagnosis.film_check import FilmWatch, check_films, film_check_notes
 from warpffrf.online.diagnosis.film_notes import alternation_notes, film_notes, squeezed_out
 from warpffrf.online.diagnosis.hidden_inertia import hidden_inertia
 from warpffrf.online.diagnosis.indicator import indicator_lines, term_sizes, unheld_lines
@@ -223,6 +224,7 @@ def run(
     keeping = Keeping(engine, keeper, plan)
     marks = Marks(engine, made_with, step, first_step, last_step)
     marks.look(engine, first_step)
+    films = FilmWatch(engine, first_step, last_step)
     watch = EnergyWatch(engine, step)
     gain = ""
     bar = Progress("simulate", last_step - first_step, enabled=progress)
@@ -230,7 +232,7 @@ def run(
         chunk = 4
         done = first_step
         while done < last_step and not np.any(engine.word("status")):
-            target = marks.until(min(done + chunk, last_step), done)
+            target = films.until(marks.until(min(done + chunk, last_step), done), done)
             engine.control(target=target)
             seconds = engine.replay(4 * chunk)
             now = int(engine.word("step").min())
@@ -239,6 +241,7 @@ def run(
             done = now
             bar.update(done - first_step)
             marks.look(engine, done)
+            films.look(engine, done)
             if watch.look():
                 gain = watch.end()
             keeping.look()
@@ -252,7 +255,7 @@ def run(
         elif not np.any(engine.word("status")) and last_step % save_every:
             engine.save_now()
         ended = time.perf_counter()
-        history = _finish(engine, begin, built, notes, "", plan.rejected)
+        history = _finish(engine, begin, built, notes, "", plan.rejected, films)
     history.stopping = bool(asked)
     history.marks = marks
     history.message = gain or history.message
@@ -272,15 +275,20 @@ def find_equilibrium(scene: Scene, *, device: str = "cpu", settings: Settings | 
     engine = Engine(scene, device=device, settings=settings)
     built = time.perf_counter()
     apart = _check_load_paths(scene)
+    films = FilmWatch(engine, 0, 0)
     if settle(engine):
+        films.keep(engine)
         engine.save_now()
-    return _finish(engine, begin, built, [*engine.compiled.notes, *apart, *engine.start_notes], "equilibrium: ")
+    notes = [*engine.compiled.notes, *apart, *engine.start_notes]
+    return _finish(engine, begin, built, notes, "equilibrium: ", films=films)
 
 
 def _finish(
-    engine: Engine, begin: float, built: float, notes: list[str], prefix: str, rejected_before: int = 0
-) -> History:
-    """The History of what was saved; `rejected_before`: attempts that an earlier run, which is continued, rejected."""
+    engine: Engine, begin: float, built: float, notes: list[str], prefix: str, rejected_before: int = 0,
+    films: FilmWatch | None = None,
+) -> History:  # fmt: skip
+    """The History of what was saved; `rejected_before`: attempts that an earlier run, which is continued, rejected;
+    `films`: states of its oil films on the way."""
     left = engine.checkpoint()  # before anything is evaluated for notes
     bits = int(engine.word("status")[0])
     if not engine.no_room:
@@ -329,6 +337,9 @@ def _finish(
         )
     notes.extend(steep_notes(engine.scene, engine.scratch.steep.numpy()[0]))
     notes.extend(film_notes(engine.scene, history))
+    if films is not None:
+        history.film_checks = check_films(engine, films)
+        notes.extend(film_check_notes(engine, history.film_checks))
     halved = int(engine.word("rejected")[0]) - rejected_before
     if halved and not at_rest:
         reasons = [text for bit, (text, _) in MESSAGES.items() if int(engine.word("reason")[0]) & int(bit)]

@@ -64,9 +64,9 @@ class Basis:
         return len(self.given)
 
 
-def basis_of(film: Film) -> Basis:
-    """What the evaluation of a film asks for."""
-    return _strips(film, film.powers) if film.evaluation == "hyper" else _hats(film)
+def basis_of(film: Film, evaluation: str | None = None) -> Basis:
+    """What the evaluation of a film asks for, its own or another one."""
+    return _strips(film, film.powers) if (evaluation or film.evaluation) == "hyper" else _hats(film)
 
 
 def radius_at(surface: ContactSurface, z: Array) -> Array:

@@ -183,8 +183,7 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
     if film.evaluation == "hyper":
         collector.notes.append(
             f"{film.label}: its pressure is made of {len(free)} profiles in place of {hats} hats, which balance "
-            "its oil in means along: flows through feeds and ends are not told; what it does to forces and the "
-            "smallest film shows beside evaluation='semi'"
+            "its oil in means along: flows through feeds and ends are not recorded"
         )
     elif len(free) > MANY:
         collector.notes.append(

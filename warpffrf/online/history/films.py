@@ -44,9 +44,10 @@ def _history(film: Film, saved: Array, fields: dict[str, Array], bodies: dict[st
     """Of the numbers (T, `keeping.NUMBERS`) of a film and its `fields` (T, hats)."""
     T, force = len(saved), saved[:, FORCE].copy()
     numbers = {name: saved[:, n].copy() for name, n in NUMBERS.items()}
-    if film.evaluation == "hyper":  # which balances oil in means along, not place by place
-        numbers |= {"feed_flow": np.full(T, np.nan), "end_flow": np.full(T, np.nan)}
     shape = T, film.grid.columns, film.grid.rows
+    if film.evaluation == "hyper":  # which balances oil in means along, not place by place, at points far from the ends
+        numbers |= {"feed_flow": np.full(T, np.nan), "end_flow": np.full(T, np.nan)}
+        numbers["smallest_gap"] = narrowest(fields["gap"].reshape(shape), periodic=film.grid.periodic)
     return FilmHistory(
         force=force,
         torque=saved[:, MOMENT] + np.cross(_arm(film.a.body, bodies, T), force),
@@ -55,6 +56,20 @@ def _history(film: Film, saved: Array, fields: dict[str, Array], bodies: dict[st
         **{name: values.reshape(shape).copy() for name, values in fields.items()},
         **numbers,
     )
+
+
+def narrowest(gap: Array, *, periodic: bool) -> Array:
+    """(T,) m the smallest of gaps (T, columns, rows) at nodes: of each row the vertex of the parabola through the
+    smallest one and its neighbours around, on an arc or a plane the smallest where it has no two."""
+    columns = gap.shape[1]
+    at = np.argmin(gap, axis=1)  # (T, rows)
+    before, least, after = (
+        np.take_along_axis(gap, (at + step)[:, None, :] % columns, axis=1)[:, 0] for step in (-1, 0, 1)
+    )
+    bend = before - 2.0 * least + after
+    inside = (bend > 0.0) & (periodic | ((at > 0) & (at < columns - 1)))
+    drop = np.divide((after - before) ** 2, 8.0 * bend, out=np.zeros_like(least), where=inside)
+    return (least - drop).min(axis=1)
 
 
 def _arm(body: Any, bodies: dict[str, BodyHistory], steps: int) -> Array:

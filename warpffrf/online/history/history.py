@@ -182,7 +182,7 @@ class FilmHistory:
     force: np.ndarray  # (T, 3) N, on the first body, shear included; the opposite acts on the second
     torque: np.ndarray  # (T, 3) N m, on the first body, about its user origin
     torque_second: np.ndarray  # (T, 3) N m, on the second body, about its user origin, of the ground the world's
-    smallest_gap: np.ndarray  # (T,) m, at a point of the film
+    smallest_gap: np.ndarray  # (T,) m, at a point of the film; of evaluation "hyper" around nodes, the ends with them
     largest_pressure: np.ndarray  # (T,) Pa
     pressure_loss: np.ndarray  # (T,) W, taken by the flow that pressure drives, voids that close and feeds
     friction_power: np.ndarray  # (T,) W, taken by sliding
@@ -239,5 +239,6 @@ class History:
     options: dict[str, str] = field(default_factory=dict)  # of `simulate`, name -> value as text
     marks: Any = None  # states on the way, `online.marks.Marks`, of a run in this process; a file has none
     cell_checks: dict[int, Any] = field(default_factory=dict)  # by contact, `online.diagnosis.cell_check`, as marks
+    film_checks: dict[str, Any] = field(default_factory=dict)  # by film, `online.diagnosis.film_check`, likewise
     budget: list[BudgetLine] = field(default_factory=list)  # the errors of the run, once they have been looked at
     stopping: bool = False  # True where Ctrl-C came while the run was being finished: nothing more is to begin

@@ -22,6 +22,7 @@ from warpffrf.output.budget.contacts import (
     tolerance_lines,
 )
 from warpffrf.output.budget.energy import energy_lines
+from warpffrf.output.budget.films import film_lines
 from warpffrf.output.budget.time_step import time_step_lines
 
 FLOOR, SMALL = 1e-3, "< 0.1 %"
@@ -34,7 +35,7 @@ def error_budget(result: Any, *, progress: bool = False) -> list[BudgetLine]:
     return [
         *time_step_lines(history, engine, progress=progress), *energy_lines(result),
         *grid_lines(result, engine), *gap_lines(result, engine), *friction_lines(result), *point_lines(result),
-        *mesh_lines(result),
+        *film_lines(history), *mesh_lines(result),
         *inertia_lines(result, engine), *local_lines(result, engine), *tolerance_lines(result, engine),
     ]  # fmt: skip
 

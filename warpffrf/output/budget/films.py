@@ -1,0 +1,37 @@
+"""Errors of oil films of evaluation "hyper": a few profiles along beside all hats, in states of the run.
+
+The smallest gap and the largest pressure are those under the same force, the force that at the same places
+(`online.diagnosis.film_check`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from warpffrf.online.diagnosis.film_check import cure_of
+from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.online.history.history import History
+
+PROFILES = "film profiles"
+
+
+def film_lines(history: History) -> list[BudgetLine]:
+    """Three lines for each film of evaluation "hyper"."""
+    lines = []
+    for film in history.scene.films:
+        check = history.film_checks.get(str(film.name))
+        if check is None:
+            continue
+        basis = f"all hats in {len(check.time)} states of the run"
+        if not len(check.time):
+            basis = "the film of all hats was found in no state of the run"
+        for of, size, where in (
+            ("force", check.force, "where the bodies are"),
+            ("smallest gap", check.gap, "under the same force"),
+            ("largest pressure", check.pressure, "under the same force"),
+        ):
+            told = basis
+            if np.isfinite(size):
+                told += f", {where}; hats of {film.grid.rows} rows err by {check.own:.1%} themselves"
+            lines.append(BudgetLine(PROFILES, f"{of} of film {film.name!r}", float(size), told, cure_of(film)))
+    return lines
