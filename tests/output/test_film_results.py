@@ -30,7 +30,7 @@ from warpffrf.online.history.history import ENERGY_LINES, BodyHistory, FilmHisto
 from warpffrf.online.stages import joined_parts
 from warpffrf.output.bodies.normal_loads import hat_forces
 from warpffrf.output.budget.quantities import quantities
-from warpffrf.output.files.fields import FILM_FIELDS
+from warpffrf.output.files.fields import FILM_FIELDS, FILM_SECOND_FIELDS
 from warpffrf.output.plots.figure import write_figure
 from warpffrf.output.plots.films import FILM_PLOTS
 from warpffrf.output.recording.recorder import record
@@ -317,7 +317,9 @@ def test_files_bring_everything_back(result: Result, tmp_path: Path) -> None:
     found, film = again.film("bearing"), result.film("bearing")
     for field in fields(FilmHistory):
         np.testing.assert_array_equal(getattr(found, field.name), getattr(film, field.name))
-    assert {field.attribute for field in FILM_FIELDS} == {field.name for field in fields(FilmHistory)}
+    assert {field.attribute for field in (*FILM_FIELDS, *FILM_SECOND_FIELDS)} == {
+        field.name for field in fields(FilmHistory)
+    }
     assert found.clearance == film.clearance and found.view.second.shape.kind == "cylinder"
     np.testing.assert_array_equal(found.theta, film.theta)
     with h5py.File(tmp_path / "run.h5") as file:

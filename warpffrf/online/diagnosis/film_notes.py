@@ -50,7 +50,7 @@ def film_notes(scene: Scene, history: History) -> list[str]:
 
 def _thinner_than_known(film: Film, thinnest: float) -> list[str]:
     known = least_gap(film.roughness, film.roughness_second)
-    if thinnest >= known:
+    if known <= 0.0 or thinnest >= known:
         return []
     s = film.deviation
     return [
