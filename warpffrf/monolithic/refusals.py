@@ -61,6 +61,8 @@ def refuse_films(scene: Any, local: str, variant: str) -> None:
             beyond, cure = f"has a rigid second surface of a film only, {film.b.label} is flexible", "make it rigid"
         elif film.law is not None:
             beyond, cure = "has no asperities beside a film", "leave law out"
+        elif film.deviation > 0.0:
+            beyond, cure = "has smooth walls of films only", "leave roughness out"
         elif film.oil.density is not None:
             beyond, cure = "has oils of constant density only", "leave density out"
         elif scene.contacts:

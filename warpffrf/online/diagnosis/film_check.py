@@ -140,10 +140,13 @@ class _Seen:
 
 
 class FilmWatch:
-    """States of the films of evaluation "hyper" on rigid second surfaces, of a run of user steps `first` to `last`."""
+    """States of the films of evaluation "hyper" between smooth walls, the second rigid, of a run of user steps `first` to
+    `last`."""
 
     def __init__(self, engine: Engine, first: int, last: int) -> None:
-        self.films = [i for i, film in enumerate(engine.scene.films) if film.evaluation == "hyper" and film.b.rigid]
+        self.films = [
+            i for i, film in enumerate(engine.scene.films) if film.evaluation == "hyper" and not _beyond(film)
+        ]
         steps = np.unique(np.linspace(first, last, SEEN + 1).astype(int))[1:]
         self.steps = steps if self.films else steps[:0]
         self.seen: dict[int, list[_Seen]] = {i: [] for i in self.films}
@@ -183,10 +186,17 @@ def film_check_notes(engine: Engine, checks: dict[str, FilmCheck]) -> list[str]:
             found.append(checks[str(film.name)].note(film))
         elif film.evaluation == "hyper":
             found.append(
-                f"{film.label}: evaluation 'hyper' was not held beside all hats, as its second surface yields; what "
-                "the profiles cost shows beside evaluation='semi'"
+                f"{film.label}: evaluation 'hyper' was not held beside all hats, as {_beyond(film)}; what the profiles "
+                "cost shows beside evaluation='semi'"
             )
     return found
+
+
+def _beyond(film: Film) -> str:
+    """Why a film of all hats is not compared, "" where it is."""
+    if not film.b.rigid:
+        return "its second surface yields"
+    return "its walls are rough" if film.deviation > 0.0 else ""
 
 
 def _seen(engine: Engine, i: int) -> _Seen:
