@@ -473,7 +473,8 @@ def test_columns_too_coarse_for_the_smallest_film_are_told() -> None:
     (note,) = [n for n in found.notes if "coarse columns" in n]
     assert "film 'film'" in note and "coarse columns of 11.2 degrees" in note and "columns on a turn" in note
     scene = bearing((2e3, 0.0))
-    history: Any = SimpleNamespace(films={"film": SimpleNamespace(smallest_gap=np.array([0.1 * CLEARANCE]))})
+    gap = np.full((1, COLUMNS, ROWS), CLEARANCE)
+    history: Any = SimpleNamespace(films={"film": SimpleNamespace(smallest_gap=np.array([0.1 * CLEARANCE]), gap=gap)})
     (note,) = film_notes(scene, history)
     pitch = 2.0 * np.pi / COLUMNS
     told = float(re.search(r"may err by ([0-9.]+)%", note).group(1))  # pyright: ignore[reportOptionalMemberAccess]
@@ -481,6 +482,9 @@ def test_columns_too_coarse_for_the_smallest_film_are_told() -> None:
     assert told == pytest.approx(100.0 * 0.01 * (6.0 * pitch) ** 2 / 0.2, abs=0.05)
     history.films["film"].smallest_gap = np.array([0.9 * CLEARANCE])
     assert not film_notes(scene, history)
+    gap[0, 3, 0] = -1e-6
+    (note,) = film_notes(scene, history)
+    assert "its walls overlap by up to 1e-06 m at theta = 0.589, z = -0.0125 m" in note and "films.Barrel" in note
     assert "GeneralizedAlpha(0.5)" in alternation_notes(scene, GeneralizedAlpha())[0]
     assert not alternation_notes(scene, GeneralizedAlpha(0.5)) and not alternation_notes(Scene(), GeneralizedAlpha())
     assert not film_notes(scene, SimpleNamespace(films={}))  # pyright: ignore[reportArgumentType]

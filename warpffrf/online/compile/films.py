@@ -93,6 +93,7 @@ def fill_films(collector: Collector) -> None:
     tables = Tables()
     for number, film in enumerate(films):
         _add_film(collector, film, number, tables)
+    collector.notes.extend(_alone(collector))
     values = dict.fromkeys(declared.declarations, np.zeros(0)) | tables.values()
     if films:
         for name, of in (
@@ -243,6 +244,21 @@ def _presses(film: Film, basis: Basis) -> tuple[Array, Array, Array]:
     hat = np.repeat(np.arange(len(counts)), counts)
     function[hat, slot], value[hat, slot] = forces.indices, forces.data
     return points + np.arange(len(counts)), function, value
+
+
+def _alone(collector: Collector) -> list[str]:
+    """A note for each flexible body that a film loads beside other surfaces of it."""
+    scene, notes = collector.scene, []
+    films = [port for film in scene.films for port in film.ports if not port.rigid]
+    others = [port for contact in scene.contacts for port in contact.ports if not port.rigid]
+    for body in scene.bodies:
+        names = sorted({port.name for port in (*films, *others) if port.body is body})
+        if len(names) > 1 and any(port.body is body for port in films):
+            notes.append(
+                f"body {body.name!r}: films load its surfaces {', '.join(names)}, or contacts beside them; what one "
+                "load does to the other surfaces goes through its global modes alone: more modes leave out less"
+            )
+    return notes
 
 
 def _rest_velocities(collector: Collector) -> tuple[Array, Array]:

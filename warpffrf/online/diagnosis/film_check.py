@@ -140,8 +140,8 @@ class _Seen:
 
 
 class FilmWatch:
-    """States of the films of evaluation "hyper" between smooth walls, the second rigid, of a run of user steps `first` to
-    `last`."""
+    """States of the films of evaluation "hyper" between smooth walls, the second rigid, of a run of user steps `first`
+    to `last`."""
 
     def __init__(self, engine: Engine, first: int, last: int) -> None:
         self.films = [

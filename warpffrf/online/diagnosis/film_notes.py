@@ -24,8 +24,8 @@ SQUEEZED = 0.01  # of the clearance: no film is left where a run ends at that
 
 
 def film_notes(scene: Scene, history: History) -> list[str]:
-    """One line a film whose columns are too coarse for the eccentricity that it reached, and one of rough walls that
-    came closer than flow factors are known."""
+    """One line a film whose columns are too coarse for the eccentricity that it reached, one of rough walls that came
+    closer than flow factors are known, and one of walls that overlap where the pressure is given."""
     notes = []
     for film in scene.films:
         found, clearance = history.films.get(str(film.name)), film.clearance()
@@ -33,6 +33,7 @@ def film_notes(scene: Scene, history: History) -> list[str]:
             continue
         thinnest = float(found.smallest_gap.min())
         notes.extend(_thinner_than_known(film, thinnest))
+        notes.extend(_overlapping(film, found.gap))
         if clearance is None:
             continue
         fine = np.sqrt(2.0 * max(thinnest, 0.0) / clearance) / RULE
@@ -56,6 +57,21 @@ def _thinner_than_known(film: Film, thinnest: float) -> list[str]:
     return [
         f"{film.label}: its smallest film, {thinnest:.3g} m, is {thinnest / s:.2g} deviations of its rough walls, and "
         f"flow factors are known from {known / s:.2g} on: below, those of the flow by pressure keep their values"
+    ]
+
+
+def _overlapping(film: Film, gap: np.ndarray) -> list[str]:
+    """Of nodes whose pressure is given: where none pushes the walls apart, nothing keeps them from overlapping."""
+    held = film.held()[0]
+    least = float(gap[:, held].min())
+    if least > 0.0:
+        return []
+    j, k = np.argwhere(held)[np.argmin(gap[:, held].min(axis=0))]
+    return [
+        f"{film.label}: its walls overlap by up to {-least:.3g} m at theta = {film.theta[j]:.4g}, z = "
+        f"{film.grid.z[k]:.4g} m, where the pressure is given and nothing keeps them apart: the film beside it is "
+        "squeezed by a shape that is not there; give the first surface a form that falls off to its ends "
+        "(films.Barrel), or asperities that carry there (law=)"
     ]
 
 
