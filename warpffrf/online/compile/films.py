@@ -247,16 +247,17 @@ def _presses(film: Film, basis: Basis) -> tuple[Array, Array, Array]:
 
 
 def _alone(collector: Collector) -> list[str]:
-    """A note for each flexible body that a film loads beside other surfaces of it."""
+    """A note for each flexible body that a film loads beside other films or contacts."""
     scene, notes = collector.scene, []
     films = [port for film in scene.films for port in film.ports if not port.rigid]
     others = [port for contact in scene.contacts for port in contact.ports if not port.rigid]
     for body in scene.bodies:
-        names = sorted({port.name for port in (*films, *others) if port.body is body})
+        names = [port.name for port in (*films, *others) if port.body is body]
         if len(names) > 1 and any(port.body is body for port in films):
+            on = ", ".join(sorted(set(names)))
             notes.append(
-                f"body {body.name!r}: films load its surfaces {', '.join(names)}, or contacts beside them; what one "
-                "load does to the other surfaces goes through its global modes alone: more modes leave out less"
+                f"body {body.name!r}: {len(names)} films and contacts load it, on {on}; where there is a film, what "
+                "the others do goes through its global modes alone: more modes leave out less"
             )
     return notes
 
