@@ -451,9 +451,9 @@ is not 0, as the closed form has it, and grows with the eccentricity.
 The cylinder has equal columns here, 0.14 of root(2 R h) apart, and the cut inlet takes most of what is off.
 
 The plate under a constant force comes down from a velocity that fits the force but for what the grid leaves of it, in
-steps of a tenth of the whole time. The first of them are taken again in halves: one iteration opens the gap to
-millimetres, where the film is no longer felt, and about ten more are needed to come back. What that leaves of 1/h²
-goes up and down with the number of steps; what the grid leaves of the force is 0.15 %.
+steps of a tenth of the whole time. The first of them are taken again in halves: what the grid leaves of the force,
+0.15 %, accelerates a plate this light by far more than the film then lets it move, and throws it out of its place from
+step to step. What that leaves of 1/h² goes up and down with the number of steps.
 """
 
 

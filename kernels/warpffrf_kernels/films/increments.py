@@ -1,8 +1,7 @@
 """Increments of films with those of bodies and modes, how far all may go, and the set that follows.
 
 The set changes once an iteration: a full function whose pressure becomes negative has a void from then on, and a void
-one whose void does, a pressure. Nothing goes farther than to CLOSEST of the smallest gap, nor does any gap open by more
-than WIDEST of the largest.
+one whose void does, a pressure. Nothing goes farther than to CLOSEST of the smallest gap.
 """
 
 import warp as wp
@@ -28,7 +27,6 @@ from warpffrf_kernels.films.unknowns import (
 wp.set_module_options(MODULE_OPTIONS)
 
 CLOSEST = wp.constant(wp.float64(0.2))  # of the smallest gap: what an iteration leaves of it
-WIDEST = wp.constant(wp.float64(2.0))  # of the largest gap: what an iteration may add to one
 NO_VOID = wp.constant(wp.float64(1.0e-13))  # of the clearance: round-off of a void
 
 
@@ -138,20 +136,14 @@ def limit_films(
         least = real(1.0e300)
         ahead = real(1.0e300)
         closing = real(0.0)
-        largest = real(0.0)
-        opening = real(0.0)
         g = model.elements[0].films[0].point_start[film]
         while g < model.elements[0].films[0].point_start[film + 1]:
             least = wp.min(least, film_line[w, g, GAP])
             ahead = wp.min(ahead, film_line[w, g, GAP] + film_ahead[w, g])
             closing = wp.max(closing, -film_ahead[w, g])
-            largest = wp.max(largest, film_line[w, g, GAP])
-            opening = wp.max(opening, film_ahead[w, g])
             g += 1
         if ahead < CLOSEST * least:
             part = wp.min(part, (real(1.0) - CLOSEST) * least / closing)
-        if opening > WIDEST * largest:
-            part = wp.min(part, WIDEST * largest / opening)
         film += 1
     sync()
     if lane == 0:

@@ -350,7 +350,8 @@ def guard_prediction(
     dq: changed(wp.array2d(dtype=real)),
 ):
     """Per world, lanes over points, bodies, modes: increments that are foretold go no farther than to GUARD of the
-    gaps that the step begins with."""
+    gaps that the step begins with, and open none by more than the largest: what a light body has of acceleration may
+    throw it out of its film."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].again != 0:
@@ -369,12 +370,18 @@ def guard_prediction(
             film_least[w, g] = closing
             g += wp.block_dim()
         sync()
+        largest = real(0.0)
+        opening = real(0.0)
         g = start
         while g < end:
             may = (real(1.0) - GUARD) * film_mass[w, 0, g]
             if film_least[w, g] > may:
                 part = wp.min(part, may / film_least[w, g])
+            largest = wp.max(largest, film_mass[w, 0, g])
+            opening = wp.max(opening, -film_least[w, g])
             g += 1
+        if opening > largest:
+            part = wp.min(part, largest / opening)
         film += 1
     sync()
     if part < real(1.0):
