@@ -33,7 +33,8 @@ it is the sum, their loss int k |grad p_local|^2 dA. phi_f is that of the paper:
 **Where it ends.** The fits hold from `LEAST` on, H = 0.5 for most gamma: below, phi_p keeps its value, and from H = 1
 on down l is the same part of h. The oil in the film is taken as h, though walls that touch hold more, 0.4 % at H = 2,
 8 % at H = 1: the pressure then acts on the whole of the area, as that of asperities does, and power and oil are kept.
-Between the gammas of the paper factors are interpolated in ln gamma.
+Between the gammas of the paper factors are interpolated in ln gamma. Of the coefficients of Phi_fs only those of
+gamma = 1 were held against a second source; phi_p and Phi_s were, and against the theory of small heights.
 """
 
 from __future__ import annotations
