@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from film_scenes import (
     CLEARANCE,
+    LENGTH,
     RADIUS,
+    ROWS,
     SPEED,
     Array,
     bearing,
@@ -25,6 +27,7 @@ from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.films.film import places_around
 from warpffrf.model.laws import ExponentialAsperities
 from warpffrf.online import run
+from warpffrf.online.diagnosis.film_notes import film_notes
 from warpffrf.online.run import find_equilibrium
 from warpffrf.online.vibrations.eigenmodes import find_modes
 from warpffrf.output.result import Result
@@ -158,6 +161,17 @@ def test_modes_are_what_a_small_disturbance_does_to_both() -> None:
     for values in x.T:  # late, when motions of oil alone have died away
         left = values[40:] - columns @ np.linalg.lstsq(columns, values[40:], rcond=None)[0]
         assert np.abs(left).max() < 0.02 * np.abs(values).max()
+
+
+def test_a_film_beyond_the_grid_of_the_second_surface_is_told() -> None:
+    """A shaft as long as its bore, pushed along it by two and a half cells; hats at its end span one more."""
+    found = find_equilibrium(bearing((2e3, 0.0), yielding=shaft_body()))
+    assert not any("beyond the grid" in note for note in found.notes)
+    cell = LENGTH / (ROWS - 1)
+    for row in found.bodies["shaft"].position:
+        row[1] += 2.5 * cell
+    (note,) = [note for note in film_notes(found.scene, found) if "beyond the grid" in note]
+    assert f"up to {1.5 * cell:.3g} m beyond the grid of shaft['rim']" in note
 
 
 def test_results_load_and_deform_both(tmp_path: Path) -> None:

@@ -436,8 +436,7 @@ film is {RIGID:g} times as stiff as steel, but for the asperities, which stand i
 
 A film of the engine ends on all sides, so that pads and long bearings are looked at in their middle row. Rows stand
 {BESIDE:.2f} of the length of the pressure apart: there hats d apart along do not couple in a pressure that goes as a
-half sine, and the ends are not felt. Fewer rows farther apart would alternate: five rows on ten lengths make the
-slider err by 10 %.
+half sine, and the ends are not felt. Fewer rows farther apart would alternate.
 
 {len(found) - len(missed)} of {len(found)} targets are reached.
 

@@ -20,7 +20,6 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from warpffrf import monolithic
 from warpffrf.model import films, forces, joints, oils, signals, surfaces
 from warpffrf.model.errors import InputError
 from warpffrf.model.films import Film
@@ -33,7 +32,6 @@ from warpffrf.online import History, Settings, run
 from warpffrf.online.engine import Engine
 from warpffrf.online.run import find_equilibrium
 from warpffrf.online.start.settle import settle
-from warpffrf.output.monolithic_run import to_history
 from warpffrf.study.step_time import processor
 from warpffrf.study.unit_time import unit_seconds
 from warpffrf.verification import elastic_film
@@ -62,8 +60,6 @@ THRESHOLD_HATS, THRESHOLD_RATIO, THRESHOLD_TURNS, THRESHOLD_STEPS = ((64, 7), (9
 NARROW, THIN = 0.1 * CLEARANCE, 0.01 * VISCOSITY  # the same pressures: short bearings have too much shear beside them
 UNWATCHED = Settings(most_made=0.0)  # half a film, with pressures left out that drive its flow, may make energy
 # nodes of the finite elements around and along, hats around where they are not the nodes; N
-SAME_LAW = ("force", "torque_second", "smallest_gap", "largest_pressure", "pressure", "gap", "void", "friction_power")
-MESHES, NODE_LOADS = (((64, 9), 32), ((64, 9), None), ((96, 13), None)), (2e3, 20e3)
 AROUND, DISTURBANCE = (0.9, 1.1), 0.01  # of the critical mass; of the clearance
 
 Array = np.ndarray
@@ -459,66 +455,7 @@ def threshold_rows() -> list[list[str]]:
     return rows
 
 
-# --- 9: beside the monolithic reference
-
-
-def solved_whole(scene: Scene) -> History:
-    """Its equilibrium by the monolithic reference, in the first row."""
-    found = to_history(monolithic.run(scene, 1e-6, step=1e-6, start="equilibrium", progress=False), [])
-    return completed(found)
-
-
-def node_rows() -> list[list[str]]:
-    """By mesh, hats and load: the engine, and pressures at the nodes of the finite elements."""
-    rows = []
-    for nodes, coarse in MESHES:
-        body = bore(nodes, coarse=coarse)
-        grid = body.contact_surfaces["bore"].grid
-        for load in NODE_LOADS:
-            given: dict[str, Any] = {"feeds": [GROOVE]}
-            cases = {
-                "semi, engine": at_rest(bearing(body, (load, 0.0), **given)).films["film"],
-                "full": solved_whole(bearing(body, (load, 0.0), evaluation="full", **given)).films["film"],
-            }
-            for name, film in cases.items():
-                at = 0 if name == "full" else -1
-                rows.append([
-                    f"{nodes[0]} x {nodes[1]}", f"{grid.columns} x {grid.rows}", f"{1e-3 * load:g}", name,
-                    f"{np.hypot(*film.eccentricity[at]) / CLEARANCE:.4f}", f"{1e6 * film.smallest_gap[at]:.3f}",
-                    f"{1e-6 * film.largest_pressure[at]:.2f}", f"{film.friction_power[at]:.2f}",
-                    f"{1e9 * film.end_flow[at]:.0f}",
-                ])  # fmt: skip
-    return rows
-
-
-def same_rows() -> list[list[str]]:
-    """By the load: the engine beside the reference by the same law, differences of the largest value."""
-    rows = []
-    for load in NODE_LOADS:
-        scene = bearing(bore(), (load, 0.0), feeds=[GROOVE])
-        own, other = at_rest(scene).films["film"], solved_whole(scene).films["film"]
-        row = [f"{1e-3 * load:g}"]
-        for name in SAME_LAW:
-            a, b = getattr(own, name)[-1], getattr(other, name)[0]
-            row.append(f"{np.abs(a - b).max() / np.abs(a).max():.0e}")
-        rows.append(row)
-    return rows
-
-
-def node_section() -> str:
-    """Markdown."""
-    return f"""## Beside the monolithic reference
-
-Target: 1e-6 by the same law. The steady bearing by `warpffrf.monolithic`, which has all coordinates, pressures and
-voids in one Newton system and shares no code with the engine; differences from the engine over the largest value.
-
-{table(["load [kN]", *SAME_LAW], same_rows())}
-Then with pressures at the nodes of the finite elements (*full*), where they are linear on triangles, beside the hats of
-the engine (*semi*). Hats as many as nodes have the displacements of the finite elements themselves.
-
-{table(["nodes", "hats", "load [kN]", "evaluation", "eccentricity", "smallest film [µm]", "largest pressure [MPa]",
-        "friction [W]", "flow at the ends [mm³/s]"], node_rows())}
-{READ_NODES}"""  # fmt: skip
+# --- the page
 
 
 def page() -> str:
@@ -613,18 +550,9 @@ low pressures of this bearing the shear in {1e6 * CLEARANCE:g} µm counts): grow
 that drive its flow, so that its ledger does not close: the runs are made with `Settings(most_made=0)`. m c ω²/W and
 whirl over ω. *Law*: from coefficients of `verification.films.journal` on the same hats.
 
-{table(["hats", "m c ω²/W", "error", "whirl/ω", "error", "law", "growth"], threshold_rows())}
-{node_section()}"""  # fmt: skip
+{table(["hats", "m c ω²/W", "error", "whirl/ω", "error", "law", "growth"], threshold_rows())}"""  # fmt: skip
 
 
-READ_NODES = """\
-Both go to one limit, by the square of the pitch. With nodes and hats alike the largest pressures are within 0.7 %, and
-the flows within 0.3 %; triangles err more in the thinnest place, -5.5 and -2.7 % beside the hats under 20 kN. On 128 x
-17 (five minutes, not in the table) it is 2.331 µm beside 2.373 µm, and 54.93 MPa beside 54.86 MPa. Half as many hats as
-nodes cost the oil 10 % in the largest pressure under 20 kN and 14 % in the flows, but the displacements hardly
-anything: pressures at all nodes on the surface that yields by the coarse hats are within 0.2 % of those on the one that
-yields by all, smallest films within 1.2 %.
-"""
 READ_CYCLE = """\
 The groove feeds less than the ends lose, so that half of the gap is void at the end of the two turns. Near 710° the
 load changes sides, and the shaft crosses the void within a few degrees, to close what is left of it on the other side:

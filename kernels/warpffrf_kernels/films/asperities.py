@@ -2,6 +2,7 @@
 
 import warp as wp
 
+from warpffrf_kernels.core.lookup import piece_at
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 
@@ -30,13 +31,7 @@ def asperities_at(model: Model, film: int, depth: real) -> vec3:
         i = model.elements[0].films[0].table_start[film]
         if depth <= model.elements[0].films[0].table[i, 0]:
             return none
-        last = i + model.elements[0].films[0].table_count[film] - 2
-        while i < last:
-            half = (i + last + 1) / 2
-            if depth >= model.elements[0].films[0].table[half, 0]:
-                i = half
-            else:
-                last = half - 1
+        i = piece_at(model.elements[0].films[0].table, i, model.elements[0].films[0].table_count[film], 0, depth)
         rise = model.elements[0].films[0].table[i + 1, 1] - model.elements[0].films[0].table[i, 1]
         slope = rise / (model.elements[0].films[0].table[i + 1, 0] - model.elements[0].films[0].table[i, 0])
         into = depth - model.elements[0].films[0].table[i, 0]

@@ -18,9 +18,8 @@ from warpffrf_kernels.films.sampling import (
     FORCE_MOMENT,
     GAP,
     SECOND_FORCE_MOMENT,
-    opened_with_second,
-    sides_of,
 )
+from warpffrf_kernels.films.sides import opened_with_second, sides_of
 from warpffrf_kernels.surfaces.surface import axes_of
 
 wp.set_module_options(MODULE_OPTIONS)

@@ -5,6 +5,7 @@ A line has h [m], then phi_p around with its slope [1/m], along likewise, the la
 
 import warp as wp
 
+from warpffrf_kernels.core.lookup import piece_at
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 
@@ -51,16 +52,10 @@ def factors_at(model: Model, film: int, h: real) -> Factors:
     count = model.elements[0].films[0].factor_count[film]
     if count == 0:
         return found
-    i = int(model.elements[0].films[0].factor_start[film])
-    last = i + count - 1
-    if h >= model.elements[0].films[0].factor[last, 0]:
+    start = model.elements[0].films[0].factor_start[film]
+    if h >= model.elements[0].films[0].factor[start + count - 1, 0]:
         return found
-    while last - i > 1:
-        half = (i + last) / 2
-        if h >= model.elements[0].films[0].factor[half, 0]:
-            i = half
-        else:
-            last = half
+    i = piece_at(model.elements[0].films[0].factor, start, count, 0, h)
     for c in range(2):
         flow = cubic_at(model, i, FLOW + 2 * c, h)
         lag = cubic_at(model, i, LAG + 2 * c, h)

@@ -2,11 +2,12 @@ r"""Gaps, pressures and flows of a film at its points.
 
 A film stands on the grid of its first surface A, in A's frame. At a point x of A, fixed in A's material,
 
-    h = d_B(x) + form - n.u_A,        grad d_B = n,
+    h = d_B(x) + forms - n.u_A + S(x).u,        grad h = n,
 
 d_B the signed distance from the second surface, u_A the displacement of A by its modes and by the pressure, in A's own
-normal. With U = (u_B - u_A)/2 half the sliding velocity, r = rho(p)/rho_0, k = h^3/(12 mu), the void volume per area D
-(of the density rho_0), and a rate of change by BDF2, delta_t f = a_0 f + a_1 f_(n-1) + a_2 f_(n-2),
+normal, S u what a second surface that yields opens (`sides`, `second`); n has the slopes of its form and of S u, too.
+With U = (u_B - u_A)/2 half the sliding velocity, r = rho(p)/rho_0, k = h^3/(12 mu), the void volume per area D (of the
+density rho_0), and a rate of change by BDF2, delta_t f = a_0 f + a_1 f_(n-1) + a_2 f_(n-2),
 
     delta_t (r h - D) + div(U (r h - D)) - div(r k grad p) = 0,      0 <= p  _|_  D >= 0.
 
@@ -16,7 +17,8 @@ the scene begins with. What is steady there stands in space while A spins about 
 turning beside the half of the sliding.
 
 **Forces.** The pressure does p n dA on A at x and the opposite on B at the same x, so that it is the derivative of h by
-all coordinates times p, and has no moment about B's axis. Then the shear must be that of B's wall, on A
+all coordinates times p, and has no moment about the axis of a B that is round. Then the shear must be that of B's wall,
+on A
 
     tau = mu (u_B - u_A)(1 - D/h)/h + (h/2) grad p,
 
@@ -29,8 +31,8 @@ pressure a = P(-h) that deforms and pushes as p does, and rub with mu a against 
 (`roughness`) have phi k in place of k, U h - l v/2 in place of U h with v = u_B - u_A, in the equation, and in tau
 Phi mu v/h and (h - l)/2 in place of h/2, each with factors around and along: the losses are then Phi mu v^2/h and
 phi k |grad p|^2, by the same identity. Voids travel with U as between smooth walls: they are where the film is thick,
-and l is below 1 % of a gap of ten deviations. Tangential displacements of
-A by the shear are left out, and so is what its elastic motion adds to U.
+and l is below 1 % of a gap of ten deviations. Tangential displacements by the shear are left out, and so is what
+elastic motion adds to U.
 """
 
 import warp as wp
@@ -39,13 +41,18 @@ from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.rotation import exponential, matrix
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, quat, real, sync, vec3
 from warpffrf_kernels.films.asperities import asperities_at
 from warpffrf_kernels.films.oil import oil_at
 from warpffrf_kernels.films.roughness import factors_at
-from warpffrf_kernels.films.seats import opened_at_seat
-from warpffrf_kernels.surfaces.surface import axes_of, chart_of, distance_of, gradient_of, origin_of, slope_of
+from warpffrf_kernels.films.sides import (
+    carried_at,
+    opened_by_motion,
+    opened_with_second,
+    posed,
+    sides_of,
+    sliding_at,
+)
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -90,162 +97,6 @@ STIFFNESS = wp.constant(10)  # its slope, Pa/m
 HAT_LINE = 11
 
 GUARD = wp.constant(wp.float64(0.5))  # of the gaps where a step begins: what its prediction leaves of them
-
-
-@wp.struct
-class Sides:
-    """Both bodies in the world: axes, centre of mass of A from that of B, velocities (of A's turning in its axes)."""
-
-    turn_a: mat33
-    turn_b: mat33
-    from_b: vec3
-    v_a: vec3
-    v_b: vec3
-    omega_a: vec3
-    omega_b: vec3
-    spin: vec3  # of static steps: of A about its own axis, in its axes
-
-
-@wp.func
-def sides_of(
-    model: Model,
-    w: int,
-    film: int,
-    static: int,
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    v1: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-) -> Sides:
-    a = model.surfaces.body[model.elements[0].films[0].first[film]]
-    b = model.surfaces.body[model.elements[0].films[0].second[film]]
-    found = Sides()
-    found.turn_a = axes_of(axes, w, a)
-    found.turn_b = axes_of(axes, w, b)
-    found.from_b = origin_of(r1, w, a) - origin_of(r1, w, b)
-    if a >= 0:
-        found.v_a = v1[w, a]
-        found.omega_a = omega1[w, a]
-        if static != 0:
-            found.v_a = model.elements[0].films[0].rest_v[a]
-            found.omega_a = model.elements[0].films[0].rest_omega[a]
-    if static != 0 and model.surfaces.planar[model.elements[0].films[0].first[film]] == 0:
-        axis = model.surfaces.frame[model.elements[0].films[0].first[film]] * vec3(real(0.0), real(0.0), real(1.0))
-        found.spin = wp.dot(found.omega_a, axis) * axis
-    if b >= 0:
-        found.v_b = v1[w, b]
-        found.omega_b = found.turn_b * omega1[w, b]
-        if static != 0:
-            found.v_b = model.elements[0].films[0].rest_v[b]
-            found.omega_b = found.turn_b * model.elements[0].films[0].rest_omega[b]
-    return found
-
-
-@wp.func
-def sliding_at(sides: Sides, place: vec3) -> vec3:
-    """u_B - u_A [m/s] at a place of A, in A's axes."""
-    at_b = sides.v_b + wp.cross(sides.omega_b, sides.from_b + sides.turn_a * place)
-    return wp.transpose(sides.turn_a) * (at_b - sides.v_a) - wp.cross(sides.omega_a, place)
-
-
-@wp.func
-def carried_at(model: Model, film: int, sides: Sides, place: vec3) -> vec3:
-    """U [m/s] at a place of A, in A's axes."""
-    arm = place - model.surfaces.origin[model.elements[0].films[0].first[film]]
-    return real(0.5) * sliding_at(sides, place) + wp.cross(sides.spin, arm)
-
-
-@wp.func
-def second_form_at(model: Model, film: int, theta: real, z: real) -> vec3:
-    """What the form of the second surface adds to the gap [m], between the places of its table, and its slopes by
-    theta and z."""
-    columns = model.elements[0].films[0].second_counts[film, 0]
-    rows = model.elements[0].films[0].second_counts[film, 1]
-    x = (theta - model.elements[0].films[0].second_range[film, 0]) / model.elements[0].films[0].second_range[film, 1]
-    x -= real(columns) * wp.floor(x / real(columns))
-    y = (z - model.elements[0].films[0].second_range[film, 2]) / model.elements[0].films[0].second_range[film, 3]
-    inside = real(1.0)
-    if y < real(0.0) or y > real(rows - 1):
-        inside = real(0.0)
-    y = wp.clamp(y, real(0.0), real(rows - 1))
-    i = wp.min(int(x), columns - 1)
-    j = wp.min(int(y), rows - 2)
-    u = x - real(i)
-    v = y - real(j)
-    start = model.elements[0].films[0].second_start[film]
-    left = start + i * rows + j
-    right = start + ((i + 1) % columns) * rows + j
-    before = model.elements[0].films[0].second_form[left]
-    before_up = model.elements[0].films[0].second_form[left + 1]
-    after = model.elements[0].films[0].second_form[right]
-    after_up = model.elements[0].films[0].second_form[right + 1]
-    low = (real(1.0) - v) * before + v * before_up
-    high = (real(1.0) - v) * after + v * after_up
-    along = (real(1.0) - u) * (before_up - before) + u * (after_up - after)
-    by_theta = (high - low) / model.elements[0].films[0].second_range[film, 1]
-    by_z = inside * along / model.elements[0].films[0].second_range[film, 3]
-    return vec3((real(1.0) - u) * low + u * high, by_theta, by_z)
-
-
-@wp.func
-def on_second(model: Model, film: int, sides: Sides, place: vec3) -> vec3:
-    """A place of A in the frame of the second surface."""
-    s = model.elements[0].films[0].second[film]
-    out_of_b = sides.turn_b * model.surfaces.frame[s]
-    return wp.transpose(out_of_b) * (sides.from_b - sides.turn_b * model.surfaces.origin[s] + sides.turn_a * place)
-
-
-@wp.func
-def tilted(model: Model, film: int, sides: Sides, y: vec3, by_theta: real, by_z: real) -> vec3:
-    """Gradient in the world of what is added to the gap at a place y of the second surface's frame, with these slopes
-    by its chart."""
-    s = model.elements[0].films[0].second[film]
-    rise = vec3(real(0.0), by_theta, by_z)
-    if model.surfaces.planar[s] == 0:
-        rho = wp.sqrt(y[0] * y[0] + y[1] * y[1])
-        slope = slope_of(model, s, y[2])
-        part = by_z / (real(1.0) + slope * slope)
-        x = slope * part
-        around = by_theta / rho
-        rise = vec3((x * y[0] - around * y[1]) / rho, (x * y[1] + around * y[0]) / rho, part)
-    return sides.turn_b * (model.surfaces.frame[s] * rise)
-
-
-@wp.func
-def opened_by_motion(model: Model, film: int, sides: Sides, place: vec3) -> wp.vec4d:
-    """d_B with the form of B [m] at a place of A, and its gradient in the world."""
-    s = model.elements[0].films[0].second[film]
-    y = on_second(model, film, sides, place)
-    n = sides.turn_b * (model.surfaces.frame[s] * gradient_of(model, s, y))
-    gap = distance_of(model, s, y)
-    if model.elements[0].films[0].second_start[film] >= 0:
-        at = chart_of(model, s, y)
-        form = second_form_at(model, film, at[0], at[1])
-        gap += form[0]
-        n += tilted(model, film, sides, y, form[1], form[2])
-    return wp.vec4d(gap, n[0], n[1], n[2])
-
-
-@wp.func
-def opened_with_second(
-    model: Model,
-    w: int,
-    film: int,
-    sides: Sides,
-    place: vec3,
-    seat: int,
-    film_seat: wp.array3d(dtype=int),
-    film_seat_at: wp.array3d(dtype=real),
-    film_second_opened: wp.array(dtype=real),
-) -> wp.vec4d:
-    """`opened_by_motion` and what a second surface that yields opens; seat: of the place, counted within the film."""
-    found = opened_by_motion(model, film, sides, place)
-    if model.elements[0].films[0].second_hats[film] == 0:
-        return found
-    at = model.elements[0].films[0].seat_start[film] + seat
-    more = opened_at_seat(model, film, w, at, film_seat, film_seat_at, film_second_opened)
-    turn = tilted(model, film, sides, on_second(model, film, sides, place), more[1], more[2])
-    return found + wp.vec4d(more[0], turn[0], turn[1], turn[2])
 
 
 @wp.func
@@ -303,38 +154,6 @@ def open_film(
                 film_rates[w, 0] = (real(1.0) + real(2.0) * ratio) / ((real(1.0) + ratio) * h)
                 film_rates[w, 1] = -(real(1.0) + ratio) / h
                 film_rates[w, 2] = ratio * ratio / ((real(1.0) + ratio) * h)
-
-
-@wp.func
-def posed(
-    model: Model,
-    w: int,
-    film: int,
-    ahead: int,
-    r: wp.array2d(dtype=vec3),
-    p: wp.array2d(dtype=quat),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-) -> Sides:
-    """Both bodies where the step begins, or `ahead` where its increments lead, without velocities."""
-    a = model.surfaces.body[model.elements[0].films[0].first[film]]
-    b = model.surfaces.body[model.elements[0].films[0].second[film]]
-    found = Sides()
-    found.turn_a = wp.identity(n=3, dtype=real)
-    found.turn_b = wp.identity(n=3, dtype=real)
-    if a >= 0:
-        found.turn_a = matrix(p[w, a])
-        found.from_b = r[w, a]
-        if ahead != 0:
-            found.turn_a = matrix(wp.normalize(p[w, a] * exponential(psi[w, a])))
-            found.from_b += dx[w, a]
-    if b >= 0:
-        found.turn_b = matrix(p[w, b])
-        found.from_b -= r[w, b]
-        if ahead != 0:
-            found.turn_b = matrix(wp.normalize(p[w, b] * exponential(psi[w, b])))
-            found.from_b -= dx[w, b]
-    return found
 
 
 @wp.kernel

@@ -8,7 +8,7 @@ The film stands on A's grid. Its pressure does the opposite on B at the same pla
 Where pressures are profiles at few points, these would load some of B's hats and leave out others: there the forces of
 A's hats, M p, stand in the seats of these hats. In either case a *place* loads a seat, with an area for each function.
 D_B is the compliance of B's local modes and Phi_B the normal displacement of its global ones. Slopes of this along B's
-chart turn the direction in which the pressure pushes (`sampling.tilted`). An unknown pressure, of a function or of
+chart turn the direction in which the pressure pushes (`sides.tilted`). An unknown pressure, of a function or of
 asperities, loads B's hats by W (a line each) and opens by Q = D_B W^T; so J has V Q beside what A does, V = (dR/dh) S.
 """
 
@@ -23,10 +23,9 @@ from warpffrf_kernels.films.sampling import (
     AROUND_BY_GAP,
     FILLING_BY_GAP,
     HALF,
-    on_second,
-    sides_of,
 )
 from warpffrf_kernels.films.seats import seat_hat, seat_on, seat_part
+from warpffrf_kernels.films.sides import on_second, sides_of
 from warpffrf_kernels.films.unknowns import RIGID, add_scaled, lines_of
 from warpffrf_kernels.surfaces.surface import chart_of
 

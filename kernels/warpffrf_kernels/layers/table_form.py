@@ -2,6 +2,7 @@
 
 import warp as wp
 
+from warpffrf_kernels.core.lookup import piece_at
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 
@@ -11,15 +12,9 @@ wp.set_module_options(MODULE_OPTIONS)
 @wp.func
 def piece_of(model: Model, pair: int, column: int, value: real) -> int:
     """Line of the pair's table at or below `value` of a column, the last but one at most."""
-    i = int(model.elements[0].layers.table_start[pair])
-    last = i + model.elements[0].layers.table_count[pair] - 2
-    while i < last:
-        half = (i + last + 1) / 2
-        if value >= model.elements[0].layers.table[half, column]:
-            i = half
-        else:
-            last = half - 1
-    return i
+    start = model.elements[0].layers.table_start[pair]
+    count = model.elements[0].layers.table_count[pair]
+    return piece_at(model.elements[0].layers.table, start, count, column, value)
 
 
 @wp.func

@@ -8,6 +8,7 @@ of one place times its `share`. With damping the force is F (1 + chi a_dot), cut
 
 import warp as wp
 
+from warpffrf_kernels.core.lookup import piece_at
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 
@@ -38,14 +39,8 @@ def push_of(model: Model, contact: int, share: real, approach: real) -> Push:
             out.energy = out.force * approach / (n + real(1.0))
         return out
     i = model.elements[0].lumped.table_start[contact]
-    last = i + count - 2
     if approach > model.elements[0].lumped.table[i, 0]:
-        while i < last:
-            half = (i + last + 1) / 2
-            if approach >= model.elements[0].lumped.table[half, 0]:
-                i = half
-            else:
-                last = half - 1
+        i = piece_at(model.elements[0].lumped.table, i, count, 0, approach)
         rise = model.elements[0].lumped.table[i + 1, 1] - model.elements[0].lumped.table[i, 1]
         beyond = approach - model.elements[0].lumped.table[i, 0]
         out.slope = share * rise / (model.elements[0].lumped.table[i + 1, 0] - model.elements[0].lumped.table[i, 0])

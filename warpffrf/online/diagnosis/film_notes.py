@@ -12,11 +12,14 @@ import numpy as np
 from warpffrf_kernels.films.sampling import GAP
 
 from warpffrf.model.films import Film
+from warpffrf.model.films.film import places_around
 from warpffrf.model.films.roughness import least_gap
 from warpffrf.model.integrators import Integrator, roots_at_infinity
 from warpffrf.model.scene import Scene
 from warpffrf.online.engine import Engine
+from warpffrf.online.history.films import TURNED_BACK
 from warpffrf.online.history.history import History
+from warpffrf.online.history.sensors import turned
 
 RULE, ERROR = 6.0, 0.01
 DAMPS = 0.55  # spectral radius at infinity, of 0.5 with round-off: what alternates is gone in a few steps
@@ -25,7 +28,8 @@ SQUEEZED = 0.01  # of the clearance: no film is left where a run ends at that
 
 def film_notes(scene: Scene, history: History) -> list[str]:
     """One line a film whose columns are too coarse for the eccentricity that it reached, one of rough walls that came
-    closer than flow factors are known, and one of walls that overlap where the pressure is given."""
+    closer than flow factors are known, one of walls that overlap where the pressure is given, and one of a film that
+    went beyond the grid of a second surface that yields."""
     notes = []
     for film in scene.films:
         found, clearance = history.films.get(str(film.name)), film.clearance()
@@ -34,6 +38,8 @@ def film_notes(scene: Scene, history: History) -> list[str]:
         thinnest = float(found.smallest_gap.min())
         notes.extend(_thinner_than_known(film, thinnest))
         notes.extend(_overlapping(film, found.gap))
+        if not film.b.rigid:
+            notes.extend(_beyond_second(film, history))
         if clearance is None:
             continue
         fine = np.sqrt(2.0 * max(thinnest, 0.0) / clearance) / RULE
@@ -72,6 +78,33 @@ def _overlapping(film: Film, gap: np.ndarray) -> list[str]:
         f"{film.grid.z[k]:.4g} m, where the pressure is given and nothing keeps them apart: the film beside it is "
         "squeezed by a shape that is not there; give the first surface a form that falls off to its ends "
         "(films.Barrel), or asperities that carry there (law=)"
+    ]
+
+
+def _beyond_second(film: Film, history: History) -> list[str]:
+    """Of ends of the film that lay more than a cell beyond the grid of the second surface, which does not yield there
+    (`warpffrf_kernels.films.seats`)."""
+    surface, grid = film.b.surface, film.b.surface.grid
+    first, second = (history.bodies[port.body.name] for port in film.ports)
+    theta, z = (v.ravel() for v in np.meshgrid(film.theta, film.grid.z[[0, -1]], indexing="ij"))
+    out = 0.0
+    for place in film.a.surface.shape.point(theta, z):
+        world = first.position + turned(first.rotation, place)
+        theta_b, z_b, _ = surface.shape.chart(turned(second.rotation * TURNED_BACK, world - second.position))
+        out = max(out, float(np.max(grid.z[0] - np.diff(grid.z[:2]) - z_b)))
+        out = max(out, float(np.max(z_b - grid.z[-1] - np.diff(grid.z[-2:]))))
+        if not grid.periodic:
+            columns = places_around(surface)
+            away = np.abs(theta_b - 0.5 * (columns[0] + columns[-1]))
+            if not surface.shape.profile().planar:
+                away = np.minimum(away % (2.0 * np.pi), -away % (2.0 * np.pi))
+            beyond = away - 0.5 * (columns[-1] - columns[0]) - grid.pitch
+            out = max(out, float(np.max(beyond * np.asarray(surface.shape.radius_at(z_b)))))
+    if out <= 0.0:
+        return []
+    return [
+        f"{film.label}: it reaches up to {out:.3g} m beyond the grid of {film.b.label} and a cell, where that surface "
+        "does not yield; reduce its body with a longer contact surface"
     ]
 
 
