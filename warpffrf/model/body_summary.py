@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.inertia import InertiaTerms
+from warpffrf.model.laps import LapSurface
 from warpffrf.model.reduced_body_data import ReducedBodyData
 
 LARGEST_SHOWN = 3  # arrays named in the line about memory
@@ -46,6 +47,7 @@ def summary(body: ReducedBodyData) -> str:
                 f"  sampling        {name}: {points.count} points between two columns, worst training error "
                 f"{points.training_error:.2g} (wanted {points.wanted_error:g})"
             )
+    lines += [_lap(name, s) for name, s in body.laps.items()]
     lines.append(f"  skin            {len(body.surface.points)} points, {len(body.surface.triangles)} triangles")
     for key, label in (("path", "path"), ("path_reason", "because"), ("dofs", "FE dofs"), ("seconds", "seconds")):
         if key in body.report:
@@ -141,6 +143,15 @@ def _inertia_terms(body: ReducedBodyData, terms: InertiaTerms, modes: int) -> st
     if terms.stiffening is None:
         return text
     return f"{text}, stiffened by {', '.join(['turning', *(f'loads on {n}' for n in terms.stiffening.interfaces)])}"
+
+
+def _lap(name: str, s: LapSurface) -> str:
+    """One line for the cells of a lap."""
+    text = f"  lap             {name}: {s.cells} cells by {s.by}, edges {s.size[0]:.4g} to {s.size[1]:.4g} m"
+    if not s.pair:
+        return f"{text}, of a face"
+    first, second = s.covered
+    return f"{text}, on {first:.1%} and {second:.1%} of two faces, gap up to {s.distance[1]:.3g} m"
 
 
 def _tangential(body: ReducedBodyData) -> str:

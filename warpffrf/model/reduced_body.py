@@ -28,7 +28,12 @@ class ReducedBody(ReducedBodyData):
     def __repr__(self) -> str:
         """One line; the arrays by the thousand are for `info` to sum up."""
         found = [f"{self.mass:.5g} kg", f"{len(self.frequencies)} global modes", f"{self.local_modes} local modes"]
-        named = {"interfaces": self.interfaces, "contact": self.contact_surfaces, "stress": self.stress}
+        named = {
+            "interfaces": self.interfaces,
+            "contact": self.contact_surfaces,
+            "laps": self.laps,
+            "stress": self.stress,
+        }
         found += [f"{what} {', '.join(names)}" for what, names in named.items() if names]
         return f"<ReducedBody {'; '.join(found)}>"
 

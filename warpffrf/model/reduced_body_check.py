@@ -15,6 +15,7 @@ from warpffrf.model.cross_compliance import FUNCTIONS, CrossCompliance
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body_data import ReducedBodyData
 
+SYMMETRIC_COMPLIANCE = 1e-12  # of the laps, of its largest entry: written symmetric
 UNIT = 1e-9  # of axes: what a file keeps of a unit vector
 SYMMETRIC = 1e-9  # of the inertia
 
@@ -42,11 +43,41 @@ def check_body(body: ReducedBodyData, arrays: Mapping[str, np.ndarray]) -> None:
     t, n = body.surface.triangles, len(body.surface.points)
     if t.size and (t.min() < 0 or t.max() >= n):
         raise InputError(f"surface/triangles name a point that is none of the {n}")
+    _check_laps(body)
     for name, s in body.contact_surfaces.items():
         if s.far is not None and s.far.quarter is not None and min(s.far.quarter.coefficients.shape) < 4:
             raise InputError(f"contact_surfaces/{name}/far/quarter has too few numbers for a spline")
         _check_axes(f"contact_surfaces/{name}/grid/e_0", s.grid.e_0[:, None])
         _check_axes(f"contact_surfaces/{name}/recovery/axes", s.recovery.axes)
+
+
+def _check_laps(body: ReducedBodyData) -> None:
+    """Raise `InputError` for cells that are none, frames that are not, and a compliance that is not symmetric."""
+    for name, lap in body.laps.items():
+        if np.any(lap.area <= 0.0):
+            raise InputError(f"laps/{name}/area must be greater than zero")
+        gram = np.einsum("cij,ckj->cik", lap.frames, lap.frames)
+        if np.abs(gram - np.eye(3)).max(initial=0.0) > UNIT:
+            raise InputError(f"laps/{name}/frames are not unit vectors at right angles")
+        if lap.cell.size and (lap.cell.min() < 0 or lap.cell.max() >= lap.cells):
+            raise InputError(f"laps/{name}/cell names a cell that is none of the {lap.cells}")
+    C = body.lap_compliance
+    if C is not None and np.abs(C - C.T).max(initial=0.0) > SYMMETRIC_COMPLIANCE * np.abs(C).max(initial=0.0):
+        raise InputError("lap_compliance is not symmetric")
+
+
+def _lap_shapes(body: ReducedBodyData) -> Iterator[tuple[str, Wanted]]:
+    m, forces = len(body.frequencies), 0
+    for name, lap in body.laps.items():
+        root, c, t = f"laps/{name}", len(lap.area), len(lap.cell)
+        yield from ((f"{root}/area", (None,)), (f"{root}/cell", (None,)))
+        yield from ((f"{root}/points", (c, 3)), (f"{root}/frames", (c, 3, 3)), (f"{root}/gap", (c,)))
+        yield from ((f"{root}/modes", (m, 3 * c)), (f"{root}/triangles", (t, 3, 3)))
+        forces += 3 * c
+    if body.laps and body.lap_compliance is None:
+        raise InputError("laps have no lap_compliance")
+    if body.lap_compliance is not None:
+        yield "lap_compliance", (forces, forces)
 
 
 def _shapes(body: ReducedBodyData) -> Iterator[tuple[str, Wanted]]:
@@ -66,6 +97,7 @@ def _shapes(body: ReducedBodyData) -> Iterator[tuple[str, Wanted]]:
         yield f"contact_surfaces/{name}/recovery/transfer", _transfer_shape(surface, n)
     for cross in body.cross:
         yield from _cross_shapes(f"cross/{cross.target}/{cross.source}", body, cross)
+    yield from _lap_shapes(body)
 
 
 def _contact_shapes(root: str, s: ContactSurface, m: int) -> Iterator[tuple[str, Wanted]]:

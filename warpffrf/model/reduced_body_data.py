@@ -11,6 +11,7 @@ from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.cross_compliance import CrossCompliance
 from warpffrf.model.errors import InputError
 from warpffrf.model.inertia import InertiaTerms
+from warpffrf.model.laps import LapSurface
 from warpffrf.model.stress_field import StressField
 
 
@@ -58,6 +59,8 @@ class ReducedBodyData:
     provenance: dict[str, Any] = field(default_factory=dict)
     inertia_terms: InertiaTerms | None = None  # of the first modes; None: of a body reduced before they existed
     cross: tuple[CrossCompliance, ...] = ()  # one for each pair of contact surfaces; of files before schema 5 none
+    laps: dict[str, LapSurface] = field(default_factory=dict)  # faces with cells, `model.laps`
+    lap_compliance: np.ndarray | None = None  # (N, N) m/N of all forces of `laps`, in their order; None without laps
 
     @property
     def local_modes(self) -> int:

@@ -23,6 +23,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.far_field import FarField
 from warpffrf.model.hdf5_parts import COMPLEX, REAL
 from warpffrf.model.inertia import GeometricStiffness, InertiaTerms
+from warpffrf.model.laps import LapSurface
 from warpffrf.model.local_mass import LocalMass
 from warpffrf.model.recovery import Recovery
 from warpffrf.model.reduced_body_check import check_body
@@ -34,14 +35,14 @@ from warpffrf.model.tangential import Tangential
 
 Body = TypeVar("Body", bound=ReducedBodyData)
 
-SCHEMA = 8  # 8: sealed; 7: far fields of tangential tractions; all older ones are read
+SCHEMA = 9  # 9: laps; 8: sealed; 7: far fields of tangential tractions; all older ones are read
 SEALED_SINCE = 8
 MARK = "warpffrf reduced body"
 _COMPRESSED_FROM = 1 << 16  # bytes; below it a compressed chunk costs more than it saves
 _INERTIA = ("first", "second", "gyroscopic")
 _PARTS = (
     "center_of_mass", "inertia", "frequencies", "surface", "interfaces", "contact_surfaces", "cross", "inertia_terms",
-    "stress",
+    "stress", "laps", "lap_compliance",
 )  # fmt: skip
 _COMPLEX = ("transfer",)  # of harmonics
 _CENTRIFUGAL = "inertia_terms/stiffening/centrifugal"
@@ -64,6 +65,10 @@ _UNITS = {
     "z": "m",
     "points": "m",
     "transfer": "m/N",
+    "lap_compliance": "m/N",
+    "area": "m2",
+    "gap": "m",
+    "triangles": "m",
 }
 
 
@@ -120,6 +125,12 @@ def _flatten(body: ReducedBodyData) -> tuple[dict[str, np.ndarray], dict[str, An
         arrays.update({f"{root}/{key}": array for key, array in cross.arrays().items()})
     if body.inertia_terms is not None:
         arrays.update(_inertia_arrays(body.inertia_terms))
+    if body.laps:
+        facts["laps"] = [[name, lap.facts()] for name, lap in body.laps.items()]
+    for name, lap in body.laps.items():
+        arrays.update({f"laps/{name}/{key}": array for key, array in lap.arrays().items()})
+    if body.lap_compliance is not None:
+        arrays["lap_compliance"] = body.lap_compliance
     if body.stress:
         facts["stress"] = {name: field.facts() for name, field in body.stress.items()}
     for name, field in body.stress.items():
@@ -259,6 +270,8 @@ def _restore(
             CrossCompliance(target, source, **_under(arrays, f"cross/{target}/{source}/"))
             for target, source in facts.get("cross", [])
         ),
+        laps={name: LapSurface.restore(name, _under(arrays, f"laps/{name}/"), f) for name, f in facts.get("laps", [])},
+        lap_compliance=arrays.get("lap_compliance"),
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.cross_compliance import CrossCompliance
 from warpffrf.model.inertia import InertiaTerms
+from warpffrf.model.laps import LapSurface
 from warpffrf.model.local_mass import LocalMass
 from warpffrf.model.recovery import Recovery
 from warpffrf.model.reduced_body_data import Interface
@@ -58,6 +59,18 @@ class SurfaceProduct:
 
 
 @dataclass
+class LapProduct:
+    """The laps of a body by name, the `compliance` (N, N) [m/N] among all their forces, the transfer (rows, N) of each
+    observer by name, and what the report says of them."""
+
+    surfaces: dict[str, LapSurface]
+    compliance: np.ndarray
+    observed: dict[str, np.ndarray]
+    notes: list[str]
+    warnings: list[str]
+
+
+@dataclass
 class PathProduct:
     """Everything that a path computes. `observed_modes`: what each observer sees of the global modes, (rows, m), or on
     the cyclic path `ObservedModes`."""
@@ -75,6 +88,7 @@ class PathProduct:
     observed_modes: dict[str, Any] = field(default_factory=dict)
     inertia_terms: InertiaTerms | None = None
     cross: list[CrossCompliance] = field(default_factory=list)  # of each surface under loads on each later one
+    laps: LapProduct | None = None
 
 
 def mass_properties(J: np.ndarray, origin: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:

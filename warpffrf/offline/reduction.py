@@ -78,6 +78,7 @@ def reduce(
     memory_limit: float | None = None,
     sampling_error: float | None = None,
     patch_grid: bool | None = None,
+    laps: Mapping[str, Any] | None = None,
     cache: bool = True,
     progress: bool = True,
 ) -> ReducedBody:
@@ -127,6 +128,9 @@ def reduce(
         none. With `tangential=` on cells it serves friction, too. It costs the solution of some hundred to thousand
         dofs for every few dozen functions of the contact grid (of one sector). The cells near the surface must be of
         one material.
+    laps: {name: ("facet set", "facet set")}: faces of this body that slide a little on each other, or
+        {name: "facet set"}: a face that will lie on another body's; `LapCells` in their place says how large the cells
+        are. On the general path.
     cache: look the result up in, and put it into, the user's cache. An interrupted reduction leaves a work file there,
         and goes on from it when called again.
     progress: a bar on a terminal.
@@ -163,6 +167,7 @@ def reduce(
         memory_limit=memory_limit,
         sampling_error=sampling_error,
         patch_grid=patch_grid,
+        laps=laps,
     )
     settings.check_against(mesh)
     assign(mesh, material)
@@ -243,6 +248,10 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
         elif too_coarse:
             report["notes"].append(f"{too_coarse}; pressures on cells that travel with the patch do not need that")
     report["notes"] += _between_surfaces(product, settings)
+    if product.laps is not None:
+        report["laps"] = {name: {"cells": s.cells, **s.facts()} for name, s in product.laps.surfaces.items()}
+        report["notes"] += product.laps.notes
+        report["warnings"] += product.laps.warnings
     for cross in product.cross:
         share = coupling(cross, surfaces[cross.target], surfaces[cross.source])
         report["contact"][cross.target]["coupling"][cross.source] = share
@@ -274,6 +283,8 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
         },
         inertia_terms=product.inertia_terms,
         cross=tuple(product.cross),
+        laps={} if product.laps is None else product.laps.surfaces,
+        lap_compliance=None if product.laps is None else product.laps.compliance,
     )
     report["quality"] = quality(body, product.surfaces, settings.limits)
     return body
@@ -333,7 +344,12 @@ def _product(
             )
         cyclic = [(name, shape, choice.patterns[name]) for name, shape in choice.shapes.items()]
         return reduce_cyclic(mesh, assignment, joints, cyclic, limits, spacing, stages, **how)
-    how |= {"stiffening": settings.stiffening, "solver": settings.solver, "checkpoint": checkpoint}
+    how |= {
+        "stiffening": settings.stiffening,
+        "laps": settings.laps,
+        "solver": settings.solver,
+        "checkpoint": checkpoint,
+    }
     named = list(choice.shapes.items())
     memory = settings.memory_limit
     return reduce_general(mesh, assignment, joints, named, settings.basis, limits, spacing, memory, stages, **how)
@@ -415,6 +431,10 @@ def _judged(
 def _between_surfaces(product: PathProduct, settings: Settings) -> list[str]:
     """Notes on what the compliance between contact surfaces leaves out."""
     notes = []
+    if product.laps is not None and product.surfaces:
+        notes.append(
+            "loads on contact surfaces move the laps of this body through the global modes only, and the laps them"
+        )
     if product.cross and settings.local_dynamics:
         notes.append(
             "local_dynamics=True: the mass of local modes is that of each contact surface alone; where they move with "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,10 +11,13 @@ import numpy as np
 from warpffrf.model.bases import Basis, basis_options
 from warpffrf.model.contact_grid import KINDS, require_kind
 from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.laps import LapCells
+from warpffrf.model.laps.lap_cells import lap_cells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.offline.inertia.stiffening import require_cells
 from warpffrf.offline.interfaces.kinds import INTERFACE_KINDS
+from warpffrf.offline.laps.claims import require_sets
 from warpffrf.offline.products import Limits
 from warpffrf.offline.solvers import require_solver
 from warpffrf.offline.stress.plan import stress_settings
@@ -48,6 +51,7 @@ class Settings:
     memory_limit: int | None
     sampling_error: float | None = None
     patch_grid: bool | None = None
+    laps: dict[str, LapCells] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -74,6 +78,7 @@ class Settings:
         memory_limit: float | None,
         sampling_error: float | None = None,
         patch_grid: bool | None = None,
+        laps: Mapping[str, Any] | None = None,
     ) -> Settings:
         """The settings behind the arguments of `reduce`, checked as far as they can be without the mesh."""
         options = basis_options(basis)
@@ -136,6 +141,7 @@ class Settings:
             memory_limit=memory_limit,
             sampling_error=sampling_error,
             patch_grid=patch_grid,
+            laps=lap_cells(laps),
         )
 
     def check_against(self, mesh: Mesh) -> None:
@@ -148,6 +154,7 @@ class Settings:
                 )
         if self.stiffening:
             require_cells(mesh, self.material)
+        require_sets(mesh, self.laps, self.contact, self.interfaces)
         for name, shape in self.contact.items():
             mesh.facets(name)
             if self.interfaces.get(name) == "rigid":
@@ -168,6 +175,8 @@ class Settings:
         """Why these settings need the general path whatever the mesh, or None."""
         if self.periodic is False:
             return "periodic=False"
+        if self.laps:
+            return "laps: the compliance of their cells is computed on the general path"
         if self.stiffening:
             return "stiffening=True: geometric stiffness is computed on the general path"
         if self.basis.kind not in CYCLIC_BASES or self.basis != type(self.basis)():
@@ -201,6 +210,7 @@ class Settings:
             "memory_limit": self.memory_limit,
             "sampling_error": self.sampling_error,
             "patch_grid": self.patch_grid,
+            "laps": [[name, lap.describe()] for name, lap in self.laps.items()],
         }
 
 

@@ -18,6 +18,7 @@ import scipy.sparse as sp
 
 from warpffrf.model.bases import Basis
 from warpffrf.model.errors import InputError
+from warpffrf.model.laps import LapCells
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import triangles
 from warpffrf.model.mesh.rigid import rigid_modes
@@ -34,6 +35,7 @@ from warpffrf.offline.inertia.invariants import covered_modes, inertia_terms
 from warpffrf.offline.inertia.stiffening import centrifugal_acceleration, geometric_stiffness
 from warpffrf.offline.interfaces.kinds import BodyInterface
 from warpffrf.offline.interfaces.system import InterfaceSystem
+from warpffrf.offline.laps.compliance import BodyLaps
 from warpffrf.offline.products import Limits, PathProduct, mass_properties
 from warpffrf.offline.progress import Progress
 from warpffrf.offline.quality import sampled_residual
@@ -60,6 +62,7 @@ def reduce_general(
     inertia_modes: int | None = None,
     stiffening: bool = False,
     centrifugal: bool = False,
+    laps: Mapping[str, LapCells] | None = None,
     solver: str | None = None,
     checkpoint: Checkpoint | None = None,
 ) -> PathProduct:
@@ -71,7 +74,7 @@ def reduce_general(
     `sloping`: surfaces of which the compliance of slopes is kept;
     `local_dynamics`: the mass of the normal local modes is computed too; `inertia_modes`: how many modes get inertia
     terms (None: `invariants.MODES`); `stiffening`: their geometric stiffness too; `centrifugal`:
-    attachment modes of turning too; `solver`: a name in
+    attachment modes of turning too; `laps`: faces with cells, by name; `solver`: a name in
     `solvers.SOLVERS`, None: the default; `checkpoint`: work file of finished parts, whose caller enters its context.
     Raises `InputError` for a memory limit that is too small, a model that can move without deforming, a solver that is
     not installed.
@@ -89,6 +92,11 @@ def reduce_general(
     require_observers(seen, len(mesh.points))
     massed = [s.fields[0].count if local_dynamics else 0 for s in contacts]
     _check_results([s.count for s in contacts], seen, massed, limit)
+    lapped = None
+    if laps:
+        with progress.stage("cells of laps"):
+            lapped = BodyLaps.of(mesh, laps)
+            lapped.require_room(observers, limit)
 
     with progress.stage("assembly"):
         K, M = fe_matrices(mesh, assignment)
@@ -136,6 +144,7 @@ def reduce_general(
         loads = [UnitLoads(s.name, sp.csc_matrix(T.T @ b), n) for s, b, n in zip(contacts, B, massed, strict=True)]
     with progress.stage("residuals"):
         tested = [*(u.loads for u in loads), system.loads, turning]
+        tested += [] if lapped is None else [sp.csc_matrix(T.T @ lapped.loads())]
         facts["worst_load_residual"] = max((sampled_residual(model, F) for F in tested), default=0.0)
     responses = ResponseSolver(model, omega, Phi, T, loads, seen, limit) if loads else None
     products = []
@@ -151,6 +160,9 @@ def reduce_general(
                 products.append(product)
                 cross += [cross_compliance(t, s, C) for t, C in zip(contacts[:i], found.cross, strict=True)]
 
+    lap_product = None
+    if lapped is not None:
+        lap_product = lapped.product(model, omega, Phi, T, observers, limit, progress, checkpoint)
     if responses is not None:
         facts |= {"block": responses.width, "threads": responses.workers}
     modes = {o.name: o.operator @ shape for o in [seen[0], *observers]}
@@ -168,6 +180,7 @@ def reduce_general(
         observed_modes=modes,
         inertia_terms=terms,
         cross=cross,
+        laps=lap_product,
     )
 
 

@@ -1,0 +1,12 @@
+"""Laps, joints that slide a little: how their faces are split into cells, and what a reduced body knows of them.
+
+LapCells      the cells of a face, or of the overlap of two faces, as `reduce` is asked for them
+LapSurface    the cells of a reduced body
+"""
+
+from __future__ import annotations
+
+from warpffrf.model.laps.lap_cells import LapCells
+from warpffrf.model.laps.lap_surface import LapSurface
+
+__all__ = ["LapCells", "LapSurface"]

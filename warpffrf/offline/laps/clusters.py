@@ -1,0 +1,90 @@
+r"""Facets gathered into cells, as large as a size that may grow away from the outline of the overlap.
+
+A set of facets that is longer than the smallest size wanted of any of them, or turns by more than `TURN`, is split in
+two across its longer direction, so that both halves have the same area, and so on. Directions are along and across an
+edge of its middle facet, so that cells follow the rows of a structured mesh. With the distance d of a facet from
+the outline, the edges that belong to one covered facet only and the facets that are covered in part,
+
+    size = min(size, edge of the facet + growth d).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from warpffrf.model.mesh.facets import row_numbers
+from warpffrf.offline.laps.faces import Face
+
+Array = np.ndarray
+TURN = np.cos(np.radians(15.0))  # between a facet's normal and the mean of its cell: tractions keep one direction there
+SLACK = 1.01  # of the size: what structured meshes miss it by through round-off
+PARTLY = 1.0 - 1e-6  # share of a facet below which the outline of the second face crosses it
+
+
+def wanted_size(face: Face, of_facet: Array, size: float | None, growth: float | None) -> Array:
+    """Size of cells (facets,) [m] wanted at each facet; `of_facet` (facets,) is the covered share of each."""
+    if growth is None:
+        return np.full(len(face), np.inf if size is None else size)
+    edges, facet = face.boundary
+    there = of_facet[facet] > 0.0
+    edges = edges[there]
+    number = row_numbers(edges)
+    single = edges[np.bincount(number)[number] == 1]
+    ends = face.points[single]
+    partly = face.centers[(of_facet > 0.0) & (of_facet < PARTLY)]
+    outline = np.concatenate([ends[:, 0], ends[:, 1], ends.mean(axis=1), partly])
+    wanted = face.edge.copy()
+    if len(outline):
+        away = KDTree(outline).query(face.centers)[0]
+        wanted += growth * np.maximum(away - 0.5 * face.edge, 0.0)
+    else:  # a closed face has no outline
+        wanted[:] = np.inf
+    return wanted if size is None else np.minimum(wanted, size)
+
+
+def gathered(face: Face, covered: Array, area: Array, wanted: Array) -> Array:
+    """Number of the cell (facets,) that each facet belongs to, -1 of those that are not `covered` (facets,) bool;
+    `area` (facets,) [m2] their covered areas."""
+    normals = np.zeros((len(face), 3))
+    np.add.at(normals, face.triangles.facet, face.triangles.normal * face.triangles.area[:, None])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    cells = np.full(len(face), -1)
+    waiting = [np.flatnonzero(covered)]
+    found = 0
+    while waiting:
+        here = waiting.pop()
+        mean = normals[here].sum(axis=0)
+        mean /= max(float(np.linalg.norm(mean)), 1e-300)
+        center = face.centers[here].mean(axis=0)
+        middle = here[np.argmin(np.linalg.norm(face.centers[here] - center, axis=1))]
+        edge = face.corners[middle, 1] - face.corners[middle, 0]
+        edge /= np.linalg.norm(edge)
+        directions = np.stack([edge, np.cross(normals[middle], edge)])
+        extent = np.ptp((face.corners[here] @ directions.T).reshape(-1, 2), axis=0)
+        longest = int(extent[1] > SLACK * extent[0])
+        along = (face.centers[here] - center) @ directions[longest]
+        small = extent[longest] <= SLACK * wanted[here].min() and np.all(normals[here] @ mean > TURN)
+        if len(here) == 1 or small:
+            cells[here] = found
+            found += 1
+            continue
+        low = _lower_half(along, area[here])
+        waiting += [here[~low], here[low]]
+    return cells
+
+
+def _lower_half(along: Array, area: Array) -> Array:
+    """Those of the places `along` (m,) a line below the one that parts their `area` (m,) best; ties go together."""
+    order = np.argsort(along, kind="stable")
+    steps = np.diff(along[order])
+    cuts = np.flatnonzero(steps > 1e-6 * max(float(np.ptp(along)), 1e-300))
+    if not len(cuts):  # all in one place: any half will do
+        low = np.zeros(len(along), dtype=bool)
+        low[: len(along) // 2] = True
+        return low
+    sums = np.cumsum(area[order])
+    cut = cuts[np.argmin(np.abs(sums[cuts] - 0.5 * sums[-1]))]
+    low = np.zeros(len(along), dtype=bool)
+    low[order[: cut + 1]] = True
+    return low

@@ -1,0 +1,173 @@
+r"""The laps of one body in the general path: their cells, unit loads, and the compliance among all of them.
+
+With the loads B of all cells of all laps side by side (`loads`), the responses of the residual flexibility
+
+    G_res = P^T K^+ P - Phi omega^-2 Phi^T,        C = B^T G_res B,        modes = (B^T Phi)^T
+
+are those of `general.unit_loads`, in blocks. One matrix holds the cells of both faces of a pair, D_AA - D_AB - D_BA +
+D_BB, and what the laps of a body do to each other: leaves of a spring that hang together at their clamp.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.linalg import lapack as _lapack
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.laps import LapCells, LapSurface
+from warpffrf.model.mesh import Mesh
+from warpffrf.offline.elastic import Array, ElasticModel
+from warpffrf.offline.general.checkpoint import Checkpoint
+from warpffrf.offline.general.observers import Observer
+from warpffrf.offline.general.unit_loads import ResponseSolver, UnitLoads, results_bytes
+from warpffrf.offline.laps.cells import Cells, make_cells
+from warpffrf.offline.laps.loads import frames, unit_loads
+from warpffrf.offline.products import LapProduct
+from warpffrf.offline.progress import Progress
+
+lapack: Any = _lapack  # routines made at import, unknown to type checkers
+TITLE = "laps"  # of the responses, in the work file and on the progress bar
+# Cells in play are solved for together: a factorisation of 1,200 takes 83 ms, of 2,400 half a second.
+MANY_CELLS = 1500
+# Of the compliance of a cell under its own load: what is left of it beyond the cells before, in the order of a pivoted
+# Cholesky factorisation, where it depends on these. Round-off of a compliance is far below, cells of a mesh far above.
+DEPENDENT = 1e-10
+HELD = 1e-9  # of the largest residual compliance of a cell: below it a rigid interface holds the cell
+
+
+@dataclass(frozen=True, eq=False)
+class BodyLaps:
+    """Cells and frames of the laps of a body, by name."""
+
+    cells: dict[str, Cells]
+    axes: dict[str, Array]
+    by: dict[str, str]
+
+    @classmethod
+    def of(cls, mesh: Mesh, laps: Mapping[str, LapCells]) -> BodyLaps:
+        """The laps wanted of a mesh; raises `InputError` as `cells.make_cells` does."""
+        cells = {name: make_cells(mesh, name, wanted) for name, wanted in laps.items()}
+        axes = {name: frames(found.normals) for name, found in cells.items()}
+        return cls(cells, axes, {name: wanted.by for name, wanted in laps.items()})
+
+    @property
+    def unknowns(self) -> int:
+        """Forces of all cells."""
+        return 3 * sum(cells.count for cells in self.cells.values())
+
+    def loads(self) -> Any:
+        """B (3 n, unknowns) csc of all laps, one after the other."""
+        return sp.csc_matrix(sp.hstack([unit_loads(cells, self.axes[name]) for name, cells in self.cells.items()]))
+
+    def require_room(self, observers: Sequence[Observer], limit: int) -> None:
+        """Raises `InputError` where the compliance does not fit into `limit` [byte]."""
+        needed = results_bytes([self.unknowns], observers)
+        if needed > limit:
+            counts = ", ".join(f"{name!r} {cells.count}" for name, cells in self.cells.items())
+            raise InputError(
+                f"laps: the compliance of {self.unknowns} forces (cells: {counts}) needs {needed} bytes "
+                f"({needed / 2**30:.3g} GiB), memory_limit is {limit / 2**30:.3g} GiB; make larger cells by "
+                "LapCells(size=, growth=), or raise memory_limit"
+            )
+
+    def product(
+        self,
+        model: ElasticModel,
+        omega: Array,
+        Phi: Array,
+        T: Any,
+        observers: Sequence[Observer],
+        limit: int,
+        progress: Progress,
+        checkpoint: Checkpoint,
+    ) -> LapProduct:
+        """Cells with their modes, and the compliance; arguments as those of `ResponseSolver`."""
+        B = self.loads()
+        loads = sp.csc_matrix(T.T @ B)
+        solver = ResponseSolver(model, omega, Phi, T, [UnitLoads(TITLE, loads)], observers, limit)
+        found = solver.responses(0, progress, checkpoint)
+        modes = np.asarray(loads.T @ Phi).T
+        surfaces, start = {}, 0
+        for name, cells in self.cells.items():
+            part = slice(start, start + 3 * cells.count)
+            surfaces[name] = _surface(name, cells, self.axes[name], modes[:, part], self.by[name])
+            start = part.stop
+        return LapProduct(
+            surfaces=surfaces,
+            compliance=found.compliance,
+            observed={o.name: t for o, t in zip(observers, found.transfers, strict=True)},
+            notes=[*(note for cells in self.cells.values() for note in cells.notes), *_gaps(surfaces)],
+            warnings=_doubts(surfaces, found.compliance, modes / omega[:, None]),
+        )
+
+
+def _surface(name: str, cells: Cells, axes: Array, modes: Array, by: str) -> LapSurface:
+    edges = np.sqrt(cells.area)
+    pair = cells.second is not None
+    return LapSurface(
+        name=name,
+        pair=pair,
+        points=cells.points,
+        frames=axes,
+        area=cells.area,
+        gap=cells.gap,
+        modes=np.ascontiguousarray(modes),
+        triangles=cells.triangles,
+        cell=cells.cell,
+        covered=cells.covered,
+        distance=(float(cells.area @ cells.gap / cells.area.sum()), float(cells.gap.max())) if pair else (0.0, 0.0),
+        size=(float(edges.min()), float(edges.max())),
+        by=by,
+    )
+
+
+def _gaps(surfaces: Mapping[str, LapSurface]) -> list[str]:
+    """Notes on gaps that are there at the start."""
+    return [
+        f"lap {name!r}: the faces are {s.distance[0]:.3g} m apart in the mean, {s.distance[1]:.3g} m at most"
+        + (f", and overlap by up to {-s.gap.min():.3g} m" if s.gap.min() < 0.0 else "")
+        for name, s in surfaces.items()
+        if s.pair and np.abs(s.gap).max() > 1e-9 * np.ptp(s.triangles.reshape(-1, 3), axis=0).max()
+    ]
+
+
+def _doubts(surfaces: Mapping[str, LapSurface], C: Array, softness: Array) -> list[str]:
+    """Warnings: cells that the mesh cannot tell apart, cells that are held, very many cells. `softness` (m, unknowns):
+    modes over angular frequencies."""
+    found = []
+    total = sum(s.cells for s in surfaces.values())
+    if total > MANY_CELLS:
+        found.append(
+            f"laps: {total} cells, more than {MANY_CELLS}: steps solve for all that are in play at once, at a cost "
+            "that grows with the third power; make larger cells by LapCells(size=, growth=)"
+        )
+    start = 0
+    for name, s in surfaces.items():
+        normal = start + 3 * np.arange(s.cells)
+        start += s.unknowns
+        own = C[np.ix_(normal, normal)]
+        held = np.diag(own) < HELD * np.diag(C).max()
+        if held.any():
+            found.append(
+                f"lap {name!r}: {int(held.sum())} of {s.cells} cells hardly give way, a rigid interface holds their "
+                "nodes; keep it off the faces of the lap, or make it 'average'"
+            )
+            own, normal = own[np.ix_(~held, ~held)], normal[~held]
+        own = own + softness[:, normal].T @ softness[:, normal]
+        if len(own) and (rank := _rank(own)) < len(own):
+            found.append(
+                f"lap {name!r}: {len(own) - rank} of {s.cells} cells depend on the others, the faces have more facets "
+                "than the nodes between them can tell apart; make larger cells by LapCells(size=), or by='nodes'"
+            )
+    return found
+
+
+def _rank(matrix: Array) -> int:
+    """Rank of a semidefinite matrix scaled to a unit diagonal, by Cholesky factorisation with pivoting."""
+    scale = 1.0 / np.sqrt(np.diag(matrix))
+    return int(lapack.dpstrf(matrix * scale[:, None] * scale, tol=DEPENDENT, lower=1)[2])

@@ -1,0 +1,158 @@
+r"""A facet set as a surface: places on it, and the triangles that it is cut in.
+
+A facet of any kind is split at its own nodes into triangles, straight in its reference domain and nearly so in space.
+What is cut is these triangles: a corner of a cut goes to the reference domain by the affine map of its triangle, so
+that whole triangles are whole triangles there, of which integrals are those of the isoparametric facet,
+
+    int f dA = sum_q w_q f(xi_q) |x_,1 x x_,2|(xi_q),      x(xi) = sum_a N_a(xi) x_a.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from warpffrf.model.mesh import Mesh
+from warpffrf.model.mesh.elements import facet_kind
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """The facet set `name` of a mesh with `points` (n, 3) [m]; facets are numbered through its blocks."""
+
+    name: str
+    points: Array
+    blocks: list[tuple[str, Array]]  # kind, nodes (m, k)
+
+    @classmethod
+    def of(cls, mesh: Mesh, name: str) -> Face:
+        """The facet set of that name; raises `InputError` where there is none."""
+        return cls(name, mesh.points, list(mesh.facets(name).blocks.items()))
+
+    def __len__(self) -> int:
+        return sum(len(nodes) for _, nodes in self.blocks)
+
+    @property
+    def starts(self) -> Array:
+        """Number of the first facet of each block, and behind the last."""
+        return np.concatenate([[0], np.cumsum([len(nodes) for _, nodes in self.blocks])]).astype(np.int64)
+
+    @cached_property
+    def node_set(self) -> Array:
+        """Sorted numbers of the nodes."""
+        return np.unique(np.concatenate([nodes.ravel() for _, nodes in self.blocks]))
+
+    @property
+    def quadratic(self) -> bool:
+        """Whether any facet has nodes between its corners."""
+        return any(facet_kind(kind).degree == 2 for kind, _ in self.blocks)
+
+    @cached_property
+    def edge(self) -> Array:
+        """Mean length (facets,) of each facet's edges, corner to corner [m]."""
+        found = []
+        for kind, nodes in self.blocks:
+            x = self.points[nodes[:, : facet_kind(kind).corner_count]]
+            found.append(np.linalg.norm(np.roll(x, -1, axis=1) - x, axis=2).mean(axis=1))
+        return np.concatenate(found)
+
+    @cached_property
+    def centers(self) -> Array:
+        """Means (facets, 3) of each facet's corners [m]."""
+        return np.concatenate([self.points[n[:, : facet_kind(k).corner_count]].mean(axis=1) for k, n in self.blocks])
+
+    @cached_property
+    def corners(self) -> Array:
+        """Corners (facets, 4, 3) of each facet [m], the last of a triangle twice."""
+        found = []
+        for kind, nodes in self.blocks:
+            count = facet_kind(kind).corner_count
+            found.append(self.points[nodes[:, [0, 1, 2, count - 1]]])
+        return np.concatenate(found)
+
+    @cached_property
+    def boundary(self) -> tuple[Array, Array]:
+        """Edges between corners: numbers (e, 2) of their nodes, sorted, and the facet (e,) of each, all facets' own."""
+        edges, facet = [], []
+        for start, (kind, nodes) in zip(self.starts[:-1], self.blocks, strict=True):
+            corners = nodes[:, : facet_kind(kind).corner_count]
+            edges.append(np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2), axis=1))
+            facet.append(np.repeat(start + np.arange(len(nodes)), corners.shape[1]))
+        return np.concatenate(edges), np.concatenate(facet)
+
+    @cached_property
+    def triangles(self) -> FaceTriangles:
+        """All facets split at their own nodes."""
+        facet, xi, corners = [], [], []
+        for start, (kind, nodes) in zip(self.starts[:-1], self.blocks, strict=True):
+            element = facet_kind(kind)
+            split = element.triangles
+            facet.append(np.repeat(start + np.arange(len(nodes)), len(split)))
+            xi.append(np.tile(element.nodes[split], (len(nodes), 1, 1)))
+            corners.append(self.points[nodes[:, split]].reshape(-1, 3, 3))
+        return FaceTriangles(np.concatenate(facet), np.concatenate(xi), np.concatenate(corners))
+
+    def at(self, facet: Array, xi: Array) -> tuple[Any, Array]:
+        """At places `xi` (q, 2) of the facets `facet` (q,): shape functions (q, n) csr over all nodes of the mesh, and
+        the tangents dx/dxi (q, 2, 3) [m]."""
+        starts = self.starts
+        rows, columns, values = [], [], []
+        tangents = np.zeros((len(facet), 2, 3))
+        for start, stop, (kind, nodes) in zip(starts[:-1], starts[1:], self.blocks, strict=True):
+            here = np.flatnonzero((facet >= start) & (facet < stop))
+            if not len(here):
+                continue
+            N, slopes = facet_kind(kind).shape(xi[here])
+            of = nodes[facet[here] - start]
+            tangents[here] = np.einsum("qkd,qki->qdi", slopes, self.points[of])
+            rows.append(np.repeat(here, N.shape[1]))
+            columns.append(of.ravel())
+            values.append(N.ravel())
+        data = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
+        return sp.csr_matrix(data, shape=(len(facet), len(self.points))), tangents
+
+
+@dataclass(frozen=True, eq=False)
+class FaceTriangles:
+    """Triangles of a face: their `facet` (t,), corners `xi` (t, 3, 2) in its reference domain and `x` (t, 3, 3) [m]."""
+
+    facet: Array
+    xi: Array
+    x: Array
+
+    @cached_property
+    def _area_vector(self) -> Array:
+        return 0.5 * np.cross(self.x[:, 1] - self.x[:, 0], self.x[:, 2] - self.x[:, 0])
+
+    @cached_property
+    def area(self) -> Array:
+        """Areas (t,) [m2]."""
+        return np.linalg.norm(self._area_vector, axis=1)
+
+    @cached_property
+    def normal(self) -> Array:
+        """Outward unit normals (t, 3)."""
+        return self._area_vector / np.where(self.area > 0.0, self.area, 1.0)[:, None]
+
+    @cached_property
+    def center(self) -> Array:
+        """Centroids (t, 3) [m]."""
+        return self.x.mean(axis=1)
+
+    @cached_property
+    def reach(self) -> Array:
+        """Largest distance (t,) of a corner from the centroid [m]."""
+        return np.linalg.norm(self.x - self.center[:, None], axis=2).max(axis=1)
+
+    @cached_property
+    def plane(self) -> Array:
+        """Two axes (t, 2, 3) of each triangle's plane, which make a right-handed frame with its normal."""
+        first = self.x[:, 1] - self.x[:, 0]
+        first = first / np.linalg.norm(first, axis=1, keepdims=True)
+        return np.stack([first, np.cross(self.normal, first)], axis=1)
