@@ -98,6 +98,7 @@ def balance(
     film_modal: wp.array2d(dtype=real),
     film_off: wp.array2d(dtype=real),
     film_changed: wp.array2d(dtype=int),
+    lap_push: wp.array2d(dtype=real),
     gap_defect: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
     modal_load: wp.array3d(dtype=real),
@@ -197,6 +198,12 @@ def balance(
         sum += film_off[w, film]
         switching += film_changed[w, film]
         film += 1
+    lap = int(0)
+    while lap < model.elements[0].laps[0].laps:
+        c = model.elements[0].laps[0].rigid_column[lap]
+        if c >= 0:
+            scale = wp.max(scale, wp.length(vec3(lap_push[w, c], lap_push[w, c + 1], lap_push[w, c + 2])))
+        lap += 1
     row = int(0)
     while row < model.rows.count:  # a spring's force against its law; a stretch of round-off size passes
         if softness[w, row] != real(0.0):
@@ -240,6 +247,11 @@ def balance(
     n = int(0)
     while n < film_modal.shape[1] and model.elements[0].films[0].count > 0:
         modal_scale = wp.max(modal_scale, wp.abs(film_modal[w, n]))
+        n += 1
+    n = int(0)
+    while n < model.elements[0].laps[0].column_start[model.elements[0].laps[0].count]:
+        if model.elements[0].laps[0].column_mode[n] >= 0:
+            modal_scale = wp.max(modal_scale, wp.abs(lap_push[w, n]))
         n += 1
     row = int(0)
     while row < model.rows.count:  # forces of joints that cancel each other on the modes leave round-off

@@ -8,7 +8,7 @@ springs) every step books
                       takes at any step; of dampers with a characteristic G, (G(v_0) + G(v_1))/2 (x_1 - x_0), which
                       is that too, in steps that forget G(v_1) (x_1 - x_0); what damped layers take
     friction          sum tau_1 . S: the tractions at the end of the step times the slip over it, never positive;
-                      what joints (`joint_friction`), lumped contacts and films lose by friction
+                      what joints (`joint_friction`), lumped contacts, films and laps lose by friction
     contact grid      dE_contact of pairs + (work of their forces on bodies and modes, trapezoidal; of pairs that are
                       impulsive in the step of their mean force) - friction
     numerical         what is left of dE: negative where the integrator dissipates.
@@ -77,6 +77,9 @@ def balance_energy(
     lumped_taken: wp.array3d(dtype=real),
     film_energy: wp.array3d(dtype=real),
     film_taken: wp.array3d(dtype=real),
+    lap_energy: wp.array2d(dtype=real),
+    lap_stored: wp.array2d(dtype=real),
+    lap_taken: wp.array3d(dtype=real),
     clk: inout(wp.array(dtype=Clock)),
     energy: inout(wp.array3d(dtype=real)),
 ):
@@ -178,6 +181,10 @@ def balance_energy(
     while film < model.elements[0].films[0].count:
         of_pairs -= film_energy[w, 0, film]
         film += 1
+    group = int(0)
+    while group < model.elements[0].laps[0].count:
+        of_pairs -= lap_energy[w, group]
+        group += 1
     grid = contact - of_pairs + contact_work - friction
     place = int(0)
     while place < model.elements[0].lumped.places:
@@ -191,6 +198,12 @@ def balance_energy(
         damping += film_taken[w, film, 0]
         friction -= film_taken[w, film, 1]
         film += 1
+    group = int(0)
+    while group < model.elements[0].laps[0].count:
+        contact += lap_stored[w, group]
+        friction -= lap_taken[w, group, 0]
+        grid -= lap_taken[w, group, 1]
+        group += 1
     joint = int(0)
     while joint < model.elements[0].joint_frictions.count:
         friction -= slip_loss[w, joint]
