@@ -129,7 +129,8 @@ def _compiled(collector: Collector) -> CompiledScene:
     m.elements = wp.array([collector.elements], dtype=Elements, device=collector.device)
     return CompiledScene(
         scene, m, collector.elements, collector.films, collector.laps,
-        wp.array([m], dtype=Model, device=collector.device), collector.device, joints, springs, slips, len(collector.rows), modal_start, modes, stiffened, collector.local,
+        wp.array([m], dtype=Model, device=collector.device), collector.device, joints, springs, slips,
+        len(collector.rows), modal_start, modes, stiffened, collector.local,
         collector.inertia, collector.cell_room, collector.patches, collector.notes,
     )  # fmt: skip
 
