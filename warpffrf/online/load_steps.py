@@ -1,10 +1,11 @@
-"""Static runs: equilibria one after the other under loads and prescribed motions that change, friction with its history.
+"""Static runs: equilibria one after the other under loads and prescribed motions that change, friction with its
+history.
 
     simulate(scene, 1.0, step=0.01, kind="static")        Stage("press", 1.0, 0.01, kind="static")
 
 At every time t_k = t_begin + k step the scene is at rest under the forces, drives and gravity of that time. Time only
-says which loads belong together: where nothing depends on rates, another duration with signals stretched alike gives the
-same states. Rows are those of a run in time, with velocities and accelerations zero.
+says which loads belong together: where nothing depends on rates, another duration with signals stretched alike gives
+the same states. Rows are those of a run in time, with velocities and accelerations zero.
 
 The device does it all (`warpffrf_kernels.step.proximal`): a load step is an attempt in mode LOADING, accepted, halved
 and recorded like a step in time, and goes on bit for bit from a checkpoint. Halved steps leave no rows of their own.

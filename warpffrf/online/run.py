@@ -131,10 +131,10 @@ def run(
 
     start: "initial", "equilibrium", or the History of an earlier run of the same scene, or of its equilibrium, which
     is continued bit for bit, or of a static run, which is left at rest (`start_from_loads`), or an Unfinished run,
-    which goes on to its end: the History is that of the whole, and `duration` is taken from it. keeper: takes what is saved while the run is under way. step_error: halve
-    steps whose local error exceeds it, see `warpffrf_kernels.step.accuracy`. project_start: initial velocities that do
-    not agree with the joints are changed as little as possible (in the kinetic energy of the change) instead of
-    refused. Raises InputError for wrong input.
+    which goes on to its end: the History is that of the whole, and `duration` is taken from it. keeper: takes what is
+    saved while the run is under way. step_error: halve steps whose local error exceeds it, see
+    `warpffrf_kernels.step.accuracy`. project_start: initial velocities that do not agree with the joints are changed as
+    little as possible (in the kinetic energy of the change) instead of refused. Raises InputError for wrong input.
     """
     if isinstance(integrator, CHECK_INTEGRATORS):
         if step_error is not None or as_local_dynamics(local).treatment != "quasi_static":

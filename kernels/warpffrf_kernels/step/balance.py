@@ -99,6 +99,7 @@ def balance(
     film_off: wp.array2d(dtype=real),
     film_changed: wp.array2d(dtype=int),
     lap_push: wp.array2d(dtype=real),
+    lap_off: wp.array2d(dtype=real),
     gap_defect: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
     modal_load: wp.array3d(dtype=real),
@@ -203,6 +204,11 @@ def balance(
         c = model.elements[0].laps[0].rigid_column[lap]
         if c >= 0:
             scale = wp.max(scale, wp.length(vec3(lap_push[w, c], lap_push[w, c + 1], lap_push[w, c + 2])))
+        lap += 1
+    lap = int(0)
+    while lap < model.elements[0].laps[0].count:
+        worst = wp.max(worst, lap_off[w, lap])
+        sum += lap_off[w, lap]
         lap += 1
     row = int(0)
     while row < model.rows.count:  # a spring's force against its law; a stretch of round-off size passes

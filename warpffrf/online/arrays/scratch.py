@@ -538,6 +538,7 @@ class Laps(Arrays):
     lap_push: DeviceArray = reals("world", "lap_column", note="forces on the coordinates", zero_without=True)
     lap_stored: DeviceArray = reals("world", "lap_group", unit="J")
     lap_taken: DeviceArray = reals("world", "lap_group", 2, unit="J", note="by friction, rest", zero_without=True)
+    lap_off: DeviceArray = reals("world", "lap_group", note="what forces have not settled", zero_without=True)
     lap_stiffness: DeviceArray = reals("world", "lap_square", note="T_zz", run=True)
     lap_followed: DeviceArray = reals("world", "lap_followed", note="T_zz B", run=True)
 
