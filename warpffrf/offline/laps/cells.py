@@ -33,7 +33,7 @@ from warpffrf.offline.laps.overlap import BEHIND, FACING, Pieces, overlap, place
 
 Array = np.ndarray
 # Degree of quadrature on triangles of the reference domain: N_a |J| of plane facets, bilinear or biquadratic
-DEGREE = {False: 4, True: 8}
+DEGREE = {False: 4, True: 6}
 POINTS = 200_000  # quadrature points worked on together: with nine nodes on either side some 100 MB
 OPPOSITE = 1e-3  # of an edge: how far across the normal a node may lie from the node opposite
 SLIVER = 1e-6  # of a facet's area: below it a cut facet is no cell of its own
@@ -234,7 +234,7 @@ def _nodes_across(name: str, first: Face, second: Face, nodes: Array, normals: A
     gap = np.einsum("kni,ki->kn", between, normals)
     aside = np.linalg.norm(between - gap[:, :, None] * normals[:, None], axis=2)
     facing = np.array([normal_across[node] for node in candidates.tolist()])[found]
-    seen = (np.einsum("kni,ki->kn", facing, normals) < FACING) & (gap > -BEHIND * edge)
+    seen = (np.einsum("kni,ki->kn", facing, normals) < FACING) & (gap > -BEHIND * min(first.extent, second.extent))
     aside = np.where(seen, aside, np.inf)
     best = np.argmin(aside, axis=1)
     rows = np.arange(len(nodes))

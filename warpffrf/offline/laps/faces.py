@@ -89,14 +89,20 @@ class Face:
     @cached_property
     def triangles(self) -> FaceTriangles:
         """All facets split at their own nodes."""
-        facet, xi, corners = [], [], []
+        facet, xi, numbers = [], [], []
         for start, (kind, nodes) in zip(self.starts[:-1], self.blocks, strict=True):
             element = facet_kind(kind)
             split = element.triangles
             facet.append(np.repeat(start + np.arange(len(nodes)), len(split)))
             xi.append(np.tile(element.nodes[split], (len(nodes), 1, 1)))
-            corners.append(self.points[nodes[:, split]].reshape(-1, 3, 3))
-        return FaceTriangles(np.concatenate(facet), np.concatenate(xi), np.concatenate(corners))
+            numbers.append(nodes[:, split].reshape(-1, 3))
+        nodes = np.concatenate(numbers)
+        return FaceTriangles(np.concatenate(facet), np.concatenate(xi), nodes, self.points[nodes])
+
+    @cached_property
+    def extent(self) -> float:
+        """Diagonal of the box around the face [m]."""
+        return float(np.linalg.norm(np.ptp(self.points[self.node_set], axis=0)))
 
     def at(self, facet: Array, xi: Array) -> tuple[Any, Array]:
         """At places `xi` (q, 2) of the facets `facet` (q,): shape functions (q, n) csr over all nodes of the mesh, and
@@ -120,10 +126,12 @@ class Face:
 
 @dataclass(frozen=True, eq=False)
 class FaceTriangles:
-    """Triangles of a face: their `facet` (t,), corners `xi` (t, 3, 2) in its reference domain and `x` (t, 3, 3) [m]."""
+    """Triangles of a face: their `facet` (t,), corners `xi` (t, 3, 2) in its reference domain, `nodes` (t, 3) there
+    and `x` (t, 3, 3) [m]."""
 
     facet: Array
     xi: Array
+    nodes: Array
     x: Array
 
     @cached_property
@@ -149,6 +157,17 @@ class FaceTriangles:
     def reach(self) -> Array:
         """Largest distance (t,) of a corner from the centroid [m]."""
         return np.linalg.norm(self.x - self.center[:, None], axis=2).max(axis=1)
+
+    @cached_property
+    def bulge(self) -> Array:
+        """How far (t,) [m] the surface that a triangle stands for may lie beside it: its reach times the angle between
+        its normal and the mean normals at its corners."""
+        total = np.zeros((int(self.nodes.max()) + 1, 3))
+        np.add.at(total, self.nodes.ravel(), np.repeat(self.normal, 3, axis=0))
+        mean = total[self.nodes]
+        mean /= np.maximum(np.linalg.norm(mean, axis=2, keepdims=True), 1e-300)
+        aside = np.linalg.norm(np.cross(mean, self.normal[:, None]), axis=2)
+        return self.reach * aside.max(axis=1)
 
     @cached_property
     def plane(self) -> Array:

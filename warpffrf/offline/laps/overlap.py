@@ -1,10 +1,10 @@
 r"""Where two faces of a body face each other: the triangles of the first, cut by those of the second.
 
 Triangle b of the second face is seen from triangle a of the first along a's normal n: where their normals look against
-each other, `n.n_b < -cos 60 deg`, and b is neither behind a nor further away than the first face is long, the shadow of
-b on the plane of a cuts a convex polygon out of it (`clipping`). The polygons of all b fill the part of a that is
-covered; cut along their own corners they are the pieces, each with one facet on either side. At a place x of a piece
-the place across, y, is the one with the same shadow,
+each other, `n.n_b < -cos 60 deg`, and b is neither behind a, by more than what meshes of round faces and press fits
+overlap, nor further away than the first face is long, the shadow of b on the plane of a cuts a convex polygon out of it
+(`clipping`). The polygons of all b fill the part of a that is covered; cut along their own corners they are the pieces,
+each with one facet on either side. At a place x of a piece the place across, y, is the one with the same shadow,
 
     t.(y(eta) - x(xi)) = 0    for both axes t of the plane of a,
 
@@ -24,10 +24,14 @@ from warpffrf.offline.laps.faces import Face
 
 Array = np.ndarray
 FACING = -0.5  # cosine between normals of triangles that face each other, at most
-BEHIND = 0.5  # of the length of a triangle: how far the face across may lie inside, as with press fits
+# Of the extent of the smaller face: how far the face across may lie inside, as with press fits, beside what the flat
+# facets of round faces cut off. Sheets are thicker, whose other side must not be taken for it.
+BEHIND = 1e-3
 ROUND_OFF = 1e-10  # of a triangle's area: what cuts along shared edges leave
 LEAST_SHARE = 1e-3  # of the smaller face: an overlap below it is an accident of the edges
-FOLDED = 0.02  # of a facet's area: what may be covered twice, from kinks between facets
+# Of a facet's area: what may be covered twice. In a hollow face, shadows of neighbours overlap by the gap times the
+# angle between facets, a gap's part of the radius; a face in several layers covers its facets twice and more.
+FOLDED = 0.5
 PAIRS = 200_000  # triangles tried against triangles together: some 100 MB
 STEPS = 20  # of Newton's method, which takes three or four
 PRECISE = 1e-13  # of the triangle's length: where it ends
@@ -125,7 +129,7 @@ def _candidates(first: Face, second: Face) -> tuple[Array, Array]:
     near = tree.query(a.center)[0]
     # the place across is no further than the gap along n, which is at most twice the distance between the faces
     radius = a.reach + widest + (near + widest) / abs(FACING)
-    longest = float(np.linalg.norm(np.ptp(first.points[first.node_set], axis=0)))
+    inside = BEHIND * min(first.extent, second.extent)
     one, other = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
     for start in range(0, len(a.center), 1000):
         found = tree.query_ball_point(a.center[start : start + 1000], radius[start : start + 1000])
@@ -135,7 +139,7 @@ def _candidates(first: Face, second: Face) -> tuple[Array, Array]:
         between = b.center[j] - a.center[i]
         gap = np.einsum("pi,pi->p", b.normal[j], between) / np.minimum(cosine, FACING)
         aside = between - np.einsum("pi,pi->p", a.normal[i], between)[:, None] * a.normal[i]
-        seen = (cosine < FACING) & (gap > -BEHIND * 2.0 * a.reach[i]) & (gap < longest)
+        seen = (cosine < FACING) & (gap > -inside - a.bulge[i] - b.bulge[j]) & (gap < first.extent)
         seen &= np.linalg.norm(aside, axis=1) < a.reach[i] + b.reach[j]
         one.append(i[seen])
         other.append(j[seen])
