@@ -185,6 +185,15 @@ def test_size_gathers_facets() -> None:
     assert make_cells(turned_mesh, "face", LapCells("z_max", size=0.01)).area == pytest.approx(np.full(32, 1e-4))
 
 
+def test_slivers_go_to_the_cell_beside_them() -> None:
+    """A face shifted by nine tenths of a facet leaves a tenth of each in one row, which makes no cells of its own."""
+    for shift, count in ((0.55, 2), (0.45, 2), (0.05, 4)):
+        cells = both(stacked(turned(0.0, (shift, 0.0, 0.0))))
+        assert cells.count == count and cells.area.sum() == pytest.approx(1.0 - shift, rel=ROUND_OFF)
+    cells = both(stacked(turned(0.0, (0.45, 0.0, 0.0))))
+    assert cells.area == pytest.approx([0.275, 0.275]) and cells.points[:, 0] == pytest.approx([0.225, 0.225])
+
+
 def test_growth_grades_cells_from_edges_and_holes() -> None:
     """A plate of 40 x 40 cells with a hole: small cells along its edges and around the hole, larger ones between."""
     line = np.linspace(0.0, 0.04, 41)

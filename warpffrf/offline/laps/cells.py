@@ -27,7 +27,7 @@ from warpffrf.model.laps import LapCells
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.offline.fe.reference import FACET_DEGREE, rule
-from warpffrf.offline.laps.clusters import gathered, wanted_size
+from warpffrf.offline.laps.clusters import gathered, slivers_joined, wanted_size
 from warpffrf.offline.laps.faces import Face
 from warpffrf.offline.laps.overlap import BEHIND, FACING, Pieces, overlap, places_across, whole
 
@@ -93,6 +93,7 @@ def _by_facets(name: str, first: Face, second: Face | None, wanted: LapCells) ->
     else:
         size = wanted_size(first, np.where(there, of_facet, 0.0), wanted.size, wanted.growth)
         of_face = gathered(first, there, of_facet * own, size)
+    of_face = slivers_joined(first, of_face, of_facet)
     kept = of_face[pieces.facet] >= 0
     pieces = Pieces(
         pieces.facet[kept], pieces.xi[kept], *(v[kept] if len(v) else v for v in (pieces.source, pieces.across))
@@ -155,8 +156,6 @@ def _integrated(
 def _by_nodes(name: str, first: Face, second: Face | None) -> Cells:
     n, nodes = len(first.points), first.node_set
     area, normals = _nodal_areas(first)
-    if np.any(area <= 0.0):  # pragma: no cover  - no kind of facet has such areas
-        raise InputError(f"lap {name!r}: nodes of {first.name!r} have no area; use by='facets'")
     notes = []
     opposite, gap = None, np.zeros(len(nodes))
     covered = (1.0, 1.0)
