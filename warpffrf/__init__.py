@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from warpffrf.model.contact import Contact
     from warpffrf.model.errors import InputError
     from warpffrf.model.films import Film
-    from warpffrf.model.laps import LapCells
+    from warpffrf.model.laps import Lap, LapCells
     from warpffrf.model.lumped_contact import LumpedContact
     from warpffrf.model.material import Material
     from warpffrf.model.reduced_body import ReducedBody
@@ -53,6 +53,7 @@ __all__ = [
     "Film",
     "GeneralizedAlpha",
     "InputError",
+    "Lap",
     "LapCells",
     "LocalDynamics",
     "LumpedContact",
@@ -90,6 +91,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "Film": ("warpffrf.model.films", "Film"),
     "GeneralizedAlpha": ("warpffrf.online", "GeneralizedAlpha"),
     "InputError": ("warpffrf.model.errors", "InputError"),
+    "Lap": ("warpffrf.model.laps", "Lap"),
     "LapCells": ("warpffrf.model.laps", "LapCells"),
     "LocalDynamics": ("warpffrf.online", "LocalDynamics"),
     "LumpedContact": ("warpffrf.model.lumped_contact", "LumpedContact"),

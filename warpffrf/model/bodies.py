@@ -17,6 +17,7 @@ from warpffrf.model.rigid_surface import RigidSurface
 
 if TYPE_CHECKING:
     from warpffrf.model.contact_surface import ContactSurface
+    from warpffrf.model.laps import LapSurface
     from warpffrf.model.reduced_body import ReducedBody
 
 GROUND_INDEX = -1
@@ -81,6 +82,26 @@ class SurfacePort:
         """The reduced contact surface, or the `RigidSurface` of a rigid body or the ground."""
         surfaces = self.body.surfaces if self.rigid else self.body.reduced.contact_surfaces
         return surfaces[self.name]
+
+
+@dataclass(frozen=True, eq=False)
+class LapPort:
+    """A face of a flexible body that laps lie on, or two faces of it, as `reduce(laps=...)` named them."""
+
+    body: Any
+    name: str
+
+    @property
+    def label(self) -> str:
+        return f"{self.body.name}[{self.name!r}]"
+
+    @property
+    def rigid(self) -> bool:
+        return False
+
+    @property
+    def surface(self) -> LapSurface:
+        return self.body.reduced.laps[self.name]
 
 
 class _Posed:
@@ -212,7 +233,8 @@ class Body(_Posed):
         return self.reduced
 
     def __getitem__(self, name: str) -> Any:
-        """The `Port` of an interface or the `SurfacePort` of a contact surface called `name`."""
+        """The `Port` of an interface, the `SurfacePort` of a contact surface or the `LapPort` of a lap called
+        `name`."""
         if self.reduced is None:
             if name in self.surfaces:
                 return SurfacePort(self, name)
@@ -224,8 +246,10 @@ class Body(_Posed):
             return Port(self, name, np.array(self.reduced.interfaces[name].point, dtype=np.float64))
         if name in self.reduced.contact_surfaces:
             return SurfacePort(self, name)
-        known = [*self.reduced.interfaces, *self.reduced.contact_surfaces]
-        raise unknown_name(f"body {self.name!r}: interface or contact surface", name, known)
+        if name in self.reduced.laps:
+            return LapPort(self, name)
+        known = [*self.reduced.interfaces, *self.reduced.contact_surfaces, *self.reduced.laps]
+        raise unknown_name(f"body {self.name!r}: interface, contact surface or lap", name, known)
 
     def at(self, point: Any) -> Port:
         """A body-fixed point (3,) [m, user frame] of a rigid body."""

@@ -12,10 +12,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from warpffrf.model.bodies import SurfacePort
+from warpffrf.model.bodies import LapPort, SurfacePort
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.films import Film
+from warpffrf.model.laps import Lap
 
 
 def refuse_double_claims(contact: Any, others: Iterable[Any]) -> None:
@@ -50,6 +51,8 @@ def refuse_claims_of(scene: Any) -> None:
     contacts = (*scene.contacts, *scene.lumped_contacts, *scene.films)
     for number, contact in enumerate(contacts):
         refuse_double_claims(contact, contacts[:number])
+    for number, lap in enumerate(scene.laps):
+        refuse_double_laps(lap, scene.laps[:number])
 
 
 def _refuse_beside_film(one: Any, other: Any) -> None:
@@ -69,10 +72,20 @@ def _refuse_beside_film(one: Any, other: Any) -> None:
             )
 
 
+def refuse_double_laps(lap: Lap, others: Iterable[Lap]) -> None:
+    """Raises `InputError` where another lap stands on the same faces."""
+    for other in others:
+        if other is not lap and len(other.ports) == len(lap.ports) and on_same_surfaces(lap, other):
+            raise InputError(
+                f"{lap.label}: {' and '.join(port.label for port in lap.ports)} are joined already, as "
+                f"{other.label}; one lap has all of their cells"
+            )
+
+
 def on_same_surfaces(a: Any, b: Any) -> bool:
     """Whether two contacts stand on the same two surfaces, in whichever order they are named."""
     return all(any(_same_surface(port, used) for used in b.ports) for port in a.ports)
 
 
-def _same_surface(a: SurfacePort, b: SurfacePort) -> bool:
+def _same_surface(a: SurfacePort | LapPort, b: SurfacePort | LapPort) -> bool:
     return a.body is b.body and a.name == b.name

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from warpffrf.model.bodies import INERTIA_LEVELS, Body, Ground, Port
-from warpffrf.model.claims import refuse_double_claims
+from warpffrf.model.claims import refuse_double_claims, refuse_double_laps
 from warpffrf.model.contact import Contact
 from warpffrf.model.damping import damping_ratios
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number, unknown_name
@@ -18,6 +18,7 @@ from warpffrf.model.films import Film
 from warpffrf.model.forces import JointSpringDamper
 from warpffrf.model.gap import closing_distance
 from warpffrf.model.joints import Drive, Joint
+from warpffrf.model.laps import Lap
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.sensors import JointReaction, Sensor
 
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
 SYMMETRY_TOLERANCE = 1e-9  # relative asymmetry of an inertia tensor that is rounding of its numbers
 _LISTS = ("joints", "drives", "forces", "contacts")
-_LATER_LISTS = ("lumped_contacts", "films")  # described where there are any: scenes without keep their hash
+_LATER_LISTS = ("lumped_contacts", "films", "laps")  # described where there are any: scenes without keep their hash
 _ADDED = (*_LISTS, *_LATER_LISTS, "sensors")  # sensors change nothing in a run, so they are no part of what a scene is
 Item = TypeVar("Item")
 
@@ -50,6 +51,7 @@ class Scene:
         self.contacts: list[Contact] = []
         self.lumped_contacts: list[LumpedContact] = []
         self.films: list[Film] = []
+        self.laps: list[Lap] = []
         self.sensors: list[Sensor] = []
 
     def add_body(
@@ -138,12 +140,12 @@ class Scene:
         return handle
 
     def add(self, item: Item) -> Item:
-        """Add a joint, drive, force, contact pair, film or sensor and return it; one without a name gets one
+        """Add a joint, drive, force, contact pair, film, lap or sensor and return it; one without a name gets one
         (`revolute_1`)."""
         where = getattr(item, "scene_list", None)
         if where not in _ADDED or isinstance(item, type):
             raise InputError(
-                f"scene: {item!r} cannot be added; joints, drives, forces, contacts, films and sensors can"
+                f"scene: {item!r} cannot be added; joints, drives, forces, contacts, films, laps and sensors can"
             )
         thing: Any = item
         members = getattr(self, where)
@@ -154,6 +156,8 @@ class Scene:
                 raise InputError(f"{thing.kind} {thing.name!r}: body {port.body.name!r} belongs to another scene")
         if isinstance(thing, (Drive, JointSpringDamper, JointReaction)):
             self._check_driven_joint(thing)
+        if isinstance(thing, Lap):
+            refuse_double_laps(thing, self.laps)
         if isinstance(thing, (Contact, LumpedContact, Film)):
             refuse_double_claims(thing, (*self.contacts, *self.lumped_contacts, *self.films))
         names = [member.name for member in members]
@@ -185,6 +189,10 @@ class Scene:
     def film(self, name: str) -> Film:
         """The oil film called `name`; `InputError` lists those that exist."""
         return _named(self.films, name, "film")
+
+    def lap(self, name: str) -> Lap:
+        """The lap called `name`; `InputError` lists those that exist."""
+        return _named(self.laps, name, "lap")
 
     def place(self, port: Port, *, onto: Port) -> None:
         """Shift the body of `port` so that the port's point falls onto the point of `onto` (orientation unchanged)."""

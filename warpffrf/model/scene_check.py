@@ -146,7 +146,7 @@ def _lumped_overlaps(scene: Scene, gaps: dict[str, float]) -> list[str]:
 
 
 def _connecting(scene: Scene) -> list[Any]:
-    return [*scene.joints, *scene.forces, *scene.contacts, *scene.lumped_contacts, *scene.films]
+    return [*scene.joints, *scene.forces, *scene.contacts, *scene.lumped_contacts, *scene.films, *scene.laps]
 
 
 def _local_modes(body: Body) -> int:
@@ -156,7 +156,7 @@ def _local_modes(body: Body) -> int:
 
 
 def _unsupported(scene: Scene) -> tuple[str, ...]:
-    """Names of bodies that no chain of joints, springs, contacts and films connects with the ground."""
+    """Names of bodies that no chain of joints, springs, contacts, films and laps connects with the ground."""
     links = [item.ports for item in _connecting(scene) if len(item.ports) == 2]
     reached = {GROUND_INDEX}
     while True:

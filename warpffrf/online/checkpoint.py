@@ -29,6 +29,12 @@ def is_dynamic(checkpoint: Mapping[str, np.ndarray]) -> bool:
     return words is None or bool(np.all(np.asarray(words)["mode"] == int(k.DYNAMIC)))
 
 
+def is_loaded(checkpoint: Mapping[str, np.ndarray]) -> bool:
+    """Whether the checkpoint is that of a static run, an equilibrium with a history."""
+    words = checkpoint.get("ctl")
+    return words is not None and bool(np.all(np.asarray(words)["mode"] == int(k.LOADING)))
+
+
 def time_of(checkpoint: Mapping[str, np.ndarray]) -> float:
     """The time [s] at which a checkpoint was taken; 0 of one that does not say (it is refused elsewhere)."""
     clock = np.asarray(checkpoint.get("clk", np.zeros(0)))

@@ -233,7 +233,7 @@ class Engine:
     # --- phases
 
     def enter(self, mode: int, step: float, target: int = 1) -> None:
-        """Begin a count of `target` user steps of `step` [s] in a mode (DYNAMIC, STATIC, PROJECT, START)."""
+        """Begin a count of `target` user steps of `step` [s] in a mode (DYNAMIC, STATIC, PROJECT, START, LOADING)."""
         self.control(mode=int(mode), step=0, sub=0, level=0, target=target)
         self.clock(user_step=step)
 
@@ -241,6 +241,25 @@ class Engine:
         """One proximal step of size tau [s] towards the static state; rates must be zero."""
         self.enter(k.STATIC, tau)
         self.replay(1)
+
+    def commit(self) -> None:
+        """Let what remembers a history begin it at the present state, see `warpffrf_kernels.step.proximal`."""
+        if not self.graph.remembers:
+            return
+        self.evaluate_here()
+        self.control(commit=1)
+        self.graph.commit()
+        self.control(commit=0)
+
+    def evaluate_here(self) -> None:
+        """Forces and rows of the present state, at its time."""
+        for name in ("dx", "psi", "dq", "centre_dx", "centre_psi", "centre_dq"):
+            getattr(self.scratch, name).zero_()
+        self.clock(next_time=self.word("time"))
+        self.control(run=1, moved=1, iteration=0)
+        self.graph.stand_still()
+        self.graph.evaluate()
+        self.control(run=0, moved=0)
 
     def save_now(self) -> None:
         """Append the present state to the rows."""

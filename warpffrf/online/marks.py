@@ -56,10 +56,14 @@ class Again:
 
 
 class Marks:
-    """States of a run of user steps `first` to `last` of `step` [s]; `options`: what its `Engine` was made with."""
+    """States of a run of user steps `first` to `last` of `step` [s]; `options`: what its `Engine` was made with;
+    `static`: of a static run, which leaves none."""
 
-    def __init__(self, engine: Engine, options: Mapping[str, Any], step: float, first: int, last: int) -> None:
+    def __init__(
+        self, engine: Engine, options: Mapping[str, Any], step: float, first: int, last: int, *, static: bool = False
+    ) -> None:
         self.scene: Scene = engine.scene
+        self.static = static
         self.options, self.step, self.first, self.last = dict(options), step, first, last
         size = sum(array.nbytes for array in engine.state.to_numpy().values())
         count = int(np.clip(MOST_BYTES // size, 1, FEW if self.whole else MARKS))

@@ -31,7 +31,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.model.wedge import find_wedge
-from warpffrf.online.checkpoint import is_dynamic, restore, time_of
+from warpffrf.online.checkpoint import is_dynamic, is_loaded, restore, time_of
 from warpffrf.online.diagnosis.cell_check import cell_check_notes, check_cells
 from warpffrf.online.diagnosis.contact_notes import contact_notes, energy_notes, overlap_notes
 from warpffrf.online.diagnosis.energy_watch import EnergyWatch, round_off_energy
@@ -50,7 +50,7 @@ from warpffrf.online.keeping import Keeping, go_on
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
 from warpffrf.online.marks import Marks
 from warpffrf.online.settings import Settings
-from warpffrf.online.start.consistent import start_consistently
+from warpffrf.online.start.consistent import RUB_IN, start_consistently, start_from_loads
 from warpffrf.online.start.settle import settle
 from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import untested_warp_note
@@ -60,14 +60,13 @@ log = logging.getLogger("warpffrf")
 INTERRUPTED = "interrupted"
 MOST_UNDAMPED = 0.95  # spectral radius at infinity up to which an alternation of reactions grows less than tenfold
 VELOCITY_JUMP = 1e-6  # of the largest velocity: rounding of a signal's coefficients
-# times that the first step is halved where there is friction: it acts only after the elastic slip, from the end of a
-# first step on, and motion at the start would go on for half a step without it
-RUB_IN = 6
 STATIC_CURE = "; hold what turns or slides freely (a weak spring will do), or begin with a smaller load"
 UPHILL = "every step from here leads uphill; begin from another pose, or with a smaller load"
 NO_LOAD_PATH = "a mechanism with no load path; add a joint, a spring, a drive or a contact that carries the load"
 UNSOLVED = int(k.NOT_CONVERGED | k.CAPACITY | k.CYCLING | k.STENCIL)  # how contact that is wedged deeply fails
-RUNS_AWAY = int(k.NOT_CONVERGED | k.SINGULAR | k.NOT_FINITE | k.ENERGY)  # how a body that nothing holds fails
+RUNS_AWAY = int(
+    k.NOT_CONVERGED | k.SINGULAR | k.NOT_FINITE | k.ENERGY | k.RESTLESS | k.UNDERFLOW
+)  # how a body that nothing holds fails
 MESSAGES = {
     k.NOT_CONVERGED: ("not_converged", "the Newton iteration did not converge; reduce step"),
     k.CYCLING: (
@@ -105,6 +104,7 @@ MESSAGES = {
         "two surfaces change sides in a step without a touch, so that they may pass through each other; reduce step",
     ),
     k.GAIN: ("energy", "energy came from nowhere; reduce step"),
+    k.RESTLESS: ("no_equilibrium", "the bodies do not come to rest"),
     k.ENERGY: ("energy", "the energy ledger does not close at an impact; reduce step"),
     k.STEP_ERROR: ("step error", "the local error of a step exceeds step_error; reduce step, or allow more"),
 }
@@ -130,8 +130,8 @@ def run(
     """Simulate `scene` for `duration` [s] in steps of `step` [s]; a solver that fails says so in `History.status`.
 
     start: "initial", "equilibrium", or the History of an earlier run of the same scene, or of its equilibrium, which
-    is continued bit for bit, or an Unfinished run, which goes on to its end: the History is that of the whole, and
-    `duration` is taken from it. keeper: takes what is saved while the run is under way. step_error: halve
+    is continued bit for bit, or of a static run, which is left at rest (`start_from_loads`), or an Unfinished run,
+    which goes on to its end: the History is that of the whole, and `duration` is taken from it. keeper: takes what is saved while the run is under way. step_error: halve
     steps whose local error exceeds it, see `warpffrf_kernels.step.accuracy`. project_start: initial velocities that do
     not agree with the joints are changed as little as possible (in the kinetic energy of the change) instead of
     refused. Raises InputError for wrong input.
@@ -156,7 +156,9 @@ def run(
             _check_velocity(drive, began, began + steps * step)
         refuse_short_tables(scene, began, began + steps * step)
     save_every = require_count(save_every, "simulate: save_every", 1)
-    at_rest = isinstance(start, History) and not is_dynamic(start.checkpoint)  # what `find_equilibrium` leaves
+    loaded = isinstance(start, History) and is_loaded(start.checkpoint)  # what `run_static` leaves
+    # what `find_equilibrium` leaves
+    at_rest = isinstance(start, History) and not loaded and not is_dynamic(start.checkpoint)
     if not continued or at_rest:
         if start == "initial":
             refuse_positions(scene)
@@ -183,8 +185,13 @@ def run(
     if isinstance(start, History):
         first_step = restore(engine, start.checkpoint, step)
         rejected = int(engine.word("rejected")[0])
+        if loaded:
+            start_from_loads(engine, step)
+            first_step = 0
         if not at_rest:
             notes.extend(engine.start_notes)
+        if np.any(engine.word("status")):
+            return finish(engine, begin, built, notes, "start: ")
     elif isinstance(start, Unfinished):
         first_step = go_on(engine, start, step)
     if at_rest:
@@ -193,18 +200,18 @@ def run(
         engine.drained[:] = 0
     if not continued or at_rest:
         if start == "equilibrium":
-            notes.extend(_check_load_paths(scene))
+            notes.extend(check_load_paths(scene))
         if start == "initial":
             notes.extend(overlap_notes(scene))
         if start == "equilibrium" or at_rest:
             notes.extend(friction_notes(scene, "the equilibrium that the run starts from"))
         if start == "equilibrium" and not settle(engine):
-            return _finish(engine, begin, built, notes, "equilibrium: ")
+            return finish(engine, begin, built, notes, "equilibrium: ")
         engine.initial_rates()
         start_consistently(engine, step)
         notes.extend(engine.start_notes)
         if np.any(engine.word("status")):
-            return _finish(engine, begin, built, notes, "start: ")
+            return finish(engine, begin, built, notes, "start: ")
         engine.control(
             rejected=0, repeated=0, impulses=0, forgotten=0, steps=0, iterations=0, worst=0, pending=0, pending_solves=0
         )
@@ -255,7 +262,7 @@ def run(
         elif not np.any(engine.word("status")) and last_step % save_every:
             engine.save_now()
         ended = time.perf_counter()
-        history = _finish(engine, begin, built, notes, "", plan.rejected, films)
+        history = finish(engine, begin, built, notes, "", plan.rejected, films)
     history.stopping = bool(asked)
     history.marks = marks
     history.message = gain or history.message
@@ -274,16 +281,16 @@ def find_equilibrium(scene: Scene, *, device: str = "cpu", settings: Settings | 
     begin = time.perf_counter()
     engine = Engine(scene, device=device, settings=settings)
     built = time.perf_counter()
-    apart = _check_load_paths(scene)
+    apart = check_load_paths(scene)
     films = FilmWatch(engine, 0, 0)
     if settle(engine):
         films.keep(engine)
         engine.save_now()
     notes = [*engine.compiled.notes, *apart, *engine.start_notes]
-    return _finish(engine, begin, built, notes, "equilibrium: ", films=films)
+    return finish(engine, begin, built, notes, "equilibrium: ", films=films)
 
 
-def _finish(
+def finish(
     engine: Engine, begin: float, built: float, notes: list[str], prefix: str, rejected_before: int = 0,
     films: FilmWatch | None = None,
 ) -> History:  # fmt: skip
@@ -405,7 +412,7 @@ def _check_velocity(drive: Drive, began: float, end: float) -> None:
         )
 
 
-def _check_load_paths(scene: Scene) -> list[str]:
+def check_load_paths(scene: Scene) -> list[str]:
     """Refuse bodies that nothing leads to the ground from; notes on pairs that wedge deeply, or will hardly touch."""
     check = scene.check()
     if unsupported := check.unsupported:

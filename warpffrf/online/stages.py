@@ -1,8 +1,11 @@
 """A run in stages: parts of one run with a step, options and loads of their own.
 
     simulate(scene, stages=[Stage("press", 0.02, 1e-3), Stage("roll", 0.1, 1e-4, {"save_every": 10})])
+    simulate(scene, stages=[Stage("tighten", 1.0, 0.1, kind="static"), Stage("ring", 0.1, 1e-5)])
 
-A stage begins where the one before it ended, from its checkpoint; time runs on. What a stage overrides holds for that
+A stage begins where the one before it ended, from its checkpoint; time runs on. A stage of kind "static" goes from
+equilibrium to equilibrium (`warpffrf.online.load_steps`); one in time after it begins at rest, and one after a stage in
+time gives up the velocities, with a note. What a stage overrides holds for that
 stage alone, the next one is back at the scene and the options of the run:
 
     save_every, integrator, local, method,
@@ -27,10 +30,12 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
 from warpffrf.model.scene import Scene
-from warpffrf.online.checkpoint import is_dynamic
+from warpffrf.online.checkpoint import is_dynamic, is_loaded
 from warpffrf.online.history.history import ENERGY_LINES, History, JointHistory
 
 RUN_OPTIONS = ("save_every", "integrator", "local", "method", "step_error")
+OF_TIME = ("integrator", "step_error")
+KINDS = ("dynamic", "static")
 SCENE_VALUES = ("gravity", "forces")
 # the other counters run on through the stages
 SUMMED = ("build_seconds", "seconds_in_graph", "loop_seconds", "finish_seconds")
@@ -39,6 +44,8 @@ SUMMED = ("build_seconds", "seconds_in_graph", "loop_seconds", "finish_seconds")
 @dataclass(frozen=True)
 class Stage:
     """Part of a run: `duration` [s] in steps of `step` [s]; `overrides` as in the module. Names of stages are unique.
+    kind: "dynamic", in time, or "static", from one equilibrium to the next; static stages override save_every, local
+    and loads.
 
     Raises `InputError` for wrong numbers and for what cannot be overridden.
     """
@@ -47,6 +54,7 @@ class Stage:
     duration: float
     step: float
     overrides: Mapping[str, Any] = field(default_factory=dict)
+    kind: str = "dynamic"
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name or "/" in self.name:
@@ -60,6 +68,10 @@ class Stage:
         for key in self.overrides:
             if key not in (*RUN_OPTIONS, *SCENE_VALUES):
                 raise unknown_name(f"{label}: override", key, (*RUN_OPTIONS, *SCENE_VALUES))
+        if self.kind not in KINDS:
+            raise InputError(f"{label}: kind must be 'dynamic' or 'static', got {self.kind!r}")
+        if self.kind == "static" and (wrong := [key for key in self.overrides if key in OF_TIME]):
+            raise InputError(f"{label}: a static stage has no {wrong[0]}: nothing moves in time; leave it out")
 
     @property
     def options(self) -> dict[str, Any]:
@@ -114,10 +126,10 @@ def with_potential(checkpoint: Mapping[str, np.ndarray], before: Scene, after: S
     the same order.
 
     The potential of gravity and springs jumps while nothing moves; the jump is booked as work of forces, so that the
-    ledger stays closed and no step is blamed for it. A static state is left alone: its start opens the books.
+    ledger stays closed and no step is blamed for it. A first equilibrium is left alone: its start opens the books.
     """
     jump = _potential(checkpoint, after) - _potential(checkpoint, before)
-    if not is_dynamic(checkpoint) or not np.any(jump):
+    if not (is_dynamic(checkpoint) or is_loaded(checkpoint)) or not np.any(jump):
         return dict(checkpoint)
     energy = np.array(checkpoint["energy"])
     for line in ("potential", "force_work"):

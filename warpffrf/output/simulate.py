@@ -19,9 +19,10 @@ from warpffrf.online import GeneralizedAlpha, Settings, find_equilibrium, run
 from warpffrf.online.checkpoint import time_of
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import History
+from warpffrf.online.load_steps import run_static
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics, refuse_other_modes
 from warpffrf.online.run import INTERRUPTED
-from warpffrf.online.stages import Stage, check_stages, joined, with_potential
+from warpffrf.online.stages import KINDS, Stage, check_stages, joined, with_potential
 from warpffrf.output.accuracy.choose import refuse_other_options, run_to_accuracy
 from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.accuracy.setting import Setting
@@ -76,6 +77,7 @@ def simulate(
     overwrite: bool = False,
     resume: bool = False,
     keep_every: float = KEEP_EVERY,
+    kind: str = "dynamic",
 ) -> Result:
     """Simulate `scene` for `duration` [s] with steps of `step` [s], or in `stages` instead of the two.
 
@@ -108,11 +110,21 @@ def simulate(
     wall time, by a thread beside it (less often where a checkpoint takes more than 2 % of that). resume: go on from
     there, or from an interrupted run, with the same options, bit for bit as if it had not been stopped, by every method
     and integrator; a finished run is read, and one that never began is begun.
+
+    kind: "dynamic", or "static" for equilibria at the end of every step, under the forces and prescribed motions of
+    that time, friction with its history (`warpffrf.online.load_steps`); of stages each has its own.
     """
     _known_scene(scene, "simulate")
     _known_method(method)
     as_local_dynamics(local)
     _known_integrator(integrator, "simulate")
+    _known("kind", kind, KINDS)
+    if kind == "static":
+        _refuse_in_statics(
+            "simulate", integrator=integrator, step_error=step_error, accuracy=accuracy,
+            energy_tolerance=energy_tolerance, project_start=project_start or None, stages=stages,
+        )  # fmt: skip
+        _refuse_reference(method, "simulate")
     if resume and results is None:
         raise InputError("simulate: resume goes on from what stands beside the results; give results")
     require_number(keep_every, "simulate: keep_every", positive=True)
@@ -128,6 +140,8 @@ def simulate(
         )  # fmt: skip
     options = {"integrator": integrator, "save_every": save_every, "device": device, "progress": progress}
     options |= {"project_start": project_start, "local": local, "step_error": step_error, "method": method}
+    if kind == "static":
+        options["kind"] = kind
     if energy_tolerance is not None:
         options["energy_tolerance"] = require_number(energy_tolerance, "simulate: energy_tolerance", positive=True)
     with terminated_as_interrupted():
@@ -151,9 +165,12 @@ def simulate(
 
 def _run(
     scene: Any, duration: float, *, method: str | Monolithic, integrator: Any, energy_tolerance: float | None = None,
-    **options: Any,
+    kind: str = "dynamic", **options: Any,
 ) -> History:  # fmt: skip
     """The run by its method."""
+    if kind == "static":
+        own = {name: value for name, value in options.items() if name not in ("step_error", "project_start")}
+        return run_static(scene, duration, **own)
     monolithic = _method_name(method) == "monolithic"
     if energy_tolerance is not None:
         if monolithic or isinstance(integrator, CHECK_INTEGRATORS):
@@ -163,6 +180,21 @@ def _run(
         chosen = method if isinstance(method, Monolithic) else None
         return run_monolithic(scene, duration, integrator=integrator, options=chosen, **options)
     return run(scene, duration, integrator=DEFAULT_INTEGRATOR if integrator is None else integrator, **options)
+
+
+def _refuse_in_statics(where: str, **options: Any) -> None:
+    """Raises `InputError` for an option that says nothing of equilibria."""
+    for name, value in options.items():
+        if value is not None:
+            raise InputError(f"{where}: {name} is for runs in time, and kind='static' has none; leave one of them out")
+
+
+def _refuse_reference(method: str | Monolithic, where: str) -> None:
+    if _method_name(method) == "monolithic":
+        raise InputError(
+            f"{where}: method 'monolithic' has no static runs; use method='separated', or compare with single "
+            "equilibria, start='equilibrium'"
+        )
 
 
 def _accurate(
@@ -205,6 +237,8 @@ def _staged(
         methods.append(_method_name(method))
         as_local_dynamics(stage.options.get("local", options["local"]))
         _known_integrator(stage.options.get("integrator"), f"stage {stage.name!r}")
+        if stage.kind == "static":
+            _refuse_reference(method, f"stage {stage.name!r}")
         if results is not None:
             outputs.check(stage_file(results, stage.name), None)
     if len(set(methods)) > 1:
@@ -228,6 +262,8 @@ def _staged(
         for stage in stages:
             log.info("stage %s: %g s in steps of %g s", stage.name, stage.duration, stage.step)
             own = {name: value for name, value in stage.options.items() if name in options}
+            if stage.kind == "static":
+                own |= {"kind": stage.kind, "integrator": None, "step_error": None, "project_start": False}
             file = None if results is None else stage_file(results, stage.name)
             run_stage = _in_its_loads(scene, stage.scene(scene), reference)
             try:
@@ -293,7 +329,7 @@ def equilibrium(
 
 
 def _known(option: str, value: str, values: tuple[str, ...]) -> None:
-    if value not in values:
+    if not isinstance(value, str) or value not in values:
         raise InputError(f"simulate: {option} is {value!r}; known: {', '.join(repr(v) for v in values)}")
 
 

@@ -8,7 +8,7 @@ kinds of coordinates
     (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) vdot_1 + alpha_f vdot_0,
 
 so that `a_1`, `v_1`, `vdot_1` are affine in `d` with slopes `1/(beta h^2)`, `VEL = gamma/(beta h)` and
-`ACC = (1 - alpha_m)/(beta h^2 (1 - alpha_f))`. Four other uses of the same formulas:
+`ACC = (1 - alpha_m)/(beta h^2 (1 - alpha_f))`. Five other uses of the same formulas:
 
 * STATIC (beta = 1, gamma = 0, alphas 0, all rates zero): `vdot_1 = d/h^2`, a proximal step towards the static state;
   motions that are to stay where they are get an inertia of their own (`hold_motions`).
@@ -16,6 +16,8 @@ so that `a_1`, `v_1`, `vdot_1` are affine in `d` with slopes `1/(beta h^2)`, `VE
   joints and drives, in the mass metric.
 * START (beta = 1/2, gamma = 1, alphas 0): one tiny step of constant acceleration gives `vdot`, `lambda` and pressures
   (`warpffrf.online.start.accelerations` then takes out the round-off of its size).
+* LOADING (a load step, `warpffrf_kernels.step.proximal`): the same of d less what the proximal step before has come to,
+  d counted from the beginning of the load step.
 * A step that forgets (alphas 0, beta = gamma = 1, no part of a_0 in d): the implicit Euler method, `d = h v_1`, where
   friction in a joint becomes another within the step (`warpffrf_kernels.constraints.joint_friction`).
 
@@ -35,10 +37,11 @@ from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.integration import (
     EXACT,
-    algorithmic,
+    acceleration_of,
     coefficients_from,
     coefficients_of,
     forgetful,
+    is_static,
     predicted,
     rate_of,
     rule_of,
@@ -49,6 +52,12 @@ from warpffrf_kernels.core.rotation import exponential, hat, matrix, tangent_inv
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.func
+def first_tau(ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int) -> real:
+    """The first proximal step of a load step [s]."""
+    return clk[w].tau * wp.pow(real(0.01), real(ctl[w].careful))
 
 
 @wp.kernel
@@ -89,6 +98,9 @@ def begin_step(
     gamma = real(0.0)
     clk[w].next_time = clk[w].time
     ctl[w].trapezoidal = 0
+    ctl[w].round = 0
+    if ctl[w].mode == k.DYNAMIC or ctl[w].mode == k.LOADING:
+        clk[w].next_time = clk[w].start_time + h_user * (real(ctl[w].step) + real(ctl[w].sub + 1) * fraction)
     if ctl[w].mode == k.DYNAMIC:
         am = coefficients[w, 0]
         af = coefficients[w, 1]
@@ -101,7 +113,6 @@ def begin_step(
             af = real(0.0)
             beta = real(0.25)
             gamma = real(0.5)
-        clk[w].next_time = clk[w].start_time + h_user * (real(ctl[w].step) + real(ctl[w].sub + 1) * fraction)
     if ctl[w].mode == k.START or ctl[w].mode == k.PROJECT:
         gamma = real(1.0)
         clk[w].next_time = clk[w].time + h
@@ -110,6 +121,9 @@ def begin_step(
     clk[w].h = h
     clk[w].outer = coefficients_from(am, af, beta, gamma, h)
     ctl[w].turned = 0
+    if ctl[w].mode == k.LOADING:
+        clk[w].outer = coefficients_from(am, af, beta, gamma, first_tau(ctl, clk, w))
+        ctl[w].forget = 1  # friction of joints may become another within the step
     if ctl[w].mode == k.DYNAMIC and ctl[w].forget != 0:
         clk[w].outer = forgetful(h)
     if ctl[w].mode == k.DYNAMIC:
@@ -240,6 +254,8 @@ def move_bodies(
     omega_alg: wp.array2d(dtype=vec3),
     dx: wp.array2d(dtype=vec3),
     psi: wp.array2d(dtype=vec3),
+    centre_dx: wp.array2d(dtype=vec3),
+    centre_psi: wp.array2d(dtype=vec3),
     r1: out(wp.array2d(dtype=vec3)),
     p1: out(wp.array2d(dtype=quat)),
     axes: out(wp.array2d(dtype=mat33)),
@@ -260,8 +276,8 @@ def move_bodies(
     rule = clk[w].outer
     b = lane
     while b < model.bodies.count:
-        a_t = algorithmic(h, rule, dx[w, b], v[w, b], v_alg[w, b])
-        a_r = algorithmic(h, rule, psi[w, b], omega[w, b], omega_alg[w, b])
+        a_t = acceleration_of(ctl[w].mode, h, rule, dx[w, b], centre_dx[w, b], v[w, b], v_alg[w, b])
+        a_r = acceleration_of(ctl[w].mode, h, rule, psi[w, b], centre_psi[w, b], omega[w, b], omega_alg[w, b])
         vel = velocity_of(h, rule, v[w, b], v_alg[w, b], a_t)
         spin = velocity_of(h, rule, omega[w, b], omega_alg[w, b], a_r)
         acc = rate_of(rule, v_rate[w, b], v_alg[w, b], a_t)
@@ -300,6 +316,8 @@ def hold_motions(
     ctl: wp.array(dtype=Control),
     dx: wp.array2d(dtype=vec3),
     psi: wp.array2d(dtype=vec3),
+    centre_dx: wp.array2d(dtype=vec3),
+    centre_psi: wp.array2d(dtype=vec3),
     hold: wp.array3d(dtype=real),
     hold_count: wp.array(dtype=int),
     residual: changed(wp.array2d(dtype=real)),
@@ -307,15 +325,20 @@ def hold_motions(
     """Per world, in static steps: the force n (n.d) of each held motion n."""
     w = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].mode != k.STATIC:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or not is_static(ctl, w):
         return
     h = int(0)
     while h < hold_count[w]:
         along = real(0.0)
         b = int(0)
         while b < model.bodies.count:
+            d = dx[w, b]
+            turn = psi[w, b]
+            if ctl[w].mode == k.LOADING:
+                d -= centre_dx[w, b]
+                turn -= centre_psi[w, b]
             for c in range(3):
-                along += hold[w, h, 6 * b + c] * dx[w, b][c] + hold[w, h, 6 * b + 3 + c] * psi[w, b][c]
+                along += hold[w, h, 6 * b + c] * d[c] + hold[w, h, 6 * b + 3 + c] * turn[c]
             b += 1
         i = int(0)
         while i < 6 * model.bodies.count:
@@ -336,6 +359,7 @@ def move_modes(
     modal_load: wp.array3d(dtype=real),
     exact: wp.array3d(dtype=real),
     dq: wp.array2d(dtype=real),
+    centre_dq: wp.array2d(dtype=real),
     q1: inout(wp.array2d(dtype=real)),
     qd1: inout(wp.array2d(dtype=real)),
     qd1_rate: out(wp.array2d(dtype=real)),
@@ -362,7 +386,8 @@ def move_modes(
         else:
             h = clk[w].h
             rule = coefficients_of(clk, w, rule_of(model, ctl, clk, w, m))
-            a = algorithmic(h, rule, vec3(dq[w, m]), vec3(qd[w, m]), vec3(qd_alg[w, m]))
+            centre = vec3(centre_dq[w, m])
+            a = acceleration_of(ctl[w].mode, h, rule, vec3(dq[w, m]), centre, vec3(qd[w, m]), vec3(qd_alg[w, m]))
             vel = velocity_of(h, rule, vec3(qd[w, m]), vec3(qd_alg[w, m]), a)
             rate = rate_of(rule, vec3(qd_rate[w, m]), vec3(qd_alg[w, m]), a)
             qd1[w, m] = vel[0]

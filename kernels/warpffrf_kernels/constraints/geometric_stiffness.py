@@ -36,6 +36,7 @@ from warpffrf_kernels.bodies.interfaces import arm_on_interface, axes_on_interfa
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import changed
 from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.integration import is_static
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import hat
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
@@ -68,7 +69,7 @@ class Pull:
 @wp.func
 def modes_here(model: Model, ctl: wp.array(dtype=Control), w: int, body: int, interface: int) -> int:
     """Modes of a body that carry inertia and move an interface, in static steps."""
-    if ctl[w].mode != k.STATIC or body < 0 or interface < 0:
+    if not is_static(ctl, w) or body < 0 or interface < 0:
         return 0
     return model.bodies.inertia_count[body]
 
@@ -315,7 +316,7 @@ def stiffen_applied(
     """Per world, in static steps: add the geometric stiffness of the point forces and torques to the outer matrix."""
     w = wp.tid()
     model = models[0]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0 or ctl[w].mode != k.STATIC:
+    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0 or not is_static(ctl, w):
         return
     none = vec3(real(0.0))
     i = int(0)

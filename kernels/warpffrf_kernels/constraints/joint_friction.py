@@ -43,7 +43,9 @@ Where joints that stick close a loop their forces are not determined by the moti
 compliance as softness, with the defect s - s_0, which makes the matrix regular and changes no solution: of all forces
 the iteration then finds one near that of the step before.
 
-Friction acts in steps in time, not in static states; how it begins: `warpffrf.online.start.accelerations`.
+**Load steps** (`warpffrf_kernels.step.proximal`) are steps that forget, with (s_1 - s_0)/h for the velocity, h what the
+loads take to change. Friction does not act in the first equilibrium of a scene; how it begins in a run in time:
+`warpffrf.online.start.accelerations`.
 """
 
 import warp as wp
@@ -59,14 +61,40 @@ wp.set_module_options(MODULE_OPTIONS)
 
 SOFT = wp.constant(wp.float64(1.0e6))  # of a row's compliance: an iteration is wrong by its inverse
 HELD = wp.constant(wp.float64(1.0e-5))  # of a row's compliance, likewise
+# the same of load steps, whose proximal steps let a body move by far more than the structure that holds it does
+HELD_AT_REST = wp.constant(wp.float64(1.0e-13))
 SLACK = wp.constant(wp.float64(1.0e-9))  # of the bound: what Newton's method leaves of forces
 NOTHING = wp.constant(wp.float64(1.0e-300))  # keeps fractions finite
 
 
 @wp.func
 def acts(ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int) -> bool:
-    """Whether the evaluation is part of a step in time; gamma is 0 where the host evaluates a state by itself."""
-    return ctl[w].mode == k.DYNAMIC and clk[w].outer.gamma > real(0.0)
+    """Whether the evaluation is part of a step; gamma is 0 where the host evaluates a state by itself."""
+    return ctl[w].mode == k.LOADING or (ctl[w].mode == k.DYNAMIC and clk[w].outer.gamma > real(0.0))
+
+
+@wp.func
+def slip_rate(
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    w: int,
+    row: int,
+    coordinate: wp.array2d(dtype=real),
+    stretch: wp.array2d(dtype=real),
+    drive_rate: wp.array3d(dtype=real),
+) -> real:
+    """Rate of a row; in a load step the mean over it."""
+    if ctl[w].mode == k.LOADING:
+        return (coordinate[w, row] - stretch[w, row]) / clk[w].h
+    return drive_rate[w, 1, row]
+
+
+@wp.func
+def rate_slope(ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int) -> real:
+    """d(rate)/d(coordinate)."""
+    if ctl[w].mode == k.LOADING:
+        return real(1.0) / clk[w].h
+    return clk[w].outer.vel
 
 
 @wp.func
@@ -195,7 +223,7 @@ def rub(
         for r in range(n):
             weight = model.elements[0].joint_frictions.weight[e, r]
             row = first + r
-            v[r] = weight * drive_rate[w, 1, row]
+            v[r] = weight * slip_rate(ctl, clk, w, row, coordinate, stretch, drive_rate)
             f[r] = lam[w, row] / weight
             soft = weight * weight * row_compliance(model, clk, w, row, C, C_modal, receptance)
             yields = wp.max(yields, soft)
@@ -228,7 +256,7 @@ def rub(
         along = SOFT * yields
         across = along
         if branch != 0 and bound > real(0.0):
-            across = wp.min(along, wp.max(wp.length(v), slow) / (bound * clk[w].outer.vel))
+            across = wp.min(along, wp.max(wp.length(v), slow) / (bound * rate_slope(ctl, clk, w)))
         if wp.length(v) < slow:
             along = across
         slip_way[w, e, 0] = way[0]
@@ -242,7 +270,10 @@ def rub(
             weight = model.elements[0].joint_frictions.weight[e, r]
             if branch == 0:
                 defect[w, row] = coordinate[w, row] - slip_anchor[w, e, r]
-                softness[w, row] = HELD * yields / (weight * weight)
+                held = HELD
+                if ctl[w].mode == k.LOADING:
+                    held = HELD_AT_REST
+                softness[w, row] = held * yields / (weight * weight)
             else:
                 defect[w, row] = (across * missing[r] + lead * way[r]) / weight
                 softness[w, row] = (across + (along - across) * way[r] * way[r]) / (weight * weight)
@@ -344,7 +375,8 @@ def end_slips(
                 before += lam0[w, row] * step
                 after += lam[w, row] * step
                 kept += lam0[w, row] * lam[w, row] / (weight * weight)
-                moved += slip_way[w, e, r] * weight * drive_rate[w, 1, row]
+                rate = slip_rate(ctl, clk, w, row, coordinate, stretch, drive_rate)
+                moved += slip_way[w, e, r] * weight * rate
             loss = real(0.5) * (before + after)
             if ctl[w].forget != 0:
                 loss = after

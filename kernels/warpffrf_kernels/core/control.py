@@ -19,7 +19,7 @@ class Control:
     slots: int  # rows of G in use
     fresh: int  # first row of G not yet assembled
     active: int  # active hats
-    mode: int  # DYNAMIC, STATIC, PROJECT or START
+    mode: int  # DYNAMIC, STATIC, PROJECT, START or LOADING
     status: int  # failure bits that stopped this world for good
     level: int  # the step in use is the user's step / 2**level
     sub: int  # how many such steps of the current user step are done
@@ -38,6 +38,7 @@ class Control:
     edge: int  # 1 when a patch ran onto the end of a contact surface that covers an arc only
     attempt: int  # 1 when this world takes part in the attempt
     accept: int  # 1 when the attempt was accepted
+    commit: int  # 1 when what it has found is history from then on, friction above all: see `commit`
     record: int  # 1 when the accepted state is to be saved
     every: int  # save every so many user steps
     refresh: int  # 1 when the outer matrix is to be inverted anew
@@ -60,6 +61,7 @@ class Control:
     forget: int  # 1 when the attempt is to remember no acceleration, see `joint_friction`
     turned: int  # 1 when friction in a joint has become another in the attempt: stick, slip, or its direction
     forgotten: int  # accepted steps that remembered no acceleration
+    careful: int  # how much shorter the proximal steps of a load step begin, see `proximal`
 
 
 @wp.struct
@@ -86,6 +88,8 @@ class Clock:
     next_time: real
     move: real  # largest displacement of a static step [m]
     done_step: real  # size of the last accepted step
+    tau: real  # longest proximal step of a load step, see `proximal`
+    left: real  # inertia of the proximal step over the largest force: what a load step has not balanced
     error: real  # local error of the attempt over the one allowed
     gained: real  # energy gained in impacts so far, each over the energy at hand, losses taken off
     rise: real  # what a static step gained in energy, over the largest change of a line of it
@@ -102,6 +106,7 @@ DYNAMIC = wp.constant(0)
 STATIC = wp.constant(1)
 START = wp.constant(2)
 PROJECT = wp.constant(3)
+LOADING = wp.constant(4)  # a load step: equilibrium under the loads at its end, see `proximal`
 
 NOT_CONVERGED = wp.constant(1)
 CYCLING = wp.constant(2)
@@ -116,6 +121,7 @@ STEP_ERROR = wp.constant(512)
 GAIN = wp.constant(2048)  # more energy has come from nowhere than allowed, see `energy_watch`
 PASSED = wp.constant(4096)  # a patch with friction has advanced by more than its own length
 LEAPT = wp.constant(8192)  # two surfaces have changed sides without a touch, see `leaps`
+RESTLESS = wp.constant(16384)  # a load step that has not come to rest, see `proximal`
 ROOM = wp.constant(1024)  # more slots are in play than there is room for: `Engine` makes more and tries again
 
 # --- values of `Control.impulsive`

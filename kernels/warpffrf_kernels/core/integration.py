@@ -65,6 +65,26 @@ def algorithmic(h: real, c: Coefficients, d: vec3, v0: vec3, a0: vec3) -> vec3:
 
 
 @wp.func
+def is_static(ctl: wp.array(dtype=Control), w: int) -> bool:
+    """Whether an attempt goes towards an equilibrium."""
+    return ctl[w].mode == k.STATIC or ctl[w].mode == k.LOADING
+
+
+@wp.func
+def is_whole(ctl: wp.array(dtype=Control), w: int) -> bool:
+    """Whether an attempt is a step in time or a load step, with slip from one accepted state to the next."""
+    return ctl[w].mode == k.DYNAMIC or ctl[w].mode == k.LOADING
+
+
+@wp.func
+def acceleration_of(mode: int, h: real, c: Coefficients, d: vec3, centre: vec3, v0: vec3, a0: vec3) -> vec3:
+    """Algorithmic acceleration of the increment d; in a load step what the proximal step from `centre` has."""
+    if mode == k.LOADING:
+        return c.acc * (d - centre)
+    return algorithmic(h, c, d, v0, a0)
+
+
+@wp.func
 def velocity_of(h: real, c: Coefficients, v0: vec3, a0: vec3, a1: vec3) -> vec3:
     return v0 + h * ((real(1.0) - c.gamma) * a0 + c.gamma * a1)
 

@@ -8,9 +8,9 @@ in a step since the last record (`patch_advance`).
 
 import warp as wp
 
-from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.integration import is_whole
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
@@ -66,7 +66,7 @@ def keep_slips(
         m = wp.clamp(int(wp.floor(at + real(0.5))) - center[w, pair, 0] + H, low, high) * rows + row
         for c in range(4):
             friction_record[w, pair, c] = real(0.0)
-        if ctl[w].mode == k.DYNAMIC and h > real(0.0):
+        if is_whole(ctl, w) and h > real(0.0):
             creep = rigid_slip[w, pair, cell_at(rows, m, 0)] / h
             z = model.surfaces.z[model.surfaces.z_start[A] + row]
             # material of the first surface runs against the columns that the patch advances
@@ -121,7 +121,7 @@ def record_friction(
     m = lane
     while m < model.window.hats:
         loaded = m < model.window.columns * rows and model.pairs.friction[pair] > real(0.0)
-        loaded = loaded and bound[w, pair, m] > real(0.0) and ctl[w].mode == k.DYNAMIC
+        loaded = loaded and bound[w, pair, m] > real(0.0) and is_whole(ctl, w)
         for d in range(2):
             i = cell_at(rows, m, d)
             stress = real(0.0)

@@ -12,9 +12,9 @@ The largest advance since the last saved row is kept with the state, so that non
 
 import warp as wp
 
-from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.integration import is_whole
 from warpffrf_kernels.core.model import AT_POINTS, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.friction.cells import rubs_on_grid
@@ -57,7 +57,7 @@ def follow_patch(
         way = wrap(way, real(model.surfaces.turn[A]), real(0.0))
     history_phase[w, pair] = at
     advanced[w, pair] = way
-    if ctl[w].mode == k.DYNAMIC:
+    if is_whole(ctl, w):
         most_advanced[w, pair] = wp.max(most_advanced[w, pair], wp.abs(way))
     else:
         most_advanced[w, pair] = real(0.0)

@@ -14,9 +14,9 @@ ten per cent low; at the mean it is as much high.
 
 import warp as wp
 
-from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.integration import is_whole
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
@@ -78,7 +78,8 @@ def bound_cells(
     traction: inout(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over cells: the bounds [Pa] of the present pressures; with `clip` tractions beyond them
-    are cut. Friction acts in dynamic steps only: a static state or a start has no slip to speak of."""
+    are cut. Friction acts in steps in time and load steps only: a first equilibrium or a start has no slip to speak
+    of."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or not rubs_on_grid(model, pair):
@@ -94,7 +95,7 @@ def bound_cells(
     while m < model.window.columns * rows:
         value = real(0.0)
         here = pressed(model, w, pair, m, low, high, active, pressure, cell_area, area)
-        if here >= real(0.0) and ctl[w].mode == k.DYNAMIC:
+        if here >= real(0.0) and is_whole(ctl, w):
             value = here
             for side in range(2):
                 step = 2 * side - 1

@@ -14,6 +14,7 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import inout
 from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.integration import is_static
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
 from warpffrf_kernels.linear.sparse_factor import Pattern, factorise, residual_of, solve_factored
@@ -143,7 +144,7 @@ def apply_inverse(
 @wp.func
 def held_motions(ctl: wp.array(dtype=Control), w: int, hold_count: wp.array(dtype=int)) -> int:
     """How many free motions a static step holds."""
-    if ctl[w].mode != k.STATIC:
+    if not is_static(ctl, w):
         return 0
     return hold_count[w]
 

@@ -213,7 +213,7 @@ def find_forces(
     held = real(0.0)
     old_energy = real(0.0)
     dynamic = ctl[w].mode != k.STATIC
-    bounded = ctl[w].mode != k.DYNAMIC or ctl[w].iteration > 0
+    bounded = (ctl[w].mode != k.DYNAMIC and ctl[w].mode != k.LOADING) or ctl[w].iteration > 0
     if mu > real(0.0) and creep == real(0.0) and dynamic:
         out.shear = model.elements[0].lumped.shear[contact] * push.slope
         out.shear_bend = model.elements[0].lumped.shear[contact] * push.bend
@@ -256,6 +256,8 @@ def find_forces(
         rub_power = -wp.dot(out.friction, v)
     damp_power = (out.force - push.force) * rate
     half = real(0.5) * clk[w].h
+    if ctl[w].mode == k.LOADING:  # nothing has a velocity
+        half = real(0.0)
     lumped_taken[w, place, DAMPED] = half * (lumped_power[w, 0, place, DAMPED] + damp_power)
     lumped_taken[w, place, RUBBED] = rubbed + half * (lumped_power[w, 0, place, RUBBED] + rub_power)
     lumped_power[w, 1, place, DAMPED] = damp_power

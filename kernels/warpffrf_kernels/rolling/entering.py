@@ -25,6 +25,7 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.integration import is_whole
 from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.friction.cells import rubs_on_patch
@@ -154,7 +155,7 @@ def soften_entering(
     long = real(columns)
     if across != 0:
         long = real(rows)
-    if of_state != 0 and lane == 0 and ctl[w].mode == k.DYNAMIC and c * elements.patches.span[pair] > long:
+    if of_state != 0 and lane == 0 and is_whole(ctl, w) and c * elements.patches.span[pair] > long:
         ctl[w].failure = ctl[w].failure | k.PASSED  # none of its material was there before
     part = wp.min(c, real(1.0))
     m = lane

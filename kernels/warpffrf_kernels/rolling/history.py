@@ -24,9 +24,9 @@ slips.
 
 import warp as wp
 
-from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.integration import is_whole
 from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_patch
@@ -301,7 +301,7 @@ def keep_rings(
         if elements.patches.follows[pair] != 0:
             up = wp.abs(advanced[1]) / row_place(elements, pair, 0, patch_place, w)[1]
             cells = wp.max(cells, up)
-        if ctl[w].mode == k.DYNAMIC:
+        if is_whole(ctl, w):
             most_advanced[w, pair] = wp.max(most_advanced[w, pair], cells)
         else:
             most_advanced[w, pair] = real(0.0)
@@ -314,7 +314,7 @@ def keep_rings(
             contact_normal[w, pair] = -wp.normalize(force)
         for c in range(4):
             friction_record[w, pair, c] = real(0.0)
-        if ctl[w].mode == k.DYNAMIC and h > real(0.0):
+        if is_whole(ctl, w) and h > real(0.0):
             # of the material that is in the middle of the patch half way through the step
             gone = real(0.5) * advanced[0] / strip_columns(model, elements, w, pair, patch_place)
             across = read_at(real(0.5) * real(columns - 1) - gone, columns)

@@ -15,9 +15,9 @@ on the patch, g_0' = x/R*, and G symmetric and the same everywhere,
 
 import warp as wp
 
-from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.integration import is_whole
 from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
 from warpffrf_kernels.friction.cells import cell_at, find_cell, keep_cell, look, rubs_on_patch
@@ -116,7 +116,7 @@ def place_patch_cells(
         z = row_place(elements, pair, m % rows, patch_place, w)[0]
         found = find_cell(model, A, B, s, model.surfaces.theta[A] + x * model.surfaces.pitch[A], z)
         size = area[w, pair, m]
-        if ctl[w].mode == k.DYNAMIC:  # without tractions pressures stand about the middle
+        if is_whole(ctl, w):  # without tractions pressures stand about the middle
             arm = model.surfaces.side[A] * (real(m / rows) - real(0.5) * real(columns - 1)) * way
             for i in range(3):
                 more_wrench[w, pair, m, 3 + i] = more_wrench[w, pair, m, 3 + i] + size * arm * found.u_2[i]
@@ -140,7 +140,7 @@ def bound_patch_cells(
     traction: inout(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over cells: the bounds mu p [Pa] of the present pressures; with `clip` tractions beyond
-    them are cut. Friction acts in dynamic steps only."""
+    them are cut. Friction acts in steps in time and load steps only."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or not rubs_on_patch(model, pair):
@@ -152,7 +152,7 @@ def bound_patch_cells(
     m = lane
     while m < model.window.hats:
         value = real(0.0)
-        if m < cells and ctl[w].mode == k.DYNAMIC:
+        if m < cells and is_whole(ctl, w):
             if active[w, pair, m] != 0 and area[w, pair, m] > real(0.0):
                 value = model.pairs.friction[pair] * wp.max(pressure[w, pair, m], real(0.0))
         bound[w, pair, m] = value

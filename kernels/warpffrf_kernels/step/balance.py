@@ -48,16 +48,42 @@ def arm_of(model: Model, row: int) -> real:
     return model.length
 
 
+@wp.func
+def inertia_left(
+    model: Model,
+    w: int,
+    scale: real,
+    modal_scale: real,
+    v1_rate: wp.array2d(dtype=vec3),
+    omega1_rate: wp.array2d(dtype=vec3),
+    qd1_rate: wp.array2d(dtype=real),
+) -> real:
+    """Largest inertia force of bodies over `scale`, of modes over `modal_scale`."""
+    left = real(0.0)
+    b = int(0)
+    while b < model.bodies.count:
+        J = model.bodies.inertia[b]
+        m = model.bodies.mass[b]
+        left = wp.max(left, m * wp.length(v1_rate[w, b]) / scale)
+        left = wp.max(left, wp.length(J * omega1_rate[w, b]) / (gyration_of(J, m) * scale))
+        b += 1
+    n = int(0)
+    while n < model.modes.count:
+        left = wp.max(left, wp.abs(qd1_rate[w, n]) / modal_scale)
+        n += 1
+    return left
+
+
 @wp.kernel
 def balance(
     models: wp.array(dtype=Model),
-    clk: wp.array(dtype=Clock),
     r1: wp.array2d(dtype=vec3),
     v1_rate: wp.array2d(dtype=vec3),
     omega1: wp.array2d(dtype=vec3),
     omega1_rate: wp.array2d(dtype=vec3),
     dx: wp.array2d(dtype=vec3),
     psi: wp.array2d(dtype=vec3),
+    lam0: wp.array2d(dtype=real),
     lam: wp.array2d(dtype=real),
     defect: wp.array2d(dtype=real),
     softness: wp.array2d(dtype=real),
@@ -66,11 +92,13 @@ def balance(
     load: wp.array3d(dtype=real),
     load_on_modes: wp.array3d(dtype=real),
     pair_wrench: wp.array3d(dtype=real),
+    pair_force: wp.array4d(dtype=real),
     lumped_force: wp.array3d(dtype=real),
     film_sums: wp.array3d(dtype=real),
     film_modal: wp.array2d(dtype=real),
     film_off: wp.array2d(dtype=real),
     film_changed: wp.array2d(dtype=int),
+    lap_push: wp.array2d(dtype=real),
     gap_defect: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
     modal_load: wp.array3d(dtype=real),
@@ -80,6 +108,7 @@ def balance(
     dq: wp.array2d(dtype=real),
     residual: wp.array2d(dtype=real),
     ctl: inout(wp.array(dtype=Control)),
+    clk: inout(wp.array(dtype=Clock)),
     history: inout(wp.array2d(dtype=real)),
 ):
     """Per world: is the state balanced? Residual forces with contact, row defects, spring laws, gaps left open and
@@ -88,6 +117,7 @@ def balance(
     The scale of forces is the largest of weight, inertia and gyroscopic force, multiplier and contact force, that of
     modal ones the largest contact load, of all pairs and of each, elastic and inertia force; that of lengths the
     penetration where there is contact, else the scene's (`gap_defect`: gaps left open as a fraction, penetration).
+    Load steps count the forces that they begin with as well: one that ends without any leaves the round-off of those.
     """
     w = wp.tid()
     model = models[0]
@@ -95,6 +125,7 @@ def balance(
         return
     scale = NONE
     modal_scale = NONE
+    loading = ctl[w].mode == k.LOADING
     b = int(0)
     while b < model.bodies.count:
         m = model.bodies.mass[b]
@@ -112,6 +143,9 @@ def balance(
         for c in range(3):
             scale = wp.max(scale, wp.abs(load[w, 1, 6 * b + c]))
             scale = wp.max(scale, wp.abs(load[w, 1, 6 * b + 3 + c]) / gyration)
+            if loading:
+                scale = wp.max(scale, wp.abs(load[w, 0, 6 * b + c]))
+                scale = wp.max(scale, wp.abs(load[w, 0, 6 * b + 3 + c]) / gyration)
         b += 1
     extent = model.length
     b = int(0)
@@ -125,17 +159,20 @@ def balance(
     sum = gap_defect[w, 0]  # a largest value drops what is not a number, a sum keeps it
     row = int(0)
     while row < model.rows.count:
+        size = wp.abs(lam[w, row])
+        if loading:
+            size = wp.max(size, wp.abs(lam0[w, row]))
         if model.rows.kind[row] == k.TRANSLATION or model.rows.kind[row] == k.DISTANCE:
-            scale = wp.max(scale, wp.abs(lam[w, row]))
+            scale = wp.max(scale, size)
         elif model.rows.rigid[row] == 0:  # a torsional spring, a bushing: force, and torque at the radius of gyration
             f = vec3(row_wrench[w, row, 0], row_wrench[w, row, 1], row_wrench[w, row, 2])
             t = vec3(row_wrench[w, row, 3], row_wrench[w, row, 4], row_wrench[w, row, 5])
-            scale = wp.max(scale, wp.abs(lam[w, row]) * wp.length(f))
+            scale = wp.max(scale, size * wp.length(f))
             for side in range(2):
                 b = model.markers.body[marker_of(model, row, side)]
                 if b >= 0:
                     gyration = gyration_of(model.bodies.inertia[b], model.bodies.mass[b])
-                    scale = wp.max(scale, wp.abs(lam[w, row]) * wp.length(t) / gyration)
+                    scale = wp.max(scale, size * wp.length(t) / gyration)
         if softness[w, row] == real(0.0):
             worst = wp.max(worst, wp.abs(defect[w, row]) * arm_of(model, row) / length)
         row += 1
@@ -143,10 +180,15 @@ def balance(
     while pair < model.pairs.count:
         f = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
         scale = wp.max(scale, wp.length(f))
+        if loading:
+            f = vec3(pair_force[w, pair, 0, 0], pair_force[w, pair, 0, 1], pair_force[w, pair, 0, 2])
+            scale = wp.max(scale, wp.length(f))
         pair += 1
     place = int(0)
     while place < model.elements[0].lumped.places:
         scale = wp.max(scale, lumped_force[w, 1, place])
+        if loading:
+            scale = wp.max(scale, lumped_force[w, 0, place])
         place += 1
     switching = int(0)  # films whose set has changed, or that could not go all the way
     film = int(0)
@@ -156,6 +198,12 @@ def balance(
         sum += film_off[w, film]
         switching += film_changed[w, film]
         film += 1
+    lap = int(0)
+    while lap < model.elements[0].laps[0].laps:
+        c = model.elements[0].laps[0].rigid_column[lap]
+        if c >= 0:
+            scale = wp.max(scale, wp.length(vec3(lap_push[w, c], lap_push[w, c + 1], lap_push[w, c + 2])))
+        lap += 1
     row = int(0)
     while row < model.rows.count:  # a spring's force against its law; a stretch of round-off size passes
         if softness[w, row] != real(0.0):
@@ -181,6 +229,10 @@ def balance(
         contact = modal_load[w, 1, n]
         modal_scale = wp.max(modal_scale, wp.max(wp.abs(contact), wp.abs(model.modes.stiffness[n] * q1[w, n])))
         travel = wp.abs(dq[w, n])
+        if loading:
+            before = wp.abs(model.modes.stiffness[n] * (q1[w, n] - dq[w, n]))
+            before = wp.max(before, wp.max(wp.abs(load_on_modes[w, 0, n]), wp.abs(modal_load[w, 0, n])))
+            modal_scale = wp.max(modal_scale, before)
         modal_scale = wp.max(modal_scale, wp.max(wp.abs(qd1_rate[w, n]), ROUND_OFF * clk[w].outer.acc * travel))
         open_load = wp.max(open_load, wp.abs(modal_residual[w, n]))
         sum += modal_residual[w, n]
@@ -196,6 +248,11 @@ def balance(
     while n < film_modal.shape[1] and model.elements[0].films[0].count > 0:
         modal_scale = wp.max(modal_scale, wp.abs(film_modal[w, n]))
         n += 1
+    n = int(0)
+    while n < model.elements[0].laps[0].column_start[model.elements[0].laps[0].count]:
+        if model.elements[0].laps[0].column_mode[n] >= 0:
+            modal_scale = wp.max(modal_scale, wp.abs(lap_push[w, n]))
+        n += 1
     row = int(0)
     while row < model.rows.count:  # forces of joints that cancel each other on the modes leave round-off
         for side in range(2):
@@ -207,6 +264,8 @@ def balance(
                 modal_scale = wp.max(modal_scale, CANCELLED * wp.abs(lam[w, row]) * pull)
         row += 1
     worst = wp.max(worst, open_load / modal_scale)
+    if loading:
+        clk[w].left = inertia_left(model, w, scale, modal_scale, v1_rate, omega1_rate, qd1_rate)
     history[w, wp.min(ctl[w].iteration, history.shape[1] - 1)] = worst
     if not wp.isfinite(worst + sum):
         ctl[w].failure = ctl[w].failure | k.NOT_FINITE

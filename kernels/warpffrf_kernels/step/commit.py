@@ -5,7 +5,8 @@ Otherwise it is halved (levels are powers of two of the user's step, so time sta
 goes well. A rejected attempt leaves multipliers and the contact (`contact_snapshot`) as it found them. An attempt in
 which a pair swings, or its memory creates energy, is repeated at the same step with that pair impulsive
 (`impulsive_contact`). One in which friction of a joint cannot stay what it was is repeated as a step that forgets, and
-the step after it forgets too (`joint_friction`).
+the step after it forgets too (`joint_friction`). A load step is halved like a step in time, and taken with shorter
+proximal steps where that does not help (`proximal`).
 
 In scenes with dynamic local modes an attempt in which contact is not calm, or the integrator gains more than the energy
 tolerance, is repeated with all pairs impulsive, and so on until it is calm.
@@ -25,7 +26,7 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Clock, Control
-from warpffrf_kernels.core.integration import EXACT, algorithmic, coefficients_of, rule_of
+from warpffrf_kernels.core.integration import EXACT, algorithmic, coefficients_of, is_static, is_whole, rule_of
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, quat, real, vec3
 from warpffrf_kernels.normal.pair_forces import is_closed
@@ -42,6 +43,8 @@ RESOLVED = wp.constant(wp.float64(0.1))
 MOST_GAINED = wp.constant(wp.float64(0.01))
 # ... but this part of the energy tolerance always, or steps would be halved for round-off
 LEAST_GAIN = wp.constant(wp.float64(0.0625))
+# a load step that has been halved as often as allowed begins with a proximal step shorter by 100 to this power at most
+MOST_CAREFUL = wp.constant(4)
 # of the largest change of an energy: a static step that rises by more goes towards a maximum; below, changes cancel and
 # the grids of contact show
 UPHILL = wp.constant(wp.float64(1.0e-2))
@@ -106,6 +109,8 @@ def decide(
         bounced += lumped_energy[w, 1, place] - lumped_energy[w, 0, place]
         place += 1
     dynamic = ctl[w].mode == k.DYNAMIC
+    loading = ctl[w].mode == k.LOADING
+    ctl[w].commit = 0
     defect = energy[w, 1, k.NUMERICAL] - energy[w, 0, k.NUMERICAL]
     defect += energy[w, 1, k.CONTACT_GRID] - energy[w, 0, k.CONTACT_GRID]
     hand = real(0.0)
@@ -136,7 +141,7 @@ def decide(
             ctl[w].failure = ctl[w].failure | k.ENERGY
     if dynamic and ctl[w].again != 0 and made > model.limits.energy_tolerance * hand:  # no mean balances it
         ctl[w].failure = ctl[w].failure | k.ENERGY
-    if ctl[w].mode == k.STATIC and ctl[w].downhill != 0 and clk[w].rise > UPHILL:
+    if is_static(ctl, w) and ctl[w].downhill != 0 and clk[w].rise > UPHILL:
         ctl[w].failure = ctl[w].failure | k.ENERGY
     if dynamic and clk[w].error > real(1.0):
         ctl[w].failure = ctl[w].failure | k.STEP_ERROR
@@ -179,9 +184,11 @@ def decide(
     if failure != 0:
         ctl[w].rejected = ctl[w].rejected + 1
         ctl[w].reason = ctl[w].reason | failure
-        if not dynamic or deep or (failure & k.SINGULAR) != 0:
+        if loading and deep and ctl[w].careful < MOST_CAREFUL:
+            ctl[w].careful = ctl[w].careful + 1
+        elif not (dynamic or loading) or deep or (dynamic and (failure & k.SINGULAR) != 0):
             ctl[w].status = failure
-            if dynamic and deep:
+            if deep:
                 ctl[w].status = failure | k.UNDERFLOW
         else:
             ctl[w].level = ctl[w].level + 1
@@ -189,6 +196,8 @@ def decide(
         ctl[w].active = ctl[w].touched
         return
     ctl[w].accept = 1
+    if is_whole(ctl, w):
+        ctl[w].commit = 1
     if dynamic:
         ctl[w].impulses = ctl[w].impulses + impulse
         ctl[w].forgotten = ctl[w].forgotten + ctl[w].forget
@@ -208,13 +217,16 @@ def decide(
             move = wp.max(move, wp.length(dx[w, b]))
             b += 1
         clk[w].move = move
+    if not dynamic and not loading:
         ctl[w].step = ctl[w].step + 1
         if ctl[w].mode != k.STATIC:
             clk[w].time = clk[w].start_time
         return
+    if loading:
+        ctl[w].careful = wp.max(ctl[w].careful - 1, 0)
     if ctl[w].impulsive == k.IMPULSIVE and calm != 0 and touching != 0:
         ctl[w].impulsive = k.SMOOTH
-    if impact and hand > real(0.0):
+    if dynamic and impact and hand > real(0.0):
         clk[w].gained = wp.max(clk[w].gained + defect / hand, real(0.0))
     ctl[w].sub = ctl[w].sub + 1
     if ctl[w].level > 0:
@@ -224,6 +236,8 @@ def decide(
             quiet = event == 0
         if clk[w].error > real(0.0):  # a step that is halved for its error alone
             quiet = event == 0 and clk[w].error <= real(0.5) * QUIET  # doubled it would be half of what is allowed
+        if loading:
+            quiet = True
         if quiet and ctl[w].sub % 2 == 0:  # one level at a time
             ctl[w].level = ctl[w].level - 1
             ctl[w].sub = ctl[w].sub / 2
@@ -274,7 +288,7 @@ def keep_bodies(
         mode = ctl[w].mode
         acc = v1_rate[w, b]
         spin_rate = omega1_rate[w, b]
-        if mode == k.DYNAMIC or mode == k.STATIC:
+        if mode == k.DYNAMIC or mode == k.STATIC or mode == k.LOADING:
             r[w, b] = r1[w, b]
             p[w, b] = p1[w, b]
         h = clk[w].h
@@ -325,7 +339,7 @@ def keep_modes(
     while n < q.shape[1]:
         mode = ctl[w].mode
         modal_load[w, 0, n] = modal_load[w, 1, n]
-        if mode == k.DYNAMIC or mode == k.STATIC:
+        if mode == k.DYNAMIC or mode == k.STATIC or mode == k.LOADING:
             q[w, n] = q1[w, n]
         h = clk[w].h
         rule = rule_of(model, ctl, clk, w, n)

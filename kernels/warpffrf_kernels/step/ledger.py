@@ -8,13 +8,17 @@ springs) every step books
                       takes at any step; of dampers with a characteristic G, (G(v_0) + G(v_1))/2 (x_1 - x_0), which
                       is that too, in steps that forget G(v_1) (x_1 - x_0); what damped layers take
     friction          sum tau_1 . S: the tractions at the end of the step times the slip over it, never positive;
-                      what joints (`joint_friction`), lumped contacts and films lose by friction
+                      what joints (`joint_friction`), lumped contacts, films and laps lose by friction
     contact grid      dE_contact of pairs + (work of their forces on bodies and modes, trapezoidal; of pairs that are
                       impulsive in the step of their mean force) - friction
     numerical         what is left of dE: negative where the integrator dissipates.
 
+A load step (`proximal`) books like a step in time, but for damping, of which it has none; its numerical line is what
+the trapezoidal rule errs by over the step. A start, and a step towards a first static state, open the books.
+
 A proximal step towards a static state must not end higher than it began, dE no more than the work of forces: Newton's
-method would go to a maximum as well as to a minimum.
+method would go to a maximum as well as to a minimum. Of a load step it is the work of the loads at its end, under which
+the new equilibrium lies lower than the old one.
 """
 
 import warp as wp
@@ -25,6 +29,7 @@ from warpffrf_kernels.constraints.rows import evaluate_signal
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import inout
 from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.integration import is_static
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.lumped.forces import DAMPED, RUBBED
@@ -72,6 +77,9 @@ def balance_energy(
     lumped_taken: wp.array3d(dtype=real),
     film_energy: wp.array3d(dtype=real),
     film_taken: wp.array3d(dtype=real),
+    lap_energy: wp.array2d(dtype=real),
+    lap_stored: wp.array2d(dtype=real),
+    lap_taken: wp.array3d(dtype=real),
     clk: inout(wp.array(dtype=Clock)),
     energy: inout(wp.array3d(dtype=real)),
 ):
@@ -88,6 +96,7 @@ def balance_energy(
     potential = real(0.0)
     damping = real(0.0)
     force_work = real(0.0)
+    last_work = real(0.0)  # of the loads at the end
     drive_work = real(0.0)
     held_work = real(0.0)
     contact_work = real(0.0)
@@ -99,6 +108,7 @@ def balance_energy(
         for c in range(3):
             force_work += half * (load[w, 0, 6 * b + c] + load[w, 1, 6 * b + c]) * dx[w, b][c]
             force_work += half * (load[w, 0, 6 * b + 3 + c] + load[w, 1, 6 * b + 3 + c]) * psi[w, b][c]
+            last_work += load[w, 1, 6 * b + c] * dx[w, b][c] + load[w, 1, 6 * b + 3 + c] * psi[w, b][c]
         b += 1
     n = int(0)
     while n < model.modes.count:
@@ -106,6 +116,7 @@ def balance_energy(
         strain += half * model.modes.stiffness[n] * q1[w, n] * q1[w, n]
         damping += model.modes.damping[n] * dq[w, n] * dq[w, n] / h
         force_work += half * (load_on_modes[w, 0, n] + load_on_modes[w, 1, n]) * dq[w, n]
+        last_work += load_on_modes[w, 1, n] * dq[w, n]
         n += 1
     row = int(0)
     while row < model.rows.count:
@@ -133,10 +144,14 @@ def balance_energy(
     potential += groups[0]
     damping += groups[1]
     force_work += groups[2]
+    last_work += groups[2]
+    if ctl[w].mode == k.LOADING:
+        damping = real(0.0)
     i = int(0)
     while i < model.forces.count:
         f = half * (applied[w, 0, i] + applied[w, 1, i])
         force_work += wp.dot(f, applied_at[w, 1, i] - applied_at[w, 0, i])
+        last_work += wp.dot(applied[w, 1, i], applied_at[w, 1, i] - applied_at[w, 0, i])
         i += 1
     contact = real(0.0)
     lost = real(0.0)
@@ -166,6 +181,10 @@ def balance_energy(
     while film < model.elements[0].films[0].count:
         of_pairs -= film_energy[w, 0, film]
         film += 1
+    group = int(0)
+    while group < model.elements[0].laps[0].count:
+        of_pairs -= lap_energy[w, group]
+        group += 1
     grid = contact - of_pairs + contact_work - friction
     place = int(0)
     while place < model.elements[0].lumped.places:
@@ -179,6 +198,12 @@ def balance_energy(
         damping += film_taken[w, film, 0]
         friction -= film_taken[w, film, 1]
         film += 1
+    group = int(0)
+    while group < model.elements[0].laps[0].count:
+        contact += lap_stored[w, group]
+        friction -= lap_taken[w, group, 0]
+        grid -= lap_taken[w, group, 1]
+        group += 1
     joint = int(0)
     while joint < model.elements[0].joint_frictions.count:
         friction -= slip_loss[w, joint]
@@ -191,15 +216,17 @@ def balance_energy(
     before = energy[w, 0, k.KINETIC] + energy[w, 0, k.STRAIN] + energy[w, 0, k.CONTACT] + energy[w, 0, k.POTENTIAL]
     numerical = total - before - force_work - drive_work + damping - grid - friction
     clk[w].rise = real(0.0)
-    if ctl[w].mode == k.STATIC and ctl[w].steps > 0:
+    if ctl[w].mode == k.STATIC:
+        last_work = force_work
+    if is_static(ctl, w) and ctl[w].steps > 0:
         largest = wp.max(wp.abs(strain - energy[w, 0, k.STRAIN]), wp.abs(potential - energy[w, 0, k.POTENTIAL]))
-        largest = wp.max(largest, wp.max(wp.abs(contact - energy[w, 0, k.CONTACT]), wp.abs(force_work)))
+        largest = wp.max(largest, wp.max(wp.abs(contact - energy[w, 0, k.CONTACT]), wp.abs(last_work)))
         largest = wp.max(largest, wp.abs(held_work))
         stored = strain + contact + potential - energy[w, 0, k.STRAIN] - energy[w, 0, k.CONTACT]
-        stored -= energy[w, 0, k.POTENTIAL] + force_work + held_work
+        stored -= energy[w, 0, k.POTENTIAL] + last_work + held_work
         if stored > UNSEEN * (wp.abs(strain) + wp.abs(potential) + wp.abs(contact)):
             clk[w].rise = stored / largest
-    if ctl[w].mode != k.DYNAMIC:  # a start or a static step opens the books
+    if ctl[w].mode != k.DYNAMIC and ctl[w].mode != k.LOADING:  # a start or a static step opens the books
         force_work = real(0.0)
         drive_work = real(0.0)
         damping = real(0.0)

@@ -2,11 +2,13 @@
 
 LapCells      the cells of a face, or of the overlap of two faces, as `reduce` is asked for them
 LapSurface    the cells of a reduced body
+Lap           the joint in a scene, within a body or between two
 """
 
 from __future__ import annotations
 
+from warpffrf.model.laps.lap import Lap
 from warpffrf.model.laps.lap_cells import LapCells
 from warpffrf.model.laps.lap_surface import LapSurface
 
-__all__ = ["LapCells", "LapSurface"]
+__all__ = ["Lap", "LapCells", "LapSurface"]

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from warpffrf.model.errors import InputError
-from warpffrf.offline.laps.clipping import areas, clipped, fans
+from warpffrf.model.laps.clipping import areas, clipped, fans
 from warpffrf.offline.laps.faces import Face
 
 Array = np.ndarray

@@ -95,6 +95,15 @@ NAMES = {
     "film_seat": "seats of points and hats on them",
     "film_press": "places by which films load them",
     "film_load": "lines of films, each over the hats of its second surface",
+    "lap_group": "laps that are solved as one",
+    "lap": "laps",
+    "lap_cell": "cells of laps",
+    "lap_column": "coordinates of the motion that laps see",
+    "lap_line": "lines of the tableaus of laps",
+    "lap_number": "numbers of these tableaus",
+    "lap_square": "pairs of coordinates of a group of laps",
+    "lap_outer": "outer unknowns that laps are coupled to, group by group",
+    "lap_followed": "pairs of these and of coordinates",
     "factor_number": "numbers of the sparse factor",
     "factor_line": "numbers of a line of it, of all lanes",
     "friction_factor": "numbers of the sparse factor, in scenes with friction",
@@ -151,6 +160,8 @@ NAMES = {
             "film_second_entry",
             "film_table_entry",
             "film_factor_entry",
+            "lap_compliance_entry",
+            "lap_motion_entry",
             "slip_speed_entry",
             "patch_row_entry",
             "patch_end_entry",
@@ -258,7 +269,7 @@ def sizes_of(
         "rolling_mode": m.pairs.most_modes if rolls else 0, "ring_cell": elements.rolling.ring_cells,
         "shear_number": elements.rolling.shear_numbers,
         "surface_place": max(hat, node), "lumped": elements.lumped.count, "lumped_place": elements.lumped.places,
-        **film_sizes(compiled),
+        **film_sizes(compiled), **lap_sizes(compiled),
         "factor_number": pattern.factor_size, "factor_line": BLOCK * pattern.widest, "one": 1,
         "applied": m.forces.count + m.torques.count, "row_or_mode": rows + Q,
         "stiffened_interface": m.interfaces.count if compiled.stiffened else 0,
@@ -288,6 +299,21 @@ def film_sizes(compiled: CompiledScene) -> dict[str, int]:
     return found | {
         "film": films.count, "film_near": films.near.shape[0], "film_number": int(films.matrix_start.numpy()[-1])
     }  # fmt: skip
+
+
+LAP_STARTS = {
+    "lap": "lap", "cell": "lap_cell", "column": "lap_column", "line": "lap_line", "table": "lap_number",
+    "square": "lap_square", "outer": "lap_outer", "followed": "lap_followed",
+}  # fmt: skip
+
+
+def lap_sizes(compiled: CompiledScene) -> dict[str, int]:
+    """Those of laps."""
+    laps = compiled.laps
+    found = {axis: 0 for axis in LAP_STARTS.values()}
+    if laps.count:
+        found = {axis: int(getattr(laps, f"{name}_start").numpy()[-1]) for name, axis in LAP_STARTS.items()}
+    return found | {"lap_group": laps.count}
 
 
 def layer_points(compiled: CompiledScene) -> int:

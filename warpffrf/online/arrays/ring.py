@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from warpffrf_kernels.core.declaration import DeviceArray, integers, quaternions, reals, vectors
 from warpffrf_kernels.films.keeping import NUMBERS as FILM_NUMBERS
+from warpffrf_kernels.laps.keeping import NUMBERS as LAP_NUMBERS
 from warpffrf_kernels.lumped.forces import NUMBERS
 
 from warpffrf.online.arrays.declaration import Arrays
@@ -100,7 +101,15 @@ class SavedFilms(Arrays, carried=True):
     saved_film_second: DeviceArray = reals("world", "ring_row", "film_second_hat", unit="N")
 
 
-class Ring(SavedBooks, SavedMotion, SavedJointFriction, SavedContact, SavedFriction, SavedLumped, SavedFilms):
+class SavedLaps(Arrays, carried=True):
+    """Cells of laps."""
+
+    saved_lap: DeviceArray = reals("world", "ring_row", "lap_cell", LAP_NUMBERS, note="see `laps.keeping`")
+
+
+class Ring(
+    SavedBooks, SavedMotion, SavedJointFriction, SavedContact, SavedFriction, SavedLumped, SavedFilms, SavedLaps
+):
     """What is saved of the steps of every world."""
 
     def on_host(self) -> SavedRows:

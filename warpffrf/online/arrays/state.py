@@ -160,6 +160,17 @@ class FilmState(Arrays, carried=True):
     film_step: DeviceArray = reals("world", unit="s", note="the last one, 0 where the history begins")
 
 
+class LapState(Arrays, carried=True):
+    """Laps: accepted forces, gaps, states and slips of their cells; forces on the second face."""
+
+    lap_force: DeviceArray = reals("world", "lap_cell", 3, unit="N", note="normal, along t1, t2")
+    lap_gap: DeviceArray = reals("world", "lap_cell", unit="m")
+    lap_slip: DeviceArray = reals("world", "lap_cell", 2, unit="m", note="so far, of the second face")
+    lap_state: DeviceArray = integers("world", "lap_cell", note="0 open, 1 stick, 2 slip")
+    lap_lost: DeviceArray = reals("world", "lap_cell", unit="J", note="by friction so far")
+    lap_energy: DeviceArray = reals("world", "lap_group", unit="J", note="of what yields under their forces")
+
+
 class Books(Arrays, carried=True):
     """Ledger, control words and clock."""
 
@@ -169,7 +180,8 @@ class Books(Arrays, carried=True):
 
 
 class State(
-    MotionState, LoadState, JointFrictionState, ContactState, FrictionState, LayerState, LumpedState, FilmState, Books,
+    MotionState, LoadState, JointFrictionState, ContactState, FrictionState, LayerState, LumpedState, FilmState,
+    LapState, Books,
 ):  # fmt: skip
     """Accepted state of every world."""
 
@@ -189,6 +201,8 @@ def initial_state(compiled: CompiledScene, sizes: Sizes) -> State:
         omega[i] = A.T @ body.angular_velocity
     state.slipping.fill_(1)
     _fill_films(compiled, state, sizes["world"])
+    if compiled.laps.count:
+        state.lap_gap.assign(np.tile(compiled.laps.gap.numpy(), (sizes["world"], 1)))
     for array, value in ((state.r, r), (state.p, p), (state.v, v), (state.omega, omega)):
         array.assign(np.broadcast_to(value, (sizes["world"], *value.shape)).copy())
     return state

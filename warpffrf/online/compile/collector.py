@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from warpffrf_kernels.core.model import Elements, Films
+from warpffrf_kernels.core.model import Elements, Films, Laps
 
 from warpffrf.model.bodies import Body, Ground, Port
 from warpffrf.model.contact import Contact
@@ -104,6 +104,7 @@ class Collector:
         self.interfaces: dict[tuple[int, str], int] = {}
         self.elements = Elements()
         self.films = Films()
+        self.laps = Laps()
         self.notes: list[str] = []
         self.cell_room = CellRoom()
         self.surfaces: list[OnBody] = []

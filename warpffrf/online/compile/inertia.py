@@ -50,11 +50,12 @@ def fill_inertia(collector: Collector, m: Model) -> None:
 def outer_modes(collector: Collector) -> list[int]:
     """How many modes of each body are outer unknowns: those that carry inertia, and all global ones of a body that is
     loaded on several surfaces, as those of a sheet: by these its pairs feel each other about as much as themselves; and
-    all global ones of a body with a film, as the system of a film is not symmetric, and leaves a block of its own."""
+    all global ones of a body with a film or a lap, which leave blocks of their own."""
     loads = Counter(body.index for body, _, _ in (collector.surfaces[s] for s in set(collector.sides)))
-    oiled = {port.body.index for film in collector.scene.films for port in film.ports}
+    scene = collector.scene
+    blocks = {port.body.index for item in (*scene.films, *scene.laps) for port in item.ports}
     return [
-        body.mode_count if loads[body.index] > 1 or body.index in oiled else plan.count
+        body.mode_count if loads[body.index] > 1 or body.index in blocks else plan.count
         for body, plan in zip(collector.scene.bodies, collector.inertia.bodies, strict=True)
     ]
 

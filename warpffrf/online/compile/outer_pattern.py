@@ -134,13 +134,30 @@ def pattern_of(compiled: CompiledScene) -> OuterPattern:
     sides = np.stack([m.pairs.first.numpy(), m.pairs.second.numpy()], axis=1)[: m.pairs.count]
     couples = np.concatenate(
         [
-            np.stack([kind.first.numpy(), kind.second.numpy()], axis=1)[: kind.count]
-            for kind in (compiled.elements.lumped, compiled.films)
+            *(
+                of[np.stack([kind.first.numpy(), kind.second.numpy()], axis=1)[: kind.count].astype(int)]
+                for kind in (compiled.elements.lumped, compiled.films)
+            ),
+            _lapped(compiled),
         ]
     )
     return find_pattern(
-        m.bodies.count, dense, bodies[ends], interfaces[ends] >= 0, of[sides.astype(int)], of[couples.astype(int)]
+        m.bodies.count, dense, bodies[ends], interfaces[ends] >= 0, of[sides.astype(int)], couples.astype(int)
     )
+
+
+def _lapped(compiled: CompiledScene) -> np.ndarray:
+    """Pairs of bodies (pairs, 2) that laps couple: all of a group, which answer each other."""
+    laps, m = compiled.laps, compiled.model
+    found = [NO_COUPLES]
+    for group in range(laps.count):
+        start, end = laps.outer_start.numpy()[group : group + 2]
+        outer = laps.outer.numpy()[start:end]
+        rigid = outer[outer < 6 * m.bodies.count] // 6
+        modal = m.dense.body.numpy()[outer[outer >= 6 * m.bodies.count] - 6 * m.bodies.count]
+        bodies = np.unique(np.concatenate([rigid, modal]))
+        found.append(np.array([(a, b) for a in bodies for b in bodies if a < b], dtype=int).reshape(-1, 2))
+    return np.concatenate(found)
 
 
 def on_device(pattern: OuterPattern, device: str) -> tuple[Any, wp.array]:

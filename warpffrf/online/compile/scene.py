@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import warp as wp
-from warpffrf_kernels.core.model import Elements, Films, Model
+from warpffrf_kernels.core.model import Elements, Films, Laps, Model
 
 from warpffrf.model.claims import refuse_claims_of
 from warpffrf.model.errors import InputError
@@ -27,6 +27,7 @@ from warpffrf.online.compile.inertia import fill_inertia, fill_stiffening, mode_
 from warpffrf.online.compile.inertia_plan import InertiaPlan
 from warpffrf.online.compile.joint_friction import SlipTable, compile_joint_friction, fill_joint_friction
 from warpffrf.online.compile.joints import JointTable, compile_joints
+from warpffrf.online.compile.laps import fill_laps
 from warpffrf.online.compile.layers import LAYER_ITERATIONS, fill_layers
 from warpffrf.online.compile.lumped import fill_lumped
 from warpffrf.online.compile.pairs import fill_pairs
@@ -49,6 +50,7 @@ class CompiledScene:
     model: Model
     elements: Elements  # what `model.elements` has on the device
     films: Films  # what `model.elements[0].films` has
+    laps: Laps  # what `model.elements[0].laps` has
     models: wp.array  # the same as a device array of one entry: kernels read it by address, launches stay small
     device: str
     joints: JointTable  # rows of each joint, drives included, and those left out
@@ -107,9 +109,15 @@ def _compiled(collector: Collector) -> CompiledScene:
     for film in scene.films:
         refuse_full(film)
     fill_films(collector)
+    fill_laps(collector)
     fill_patches(collector, m)
     fill_rolling(collector, m)
-    slow = collector.elements.layers.count or collector.elements.lumped.count or collector.films.count
+    slow = (
+        collector.elements.layers.count
+        or collector.elements.lumped.count
+        or collector.films.count
+        or collector.laps.count
+    )
     collector.fill(
         m.limits, residual_tolerance=settings.residual_tolerance, energy_tolerance=settings.energy_tolerance,
         max_iterations=settings.max_iterations * (LAYER_ITERATIONS if slow else 1),
@@ -117,10 +125,12 @@ def _compiled(collector: Collector) -> CompiledScene:
         most_made=0.0 if any(film.cavitation == "half" for film in collector.scene.films) else settings.most_made,
     )  # fmt: skip
     collector.elements.films = wp.array([collector.films], dtype=Films, device=collector.device)
+    collector.elements.laps = wp.array([collector.laps], dtype=Laps, device=collector.device)
     m.elements = wp.array([collector.elements], dtype=Elements, device=collector.device)
     return CompiledScene(
-        scene, m, collector.elements, collector.films, wp.array([m], dtype=Model, device=collector.device),
-        collector.device, joints, springs, slips, len(collector.rows), modal_start, modes, stiffened, collector.local,
+        scene, m, collector.elements, collector.films, collector.laps,
+        wp.array([m], dtype=Model, device=collector.device), collector.device, joints, springs, slips,
+        len(collector.rows), modal_start, modes, stiffened, collector.local,
         collector.inertia, collector.cell_room, collector.patches, collector.notes,
     )  # fmt: skip
 

@@ -176,6 +176,21 @@ class LumpedHistory:
 
 
 @dataclass
+class LapHistory:
+    """One lap: fields over its cells (c), along their frames (n, t_1, t_2), which turn with the first body."""
+
+    force: np.ndarray  # (T, 3) N, on the second face, world axes; the opposite acts on the first
+    torque: np.ndarray  # (T, 3) N m, on the second face, about the middle of the first face's cells, world axes
+    normal_force: np.ndarray  # (T,) N, of all cells, whatever their directions
+    pressure: np.ndarray  # (T, c) Pa
+    traction: np.ndarray  # (T, c, 2) Pa, on the second face along t_1, t_2
+    gap: np.ndarray  # (T, c) m
+    slip: np.ndarray  # (T, c, 2) m, of the second face so far, along t_1, t_2; sliding apart is part of it
+    state: np.ndarray  # (T, c) 0 open, 1 stick, 2 slip
+    loss: np.ndarray  # (T, c) J, by friction so far
+
+
+@dataclass
 class FilmHistory:
     """One oil film. Fields stand at the nodes of the contact grid of the first surface."""
 
@@ -233,6 +248,7 @@ class History:
     )  # dropped terms, capped counts, fallbacks: printed by Result.report()
     forces: dict[str, ForceHistory] = field(default_factory=dict)
     lumped_contacts: dict[str, LumpedHistory] = field(default_factory=dict)
+    laps: dict[str, LapHistory] = field(default_factory=dict)
     films: dict[str, FilmHistory] = field(default_factory=dict)
     sensors: dict[str, SensorHistory] = field(default_factory=dict)
     checkpoint: dict[str, np.ndarray] = field(default_factory=dict)  # the complete device state at the end

@@ -21,6 +21,7 @@ from warpffrf.online.history.history import (
 )
 from warpffrf.online.history.joint_friction import friction_histories
 from warpffrf.online.history.joint_motion import coordinates, half_turn_notes, left_out_notes
+from warpffrf.online.history.laps import lap_histories
 from warpffrf.online.history.lumped import lumped_histories
 from warpffrf.online.history.sensors import force_histories, sensor_histories, turned
 from warpffrf.online.history.user_frame import user_frame
@@ -60,6 +61,7 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
         scene=scene, time=time, step_size=rows["saved_step"],
         bodies=bodies, joints=joints, contacts=contacts, forces=forces,
         lumped_contacts=lumped_histories(compiled, rows, bodies), films=film_histories(compiled, rows, bodies),
+        laps=lap_histories(compiled, rows, bodies),
         sensors=sensor_histories(scene, T, bodies, joints, forces),
         energy=energy, iterations=rows["saved_iterations"].astype(int),
         factorisations=rows["saved_solves"].astype(int),

@@ -5,6 +5,10 @@ the mass metric, START finds accelerations, multipliers, and the pressures of wh
 user's step, so that contact does next to nothing in them of what it does in a step. Both divide displacements by their
 size, so that round-off of the positions returns as errors of the accelerations; `accelerations` then takes those out,
 with the joints' equations differentiated instead, and opens the ledger with the energies of the state that it leaves.
+
+From the last equilibrium of a static run (`start_from_loads`) a run begins at rest, at the time that this has reached.
+Tractions of surfaces with friction would be lost in the tiny steps, in which these do not rub; so where there are any
+and no drive moves there, the accelerations are zero, as they are of an equilibrium whose loads go on without a jump.
 """
 
 from __future__ import annotations
@@ -12,9 +16,13 @@ from __future__ import annotations
 import numpy as np
 from warpffrf_kernels.core import control as k
 
+from warpffrf.model.joints import Drive
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.accelerations import refine
 
+# times that the first step is halved where there is friction: it acts only after the elastic slip, from the end of a
+# first step on, and motion at the start would go on for half a step without it
+RUB_IN = 6
 STEP = 1e-3  # s/m: 0.1 ms for a scene of 0.1 m, where no step is given
 VELOCITY_CHANGE = 1e-5  # of the largest velocity and 1 m/s: what is typed with six digits
 
@@ -40,3 +48,34 @@ def start_consistently(engine: Engine, step: float | None = None) -> None:
                     f"body {body.name!r}: its initial velocity did not agree with joints and drives and was "
                     f"changed by {change[:, i].max():.3g} {unit}"
                 )
+
+
+def start_from_loads(engine: Engine, step: float) -> None:
+    """Bring `engine`, restored from the end of a static run, to the beginning of steps in time of `step` [s], at rest
+    but for what drives make move. A step that fails is left in its status."""
+    engine.clock(start_time=engine.word("time"))
+    t = float(engine.word("time")[0])
+    moving = any(_speed(drive, t) != 0.0 for drive in engine.scene.drives)
+    rubs = engine.compiled.model.capacity.cells > 0
+    if not rubs or moving:
+        engine.control(forget=0)
+        start_consistently(engine, step)
+        if rubs:
+            engine.start_notes.append(
+                "tractions of contact friction that the static run has left begin anew with the drives' velocities; "
+                "let the drives begin to move from rest"
+            )
+    if not np.any(engine.word("status")):
+        engine.enter(k.DYNAMIC, step, target=0)
+        engine.control(careful=0, downhill=0, reason=0)
+        if rubs or any(c.friction.acts for c in engine.scene.lumped_contacts):
+            engine.control(level=min(RUB_IN, engine.settings.max_level))
+
+
+def _speed(drive: Drive, t: float) -> float:
+    """Prescribed velocity [m/s or rad/s] at the time t [s]."""
+    breaks, c = drive.position().polynomial()
+    if t < breaks[0]:
+        return 0.0
+    piece = int(np.clip(np.searchsorted(breaks, t, side="right") - 1, 0, len(c) - 1))
+    return float(np.polynomial.Polynomial(c[piece]).deriv()(t - breaks[piece]))

@@ -87,6 +87,15 @@ class StepGraph:
         """Write the accepted state to the ring where `record` is set."""
         self.program.run(phases.RECORD)
 
+    def commit(self) -> None:
+        """Make history of what was evaluated last, where `commit` is set."""
+        self.program.run(("commit",))
+
+    @property
+    def remembers(self) -> bool:
+        """Whether the scene has anything that `commit` is for."""
+        return any(True for _ in phases.launches(self.program.parts["commit"], self.program.sizes))
+
     def open_books(self) -> None:
         """The energies of the state that was evaluated last, in every world, as the first of the ledger."""
         words = self.state.ctl.numpy().copy()

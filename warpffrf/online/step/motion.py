@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from warpffrf_kernels.bodies import inertia, interfaces, motion
 from warpffrf_kernels.constraints import forces, rows
-from warpffrf_kernels.step import accuracy, commit, record
+from warpffrf_kernels.step import accuracy, commit, proximal, record
 
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.outer import FACTOR
@@ -17,7 +17,11 @@ SUMS, INTERFACES = {"sums": "inertia_sums"}, {"motion": "interface_motion"}
 MOTION = Participant(
     "motion",
     begin=[threads(motion.begin_step)],
-    predict=[blocks(motion.predict_bodies, **START), blocks(motion.predict_modes, when="mode", **START_MODES)],
+    predict=[
+        blocks(motion.predict_bodies, **START),
+        blocks(motion.predict_modes, when="mode", **START_MODES),
+        blocks(proximal.open_rounds),
+    ],
     move=[
         blocks(motion.move_bodies, **START),
         threads(motion.hold_motions, when="pair"),
@@ -34,6 +38,7 @@ MOTION = Participant(
         blocks(rows.evaluate_rows, when="row", **INTERFACES),
         blocks(forces.couple_springs, when="group"),
     ],
+    mean=[threads(proximal.end_round)],
     project=[
         blocks(accuracy.missed_rates, when="projected_row", wanted="project"),
         blocks(

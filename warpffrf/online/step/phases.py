@@ -2,7 +2,8 @@
 
 A participant names the launches that it adds to each phase; within a phase they stand in the order of the participants.
 The order is checked, not described: a scratch array that a launch reads, or changes, has to be set by one before it,
-unless it is declared as `carried`, and within a phase nothing is read that is set anew after it. Whether
+unless it is declared as `carried`, and within a phase nothing is read that is set anew after it. Phase `commit` is for
+what remembers a history, which not every accepted attempt adds to (`warpffrf_kernels.step.proximal`). Whether
 kernels mark rightly what they read, set and change is checked against their source (`tests/kernels/test_signatures.py`)
 and with scratch that holds NaN between attempts (`tests/online/test_program.py`).
 """
@@ -28,7 +29,20 @@ SOLUTION = (
 )  # fmt: skip
 ITERATION = (*EVALUATION, *JUDGEMENT, *SOLUTION)
 RECORD = ("measure", "record", "close_row")
-DECISION = ("finish", "project", "estimate", "book", "judge", "decide", "keep", "restore", "watch", *RECORD, "count")
+DECISION = (
+    "finish",
+    "project",
+    "estimate",
+    "book",
+    "judge",
+    "decide",
+    "keep",
+    "commit",
+    "restore",
+    "watch",
+    *RECORD,
+    "count",
+)
 REPEATED = {"increase_again": ("increase", "friction_pair")}
 """A phase that is another one, where the scene has something."""
 PHASES = tuple(dict.fromkeys(p for p in (*ATTEMPT, *ITERATION, *DECISION) if p not in REPEATED))

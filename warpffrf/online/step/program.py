@@ -12,6 +12,7 @@ from warpffrf.online.step.contact import CONTACT
 from warpffrf.online.step.film import FILM, SECOND
 from warpffrf.online.step.friction import FRICTION
 from warpffrf.online.step.joint_friction import JOINT_FRICTION
+from warpffrf.online.step.lap import LAP
 from warpffrf.online.step.launches import Launch
 from warpffrf.online.step.layers import LAYERS
 from warpffrf.online.step.ledger import LEDGER
@@ -20,7 +21,9 @@ from warpffrf.online.step.motion import MOTION
 from warpffrf.online.step.outer import OUTER
 from warpffrf.online.step.snapshot import SNAPSHOT
 
-PARTICIPANTS = (MOTION, OUTER, JOINT_FRICTION, LUMPED, SECOND, FILM, CONTACT, FRICTION, LAYERS, SNAPSHOT, LEDGER)
+PARTICIPANTS = (
+    MOTION, OUTER, JOINT_FRICTION, LUMPED, SECOND, FILM, LAP, CONTACT, FRICTION, LAYERS, SNAPSHOT, LEDGER,
+)  # fmt: skip
 WHOLE = (*phases.ATTEMPT, *phases.ITERATION, *phases.DECISION)
 
 

@@ -1,0 +1,1 @@
+"""Joints that slide a little: cells of fixed partners, their unilateral contact and friction."""

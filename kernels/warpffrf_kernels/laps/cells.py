@@ -1,0 +1,94 @@
+"""States of cells: what their independent numbers should be, which state each should have, and what their forces are.
+
+Loops over the cells of a group, by one lane; `at` is where the group's numbers begin.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.laps.forms import Form
+
+wp.set_module_options(MODULE_OPTIONS)
+
+NEAR = wp.constant(wp.float64(0.5))  # how far traction and kappa may be from those of a form for the small u to settle
+TINY = wp.constant(wp.float64(1.0e-9))  # of mu p: a traction across that says nothing of kappa
+NO_PRESSURE = wp.constant(wp.float64(1.0e-11))  # of the largest force of a cell
+
+
+@wp.func
+def triple(x: wp.array(dtype=real), at: int, components: int) -> vec3:
+    out = vec3(x[at], real(0.0), real(0.0))
+    if components == 3:
+        out = vec3(x[at], x[at + 1], x[at + 2])
+    return out
+
+
+@wp.func
+def put_triple(x: wp.array(dtype=real), at: int, components: int, value: vec3):
+    x[at] = value[0]
+    if components == 3:
+        x[at + 1] = value[1]
+        x[at + 2] = value[2]
+
+
+@wp.struct
+class Aim:
+    """Where the small independent numbers of a slipping cell should be; far: 1 where its form is too far off, and the
+    direction and kappa of a better one."""
+
+    target: vec3
+    far: int
+    d: wp.vec2d
+    kappa: real
+
+
+@wp.func
+def aim_of(form: Form, u: vec3, v: vec3, largest: real, own: real) -> Aim:
+    """Of a slipping cell with u and v; `largest` force of a cell [N], `own` compliance along the face [m/N]."""
+    out = Aim()
+    out.target = vec3(real(0.0))
+    out.d = form.d
+    out.kappa = form.kappa
+    bound = form.mu * v[0]
+    along = v[1]
+    if bound <= NO_PRESSURE * largest or along >= real(0.0):
+        return out
+    across = u[2] - form.kappa * v[2]
+    size = wp.sqrt(along * along + across * across)
+    kappa = size / bound
+    apart = wp.abs(v[2]) > NEAR * bound
+    if wp.abs(kappa - form.kappa) > NEAR * (own + form.kappa) and wp.abs(v[2]) > TINY * bound:
+        apart = True
+    if apart:
+        out.far = 1
+        out.d = wp.vec2d(
+            -(along * form.d[0] - across * form.d[1]) / size, -(along * form.d[1] + across * form.d[0]) / size
+        )
+        out.kappa = kappa
+    else:
+        out.target = vec3(real(0.0), wp.sqrt(bound * bound - v[2] * v[2]) - bound, (form.kappa - kappa) * v[2])
+    return out
+
+
+@wp.func
+def form_of(
+    w: int,
+    cell: int,
+    mu: real,
+    lap_mode: wp.array2d(dtype=int),
+    lap_aim: wp.array3d(dtype=real),
+) -> Form:
+    out = Form()
+    out.state = lap_mode[w, cell]
+    out.d = wp.vec2d(lap_aim[w, cell, 0], lap_aim[w, cell, 1])
+    out.kappa = lap_aim[w, cell, 2]
+    out.mu = mu
+    return out
+
+
+@wp.func
+def set_form(w: int, cell: int, form: Form, lap_mode: wp.array2d(dtype=int), lap_aim: wp.array3d(dtype=real)):
+    lap_mode[w, cell] = form.state
+    lap_aim[w, cell, 0] = form.d[0]
+    lap_aim[w, cell, 1] = form.d[1]
+    lap_aim[w, cell, 2] = form.kappa

@@ -1,0 +1,164 @@
+"""What an evaluation of laps begins with: the motion, the tableau, and numbers of cells from their forces."""
+
+import warp as wp
+
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
+from warpffrf_kernels.laps.cells import form_of, put_triple, triple
+from warpffrf_kernels.laps.forms import first_of, second_of, to_form
+from warpffrf_kernels.laps.motion import WRENCH, relative_motion, rigid_gradient, turn_gradient
+from warpffrf_kernels.laps.tableau import (
+    add_columns,
+    add_lines,
+    cells_of,
+    columns_of,
+    line_at,
+    lines_of,
+    table_at,
+    unknowns_of,
+)
+from warpffrf_kernels.laps.words import COUNT
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.func
+def look_at_motion(
+    model: Model,
+    w: int,
+    group: int,
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    q1: wp.array2d(dtype=real),
+    lap_gradient: wp.array4d(dtype=real),
+    lap_z: wp.array2d(dtype=real),
+    lap_step: wp.array2d(dtype=real),
+):
+    """z of the trial state, its change, and the gradients of its rigid part; by one lane."""
+    lap = model.elements[0].laps[0].lap_start[group]
+    while lap < model.elements[0].laps[0].lap_start[group + 1]:
+        at = model.elements[0].laps[0].rigid_column[lap]
+        if at >= 0:
+            seen = relative_motion(model, w, lap, r1, axes)
+            for i in range(3):
+                lap_step[w, at + i] = seen.d[i] - lap_z[w, at + i]
+                lap_step[w, at + 3 + i] = seen.theta[i] - lap_z[w, at + 3 + i]
+                lap_z[w, at + i] = seen.d[i]
+                lap_z[w, at + 3 + i] = seen.theta[i]
+            for i in range(WRENCH):
+                d = rigid_gradient(seen, i)
+                theta = turn_gradient(seen, i)
+                for c in range(3):
+                    lap_gradient[w, lap, c, i] = d[c]
+                    lap_gradient[w, lap, 3 + c, i] = theta[c]
+        lap += 1
+    at = model.elements[0].laps[0].column_start[group]
+    while at < model.elements[0].laps[0].column_start[group + 1]:
+        mode = model.elements[0].laps[0].column_mode[at]
+        if mode >= 0:
+            lap_step[w, at] = q1[w, mode] - lap_z[w, at]
+            lap_z[w, at] = q1[w, mode]
+        at += 1
+
+
+@wp.func
+def displaced(
+    model: Model,
+    w: int,
+    group: int,
+    lane: int,
+    with_forces: int,
+    lap_trial: wp.array(dtype=real),
+    lap_z: wp.array(dtype=real),
+    lap_list: wp.array(dtype=int),
+    lap_given: wp.array(dtype=real),
+    lap_words: wp.array3d(dtype=int),
+    lap_strip: wp.array(dtype=real),
+):
+    """J z, and G s with forces, at all lines of cells, into the first strip."""
+    n = unknowns_of(model, group)
+    lines = line_at(model, w, group)
+    strips = 3 * lines
+    columns = columns_of(model, group)
+    first = w * model.elements[0].laps[0].column_start[model.elements[0].laps[0].count]
+    first += model.elements[0].laps[0].column_start[group]
+    i = lane
+    while i < n:
+        lap_strip[strips + i] = real(0.0)
+        i += wp.block_dim()
+    if lane == 0:
+        count = int(0)
+        if with_forces != 0:
+            i = int(0)
+            while i < n:
+                if lap_trial[lines + i] != real(0.0):
+                    lap_list[lines + count] = i
+                    lap_given[lines + count] = lap_trial[lines + i]
+                    count += 1
+                i += 1
+        lap_words[w, group, COUNT] = count
+    sync()
+    add_lines(
+        n, columns, lap_z, first, model.elements[0].laps[0].motion, model.elements[0].laps[0].motion_start[group], n,
+        lap_strip, strips,
+    )  # fmt: skip
+    add_columns(
+        n, lap_words[w, group, COUNT], lap_list, lines, lap_given, lines, model.elements[0].laps[0].compliance,
+        model.elements[0].laps[0].compliance_start[group], n, lap_strip, strips,
+    )  # fmt: skip
+    sync()
+
+
+@wp.func
+def begin_table(
+    model: Model, w: int, group: int, lane: int, lap_table: wp.array(dtype=real)
+):  # fmt: skip
+    """T = [[G, J], [J^T, 0]], lanes over columns."""
+    n = unknowns_of(model, group)
+    all = lines_of(model, group)
+    base = table_at(model, w, group)
+    compliance = model.elements[0].laps[0].compliance_start[group]
+    motion = model.elements[0].laps[0].motion_start[group]
+    j = lane
+    while j < all:
+        i = int(0)
+        while i < all:
+            value = real(0.0)
+            if i < n and j < n:
+                value = model.elements[0].laps[0].compliance[compliance + j * n + i]
+            elif i < n:
+                value = model.elements[0].laps[0].motion[motion + (j - n) * n + i]
+            elif j < n:
+                value = model.elements[0].laps[0].motion[motion + (i - n) * n + j]
+            lap_table[base + j * all + i] = value
+            i += 1
+        j += wp.block_dim()
+
+
+@wp.func
+def put_right(
+    model: Model,
+    w: int,
+    group: int,
+    lap_slip: wp.array3d(dtype=real),
+    lap_mode: wp.array2d(dtype=int),
+    lap_aim: wp.array3d(dtype=real),
+    lap_trial: wp.array(dtype=real),
+    lap_strip: wp.array(dtype=real),
+    lap_u: wp.array(dtype=real),
+    lap_v: wp.array(dtype=real),
+):
+    """u and v of all cells from their forces, and G s + J z in the first strip; by one lane."""
+    components = model.elements[0].laps[0].components[group]
+    lines = line_at(model, w, group)
+    first = model.elements[0].laps[0].cell_start[group]
+    c = int(0)
+    while c < cells_of(model, group):
+        cell = first + c
+        s = triple(lap_trial, lines + components * c, components)
+        y = triple(lap_strip, 3 * lines + components * c, components)
+        y += vec3(model.elements[0].laps[0].gap[cell], -lap_slip[w, cell, 0], -lap_slip[w, cell, 1])
+        map = to_form(form_of(w, cell, model.elements[0].laps[0].friction[cell], lap_mode, lap_aim))
+        put_triple(lap_u, lines + components * c, components, first_of(map, s, y))
+        put_triple(lap_v, lines + components * c, components, second_of(map, s, y))
+        c += 1

@@ -1,0 +1,357 @@
+"""A pass of the cells of a group of laps: where their independent numbers go, and which of them change their states."""
+
+import warp as wp
+
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
+from warpffrf_kernels.laps.cells import NO_PRESSURE, aim_of, form_of, put_triple, triple
+from warpffrf_kernels.laps.forms import OPEN, SLIP, SMOOTH, STICK, Form
+from warpffrf_kernels.laps.tableau import (
+    MOST_RANK,
+    add_columns,
+    add_lines,
+    cells_of,
+    line_at,
+    lines_of,
+    table_at,
+    unknowns_of,
+    weigh_columns,
+)
+from warpffrf_kernels.laps.words import (
+    CLOSES,
+    COUNT,
+    KNOWN,
+    NORMAL,
+    OPENS,
+    RANK,
+    RUBS,
+    STAYS,
+    TANGENTIAL,
+    TURNING,
+    TURNS,
+)
+
+wp.set_module_options(MODULE_OPTIONS)
+
+MIXED = 3  # differences that Anderson's rule has
+RIDGE = wp.constant(wp.float64(1.0e-14))  # of their squares
+
+
+@wp.func
+def largest_force(
+    model: Model, w: int, group: int, lines: int, lap_mode: wp.array2d(dtype=int), lap_v: wp.array(dtype=real)
+) -> real:
+    """Of the cells that are not open [N]."""
+    components = model.elements[0].laps[0].components[group]
+    first = model.elements[0].laps[0].cell_start[group]
+    largest = real(0.0)
+    c = int(0)
+    while c < cells_of(model, group):
+        if lap_mode[w, first + c] != OPEN:
+            largest = wp.max(largest, wp.abs(lap_v[lines + components * c]))
+        c += 1
+    return largest
+
+
+@wp.func
+def pressed_state(mu: real, components: int) -> int:
+    """Of a cell under pressure, before it is known whether it slips."""
+    if components == 3 and mu == real(0.0):
+        return SMOOTH
+    return STICK
+
+
+@wp.func
+def go_ahead(
+    n: int,
+    all: int,
+    w: int,
+    group: int,
+    lines: int,
+    base: int,
+    updates: int,
+    weights: int,
+    lap_words: wp.array3d(dtype=int),
+    lap_list: wp.array(dtype=int),
+    lap_given: wp.array(dtype=real),
+    lap_table: wp.array(dtype=real),
+    lap_left: wp.array(dtype=real),
+    lap_right: wp.array(dtype=real),
+    lap_weight: wp.array(dtype=real),
+    lap_v: wp.array(dtype=real),
+):
+    """v += T du, du those changes of independent numbers that are listed."""
+    count = lap_words[w, group, COUNT]
+    rank = lap_words[w, group, RANK]
+    weigh_columns(rank, count, lap_list, lines, lap_given, lines, lap_right, updates, all, lap_weight, weights)
+    sync()
+    add_columns(n, count, lap_list, lines, lap_given, lines, lap_table, base, all, lap_v, lines)
+    add_lines(n, rank, lap_weight, weights, lap_left, updates, all, lap_v, lines)
+    sync()
+
+
+@wp.func
+def mix(
+    n: int,
+    lines: int,
+    known: int,
+    scale: real,
+    lap_target: wp.array(dtype=real),
+    lap_u: wp.array(dtype=real),
+    lap_guess: wp.array(dtype=real),
+    lap_rest: wp.array(dtype=real),
+) -> int:
+    """Anderson's rule: the step target - u less what the last differences of steps and of u say of it.
+
+    Kept are `known` earlier u and steps, the newest first; returns how many there are then. Lines along the face of
+    slipping cells alone differ; `scale` makes lengths forces.
+    """
+    start = 4 * lines
+    slot = wp.min(known, MIXED)
+    while slot > 0:
+        i = int(0)
+        while i < n:
+            lap_guess[start + slot * n + i] = lap_guess[start + (slot - 1) * n + i]
+            lap_rest[start + slot * n + i] = lap_rest[start + (slot - 1) * n + i]
+            i += 1
+        slot -= 1
+    i = int(0)
+    while i < n:
+        lap_guess[start + i] = lap_u[lines + i]
+        lap_rest[start + i] = lap_target[lines + i] - lap_u[lines + i]
+        i += 1
+    used = wp.min(known, MIXED)
+    A = wp.identity(n=3, dtype=real)
+    b = vec3(real(0.0))
+    for r in range(MIXED):
+        if r < used:
+            for c in range(MIXED):
+                if c < used:
+                    sum = real(0.0)
+                    i = int(1)
+                    while i < n:
+                        weight = real(1.0)
+                        if i % 3 == 2:
+                            weight = scale * scale
+                        if i % 3 != 0:
+                            one = lap_rest[start + r * n + i] - lap_rest[start + (r + 1) * n + i]
+                            other = lap_rest[start + c * n + i] - lap_rest[start + (c + 1) * n + i]
+                            sum += weight * one * other
+                        i += 1
+                    A[r, c] = sum
+            sum = real(0.0)
+            i = int(1)
+            while i < n:
+                weight = real(1.0)
+                if i % 3 == 2:
+                    weight = scale * scale
+                if i % 3 != 0:
+                    one = lap_rest[start + r * n + i] - lap_rest[start + (r + 1) * n + i]
+                    sum += weight * one * lap_rest[start + i]
+                i += 1
+            b[r] = sum
+    ridge = RIDGE * wp.trace(A)
+    for r in range(MIXED):
+        A[r, r] = A[r, r] + ridge
+    x = wp.inverse(A) * b
+    for r in range(MIXED):
+        if r < used and wp.isfinite(x[r]):
+            i = int(0)
+            while i < n:
+                step = lap_guess[start + r * n + i] - lap_guess[start + (r + 1) * n + i]
+                step += lap_rest[start + r * n + i] - lap_rest[start + (r + 1) * n + i]
+                lap_target[lines + i] = lap_target[lines + i] - x[r] * step
+                i += 1
+    return wp.min(known + 1, MIXED)
+
+
+@wp.func
+def aim_cells(
+    model: Model,
+    w: int,
+    group: int,
+    lap_mode: wp.array2d(dtype=int),
+    lap_aim: wp.array3d(dtype=real),
+    lap_words: wp.array3d(dtype=int),
+    lap_wish: wp.array2d(dtype=int),
+    lap_next: wp.array3d(dtype=real),
+    lap_target: wp.array(dtype=real),
+    lap_guess: wp.array(dtype=real),
+    lap_rest: wp.array(dtype=real),
+    lap_u: wp.array(dtype=real),
+    lap_v: wp.array(dtype=real),
+    lap_list: wp.array(dtype=int),
+    lap_given: wp.array(dtype=real),
+) -> real:
+    """Lists the changes of independent numbers of a pass, and takes them; returns the largest, of the largest force."""
+    components = model.elements[0].laps[0].components[group]
+    lines = line_at(model, w, group)
+    n = unknowns_of(model, group)
+    first = model.elements[0].laps[0].cell_start[group]
+    yields = model.elements[0].laps[0].yields[group]
+    largest = largest_force(model, w, group, lines, lap_mode, lap_v)
+    turning = int(0)
+    worst = real(0.0)
+    c = int(0)
+    while c < cells_of(model, group):
+        cell = first + c
+        at = lines + components * c
+        lap_wish[w, cell] = STAYS
+        target = vec3(real(0.0))
+        if lap_mode[w, cell] == SLIP:
+            form = form_of(w, cell, model.elements[0].laps[0].friction[cell], lap_mode, lap_aim)
+            aim = aim_of(
+                form, triple(lap_u, at, components), triple(lap_v, at, components), largest,
+                model.elements[0].laps[0].own[cell],
+            )  # fmt: skip
+            target = aim.target
+            if aim.far != 0:
+                turning += 1
+                lap_wish[w, cell] = TURNS
+                lap_next[w, cell, 0] = aim.d[0]
+                lap_next[w, cell, 1] = aim.d[1]
+                lap_next[w, cell, 2] = aim.kappa
+            worst = wp.max(worst, wp.abs(target[1] - lap_u[at + 1]))
+            worst = wp.max(worst, wp.abs(target[2] - lap_u[at + 2]) / yields)
+        put_triple(lap_target, at, components, target)
+        c += 1
+    lap_words[w, group, TURNING] = turning
+    if lap_words[w, group, KNOWN] >= 0 and components == 3 and worst > real(0.0):
+        lap_words[w, group, KNOWN] = mix(
+            n, lines, lap_words[w, group, KNOWN], real(1.0) / yields, lap_target, lap_u, lap_guess, lap_rest
+        )  # fmt: skip
+    count = int(0)
+    i = int(0)
+    while i < n:
+        change = lap_target[lines + i] - lap_u[lines + i]
+        if change != real(0.0):
+            lap_list[lines + count] = i
+            lap_given[lines + count] = change
+            lap_u[lines + i] = lap_target[lines + i]
+            count += 1
+        i += 1
+    lap_words[w, group, COUNT] = count
+    if largest == real(0.0):
+        return worst
+    return worst / largest
+
+
+@wp.func
+def own_forces(
+    components: int,
+    a: int,
+    all: int,
+    base: int,
+    updates: int,
+    rank: int,
+    y: vec3,
+    lap_table: wp.array(dtype=real),
+    lap_left: wp.array(dtype=real),
+    lap_right: wp.array(dtype=real),
+) -> vec3:
+    """Forces that would bring an open cell to rest, -T_aa^-1 y, all others as they are."""
+    own = wp.identity(n=3, dtype=real)
+    for j in range(3):
+        for i in range(3):
+            if i < components and j < components:
+                sum = lap_table[base + (a + j) * all + a + i]
+                r = int(0)
+                while r < rank:
+                    sum += lap_left[updates + r * all + a + i] * lap_right[updates + r * all + a + j]
+                    r += 1
+                own[i, j] = sum
+    return -(wp.inverse(own) * y)
+
+
+@wp.func
+def judge_cells(
+    model: Model,
+    w: int,
+    group: int,
+    lap_mode: wp.array2d(dtype=int),
+    lap_words: wp.array3d(dtype=int),
+    lap_wish: wp.array2d(dtype=int),
+    lap_next: wp.array3d(dtype=real),
+    lap_flips: wp.array2d(dtype=int),
+    lap_u: wp.array(dtype=real),
+    lap_v: wp.array(dtype=real),
+    lap_table: wp.array(dtype=real),
+    lap_left: wp.array(dtype=real),
+    lap_right: wp.array(dtype=real),
+):
+    """Which cells are to change their state, and to which; by one lane."""
+    components = model.elements[0].laps[0].components[group]
+    lines = line_at(model, w, group)
+    all = lines_of(model, group)
+    base = table_at(model, w, group)
+    updates = MOST_RANK * lines
+    rank = lap_words[w, group, RANK]
+    first = model.elements[0].laps[0].cell_start[group]
+    yields = model.elements[0].laps[0].yields[group]
+    none = NO_PRESSURE * largest_force(model, w, group, lines, lap_mode, lap_v)
+    normal = int(0)
+    tangential = int(0)
+    c = int(0)
+    while c < cells_of(model, group):
+        cell = first + c
+        at = lines + components * c
+        mu = model.elements[0].laps[0].friction[cell]
+        v = triple(lap_v, at, components)
+        state = lap_mode[w, cell]
+        if state == OPEN:
+            if v[0] < -none * yields:
+                normal += 1
+                lap_wish[w, cell] = CLOSES
+                lap_next[w, cell, 0] = real(0.0)
+                lap_next[w, cell, 1] = real(0.0)
+                if components == 3 and mu > real(0.0):
+                    f = own_forces(
+                        components, components * c, all, base, updates, rank, v, lap_table, lap_left, lap_right
+                    )
+                    size = wp.sqrt(f[1] * f[1] + f[2] * f[2])
+                    lap_flips[w, cell] = lap_flips[w, cell] + 1
+                    rubs = size > mu * wp.max(f[0], real(0.0))
+                    if lap_flips[w, cell] % 4 == 3:
+                        rubs = not rubs
+                    if rubs and size > real(0.0):
+                        lap_next[w, cell, 0] = f[1] / size
+                        lap_next[w, cell, 1] = f[2] / size
+        elif v[0] < -none:
+            normal += 1
+            lap_wish[w, cell] = OPENS
+        elif state == STICK and components == 3:
+            size = wp.sqrt(v[1] * v[1] + v[2] * v[2])
+            if size > mu * v[0] + none:
+                tangential += 1
+                lap_wish[w, cell] = RUBS
+                lap_next[w, cell, 0] = v[1] / size
+                lap_next[w, cell, 1] = v[2] / size
+        elif state == SLIP and v[1] > none * yields:
+            tangential += 1
+            lap_wish[w, cell] = RUBS
+            lap_next[w, cell, 0] = real(0.0)
+            lap_next[w, cell, 1] = real(0.0)
+        c += 1
+    lap_words[w, group, NORMAL] = normal
+    lap_words[w, group, TANGENTIAL] = tangential
+
+
+@wp.func
+def wished(
+    w: int, cell: int, mu: real, components: int, lap_wish: wp.array2d(dtype=int), lap_next: wp.array3d(dtype=real)
+) -> Form:
+    """The state that a cell is to change to."""
+    form = Form()
+    form.mu = mu
+    form.d = wp.vec2d(lap_next[w, cell, 0], lap_next[w, cell, 1])
+    if lap_wish[w, cell] == TURNS:
+        form.state = SLIP
+        form.kappa = lap_next[w, cell, 2]
+    elif lap_wish[w, cell] == OPENS:
+        form.state = OPEN
+        form.d = wp.vec2d(real(0.0), real(0.0))
+    elif form.d[0] != real(0.0) or form.d[1] != real(0.0):
+        form.state = SLIP
+    else:
+        form.state = pressed_state(mu, components)
+    return form

@@ -1,0 +1,291 @@
+r"""Forces of laps for a given motion of their bodies: contact and friction of all cells of a group, exactly.
+
+With z the motion, p and t normal and tangential forces of a cell, g its gap and w its slip since the last accepted
+state,
+
+    (g, w) = G s + J z + (gap, -slip so far),     0 <= p, g >= 0, p g = 0,     |t| <= mu p,   t = -mu p w/|w| where w is
+    not 0.
+
+Cells have states (`forms`) in which this is linear, but for slipping ones, whose small independent numbers follow in
+passes, mixed by Anderson's rule. A pass takes them to where they should be, looks at all cells, and lets those change
+whose sign is wrong: of the gaps first, then stick and slip, all three of them in every third pass. A gap that closes
+has the force that its own block of the tableau gives it: whether it then sticks or slips decides its state; where it
+comes back time and again, the other one is tried. Tableau and states stay from one evaluation to the next, few cells
+change in a step. What round-off makes of the numbers that follow is put right every REFRESHED steps, from G itself.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, real, sync, vec3
+from warpffrf_kernels.laps.cells import form_of, put_triple, set_form, triple
+from warpffrf_kernels.laps.evaluation import begin_table, displaced, look_at_motion, put_right
+from warpffrf_kernels.laps.forms import OPEN, Form, after, first_of, from_form, second_of, to_form
+from warpffrf_kernels.laps.passes import aim_cells, go_ahead, judge_cells, pressed_state, wished
+from warpffrf_kernels.laps.tableau import (
+    MOST_RANK,
+    cells_of,
+    columns_of,
+    exchange,
+    line_at,
+    lines_of,
+    table_at,
+    unknowns_of,
+)
+from warpffrf_kernels.laps.words import (
+    CLOSES,
+    COUNT,
+    DONE,
+    KNOWN,
+    NORMAL,
+    OPENS,
+    PASSES,
+    RANK,
+    READY,
+    RUBS,
+    SINCE,
+    TANGENTIAL,
+    TURNING,
+    TURNS,
+)
+
+wp.set_module_options(MODULE_OPTIONS)
+
+SETTLED = wp.constant(wp.float64(1.0e-11))  # of the largest force, and what it yields
+MOST_PASSES = wp.constant(150)
+REFRESHED = wp.constant(25)
+
+
+@wp.kernel
+def solve_laps(
+    models: wp.array(dtype=Model),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    q1: wp.array2d(dtype=real),
+    lap_force: wp.array3d(dtype=real),
+    lap_slip: wp.array3d(dtype=real),
+    lap_gap: wp.array2d(dtype=real),
+    lap_state: wp.array2d(dtype=int),
+    ctl: inout(wp.array(dtype=Control)),
+    lap_words: inout(wp.array3d(dtype=int)),
+    lap_z: inout(wp.array2d(dtype=real)),
+    lap_z_flat: inout(wp.array(dtype=real)),
+    lap_step: inout(wp.array2d(dtype=real)),
+    lap_mode: inout(wp.array2d(dtype=int)),
+    lap_aim: inout(wp.array3d(dtype=real)),
+    lap_wish: inout(wp.array2d(dtype=int)),
+    lap_next: inout(wp.array3d(dtype=real)),
+    lap_flips: inout(wp.array2d(dtype=int)),
+    lap_u: inout(wp.array(dtype=real)),
+    lap_v: inout(wp.array(dtype=real)),
+    lap_target: inout(wp.array(dtype=real)),
+    lap_guess: inout(wp.array(dtype=real)),
+    lap_rest: inout(wp.array(dtype=real)),
+    lap_list: inout(wp.array(dtype=int)),
+    lap_given: inout(wp.array(dtype=real)),
+    lap_table: inout(wp.array(dtype=real)),
+    lap_left: inout(wp.array(dtype=real)),
+    lap_right: inout(wp.array(dtype=real)),
+    lap_weight: inout(wp.array(dtype=real)),
+    lap_strip: inout(wp.array(dtype=real)),
+    lap_row: inout(wp.array(dtype=real)),
+    lap_trial: inout(wp.array(dtype=real)),
+    lap_moved: out(wp.array(dtype=real)),
+    lap_gradient: out(wp.array4d(dtype=real)),
+    lap_push: out(wp.array2d(dtype=real)),
+    lap_stored: out(wp.array2d(dtype=real)),
+    lap_taken: out(wp.array3d(dtype=real)),
+):
+    """Per (world, group): forces of all cells at the trial state, what they do to the motion, their energy."""
+    w, group, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    components = model.elements[0].laps[0].components[group]
+    n = unknowns_of(model, group)
+    all = lines_of(model, group)
+    cells = cells_of(model, group)
+    columns = columns_of(model, group)
+    first = model.elements[0].laps[0].cell_start[group]
+    first_column = model.elements[0].laps[0].column_start[group]
+    lines = line_at(model, w, group)
+    base = table_at(model, w, group)
+    strips = 3 * lines
+    updates = MOST_RANK * lines
+    weights = (w * model.elements[0].laps[0].count + group) * MOST_RANK
+    ready = lap_words[w, group, READY]
+    since = lap_words[w, group, SINCE]
+    sync()
+    if lane == 0:
+        look_at_motion(model, w, group, r1, axes, q1, lap_gradient, lap_z, lap_step)
+        lap_words[w, group, KNOWN] = -1
+        c = int(0)
+        while c < cells:
+            lap_flips[w, first + c] = 0
+            c += 1
+    if ready == 0:
+        begin_table(model, w, group, lane, lap_table)
+        if lane == 0:
+            lap_words[w, group, READY] = 1
+            lap_words[w, group, RANK] = 0
+            c = int(0)
+            while c < cells:
+                cell = first + c
+                form = Form()
+                form.state = OPEN
+                set_form(w, cell, form, lap_mode, lap_aim)
+                s = vec3(lap_force[w, cell, 0], lap_force[w, cell, 1], lap_force[w, cell, 2])
+                put_triple(lap_trial, lines + components * c, components, s)
+                c += 1
+        sync()
+        rank = int(0)
+        c = int(0)
+        while c < cells:
+            cell = first + c
+            mu = model.elements[0].laps[0].friction[cell]
+            if lap_state[w, cell] != OPEN:
+                before = form_of(w, cell, mu, lap_mode, lap_aim)
+                form = Form()
+                form.mu = mu
+                form.state = pressed_state(mu, components)
+                rank = exchange(
+                    components, components * c, all, after(to_form(form), from_form(before)), base, strips, updates,
+                    rank, lap_table, lap_left, lap_right, lap_weight, weights, lap_strip, lap_row,
+                )  # fmt: skip
+                if lane == 0:
+                    set_form(w, cell, form, lap_mode, lap_aim)
+                sync()
+            c += 1
+        if lane == 0:
+            lap_words[w, group, RANK] = rank
+        sync()
+    else:
+        if lane == 0:
+            count = int(0)
+            c = int(0)
+            while c < columns:
+                step = lap_step[w, first_column + c]
+                if step != real(0.0):
+                    lap_list[lines + count] = n + c
+                    lap_given[lines + count] = step
+                    count += 1
+                c += 1
+            lap_words[w, group, COUNT] = count
+        sync()
+        go_ahead(
+            n, all, w, group, lines, base, updates, weights, lap_words, lap_list, lap_given, lap_table, lap_left,
+            lap_right, lap_weight, lap_v,
+        )  # fmt: skip
+    if ready == 0 or since >= REFRESHED:
+        displaced(model, w, group, lane, 1, lap_trial, lap_z_flat, lap_list, lap_given, lap_words, lap_strip)
+        if lane == 0:
+            put_right(model, w, group, lap_slip, lap_mode, lap_aim, lap_trial, lap_strip, lap_u, lap_v)
+            lap_words[w, group, SINCE] = 0
+        sync()
+    done = int(0)
+    passes = int(0)
+    while done == 0:
+        passes += 1
+        change = real(0.0)
+        if lane == 0:
+            change = aim_cells(
+                model, w, group, lap_mode, lap_aim, lap_words, lap_wish, lap_next, lap_target, lap_guess, lap_rest,
+                lap_u, lap_v, lap_list, lap_given,
+            )  # fmt: skip
+        sync()
+        go_ahead(
+            n, all, w, group, lines, base, updates, weights, lap_words, lap_list, lap_given, lap_table, lap_left,
+            lap_right, lap_weight, lap_v,
+        )  # fmt: skip
+        if lane == 0:
+            judge_cells(
+                model, w, group, lap_mode, lap_words, lap_wish, lap_next, lap_flips, lap_u, lap_v, lap_table,
+                lap_left, lap_right,
+            )  # fmt: skip
+            changing = lap_words[w, group, NORMAL] + lap_words[w, group, TANGENTIAL] + lap_words[w, group, TURNING]
+            lap_words[w, group, DONE] = 0
+            if changing == 0 and change <= SETTLED:
+                lap_words[w, group, DONE] = 1
+            elif passes >= MOST_PASSES or not wp.isfinite(change):
+                lap_words[w, group, DONE] = 2
+            if changing > 0:
+                lap_words[w, group, KNOWN] = -1
+            else:
+                lap_words[w, group, KNOWN] = wp.max(lap_words[w, group, KNOWN], 0)
+        sync()
+        done = lap_words[w, group, DONE]
+        normal = lap_words[w, group, NORMAL]
+        rank = lap_words[w, group, RANK]
+        both = passes % 3 == 0
+        c = int(0)
+        while c < cells and done == 0:
+            cell = first + c
+            wish = lap_wish[w, cell]
+            goes = wish == CLOSES or wish == OPENS or ((normal == 0 or both) and (wish == RUBS or wish == TURNS))
+            if goes:
+                mu = model.elements[0].laps[0].friction[cell]
+                form = wished(w, cell, mu, components, lap_wish, lap_next)
+                map = after(to_form(form), from_form(form_of(w, cell, mu, lap_mode, lap_aim)))
+                rank = exchange(
+                    components, components * c, all, map, base, strips, updates, rank, lap_table, lap_left, lap_right,
+                    lap_weight, weights, lap_strip, lap_row,
+                )  # fmt: skip
+                if lane == 0:
+                    u = triple(lap_u, lines + components * c, components)
+                    v = triple(lap_v, lines + components * c, components)
+                    put_triple(lap_u, lines + components * c, components, first_of(map, u, v))
+                    put_triple(lap_v, lines + components * c, components, second_of(map, u, v))
+                    set_form(w, cell, form, lap_mode, lap_aim)
+                sync()
+            c += 1
+        if lane == 0:
+            lap_words[w, group, RANK] = rank
+        sync()
+    if lane == 0:
+        lap_words[w, group, PASSES] = passes
+        if done == 2:
+            ctl[w].failure = ctl[w].failure | k.NOT_CONVERGED
+            lap_words[w, group, READY] = 0
+        c = int(0)
+        while c < cells:
+            cell = first + c
+            at = lines + components * c
+            map = from_form(form_of(w, cell, model.elements[0].laps[0].friction[cell], lap_mode, lap_aim))
+            u = triple(lap_u, at, components)
+            v = triple(lap_v, at, components)
+            put_triple(lap_trial, at, components, first_of(map, u, v))
+            put_triple(lap_moved, at, components, second_of(map, u, v))
+            c += 1
+    sync()
+    c = lane
+    while c < columns:
+        lap_push[w, first_column + c] = dot(
+            n, model.elements[0].laps[0].motion, model.elements[0].laps[0].motion_start[group] + c * n, lap_trial, lines
+        )  # fmt: skip
+        c += wp.block_dim()
+    displaced(model, w, group, lane, 0, lap_trial, lap_z_flat, lap_list, lap_given, lap_words, lap_strip)
+    if lane == 0:
+        stored = real(0.0)
+        rubbed = real(0.0)
+        rest = real(0.0)
+        c = int(0)
+        while c < cells:
+            cell = first + c
+            at = lines + components * c
+            s = triple(lap_trial, at, components)
+            y = triple(lap_moved, at, components)
+            old = vec3(lap_force[w, cell, 0], lap_force[w, cell, 1], lap_force[w, cell, 2])
+            given = triple(lap_strip, strips + components * c, components)
+            given += vec3(model.elements[0].laps[0].gap[cell], -lap_slip[w, cell, 0], -lap_slip[w, cell, 1])
+            stored += real(0.5) * wp.dot(s, y - given)
+            rubs = -(s[1] * y[1] + s[2] * y[2])
+            rubbed += rubs
+            gone = vec3(y[0] - lap_gap[w, cell], y[1], y[2])
+            rest -= real(0.5) * wp.dot(s + old, gone) + rubs
+            c += 1
+        lap_stored[w, group] = stored
+        lap_taken[w, group, 0] = rubbed
+        lap_taken[w, group, 1] = rest

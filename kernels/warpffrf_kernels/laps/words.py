@@ -1,0 +1,23 @@
+"""Words of a group of laps, and what a cell may be asked to become."""
+
+import warp as wp
+
+# --- what a cell is asked to become
+STAYS = wp.constant(0)
+CLOSES = wp.constant(1)
+OPENS = wp.constant(2)
+RUBS = wp.constant(3)  # from stick to slip or back
+TURNS = wp.constant(4)  # another direction of slip
+
+# --- words of a group
+READY = wp.constant(0)  # 1 when its tableau stands
+RANK = wp.constant(1)  # of what is kept beside the table
+SINCE = wp.constant(2)  # accepted steps since its numbers were put right
+PASSES = wp.constant(3)  # of the last evaluation
+COUNT = wp.constant(4)  # columns to be added
+NORMAL = wp.constant(5)  # cells to open or close
+TANGENTIAL = wp.constant(6)
+TURNING = wp.constant(7)
+DONE = wp.constant(8)
+KNOWN = wp.constant(9)  # differences for Anderson's rule
+WORDS = 10

@@ -1,0 +1,135 @@
+r"""Load steps: from one equilibrium to the next, under the loads and prescribed motions at the end of the step.
+
+An attempt of a load step (mode LOADING) counts its increments d = (dx, psi, dq) from the accepted state, the last
+equilibrium, and has no velocities. It goes to the next equilibrium in rounds of proximal steps of size tau, each
+balanced by Newton's method,
+
+    M (d - c)/tau^2 + R(d, t_1) = 0,        c = d of the round before, 0 at first,
+
+with R the static residual. A long tau is Newton's step; a short one goes down the slope of the energy, as far as the
+step of an implicit integrator of a motion without velocities. What the inertia of the last round has is what the
+statics have not balanced: below `BALANCED` of what Newton's method leaves, the rounds have come to rest. Vibrations of
+frequency omega are nearer to rest by 1 + (omega tau)^2 with every round, so that with a tau of some seconds two rounds
+do, and the second of them costs as many solves with the matrix of the first.
+
+**History.** All that a step takes from the accepted state stays that of the last equilibrium until the attempt is
+accepted, as in a step in time: friction sees the slip of the whole load step and commits it once. So `commit` is 1 of
+accepted attempts in time and of load steps. It is 0 of the proximal steps by which `warpffrf.online.start.settle` goes
+to a first equilibrium (mode STATIC), each of which is an accepted attempt of its own, and of the tiny steps of a start:
+what remembers a history keeps it where `commit` is 1, in phase `keep`, and forces are functions of that history and of
+the present state. `settle` commits once, when it has come to rest.
+
+**Failure.** A load step whose Newton's method fails, that goes uphill (`ledger`), or that does not come to rest in
+`MOST` rounds, is halved, its loads with it. One that cannot be halved again is taken with shorter proximal steps: the
+first is 100^-n tau, n = `careful`, and from round to round they grow by 10^(1/n) up to tau, to follow a structure that
+snaps through. Accepted steps take both back.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import changed, inout, out
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+
+wp.set_module_options(MODULE_OPTIONS)
+
+BALANCED = wp.constant(wp.float64(1.0e-2))  # of the residual tolerance
+MOST = wp.constant(60)  # rounds: what has omega tau = 0.7 then comes to 1e-11, a mechanism never
+GROWN = wp.constant(wp.float64(2.302585092994046))  # ln 10
+
+
+@wp.kernel
+def open_rounds(
+    ctl: wp.array(dtype=Control),
+    centre_dx: out(wp.array2d(dtype=vec3)),
+    centre_psi: out(wp.array2d(dtype=vec3)),
+    centre_dq: out(wp.array2d(dtype=real)),
+):
+    """Per world: the first round of an attempt is about the accepted state."""
+    w, lane = wp.tid()
+    if ctl[w].run == 0:
+        return
+    b = lane
+    while b < centre_dx.shape[1]:
+        centre_dx[w, b] = vec3(real(0.0))
+        centre_psi[w, b] = vec3(real(0.0))
+        b += wp.block_dim()
+    m = lane
+    while m < centre_dq.shape[1]:
+        centre_dq[w, m] = real(0.0)
+        m += wp.block_dim()
+
+
+@wp.kernel
+def end_round(
+    models: wp.array(dtype=Model),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+    dq: wp.array2d(dtype=real),
+    v1_rate: wp.array2d(dtype=vec3),
+    omega1_rate: wp.array2d(dtype=vec3),
+    qd1_rate: wp.array2d(dtype=real),
+    hold: wp.array3d(dtype=real),
+    hold_count: wp.array(dtype=int),
+    ctl: inout(wp.array(dtype=Control)),
+    clk: inout(wp.array(dtype=Clock)),
+    centre_dx: changed(wp.array2d(dtype=vec3)),
+    centre_psi: changed(wp.array2d(dtype=vec3)),
+    centre_dq: changed(wp.array2d(dtype=real)),
+    residual: changed(wp.array2d(dtype=real)),
+    modal_residual: changed(wp.array2d(dtype=real)),
+):
+    """Per world in a load step whose iteration has just converged: another round where it has not come to rest."""
+    w = wp.tid()
+    model = models[0]
+    if ctl[w].mode != k.LOADING or ctl[w].attempt == 0 or ctl[w].run != 0 or ctl[w].failure != 0:
+        return
+    if ctl[w].iteration == 0:
+        return
+    grows = clk[w].outer.acc * clk[w].tau * clk[w].tau > real(1.0) + real(1.0e-9)
+    if not grows and clk[w].left <= BALANCED * model.limits.residual_tolerance:
+        return
+    if ctl[w].round >= MOST:
+        ctl[w].failure = ctl[w].failure | k.RESTLESS
+        return
+    # what the balance sees of the new centre, but for the inertia of deformed bodies, which the next iteration adds
+    h = int(0)
+    while model.pairs.count > 0 and h < hold_count[w]:
+        along = real(0.0)
+        b = int(0)
+        while b < model.bodies.count:
+            d = dx[w, b] - centre_dx[w, b]
+            turn = psi[w, b] - centre_psi[w, b]
+            for c in range(3):
+                along += hold[w, h, 6 * b + c] * d[c] + hold[w, h, 6 * b + 3 + c] * turn[c]
+            b += 1
+        i = int(0)
+        while i < 6 * model.bodies.count:
+            residual[w, i] = residual[w, i] - hold[w, h, i] * along
+            i += 1
+        h += 1
+    b = int(0)
+    while b < model.bodies.count:
+        f = model.bodies.mass[b] * v1_rate[w, b]
+        t = model.bodies.inertia[b] * omega1_rate[w, b]
+        for c in range(3):
+            residual[w, 6 * b + c] = residual[w, 6 * b + c] - f[c]
+            residual[w, 6 * b + 3 + c] = residual[w, 6 * b + 3 + c] - t[c]
+        centre_dx[w, b] = dx[w, b]
+        centre_psi[w, b] = psi[w, b]
+        b += 1
+    m = int(0)
+    while m < model.modes.count:
+        modal_residual[w, m] = modal_residual[w, m] - qd1_rate[w, m]
+        centre_dq[w, m] = dq[w, m]
+        m += 1
+    if grows:
+        growth = wp.exp(real(2.0) * GROWN / real(wp.max(ctl[w].careful, 1)))
+        clk[w].outer.acc = wp.max(clk[w].outer.acc / growth, real(1.0) / (clk[w].tau * clk[w].tau))
+        clk[w].local.acc = clk[w].outer.acc
+        ctl[w].reassemble = 1
+        ctl[w].stale = 1
+    ctl[w].round = ctl[w].round + 1
+    ctl[w].run = 1

@@ -1,0 +1,182 @@
+"""`Lap`: a joint that slides a little, between faces of two bodies or within one.
+
+Cells of the first face have fixed partners on the other, so that nothing rolls and nothing slides far: bolted and
+riveted sheets, leaves of a spring, a hub on its shaft. Contact is unilateral, friction is Coulomb's with its history,
+and cells yield with the static compliance of their relative motion (`reduce(laps=...)`), all laps of a body together.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from warpffrf.model import rotation as rot
+from warpffrf.model.bodies import LapPort, SurfacePort
+from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.friction import as_constant_friction
+from warpffrf.model.laps.pairing import Pairing, pair_faces
+from warpffrf.model.laws import Unilateral, as_law
+
+UNILATERAL = Unilateral()
+
+
+@dataclass(frozen=True, eq=False)
+class LapCellsOf:
+    """Cells of a lap at the initial pose, c of them: `cell` (c,) their numbers on the first face, `points` (c, 3) [m]
+    and `frames` (c, 3, 3) in user axes of the first body, `area` (c,) [m2], `gap` (c,) [m] less the interference; of a
+    second flexible face `weights` (c, its cells)."""
+
+    cell: np.ndarray
+    points: np.ndarray
+    frames: np.ndarray
+    area: np.ndarray
+    gap: np.ndarray
+    weights: sp.csr_matrix | None
+    shares: tuple[float, float]
+
+
+class Lap:
+    """Contact with friction between two faces that slide a little on each other.
+
+    a: `body["lap"]` of two faces of one body (`reduce(laps={"lap": ("top", "bottom")})`), then b is left out; or a face
+    of a flexible body (`reduce(laps={"foot": "foot"})`). b: a face of another flexible body, or a surface of a rigid
+    body or the ground. friction: the coefficient, or `friction.Coulomb`. law: `laws.UNILATERAL`, or `laws.LinearLayer`
+    for a layer that yields by p/stiffness. tangential_stiffness [Pa/m]: that of such a layer along the face, None for
+    its stiffness; without a layer it is one along the face alone, and None is none. interference [m]: by how much the
+    second face begins inside the first, as of a press fit, added to what the geometry has. name: default
+    "<first>-<second>".
+
+    Forces are those on the second face. Both bodies are taken as they are placed when the run begins: cells keep their
+    partners. Raises `InputError` for ports, laws and numbers that cannot be used.
+    """
+
+    scene_list = "laps"
+    kind = "lap"
+
+    def __init__(
+        self,
+        a: Any,
+        b: Any = None,
+        *,
+        friction: Any = 0.0,
+        law: Any = UNILATERAL,
+        interference: float = 0.0,
+        tangential_stiffness: float | None = None,
+        name: str | None = None,
+    ) -> None:
+        if not isinstance(a, LapPort):
+            raise InputError(
+                f"lap: the first port must be a lap of a flexible body, body['lap'] with 'lap' named in "
+                f"reduce(laps={{...}}), got {getattr(a, 'label', None) or repr(a)}"
+            )
+        pair = a.surface.pair
+        self.a, self.b = a, b
+        self.name = name or (f"{a.body.name}-{a.name}" if b is None else f"{a.body.name}-{getattr(b, 'body', b).name}")
+        label = self.label
+        if pair and b is not None:
+            raise InputError(f"{label}: {a.label} has both of its faces in one body already; leave the second port out")
+        if not pair and b is None:
+            raise InputError(f"{label}: {a.label} is one face; name the face that it lies on as the second port")
+        if b is not None:
+            rigid = isinstance(b, SurfacePort) and b.rigid
+            if not rigid and not isinstance(b, LapPort):
+                raise InputError(
+                    f"{label}: the second port must be a face of a flexible body named in reduce(laps={{...}}), or a "
+                    f"surface of a rigid body or of the ground, got {getattr(b, 'label', None) or repr(b)}"
+                )
+            if b.body is a.body:
+                raise InputError(
+                    f"{label}: both faces are on body {a.body.name!r}; reduce it with laps={{name: (face, face)}} and "
+                    "give that lap alone"
+                )
+            if isinstance(b, LapPort) and b.surface.pair:
+                raise InputError(f"{label}: {b.label} has both of its faces in one body; name a single face")
+        self.law = as_law(law, label)
+        if self.law.bent is not None or self.law.chi:
+            raise InputError(
+                f"{label}: law {self.law.kind!r} does not yield in proportion to the pressure; take laws.UNILATERAL, "
+                "or laws.LinearLayer with the stiffness at the pressures of the joint"
+            )
+        self.friction = as_constant_friction(friction, label)
+        if self.friction.creep_limit:
+            raise InputError(f"{label}: friction of kind {self.friction.kind!r} does not stick; take friction.Coulomb")
+        self.interference = require_number(interference, f"{label}: interference [m]")
+        self.tangential_stiffness = tangential_stiffness
+        if tangential_stiffness is not None:
+            self.tangential_stiffness = require_number(
+                tangential_stiffness, f"{label}: tangential_stiffness [Pa/m]", positive=True
+            )
+
+    @property
+    def label(self) -> str:
+        """Readable name, for messages."""
+        return f"lap {self.name!r}"
+
+    @property
+    def ports(self) -> tuple[Any, ...]:
+        """One or two."""
+        return (self.a,) if self.b is None else (self.a, self.b)
+
+    @property
+    def coefficient(self) -> float:
+        """mu."""
+        return self.friction.static_coefficient
+
+    @property
+    def yields(self) -> tuple[float, float]:
+        """What a layer yields, along the normal and along the face [m/Pa]."""
+        normal = self.law.compliance
+        return normal, normal if self.tangential_stiffness is None else 1.0 / self.tangential_stiffness
+
+    def cells(self) -> LapCellsOf:
+        """Its cells at the initial pose as it is now. Raises `InputError` for faces that do not face each other."""
+        surface = self.a.surface
+        if self.b is None:
+            every = np.arange(surface.cells)
+            return LapCellsOf(
+                every, surface.points, surface.frames, surface.area, surface.gap - self.interference, None,
+                surface.covered,
+            )  # fmt: skip
+        if self.b.rigid:
+            return self._on_rigid()
+        found = self._pairing()
+        cell = found.cell
+        return LapCellsOf(
+            cell, surface.points[cell], surface.frames[cell], surface.area[cell] * found.covered,
+            found.gap - self.interference, found.weights, found.shares,
+        )  # fmt: skip
+
+    def _pairing(self) -> Pairing:
+        first, second = self.a.surface, self.b.surface
+        body, other = self.a.body, self.b.body
+        world = first.frames[:, 0] @ rot.matrix(body.rotation).T
+        return pair_faces(
+            self.label, body.to_world(first.triangles), first.cell, world, other.to_world(second.triangles), second.cell
+        )
+
+    def _on_rigid(self) -> LapCellsOf:
+        """Cells before a rigid surface: all of the first face, each as far as its middle is from it."""
+        surface, shape = self.a.surface, self.b.surface.shape
+        world = self.a.body.to_world(surface.points)
+        theta, z, distance = shape.chart(self.b.body.to_user(world))
+        outwards = np.asarray(shape.normal(theta, z)) @ rot.matrix(self.b.body.rotation).T
+        normals = surface.frames[:, 0] @ rot.matrix(self.a.body.rotation).T
+        if np.any(np.einsum("ci,ci->c", outwards, normals) > -0.5):
+            raise InputError(
+                f"{self.label}: {self.a.label} does not look at {self.b.label}: their outward normals are not opposite "
+                "everywhere; place the body so that the face lies on the surface"
+            )
+        return LapCellsOf(
+            np.arange(surface.cells), surface.points, surface.frames, surface.area,
+            np.asarray(distance) - self.interference, None, (1.0, 1.0),
+        )  # fmt: skip
+
+    def describe(self) -> dict[str, Any]:
+        """Plain data for hashing."""
+        places = [[port.body.name, port.name] for port in self.ports]
+        laws = {"law": self.law.describe(), "friction": self.friction.describe()}
+        more = {"interference": self.interference, "tangential_stiffness": self.tangential_stiffness}
+        return {"name": self.name, "ports": places, **laws, **more}

@@ -1,0 +1,224 @@
+r"""Laps of a scene -> device tables of their groups (kernels of `laps`).
+
+Laps that meet on a flexible body answer each other through it, and make a *group*. With P_b from the forces s of the
+cells of a group to the unknowns of the lap compliance C_b of body b (`LapSurface`), identity for a pair, -1 for a first
+face, and for a second one the shares of its cells, turned into their axes,
+
+    G = sum_b P_b^T C_b P_b + E,      J = [rigid relative motion of each lap | P_b^T modes_b of each body],
+
+E what layers yield, over the areas of cells. Without friction the normal parts alone are kept.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from warpffrf_kernels.core.model import Laps
+from warpffrf_kernels.laps import motion
+
+from warpffrf.model import rotation as rot
+from warpffrf.model.bodies import Body
+from warpffrf.model.laps import Lap
+from warpffrf.model.laps.lap import LapCellsOf
+from warpffrf.online.compile.collector import Collector
+from warpffrf.online.compile.inertia import outer_modes
+
+Array = np.ndarray
+RIGID = int(motion.RIGID)
+MANY = 1500  # cells of a group
+
+
+def groups_of(laps: list[Lap]) -> list[list[int]]:
+    """Laps by number, gathered where they meet on a flexible body."""
+    found: list[tuple[set[int], list[int]]] = []
+    for number, lap in enumerate(laps):
+        bodies = {port.body.index for port in lap.ports if not port.rigid}
+        joined, numbers = set(bodies), [number]
+        rest = []
+        for known, members in found:
+            if known & bodies:
+                joined |= known
+                numbers = members + numbers
+            else:
+                rest.append((known, members))
+        found = [*rest, (joined, sorted(numbers))]
+    return sorted(numbers for _, numbers in found)
+
+
+def lap_order(laps: list[Lap]) -> list[int]:
+    """Numbers of the laps in the order in which their cells stand on the device."""
+    return [number for numbers in groups_of(laps) for number in numbers]
+
+
+def fill_laps(collector: Collector) -> None:
+    """Tables of all laps. Raises `InputError` for faces that do not face each other."""
+    declared: Any = Laps
+    scene = collector.scene
+    ones: dict[str, list[Any]] = {}
+    parts: dict[str, list[Array]] = {}
+
+    def one(**values: Any) -> None:
+        for name, value in values.items():
+            ones.setdefault(name, []).append(value)
+
+    def part(**values: Any) -> None:
+        for name, value in values.items():
+            parts.setdefault(name, []).append(np.asarray(value))
+
+    modal = np.cumsum([0, *collector.mode_counts])
+    outer = np.cumsum([0, *outer_modes(collector)])
+    column = 0
+    for numbers in groups_of(scene.laps):
+        members = [scene.laps[number] for number in numbers]
+        cells = [lap.cells() for lap in members]
+        flexible = _bodies(members, rigid=False)
+        friction = np.concatenate(
+            [np.full(len(c.cell), lap.coefficient) for lap, c in zip(members, cells, strict=True)]
+        )
+        components = 3 if np.any(friction > 0.0) else 1
+        G = _compliance(members, cells, flexible)
+        J = _motion(members, cells, flexible)
+        kept = slice(None) if components == 3 else slice(0, None, 3)
+        diagonal = np.diag(G).reshape(-1, 3)
+        columns, lines = J.shape[1], len(J[kept])
+        within = 0
+        for lap in members:
+            between = lap.b is not None
+            one(
+                first=lap.a.body.index, second=lap.b.body.index if between else lap.a.body.index,
+                rigid_column=column + within if between else -1, **_frames(lap),
+            )  # fmt: skip
+            within += RIGID if between else 0
+        mode = [np.full(within, -1)] + [modal[b.index] + np.arange(b.mode_count) for b in flexible]
+        moving = _bodies([lap for lap in members if lap.b is not None], rigid=True)
+        rigid = np.concatenate([np.zeros(0, int), *(6 * b.index + np.arange(6) for b in moving)])
+        dense = [6 * len(scene.bodies) + outer[b.index] + np.arange(b.mode_count) for b in flexible]
+        one(
+            components=components, yields=float(diagonal[:, 0].mean()), laps=len(members), cells=len(friction),
+            columns=columns, lines=lines + columns, outers=len(rigid) + columns - within,
+        )  # fmt: skip
+        part(
+            compliance=G[kept, kept].T.ravel(), motion=J[kept].T.ravel(), friction=friction,
+            gap=np.concatenate([c.gap for c in cells]), own=diagonal[:, 1:].mean(axis=1),
+            column_mode=np.concatenate(mode), outer=np.concatenate([rigid, *dense]),
+            outer_column=np.concatenate([np.full(len(rigid), -1), within + np.arange(columns - within)]),
+        )  # fmt: skip
+        column += columns
+        collector.notes.extend(_notes(members, cells, lines))
+    values: dict[str, Any] = dict.fromkeys(declared.declarations, np.zeros(0))
+    if scene.laps:
+        values |= {name: ones[name] for name in values if name in ones}
+        values |= {name: np.concatenate(parts[name]) for name in values if name in parts}
+        lines, columns, outers = (np.array(ones[name]) for name in ("lines", "columns", "outers"))
+        for name, sizes in (
+            ("lap", ones["laps"]), ("cell", ones["cells"]), ("column", columns), ("line", lines), ("table", lines**2),
+            ("square", columns**2), ("outer", outers), ("followed", outers * columns),
+        ):  # fmt: skip
+            values[f"{name}_start"] = np.concatenate([[0], np.cumsum(sizes)])
+        for name in ("compliance", "motion"):
+            values[f"{name}_start"] = np.cumsum([0, *map(len, parts[name])])[:-1]
+    collector.fill(collector.laps, count=len(ones.get("laps", [])), laps=len(scene.laps), **values)
+
+
+def _bodies(laps: list[Lap], *, rigid: bool) -> list[Body]:
+    """Bodies of these laps that move, flexible ones alone or all, each once, in the order of the scene."""
+    found = {p.body.index: p.body for lap in laps for p in lap.ports if p.body.index >= 0 and (rigid or not p.rigid)}
+    return [found[index] for index in sorted(found)]
+
+
+def _frames(lap: Lap) -> dict[str, Array]:
+    """Where relative motion of two bodies is measured, and R_0."""
+    if lap.b is None:
+        return {"first_point": np.zeros(3), "second_point": np.zeros(3), "turn": np.eye(3)}
+    point = lap.a.body.to_world(lap.a.surface.points.mean(axis=0))
+    arms = []
+    for port in lap.ports:
+        center = port.body.center_of_mass if port.body.index >= 0 else np.zeros(3)
+        arms.append(port.body.to_user(point) - center)
+    turn = rot.matrix(lap.a.body.rotation).T @ rot.matrix(lap.b.body.rotation)
+    return {"first_point": arms[0], "second_point": arms[1], "turn": turn}
+
+
+def _loads(lap: Lap, cells: LapCellsOf, body: Body) -> sp.csr_matrix | None:
+    """P of a lap on a body (unknowns of its lap compliance, 3 c); None where it does not load it."""
+    reduced = body.flexible
+    starts = dict(zip(reduced.laps, np.cumsum([0, *(s.unknowns for s in reduced.laps.values())])[:-1], strict=True))
+    total = sum(s.unknowns for s in reduced.laps.values())
+    n = len(cells.cell)
+    columns = np.arange(3 * n)
+    if lap.a.body is body:
+        rows = starts[lap.a.name] + (3 * cells.cell[:, None] + np.arange(3)).ravel()
+        sign = 1.0 if lap.b is None else -1.0
+        return sp.csr_matrix((np.full(3 * n, sign), (rows, columns)), shape=(total, 3 * n))
+    if lap.b is None or lap.b.rigid or lap.b.body is not body or cells.weights is None:
+        return None
+    face = lap.b.surface
+    turn = rot.matrix(body.rotation).T @ rot.matrix(lap.a.body.rotation)
+    shares = cells.weights.tocoo()
+    blocks = np.einsum("kai,ij,kbj->kab", face.frames[shares.col], turn, cells.frames[shares.row])
+    blocks *= shares.data[:, None, None]
+    rows = starts[lap.b.name] + 3 * shares.col[:, None, None] + np.arange(3)[:, None] + np.zeros((3, 3), int)
+    across = 3 * shares.row[:, None, None] + np.arange(3)[None, :] + np.zeros((3, 3), int)
+    return sp.csr_matrix((blocks.ravel(), (rows.ravel(), across.ravel())), shape=(total, 3 * n))
+
+
+def _all_loads(laps: list[Lap], cells: list[LapCellsOf], body: Body) -> sp.csr_matrix:
+    """P of all laps of a group on a body."""
+    total = sum(s.unknowns for s in body.flexible.laps.values())
+    parts = []
+    for lap, own in zip(laps, cells, strict=True):
+        found = _loads(lap, own, body)
+        parts.append(sp.csr_matrix((total, 3 * len(own.cell))) if found is None else found)
+    return sp.csr_matrix(sp.hstack(parts))
+
+
+def _compliance(laps: list[Lap], cells: list[LapCellsOf], bodies: list[Body]) -> Array:
+    """G (3 c, 3 c) [m/N]."""
+    n = 3 * sum(len(own.cell) for own in cells)
+    G = np.zeros((n, n))
+    for body in bodies:
+        P = _all_loads(laps, cells, body)
+        G += P.T @ np.asarray(P.T @ body.flexible.lap_compliance).T
+    layers = [
+        np.column_stack([np.full(len(own.cell), y) for y in (lap.yields[0], lap.yields[1], lap.yields[1])])
+        / own.area[:, None]
+        for lap, own in zip(laps, cells, strict=True)
+    ]
+    G[np.diag_indices(n)] += np.concatenate(layers).ravel()
+    return 0.5 * (G + G.T)
+
+
+def _motion(laps: list[Lap], cells: list[LapCellsOf], bodies: list[Body]) -> Array:
+    """J (3 c, columns)."""
+    starts = np.cumsum([0, *(3 * len(own.cell) for own in cells)])
+    parts = []
+    for start, lap, own in zip(starts, laps, cells, strict=False):
+        if lap.b is None:
+            continue
+        rigid = np.zeros((starts[-1], RIGID))
+        arm = own.points - lap.a.surface.points.mean(axis=0)
+        turned = np.cross(np.eye(3)[None, :, :], arm[:, None, :])  # e_i x arm
+        block = np.concatenate([own.frames, np.einsum("cki,cji->ckj", own.frames, turned)], axis=2)
+        rigid[start : start + 3 * len(own.cell)] = block.reshape(-1, RIGID)
+        parts.append(rigid)
+    for body in bodies:
+        modes = np.concatenate([surface.modes for surface in body.flexible.laps.values()], axis=1)
+        parts.append(np.asarray(_all_loads(laps, cells, body).T @ modes.T))
+    return np.concatenate(parts, axis=1)
+
+
+def _notes(laps: list[Lap], cells: list[LapCellsOf], lines: int) -> list[str]:
+    """What the report of a run is to say of a group."""
+    notes = []
+    for lap, own in zip(laps, cells, strict=True):
+        if min(own.shares) < 1e-3:
+            notes.append(f"{lap.label}: {own.shares[0]:.2%} and {own.shares[1]:.2%} of its faces overlap")
+    count = sum(len(own.cell) for own in cells)
+    if count > MANY:
+        notes.append(
+            f"{', '.join(lap.label for lap in laps)}: {count} cells with {lines} unknown forces, each of which "
+            "answers all others; LapCells(size=, growth=) makes cells large where little changes"
+        )
+    return notes

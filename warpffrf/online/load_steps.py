@@ -1,0 +1,225 @@
+"""Static runs: equilibria one after the other under loads and prescribed motions that change, friction with its history.
+
+    simulate(scene, 1.0, step=0.01, kind="static")        Stage("press", 1.0, 0.01, kind="static")
+
+At every time t_k = t_begin + k step the scene is at rest under the forces, drives and gravity of that time. Time only
+says which loads belong together: where nothing depends on rates, another duration with signals stretched alike gives the
+same states. Rows are those of a run in time, with velocities and accelerations zero.
+
+The device does it all (`warpffrf_kernels.step.proximal`): a load step is an attempt in mode LOADING, accepted, halved
+and recorded like a step in time, and goes on bit for bit from a checkpoint. Halved steps leave no rows of their own.
+
+**Where it begins.** From the scene itself, or the result of `equilibrium`, the scene comes to rest first, under the
+loads of that time and without friction in joints and contacts (`start.settle`). From a static run it goes on, with the
+friction that this has left. From a run in time it goes on as well, without its velocities: the first load step ends at
+rest, whatever moved before, and the kinetic energy given up is in the numerical line of the ledger.
+
+**What a run in time makes of its end**: it starts at rest, see `warpffrf.online.run`.
+
+**What has no meaning at rest** is refused, with the cure: films, which carry by sliding and squeezing. Dampers carry
+nothing. Friction laws that depend on the slip speed take what slides in a load step over the time that it stands for;
+regularised friction of lumped contacts, which needs a velocity, does not act, with a note.
+
+**Free motions.** What contact leaves free is held where it is, as in an equilibrium (`start.free_motions`), and looked
+for after every load step. A run that is taken up again finds it from its state, so that scenes with contact go on to
+the tolerance of the iteration, those without bit for bit.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+from warpffrf_kernels.core import control as k
+
+from warpffrf.model.consistency import refuse_singular_mass
+from warpffrf.model.errors import InputError, require_count
+from warpffrf.model.friction import friction_notes
+from warpffrf.model.interruption import deferred_interrupts
+from warpffrf.model.keeping import Keeper, Plan, Unfinished
+from warpffrf.model.progress import Progress
+from warpffrf.model.scene import Scene
+from warpffrf.model.signal_cover import refuse_short_tables
+from warpffrf.model.step_count import step_count
+from warpffrf.online.checkpoint import is_dynamic, is_loaded, restore, time_of
+from warpffrf.online.engine import Engine
+from warpffrf.online.history.history import ENERGY_LINES, History
+from warpffrf.online.keeping import Keeping, go_on
+from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
+from warpffrf.online.marks import Marks
+from warpffrf.online.run import INTERRUPTED, check_load_paths, finish
+from warpffrf.online.settings import Settings
+from warpffrf.online.start.free_motions import FreeMotions
+from warpffrf.online.start.settle import LAST, settle
+from warpffrf.online.turn import TURN
+from warpffrf.online.warp_start import untested_warp_note
+
+FROM_REST = "the first equilibrium of the static run"
+MOST_ATTEMPTS = 8  # a load step, in one replay: more follow where steps are halved
+MOVED = 1e-12  # of the largest energy of the ledger: kinetic energy that is no round-off
+
+
+@TURN
+def run_static(
+    scene: Scene,
+    duration: float,
+    *,
+    step: float,
+    start: str | History | Unfinished = "initial",
+    local: str | LocalDynamics = "quasi_static",
+    save_every: int = 1,
+    device: str = "cpu",
+    progress: bool = True,
+    settings: Settings | None = None,
+    keeper: Keeper | None = None,
+) -> History:
+    """Equilibria of `scene` for `duration` [s] in load steps of `step` [s]; arguments as of `online.run`.
+
+    start: "initial" and "equilibrium" are alike here. A load step that finds no equilibrium, however much it is halved,
+    ends the run with its reason in `History.status`. Raises InputError for wrong input, and for scenes with films.
+    """
+    if scene.films:
+        raise InputError(
+            f"simulate: film {scene.films[0].name!r} carries by sliding and squeezing, which a static run has not; use "
+            "a stage in time, or equilibrium(), in which films slide as the scene begins"
+        )
+    steps, uneven = step_count(duration, step)
+    save_every = require_count(save_every, "simulate: save_every", 1)
+    refuse_singular_mass(scene)
+    if not isinstance(start, Unfinished):
+        began = time_of(start.checkpoint) if isinstance(start, History) else 0.0
+        refuse_short_tables(scene, began, began + steps * step)
+    if isinstance(start, History) and start.status != "completed" and not len(start.time):
+        raise InputError(f"simulate: start has no row to go on from ({start.status}: {start.message})")
+    begin = time.perf_counter()
+    made_with = {
+        "device": device, "settings": settings, "local": as_local_dynamics(local), "progress": progress,
+    }  # fmt: skip
+    engine = Engine(scene, **made_with)
+    built = time.perf_counter()
+    notes = [*engine.compiled.notes, *uneven, *_without_friction(scene), *untested_warp_note()]
+    free = FreeMotions(engine)
+    first_step, rejected = 0, 0
+    if isinstance(start, Unfinished):
+        first_step = go_on(engine, start, step)
+    else:
+        if isinstance(start, History):
+            first_step = restore(engine, start.checkpoint, step)
+            rejected = int(engine.word("rejected")[0])
+        if not isinstance(start, History) or not (is_loaded(start.checkpoint) or is_dynamic(start.checkpoint)):
+            engine.control(saved=0)
+            engine.drained[:] = 0
+            notes.extend([*check_load_paths(scene), *friction_notes(scene, FROM_REST)])
+            if not settle(engine):
+                return finish(engine, begin, built, notes, "equilibrium: ")
+            notes.extend(engine.start_notes)
+            _begin_loading(engine, step)
+            engine.control(rejected=0, steps=0, iterations=0, worst=0, pending=0, pending_solves=0)
+            engine.save_now()
+            first_step, rejected = 0, 0
+        elif is_dynamic(start.checkpoint):
+            notes.extend(_without_velocities(engine))
+            _begin_loading(engine, step)
+            first_step = 0
+    engine.control(every=save_every, downhill=1)
+    engine.seconds_in_graph = 0.0
+    plan = Plan(first_step + steps, rejected, tuple(notes))
+    if isinstance(start, Unfinished):
+        plan = start.plan
+    last_step, notes = plan.last_step, list(plan.notes)
+    keeping = Keeping(engine, keeper, plan)
+    loop = time.perf_counter()
+    interrupted = False
+    bar = Progress("simulate", last_step - first_step, enabled=progress)
+    try:
+        chunk = 1 if free.possible else 4
+        done = first_step
+        while done < last_step and not np.any(engine.word("status")):
+            _hold(engine, free)
+            engine.control(target=min(done + chunk, last_step))
+            seconds = engine.replay(MOST_ATTEMPTS * chunk)
+            now = int(engine.word("step").min())
+            if not free.possible:
+                rate = max(now - done, 1) / max(seconds, 1e-9)
+                most = engine.settings.ring_rows * save_every - 1
+                chunk = int(np.clip(rate * engine.settings.chunk_seconds, 1, most))
+            done = now
+            bar.update(done - first_step)
+            keeping.look()
+    except KeyboardInterrupt:
+        interrupted = True
+    bar.close()
+    with deferred_interrupts() as asked:
+        if interrupted:
+            engine.drain()
+            keeping.end()
+        failed = bool(np.any(engine.word("status")))
+        if not interrupted and not failed and last_step % save_every:
+            engine.save_now()
+        free.release()
+        ended = time.perf_counter()
+        engine.not_at_rest = _restless(engine) if failed else ""
+        history = finish(engine, begin, built, notes, _where(engine) if failed else "", plan.rejected)
+    history.stopping = bool(asked)
+    history.marks = Marks(engine, made_with, step, first_step, last_step, static=True)
+    history.counters["loop_seconds"] = ended - loop
+    history.counters["finish_seconds"] = time.perf_counter() - ended
+    if interrupted and history.status == "completed":
+        history.status, history.message = INTERRUPTED, "interrupted by the user; results up to there are kept"
+    return history
+
+
+def _begin_loading(engine: Engine, step: float) -> None:
+    """A new count of load steps of `step` [s] from the present time on."""
+    engine.clock(start_time=engine.word("time"), tau=LAST * float(engine.compiled.model.length))
+    engine.enter(k.LOADING, step, target=0)
+    engine.control(careful=0, reason=0, shaken=0, spell=0, again=0)
+
+
+def _hold(engine: Engine, free: FreeMotions) -> None:
+    """Hold what nothing resists at the present state."""
+    if free.possible:
+        free.release()
+        engine.evaluate_here()
+        free.look()
+        free.hold()
+
+
+def _without_velocities(engine: Engine) -> list[str]:
+    """Stop all motion; a note of the energy that goes with it."""
+    energy = engine.state.energy.numpy()[:, 0]
+    kinetic = float(energy[:, ENERGY_LINES.index("kinetic")].max())
+    engine.rates_to_zero()
+    if kinetic <= MOVED * float(np.abs(energy).max()):
+        return []
+    return [
+        f"the static run goes on from a motion with {kinetic:.3g} J of kinetic energy, which it gives up (ledger line "
+        "numerical): velocities are zero from its first load step on"
+    ]
+
+
+def _without_friction(scene: Scene) -> list[str]:
+    names = [c.name for c in scene.lumped_contacts if c.friction.acts and c.friction.creep_limit > 0.0]
+    if not names:
+        return []
+    return [
+        f"regularised friction of {', '.join(map(repr, names))} does not act in a static run: it needs a slip velocity; "
+        "laws.Coulomb sticks and slips by displacements"
+    ]
+
+
+def _where(engine: Engine) -> str:
+    words: Any = engine.state.ctl.numpy()[0]
+    whole = int(words["step"]) + (int(words["sub"]) + 1) / 2 ** int(words["level"])
+    t = float(engine.word("start_time")[0]) + whole * float(engine.word("user_step")[0])
+    return f"equilibrium at t = {t:.6g} s: "
+
+
+def _restless(engine: Engine) -> str:
+    """The body that went on moving, of a load step that did not come to rest."""
+    if not engine.word("status")[0] & int(k.RESTLESS):
+        return ""
+    moves = np.linalg.norm(engine.scratch.dx.numpy()[0] - engine.scratch.centre_dx.numpy()[0], axis=-1)
+    body = engine.scene.bodies[int(np.argmax(moves))]
+    return f"body {body.name!r} does not come to rest ({moves.max():.3g} m in the last proximal step)"

@@ -1,0 +1,18 @@
+"""Laps: forces of their cells, what these do to bodies and modes, their tangent, and what a step keeps of them."""
+
+from __future__ import annotations
+
+from warpffrf_kernels.laps import keeping, outer, solve
+
+from warpffrf.online.step.launches import blocks, threads
+from warpffrf.online.step.phases import Participant
+
+LAP = Participant(
+    "laps",
+    when="lap_group",
+    load=[blocks(solve.solve_laps, "lap_group", lap_z_flat="lap_z"), threads(outer.push_laps)],
+    assemble=[blocks(outer.stiffen_by_laps), threads(outer.turn_laps)],
+    keep=[blocks(keeping.keep_laps, "lap_group")],
+    commit=[blocks(keeping.commit_laps, "lap_group")],
+    record=[threads(keeping.record_laps, "lap_cell")],
+)
