@@ -261,7 +261,7 @@ def test_faces_of_a_box_do_not_face_each_other(sets, says) -> None:
 
 def test_faces_beside_each_other() -> None:
     mesh = stacked(turned(0.0, (1.5, 0.0, 0.0)))
-    with pytest.raises(InputError, match="'lap'.*'a z_max' and 'b z_min'.*nearest nodes are 0.5 m apart.*beside"):
+    with pytest.raises(InputError, match="'lap'.*'a z_max' and 'b z_min'.*nearest corners are 0.5 m apart.*beside"):
         both(mesh)
 
 

@@ -24,12 +24,13 @@ from scipy.spatial import KDTree
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.laps import LapCells
+from warpffrf.model.laps.facing import BEHIND, FACING
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.offline.fe.reference import FACET_DEGREE, rule
 from warpffrf.offline.laps.clusters import gathered, slivers_joined, wanted_size
 from warpffrf.offline.laps.faces import Face
-from warpffrf.offline.laps.overlap import BEHIND, FACING, Pieces, overlap, places_across, whole
+from warpffrf.offline.laps.overlap import Pieces, overlap, places_across, whole
 
 Array = np.ndarray
 # Degree of quadrature on triangles of the reference domain: N_a |J| of plane facets, bilinear or biquadratic
@@ -233,7 +234,9 @@ def _nodes_across(name: str, first: Face, second: Face, nodes: Array, normals: A
     gap = np.einsum("kni,ki->kn", between, normals)
     aside = np.linalg.norm(between - gap[:, :, None] * normals[:, None], axis=2)
     facing = np.array([normal_across[node] for node in candidates.tolist()])[found]
-    seen = (np.einsum("kni,ki->kn", facing, normals) < FACING) & (gap > -BEHIND * min(first.extent, second.extent))
+    seen = (np.einsum("kni,ki->kn", facing, normals) < FACING) & (
+        gap > -BEHIND * min(first.triangles.extent, second.triangles.extent)
+    )
     aside = np.where(seen, aside, np.inf)
     best = np.argmin(aside, axis=1)
     rows = np.arange(len(nodes))

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from warpffrf.model.laps.facing import Triangles
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
 
@@ -102,7 +103,7 @@ class Face:
                 xi.append(np.tile(element.nodes[split], (len(here), 1, 1)))
                 numbers.append(nodes[here][:, split].reshape(-1, 3))
         nodes = np.concatenate(numbers)
-        return FaceTriangles(np.concatenate(facet), np.concatenate(xi), nodes, self.points[nodes])
+        return FaceTriangles(self.points[nodes], nodes, np.concatenate(facet), np.concatenate(xi))
 
     def _straight(self, kind: str, nodes: Array) -> Array:
         """Which facets (m,) have all their nodes where the linear facet on their corners has them."""
@@ -112,11 +113,6 @@ class Face:
         corners = x[:, : element.corner_count]
         off = np.linalg.norm(x - np.einsum("ac,mci->mai", values, corners), axis=2).max(axis=1)
         return off <= STRAIGHT * np.linalg.norm(np.ptp(corners, axis=1), axis=1)
-
-    @cached_property
-    def extent(self) -> float:
-        """Diagonal of the box around the face [m]."""
-        return float(np.linalg.norm(np.ptp(self.points[self.node_set], axis=0)))
 
     def at(self, facet: Array, xi: Array) -> tuple[Any, Array]:
         """At places `xi` (q, 2) of the facets `facet` (q,): shape functions (q, n) csr over all nodes of the mesh, and
@@ -139,53 +135,9 @@ class Face:
 
 
 @dataclass(frozen=True, eq=False)
-class FaceTriangles:
-    """Triangles of a face: their `facet` (t,), corners `xi` (t, 3, 2) in its reference domain, `nodes` (t, 3) there
-    and `x` (t, 3, 3) [m]."""
+class FaceTriangles(Triangles):
+    """Triangles of a face, of which it also knows the `facet` (t,) and their corners `xi` (t, 3, 2) in its reference
+    domain."""
 
     facet: Array
     xi: Array
-    nodes: Array
-    x: Array
-
-    @cached_property
-    def _area_vector(self) -> Array:
-        return 0.5 * np.cross(self.x[:, 1] - self.x[:, 0], self.x[:, 2] - self.x[:, 0])
-
-    @cached_property
-    def area(self) -> Array:
-        """Areas (t,) [m2]."""
-        return np.linalg.norm(self._area_vector, axis=1)
-
-    @cached_property
-    def normal(self) -> Array:
-        """Outward unit normals (t, 3)."""
-        return self._area_vector / np.where(self.area > 0.0, self.area, 1.0)[:, None]
-
-    @cached_property
-    def center(self) -> Array:
-        """Centroids (t, 3) [m]."""
-        return self.x.mean(axis=1)
-
-    @cached_property
-    def reach(self) -> Array:
-        """Largest distance (t,) of a corner from the centroid [m]."""
-        return np.linalg.norm(self.x - self.center[:, None], axis=2).max(axis=1)
-
-    @cached_property
-    def bulge(self) -> Array:
-        """How far (t,) [m] the surface that a triangle stands for may lie beside it: its reach times the angle between
-        its normal and the mean normals at its corners."""
-        total = np.zeros((int(self.nodes.max()) + 1, 3))
-        np.add.at(total, self.nodes.ravel(), np.repeat(self.normal, 3, axis=0))
-        mean = total[self.nodes]
-        mean /= np.maximum(np.linalg.norm(mean, axis=2, keepdims=True), 1e-300)
-        aside = np.linalg.norm(np.cross(mean, self.normal[:, None]), axis=2)
-        return self.reach * aside.max(axis=1)
-
-    @cached_property
-    def plane(self) -> Array:
-        """Two axes (t, 2, 3) of each triangle's plane, which make a right-handed frame with its normal."""
-        first = self.x[:, 1] - self.x[:, 0]
-        first = first / np.linalg.norm(first, axis=1, keepdims=True)
-        return np.stack([first, np.cross(self.normal, first)], axis=1)
