@@ -169,8 +169,8 @@ def _doubts(surfaces: Mapping[str, LapSurface], C: Array, softness: Array) -> li
         own = own + softness[:, normal].T @ softness[:, normal]
         if len(own) and (rank := _rank(own)) < len(own):
             found.append(
-                f"lap {name!r}: {len(own) - rank} of {s.cells} cells depend on the others, the faces have more facets "
-                "than the nodes between them can tell apart; make larger cells by LapCells(size=), or by='nodes'"
+                f"lap {name!r}: {len(own) - rank} of {s.cells} cells depend on the others: some pressures that change "
+                "from cell to cell load no node; make larger cells by LapCells(size=), or take by='nodes'"
             )
     return found
 
