@@ -92,11 +92,12 @@ def reduce_general(
     require_observers(seen, len(mesh.points))
     massed = [s.fields[0].count if local_dynamics else 0 for s in contacts]
     _check_results([s.count for s in contacts], seen, massed, limit)
-    lapped = None
+    lapped, beside_laps = None, []
     if laps:
         with progress.stage("cells of laps"):
             lapped = BodyLaps.of(mesh, laps)
-            lapped.require_room(observers, limit)
+            beside_laps = lapped.observers(seen[0], observers)
+            lapped.require_room(beside_laps, limit)
 
     with progress.stage("assembly"):
         K, M = fe_matrices(mesh, assignment)
@@ -162,7 +163,7 @@ def reduce_general(
 
     lap_product = None
     if lapped is not None:
-        lap_product = lapped.product(model, omega, Phi, T, observers, limit, progress, checkpoint)
+        lap_product = lapped.product(model, omega, Phi, T, beside_laps, limit, progress, checkpoint)
     if responses is not None:
         facts |= {"block": responses.width, "threads": responses.workers}
     modes = {o.name: o.operator @ shape for o in [seen[0], *observers]}

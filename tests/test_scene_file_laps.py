@@ -1,0 +1,47 @@
+"""Faces of laps in scene files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import warpffrf as wf
+
+SCENE = """
+[materials.steel]
+youngs_modulus = 210e9
+poisson_ratio = 0.3
+density = 7850.0
+[meshes.plate]
+kind = "box"
+size = [1.0, 1.0, 0.2]
+counts = [4, 4, 1]
+order = 1
+[reduced_bodies.plate]
+mesh = "plate"
+material = "steel"
+cache = false
+laps = LAPS
+[bodies.plate]
+body = "plate"
+"""
+
+
+def written(tmp_path: Path, laps: str) -> Path:
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE.replace("LAPS", laps))
+    return path
+
+
+def test_names_and_tables(tmp_path: Path) -> None:
+    loaded = wf.load_scene(written(tmp_path, '{ foot = { first = "z_min", size = 0.5 }, head = "z_max" }'))
+    laps = loaded.scene.bodies[0].reduced.laps
+    assert {name: lap.cells for name, lap in laps.items()} == {"foot": 4, "head": 16}
+
+
+def test_what_does_not_exist_is_named(tmp_path: Path) -> None:
+    with pytest.raises(wf.InputError, match="lap 'foot': 'edge' does not exist; known: 'first'"):
+        wf.load_scene(written(tmp_path, '{ foot = { first = "z_min", edge = 0.5 } }'))
+    with pytest.raises(wf.InputError, match="lap 'foot': .*'z_mid' does not exist"):
+        wf.load_scene(written(tmp_path, '{ foot = "z_mid" }'))
