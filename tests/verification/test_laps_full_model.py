@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from scipy.sparse.linalg import eigsh
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, box
+from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.offline.fe.assembly import assemble
 from warpffrf.offline.fe.materials import assign
@@ -52,6 +54,44 @@ def test_matrices_are_those_of_the_package(order: int) -> None:
         R = rigid_modes(points, points.mean(axis=0))
         assert np.abs(ours[0] @ R).max() < ROUND_OFF * abs(ours[0]).max()
         assert R[:, 0] @ (ours[1] @ R[:, 0]) == pytest.approx(STEEL.density * moved.volume(), rel=1e-9)
+
+
+def tetrahedra(order: int) -> Mesh:
+    """A box of hexahedra cut along their diagonals."""
+    block = box((0.1, 0.03, 0.02), (3, 2, 2), order=1)
+    cuts = [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)]
+    cells = np.concatenate([block.cells["hex8"][:, list(cut)] for cut in cuts])
+    if order == 1:
+        return Mesh(block.points, {"tet4": cells})
+    corner = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
+    x, columns, number = list(block.points), [cells], {}
+    for place in cell_kind("tet10").nodes[4:]:
+        a, b = next((a, b) for a, b in combinations(range(4), 2) if np.allclose(corner[a] + corner[b], 2.0 * place))
+        middle = []
+        for i, j in np.sort(cells[:, [a, b]], axis=1).tolist():
+            if (i, j) not in number:
+                number[i, j] = len(x)
+                x.append(0.5 * (block.points[i] + block.points[j]))
+            middle.append(number[i, j])
+        columns.append(np.array(middle)[:, None])
+    return Mesh(np.array(x), {"tet10": np.concatenate(columns, axis=1)})
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_matrices_of_tetrahedra_are_those_of_the_package(order: int) -> None:
+    mesh = tetrahedra(order)
+    theirs = assemble(mesh.points, mesh.cells, assign(mesh, STEEL))
+    for found, wanted in zip(matrices(mesh, STEEL), theirs, strict=True):
+        assert abs(found - wanted).max() < 1e-12 * abs(wanted).max()
+
+
+def test_a_body_that_nothing_holds_is_named() -> None:
+    lower, upper = stack(SIZE, (4, 1, 1), 2)
+    loose = FullModel([Part(lower, STEEL, ("x_min",)), Part(upper, STEEL)])
+    with pytest.raises(InputError, match=r"nothing holds body 1 \(sheet 1\).*add springs"):
+        loose.solve(np.zeros((loose.size, 1)))
+    a = [loose.spread(1, name, d) for name in ("x_min", "x_max", "y_min") for d in np.eye(3)]
+    assert loose.with_springs(*((v, 1e6) for v in a)).solve(np.zeros((loose.size, 1))).max() == 0.0
 
 
 def test_cells_see_relative_motion_and_balance() -> None:

@@ -38,7 +38,8 @@ from warpffrf.offline.elastic import Array, ElasticModel
 from warpffrf.offline.fe.reference import FACET_DEGREE, rule
 
 ASIDE = 0.5  # of the side of a node's share of the face: a partner further along the face is none
-ROUND_OFF = 1e-10  # of the largest energy or eigenvalue: what is below loses its digits in the Gram matrix
+ROUND_OFF = 1e-14  # of the largest energy or eigenvalue: the noise of a Gram matrix is 1e-16
+MOSTLY_THERE = 0.5  # energy that must be left of a vector when it is orthogonalised again: one of round-off shrinks
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,9 +119,7 @@ def joint_modes(
     columns, derivatives, taken, left_out = [], [], [], []
     for load, wanted in zip(loads, (normal, tangential), strict=True):
         X = model.flexibility(relative.T @ load.reshape(3 * len(area), -1))
-        for _ in range(2):  # twice is enough (Kahan, Parlett)
-            X = X - base @ (base.T @ (model.K @ X))
-        V, rest = _leading(model, X, wanted)
+        V, rest = _leading(model, _freed(model, X, base), base, wanted)
         columns.append(V)
         derivatives.append(X.shape[1])
         taken.append(V.shape[1])
@@ -137,8 +136,16 @@ def _independent(model: ElasticModel, base: Array) -> Array:
     return base @ (vectors[:, keep] / np.sqrt(values[keep]))
 
 
-def _leading(model: ElasticModel, X: Array, wanted: int) -> tuple[Array, float]:
-    """Up to `wanted` leading vectors (n, m) of the columns of X, scaled to unit energy, and what they leave out."""
+def _freed(model: ElasticModel, X: Array, base: Array) -> Array:
+    """X without its K-projection on the K-orthonormal base."""
+    for _ in range(2):  # twice is enough (Kahan, Parlett)
+        X = X - base @ (base.T @ (model.K @ X))
+    return X
+
+
+def _leading(model: ElasticModel, X: Array, base: Array, wanted: int) -> tuple[Array, float]:
+    """Up to `wanted` leading vectors (n, m) of the columns of X, K-orthogonal to the base, scaled to unit energy, and
+    what they leave out."""
     energy = np.einsum("nt,nt->t", X, model.K @ X)
     straining = energy > ROUND_OFF * energy.max(initial=0.0)
     if not straining.any() or not wanted:
@@ -147,7 +154,10 @@ def _leading(model: ElasticModel, X: Array, wanted: int) -> tuple[Array, float]:
     values, Z = np.linalg.eigh(X.T @ (model.K @ X))
     values, Z = np.maximum(values[::-1], 0.0), Z[:, ::-1]
     kept = min(wanted, int(np.sum(values > ROUND_OFF * values[0])))
-    return X @ (Z[:, :kept] / np.sqrt(values[:kept])), float(np.sqrt(values[kept:].sum() / values.sum()))
+    V = _freed(model, X @ (Z[:, :kept] / np.sqrt(values[:kept])), base)
+    again, Y = np.linalg.eigh(V.T @ (model.K @ V))
+    there = again > MOSTLY_THERE
+    return V @ (Y[:, there] / np.sqrt(again[there])), float(np.sqrt(values[kept:].sum() / values.sum()))
 
 
 def trial_vector_derivatives(problem: BasisProblem, options: TrialVectorDerivatives) -> RawBasis:

@@ -35,6 +35,7 @@ from warpffrf.model.errors import InputError, require_array, unknown_name
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import cell_kind, facet_kind
+from warpffrf.model.mesh.rigid import rigid_modes
 
 Array = np.ndarray
 Sparse = Any  # scipy.sparse
@@ -45,6 +46,7 @@ KINDS: dict[str, tuple[Any, Any, Any, int]] = {
     "tet4": (ElementTetP1, MeshTet, None, 2),
     "tet10": (ElementTetP2, MeshTet, MeshTet2, 4),
 }
+HELD = 1e-9  # of the largest entry of K: what a rigid motion must feel at least; round-off is 1e-14
 GAUSS = 3  # points a direction of a quadrilateral: exact for products of quadratic functions
 # of the unit triangle: exact to the fourth degree (Dunavant 1985)
 TRIANGLE = (
@@ -180,7 +182,23 @@ class FullModel:
 
     @cached_property
     def _static(self) -> Any:
+        for i, part in enumerate(self.parts):
+            if not part.held:
+                self._require_springs(i, part)
         return self.factor(self.K)
+
+    def _require_springs(self, i: int, part: Part) -> None:
+        """Raises `InputError` where springs do not hold a body that nothing else holds."""
+        x = part.mesh.points
+        R = rigid_modes(x, x.mean(axis=0))
+        R[:, 3:] /= np.ptp(x, axis=0).max()  # rotations times a length are displacements
+        dofs = slice(3 * int(self.offsets[i]), 3 * int(self.offsets[i + 1]))
+        held = np.linalg.eigvalsh(R.T @ (self.K[dofs, dofs] @ R))[0]
+        if held < HELD * abs(self.K[dofs, dofs]).max():
+            raise InputError(
+                f"full model: nothing holds body {i} ({part.mesh.name or 'unnamed'}) against all rigid motions; hold a "
+                "facet set of it, or add springs"
+            )
 
     def solve(self, F: Any) -> Array:
         """K^-1 F (dofs, m) with the supports; F (dofs, m), dense or sparse."""
