@@ -120,7 +120,7 @@ def reduce_general(
 
     with progress.stage("global modes"):
         turning = np.asarray(T.T @ (nodal_mass @ centrifugal_acceleration(mesh.points, center)))
-        basis = _global_modes(options, model, system, limits, turning if centrifugal else None, checkpoint)
+        basis = _global_modes(options, model, system, limits, turning if centrifugal else None, mesh, checkpoint)
         omega, Phi = basis.omega, basis.Phi
     with progress.stage("inertia terms"):
         turned = turning_response(model, turning, omega, Phi)
@@ -191,12 +191,13 @@ def _global_modes(
     system: InterfaceSystem,
     limits: Limits,
     turning: Array | None,
+    mesh: Mesh,
     checkpoint: Checkpoint,
 ) -> GlobalBasis:
     """The global modes: from the work file, or computed."""
     if (known := checkpoint.get("global modes")) is not None:
         return GlobalBasis(known["omega"], known["Phi"], json.loads(str(known["facts"])))
-    basis = build_basis(options, model, system, limits, turning)
+    basis = build_basis(options, model, system, limits, turning, mesh)
     # as it comes back from a work file: the same products, bit for bit
     basis = GlobalBasis(basis.omega, np.ascontiguousarray(basis.Phi), basis.facts)
     arrays = {"omega": basis.omega, "Phi": basis.Phi, "facts": np.array(json.dumps(basis.facts))}
