@@ -20,4 +20,5 @@ TANGENTIAL = wp.constant(6)
 TURNING = wp.constant(7)
 DONE = wp.constant(8)
 KNOWN = wp.constant(9)  # differences for Anderson's rule
-WORDS = 10
+HELD = wp.constant(10)  # 1 while its forces on the motion stay as they are, whatever moves
+WORDS = 11
