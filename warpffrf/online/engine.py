@@ -212,7 +212,7 @@ class Engine:
         for name in ("answer_hat", "order"):  # lists over slots
             if name in given:
                 self.make_room(given[name].shape[1])
-        self.state.assign(checkpoint)
+        self.put_back(checkpoint)
         here = self._kept()
         if {name: a.shape for name, a in here.items()} == {name: a.shape for name, a in given.items()}:
             for name, array in here.items():
@@ -220,6 +220,12 @@ class Engine:
         else:
             self.control(stale=1)
             self.start_notes.append(NOT_KEPT)
+
+    def put_back(self, values: Mapping[str, np.ndarray]) -> None:
+        """Overwrite the state of this engine. Tableaus of laps belong to what was evaluated last: they are made anew of
+        the forces of the state."""
+        self.state.assign(values)
+        self.scratch.lap_words.zero_()
 
     def _kept(self) -> dict[str, DeviceArray]:
         """Arrays that are kept from step to step beside the state, each once: some stand in for others."""

@@ -42,6 +42,7 @@ from warpffrf_kernels.laps.words import (
     CLOSES,
     COUNT,
     DONE,
+    HELD,
     KNOWN,
     NORMAL,
     OPENS,
@@ -132,6 +133,8 @@ def solve_laps(
         while c < cells:
             lap_flips[w, first + c] = 0
             c += 1
+    if lap_words[w, group, HELD] != 0:
+        return
     if ready == 0:
         begin_table(model, w, group, lane, lap_table)
         if lane == 0:

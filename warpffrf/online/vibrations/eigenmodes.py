@@ -40,6 +40,7 @@ from warpffrf.online.start.settle import settle
 from warpffrf.online.turn import TURN
 from warpffrf.online.vibrations.film_modes import film_modes
 from warpffrf.online.vibrations.linearise import Linearisation, linearise
+from warpffrf.online.vibrations.stuck_laps import stuck_notes
 
 Array = np.ndarray
 RANK = 1e-10  # of the largest singular value: rows that hold nothing; the compiler has taken dependent rows out
@@ -243,6 +244,7 @@ def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
             f"closed contacts stay closed ({linear.closed} pressure hats): the modes are those of vibrations too small "
             "to open them, with the patch held in place; what rolls it along is at 0 Hz"
         )
+    notes.extend(stuck_notes(engine, name))
     if linear.films:
         notes.append(
             "oil films keep their sets of voids: the modes are those of vibrations too small to change them; motions "
