@@ -26,6 +26,9 @@ from warpffrf.output.contact.film_result import FilmResult
 from warpffrf.output.contact.pair_result import PairResult
 from warpffrf.output.contact.result import ContactResult
 from warpffrf.output.geometry.scene_view import SceneView, scene_view
+from warpffrf.output.laps.lap_result import LapResult
+from warpffrf.output.loops.channels import channel
+from warpffrf.output.loops.hysteresis import Hysteresis
 
 if TYPE_CHECKING:
     from warpffrf.output.bodies.stress import StressResult
@@ -110,6 +113,32 @@ class Result:
     @cached_property
     def _films(self) -> dict[str, FilmResult]:
         return {name: FilmResult(film, self.view.films[name], self.time) for name, film in self.history.films.items()}
+
+    @property
+    def lap_names(self) -> list[str]:
+        """Names of the laps."""
+        return list(self.history.laps)
+
+    def lap(self, name: str) -> LapResult:
+        """The lap called `name`: pressures, tractions, slips, losses and slip zones; raises InputError when there is
+        none."""
+        return _named(self._laps, "lap", name)
+
+    @cached_property
+    def _laps(self) -> dict[str, LapResult]:
+        return {name: LapResult(lap, self.view.laps[name], self.time) for name, lap in self.history.laps.items()}
+
+    def hysteresis(self, force: Any, against: Any) -> Hysteresis:
+        """A force against a displacement over the run: loops with their losses and equivalent damping
+        (`.loop(begin, end)`, `.cycles(period)`), stiffness against load (`.stiffness()`), and plots (`.draw(ax)`).
+
+        force, against: an array (T,) [N, m], or what it is of: `("push", "x")`, of a force, sensor, joint, lap,
+        contact, film or body and its component, or a name alone where it has one, as a joint's coordinate or a sensor;
+        see `warpffrf.output.loops.channels`. Raises InputError for what there is not.
+        """
+        F = channel(self, force, "N", "force")
+        x = channel(self, against, "m", "displacement")
+        return Hysteresis(self.time, F.values, x.values, F.label, x.label, F.unit, x.unit)
 
     @property
     def sensor_names(self) -> list[str]:
@@ -215,19 +244,27 @@ class Result:
 
     def plot(
         self, kind: str = "summary", ax: Any = None, contact: str | None = None, film: str | None = None,
-        row: int | None = None,
+        row: int | None = None, lap: str | None = None,
     ) -> Any:  # fmt: skip
         """Draw one kind of plot on the matplotlib axes `ax` (a new one when None) and return it; "summary"
         returns a Figure.
 
         contact: the pair whose patch is drawn, by name; the first one (with friction, where that is drawn) if None.
-        film: likewise the oil film; row: the saved step of its maps, the last one if None. Kinds: see
-        `warpffrf.output.plots.figure.PLOTS`, of films `plots.films.FILM_PLOTS`. Raises InputError for an unknown kind,
-        pair or film.
+        film, lap: likewise the oil film and the lap; row: the saved step of their maps, the last one if None. Kinds:
+        see `warpffrf.output.plots.figure.PLOTS`, of films `plots.films.FILM_PLOTS`, of laps `plots.laps.LAP_PLOTS`.
+        Raises InputError for an unknown kind, pair, film or lap.
         """
         from warpffrf.output.plots import figure
 
-        return figure.plot(self, kind, ax, contact, film, row)
+        return figure.plot(self, kind, ax, contact, film, row, lap)
+
+    def lap_page(self, lap: str | None = None, times: Any = None) -> Any:
+        """A matplotlib Figure of one lap, the first one if None: its pressure, state and loss at saved steps next to
+        the `times` [s], three of the run if None. Raises InputError for a lap that there is not, and times outside of
+        the run."""
+        from warpffrf.output.plots.laps import lap_figure
+
+        return lap_figure(self, lap, times)
 
     def to_xarray(self) -> Any:
         """An `xarray.Dataset` with the names, units and frames of the results file; needs the optional

@@ -4,7 +4,8 @@ r"""The deformed skin of a body at a saved step, and the pressure on it.
 
 `recover` is the local modes' response to outward hat forces, those of `normal_loads`; with friction the tangential
 forces of `patch_on_skin` are recovered in the same way, of bodies that were reduced with tangential modes. Oil films
-load their first body by their pressure; their shear is left out.
+load their first body by their pressure; their shear is left out. Laps move the skin by the modes that they bend: what
+their cells yield by themselves is left out.
 """
 
 from __future__ import annotations

@@ -4,7 +4,8 @@ r"""Stress of one body over a run, at points that were named when it was reduced
 
 with the global coordinates `q`, and of every contact pair that the body takes part in, as first or as second body, the
 outward hat forces `f` and, with friction, the tangential forces of the cells (`StressField`); of oil films on the body
-their pressure, without their shear. The tensor is in the axes
+their pressure, without their shear; laps act by the modes that they bend, without what their cells do near by. The
+tensor is in the axes
 of the body's user frame, which turns with the body; von Mises and principal stresses do not depend on axes.
 
 On a pair's first body the traction is the pressure that the contact found, hat by hat; on the second it is that

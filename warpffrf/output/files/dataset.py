@@ -20,6 +20,9 @@ from warpffrf.output.files.fields import (
     FRICTION_FIELDS,
     JOINT_FIELDS,
     JOINT_FRICTION_FIELDS,
+    LAP_CELLS,
+    LAP_DERIVED,
+    LAP_FIELDS,
     LUMPED_FIELDS,
     RUN_FIELDS,
     SIZES,
@@ -58,6 +61,9 @@ def to_xarray(result: Any) -> Any:
         coords["slip"] = ["along", "around"]
     if history.films:
         coords["chart_axis"] = ["e_0", "e_1"]
+    laps = {name: result.lap(name) for name in history.laps}
+    if laps:
+        coords["along"], coords["frame_axis"] = ["t_1", "t_2"], ["n", "t_1", "t_2"]
     yielding = {name: film for name, film in history.films.items() if film.load_second is not None}
     groups: tuple[tuple[str, tuple[Field, ...], dict[str, Any]], ...] = (
         ("body", BODY_FIELDS, history.bodies),
@@ -69,6 +75,7 @@ def to_xarray(result: Any) -> Any:
         *([("lumped_contact", LUMPED_FIELDS, history.lumped_contacts)] if history.lumped_contacts else []),
         *([("film", FILM_FIELDS, history.films)] if history.films else []),
         *([("film", FILM_SECOND_FIELDS, yielding)] if yielding else []),
+        *([("lap", LAP_FIELDS, history.laps), ("lap", LAP_DERIVED, laps)] if laps else []),
         *([("cell_pair", CELL_FIELDS, cells)] if cells else []),
         *([("friction_pair", (*FRICTION_FIELDS, *FRICTION_DERIVED), rubbing)] if rubbing else []),
     )
@@ -101,6 +108,10 @@ def to_xarray(result: Any) -> Any:
         for field in FILM_POSITIONS:
             dim = f"{field.dims[0]}_{name}"
             coords[dim] = ((dim,), getattr(result.film(name), field.attribute), _attributes(field))
+    for name, lap in laps.items():
+        for field in LAP_CELLS:
+            dims = tuple(d if d in SIZES else f"{d}_{name}" for d in field.dims)
+            coords[f"{field.name}_{name}"] = (dims, getattr(lap.view, field.attribute), _attributes(field))
     for name in result.sensor_names:
         sensor = result.sensor(name)
         coords[f"component_{name}"] = list(sensor.components)

@@ -30,7 +30,7 @@ AXIS, QUATERNION = ("axis",), ("quaternion",)
 DIRECTION = ("direction",)  # e_theta and t_z of the first surface
 CHART_AXIS = ("chart_axis",)  # e_0 and e_1 of the first surface
 # Of the dimensions that all owners share.
-SIZES = {"axis": 3, "quaternion": 4, "direction": 2, "slip": 2, "chart_axis": 2}
+SIZES = {"axis": 3, "quaternion": 4, "direction": 2, "slip": 2, "chart_axis": 2, "along": 2, "frame_axis": 3}
 
 RUN_FIELDS = (
     Field("time", "time", "s", "none"),
@@ -142,6 +142,37 @@ FILM_SECOND_FIELDS = (
     Field(
         "film_load_second", "load_second", "N", "contact grid of the second surface, inwards", FILM_NODES, stacked=False
     ),
+)
+
+LAP_CELL, LAP_ALONG = ("lap_cell",), ("lap_cell", "along")  # along: t_1 and t_2 of the frame of a cell
+LAP_FRAME = "along t_1 and t_2 of the cells"
+LAP_FIELDS = (
+    Field("lap_force", "force", "N", "world, on the second face", AXIS),
+    Field("lap_torque", "torque", "N m", "world, on the second face, about the middle of the first face's cells", AXIS),
+    Field("lap_normal_force", "normal_force", "N", "along the normals, without regard to their direction"),
+    Field("lap_pressure", "pressure", "Pa", "means over the cells", LAP_CELL, stacked=False),
+    Field("lap_traction", "traction", "Pa", f"on the second face, {LAP_FRAME}", LAP_ALONG, stacked=False),
+    Field("lap_gap", "gap", "m", "along the normals", LAP_CELL, stacked=False),
+    Field("lap_slip", "slip", "m", f"of the second face so far, {LAP_FRAME}", LAP_ALONG, stacked=False),
+    Field("lap_state", "state", "0 open, 1 stick, 2 slip", "none", LAP_CELL, stacked=False),
+    Field("lap_cell_loss", "loss", "J", "by friction so far", LAP_CELL, stacked=False),
+)
+# Derived by `LapResult`, written so that readers without warpffrf have them, never read back.
+FIRST_USER = "user frame of the first body"
+LAP_DERIVED = (
+    Field("lap_loss", "loss", "J", "by friction so far"),
+    Field("lap_largest_pressure", "largest_pressure", "Pa", "mean over a cell"),
+    Field("lap_stick_area", "stick_area", "m2", "none"),
+    Field("lap_slip_area", "slip_area", "m2", "none"),
+    Field("lap_sliding", "sliding", "m", f"{FIRST_USER}, of the second face at the middle of the cells", AXIS),
+    Field("lap_turning", "turning", "rad", f"{FIRST_USER}, of the second face", AXIS),
+)
+# Of `LapView`: the cells, the same in all steps.
+LAP_CELLS = (
+    Field("lap_number", "cell", "1", "number of the cell on the first face", LAP_CELL, stacked=False),
+    Field("lap_point", "points", "m", f"{FIRST_USER}, middles of the cells", ("lap_cell", "axis"), stacked=False),
+    Field("lap_frame", "frames", "1", f"{FIRST_USER}, rows n, t_1, t_2", ("lap_cell", "frame_axis", "axis"), False),
+    Field("lap_area", "area", "m2", "none", LAP_CELL, stacked=False),
 )
 
 # Of the pairs that were run with friction: their own owners, `friction_pair`.

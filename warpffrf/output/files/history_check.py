@@ -21,6 +21,7 @@ from warpffrf.output.files.fields import (
     FRICTION_FIELDS,
     JOINT_FIELDS,
     JOINT_FRICTION_FIELDS,
+    LAP_FIELDS,
     LUMPED_FIELDS,
     RUN_FIELDS,
     SIZES,
@@ -44,6 +45,7 @@ FINITE = {
         "void",
         "asperity",
     ),
+    "laps": ("force", "torque", "normal_force", "pressure", "traction", "gap", "slip", "loss"),
 }
 
 
@@ -71,6 +73,9 @@ def check_history(history: History) -> None:
         _check_owner(film, FILM_FIELDS, name, steps)
         _check_owner(film if film.load_second is not None else None, FILM_SECOND_FIELDS, name, steps)
         _check_film_grid(film, name, history.scene)
+    for name, lap in history.laps.items():
+        _check_owner(lap, LAP_FIELDS, name, steps)
+        _check_lap_cells(lap, name, history.scene)
     for name, contact in history.contacts.items():
         _check_owner(contact, [f for f in CONTACT_FIELDS if f.attribute != "load_second"], name, steps)
         _check_owner(contact, [f for f in CONTACT_FIELDS if f.attribute == "load_second"], name, steps)
@@ -99,6 +104,17 @@ def _check_film_grid(film: Any, name: str, scene: Any) -> None:
             f"film_pressure of '{name}' has {shape[0]} columns and {shape[1]} rows, the grid of its first surface "
             f"{grid.columns} and {grid.rows}"
         )
+
+
+def _check_lap_cells(lap: Any, name: str, scene: Any) -> None:
+    """The fields of a lap against its cells, as a file has them."""
+    if not isinstance(scene, SceneView):
+        return
+    if name not in scene.laps:
+        raise InputError(f"lap '{name}' has a history, but the scene has no lap of this name")
+    cells, count = len(scene.laps[name].area), np.shape(lap.pressure)[1]
+    if count != cells:
+        raise InputError(f"lap_pressure of '{name}' has {count} cells, the lap has {cells}")
 
 
 def _check_owner(owner: Any, fields: Any, name: str, steps: int) -> None:

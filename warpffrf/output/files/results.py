@@ -5,6 +5,8 @@
     /lumped_force (time, lumped_contact, axis), ...   over the lumped contacts, where there are any
     /film_force (time, film, axis), /film_pressure/<film> (time, film_column, film_row), ...   over the oil films, where
                              there are any; /film_theta/<film>, /film_z/<film> the places of the nodes
+    /lap_force (time, lap, axis), /lap_pressure/<lap> (time, lap_cell), ...   over the laps, where there are any;
+                             /lap_point/<lap>, /lap_area/<lap>, ... their cells
     /contact_friction_power (time, friction_pair), ...   over the pairs with friction, where there are any
     /contact_cell_half_width (time, cell_pair), /contact_cell_z/<pair> (time, row), ...   over the pairs whose pressure
                              stands on cells that travel with the patch, where there are any
@@ -54,6 +56,7 @@ from warpffrf.online.history.history import (
     History,
     JointFrictionHistory,
     JointHistory,
+    LapHistory,
     LumpedHistory,
     SensorHistory,
 )
@@ -73,6 +76,9 @@ from warpffrf.output.files.fields import (
     FRICTION_FIELDS,
     JOINT_FIELDS,
     JOINT_FRICTION_FIELDS,
+    LAP_CELLS,
+    LAP_DERIVED,
+    LAP_FIELDS,
     LUMPED_FIELDS,
     RUN_FIELDS,
     Field,
@@ -84,6 +90,7 @@ from warpffrf.output.geometry.scene_view import (
     GROUND,
     BodyView,
     FilmView,
+    LapView,
     PairView,
     SceneView,
     ground_view,
@@ -101,8 +108,9 @@ _GROUPS = (
     ("forces", "force", FORCE_FIELDS, ForceHistory),
     ("lumped_contacts", "lumped_contact", LUMPED_FIELDS, LumpedHistory),
     ("films", "film", FILM_FIELDS, FilmHistory),
+    ("laps", "lap", LAP_FIELDS, LapHistory),
 )
-_ONLY_WHERE_THERE = ("lumped_contact", "film")
+_ONLY_WHERE_THERE = ("lumped_contact", "film", "lap")
 
 
 def write_results(result: Any, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
@@ -154,11 +162,10 @@ def put_result(file: Any, result: Any, *, bodies: bool = True, packing: dict[str
     file.attrs["film_second_names"] = json.dumps(list(yielding))
     if yielding:
         _put_group(file, "film", FILM_SECOND_FIELDS, yielding, steps, packing)
-    for field in FILM_POSITIONS if history.films else ():
-        group = file.create_group(field.name)
-        for name in history.films:
-            data = group.create_dataset(_key(name), data=getattr(result.film(name), field.attribute))
-            data.attrs.update({"units": field.units, "frame": field.frame, "dims": " ".join(field.dims)})
+    _put_fixed(file, FILM_POSITIONS, {name: result.film(name) for name in history.films})
+    if history.laps:
+        _put_group(file, "lap", LAP_DERIVED, {name: result.lap(name) for name in history.laps}, steps, packing)
+    _put_fixed(file, LAP_CELLS, {name: result.view.laps[name] for name in history.laps})
     lines = np.stack(list(history.energy.values()), axis=1) if history.energy else np.zeros((steps, 0))
     file.attrs["energy_lines"] = json.dumps(list(history.energy))
     _put(file, Field("energy", "energy", ENERGY_UNITS, "none", ("line",)), lines, (), packing)
@@ -281,6 +288,15 @@ def _put_group(
             _put(group, of_owner(field, owner), getattr(owner, field.attribute), (), packing, key=_key(name))
 
 
+def _put_fixed(file: Any, fields: tuple[Field, ...], owners: dict[str, Any]) -> None:
+    """What is the same in all steps."""
+    for field in fields if owners else ():
+        group = file.create_group(field.name)
+        for name, owner in owners.items():
+            data = group.create_dataset(_key(name), data=getattr(owner, field.attribute))
+            data.attrs.update({"units": field.units, "frame": field.frame, "dims": " ".join(field.dims)})
+
+
 def _get(file: Any, field: Field, name: str, n: int) -> np.ndarray:
     return read(file, field.name, np.s_[:, n]) if field.stacked else read(file, f"{field.name}/{_key(name)}")
 
@@ -342,10 +358,15 @@ def _put_scene(file: Any, view: SceneView, reduced: bool) -> None:
         for f in view.films.values()
     ]
     group.attrs["films"] = json.dumps(films)
+    laps = [
+        [v.name, v.first_body.name, v.first_surface_name, v.second_body.name, v.second_surface_name, v.friction]
+        for v in view.laps.values()
+    ]
+    group.attrs["laps"] = json.dumps(laps)
     group.attrs["at_nodes"] = json.dumps([p.name for p in view.pairs.values() if p.at_nodes])
     fixed = [
         b
-        for p in (*view.pairs.values(), *view.lumped.values(), *view.films.values())
+        for p in (*view.pairs.values(), *view.lumped.values(), *view.films.values(), *view.laps.values())
         for b in (p.first_body, p.second_body)
         if b.name not in view.bodies
     ]
@@ -386,11 +407,18 @@ def _get_scene(file: Any) -> SceneView:
         name: FilmView(name, known[first], first_surface, known[second], second_surface, clearance=clearance)
         for name, first, first_surface, second, second_surface, clearance in json.loads(group.attrs.get("films", "[]"))
     }
+    laps = {
+        name: LapView(
+            name, known[first], first_surface, known[second], second_surface, friction,
+            **{field.attribute: read(file, f"{field.name}/{_key(name)}") for field in LAP_CELLS},
+        )
+        for name, first, first_surface, second, second_surface, friction in json.loads(group.attrs.get("laps", "[]"))
+    }  # fmt: skip
     for name in json.loads(group.attrs.get("at_nodes", "[]")):
         pairs[name] = replace(pairs[name], at_nodes=True)
     anchors = tuple(Anchor.of(data) for data in json.loads(group.attrs.get("anchors", "[]")))
     joints = tuple(json.loads(group.attrs["joints"]))
-    return SceneView(str(group.attrs["content_hash"]), bodies, pairs, joints, anchors, lumped, films)
+    return SceneView(str(group.attrs["content_hash"]), bodies, pairs, joints, anchors, lumped, films, laps)
 
 
 def _as_bytes(reduced: Any) -> np.ndarray:

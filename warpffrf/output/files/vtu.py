@@ -1,14 +1,20 @@
-"""A run as a VTK time series: one .vtu a flexible body and saved step, bound together by one .pvd.
+"""A run as a VTK time series: one .vtu a flexible body or lap and saved step, bound together by one .pvd.
 
 Points are the rigidly moved, undeformed skin in world axes; the point data `displacement` [m, world axes] (warp by
 this vector), `pressure` [Pa], and of bodies with friction `traction` [Pa, world axes, on this body], `slip` speed
 [m/s], `wear` index [W/m2] and `state` (0 open, 1 stick, 2 slip). ParaView and `pyvista.PVDReader` open the .pvd; one
 body is one part.
+
+A lap is a part, too: the triangles that its cells consist of, on the first body with the displacement of its skin,
+with the cell data `pressure` and `traction` [Pa, world axes, on the second face], `gap` [m], `slip` [m, world axes, of
+the second face so far], `state`, `loss` [J/m2, so far] and `cell`, the number of the cell. What cells yield by
+themselves is not in the displacement.
 """
 
 from __future__ import annotations
 
 import os
+from functools import partial
 from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import quoteattr
@@ -20,6 +26,8 @@ from warpffrf.model.mesh.meshio_files import meshio_package
 from warpffrf.model.output_paths import checked_output_path
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.geometry.grid_places import rotate
+from warpffrf.output.laps.lap_result import LapResult
+from warpffrf.output.laps.on_skin import LapOnSkin
 
 
 def write_time_series(result: Any, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False) -> Path:
@@ -41,10 +49,15 @@ def write_time_series(result: Any, path: str | os.PathLike[str], *, stride: int 
     folder = target.with_suffix("")
     folder.mkdir(exist_ok=True)
     entries = []
+    laps = [result.lap(name) for name in result.lap_names]
+    parts = [(name, partial(body_mesh, result, name, skin)) for name, skin in skins.items()]
+    for lap in laps:
+        placed = LapOnSkin(lap.view, skins[lap.view.first_body.name])
+        parts.append((lap.name, partial(lap_mesh, result, lap, placed)))
     for i in range(0, len(result.time), stride):
-        for part, (name, skin) in enumerate(skins.items()):
+        for part, (name, mesh_at) in enumerate(parts):
             file = folder / f"{part}_{i:06d}.vtu"
-            meshio.write(file, body_mesh(result, name, skin, i))
+            meshio.write(file, mesh_at(i))
             location = quoteattr(f"{folder.name}/{file.name}")
             entries.append(
                 f'    <DataSet timestep="{result.time[i]:.17g}" part="{part}" name={quoteattr(name)} file={location}/>'
@@ -73,4 +86,25 @@ def body_mesh(result: Any, name: str, skin: Skin, i: int) -> Any:
         points=np.asarray(motion.position[i]) + rotate(rotation, skin.points),
         cells=[("triangle", skin.triangles)],
         point_data=data,
+    )
+
+
+def lap_mesh(result: Any, lap: LapResult, placed: LapOnSkin, i: int) -> Any:
+    """The meshio mesh of the cells of one lap at saved step `i`."""
+    meshio = meshio_package()
+
+    motion, cell = result.history.bodies[lap.view.first_body.name], placed.cell
+    rotation, along = motion.rotation[i], lap.frames[:, 1:]
+
+    def in_world(components: np.ndarray) -> np.ndarray:
+        return rotate(rotation, np.einsum("ck,ckd->cd", components, along))[cell]
+
+    data = {"pressure": lap.pressure[i], "gap": lap.gap[i], "state": lap.state[i], "loss": lap.loss_density[i]}
+    fields = {name: [values[cell]] for name, values in data.items()}
+    fields |= {"traction": [in_world(lap.traction[i])], "slip": [in_world(lap.slip[i])], "cell": [cell]}
+    return meshio.Mesh(
+        points=np.asarray(motion.position[i]) + rotate(rotation, placed.corners.reshape(-1, 3)),
+        cells=[("triangle", np.arange(3 * len(cell)).reshape(-1, 3))],
+        point_data={"displacement": rotate(rotation, placed.displacement(i).reshape(-1, 3))},
+        cell_data=fields,
     )

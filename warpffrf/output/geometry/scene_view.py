@@ -67,6 +67,39 @@ class FilmView(PairView):
     clearance: float | None = None
 
 
+@dataclass(frozen=True, eq=False)
+class LapView:
+    """One lap: its bodies (of two faces of one body twice that body), the name of the first body's lap or face, that of
+    the second face ("" of a pair), coefficient of friction [-], and its c cells at the initial pose: `cell` (c,) their
+    numbers on the first face, `points` (c, 3) [m] and `frames` (c, 3, 3) with rows n, t_1, t_2 in user axes of the
+    first body, `area` (c,) [m2] that faces the second face."""
+
+    name: str
+    first_body: BodyView
+    first_surface_name: str
+    second_body: BodyView
+    second_surface_name: str
+    friction: float
+    cell: np.ndarray
+    points: np.ndarray
+    frames: np.ndarray
+    area: np.ndarray
+
+    @property
+    def first(self) -> Any:
+        """`LapSurface` of the first body, whose cells these are."""
+        return self.first_body.reduced.laps[self.first_surface_name]
+
+    @property
+    def triangles(self) -> tuple[np.ndarray, np.ndarray]:
+        """Corners (t, 3, 3) [m, user frame of the first body] of the cut facets that the cells consist of, and the cell
+        (t,) of each, counted in this lap."""
+        number = np.full(self.first.cells, -1)
+        number[self.cell] = np.arange(len(self.cell))
+        own = number[self.first.cell]
+        return self.first.triangles[own >= 0], own[own >= 0]
+
+
 @dataclass(frozen=True)
 class SceneView:
     """A scene as far as results and pictures need it; `content_hash` tells whether a run can be continued."""
@@ -78,13 +111,14 @@ class SceneView:
     anchors: tuple[Anchor, ...] = ()
     lumped: dict[str, PairView] = field(default_factory=dict)
     films: dict[str, FilmView] = field(default_factory=dict)
+    laps: dict[str, LapView] = field(default_factory=dict)
 
 
 def scene_view(scene: Any) -> SceneView:
     """The view of a live `Scene`; a `SceneView` passes through."""
     if isinstance(scene, SceneView):
         return scene
-    shapes = rigid_shapes((*scene.contacts, *scene.lumped_contacts, *scene.films))
+    shapes = rigid_shapes((*scene.contacts, *scene.lumped_contacts, *scene.films, *scene.laps))
     bodies = {
         body.name: BodyView(
             body.name, body.reduced, float(body.mass), np.asarray(body.center_of_mass, dtype=float),
@@ -102,7 +136,17 @@ def scene_view(scene: Any) -> SceneView:
         for film in scene.films
     }  # fmt: skip
     joints = tuple(joint.name for joint in scene.joints)
-    return SceneView(scene.content_hash(), bodies, pairs, joints, scene_anchors(scene), lumped, films)
+    laps = {lap.name: _lap(lap, known) for lap in scene.laps}
+    return SceneView(scene.content_hash(), bodies, pairs, joints, scene_anchors(scene), lumped, films, laps)
+
+
+def _lap(lap: Any, known: dict[str, BodyView]) -> LapView:
+    cells = lap.cells()
+    second = known[lap.a.body.name if lap.b is None else lap.b.body.name], "" if lap.b is None else lap.b.name
+    return LapView(
+        lap.name, known[lap.a.body.name], lap.a.name, *second, lap.coefficient,
+        cells.cell, cells.points, cells.frames, cells.area,
+    )  # fmt: skip
 
 
 def _pairs(contacts: Any, known: dict[str, BodyView]) -> dict[str, PairView]:
@@ -117,11 +161,11 @@ def _pairs(contacts: Any, known: dict[str, BodyView]) -> dict[str, PairView]:
 
 
 def rigid_shapes(contacts: Any) -> dict[str, dict[str, Any]]:
-    """Shapes of the rigid surfaces in contact pairs and films of a live scene, {body: {surface: shape}}."""
+    """Shapes of the rigid surfaces in contact pairs, films and laps of a live scene, {body: {surface: shape}}."""
     found: dict[str, dict[str, Any]] = {}
     for contact in contacts:
         for port in (contact.a, contact.b):
-            if port.body.reduced is None:
+            if port is not None and port.body.reduced is None:
                 found.setdefault(port.body.name, {})[port.name] = port.surface.shape
     return found
 

@@ -15,6 +15,7 @@ from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
 from warpffrf.output.plots.colors import largest
 from warpffrf.output.plots.films import FILM_PLOTS, has_orbit
 from warpffrf.output.plots.friction import FRICTION_PLOTS
+from warpffrf.output.plots.laps import LAP_PLOTS, the_lap
 from warpffrf.output.plots.picture import write_picture
 
 FINE = 400  # points of a smooth curve
@@ -38,7 +39,9 @@ class OfPair:
 
 def _contact(result: Any) -> Any:
     if not result.contact_names:
-        raise InputError("plot: the scene has no contact pair; 'energy' can be drawn, and plots of films if it has one")
+        raise InputError(
+            "plot: the scene has no contact pair; 'energy' can be drawn, and plots of films and laps if it has some"
+        )
     return result.contact(result.contact_names[0])
 
 
@@ -67,14 +70,16 @@ def _at(result: Any, i: int) -> str:
 
 
 def force(result: Any, ax: Any) -> None:
-    """Force of every pair, lumped contact and oil film against time."""
+    """Force of every pair, lumped contact, oil film and lap against time."""
     forces = {name: result.contact(name).force_magnitude for name in result.contact_names}
     forces |= {name: np.linalg.norm(c.force, axis=1) for name, c in result.history.lumped_contacts.items()}
     pressed = bool(forces)
     forces |= {name: result.film(name).force_magnitude for name in result.film_names if name not in forces}
+    laps = {name: np.linalg.norm(result.lap(name).force, axis=1) for name in result.lap_names}
+    forces |= {name: size for name, size in laps.items() if name not in forces}
     for name, size in forces.items():
         ax.plot(result.time * 1e3, size * 1e-3, label=name)
-    what = " and ".join(["contact"] * pressed + ["film"] * bool(result.film_names))
+    what = " and ".join(["contact"] * pressed + ["film"] * bool(result.film_names) + ["lap"] * bool(laps))
     ax.set(xlabel="time [ms]", ylabel=f"{what} force [kN]")
     ax.set_title(f"{what.capitalize()} force", fontsize=10)
     _from_zero(ax, *(size * 1e-3 for size in forces.values()))
@@ -210,27 +215,29 @@ def _film(result: Any, name: str | None) -> Any:
 
 
 def plot(
-    result: Any, kind: str, ax: Any = None, contact: str | None = None, film: str | None = None, row: int | None = None
-) -> Any:
+    result: Any, kind: str, ax: Any = None, contact: str | None = None, film: str | None = None,
+    row: int | None = None, lap: str | None = None,
+) -> Any:  # fmt: skip
     """Draw `kind` on `ax` (a new one when None) and return the axes; "summary" returns a whole Figure.
 
-    contact, film: names of the pair and of the film to draw, the first ones if None; row: saved step of the maps of
-    films, the last one if None. Raises `InputError` for an unknown kind, pair, film or row, a run without rows, and
-    plots of friction or films of a run without them.
+    contact, film, lap: names of the pair, film and lap to draw, the first ones if None; row: saved step of the maps of
+    films and laps, the last one if None. Raises `InputError` for an unknown kind, pair, film, lap or row, a run without
+    rows, and plots of friction, films or laps of a run without them.
     """
     if contact is not None:
         result = OfPair(result, contact)
     known = {**PLOTS, **FRICTION_PLOTS}
-    if kind != "summary" and kind not in (*known, *FILM_PLOTS):
-        raise InputError(f"plot: unknown kind '{kind}'; known: {', '.join((*known, *FILM_PLOTS))}, summary")
+    if kind != "summary" and kind not in (*known, *FILM_PLOTS, *LAP_PLOTS):
+        raise InputError(f"plot: unknown kind '{kind}'; known: {', '.join((*known, *FILM_PLOTS, *LAP_PLOTS))}, summary")
     if len(result.time) == 0:
         raise InputError("plot: the run has no saved row")
     row = len(result.time) - 1 if row is None else row
     if not 0 <= row < len(result.time):
         raise InputError(f"plot: row is {row}; the run has the saved rows 0 to {len(result.time) - 1}")
     if kind == "summary":
-        return summary_figure(result, film, row)
+        return summary_figure(result, film, row, lap)
     known |= {name: _of_film(draw, film, row) for name, draw in FILM_PLOTS.items()}
+    known |= {name: _of_lap(draw, lap, row) for name, draw in LAP_PLOTS.items()}
     if ax is None:
         import matplotlib.pyplot as plt
 
@@ -243,20 +250,28 @@ def _of_film(draw: Callable[[Any, Any, int], None], film: str | None, row: int) 
     return lambda result, ax: draw(_film(result, film), ax, row)
 
 
-def summary_figure(result: Any, film: str | None = None, row: int = -1) -> Any:
-    """A matplotlib Figure with every plot that the run has data for; of films that of `film`, the first one if None,
-    with maps of the saved step `row`."""
+def _of_lap(draw: Callable[[Any, Any, int], None], lap: str | None, row: int) -> Callable[[Any, Any], None]:
+    return lambda result, ax: draw(the_lap(result, lap), ax, row)
+
+
+def summary_figure(result: Any, film: str | None = None, row: int = -1, lap: str | None = None) -> Any:
+    """A matplotlib Figure with every plot that the run has data for; of films that of `film`, and of laps that of
+    `lap`, the first ones if None, with maps of the saved step `row`."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     drawn: dict[str, Callable[[Any, Any], None]] = dict(PLOTS) if result.contact_names else {"energy": energy}
-    if result.lumped_contact_names or result.film_names:
+    if result.lumped_contact_names or result.film_names or result.lap_names:
         drawn = {"force": force} | drawn
     if any(result.contact(name).has_friction for name in result.contact_names):
         drawn.update(FRICTION_PLOTS)
     if result.film_names:
         kinds = [kind for kind in FILM_PLOTS if kind != "film_orbit" or has_orbit(_film(result, film))]
         drawn |= {kind: _of_film(FILM_PLOTS[kind], film, row) for kind in kinds}
+    if result.lap_names:
+        frictionless = result.lap(result.lap_names[0] if lap is None else lap).friction == 0.0
+        kinds = [kind for kind in LAP_PLOTS if kind != "lap_loss" or not frictionless]
+        drawn |= {kind: _of_lap(LAP_PLOTS[kind], lap, row) for kind in kinds}
     kinds = list(drawn)
     columns = min(3, len(kinds))
     rows = -(-len(kinds) // columns)
@@ -273,6 +288,8 @@ def summary_figure(result: Any, film: str | None = None, row: int = -1) -> Any:
         end += f", friction of {with_friction[0]!r}" if with_friction else ""
     if len(result.film_names) > 1:
         end += f"; film {_film(result, film).name!r} of {len(result.film_names)}"
+    if len(result.lap_names) > 1:
+        end += f"; lap {the_lap(result, lap).name!r} of {len(result.lap_names)}"
     figure.suptitle(end, fontsize=11)
     return figure
 

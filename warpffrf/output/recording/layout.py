@@ -35,6 +35,7 @@ def blueprint(recorder: Any) -> Any:
     contents = [*bodies, *forces, *hidden] if recorder.contacts else [*bodies, *arrows]
     machine = _machine_view(recorder, contents)
     close_ups = [_close_up(recorder, scene, field) for scene in recorder.scenes for field in scene.fields]
+    close_ups += [scene.view(field) for scene in recorder.lap_scenes for field in scene.fields]
     maps = [_map(scene, field) for scene in recorder.scenes for field in scene.fields]
     contacts = recorder.contacts
     machine_plots = [rrb.TimeSeriesView(origin=f"/plots/{k}", name=title) for k, title in plot_kinds(result).items()]

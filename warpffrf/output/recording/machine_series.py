@@ -1,5 +1,5 @@
-"""Curves of a whole machine for a recording: lumped contacts, oil films, reactions, applied forces, joint coordinates,
-sensors, energies."""
+"""Curves of a whole machine for a recording: lumped contacts, oil films, laps, reactions, applied forces, joint
+coordinates, sensors, energies."""
 
 from __future__ import annotations
 
@@ -20,6 +20,9 @@ MACHINE_PLOTS = {
     "film_force": "Forces of oil films [N]",
     "film_gap": "Smallest films [µm]",
     "film_pressure": "Largest pressures of films [MPa]",
+    "lap_force": "Normal forces of laps [N]",
+    "lap_slip": "Slipping areas of laps [mm²]",
+    "lap_loss": "Losses of laps by friction [J]",
     "joint_force": "Reactions of the joints [N]",
     "applied_force": "Applied and spring forces [N]",
     "joint_friction": "Friction in joints, and its bounds [N]",
@@ -30,7 +33,7 @@ MACHINE_PLOTS = {
 
 
 def machine_series(result: Any) -> list[Series]:
-    """What there is to plot of lumped contacts, films, joints, forces, sensors and energies; entities
+    """What there is to plot of lumped contacts, films, laps, joints, forces, sensors and energies; entities
     `plots/<kind>/<name>`."""
     history = result.history
     found: list[Series] = []
@@ -47,6 +50,12 @@ def machine_series(result: Any) -> list[Series]:
     for name, film in history.films.items():
         found.append((("plots", "film_gap", name), f"{name} [µm]", film.smallest_gap * 1e6))
         found.append((("plots", "film_pressure", name), f"{name} [MPa]", film.largest_pressure * 1e-6))
+    for name in result.lap_names:
+        lap = result.lap(name)
+        found.append((("plots", "lap_force", name), f"{name} [N]", lap.normal_force))
+        if lap.friction > 0.0:
+            found.append((("plots", "lap_slip", name), f"{name} [mm²]", lap.slip_area * 1e6))
+            found.append((("plots", "lap_loss", name), f"{name} [J]", lap.loss))
     for name, force in history.forces.items():
         if force.friction is not None:
             size = np.linalg.norm(force.friction.traction, axis=1)

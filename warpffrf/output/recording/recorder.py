@@ -6,7 +6,8 @@ where it is rigid; `/world/joint_arrows`, `/world/force_arrows`, `/world/lumped_
 lumped contacts do, see `glyphs`;
 `/world/contacts/<pair>` is a frame that stays with the patch (x along the arc, y along the axis, z outwards) and
 carries the pressure relief, `/patch_map/<pair>` the unwrapped patch, see `contact_scene`; `/world/forces/<pair>` the
-contact's arrows; `/plots`, `/solver` scalars over all saved rows.
+contact's arrows; `/world/laps/<lap>` the cells of a lap, see `lap_scene`; `/plots`, `/solver` scalars over all saved
+rows.
 
 Every array is handed over as a fresh copy: rerun sends later than it is called, and a buffer changed in between is
 sent changed.
@@ -29,6 +30,7 @@ from warpffrf.output.recording import frames as fr
 from warpffrf.output.recording.contact_scene import ContactColors, ContactScene
 from warpffrf.output.recording.contact_series import contact_series
 from warpffrf.output.recording.glyphs import Glyphs, force_text, rigid_size
+from warpffrf.output.recording.lap_scene import LAP_TEXT, LapColors, LapScene
 from warpffrf.output.recording.layout import blueprint
 from warpffrf.output.recording.machine_series import machine_series
 from warpffrf.output.recording.rigid_shapes import RigidShapes
@@ -124,6 +126,7 @@ def _row_is_finite(result: Any, bodies: dict[str, fr.BodyFrames], f: int, i: int
     owners = (*history.joints.values(), *history.forces.values(), *history.lumped_contacts.values())
     arrays += [a.force[i] for a in owners]
     arrays += [a[i] for f in history.films.values() for a in (f.force, f.pressure)]
+    arrays += [a[i] for lap in history.laps.values() for a in (lap.force, lap.pressure, lap.loss)]
     arrays += [a[i] for c in history.contacts.values() for a in (c.force, c.pressure, c.center_column)]
     rubbing = [c.friction for c in history.contacts.values() if getattr(c, "friction", None) is not None]
     arrays += [a[i] for f in rubbing for a in (f.traction, f.slip_velocity)]
@@ -166,10 +169,15 @@ class _Recorder:
         self.color, self.contact_colors = color, ContactColors(self.contacts, films, rows[good])
         self.skin_scale = self.moved if color == DISPLACEMENT else self.contact_colors.scale(color)
         self.scenes = [ContactScene(self, contact) for contact in self.contacts]
+        laps = [result.lap(name) for name in result.lap_names]
+        self.lap_colors = LapColors(laps, rows[good])
+        skins = result.skins() if laps else {}
+        self.lap_scenes = [LapScene(self, lap, skins[lap.view.first_body.name]) for lap in laps]
         self.glyphs, self.shapes = Glyphs(self, self.size), RigidShapes(self)
         fields = self.contact_colors.fields
         by_film = [color] if color not in (DISPLACEMENT, *fields) else []  # nothing else shows the pressure of a film
         shown = [self.contact_colors.scale(name) for name in (*fields, *by_film)]
+        shown += [self.lap_colors.scale(name) for name in self.lap_colors.fields]
         self.scales: list[ColorScale | ColorClasses] = [self.moved] * bool(bodies and color == DISPLACEMENT) + shown
         self.notes = self._notes()
 
@@ -197,7 +205,7 @@ class _Recorder:
                 self.stream.set_time("time", duration=float(self.result.time[i]))
                 self._bodies(f, int(i))
                 self.glyphs.frame(int(i))
-                for scene in self.scenes:
+                for scene in (*self.scenes, *self.lap_scenes):
                     scene.frame(int(i))
 
     # --- once ---
@@ -235,7 +243,7 @@ class _Recorder:
                 self.path("world", name, "surface"),
                 rr.Mesh3D.from_fields(triangle_indices=triangles, vertex_normals=normals),
             )
-        for scene in self.scenes:
+        for scene in (*self.scenes, *self.lap_scenes):
             scene.static()
         self.shapes.static()
         self.glyphs.static()
@@ -262,6 +270,7 @@ class _Recorder:
             f"one length for all, the largest is {force_text(self.glyphs.top_force)}.",
             *([CONTACT_TEXT] if self.contacts else []),
             *([FILM_TEXT] if self.result.film_names else []),
+            *([LAP_TEXT] if self.lap_scenes else []),
             *([FRICTION_TEXT] if any(c.has_friction for c in self.contacts) else []),
             "\n".join(contacts),
             "## Notes",

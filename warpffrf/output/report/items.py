@@ -1,5 +1,5 @@
-"""Lines of the report on lumped contacts, oil films, joints, force elements and sensors: where each ended, and the
-largest on the way."""
+"""Lines of the report on lumped contacts, oil films, laps, joints, force elements and sensors: where each ended, and
+the largest on the way."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ MOST_LINES = 20  # of one kind: a report is read on one screen
 
 
 def item_lines(result: Any) -> list[str]:
-    """One line a lumped contact, oil film, joint, force element and sensor of a run with saved rows, at most
-    `MOST_LINES` of a kind. Stresses are left out: they are evaluated when they are asked for."""
+    """One line a lumped contact, oil film, joint, force element and sensor of a run with saved rows, and some of each
+    lap, at most `MOST_LINES` of a kind. Stresses are left out: they are evaluated when they are asked for."""
     history = result.history
     return [
         *_capped("lumped contacts", [_lumped(name, contact) for name, contact in history.lumped_contacts.items()]),
         *_capped("films", [_film(name, film, history.time) for name, film in history.films.items()]),
+        *_capped("lines of laps", [line for name in result.lap_names for line in _lap(result.lap(name))]),
         *_capped("joints", [_joint(name, joint) for name, joint in history.joints.items()]),
         *_capped("forces", [_force(name, force) for name, force in history.forces.items()]),
         *_capped("sensors", [_sensor(name, sensor) for name, sensor in history.sensors.items()]),
@@ -60,6 +61,29 @@ def _film(name: str, film: Any, time: Any) -> str:
     if np.any(np.isnan(film.feed_flow)):
         return line
     return line + f"; feeds {_mean(film.feed_flow, time) * 1e6:.5g} cm3/s on average"
+
+
+def _lap(lap: Any) -> list[str]:
+    """Force and pressure, cells by state, what slid and what that took, and what makes it uncertain."""
+    force, peak = lap.normal_force, lap.largest_pressure * 1e-6
+    count, area = lap.counts[-1], lap.slip_area * 1e6
+    line = f"lap '{lap.name}': normal force {force[-1]:.5g} N (largest {np.max(force):.5g})"
+    line += f"; peak pressure {peak[-1]:.5g} MPa (largest {np.max(peak):.5g})"
+    line += f"; of {lap.cells} cells {count[0]} open, {count[1]} stick, {count[2]} slip"
+    if lap.friction == 0.0:
+        return [line]
+    ratio = lap.slip_distance / lap.size
+    row, cell = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+    slid, turned = (np.linalg.norm(values[-1]) for values in (lap.sliding, lap.turning))
+    zone = lap.slip_zone()
+    slips = (
+        f"  slip            largest {lap.slip_distance[row, cell] * 1e6:.5g} um, {ratio[row, cell]:.2g} of the cell; "
+    )
+    slips += f"as a whole {slid * 1e6:.5g} um and {turned:.3g} rad; slipping area {area[-1]:.5g} mm2 "
+    slips += f"(largest {np.max(area):.5g})"
+    across = f", {zone.across:.2g} across" if np.isfinite(zone.across) else ""
+    loss = f"  loss            {lap.loss[-1]:.5g} J by friction, in {zone.cells} cells{across}"
+    return [line, slips, loss, *(f"  warning         {warning}" for warning in lap.warnings())]
 
 
 def _mean(values: Any, time: Any) -> float:

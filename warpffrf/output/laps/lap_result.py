@@ -1,0 +1,170 @@
+"""One lap of a run: what it does to its bodies, its fields over cells, what friction takes, and where it slips."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from warpffrf.online.history.history import LapHistory
+from warpffrf.output.geometry.scene_view import LapView
+from warpffrf.output.laps.sliding import rigid_sliding
+from warpffrf.output.laps.slip_zone import ACROSS, SlipZone, slip_zone
+from warpffrf.output.loops.cycles import cycle_times, value_at
+
+OPEN, STICK, SLIP = 0, 1, 2
+SLIDES = 0.5  # of the size of a cell: faces that slide further have other partners than those of the run
+
+
+class LapResult:
+    """One lap of a run; arrays have one row per saved step, SI units.
+
+    Forces act on the second face in world axes, the torque about the middle of the first face's cells; their opposite
+    on the first. Fields are over cells (c), means over each, along its frame (n, t_1, t_2), n outwards of the first
+    face; frames and places are in the user frame of the first body, and move with it.
+    """
+
+    def __init__(self, history: LapHistory, view: LapView, time: np.ndarray) -> None:
+        self.history = history
+        self.view = view
+        self.name = view.name
+        self.time = time  # (T,) s
+        self.friction = view.friction  # the coefficient, -
+        self.force = history.force  # (T, 3) N, on the second face
+        self.torque = history.torque  # (T, 3) N m
+        self.normal_force = history.normal_force  # (T,) N, of all cells, whatever their directions
+        self.pressure = history.pressure  # (T, c) Pa
+        self.traction = history.traction  # (T, c, 2) Pa, on the second face along t_1, t_2
+        self.gap = history.gap  # (T, c) m
+        self.slip = history.slip  # (T, c, 2) m, of the second face against the first so far, along t_1, t_2
+        self.state = history.state  # (T, c) 0 open, 1 stick, 2 slip
+        self.cell_loss = history.loss  # (T, c) J, by friction so far
+        self.points = view.points  # (c, 3) m, user frame of the first body: middles of the cells
+        self.frames = view.frames  # (c, 3, 3), rows n, t_1, t_2, user axes
+        self.area = view.area  # (c,) m2
+
+    @property
+    def cells(self) -> int:
+        """Number of cells."""
+        return len(self.area)
+
+    @property
+    def size(self) -> np.ndarray:
+        """(c,) m, edges of squares of the cells' areas."""
+        return np.sqrt(self.area)
+
+    @property
+    def polygons(self) -> tuple[np.ndarray, np.ndarray]:
+        """Corners (t, 3, 3) [m, user frame of the first body] of the triangles that the cells consist of, outwards, and
+        the cell (t,) of each."""
+        return self.view.triangles
+
+    # --- fields ---
+
+    @cached_property
+    def traction_magnitude(self) -> np.ndarray:
+        """(T, c) Pa."""
+        return np.linalg.norm(self.traction, axis=2)
+
+    @cached_property
+    def slip_distance(self) -> np.ndarray:
+        """(T, c) m, length of `slip`: how far the faces are from where they were, not the way there."""
+        return np.linalg.norm(self.slip, axis=2)
+
+    @cached_property
+    def loss_density(self) -> np.ndarray:
+        """(T, c) J/m2, `cell_loss` over the areas."""
+        return self.cell_loss / self.area
+
+    # --- histories ---
+
+    @cached_property
+    def loss(self) -> np.ndarray:
+        """(T,) J, taken by friction since the scene began: the sum of `cell_loss`."""
+        return self.cell_loss.sum(axis=1)
+
+    @cached_property
+    def largest_pressure(self) -> np.ndarray:
+        """(T,) Pa."""
+        return self.pressure.max(axis=1, initial=0.0)
+
+    @cached_property
+    def counts(self) -> np.ndarray:
+        """(T, 3) cells that are open, stick and slip."""
+        return np.stack([(self.state == state).sum(axis=1) for state in (OPEN, STICK, SLIP)], axis=1)
+
+    @cached_property
+    def stick_area(self) -> np.ndarray:
+        """(T,) m2 of the cells that stick."""
+        return (self.state == STICK) @ self.area
+
+    @cached_property
+    def slip_area(self) -> np.ndarray:
+        """(T,) m2 of the cells that slip under pressure."""
+        return (self.state == SLIP) @ self.area
+
+    @cached_property
+    def _sliding(self) -> tuple[np.ndarray, np.ndarray]:
+        return rigid_sliding(self.points, self.frames, self.area, self.slip)
+
+    @property
+    def sliding(self) -> np.ndarray:
+        """(T, 3) m, by how much the second face as a whole has slid on the first, in user axes of the first body, at
+        the middle of the cells: the rigid motion nearest to `slip` (`sliding.py`)."""
+        return self._sliding[0]
+
+    @property
+    def turning(self) -> np.ndarray:
+        """(T, 3) rad, by how much it has turned, likewise."""
+        return self._sliding[1]
+
+    # --- cycles ---
+
+    def loss_between(self, begin: float, end: float) -> float:
+        """Energy [J] that friction took between two times [s], straight between saved steps. Raises `InputError` for
+        times outside of the run."""
+        first, last = value_at(self.time, self.loss, np.array([begin, end]), f"lap '{self.name}'")
+        return float(last - first)
+
+    def loss_per_cycle(self, cycles: float | Sequence[float] | np.ndarray) -> np.ndarray:
+        """Energy [J] that friction took in each cycle, D_k = loss(t_(k+1)) - loss(t_k).
+
+        cycles: the period [s], for whole cycles from the first saved step on; or the times [s] at which cycles begin
+        and end, ascending. Of a load that is repeated the first cycle differs from those that follow, as the joint
+        begins without tractions. Raises `InputError` for a period longer than the run, and times outside of it.
+        """
+        label = f"lap '{self.name}'"
+        return np.diff(value_at(self.time, self.loss, cycle_times(self.time, cycles, label), label))
+
+    def slip_zone(self, begin: float | None = None, end: float | None = None) -> SlipZone:
+        """Cells that lost energy between two times [s], the whole run if None: which, their area, and how many there
+        are across (`slip_zone.py`). Raises `InputError` for times outside of the run."""
+        times = np.array([self.time[0] if begin is None else begin, self.time[-1] if end is None else end])
+        first, last = value_at(self.time, self.cell_loss, times, f"lap '{self.name}'")
+        rows = (self.time >= times[0]) & (self.time <= times[1])
+        pressed = np.any(self.state[rows] != OPEN, axis=0) if np.any(rows) else self.state[-1] != OPEN
+        return slip_zone(self.points, self.area, last - first, pressed)
+
+    def warnings(self) -> list[str]:
+        """What makes results of this lap uncertain: faces that slid far beside their cells, whose partners are fixed,
+        and slip zones of few cells."""
+        found = []
+        ratio = self.slip_distance / self.size
+        if np.any(ratio > SLIDES):
+            row, cell = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+            found.append(
+                f"cell {cell} slid by {self.slip_distance[row, cell] * 1e3:.4g} mm, {ratio[row, cell]:.2g} of its size "
+                f"{self.size[cell] * 1e3:.4g} mm, and partners of cells are fixed: beyond {SLIDES:g} of a cell forces "
+                "act at other places than they would; model such motion as a contact"
+            )
+        zone = self.slip_zone()
+        if zone.coarse:
+            found.append(
+                f"the slip zone is {zone.across:.2g} cells across, {zone.cells} in all; below {ACROSS:g} the loss "
+                "per cycle is uncertain: make cells smaller there, reduce(laps={...: LapCells(..., size=, growth=)})"
+            )
+        return found
+
+    def __repr__(self) -> str:
+        return f"LapResult({self.name!r}, cells={self.cells}, rows={len(self.time)})"

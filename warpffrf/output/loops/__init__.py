@@ -1,0 +1,1 @@
+"""Loops of force against displacement: what a cycle takes, equivalent damping, stiffness against load."""

@@ -1,0 +1,127 @@
+"""Plots of laps: maps of pressure, state and loss over cells laid flat; histories; a page of maps at some times."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.output.contact.friction import STATES
+from warpffrf.output.laps.chart import lap_chart
+from warpffrf.output.laps.lap_result import LapResult
+from warpffrf.output.loops.cycles import value_at
+from warpffrf.output.plots.colors import PRESSURE_STOPS, STATE_COLORS, WEAR_STOPS, largest
+
+HEADROOM = 1.08  # of the largest value of a plot
+SHRINK = 0.8  # of colour bars
+ROOM = 0.03  # of a map's extent, beside it
+PAGE_TIMES = 3  # rows of maps on a page where no times are given
+PAGE_SIZE = (5.0, 3.4)  # inches a map
+FORCE, AREA = "#1b6ca8", "#d1495b"
+
+
+def pressure(lap: LapResult, ax: Any, row: int) -> None:
+    """Pressure of the cells, one colour range for the run."""
+    colors = _map(lap, ax, lap.pressure[row] * 1e-6, PRESSURE_STOPS, largest([lap.largest_pressure]) * 1e-6)
+    ax.figure.colorbar(colors, ax=ax, label="pressure [MPa]", shrink=SHRINK)
+    ax.set_title(f"Lap '{lap.name}': pressure, {_at(lap, row)}", fontsize=10)
+
+
+def state(lap: LapResult, ax: Any, row: int) -> None:
+    """Cells that are open, stick and slip."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+
+    cells = _map(lap, ax, lap.state[row], STATE_COLORS, 1.0)
+    cells.set(cmap=ListedColormap(STATE_COLORS), norm=BoundaryNorm(np.arange(len(STATES) + 1) - 0.5, len(STATES)))
+    bar = ax.figure.colorbar(cells, ax=ax, ticks=np.arange(len(STATES)), shrink=SHRINK)
+    bar.ax.set_yticklabels([f"{name}: {count}" for name, count in zip(STATES, lap.counts[row], strict=True)])
+    ax.set_title(f"Lap '{lap.name}': open, stick, slip, {_at(lap, row)}", fontsize=10)
+
+
+def loss(lap: LapResult, ax: Any, row: int) -> None:
+    """Energy that friction has taken per area, one colour range for the run."""
+    top = largest([lap.loss_density])
+    colors = _map(lap, ax, lap.loss_density[row], WEAR_STOPS, top)
+    ax.figure.colorbar(colors, ax=ax, label="loss so far [J/m²]", shrink=SHRINK)
+    ax.set_title(f"Lap '{lap.name}': loss {lap.loss[row]:.4g} J so far, {_at(lap, row)}", fontsize=10)
+
+
+def history(lap: LapResult, ax: Any, row: int) -> None:
+    """Normal force and slipping area against time."""
+    time = lap.time * 1e3
+    ax.plot(time, lap.normal_force * 1e-3, color=FORCE)
+    area = ax.twinx()
+    area.plot(time, lap.slip_area * 1e6, color=AREA)
+    ax.set(xlabel="time [ms]")
+    ax.set_ylabel("normal force [kN]", color=FORCE)
+    area.set_ylabel("slipping area [mm²]", color=AREA)
+    for axes, values in ((ax, lap.normal_force * 1e-3), (area, lap.slip_area * 1e6)):
+        axes.set_ylim(0.0, HEADROOM * largest([values]) or 1.0)
+    ax.set_title(f"Lap '{lap.name}': normal force, slipping area", fontsize=10)
+
+
+def lap_figure(result: Any, name: str | None, times: Sequence[float] | np.ndarray | None) -> Any:
+    """A matplotlib Figure: pressure, state and loss of a lap, the first one if None, in saved steps next to `times`
+    [s], a line each; `PAGE_TIMES` of the run if None. Raises `InputError` for a run without laps, a name that there is
+    not, and times outside of the run."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    lap = the_lap(result, name)
+    label = f"lap '{lap.name}'"
+    if times is None:
+        rows = np.unique(np.linspace(0, len(lap.time) - 1, PAGE_TIMES + 1).round().astype(int))[-PAGE_TIMES:]
+    else:
+        at = np.atleast_1d(np.asarray(times, dtype=float))
+        found = value_at(lap.time, np.arange(len(lap.time), dtype=float), at, label)
+        rows = np.unique(found.round().astype(int))
+    figure = Figure(figsize=(PAGE_SIZE[0] * 3, PAGE_SIZE[1] * len(rows)), layout="constrained")
+    FigureCanvasAgg(figure)
+    for line, row in enumerate(rows):
+        for n, draw in enumerate((pressure, state, loss)):
+            draw(lap, figure.add_subplot(len(rows), 3, 3 * line + n + 1), int(row))
+    figure.suptitle(f"{label}: {lap.cells} cells, loss {lap.loss[-1]:.4g} J in the run", fontsize=11)
+    return figure
+
+
+def the_lap(result: Any, name: str | None) -> LapResult:
+    """The lap of a plot, the first one if None. Raises `InputError` where there is none."""
+    if name is None and not result.lap_names:
+        raise InputError("plot: the scene has no lap; give it one with scene.add(Lap(...)), and run again")
+    if not len(result.time):
+        raise InputError("plot: the run has no saved row")
+    return result.lap(result.lap_names[0] if name is None else name)
+
+
+def _at(lap: LapResult, row: int) -> str:
+    return f"t = {lap.time[row] * 1e3:.4g} ms"
+
+
+def _map(lap: LapResult, ax: Any, values: np.ndarray, stops: tuple[str, ...], top: float) -> Any:
+    """`values` (c,) from 0 to `top` on the cells laid flat; returns the coloured polygons."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import LinearSegmentedColormap
+
+    chart = lap_chart(lap.view)
+    corners = chart.triangles * 1e3
+    polygons = PolyCollection(
+        list(corners), array=np.asarray(values, dtype=float)[chart.cell],
+        cmap=LinearSegmentedColormap.from_list("cells", stops), linewidths=0.0, antialiaseds=False,
+    )  # fmt: skip
+    polygons.set_clim(0.0, top if top > 0.0 else 1.0)
+    ax.add_collection(polygons)
+    low, high = corners.reshape(-1, 2).min(axis=0), corners.reshape(-1, 2).max(axis=0)
+    room = ROOM * (high - low).max()
+    ax.set(xlim=(low[0] - room, high[0] + room), ylim=(low[1] - room, high[1] + room), aspect="equal")
+    ax.set(xlabel=f"{chart.labels[0]} [mm]", ylabel=f"{chart.labels[1]} [mm]")
+    return polygons
+
+
+LAP_PLOTS: dict[str, Callable[[LapResult, Any, int], None]] = {
+    "lap_pressure": pressure,
+    "lap_state": state,
+    "lap_loss": loss,
+    "lap_history": history,
+}
