@@ -20,12 +20,8 @@ TANGENTIAL = wp.constant(6)
 TURNING = wp.constant(7)
 DONE = wp.constant(8)
 KNOWN = wp.constant(9)  # differences for Anderson's rule
-<<<<<<< HEAD
 EXCHANGES = wp.constant(10)  # cells that changed their states so far
 ALL_PASSES = wp.constant(11)  # passes so far
 EVALUATIONS = wp.constant(12)  # so far
-WORDS = 13
-=======
-HELD = wp.constant(10)  # 1 while its forces on the motion stay as they are, whatever moves
-WORDS = 11
->>>>>>> 29f6f6e1186d2c0df38c101239a29664a7297e4c
+HELD = wp.constant(13)  # 1 while its forces on the motion stay as they are, whatever moves
+WORDS = 14
