@@ -37,11 +37,11 @@ from warpffrf_kernels.laps.tableau import (
 )
 from warpffrf_kernels.laps.words import (
     ALL_PASSES,
-    EVALUATIONS,
-    EXCHANGES,
     CLOSES,
     COUNT,
     DONE,
+    EVALUATIONS,
+    EXCHANGES,
     HELD,
     KNOWN,
     NORMAL,
