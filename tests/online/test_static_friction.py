@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -22,7 +24,7 @@ BALANCED = 1e-8  # forces balance to 1e-9 of the largest one
 TIMES, SIGNS = [0.0, 1.0, 3.0, 5.0], np.array([0.0, 1.0, -1.0, 1.0])
 
 
-def rail(friction: object = 0.0, *, preload: float = BOUND, spring: float = STIFFNESS) -> Scene:
+def rail(friction: Any = 0.0, *, preload: float = BOUND, spring: float = STIFFNESS) -> Scene:
     """A block on a guide that rubs, held by a spring and pushed to and fro."""
     scene = Scene(gravity=ORIGIN)
     block = scene.add_rigid_body(1.0, (0.01, 0.01, 0.01), name="block")
@@ -34,7 +36,7 @@ def rail(friction: object = 0.0, *, preload: float = BOUND, spring: float = STIF
     return scene
 
 
-def static(scene: Scene, duration: float, step: float, **options: object) -> wf.Result:
+def static(scene: Scene, duration: float, step: float, **options: Any) -> wf.Result:
     found = wf.simulate(scene, duration, step=step, kind="static", progress=False, **options)
     assert found.status == "completed", found.message
     return found

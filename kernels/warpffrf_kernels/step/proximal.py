@@ -70,7 +70,6 @@ def end_round(
     dq: wp.array2d(dtype=real),
     v1_rate: wp.array2d(dtype=vec3),
     omega1_rate: wp.array2d(dtype=vec3),
-    qd1_rate: wp.array2d(dtype=real),
     hold: wp.array3d(dtype=real),
     hold_count: wp.array(dtype=int),
     ctl: inout(wp.array(dtype=Control)),
@@ -122,7 +121,7 @@ def end_round(
         b += 1
     m = int(0)
     while m < model.modes.count:
-        modal_residual[w, m] = modal_residual[w, m] - qd1_rate[w, m]
+        modal_residual[w, m] = modal_residual[w, m] - clk[w].outer.acc * (dq[w, m] - centre_dq[w, m])
         centre_dq[w, m] = dq[w, m]
         m += 1
     if grows:
