@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from film_scenes import bearing
+from warpffrf_kernels.core import control as k
 
 import warpffrf as wf
 from warpffrf.model import forces, joints, sensors
@@ -18,6 +20,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Constant, Ramp, Table
 from warpffrf.offline import reduce
+from warpffrf.online.engine import Engine
 from warpffrf.output.simulate import StagedResult
 from warpffrf.verification.scenes.rollers import Path, guided_pair, prescribed_pair
 
@@ -152,6 +155,17 @@ def test_what_contact_leaves_free_stays_where_it_is(plain_body: ReducedBody) -> 
         assert np.abs(body.position[5] - alone.history.bodies[name].position[0]).max() < 1e-12
         assert np.abs(body.rotation - body.rotation[0]).max() < 1e-12
     assert any("free to turn" in note for note in result.history.notes)
+
+
+def test_a_free_roller_that_a_load_turns_finds_no_equilibrium(plain_body: ReducedBody) -> None:
+    """At rest under a load that presses alone; then a torque about its axle, which nothing answers, turns it."""
+    scene = guided_pair(plain_body, plain_body, load=20e3)
+    torque = Table([0.0, 1.0, 2.0], [0.0, 0.0, 10.0])
+    scene.add(forces.PointTorque(scene.bodies[0]["bore"], (0.0, torque, 0.0), name="twist"))
+    result = wf.simulate(scene, 2.0, step=0.5, kind="static", progress=False)
+    assert result.status == "no_equilibrium"
+    assert "body 'lower'" in result.message
+    assert result.time[-1] == pytest.approx(1.0)
 
 
 def truss(load: Any, *, stiffness: float = 1e4, half: float = 1.0, rise: float = 0.2) -> Scene:
@@ -322,3 +336,38 @@ def test_what_says_nothing_of_equilibria_is_refused(beam: ReducedBody) -> None:
         wf.Stage("press", 1.0, 0.1, kind="slow")
     with pytest.raises(InputError, match="monolithic"):
         wf.simulate(scene, stages=[wf.Stage("press", 1.0, 0.1, kind="static")], method="monolithic", progress=False)
+
+
+def test_an_interrupted_static_run_keeps_what_it_has(beam: ReducedBody, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C after some replays: rows up to there, from which it goes on."""
+    scene = cantilever(beam, cycle(1.0))
+    replay, calls = Engine.replay, []
+
+    def interrupted(engine: Engine, attempts: int) -> float:
+        seconds = replay(engine, attempts)
+        if int(engine.word("mode")[0]) == int(k.LOADING) and engine.word("step")[0] > 0:
+            calls.append(attempts)
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+        return seconds
+
+    monkeypatch.setattr(Engine, "replay", interrupted)
+    first = wf.simulate(scene, 5.0, step=1e-3, kind="static", progress=False)
+    monkeypatch.setattr(Engine, "replay", replay)
+    assert first.status == "interrupted" and 4 < len(first.time) < 5001
+    rest = static(scene, 5.0 - float(first.time[-1]), 1e-3, start=first)
+    whole = static(scene, 5.0, 1e-3)
+    assert np.array_equal(np.concatenate([tip(first), tip(rest)]), tip(whole))
+
+
+def test_the_budget_and_the_report_of_a_static_run(beam: ReducedBody) -> None:
+    result = static(cantilever(beam, cycle(1.0)), 5.0, 0.5)
+    (line,) = [line for line in result.error_budget() if line.source == "time step"]
+    assert not line.found and "ends in an equilibrium" in line.basis
+    assert "time step" in result.report()
+
+
+def test_films_are_refused() -> None:
+    scene = bearing()
+    with pytest.raises(InputError, match="carries by sliding and squeezing"):
+        wf.simulate(scene, 1.0, step=0.1, kind="static", progress=False)

@@ -21,8 +21,7 @@ nothing. Friction laws that depend on the slip speed take what slides in a load 
 regularised friction of lumped contacts, which needs a velocity, does not act, with a note.
 
 **Free motions.** What contact leaves free is held where it is, as in an equilibrium (`start.free_motions`), and looked
-for after every load step. A run that is taken up again finds it from its state, so that scenes with contact go on to
-the tolerance of the iteration, those without bit for bit.
+for before every load step, from the state alone: a run that is taken up again goes on bit for bit.
 """
 
 from __future__ import annotations
@@ -221,6 +220,14 @@ def _restless(engine: Engine) -> str:
     """The body that went on moving, of a load step that did not come to rest."""
     if not engine.word("status")[0] & int(k.RESTLESS):
         return ""
-    moves = np.linalg.norm(engine.scratch.dx.numpy()[0] - engine.scratch.centre_dx.numpy()[0], axis=-1)
-    body = engine.scene.bodies[int(np.argmax(moves))]
-    return f"body {body.name!r} does not come to rest ({moves.max():.3g} m in the last proximal step)"
+    scratch, bodies = engine.scratch, engine.compiled.model.bodies
+    count = len(engine.scene.bodies)
+    J = np.trace(bodies.inertia.numpy()[:count], axis1=1, axis2=2)
+    gyration = np.sqrt(J / (3.0 * bodies.mass.numpy()[:count]))
+    moves, turns = (
+        np.linalg.norm(d.numpy()[0] - c.numpy()[0], axis=-1)[:count]
+        for d, c in ((scratch.dx, scratch.centre_dx), (scratch.psi, scratch.centre_psi))
+    )
+    b = int(np.argmax(np.maximum(moves, gyration * turns)))
+    amount = f"{moves[b]:.3g} m" if moves[b] >= gyration[b] * turns[b] else f"{turns[b]:.3g} rad"
+    return f"body {engine.scene.bodies[b].name!r} does not come to rest ({amount} in the last proximal step)"
