@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from warpffrf_kernels.core import control as k
 
 import warpffrf as wf
 from warpffrf.model import forces, joints, laws, surfaces
@@ -15,6 +16,7 @@ from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Ramp, Table
+from warpffrf.online.engine import Engine
 from warpffrf.verification.scenes.rollers import roller_body
 
 ORIGIN = (0.0, 0.0, 0.0)
@@ -181,3 +183,22 @@ def test_tractions_stay_when_a_run_in_time_begins(rubbing: Scene) -> None:
     force = result.history.contacts["nip"].force
     assert np.abs(force[71:] - force[70]).max() < 1e-6 * np.abs(force[70]).max()
     assert abs(force[70, 0]) > 0.15 * abs(force[70, 2])
+
+
+def test_history_is_committed_by_whole_steps_alone() -> None:
+    """The word `commit` is set by accepted load steps and steps in time, not by the proximal steps of an equilibrium;
+    that commits once, by hand, what remembers: joints do, which in an equilibrium have nothing to remember."""
+    engine, stone = Engine(rail()), Scene()
+    stone.add_rigid_body(1.0, (1.0, 1.0, 1.0), name="stone")
+    assert engine.graph.remembers and not Engine(stone).graph.remembers
+    engine.static_step(1.0)
+    assert engine.word("accept")[0] == 1 and engine.word("commit")[0] == 0
+    before = engine.state.slipping.numpy().copy()
+    engine.commit()
+    assert np.array_equal(engine.state.slipping.numpy(), before) and engine.word("commit")[0] == 0
+    engine.clock(tau=1.0)
+    engine.control(every=1)
+    for mode in (k.LOADING, k.DYNAMIC):
+        engine.enter(mode, 0.1)
+        engine.replay(1)
+        assert engine.word("accept")[0] == 1 and engine.word("commit")[0] == 1
