@@ -126,14 +126,18 @@ def test_a_lumped_contact_sticks_and_slips_by_displacements() -> None:
     assert np.abs(defect).max() < 1e-6 * result.energy["drive_work"].max()
 
 
-@pytest.fixture(scope="module")
-def rubbing() -> Scene:
-    """Two flexible rollers on each other: pressed together, then the lower one turned to and fro."""
-    body = roller_body(120, layers=4, axial=3, grading=1.6, order=1, max_frequency=15e3, tangential=True, cache=False)
+@pytest.fixture(scope="module", params=["material", "patch"])
+def rubbing(request: pytest.FixtureRequest) -> Scene:
+    """Two flexible rollers on each other: pressed together, then the lower one turned to and fro. Pressures and
+    tractions are on the grid of the material, or on cells that travel with the patch."""
+    body = roller_body(
+        120, layers=4, axial=3, grading=1.6, order=1, max_frequency=15e3, tangential=True,
+        patch_grid=request.param == "patch", cache=False,
+    )  # fmt: skip
     scene = Scene()
     lower = scene.add_body(body, name="lower")
     upper = scene.add_body(body, name="upper", position=(0.0, 0.0, 0.1))
-    contact = scene.add(Contact(lower["rim"], upper["rim"], friction=0.2, name="nip"))
+    contact = scene.add(Contact(lower["rim"], upper["rim"], friction=0.2, name="nip", grid=request.param))
     scene.close_gap(contact, along=(0.0, 0.0, 1.0))
     place = upper["bore"].world_point()
     cart = scene.add_rigid_body(1.0, (1e-3, 1e-3, 1e-3), name="cart", position=place)
@@ -154,7 +158,9 @@ def test_surfaces_that_rub_go_round_a_loop(rubbing: Scene) -> None:
     share = force[:, 0] / np.where(force[:, 2] == 0.0, 1.0, force[:, 2])
     first, down, up = share[20:41], share[40:81], share[80:121]
     assert np.abs(share).max() == pytest.approx(0.2, rel=2e-3)
-    assert np.abs(down + up).max() < 1e-6
+    # cells that travel read their history between those of before
+    travels = result.history.contacts["nip"].cells is not None
+    assert np.abs(down + up).max() < (2e-3 if travels else 1e-6)
     assert np.abs((first - first[0]) - 0.5 * (down[0] - down[::2])[:21]).max() < 5e-3
     lost = -np.diff(result.energy["friction"][[40, 80, 120]])
     assert lost[0] == pytest.approx(lost[1], rel=1e-3)
@@ -164,6 +170,7 @@ def test_surfaces_that_rub_go_round_a_loop(rubbing: Scene) -> None:
     assert abs(np.trapezoid(torque, turned)) == pytest.approx(lost[1] + other[0], rel=2e-2)
 
 
+@pytest.mark.parametrize("rubbing", ["material"], indirect=True)
 def test_a_static_run_with_friction_goes_on_bit_for_bit(rubbing: Scene) -> None:
     """The state at the end, tractions and their history included, is that of the run in one go."""
     whole = static(rubbing, 1.8, 0.1)
@@ -175,6 +182,7 @@ def test_a_static_run_with_friction_goes_on_bit_for_bit(rubbing: Scene) -> None:
     assert abs(forces_of[0][0]) > 0.1 * abs(forces_of[0][2])
 
 
+@pytest.mark.parametrize("rubbing", ["material"], indirect=True)
 def test_tractions_stay_when_a_run_in_time_begins(rubbing: Scene) -> None:
     """Loads go on without a jump, drives stand: the tangential force is what the static run has left."""
     stages = [wf.Stage("load", 7.0, 0.1, kind="static"), wf.Stage("wait", 0.002, 1e-4)]
