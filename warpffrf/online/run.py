@@ -40,6 +40,7 @@ from warpffrf.online.diagnosis.film_check import FilmWatch, check_films, film_ch
 from warpffrf.online.diagnosis.film_notes import alternation_notes, film_notes, squeezed_out
 from warpffrf.online.diagnosis.hidden_inertia import hidden_inertia
 from warpffrf.online.diagnosis.indicator import indicator_lines, term_sizes, unheld_lines
+from warpffrf.online.diagnosis.load_notes import is_static, load_notes
 from warpffrf.online.diagnosis.sampling_check import sampling_notes
 from warpffrf.online.diagnosis.steep_falls import steep_notes
 from warpffrf.online.engine import Engine
@@ -370,7 +371,10 @@ def finish(
     history.cell_checks = check_cells(engine, history)
     contact += cell_check_notes(engine, history.cell_checks)
     contact = [note for note in contact if note not in notes]
-    energy = energy_notes(history.energy, round_off_energy(engine))
+    if is_static(engine):
+        energy = load_notes(engine, history.energy)
+    else:
+        energy = energy_notes(history.energy, round_off_energy(engine))
     history.notes = [*notes, *inertia, *contact, *energy, *history.notes]
     history.checkpoint = left
     return history

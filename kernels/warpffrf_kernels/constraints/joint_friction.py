@@ -407,7 +407,7 @@ def keep_slips(
     """Lanes over joints with friction: what an accepted attempt has found."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w].accept == 0 or not acts(ctl, clk, w):
+    if ctl[w].commit == 0 or not acts(ctl, clk, w):
         return
     e = lane
     while e < model.elements[0].joint_frictions.count:

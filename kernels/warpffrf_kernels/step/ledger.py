@@ -37,6 +37,11 @@ from warpffrf_kernels.normal.pair_forces import mean_of, pair_work
 
 wp.set_module_options(MODULE_OPTIONS)
 
+STILL = wp.constant(
+    wp.float64(1.0e-12)
+)  # of the largest force times the scene's length: what round-off of places works
+# of the inertia of a proximal step that goes through the whole scene: where nothing acts, round-off works less
+IDLE = wp.constant(wp.float64(1.0e-14))
 UNSEEN = wp.constant(wp.float64(1.0e-8))  # of the energies: what joints work that close to the tolerance of 1e-9
 
 
@@ -100,8 +105,10 @@ def balance_energy(
     drive_work = real(0.0)
     held_work = real(0.0)
     contact_work = real(0.0)
+    heaviest = real(0.0)
     b = int(0)
     while b < model.bodies.count:
+        heaviest = wp.max(heaviest, model.bodies.mass[b])
         kinetic += half * model.bodies.mass[b] * wp.dot(v1[w, b], v1[w, b])
         kinetic += half * wp.dot(omega1[w, b], model.bodies.inertia[b] * omega1[w, b]) + extra_energy[w, b]
         potential -= model.bodies.mass[b] * wp.dot(model.gravity, r1[w, b])
@@ -224,7 +231,11 @@ def balance_energy(
         largest = wp.max(largest, wp.abs(held_work))
         stored = strain + contact + potential - energy[w, 0, k.STRAIN] - energy[w, 0, k.CONTACT]
         stored -= energy[w, 0, k.POTENTIAL] + last_work + held_work
-        if stored > UNSEEN * (wp.abs(strain) + wp.abs(potential) + wp.abs(contact)):
+        unseen = UNSEEN * (wp.abs(strain) + wp.abs(potential) + wp.abs(contact))
+        if ctl[w].mode == k.LOADING:
+            unseen = wp.max(unseen, STILL * clk[w].force * model.length)
+            unseen = wp.max(unseen, IDLE * heaviest * clk[w].outer.acc * model.length * model.length)
+        if stored > unseen:
             clk[w].rise = stored / largest
     if ctl[w].mode != k.DYNAMIC and ctl[w].mode != k.LOADING:  # a start or a static step opens the books
         force_work = real(0.0)
