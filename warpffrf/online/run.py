@@ -324,7 +324,7 @@ def _finish(
         "impulsive_steps": int(engine.word("impulses")[0]),
         "outer_columns": engine.compiled.model.outer.count + engine.compiled.model.modes.count,
     }
-    if engine.compiled.slips.laws:
+    if engine.compiled.slips.laws or engine.compiled.tensions.laws:
         history.counters["forgetful_steps"] = int(engine.word("forgotten")[0])
     if engine.graph.pattern is not None:
         factors = engine.scratch.fallback, engine.scratch.cell_fallback  # of the pressures, and of the tractions
