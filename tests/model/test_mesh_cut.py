@@ -80,11 +80,15 @@ def test_facet_sets_follow_their_side() -> None:
 
 def test_refusals() -> None:
     mesh, up = clamp(), (0, 0, 1)
-    with pytest.raises(InputError, match=r"'bolt': the plane goes through 1 cells.*nearest node is 0.004 m off.*move"):
+    with pytest.raises(
+        InputError, match=r"'bolt': the plane goes through 1 cells.*nearest corner of the cells is 0.004 m off.*move"
+    ):
         mesh.cut("bolt", point=(15e-3, 15e-3, 24e-3), normal=up, radius=8e-3)
     with pytest.raises(InputError, match="leaves parts of .* cells that nothing holds together.*radius"):
         mesh.cut("bolt", point=MIDDLE, normal=up)
-    with pytest.raises(InputError, match="no faces between two cells lie on the plane.*nearest node is 0.01 m off"):
+    with pytest.raises(
+        InputError, match="no faces between two cells lie on the plane.*nearest corner of the cells is 0.01 m off"
+    ):
         mesh.cut("bolt", point=(15e-3, 15e-3, 50e-3), normal=up)
     with pytest.raises(InputError, match="no node is within 0.001"):
         mesh.cut("bolt", point=(5e-2, 15e-3, 20e-3), normal=up, radius=1e-3)

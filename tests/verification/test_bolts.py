@@ -7,6 +7,7 @@ interfaces of one body, or one between those of two bodies.
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -270,3 +271,22 @@ def test_refusals(cut: ReducedBody) -> None:
     scene.add(joints.Drive(section, 0.0, quantity="position", name="hold"))
     with pytest.raises(InputError, match="is driven already, by 'hold'"):
         scene.add(forces.Pretension(section, TIGHT))
+
+
+def test_a_preload_without_a_load_path_is_named(column: ReducedBody) -> None:
+    scene, b = held(column)
+    cap = scene.add_rigid_body(0.1, (1e-5, 1e-5, 1e-5), name="cap", position=b["head"].world_point())
+    axis = scene.add(joints.Prismatic(b["head"], cap.at((0, 0, 0)), axis=(0, 0, 1), name="axis"))
+    spring = scene.add(forces.JointSpringDamper(axis, BOLT, preload=-TIGHT, name="spring"))
+    told = r"spring.*no path back, nothing but joint 'axis' connects 'clamp' and 'cap'; add the contact or joint"
+    assert re.search(told, scene.check().loose_preloads["spring"])
+    assert re.search(told, str(scene.check()))
+    assert find_equilibrium(scene).status == "completed"  # the spring alone finds its length
+    spring.preload = 0.0
+    assert not scene.check().loose_preloads
+    scene.add(forces.Pretension(axis, TIGHT, name="bolt"))
+    with pytest.raises(InputError, match="equilibrium: pretension 'bolt': its tension has no path back"):
+        find_equilibrium(scene)
+    scene.add(forces.Bushing(b["nut"], cap.at((0, 0, 0)), [COLUMN] * 6, point=b["head"].world_point()))
+    assert not scene.check().loose_preloads
+    assert find_equilibrium(scene).status == "completed"

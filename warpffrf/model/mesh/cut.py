@@ -98,9 +98,12 @@ class _Plane:
         off = off - np.outer(off @ self.normal, self.normal)
         return np.linalg.norm(off, axis=1) <= self.reach
 
-    def nodes_of(self, cells: Array) -> Array:
-        """Numbers of the nodes of `cells` (N,) bool."""
-        parts = [self.mesh.cells[kind][of_kind].ravel() for kind, of_kind in self.mesh.by_block(cells)]
+    def nodes_of(self, cells: Array, *, corners: bool = False) -> Array:
+        """Numbers of the nodes of `cells` (N,) bool, or of their corners."""
+        parts = []
+        for kind, of_kind in self.mesh.by_block(cells):
+            count = cell_kind(kind).corner_count if corners else len(cell_kind(kind).nodes)
+            parts.append(self.mesh.cells[kind][of_kind, :count].ravel())
         return np.unique(np.concatenate(parts))
 
     def faces(self, meant: Array, label: str) -> tuple[FacetSet, FacetSet, Array]:
@@ -142,8 +145,8 @@ class _Plane:
         return FacetSet(found[0]), FacetSet(found[1])
 
     def _nearest(self, meant: Array) -> str:
-        """How far the nodes of the cells that are meant are from the plane, and the cure."""
-        used = self.nodes_of(meant)
+        """How far the corners of the cells that are meant are from the plane, and the cure."""
+        used = self.nodes_of(meant, corners=True)
         near = used[self.within(self.mesh.points[used])]
         if not len(near):
             return f"no node is within {self.reach:.3g} m of the point; move it, or give a larger radius"
@@ -151,9 +154,9 @@ class _Plane:
         if abs(self.d[nearest]) <= self.limit:
             return "it has nodes there, but no whole face with a cell on both sides; give a larger radius or cell set"
         return (
-            f"the nearest node is {abs(self.d[nearest]):.3g} m off the plane, at {_place(self.mesh.points[nearest])} "
-            f"(tolerance {self.limit:.3g} m); a cut goes along faces of cells: move the plane onto a layer of them, "
-            "mesh the body with one there, or raise tolerance"
+            f"the nearest corner of the cells is {abs(self.d[nearest]):.3g} m off the plane, at "
+            f"{_place(self.mesh.points[nearest])} (tolerance {self.limit:.3g} m); a cut goes along faces of cells: move "
+            "the plane onto a layer of them, mesh the body with one there, or raise tolerance"
         )
 
 
