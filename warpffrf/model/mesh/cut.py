@@ -155,8 +155,8 @@ class _Plane:
             return "it has nodes there, but no whole face with a cell on both sides; give a larger radius or cell set"
         return (
             f"the nearest corner of the cells is {abs(self.d[nearest]):.3g} m off the plane, at "
-            f"{_place(self.mesh.points[nearest])} (tolerance {self.limit:.3g} m); a cut goes along faces of cells: move "
-            "the plane onto a layer of them, mesh the body with one there, or raise tolerance"
+            f"{_place(self.mesh.points[nearest])} (tolerance {self.limit:.3g} m); a cut goes along faces of cells: "
+            "move the plane onto a layer of them, mesh the body with one there, or raise tolerance"
         )
 
 
