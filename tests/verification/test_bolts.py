@@ -290,3 +290,19 @@ def test_a_preload_without_a_load_path_is_named(column: ReducedBody) -> None:
     scene.add(forces.Bushing(b["nut"], cap.at((0, 0, 0)), [COLUMN] * 6, point=b["head"].world_point()))
     assert not scene.check().loose_preloads
     assert find_equilibrium(scene).status == "completed"
+
+
+def test_friction_in_a_joint_between_places_of_one_body(cut: ReducedBody) -> None:
+    """The section rubs: its tension is less by the friction while it tightens, where modes carry inertia, too."""
+    bound = 0.2 * TIGHT
+    scene, b = held(cut, inertia="full")
+    section = scene.add(joints.Prismatic(b["shank_low"], b["shank_high"], axis=(0, 0, 1), name="section"))
+    scene.add(forces.Pretension(section, signals.SmoothStep(0.0, TIGHT, duration=4e-3), name="bolt"))
+    scene.add(forces.PrismaticFriction(section, 0.0, preload=bound, name="rub"))
+    history = run(scene, 4.4e-3, step=2e-5, integrator=GeneralizedAlpha(0.8), progress=False)
+    assert history.status == "completed", history.message
+    shortening = -history.joints["section"].coordinate
+    at = int(np.argmin(np.abs(history.time - 2e-3)))  # half-way, where it slips
+    assert shortening[at] == pytest.approx((0.5 * TIGHT - bound) * (1.0 / BOLT + 1.0 / COLUMN), rel=0.01)
+    assert shortening[-1] == pytest.approx((TIGHT - bound) * (1.0 / BOLT + 1.0 / COLUMN), rel=AT_REST)
+    assert np.abs(history.forces["rub"].force[:, 2]).max() <= bound * (1.0 + 1e-6)
