@@ -40,7 +40,22 @@ def tied(level: str = "full", stiffening: bool = False, pull: Any = None, lock_a
     return scene
 
 
+def chain() -> Scene:
+    """The same, with a second body on its end that is tied up as well, and a rigid one."""
+    scene = tied()
+    first = scene.body("a")
+    second = scene.add_body(mass_point_body(4, seed=3), name="b", inertia="full", damping=0.02)
+    scene.place(second[LEFT], onto=first[RIGHT])
+    scene.add(joints.Spherical(first[RIGHT], second[LEFT], name="link"))
+    middle = 0.5 * (second[LEFT].world_point() + second[RIGHT].world_point())
+    scene.add(joints.Universal(second[LEFT], second[RIGHT], axis=(1, 0, 0), second_axis=(0, 1, 0), point=middle))
+    end = scene.add_rigid_body(0.2, (1e-3, 1e-3, 2e-3), name="end", position=second[RIGHT].world_point())
+    scene.add(joints.Fixed(second[RIGHT], end.at((0, 0, 0)), name="end"))
+    return scene
+
+
 CASES = {
+    "chain": chain(),
     "constant": tied("constant"),
     "full": tied("full"),
     "stiffened": tied("full", stiffening=True),
