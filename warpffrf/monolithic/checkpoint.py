@@ -99,4 +99,4 @@ def goes_on(system: System, state: State, kept_for: tuple, checkpoint: Mapping[s
             pair.half = int(half)
     if FACTOR + "factor" in checkpoint:
         system.kept, system.kept_for = Dense.of(*(checkpoint[FACTOR + part] for part in FACTOR_PARTS)), kept_for
-    return Progressed(float(checkpoint[BEGIN]), steps, bool(checkpoint[COUNTS][3]))
+    return Progressed(float(checkpoint[BEGIN]), steps, bool(np.any(checkpoint[COUNTS][3:])))
