@@ -173,6 +173,11 @@ class Engine:
             words = self.state.clk.numpy()
         return words[name].copy()
 
+    def locked_rows(self, world: int) -> list[int]:
+        """Rows of the pretensions that hold their length."""
+        rows = self.compiled.tensions.rows.values()
+        return [row for row, held in zip(rows, self.state.locked.numpy()[world], strict=False) if held]
+
     def replay(self, attempts: int) -> float:
         """Run the graph, with more room where an attempt asks for it, and drain the ring; returns the wall time [s]."""
         begin = time.perf_counter()

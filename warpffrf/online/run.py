@@ -12,6 +12,7 @@ from warpffrf_kernels.core.model import LINE_OF_CENTRES
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.films.film import refuse_touching
+from warpffrf.model.forces import Pretension
 from warpffrf.model.friction import friction_notes
 from warpffrf.model.integrators import (
     CHECK_INTEGRATORS,
@@ -332,7 +333,7 @@ def finish(
         "impulsive_steps": int(engine.word("impulses")[0]),
         "outer_columns": engine.compiled.model.outer.count + engine.compiled.model.modes.count,
     }
-    if engine.compiled.slips.laws:
+    if engine.compiled.slips.laws or engine.compiled.tensions.laws:
         history.counters["forgetful_steps"] = int(engine.word("forgotten")[0])
     if engine.graph.pattern is not None:
         factors = engine.scratch.fallback, engine.scratch.cell_fallback  # of the pressures, and of the tractions
@@ -417,13 +418,17 @@ def _check_velocity(drive: Drive, began: float, end: float) -> None:
 
 
 def check_load_paths(scene: Scene) -> list[str]:
-    """Refuse bodies that nothing leads to the ground from; notes on pairs that wedge deeply, or will hardly touch."""
+    """Refuse bodies that nothing leads to the ground from, and pretensions that press on nothing; notes on pairs that
+    wedge deeply, or will hardly touch."""
     check = scene.check()
     if unsupported := check.unsupported:
         raise InputError(
             f"equilibrium: a mechanism with no load path: no joint, spring or contact leads to the ground from "
             f"{', '.join(repr(name) for name in unsupported)}; add one, or start from 'initial'"
         )
+    for force in scene.forces:
+        if isinstance(force, Pretension) and force.name in check.loose_preloads:
+            raise InputError(f"equilibrium: {check.loose_preloads[str(force.name)]}")
     wedged = "" if check.wedge is None else excessive_wedge(check.wedge)
     return [note for note in (wedged, *check.out_of_reach) if note]
 

@@ -4,6 +4,7 @@ With E the energy of the state (kinetic, strain of the modes, contact of pairs a
 springs) every step books
 
     work of forces    sum (F_0 + F_1)/2 . (x_1 - x_0)           drive   -(lambda_0 + lambda_1)/2 (s_1 - s_0)
+                      and of pretensions -(lambda_0 + lambda_1)/2 (c_1 - c_0), in static steps -lambda_1 (c_1 - c_0)
     damping           sum c (x_1 - x_0)^2/h of dampers and modal damping, never negative: what the trapezoidal rule
                       takes at any step; of dampers with a characteristic G, (G(v_0) + G(v_1))/2 (x_1 - x_0), which
                       is that too, in steps that forget G(v_1) (x_1 - x_0); what damped layers take
@@ -147,6 +148,14 @@ def balance_energy(
             s1 = evaluate_signal(model, model.rows.signal[row], clk[w].next_time, 0)
             drive_work -= half * (lam0[w, row] + lam[w, row]) * (s1 - s0)
         row += 1
+    e = int(0)
+    while e < model.elements[0].pretensions.count:
+        row = model.elements[0].pretensions.row[e]
+        pull = half * (lam0[w, row] + lam[w, row])
+        if ctl[w].mode == k.STATIC:  # the force has a potential there
+            pull = lam[w, row]
+        force_work -= pull * (coordinate[w, row] - stretch[w, row])
+        e += 1
     groups = group_energy(model, w, h, coordinate, stretch)
     potential += groups[0]
     damping += groups[1]

@@ -155,9 +155,10 @@ class _Probe:
         return np.concatenate([rigid.ravel(), self.base[modal][0, : self.modes]])
 
     def _springs(self) -> list[int]:
-        """Rows that are springs."""
+        """Rows that are springs, and those of pretensions that pull; one that holds its length is a joint's."""
         rigid = self.model.rows.rigid.numpy()
-        return [i for i in range(self.rows) if not rigid[i]]
+        locked = self.engine.locked_rows(0)
+        return [i for i in range(self.rows) if not rigid[i] and i not in locked]
 
     def _put(self, array: Any, value: Array, like: Array) -> None:
         full = np.zeros_like(like)
