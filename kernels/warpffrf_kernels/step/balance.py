@@ -28,6 +28,7 @@ CANCELLED = wp.constant(wp.float64(1.0e-5))  # of a joint's force on the modes: 
 NO_FORCE = wp.constant(wp.float64(1.0e-29))
 STILL = wp.constant(wp.float64(1.0e-11))  # of the increments of a load step, and ...
 ROUNDED = wp.constant(wp.float64(1.0e-15))  # ... of the coordinates: what moves less from round to round is at rest
+CLOSER = wp.constant(wp.float64(100.0))  # forces of laps are found that much closer, as other forces are in the end
 NONE = wp.constant(wp.float64(1.0e-300))  # keeps fractions finite where bodies have next to no mass
 
 
@@ -231,7 +232,7 @@ def balance(
         lap += 1
     lap = int(0)
     while lap < model.elements[0].laps[0].count:
-        worst = wp.max(worst, lap_off[w, lap])
+        worst = wp.max(worst, CLOSER * lap_off[w, lap])
         sum += lap_off[w, lap]
         lap += 1
     row = int(0)

@@ -57,8 +57,6 @@ def why_not(result: Any) -> str:
     history = result.history
     if history.marks is None:
         return "it takes the run itself, by the separated method and in the process that made it"
-    if history.marks.static:
-        return "load steps have no error of time; what friction depends on their length, a run with twice as many shows"
     if len(history.time) < 2:
         return "no step was saved"
     return ""
