@@ -67,7 +67,7 @@ def test_one_cell_is_a_jenkins_element() -> None:
     np.testing.assert_allclose(found.frequency, np.sqrt(stiffness / block.mass) / (2.0 * np.pi), rtol=SECANT)
     np.testing.assert_allclose(found.damping_ratio, loss / (2.0 * np.pi * stiffness * a**2), rtol=2.0 * SECANT)
     np.testing.assert_allclose(found.linear_frequency, modes.frequencies[0], rtol=1e-12)
-    work = [float(np.sum(0.5 * (loop.load[1:] + loop.load[:-1]) * np.diff(loop.coordinate))) for loop in found.loops]
+    work = [0.5 * float((loop.load[1:] + loop.load[:-1]) @ np.diff(loop.coordinate)) for loop in found.loops]
     np.testing.assert_allclose(work[2:], loss[2:], rtol=0.02)  # the corners of the loop fall between two steps
     assert found.slipping["lap"].tolist() == [0.0, 1.0, 1.0, 1.0, 1.0] and not any("cycle" in n for n in found.notes)
     assert found.plot().get_title().startswith("Mode 0")

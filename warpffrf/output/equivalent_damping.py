@@ -133,8 +133,8 @@ def _displacement(modes: SceneModes, i: int, port: Any) -> float:
     """Length [m] of the displacement of a port in mode i."""
     if not isinstance(port, Port) or port.point is None or port.body.name not in modes.shapes:
         raise InputError(
-            f"equivalent_damping: at must be a place on a body that moves, body['interface'] or body.at((x, y, z)), got "
-            f"{getattr(port, 'label', None) or repr(port)}"
+            "equivalent_damping: at must be a place on a body that moves, body['interface'] or body.at((x, y, z)), "
+            f"got {getattr(port, 'label', None) or repr(port)}"
         )
     name = port.body.name
     shape, A = modes.shapes[name][i], rot.matrix(modes.rotation[name])

@@ -94,10 +94,10 @@ class Modes:
 
         amplitude: one or several, the displacement [m] of the port `at` by the mode, `body["interface"]` or
         `body.at((x, y, z))`; without `at` that of the mode's coordinate [m kg^(1/2)], whose modal mass is 1. The laps
-        go through `cycles` (3 or more) quasi-static cycles of `steps` steps, from the state that the modes are about, and the last
-        counts; bodies, springs and contacts are linear, and give way as the slip asks for. More steps find frequency
-        and loss better. Raises InputError for scenes without laps, states in motion, modes
-        that are no standing vibration, ports that do not move, and amplitudes at which nothing holds the mode. How it
+        go through `cycles` (3 or more) quasi-static cycles of `steps` steps, from the state that the modes are about,
+        and the last counts; bodies, springs and contacts are linear, and give way as the slip asks for. More steps find
+        frequency and loss better. Raises InputError for scenes without laps, states in motion, modes that are no
+        standing vibration, ports that do not move, and amplitudes at which nothing holds the mode. How it
         is done: `warpffrf.online.vibrations.rubbing`.
         """
         return equivalent_damping(self.found, self._index(i), amplitude, at=at, cycles=cycles, steps=steps)

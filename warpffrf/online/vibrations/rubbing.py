@@ -130,7 +130,8 @@ class RubbingMode:
 
     @TURN
     def cycle(self, amplitude: float, cycles: int, steps: int) -> Cycle:
-        """The last of `cycles` cycles, at least two, of `amplitude`, of `steps` steps each. Raises `InputError` where one fails."""
+        """The last of `cycles` cycles, at least two, of `amplitude`, of `steps` steps each. Raises `InputError` where
+        one fails."""
         self.engine.put_back(self.state)
         f_0 = self.laps.at(np.zeros(len(self.T)))
         if f_0 is None:
